@@ -1,0 +1,327 @@
+"""The architecture: which module may import which. Held on camgeo, and the rules on themselves."""
+
+from __future__ import annotations
+
+import ast
+import graphlib
+import json
+import subprocess
+import sys
+from collections.abc import Collection, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+PACKAGE = "camgeo"
+WRITERS = "camgeo_export"
+
+STAGES: tuple[tuple[str, ...], ...] = (
+    ("_version", "errors", "units", "numeric"),
+    ("motion",),
+    ("mechanism",),
+    ("curve",),
+    ("outline",),
+    ("check",),
+    ("contour",),
+    ("effects",),
+    ("part",),
+    ("toolpath",),
+    ("files",),
+    ("design",),
+    ("scene",),
+    ("sweep",),
+    ("cli",),
+    ("__init__", "__main__"),
+)
+"""Every module and package directly in camgeo, lowest first. A module imports only from its own
+row and from the rows before it. A stage may stand here before its first module is written."""
+
+ENGINE_LIBRARIES = {"jsonschema_rs", "numpy", "shapely"}
+"""What the engine may import besides the standard library and itself."""
+
+LAZY_LIBRARIES = {"scipy"}
+"""What it may import inside a function only."""
+
+FORMAT_LIBRARIES = {"ezdxf", "lxml", "manifold3d", "matplotlib", "networkx", "trimesh"}
+"""What only writers import."""
+
+EFFECT_FRAME = {f"{PACKAGE}.effects", f"{PACKAGE}.effects.registry", f"{PACKAGE}.effects.effect"}
+"""What is in `effects` and no effect: effects are imported by the registry alone."""
+
+
+# -- the rules -----------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True)
+class Import:
+    """One import of the module `target`, `lazy` if it runs only when a function is called."""
+
+    target: str
+    line: int
+    lazy: bool
+
+
+def find_modules(root: Path) -> dict[str, Path]:
+    """Dotted names of camgeo's modules and their files; a package goes by its own name."""
+    found = {}
+    for path in sorted((root / PACKAGE).rglob("*.py")):
+        parts = path.relative_to(root).with_suffix("").parts
+        found[".".join(parts[:-1] if parts[-1] == "__init__" else parts)] = path
+    return found
+
+
+def find_imports(path: Path, package: str, modules: Collection[str]) -> Iterator[Import]:
+    """Imports anywhere in a file, those inside functions and for type checking among them.
+
+    `package` is the dotted name of the package that the file is in, for relative imports.
+    ``from a import b`` is an import of ``a.b`` if that is a module, else of ``a``.
+    """
+
+    def visit(node: ast.AST, lazy: bool) -> Iterator[Import]:
+        match node:
+            case ast.Import():
+                for alias in node.names:
+                    yield Import(alias.name, node.lineno, lazy)
+            case ast.ImportFrom():
+                parents = package.split(".")
+                above = parents[: len(parents) - node.level + 1] if node.level else []
+                origin = ".".join([*above, node.module] if node.module else above)
+                for alias in node.names:
+                    name = f"{origin}.{alias.name}"
+                    yield Import(name if name in modules else origin, node.lineno, lazy)
+            case ast.Call(
+                func=ast.Name("import_module" | "__import__") | ast.Attribute(attr="import_module"),
+                args=[ast.Constant(str(name)), *_],
+            ):
+                yield Import(name, node.lineno, lazy)
+        lazy = lazy or isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.Lambda)
+        for child in ast.iter_child_nodes(node):
+            yield from visit(child, lazy)
+
+    yield from visit(ast.parse(path.read_text("utf-8"), str(path)), lazy=False)
+
+
+def stage_of(module: str) -> int | None:
+    """Row of a module of camgeo in STAGES, None if it has none."""
+    name = module.split(".")[1] if "." in module else "__init__"
+    return next((row for row, names in enumerate(STAGES) if name in names), None)
+
+
+def fault_of_library(imported: Import) -> str:
+    """What is wrong with importing something foreign, empty if nothing is."""
+    library = imported.target.split(".")[0]
+    if library == WRITERS:
+        return "imports the writers"
+    if library in FORMAT_LIBRARIES:
+        return f"imports the format library {library}"
+    if library in LAZY_LIBRARIES:
+        return "" if imported.lazy else f"imports {library} outside a function"
+    if library in ENGINE_LIBRARIES or library in sys.stdlib_module_names:
+        return ""
+    return f"imports {library}, which is no library of the engine"
+
+
+def fault_of_module(module: str, imported: Import) -> str:
+    """What is wrong with one module of camgeo importing another, empty if nothing is."""
+    own, other = stage_of(module), stage_of(imported.target)
+    if own is not None and other is not None and other > own:
+        return f"imports {imported.target}, a later stage"
+    is_effect = imported.target.startswith(f"{PACKAGE}.effects.")
+    if is_effect and imported.target not in EFFECT_FRAME:
+        return "" if module == f"{PACKAGE}.effects.registry" else f"imports {imported.target}"
+    return ""
+
+
+def find_violations(root: Path) -> list[str]:
+    """Every breach of the rules by the package camgeo in the folder `root`, a line each."""
+    modules = find_modules(root)
+    found = [f"{module}: has no stage" for module in modules if stage_of(module) is None]
+    graph: dict[str, set[str]] = {}
+    for module, path in modules.items():
+        package = module if path.name == "__init__.py" else module.rpartition(".")[0]
+        edges = graph.setdefault(module, set())
+        for imported in sorted(
+            set(find_imports(path, package, modules)), key=lambda each: (each.line, each.target)
+        ):
+            if imported.target.split(".")[0] == PACKAGE:
+                edges.add(imported.target)
+                fault = fault_of_module(module, imported)
+            else:
+                fault = fault_of_library(imported)
+            if fault:
+                found.append(f"{module}, line {imported.line}: {fault}")
+    try:
+        graphlib.TopologicalSorter(graph).prepare()
+    except graphlib.CycleError as error:
+        found.append(f"import cycle: {' <- '.join(error.args[1])}")
+    return found
+
+
+# -- camgeo keeps them ---------------------------------------------------------------------------
+
+
+def test_camgeo_keeps_the_rules() -> None:
+    assert find_violations(ROOT) == []
+
+
+def test_stages_are_named_once() -> None:
+    names = [name for row in STAGES for name in row]
+    assert len(names) == len(set(names))
+
+
+def test_there_is_something_to_test() -> None:
+    found = find_modules(ROOT)
+    assert {"camgeo", "camgeo.errors", "camgeo.motion", "camgeo.design"} <= found.keys()
+
+
+# -- what a run imports --------------------------------------------------------------------------
+
+RUN = """
+import json, runpy, sys
+report, *arguments = sys.argv[1:]
+code = 0
+if arguments:
+    sys.argv = ["camgeo", *arguments]
+    try:
+        runpy.run_module("camgeo", run_name="__main__")
+    except SystemExit as end:
+        code = end.code or 0
+else:
+    import camgeo
+with open(report, "w") as file:
+    json.dump({"code": code, "modules": sorted(sys.modules)}, file)
+"""
+"""Runs camgeo with the arguments, or only imports it; leaves exit code and modules in a file."""
+
+UNASKED = FORMAT_LIBRARIES | {"scipy", "shapely", WRITERS}
+
+
+def run(root: Path, report: Path, *arguments: str) -> tuple[object, set[str]]:
+    """Exit code of the camgeo in `root`, run in a fresh interpreter, and what it had imported."""
+    done = subprocess.run(
+        [sys.executable, "-c", RUN, str(report), *arguments],
+        cwd=root,
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=120,
+    )
+    assert done.returncode == 0, done.stderr
+    answer = json.loads(report.read_text("utf-8"))
+    return answer["code"], {name.split(".")[0] for name in answer["modules"]}
+
+
+def test_importing_camgeo_imports_nothing_unasked(tmp_path: Path) -> None:
+    _, loaded = run(ROOT, tmp_path / "report.json")
+    assert PACKAGE in loaded
+    assert loaded & UNASKED == set()
+
+
+def test_check_imports_nothing_that_it_does_not_need(tmp_path: Path) -> None:
+    code, loaded = run(ROOT, tmp_path / "report.json", "check", "fixtures/scenes/setzhub.toml")
+    assert code in {0, 1}
+    assert "numpy" in loaded
+    assert loaded & UNASKED == set()
+
+
+# -- the rules find what they are for ------------------------------------------------------------
+
+SOUND = {
+    "__init__.py": "from camgeo.design import Design\n",
+    "__main__.py": "from camgeo.cli.main import main\n",
+    "errors.py": "import math\n",
+    "motion/__init__.py": "",
+    "motion/plan.py": "import numpy as np\nfrom camgeo.errors import GeometryError\n",
+    "effects/__init__.py": "",
+    "effects/effect.py": "",
+    "effects/spring.py": "from camgeo.effects.effect import Effect\n",
+    "effects/registry.py": "def load():\n    from camgeo.effects import spring\n",
+    "design.py": (
+        "from camgeo.motion.plan import MotionPlan\nfrom camgeo.effects.registry import load\n"
+        "def solve():\n    from scipy.optimize import brentq\n"
+    ),
+    "cli/__init__.py": "",
+    "cli/main.py": "from camgeo.design import Design\n",
+}
+
+
+def package_tree(folder: Path, changes: dict[str, str]) -> Path:
+    for name, text in (SOUND | changes).items():
+        path = folder / PACKAGE / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, "utf-8")
+    return folder
+
+
+def test_a_sound_tree_has_no_violation(tmp_path: Path) -> None:
+    assert find_violations(package_tree(tmp_path, {})) == []
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "expected"),
+    [
+        ("errors.py", "import camgeo.design", "errors, line 1: imports camgeo.design, a later"),
+        ("errors.py", "from camgeo import motion", "imports camgeo.motion, a later stage"),
+        ("errors.py", "from .motion import plan", "imports camgeo.motion.plan, a later stage"),
+        ("motion/new.py", "from ..design import Design", "imports camgeo.design, a later stage"),
+        ("motion/new.py", "from .. import design", "imports camgeo.design, a later stage"),
+        ("motion/new.py", "import camgeo", "imports camgeo, a later stage"),
+        ("motion/new.py", "from camgeo import Design", "imports camgeo, a later stage"),
+        ("motion/new.py", "def f():\n    import camgeo.cli.main", "line 2: imports camgeo.cli"),
+        ("motion/new.py", "class A:\n    def f(self):\n        import camgeo.cli", "line 3: impo"),
+        (
+            "motion/new.py",
+            "from typing import TYPE_CHECKING\nif TYPE_CHECKING:\n    import camgeo.design",
+            "line 3: imports camgeo.design, a later stage",
+        ),
+        (
+            "motion/new.py",
+            "import importlib\nimportlib.import_module('camgeo.cli.main')",
+            "line 2: imports camgeo.cli.main, a later stage",
+        ),
+        ("motion/new.py", "__import__('camgeo.cli')", "imports camgeo.cli, a later stage"),
+        ("cli/main.py", "import camgeo.__main__", "imports camgeo.__main__, a later stage"),
+        ("extra.py", "", "camgeo.extra: has no stage"),
+        ("extra/deep.py", "", "camgeo.extra.deep: has no stage"),
+        (
+            "motion/table.py",
+            "def f():\n    from camgeo.motion import plan",
+            "import cycle: camgeo.motion.plan",
+        ),
+        ("cli/dxf.py", "def f():\n    import ezdxf.math", "the format library ezdxf"),
+        ("cli/plot.py", "from matplotlib import pyplot", "the format library matplotlib"),
+        ("cli/solid.py", "import trimesh, manifold3d", "the format library manifold3d"),
+        ("cli/solid.py", "import trimesh, manifold3d", "the format library trimesh"),
+        ("cli/read.py", "import lxml.etree", "the format library lxml"),
+        ("cli/read.py", "import networkx", "the format library networkx"),
+        ("cli/read.py", "import pandas", "imports pandas, which is no library of the engine"),
+        ("motion/root.py", "from scipy.optimize import brentq", "scipy outside a function"),
+        ("motion/root.py", "if 1:\n    import scipy", "line 2: imports scipy outside a function"),
+        ("motion/root.py", "class A:\n    import scipy", "scipy outside a function"),
+        ("cli/build.py", "def f():\n    import camgeo_export.dxf", "imports the writers"),
+        ("design.py", "from camgeo.effects.spring import x", "imports camgeo.effects.spring"),
+        ("design.py", "def f():\n    from camgeo.effects import spring", "camgeo.effects.spring"),
+        ("effects/mass.py", "import camgeo.effects.spring", "imports camgeo.effects.spring"),
+    ],
+)
+def test_each_rule_finds_its_breach(tmp_path: Path, name: str, text: str, expected: str) -> None:
+    changes = {name: text + "\n"}
+    if "cycle" in expected:
+        changes["motion/plan.py"] = "from camgeo.motion.table import read\n"
+    found = find_violations(package_tree(tmp_path, changes))
+    assert any(expected in line for line in found), found
+
+
+def test_what_a_run_imports_is_seen(tmp_path: Path) -> None:
+    changes = {
+        "__init__.py": "",
+        "__main__.py": "from camgeo.cli.main import main\nraise SystemExit(main())\n",
+        "cli/main.py": "def main():\n    import shapely\n    return 1\n",
+    }
+    tree = package_tree(tmp_path, changes)
+    assert run(tree, tmp_path / "report.json")[1] & UNASKED == set()
+    code, loaded = run(tree, tmp_path / "report.json", "check")
+    assert code == 1
+    assert loaded & UNASKED == {"shapely"}
