@@ -1,0 +1,90 @@
+"""The error tree: wrong input raises, a poor design is a `Finding` (see `camgeo.check.finding`).
+
+Every class also is the built-in error that it specialises, so that callers who know nothing of
+camgeo can still catch it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+class CamgeoError(Exception):
+    """Root of all errors that camgeo raises on purpose."""
+
+
+@dataclass(frozen=True, slots=True)
+class Fault:
+    """One thing that is wrong in a scene.
+
+    Attributes
+    ----------
+    key : path of the key, e.g. ``motion[2].span``; empty for the file as a whole.
+    value : what was given, as written; empty where nothing was given.
+    message : what is wrong and what is allowed, one sentence without the key.
+    hint : a suggestion ("did you mean ..."), or empty.
+    line : line in the file, counted from 1, or None where it is not known.
+    """
+
+    key: str
+    value: str
+    message: str
+    hint: str = ""
+    line: int | None = None
+
+    def __str__(self) -> str:
+        place = f"line {self.line}: " if self.line is not None else ""
+        given = f" = {self.value}" if self.value else ""
+        name = f"{self.key}{given}: " if self.key else ""
+        hint = f" ({self.hint})" if self.hint else ""
+        return f"{place}{name}{self.message}{hint}"
+
+
+class SceneError(CamgeoError, ValueError):
+    """The scene is wrong; all its faults are told at once and nothing is written."""
+
+    def __init__(self, faults: tuple[Fault, ...] | list[Fault], file: str = "") -> None:
+        self.faults = tuple(faults)
+        self.file = file
+        count = len(self.faults)
+        head = f"{file}: " if file else ""
+        noun = "fault" if count == 1 else "faults"
+        lines = "\n".join(f"  {fault}" for fault in self.faults)
+        super().__init__(f"{head}{count} {noun}\n{lines}")
+
+
+class GeometryError(CamgeoError, ValueError):
+    """The mechanism or the curve does not exist as asked, e.g. a linkage that cannot close.
+
+    Raised by the stages below the scene, with the key names of the scene in the message; the scene
+    loader turns it into a `SceneError`.
+    """
+
+    def __init__(self, message: str, key: str = "", value: str = "") -> None:
+        super().__init__(message)
+        self.message = message
+        self.key = key
+        self.value = value
+
+
+class UndercutError(GeometryError):
+    """A contour was asked of a flank that has a cusp or undercut: it is no outline of a disc."""
+
+
+class ToleranceError(CamgeoError, ArithmeticError):
+    """A contour or file cannot be brought within the tolerance.
+
+    Attributes
+    ----------
+    asked : tolerance asked [mm].
+    reached : smallest deviation reached [mm].
+    """
+
+    def __init__(self, message: str, asked: float, reached: float) -> None:
+        super().__init__(f"{message}: tolerance {asked:g} mm asked, {reached:g} mm reached")
+        self.asked = asked
+        self.reached = reached
+
+
+class OutputError(CamgeoError, OSError):
+    """A file could not be written; what had been written of the set was taken back."""

@@ -1,0 +1,61 @@
+"""What the later stages see of a motion: the lift as a function of the cam angle, and its borders.
+
+A `Jet` is the lift and its first three derivatives with respect to the cam angle at n angles, an
+array (4, n): s, s', s'', s''' in mm (rad for an oscillating follower) per rad^k.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal, Protocol
+
+from camgeo.numeric.arrays import FloatArray
+
+Side = Literal["right", "left"]
+"""Which one-sided value a break gives: "right" is the limit from larger cam angles."""
+
+Jet = FloatArray
+
+
+@dataclass(frozen=True, slots=True)
+class Dwell:
+    """A rest as long as it lasts, neighbouring rests at the same position merged.
+
+    Attributes
+    ----------
+    start : cam angle at which it begins [rad] in [0, 2 pi).
+    span : its length [rad], in (0, 2 pi]; start + span may exceed 2 pi.
+    """
+
+    start: float
+    span: float
+
+
+class Motion(Protocol):
+    """The follower's lift over one turn of the cam, periodic.
+
+    Attributes
+    ----------
+    breaks : (m,) cam angles in [0, 2 pi) [rad], ascending, where s' to s''' may jump; never across
+        one of them is anything fitted.
+    borders : (k,) the breaks, and all other places where the formula changes.
+    dwells : all rests.
+    """
+
+    @property
+    def breaks(self) -> FloatArray: ...
+
+    @property
+    def borders(self) -> FloatArray: ...
+
+    @property
+    def dwells(self) -> tuple[Dwell, ...]: ...
+
+    def jet(self, phi: FloatArray, side: Side = "right") -> Jet:
+        """(4, n) lift and derivatives at the cam angles `phi` (n,) [rad], any number of turns."""
+
+    def jet_bounds(self, low: FloatArray, high: FloatArray) -> Jet:
+        """(4, n) upper bounds of |s - s(middle)|, |s'|, |s''|, |s'''| over the cells [low, high].
+
+        `low`, `high` (n,) [rad] in [0, 2 pi]; no cell reaches across a border.
+        """

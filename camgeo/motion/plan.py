@@ -1,0 +1,295 @@
+"""Motion plan: dwells and moves in the order of the cam angle, closing after one turn.
+
+Joints are sums of the spans exactly as written in degrees, each rounded to a double once; nothing
+is accumulated in floating point (VDI 2143-1, eqs. 5 to 18).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from decimal import Decimal, localcontext
+from functools import cached_property
+
+import numpy as np
+
+from camgeo.errors import GeometryError
+from camgeo.motion.laws.law import Formula, Law
+from camgeo.motion.motion import Dwell as DwellSpan
+from camgeo.motion.motion import Jet, Side
+from camgeo.numeric.arrays import FloatArray, IntArray, frozen
+from camgeo.units import TURN
+
+FULL_TURN = Decimal(360)
+
+SNAP = 4.0 * math.ulp(TURN)
+"""Two cam angles [rad] closer than this are the same angle, rounded differently on the way from
+degrees; the angle counts as the joint itself. A millionth of a degree is 5 million times wider."""
+
+
+@dataclass(frozen=True, slots=True)
+class Dwell:
+    """A rest over `span` degrees of cam angle, exactly as written; 0 is allowed."""
+
+    span: Decimal
+
+
+@dataclass(frozen=True, slots=True)
+class Move:
+    """A move over `span` degrees, exactly as written, to the position `to` [mm or rad] by `law`."""
+
+    span: Decimal
+    to: float
+    law: Law
+
+
+Segment = Dwell | Move
+
+
+@dataclass(frozen=True, slots=True)
+class _Piece:
+    """A stretch of the turn with one formula; a dwell has none.
+
+    s = origin + lift * (near value), with the near value f counted from the segment's start or
+    g = 1 - f counted from its end.
+    """
+
+    start: float
+    end: float
+    origin: float
+    lift: float = 0.0
+    formula: Formula | None = None
+    segment_start: float = 0.0
+    segment_end: float = 0.0
+    jerk_bound: float = 0.0
+    from_end: bool = False
+
+    def jet(self, phi: FloatArray) -> Jet:
+        """(4, n) lift and derivatives at `phi` (n,) [rad] inside the piece."""
+        out = np.zeros((4, len(phi)))
+        if self.formula is None:
+            out[0] = self.origin
+            return out
+        span = self.segment_end - self.segment_start
+        z = np.clip((phi - self.segment_start) / span, 0.0, 1.0)
+        w = np.clip((self.segment_end - phi) / span, 0.0, 1.0)
+        near, f1, f2, f3 = self.formula(z, w)
+        out[0] = self.origin + (-self.lift if self.from_end else self.lift) * near
+        out[1] = self.lift / span * f1
+        out[2] = self.lift / span**2 * f2
+        out[3] = self.lift / span**3 * f3
+        return out
+
+    @property
+    def jerk_limit(self) -> float:
+        """Bound of |s'''| over the piece."""
+        if self.formula is None:
+            return 0.0
+        return abs(self.lift) / (self.segment_end - self.segment_start) ** 3 * self.jerk_bound
+
+
+@dataclass(frozen=True)
+class MotionPlan:
+    """Segments that fill one turn; the lift is counted from the position at cam angle 0.
+
+    Attributes
+    ----------
+    segments : in the order of the cam angle.
+
+    Raises
+    ------
+    GeometryError
+        With key "motion", if the spans do not add up to 360 degrees exactly, a move of zero length
+        has a stroke, or the last position is not the first one.
+    """
+
+    segments: tuple[Segment, ...]
+    joints_deg: tuple[Decimal, ...] = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        joints = [Decimal(0)]
+        with localcontext() as context:
+            context.prec = 400  # sums of written decimals stay exact
+            for segment in self.segments:
+                joints.append(joints[-1] + segment.span)
+        if any(segment.span < 0 for segment in self.segments):
+            raise GeometryError("a span cannot be negative", key="motion")
+        if joints[-1] != FULL_TURN:
+            raise GeometryError(
+                f"the spans add up to {joints[-1]} degrees, they must add up to exactly 360",
+                key="motion",
+                value=str(joints[-1]),
+            )
+        object.__setattr__(self, "joints_deg", tuple(joints))
+        position = 0.0
+        for number, segment in enumerate(self.segments, start=1):
+            if isinstance(segment, Dwell):
+                continue
+            if segment.span == 0 and segment.to != position:
+                raise GeometryError(
+                    "a move of zero length cannot change the position (infinite velocity)",
+                    key=f"motion[{number}].span",
+                    value=str(segment.span),
+                )
+            position = segment.to
+        if position != 0.0:
+            raise GeometryError(
+                f"the motion starts at 0 and ends at {position:g}, it does not close after one"
+                " turn; the last move must return to 0",
+                key="motion",
+            )
+
+    @cached_property
+    def _pieces(self) -> tuple[_Piece, ...]:
+        pieces: list[_Piece] = []
+        position = 0.0
+        for segment, first, last in zip(
+            self.segments, self.joints_deg[:-1], self.joints_deg[1:], strict=True
+        ):
+            start, end = _radians(first), _radians(last)
+            if segment.span == 0:
+                continue
+            if isinstance(segment, Dwell) or segment.to == position:
+                pieces.append(_Piece(start, end, position))
+                continue
+            for region in segment.law.regions:
+                piece = _Piece(
+                    start=start + region.start * (end - start) if region.start > 0.0 else start,
+                    end=start + region.end * (end - start) if region.end < 1.0 else end,
+                    origin=segment.to if region.from_end else position,
+                    lift=segment.to - position,
+                    formula=region.formula,
+                    segment_start=start,
+                    segment_end=end,
+                    jerk_bound=region.jerk_bound,
+                    from_end=region.from_end,
+                )
+                if piece.end > piece.start:
+                    pieces.append(piece)
+            position = segment.to
+        return tuple(pieces)
+
+    @cached_property
+    def _starts(self) -> FloatArray:
+        return frozen([piece.start for piece in self._pieces], np.float64)
+
+    @cached_property
+    def borders(self) -> FloatArray:
+        """(k,) cam angles [rad] at which the formula changes, ascending from 0."""
+        return self._starts
+
+    @cached_property
+    def breaks(self) -> FloatArray:
+        """(m,) cam angles [rad] in [0, 2 pi) at which s' to s''' may jump, ascending.
+
+        The joints, and the inner borders of the laws; not the middle of a rest.
+        """
+        found: list[float] = []
+        resting = [piece.formula is None for piece in self._pieces]
+        for before, after, rest_before, rest_after in zip(
+            self._pieces[-1:] + self._pieces[:-1],
+            self._pieces,
+            resting[-1:] + resting[:-1],
+            resting,
+            strict=True,
+        ):
+            same_segment = before.segment_start == after.segment_start and not rest_before
+            if rest_before and rest_after:
+                continue
+            if same_segment and after.start not in self._inner_breaks:
+                continue
+            found.append(after.start)
+        return frozen(found, np.float64)
+
+    @cached_property
+    def _inner_breaks(self) -> frozenset[float]:
+        found: set[float] = set()
+        for segment, first, last in zip(
+            self.segments, self.joints_deg[:-1], self.joints_deg[1:], strict=True
+        ):
+            if isinstance(segment, Move) and segment.span > 0:
+                start, end = _radians(first), _radians(last)
+                found.update(start + border * (end - start) for border in segment.law.borders)
+        return frozenset(found)
+
+    @cached_property
+    def dwells(self) -> tuple[DwellSpan, ...]:
+        """All rests, neighbours merged, also across cam angle 0."""
+        resting = [piece.formula is None for piece in self._pieces]
+        if all(resting):
+            return (DwellSpan(0.0, TURN),)
+        found: list[list[float]] = []
+        previous = False
+        for piece, rests in zip(self._pieces, resting, strict=True):
+            if rests and previous:
+                found[-1][1] = piece.end
+            elif rests:
+                found.append([piece.start, piece.end])
+            previous = rests
+        if len(found) > 1 and resting[0] and resting[-1]:
+            found[-1][1] += found[0][1]
+            found = found[1:]
+        return tuple(DwellSpan(start, end - start) for start, end in found)
+
+    def jet(self, phi: FloatArray, side: Side = "right") -> Jet:
+        """(4, n) lift and derivatives at the cam angles `phi` (n,) [rad], any number of turns."""
+        angle = in_turn(phi, side)
+        out = np.empty((4, len(angle)))
+        for piece, index in self._by_piece(angle, side):
+            out[:, index] = piece.jet(angle[index])
+        return out
+
+    def jet_bounds(self, low: FloatArray, high: FloatArray) -> Jet:
+        """(4, n) bounds of |s - s(middle)|, |s'|, |s''|, |s'''| over cells [low, high] [rad].
+
+        Taylor's theorem from the middle of each cell with the law's bound of |f'''|.
+        """
+        middle = 0.5 * (low + high)
+        half = 0.5 * (high - low)
+        out = np.abs(self.jet(middle))
+        for piece, index in self._by_piece(middle, "right"):
+            out[3, index] = piece.jerk_limit
+        jerk = out[3]
+        out[0] = half * (out[1] + half * (out[2] / 2.0 + half * jerk / 6.0))
+        out[1] += half * (out[2] + half * jerk / 2.0)
+        out[2] += half * jerk
+        return out
+
+    def _by_piece(self, angle: FloatArray, side: Side) -> list[tuple[_Piece, slice | IntArray]]:
+        """Each piece with the places in `angle` that lie in it; a slice where they are in order."""
+        starts, pieces = self._starts, self._pieces
+        nudge = SNAP if side == "right" else -SNAP
+        if len(angle) > 1 and np.all(angle[1:] >= angle[:-1]):
+            ends = np.searchsorted(angle, starts[1:] - nudge, side="left" if nudge > 0 else "right")
+            bounds = np.concatenate(([0], ends, [len(angle)]))
+            return [
+                (piece, slice(first, last))
+                for piece, first, last in zip(pieces, bounds[:-1], bounds[1:], strict=True)
+                if last > first
+            ]
+        number = np.clip(np.searchsorted(starts, angle + nudge, side=side) - 1, 0, None)
+        order = np.argsort(number, kind="stable")
+        bounds = np.searchsorted(number[order], np.arange(len(pieces) + 1))
+        return [
+            (piece, order[first:last])
+            for piece, first, last in zip(pieces, bounds[:-1], bounds[1:], strict=True)
+            if last > first
+        ]
+
+
+def in_turn(phi: FloatArray, side: Side = "right") -> FloatArray:
+    """The cam angles `phi` (n,) [rad] reduced to [0, 2 pi), or (0, 2 pi] for the left-hand side."""
+    phi = np.atleast_1d(np.asarray(phi, dtype=np.float64))
+    if not np.all(np.isfinite(phi)):
+        raise GeometryError("cam angles must be finite numbers")
+    if len(phi) and (np.min(phi) < 0.0 or np.max(phi) >= TURN - SNAP):
+        phi = phi - TURN * np.floor(phi / TURN)
+        phi = np.where(phi >= TURN - SNAP, 0.0, phi)
+    if side == "left":
+        phi = np.where(phi <= SNAP, TURN, phi)
+    return phi
+
+
+def _radians(degrees: Decimal) -> float:
+    """Degrees as written to radians, rounded as `numpy.deg2rad` rounds."""
+    return math.radians(float(degrees))

@@ -1,0 +1,20 @@
+"""Array types, and arrays made read-only on their way into a frozen dataclass."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import DTypeLike, NDArray
+
+FloatArray = NDArray[np.float64]
+ComplexArray = NDArray[np.complex128]
+IntArray = NDArray[np.intp]
+BoolArray = NDArray[np.bool_]
+
+
+def frozen(values: Any, dtype: DTypeLike) -> NDArray[Any]:
+    """Return `values` as a read-only array of `dtype`; a view of ours is reused, never changed."""
+    array = np.array(values, dtype=dtype)
+    array.flags.writeable = False
+    return array
