@@ -1,0 +1,1 @@
+"""Checks: values of the design held against limits, each answered by a `Finding`."""

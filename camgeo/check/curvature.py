@@ -1,0 +1,112 @@
+"""Checks of the curvature of the flank in use: roller against r_K, cusp and local undercut.
+
+All of them read 1 + d kappa of the flank, d = -r_R for the inner, +r_R for the outer working
+curve: 1 - (that) is r_R / r_K of the sign of curvature that matters, at most 0.7 by the rule of
+thumb (Wirsig eq. 3.36); 1 is a cusp, more is undercut.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from camgeo.check.finding import Finding
+from camgeo.curve.extremes import Extremes
+from camgeo.curve.working_curve import WorkingCurve
+from camgeo.numeric.roots import bracketed_roots
+from camgeo.units import TURN
+
+CUSP = 1e-12
+"""1 + d kappa within this of zero is a cusp: twenty times the rounding of the curvature."""
+
+
+def check_radius_ratio(flank: WorkingCurve, name: str, bends: Extremes, limit: float) -> Finding:
+    """Hold the roller radius to the smallest r_K that matters: r_R <= `limit` r_K (eq. 3.36)."""
+    kappa, phi = _tightest(flank, bends)
+    roller = abs(flank.distance)
+    ratio = -flank.distance * kappa
+    if ratio <= 0.0:
+        bend = "concave" if flank.distance < 0.0 else "convex"
+        return Finding(
+            name=f"radius-ratio-{name}",
+            severity="ok",
+            sentence=f"{name} flank: the pitch curve is {bend} everywhere, any roller fits",
+            value=0.0,
+            limit=limit,
+        )
+    broken = ratio > limit
+    return Finding(
+        name=f"radius-ratio-{name}",
+        severity="broken" if broken else "ok",
+        sentence=(
+            f"{name} flank: r_R/r_K = {ratio:.4f} (r_R {roller:g} mm, smallest r_K"
+            f" {1 / abs(kappa):.4f} mm) at cam angle {math.degrees(phi):.4f} deg,"
+            f" {'above' if broken else 'at most'} {limit:g}"
+        ),
+    )
+    if margin >= -CUSP:
+        return (
+            Finding(
+                name=f"cusp-{name}",
+                severity="fatal",
+                sentence=(
+                    f"{name} flank: cusp at cam angle {math.degrees(phi):.6f} deg, the roller"
+                    f" radius equals the pitch curve's radius of curvature, {1 / abs(kappa):.6g} mm"
+                ),
+                value=margin,
+                limit=0.0,
+                cam_angle=phi,
+            ),
+        )
+    return tuple(_undercut(flank, name, start, end) for start, end in undercut_ranges(flank, bends))
+
+
+def undercut_ranges(flank: WorkingCurve, bends: Extremes) -> list[tuple[float, float]]:
+    """Ranges of cam angle (start, end) [rad] with 1 + d kappa < 0, ends in [0, 2 pi).
+
+    Between neighbouring extremes the curvature is monotone, so no range escapes, however narrow.
+    The whole turn is (0, 2 pi).
+    """
+    phi = np.append(bends.phi, bends.phi[0] + TURN)
+    values = 1.0 + flank.distance * np.append(bends.values, bends.values[0])
+    if np.all(values < 0.0):
+        return [(0.0, TURN)]
+    crossing = (values[:-1] < 0.0) != (values[1:] < 0.0)
+    # Two entries at one cam angle are the two sides of a break: a jump, not a root.
+    jump = crossing & (phi[1:] == phi[:-1])
+    smooth = np.flatnonzero(crossing & ~jump)
+    angles = np.where(jump, phi[:-1], 0.0)
+    angles[smooth] = bracketed_roots(flank.regularity, phi[smooth], phi[smooth + 1])
+    places = np.flatnonzero(crossing)
+    marks = [(float(angles[k]), bool(values[k + 1] < 0.0)) for k in places]
+    if marks and not marks[0][1]:
+        marks = [*marks[1:], marks[0]]
+    starts = [angle for angle, begins in marks if begins]
+    ends = [angle for angle, begins in marks if not begins]
+    return [(start % TURN, end % TURN) for start, end in zip(starts, ends, strict=True)]
+
+
+def _undercut(flank: WorkingCurve, name: str, start: float, end: float) -> Finding:
+    span = end - start if end > start else end - start + TURN
+    grid = np.linspace(start, start + span, 257)[1:-1]
+    margins = flank.regularity(grid)
+    worst = int(np.argmin(margins))
+    return Finding(
+        name=f"undercut-{name}",
+        severity="fatal",
+        sentence=(
+            f"{name} flank: undercut from cam angle {math.degrees(start):.6f} to"
+            f" {math.degrees(end):.6f} deg, the roller is larger than the radius of"
+            " curvature of the pitch curve; the follower would not make its motion"
+        ),
+        value=float(margins[worst]),
+        limit=0.0,
+        cam_angle=float(grid[worst] % TURN),
+        cam_range=(start, end),
+    )
+
+
+def _tightest(flank: WorkingCurve, bends: Extremes) -> tuple[float, float]:
+    """Curvature [1/mm] that is worst for the flank, and its cam angle."""
+    return bends.largest() if flank.distance < 0.0 else bends.smallest()

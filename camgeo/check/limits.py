@@ -1,0 +1,35 @@
+"""The limits that a design is held to, with the defaults of the sources."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from camgeo.units import RPM
+
+SLOW = 30.0 * RPM
+"""Up to 30 rev/min a mechanism counts as slow (Wirsig, section 2.4)."""
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """What a scene demands; None takes the default.
+
+    Attributes
+    ----------
+    transmission_angle : smallest allowed [rad].
+    radius_ratio : largest allowed r_R / r_K (Wirsig eq. 3.36: r_K >= r_R / 0.7).
+    """
+
+    transmission_angle: float | None = None
+    radius_ratio: float = 0.7
+
+
+def default_transmission_angle(*, translating: bool, speed: float | None) -> float:
+    """Smallest transmission angle to aim for [rad] (Wirsig, section 2.4).
+
+    60 degrees for translating roller followers at any speed; for the others 45 degrees for slow
+    mechanisms, or where no `speed` [rad/s] is given, and 60 degrees for fast ones.
+    """
+    slow = speed is None or speed <= SLOW
+    return math.radians(45.0 if slow and not translating else 60.0)

@@ -1,0 +1,49 @@
+"""Check that the roller centre never stands still in the turning cam."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from camgeo.check.finding import Finding
+from camgeo.curve.extremes import extremes
+from camgeo.curve.pitch_curve import STANDSTILL, PitchCurve
+from camgeo.motion.motion import Side
+from camgeo.numeric.arrays import FloatArray
+
+SMALLEST = math.sqrt(STANDSTILL)
+"""Smallest |Z'| as a share of the base radius per rad; the curvature has no digits below it."""
+
+
+def check_standstill(curve: PitchCurve) -> tuple[Finding, ...]:
+    """A fatal finding where |Z'| vanishes; nothing where it does not."""
+
+    def square(phi: FloatArray, side: Side) -> FloatArray:
+        relative = curve.relative_jet(phi, side)
+        return np.asarray(relative.u**2 + relative.v**2)
+
+    def slope(phi: FloatArray, side: Side) -> FloatArray:
+        relative = curve.relative_jet(phi, side)
+        return relative.u * relative.u1 + relative.v * relative.v1
+
+    smallest, phi = extremes(curve, square, slope).smallest()
+    speed = math.sqrt(smallest)
+    limit = SMALLEST * curve.follower.base_radius
+    if speed > limit:
+        return ()
+    return (
+        Finding(
+            name="standstill",
+            severity="fatal",
+            sentence=(
+                f"the roller centre stands still in the turning cam at cam angle"
+                f" {math.degrees(phi):.6f} deg (Z' = 0): the pitch curve has a cusp and no normal;"
+                " the rocker lies on the line of centres and l_3 (1 - sigma psi') = l_1"
+            ),
+            value=speed,
+            limit=limit,
+            unit="mm/rad",
+            cam_angle=phi,
+        ),
+    )

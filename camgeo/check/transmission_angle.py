@@ -1,0 +1,43 @@
+"""Check of the smallest transmission angle."""
+
+from __future__ import annotations
+
+import math
+
+from camgeo.check.finding import Finding
+from camgeo.curve.extremes import Extremes, extremes
+from camgeo.curve.pitch_curve import PitchCurve
+from camgeo.motion.motion import Side
+from camgeo.numeric.arrays import FloatArray
+
+
+def transmission_angle_extremes(curve: PitchCurve) -> Extremes:
+    """All local extremes of the transmission angle [rad]; Z' must not vanish."""
+
+    def slope(phi: FloatArray, side: Side) -> FloatArray:
+        relative = curve.relative_jet(phi, side)
+        return relative.u * relative.v1 - relative.v * relative.u1
+
+    def across(phi: FloatArray, side: Side) -> FloatArray:
+        return curve.relative_jet(phi, side).u  # the angle is 0 where this vanishes
+
+    return extremes(curve, curve.transmission_angle, slope, across)
+
+
+def check_transmission_angle(curve: PitchCurve, limit: float) -> Finding:
+    """Hold the smallest transmission angle to `limit` [rad]."""
+    smallest, phi = transmission_angle_extremes(curve).smallest()
+    value, bound = math.degrees(smallest), math.degrees(limit)
+    broken = smallest < limit
+    return Finding(
+        name="transmission-angle",
+        severity="broken" if broken else "ok",
+        sentence=(
+            f"smallest transmission angle {value:.4f} deg at cam angle {math.degrees(phi):.4f} deg,"
+            f" {'below' if broken else 'at least'} {bound:g} deg"
+        ),
+        value=value,
+        limit=bound,
+        unit="deg",
+        cam_angle=phi,
+    )

@@ -1,0 +1,1 @@
+"""Plane curves over the cam angle: pitch curve, working curves, curvature, closure."""

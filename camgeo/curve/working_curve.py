@@ -1,0 +1,100 @@
+"""Working curves and other offsets: parallels of the pitch curve.
+
+One scalar decides an offset by d: 1 + d kappa. It is positive where the offset is regular, zero at
+a cusp and negative in undercut. The inner working curve is the offset by -r_R, the outer one by
++r_R; the path of a cutter is one more offset.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from camgeo.curve.blocks import in_blocks
+from camgeo.curve.pitch_curve import PitchCurve, curvature, curvature_slope, speed
+from camgeo.motion.motion import Dwell, Side
+from camgeo.numeric.arrays import ComplexArray, FloatArray
+
+
+@dataclass(frozen=True, slots=True)
+class WorkingCurve:
+    """The parallel of a pitch curve at a signed distance (Wirsig eqs. 2.53, 2.54, sign corrected).
+
+    With t = Z'/|Z'| the outward normal is n = i sigma t, and the curve is Z + d n: outward means to
+    the side of traversal away from the cam axis, also where the polar angle runs backwards.
+
+    Attributes
+    ----------
+    pitch : the pitch curve.
+    distance : d [mm], positive outward; -r_R gives the inner, +r_R the outer working curve.
+    """
+
+    pitch: PitchCurve
+    distance: float
+
+    @property
+    def breaks(self) -> FloatArray:
+        """(m,) cam angles [rad] where a derivative may jump."""
+        return self.pitch.breaks
+
+    @property
+    def borders(self) -> FloatArray:
+        """(k,) cam angles [rad] where the formula changes."""
+        return self.pitch.borders
+
+    @property
+    def dwells(self) -> tuple[Dwell, ...]:
+        """Rests: arcs of a circle about the cam axis."""
+        return self.pitch.dwells
+
+    def point(self, phi: FloatArray, side: Side = "right") -> ComplexArray:
+        """(n,) complex [mm] points at the cam angles `phi` (n,) [rad]."""
+        if self.distance == 0.0:
+            return self.pitch.point(phi)
+
+        def block(angles: FloatArray) -> ComplexArray:
+            relative = self.pitch.relative_jet(angles, side)
+            normal = (1j * self.pitch.rotation) * relative.r1 / speed(relative)
+            return (relative.r0 + self.distance * normal) * self.pitch.turn(angles)
+
+        return in_blocks(block, np.atleast_1d(phi))
+
+    def tangent(self, phi: FloatArray, side: Side = "right") -> ComplexArray:
+        """(n,) complex unit tangents in the direction of growing cam angle, of the pitch curve.
+
+        Those of the curve itself wherever it is regular; in undercut it runs against them.
+        """
+
+        def block(angles: FloatArray) -> ComplexArray:
+            relative = self.pitch.relative_jet(angles, side)
+            return relative.r1 / speed(relative) * self.pitch.turn(angles)
+
+        return in_blocks(block, np.atleast_1d(phi))
+
+    def regularity(self, phi: FloatArray, side: Side = "right") -> FloatArray:
+        """(n,) 1 + d kappa: positive where regular, 0 at a cusp, negative in undercut."""
+        return 1.0 + self.distance * self.pitch.curvature(phi, side)
+
+    def curvature(self, phi: FloatArray, side: Side = "right") -> FloatArray:
+        """(n,) [1/mm] signed curvature kappa / (1 + d kappa); the curve must be regular there."""
+        kappa = self.pitch.curvature(phi, side)
+        return kappa / (1.0 + self.distance * kappa)
+
+    def pace(self, phi: FloatArray, side: Side = "right") -> FloatArray:
+        """(n,) ds/dphi = |Z'| (1 + d kappa) [mm/rad]; negative in undercut."""
+        relative = self.pitch.relative_jet(phi, side)
+        kappa = curvature(relative, self.pitch.rotation)
+        return speed(relative) * (1.0 + self.distance * kappa)
+
+    def arc_density(self, phi: FloatArray, side: Side = "right") -> tuple[FloatArray, FloatArray]:
+        """ds/dphi (n,) [mm/rad] and |dkappa/ds| (n,) [1/mm^2] of the offset curve.
+
+        By the chain rule: kappa_d' = kappa' / (1 + d kappa)^2 and ds/dphi = |Z'| (1 + d kappa).
+        """
+        relative = self.pitch.relative_jet(phi, side)
+        kappa = curvature(relative, self.pitch.rotation)
+        slope = curvature_slope(relative, self.pitch.rotation)
+        regular = 1.0 + self.distance * kappa
+        pace = speed(relative) * regular
+        return np.abs(pace), np.abs(slope / (regular * regular * pace))

@@ -1,0 +1,68 @@
+"""What a roller follower is: from the lift to the roller centre, seen from the turning cam.
+
+With W(phi) the roller centre minus the cam axis in the fixed frame and sigma = +1 for a cam that
+turns counter-clockwise, the pitch curve in cam coordinates is Z = W exp(-i sigma phi), and
+
+    Z^(k) = R_k exp(-i sigma phi),
+    R_0 = W, R_1 = W' - i sigma W, R_2 = W'' - 2 i sigma W' - W,
+    R_3 = W''' - 3 i sigma W'' - 3 W' + i sigma W.
+
+Curvature and transmission angle need the R_k only, not the rotation. u and v are the parts of R_1
+across and along the follower's own direction: |Z'|^2 = u^2 + v^2, and the transmission angle mu,
+the acute angle between rocker (or the normal of the guide) and the normal of the pitch curve, is
+tan mu = |u| / |v|.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+from camgeo.motion.motion import Jet
+from camgeo.numeric.arrays import ComplexArray, FloatArray
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RelativeJet:
+    """The roller centre at n cam angles as the turning cam sees it, in axes that do not turn.
+
+    Attributes
+    ----------
+    r0, r1, r2, r3 : (n,) complex, R_0 to R_3 [mm per rad^k].
+    u, v : (n,) [mm/rad], see the module.
+    u1, v1 : (n,) [mm/rad^2], their derivatives.
+    """
+
+    r0: ComplexArray
+    r1: ComplexArray
+    r2: ComplexArray
+    r3: ComplexArray
+    u: FloatArray
+    v: FloatArray
+    u1: FloatArray
+    v1: FloatArray
+
+
+class Follower(Protocol):
+    """A roller follower; lengths in mm.
+
+    Attributes
+    ----------
+    base_radius : r_G, cam axis to roller centre at cam angle 0.
+    roller_radius : r_R.
+    """
+
+    @property
+    def base_radius(self) -> float: ...
+
+    @property
+    def roller_radius(self) -> float: ...
+
+    def relative_jet(self, jet: Jet, rotation: int) -> RelativeJet:
+        """The roller centre for lifts `jet` (4, n); `rotation` is sigma, +1 ccw, -1 cw."""
+
+    def speed_bounds(self, jet: Jet, bounds: Jet) -> FloatArray:
+        """(3, n) upper bounds of |Z'|, |Z''|, |Z'''| [mm/rad^k] over cells of cam angle.
+
+        `jet` is the lift in the middle of the cells, `bounds` as of `Motion.jet_bounds`.
+        """

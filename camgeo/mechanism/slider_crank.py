@@ -1,0 +1,201 @@
+"""Slider-crank between the slider, whose stroke is demanded, and the rocker that follows the cam.
+
+Frame of the formulas (that of the thesis's program): the rocker shaft B_0 at the origin, the slider's guide horizontal at height e_sk above it. The pin on the slider is
+P = -X + i e_sk with X = s_0 + eps_s s, positive X to the left; the crank tip is
+T = l_sk exp(i theta), |P - T| = l_4.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from camgeo.errors import GeometryError
+from camgeo.motion.motion import Jet
+from camgeo.numeric.arrays import FloatArray
+
+
+@dataclass(frozen=True)
+class SliderCrank:
+    """Slider-crank on the rocker shaft (Wirsig section 3.3.1; docs/sources.md tells what was corrected).
+
+    Attributes
+    ----------
+    crank : l_sk, crank on the rocker shaft [mm].
+    coupler : l_4 [mm].
+    deflection : alpha_sk, angle of the crank from the perpendicular to the guide at stroke 0 [rad].
+    leans_away : True if at stroke 0 the crank leans away from the slider (Q21 "ja"),
+        s_0 = l_4 - l_sk sin alpha_sk; False if towards it, s_0 = l_4 + l_sk sin alpha_sk.
+    slider_side : +1 if at stroke 0 the slider is to the left of the rocker shaft, -1 to the right
+        (Q25; the thesis's program ignores it for a crank that leans towards the slider).
+    stroke_direction : eps_s, +1 if a positive stroke moves the slider to the left, -1 to the right
+        (Q22).
+    branch : eps_b, +1 if the crank tip lies clockwise of the pin seen from the rocker shaft, -1
+        counter-clockwise (Q23, "erster" and "zweiter Quadrant").
+    mirrored : True if the linkage is seen from behind: the rocker turns the other way (Q24).
+
+    Raises
+    ------
+    GeometryError
+        With key "linkage", if the linkage does not close at stroke 0.
+    """
+
+    crank: float
+    coupler: float
+    deflection: float
+    leans_away: bool
+    slider_side: int
+    stroke_direction: int
+    branch: int
+    mirrored: bool = False
+
+    def __post_init__(self) -> None:
+        gap = self.missing_length(np.zeros(1))[0]
+        if gap > 0.0:
+            raise GeometryError(
+                f"the linkage does not close at stroke 0: {gap:.6g} mm are missing",
+                key="linkage",
+            )
+
+    @cached_property
+    def guide_height(self) -> float:
+        """e_sk, distance of the guide from the rocker shaft [mm]."""
+        return self.crank * math.cos(self.deflection)
+
+    @cached_property
+    def start_position(self) -> float:
+        """s_0, X at stroke 0 [mm]."""
+        lean = self.crank * math.sin(self.deflection)
+        distance = self.coupler - lean if self.leans_away else self.coupler + lean
+        return self.slider_side * distance
+
+    @cached_property
+    def start_angle(self) -> float:
+        """theta_0, crank angle at stroke 0 [rad]."""
+        return float(self.crank_angle(np.zeros(1))[0])
+
+    @cached_property
+    def coupler_angle(self) -> float:
+        """Angle of the coupler, tip to pin, at stroke 0 [rad]; 0 or pi if parallel to the guide.
+
+        The dimensions are defined by a coupler parallel to the guide at stroke 0; if it is not, the
+        other branch was meant.
+        """
+        pin = -self.start_position + 1j * self.guide_height
+        tip = self.crank * complex(math.cos(self.start_angle), math.sin(self.start_angle))
+        return math.atan2((pin - tip).imag, (pin - tip).real)
+
+    def pin(self, stroke: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """X (n,) and d = |P| (n,) [mm] at `stroke` (n,) [mm]."""
+        x = self.start_position + self.stroke_direction * stroke
+        return x, np.hypot(x, self.guide_height)
+
+    def missing_length(self, stroke: FloatArray) -> FloatArray:
+        """(n,) [mm] by how much crank and coupler miss the pin; <= 0 where they reach it."""
+        _, d = self.pin(stroke)
+        return np.maximum(d - (self.crank + self.coupler), abs(self.crank - self.coupler) - d)
+
+    def _half_angle(self, d: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Sine and cosine, times a common factor, of half the angle pin - shaft - tip, in (0, pi).
+
+        Their squares add up to 4 l_sk d; their product is D/2, twice the area of the triangle
+        shaft, pin, tip, zero at a dead centre.
+        """
+        crank, coupler = self.crank, self.coupler
+        first = (coupler - (d - crank)) * (coupler + (d - crank))
+        second = (d + crank - coupler) * (d + crank + coupler)
+        # At a dead centre the radicand may round to a tiny negative number.
+        return np.sqrt(np.maximum(first, 0.0)), np.sqrt(np.maximum(second, 0.0))
+
+    def crank_angle(self, stroke: FloatArray) -> FloatArray:
+        """theta (n,) [rad] in (-2 pi, 2 pi) at `stroke` (n,) [mm], without the poles of Wirsig eq. 3.10."""
+        x, d = self.pin(stroke)
+        sine, cosine = self._half_angle(d)
+        pin_angle = np.arctan2(self.guide_height, -x)
+        return pin_angle - self.branch * 2.0 * np.arctan2(sine, cosine)
+
+    def transform(self, jet: Jet) -> Jet:
+        """(4, n) rocker angle psi and derivatives [rad/rad^k] for slider strokes `jet` (4, n).
+
+        psi is counted from stroke 0, counter-clockwise positive, in (-pi, pi].
+
+        Raises
+        ------
+        GeometryError
+            With key "linkage", at a dead centre that is not passed at rest: psi'' is infinite.
+        """
+        x, d = self.pin(jet[0])
+        crank, coupler = self.crank, self.coupler
+        half_sine, half_cosine = self._half_angle(d)
+        theta = np.arctan2(self.guide_height, -x)
+        theta -= self.branch * 2.0 * np.arctan2(half_sine, half_cosine)
+        # exp(i theta) without another sine: the pin's direction turned by the triangle's angle.
+        scale = 4.0 * crank * d * d
+        versor = half_cosine * half_cosine - half_sine * half_sine
+        cross = self.branch * 2.0 * half_sine * half_cosine
+        height = self.guide_height
+        cosine = (-x * versor + height * cross) / scale
+        sine = (height * versor + x * cross) / scale
+        cos_v = (-x - crank * cosine) / coupler
+        leverage = self.branch * half_sine * half_cosine / (2.0 * crank * coupler)  # sin(v - theta)
+        cos_between = cos_v * cosine + (height - crank * sine) / coupler * sine  # cos(v - theta)
+        p1, p2, p3 = (-self.stroke_direction * jet[k] for k in (1, 2, 3))
+        resting = (p1 == 0.0) & (p2 == 0.0) & (p3 == 0.0)
+        if np.any((leverage == 0.0) & ~resting):
+            raise GeometryError(
+                "dead centre: crank and coupler lie on one line while the slider starts to move,"
+                " the rocker's acceleration is infinite",
+                key="linkage",
+            )
+        leverage = np.where(resting, 1.0, leverage)
+        theta1 = p1 * cos_v / (crank * leverage)
+        v1 = -p1 * cosine / (coupler * leverage)
+        theta2 = p2 * cos_v + crank * cos_between * theta1**2 + coupler * v1**2
+        theta2 /= crank * leverage
+        v2 = -(p2 * cosine + crank * theta1**2 + coupler * cos_between * v1**2)
+        v2 /= coupler * leverage
+        theta3 = (
+            p3 * cos_v
+            + 3.0 * crank * cos_between * theta1 * theta2
+            + crank * leverage * theta1**3
+            + 3.0 * coupler * v1 * v2
+        ) / (crank * leverage)
+        swing = theta - self.start_angle
+        swing -= 2.0 * math.pi * np.ceil((swing - math.pi) / (2.0 * math.pi))
+        out = np.stack((swing, theta1, theta2, theta3))
+        return -out if self.mirrored else out
+
+    def transform_bounds(self, jet: Jet, bounds: Jet) -> Jet:
+        """(4, n) bounds for psi of what `Motion.jet_bounds` bounds for the stroke.
+
+        `jet` is the stroke in the middle of each cell. Infinite where a cell may touch a dead
+        centre. The triangle inequality over the formulas of `transform`, with |sin(v - theta)|
+        smallest at one end of the range of d, as it is concave in d^2.
+        """
+        x = self.start_position + self.stroke_direction * jet[0]
+        nearest = np.maximum(np.abs(x) - bounds[0], 0.0)
+        farthest = np.abs(x) + bounds[0]
+        crank, coupler = self.crank, self.coupler
+        ends = [
+            np.multiply(*self._half_angle(np.hypot(reach, self.guide_height)))
+            for reach in (nearest, farthest)
+        ]
+        leverage = np.minimum(*ends) / (2.0 * crank * coupler)
+        with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
+            theta1 = bounds[1] / (crank * leverage)
+            v1 = bounds[1] / (coupler * leverage)
+            theta2 = (bounds[2] + crank * theta1**2 + coupler * v1**2) / (crank * leverage)
+            v2 = (bounds[2] + crank * theta1**2 + coupler * v1**2) / (coupler * leverage)
+            theta3 = (
+                bounds[3]
+                + 3.0 * crank * theta1 * theta2
+                + crank * theta1**3
+                + 3.0 * coupler * v1 * v2
+            ) / (crank * leverage)
+            swing = bounds[0] / (crank * leverage)
+        out = np.stack((swing, theta1, theta2, theta3))
+        resting = np.all(bounds == 0.0, axis=0)
+        return np.where(resting, 0.0, np.where(np.isnan(out), np.inf, out))
