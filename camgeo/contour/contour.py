@@ -1,0 +1,121 @@
+"""A closed contour of lines and arcs: the form in which an outline leaves the geometry.
+
+Vertices, sweeps and centres are arrays, so that a contour of 100,000 pieces costs no more than its
+numbers. Piece i runs from vertex i to vertex i + 1, the last one back to vertex 0, so that
+neighbours share their end points exactly.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+
+from camgeo.numeric.arrays import ComplexArray, FloatArray, frozen
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Contour:
+    """Closed chain of lines and circular arcs in the plane.
+
+    Attributes
+    ----------
+    vertices : (n,) complex [mm], start of each piece.
+    sweeps : (n,) [rad], angle turned along the piece, positive counter-clockwise; 0 is a line.
+        At most one turn; a full circle is one piece with sweep +-2 pi.
+    centres : (n,) complex [mm], centre of each arc; 0 where the piece is a line.
+    """
+
+    vertices: ComplexArray
+    sweeps: FloatArray
+    centres: ComplexArray
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "vertices", frozen(self.vertices, np.complex128))
+        object.__setattr__(self, "sweeps", frozen(self.sweeps, np.float64))
+        object.__setattr__(self, "centres", frozen(self.centres, np.complex128))
+
+    def __len__(self) -> int:
+        return len(self.vertices)
+
+    @property
+    def ends(self) -> ComplexArray:
+        """(n,) complex [mm], end of each piece."""
+        return np.roll(self.vertices, -1)
+
+    @property
+    def bulges(self) -> FloatArray:
+        """(n,) tan(sweep/4), the arc measure of a DXF LWPOLYLINE; 0 is a line."""
+        return np.tan(self.sweeps / 4.0)
+
+    @property
+    def radii(self) -> FloatArray:
+        """(n,) [mm] radius of each arc; 0 for lines."""
+        return np.where(self.sweeps != 0.0, np.abs(self.vertices - self.centres), 0.0)
+
+    @property
+    def arc_count(self) -> int:
+        """Number of arcs among the pieces."""
+        return int(np.count_nonzero(self.sweeps))
+
+    @property
+    def lengths(self) -> FloatArray:
+        """(n,) [mm] length of each piece."""
+        chords = np.abs(self.ends - self.vertices)
+        return np.where(self.sweeps != 0.0, np.abs(self.sweeps) * self.radii, chords)
+
+    @property
+    def length(self) -> float:
+        """Length of the whole contour [mm]."""
+        return math.fsum(self.lengths)
+
+    @property
+    def area(self) -> float:
+        """Enclosed area [mm^2], positive if the contour runs counter-clockwise."""
+        start, end = self.vertices, self.ends
+        chord = 0.5 * (start.real * end.imag - start.imag * end.real)
+        segment = 0.5 * self.radii**2 * (self.sweeps - np.sin(self.sweeps))
+        return math.fsum(np.concatenate((chord, segment)))
+
+    def reversed(self) -> Self:
+        """The same outline run in the other direction."""
+        return type(self)(np.roll(self.vertices[::-1], 1), -self.sweeps[::-1], self.centres[::-1])
+
+    def counter_clockwise(self) -> Self:
+        """The same outline, run counter-clockwise."""
+        return self if self.area >= 0.0 else self.reversed()
+
+    def split(self, max_sweep: float) -> Self:
+        """The same outline with each arc cut into equal parts of at most `max_sweep` [rad]."""
+        parts = np.maximum(1, np.ceil(np.abs(self.sweeps) / max_sweep - 1e-12)).astype(int)
+        index = np.repeat(np.arange(len(self)), parts)
+        first = np.repeat(np.cumsum(parts) - parts, parts)
+        step = np.arange(len(index)) - first
+        sweeps = self.sweeps[index] / parts[index]
+        centres = self.centres[index]
+        turned = centres + (self.vertices[index] - centres) * np.exp(1j * sweeps * step)
+        vertices = np.where(step == 0, self.vertices[index], turned)
+        return type(self)(vertices, sweeps, centres)
+
+    def points(self, sagitta: float) -> ComplexArray:
+        """(m,) complex [mm] points on the contour, chords at most `sagitta` [mm] off its arcs.
+
+        For topology and pictures only; no geometry is derived from these points.
+        """
+        radii = np.maximum(self.radii, sagitta)
+        step = 2.0 * np.arccos(np.clip(1.0 - sagitta / radii, 0.0, 1.0))
+        counts = np.maximum(1, np.ceil(np.abs(self.sweeps) / step)).astype(int)
+        index = np.repeat(np.arange(len(self)), counts)
+        first = np.repeat(np.cumsum(counts) - counts, counts)
+        part = (np.arange(len(index)) - first) / counts[index]
+        arm = self.vertices[index] - self.centres[index]
+        arc = self.centres[index] + arm * np.exp(1j * self.sweeps[index] * part)
+        return np.where(part == 0.0, self.vertices[index], arc)
+
+    @classmethod
+    def circle(cls, radius: float, centre: complex = 0j) -> Self:
+        """A full circle [mm] as two half arcs, counter-clockwise."""
+        vertices = np.array([centre + radius, centre - radius])
+        return cls(vertices, np.array([np.pi, np.pi]), np.array([centre, centre]))

@@ -1,0 +1,153 @@
+"""Outlines that are lines and arcs by nature, e.g. a bore: approximation and proof."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from camgeo.contour.contour import Contour
+from camgeo.errors import GeometryError, ToleranceError
+from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, IntArray
+
+MAX_CHORDS = 2_000_000
+"""Chords at most."""
+
+
+def chords_of(exact: Contour, tolerance: float) -> Contour:
+    """Straight pieces with vertices on `exact`, at most `tolerance` [mm] off it."""
+    radii = exact.radii
+    largest = float(np.max(radii, initial=0.0))
+    if largest > 0.0 and math.pi * math.sqrt(largest / (2.0 * tolerance)) > MAX_CHORDS:
+        raise ToleranceError(
+            f"more than {MAX_CHORDS:,} straight pieces needed", tolerance, math.inf
+        )
+    with np.errstate(divide="ignore", invalid="ignore"):
+        # Sagitta r (1 - cos(step/2)) = tolerance, without the cancellation of 1 - cos.
+        steps = 4.0 * np.arcsin(np.sqrt(np.minimum(tolerance / (2.0 * radii), 0.5)))
+    counts = np.where(radii > 0.0, np.ceil(np.abs(exact.sweeps) / np.minimum(steps, 1.6)), 1)
+    pieces = [
+        exact.vertices[k]
+        if exact.sweeps[k] == 0.0
+        else exact.centres[k]
+        + (exact.vertices[k] - exact.centres[k])
+        * np.exp(1j * exact.sweeps[k] * np.arange(int(counts[k])) / int(counts[k]))
+        for k in range(len(exact))
+    ]
+    vertices = np.concatenate([np.atleast_1d(piece) for piece in pieces])
+    zero = np.zeros(len(vertices))
+    return Contour(vertices, zero, zero.astype(np.complex128))
+
+
+def distance_between(exact: Contour, contour: Contour) -> float:
+    """Upper bound [mm] of the distance between two closed contours, in both directions.
+
+    Each piece of `contour` is compared in closed form with the piece of `exact` that its middle is
+    nearest to; where the pieces of `exact` change, its corner with the vertex there.
+
+    Raises
+    ------
+    GeometryError
+        If `contour` does not follow `exact` once round.
+    """
+    if exact.area * contour.area < 0.0:
+        contour = contour.reversed()
+    owner = _nearest_pieces(exact, _middles(contour))
+    largest = float(np.max(_largest_distances(exact, owner, contour)))
+    before = np.roll(owner, 1)
+    changes = np.flatnonzero(owner != before)
+    corners = _corner_distances(exact, before[changes], owner[changes], contour.vertices[changes])
+    _check_round(exact, contour)
+    return max(largest, float(np.max(corners, initial=0.0)))
+
+
+def _middles(contour: Contour) -> ComplexArray:
+    chord = 0.5 * (contour.vertices + contour.ends)
+    arm = contour.vertices - contour.centres
+    on_arc = contour.centres + arm * np.exp(0.5j * contour.sweeps)
+    return np.where(contour.sweeps != 0.0, on_arc, chord)
+
+
+def _distance_to_piece(exact: Contour, k: int, points: ComplexArray) -> FloatArray:
+    """Distance (n,) of `points` from piece k itself, its ends included."""
+    start, end = complex(exact.vertices[k]), complex(exact.ends[k])
+    at_ends: FloatArray = np.minimum(np.abs(points - start), np.abs(points - end))
+    if exact.sweeps[k] == 0.0:
+        along = (end - start) / abs(end - start)
+        local = (points - start) * np.conj(along)
+        beside = (local.real >= 0.0) & (local.real <= abs(end - start))
+        straight: FloatArray = np.where(beside, np.abs(local.imag), at_ends)
+        return straight
+    arm: ComplexArray = points - exact.centres[k]
+    turned = np.angle(arm / (start - exact.centres[k])) * np.sign(exact.sweeps[k])
+    turned = np.where(turned < 0.0, turned + 2.0 * np.pi, turned)
+    beside = turned <= abs(exact.sweeps[k])
+    round_off: FloatArray = np.where(beside, np.abs(np.abs(arm) - exact.radii[k]), at_ends)
+    return round_off
+
+
+def _nearest_pieces(exact: Contour, points: ComplexArray) -> IntArray:
+    distances = np.stack([_distance_to_piece(exact, k, points) for k in range(len(exact))])
+    nearest: IntArray = np.argmin(distances, axis=0)
+    return nearest
+
+
+def _largest_distances(exact: Contour, owner: IntArray, contour: Contour) -> FloatArray:
+    """Largest distance (n,) of each piece of `contour` from the line or circle of its owner."""
+    start, end = contour.vertices, contour.ends
+    base, far = exact.vertices[owner], exact.ends[owner]
+    centre, radius = exact.centres[owner], exact.radii[owner]
+    line = exact.sweeps[owner] == 0.0
+    along = np.where(line, far - base, 1.0)
+    along = along / np.abs(along)
+
+    def off(points: ComplexArray) -> FloatArray:
+        from_line = np.abs(((points - base) * np.conj(along)).imag)
+        distances: FloatArray = np.where(line, from_line, np.abs(np.abs(points - centre) - radius))
+        return distances
+
+    found = np.maximum(off(start), off(end))
+    # A chord is nearest to the centre at its foot; an arc has extremes in line with the centres.
+    chord = end - start
+    length = np.where(chord == 0.0, 1.0, np.abs(chord))
+    foot = ((centre - start) * np.conj(chord / length)).real
+    inside = (contour.sweeps == 0.0) & ~line & (foot > 0.0) & (foot < length)
+    found = np.where(inside, np.maximum(found, off(start + chord / length * foot)), found)
+    arcs = contour.sweeps != 0.0
+    towards = np.where(line, 1j * along, centre - contour.centres)
+    towards = np.where(towards == 0.0, 1.0, towards)
+    towards = towards / np.abs(towards)
+    for sign in (1.0, -1.0):
+        place = contour.centres + sign * towards * contour.radii
+        reached = arcs & _on_arc(contour, place)
+        found = np.where(reached, np.maximum(found, off(place)), found)
+    return found
+
+
+def _on_arc(contour: Contour, points: ComplexArray) -> BoolArray:
+    arm = np.where(contour.sweeps != 0.0, contour.vertices - contour.centres, 1.0)
+    turned = np.angle((points - contour.centres) / arm) * np.sign(contour.sweeps)
+    turned = np.where(turned < 0.0, turned + 2.0 * np.pi, turned)
+    return turned <= np.abs(contour.sweeps)
+
+
+def _corner_distances(
+    exact: Contour, before: IntArray, after: IntArray, vertices: ComplexArray
+) -> FloatArray:
+    """Distance (k,) of `vertices` from the corners at which piece `before` meets piece `after`."""
+    same_circle = (
+        (exact.sweeps[before] != 0.0)
+        & (exact.sweeps[after] != 0.0)
+        & (exact.centres[before] == exact.centres[after])
+        & np.isclose(exact.radii[before], exact.radii[after], rtol=1e-12, atol=0.0)
+    )
+    following = after == (before + 1) % len(exact)
+    if np.any(~same_circle & ~following):
+        raise GeometryError("the contour does not follow the exact outline piece by piece")
+    return np.where(same_circle, 0.0, np.abs(vertices - exact.vertices[after]))
+
+
+def _check_round(exact: Contour, contour: Contour) -> None:
+    """Both contours must enclose about the same area, else one leaves out a part of the other."""
+    if abs(exact.area - contour.area) > 0.5 * abs(exact.area):
+        raise GeometryError("the contour does not go once round the exact outline")

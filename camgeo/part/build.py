@@ -1,0 +1,84 @@
+"""The part made of a scene's numbers and the flanks of the cam."""
+
+from __future__ import annotations
+
+from camgeo.contour.contour import Contour
+from camgeo.curve.working_curve import WorkingCurve
+from camgeo.errors import GeometryError
+from camgeo.part.bore import bore_outline, bore_reach
+from camgeo.part.boundaries import (
+    CurveBoundary,
+    ExactBoundary,
+    largest_radius,
+    smallest_radius,
+)
+from camgeo.part.part import Boundary, Part
+from camgeo.part.spec import Contact, PartSpec
+
+
+def build_part(
+    contact: Contact, inner: WorkingCurve, outer: WorkingCurve, spec: PartSpec, tolerance: float
+) -> Part:
+    """The part for one contact.
+
+    Parameters
+    ----------
+    contact : flank on which the roller runs.
+    inner, outer : the working curves.
+    spec : what the scene says of the part.
+    tolerance : of the contours [mm] by which it is seen that one boundary lies inside another.
+
+    Raises
+    ------
+    GeometryError
+        With the key of the scene, if a bore does not fit inside the disc or a flank inside the rim.
+    UndercutError
+        If a flank is no outline.
+    """
+    bore: tuple[Boundary, ...] = ()
+    if spec.bore is not None and contact != "outer":
+        bore = (ExactBoundary("bore", hole=True, exact=bore_outline(spec.bore, spec.keyway)),)
+    thickness = spec.thickness
+    if contact == "inner":
+        outline = CurveBoundary("outline", hole=False, curve=inner)
+        _bore_fits(spec, outline, tolerance)
+        return Part((outline, *bore), (), thickness, 0.0)
+    rim = _rim(spec, CurveBoundary("outer flank", hole=True, curve=outer), tolerance)
+    if contact == "outer":
+        flank = CurveBoundary("outline", hole=True, curve=outer)
+        return Part((rim, flank), (), thickness, 0.0)
+    groove = (
+        CurveBoundary("inner flank", hole=False, curve=inner),
+        CurveBoundary("outer flank", hole=True, curve=outer),
+    )
+    _bore_fits(spec, groove[0], tolerance)
+    return Part((rim, *bore), groove, thickness, spec.groove_depth or 0.0)
+
+
+def _rim(spec: PartSpec, flank: CurveBoundary, tolerance: float) -> ExactBoundary:
+    if spec.rim is None:
+        raise GeometryError("a groove or inside cam needs the diameter of its rim", key="part.rim")
+    fit = flank.arcs(tolerance)
+    needed = 2.0 * (largest_radius(fit.contour) + fit.deviation)
+    if spec.rim <= needed:
+        raise GeometryError(
+            f"the rim must lie outside of the outer flank: more than {needed:.6g} mm",
+            key="part.rim",
+            value=f"{spec.rim:g}",
+        )
+    return ExactBoundary("rim", hole=False, exact=Contour.circle(spec.rim / 2.0))
+
+
+def _bore_fits(spec: PartSpec, flank: CurveBoundary, tolerance: float) -> None:
+    if spec.bore is None:
+        return
+    fit = flank.arcs(tolerance)
+    room = smallest_radius(fit.contour) - fit.deviation
+    reach = bore_reach(spec.bore, spec.keyway)
+    if reach >= room:
+        raise GeometryError(
+            f"the bore reaches {reach:.6g} mm from the cam axis, but the {flank.name} comes as near"
+            f" as {max(room, 0.0):.6g} mm",
+            key="part.bore",
+            value=f"{spec.bore:g}",
+        )

@@ -1,0 +1,1 @@
+"""Toolpaths: exact cutter paths, leads, depth passes; moves that a G-code writer spells."""
