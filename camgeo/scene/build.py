@@ -1,0 +1,258 @@
+"""From the values of a scene to the engine's objects: units converted, once."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable
+from decimal import Decimal
+from functools import partial
+from typing import Any, Final, TypeVar
+
+import numpy as np
+
+from camgeo.check.limits import Limits
+from camgeo.errors import Fault, GeometryError
+from camgeo.files.specs import DxfSpec
+from camgeo.mechanism.linkage import LinkedMotion
+from camgeo.mechanism.oscillating_roller import OscillatingRoller
+from camgeo.mechanism.slider_crank import SliderCrank
+from camgeo.mechanism.translating_roller import TranslatingRoller
+from camgeo.motion.inflection import shift
+from camgeo.motion.laws import find_law
+from camgeo.motion.plan import Dwell, MotionPlan, Move
+from camgeo.part.spec import Keyway, PartSpec
+from camgeo.scene.folder import beside
+from camgeo.scene.keys import Path
+from camgeo.scene.model import Follower, OutputSpec, Scene, SceneSource
+from camgeo.scene.rules import MACHINES
+from camgeo.scene.sound import SoundValues
+from camgeo.toolpath.spec import GcodeSpec
+from camgeo.units import RPM
+
+Built = TypeVar("Built")
+
+SIGNS: Final = {
+    "ccw": 1,
+    "cw": -1,
+    "outward": 1,
+    "inward": -1,
+    "left": 1,
+    "right": -1,
+}
+"""The engine's signs for the scene's words."""
+
+BRANCHES: Final = {"cw": 1, "ccw": -1}
+"""Signs of the linkage's branch: +1 with the crank's tip clockwise of the slider pin."""
+
+PATH_STEP: Final = re.compile(r"([A-Za-z0-9_-]+)|\[(\d+)\]")
+
+
+class Builder:
+    """Builds the objects of a scene whose values are sound, and gathers what geometry forbids."""
+
+    def __init__(self, values: SoundValues) -> None:
+        self.values = values
+        self.faults: list[Fault] = []
+        self._mm = values.mm
+
+    def plan(self) -> MotionPlan | None:
+        """The motion plan; None if the motion is not sound."""
+        values = self.values
+        if not values.sound("motion") or not values.sound("follower", "kind"):
+            return None
+        scale = math.radians(1.0) if values.angular else self._mm
+        segments: list[Dwell | Move] = []
+        for index in range(values.segments):
+            place = ("motion", index)
+            dwell = values.exact(*place, "dwell")
+            if dwell is None:
+                move = self._engine(place, partial(self._move, place, scale))
+                if move is None:
+                    return None
+                segments.append(move)
+            elif dwell:
+                segments.append(Dwell(dwell))
+        return self._engine(("motion",), lambda: MotionPlan(tuple(segments)))
+
+    def follower(self) -> Follower | None:
+        """The follower; None if its table is not sound or there is no such mechanism."""
+        values = self.values
+        if not values.sound("follower"):
+            return None
+        table: dict[str, Any] = values.get("follower")
+        direction = SIGNS[table.get("direction", "outward")]
+        base_radius = self._mm * table["base_radius"]
+        roller_radius = self._mm * table["roller_radius"]
+        if table["kind"] == "translating-roller":
+            return self._engine(
+                ("follower",),
+                lambda: TranslatingRoller(
+                    base_radius=base_radius,
+                    roller_radius=roller_radius,
+                    offset=self._mm * table.get("offset", 0.0),
+                    guide_angle=math.radians(table.get("guide_angle", 90.0)),
+                    direction=direction,
+                ),
+            )
+        return self._engine(
+            ("follower",),
+            lambda: OscillatingRoller(
+                pivot=self._mm * complex(*table["pivot"]),
+                arm=self._mm * table["arm"],
+                base_radius=base_radius,
+                roller_radius=roller_radius,
+                arm_side=SIGNS[table.get("arm_side", "ccw")],
+                # A linkage gives the rocker's own angle, sign and all.
+                direction=None if values.has("linkage") else direction,
+            ),
+        )
+
+    def linkage(self) -> SliderCrank | None:
+        """The linkage; None if there is none, or none that works."""
+        table: dict[str, Any] | None = self.values.get("linkage")
+        if table is None:
+            return None
+        return self._engine(
+            ("linkage",),
+            lambda: SliderCrank(
+                crank=self._mm * table["crank"],
+                coupler=self._mm * table["coupler"],
+                deflection=math.radians(table["crank_deflection"]),
+                leans_away=table["crank_leans"] == "away",
+                slider_side=SIGNS[table.get("slider_side", "left")],
+                stroke_direction=SIGNS[table["stroke_direction"]],
+                branch=BRANCHES[table["branch"]],
+                mirrored=table.get("mirrored", False),
+            ),
+        )
+
+    def join(self, plan: MotionPlan, follower: Follower, linkage: SliderCrank) -> None:
+        """Check that the linkage makes the motion, and moves the roller as the scene says."""
+        linked = self._engine(("linkage",), lambda: LinkedMotion(plan, linkage))
+        stated = self.values.get("follower", "direction")
+        if linked is None or stated is None or not isinstance(follower, OscillatingRoller):
+            return
+        strokes = [segment.to for segment in plan.segments if isinstance(segment, Move)]
+        farthest = max(strokes, key=abs, default=0.0)
+        jet = np.array([[farthest], [0.0], [0.0], [0.0]])
+        swing = float(linkage.transform(jet)[0, 0])
+        if swing * farthest * follower.arm_side * SIGNS[stated] < 0.0:
+            found = "inward" if stated == "outward" else "outward"
+            message = f"contradicts the linkage, which moves the roller {found}"
+            hint = f'leave it out, write "{found}", or turn one of the linkage\'s choices'
+            self.faults.append(self.values.scene.fault(("follower", "direction"), message, hint))
+
+    def scene(
+        self,
+        plan: MotionPlan,
+        follower: Follower,
+        linkage: SliderCrank | None,
+        source: SceneSource,
+    ) -> Scene:
+        """The scene, all of whose values are sound."""
+        get = self.values.get
+        speed = get("cam", "speed")
+        return Scene(
+            name=get("name"),
+            unit=self.values.unit,
+            rotation=SIGNS[get("cam", "rotation")],
+            speed=None if speed is None else speed * RPM,
+            plan=plan,
+            follower=follower,
+            linkage=linkage,
+            contact=get("follower", "contact") or "inner",
+            limits=self._limits(),
+            part=self._part(),
+            output=self._output(),
+            source=source,
+        )
+
+    def _move(self, place: Path, scale: float) -> Move:
+        table: dict[str, Any] = self.values.get(*place)
+        law = find_law(table["law"])
+        if "inflection" in table:
+            law = shift(law, table["inflection"])
+        span = self.values.exact(*place, "span") or Decimal(0)
+        return Move(span=span, to=scale * table["to"], law=law)
+
+    def _limits(self) -> Limits:
+        table: dict[str, Any] = self.values.get("limits") or {}
+        angle = table.get("transmission_angle")
+        return Limits(
+            transmission_angle=None if angle is None else math.radians(angle),
+            **_given(table, {"radius_ratio": 1.0}),
+        )
+
+    def _part(self) -> PartSpec | None:
+        table: dict[str, Any] | None = self.values.get("part")
+        if table is None:
+            return None
+        keyway = table.get("keyway")
+        lengths = dict.fromkeys(("thickness", "bore", "rim", "groove_depth"), self._mm)
+        return PartSpec(
+            keyway=keyway
+            and Keyway(
+                width=self._mm * keyway["width"],
+                depth=self._mm * keyway["depth"],
+                angle=math.radians(keyway.get("angle", 0.0)),
+            ),
+            **_given(table, lengths),
+        )
+
+    def _output(self) -> OutputSpec:
+        table: dict[str, Any] = self.values.get("output") or {}
+        given: dict[str, Any] = _given(table, {"tolerance": self._mm})
+        if "formats" in table:
+            given["formats"] = tuple(table["formats"])
+        if "dxf" in table:
+            given["dxf"] = DxfSpec(**table["dxf"])
+        if "gcode" in table:
+            given["gcode"] = self._gcode(table["gcode"])
+        step = self.values.exact("output", "csv", "step")
+        if step is not None:
+            given["table_step"] = step
+        return OutputSpec(**given)
+
+    def _gcode(self, table: dict[str, Any]) -> GcodeSpec:
+        mm = self._mm
+        given = _given(
+            table,
+            {
+                "tool_diameter": mm,
+                "spindle_speed": 1.0,
+                "feed": mm,
+                "plunge_feed": mm,
+                "pass_depth": mm,
+                "safe_height": mm,
+            },
+        )
+        if "tool_number" in table:
+            given["tool_number"] = int(table["tool_number"])
+        machine = table.get("machine", MACHINES[0])
+        if machine not in MACHINES:
+            machine = str(beside(self.values.scene.file, machine))
+        return GcodeSpec(machine=machine, **given)
+
+    def _engine(self, table: Path, make: Callable[[], Built]) -> Built | None:
+        """What `make` builds; None, with a fault of the table's key, if geometry forbids it."""
+        try:
+            return make()
+        except GeometryError as error:
+            path = _path(error.key)
+            if path[: len(table)] != table:
+                path = table + path
+            self.faults.append(self.values.scene.fault(path, error.message))
+            return None
+
+
+def _given(table: dict[str, Any], scales: dict[str, float]) -> dict[str, Any]:
+    """The keys of `scales` that the table has, scaled; for the rest the dataclass has defaults."""
+    return {key: scale * table[key] for key, scale in scales.items() if key in table}
+
+
+def _path(key: str) -> Path:
+    """The path that is spelled `key`."""
+    return tuple(
+        int(position) - 1 if position else name for name, position in PATH_STEP.findall(key)
+    )

@@ -1,0 +1,173 @@
+"""The TOML text of a scene as a tree of plain values, numbers as they were written."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from collections.abc import Iterator
+from dataclasses import dataclass
+from decimal import Decimal
+from typing import Any, Final
+
+from camgeo.errors import Fault, SceneError
+from camgeo.scene.keys import Path, spelled, value_at
+from camgeo.scene.lines import key_lines, line_of
+
+MOST_BYTES: Final = 2_000_000
+"""Size of the largest scene file: 10,000 segments with generous comments."""
+
+LONGEST_VALUE: Final = 60
+"""Characters shown of a value."""
+
+INTEGER_BITS: Final = 64
+"""TOML's integers; a longer one is no size of a cam, and costs time to print."""
+
+DEEPEST: Final = 16
+"""Depth of nesting that is read at all; a scene needs 4."""
+
+BYTE_ORDER_MARK: Final = "\ufeff"
+
+TOML_PLACE: Final = re.compile(r" \(at (?:line (?P<line>\d+), column \d+|end of document)\)$")
+"""The place that tomllib appends to its messages."""
+
+
+@dataclass(frozen=True, slots=True)
+class Document:
+    """A TOML file taken apart.
+
+    Attributes
+    ----------
+    file : path as given, or empty.
+    exact : the tree with each decimal number as a Decimal, exactly as written.
+    plain : the same tree with floats; None stands where a value can be no value of a scene.
+    faults : what is wrong at those places.
+    bad : their paths.
+    lines : lines of the keys.
+    """
+
+    file: str
+    exact: dict[str, Any]
+    plain: dict[str, Any]
+    faults: tuple[Fault, ...]
+    bad: frozenset[Path]
+    lines: dict[Path, int]
+
+    def fault(self, path: Path, message: str, hint: str = "") -> Fault:
+        """A fault of the value at `path`, which need not exist, with its line."""
+        return Fault(spelled(path), written(self.at(path)), message, hint, self.line(path))
+
+    def line(self, path: Path) -> int | None:
+        """Line of `path`, else of what is around it."""
+        return line_of(path, self.lines)
+
+    def at(self, path: Path) -> Any:
+        """The exact value at `path`, or None if there is none."""
+        return value_at(self.exact, path)
+
+
+def document(data: bytes, file: str) -> Document:
+    """Take the bytes of a scene apart; raises SceneError if they are no TOML."""
+    text = _text(data, file)
+    try:
+        exact = tomllib.loads(text, parse_float=Decimal)
+        leaves = list(_leaves(exact))
+    except tomllib.TOMLDecodeError as error:
+        place = TOML_PLACE.search(str(error))
+        message = TOML_PLACE.sub("", str(error))
+        line = int(place["line"]) if place and place["line"] else None
+        if place and line is None:
+            message += " before the end of the file"
+        raise _refused(f"is not valid TOML: {message}", file, line) from error
+    except RecursionError as error:
+        raise _refused("is nested too deeply for a scene", file) from error
+    except (ValueError, ArithmeticError) as error:
+        # Python refuses to read an integer of thousands of digits.
+        raise _refused("holds a number with too many digits", file) from error
+    if not exact:
+        raise _refused("is empty; `camgeo new` writes a scene to start from", file)
+    lines = key_lines(text.replace("\r\n", "\n"))
+    found = [(path, value, trouble) for path, value in leaves if (trouble := _trouble(value))]
+    faults = tuple(
+        Fault(spelled(path), written(value), trouble, "", line_of(path, lines))
+        for path, value, trouble in found
+    )
+    bad = frozenset(path for path, _, _ in found)
+    return Document(file, exact, _plain(exact), faults, bad, lines)
+
+
+def written(value: Any) -> str:
+    """Return a value as it stands in TOML, cut if it is long; nothing for a table or for None."""
+    if value is None or isinstance(value, dict):
+        return ""
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, str):
+        text = '"' + value[: LONGEST_VALUE + 1].replace("\\", "\\\\").replace('"', '\\"') + '"'
+        text = "".join(c if c.isprintable() else f"\\u{ord(c):04X}" for c in text)
+    elif isinstance(value, list):
+        if any(isinstance(item, dict | list) for item in value):
+            return ""
+        text = "[" + ", ".join(written(item) for item in value[:LONGEST_VALUE]) + "]"
+    elif isinstance(value, int) and value.bit_length() > INTEGER_BITS:
+        text = hex(value)
+    else:
+        text = str(value).lower().replace("infinity", "inf").replace("e+", "e")
+    return text if len(text) <= LONGEST_VALUE else text[:LONGEST_VALUE] + "..."
+
+
+def _text(data: bytes, file: str) -> str:
+    if len(data) > MOST_BYTES:
+        raise _refused(f"is larger than {MOST_BYTES:,} bytes, too large for a scene", file)
+    try:
+        text = data.decode("utf-8")
+    except UnicodeDecodeError as error:
+        line = data.count(b"\n", 0, error.start) + 1
+        raise _refused("is not UTF-8 text; save it in that encoding", file, line) from error
+    if text.startswith(BYTE_ORDER_MARK):
+        raise _refused("starts with a byte order mark; save it as UTF-8 without BOM", file, 1)
+    if not text.strip():
+        raise _refused("is empty; `camgeo new` writes a scene to start from", file)
+    return text
+
+
+def _refused(message: str, file: str, line: int | None = None) -> SceneError:
+    """An error of the file as a whole."""
+    return SceneError([Fault("", "", f"the scene {message}", line=line)], file)
+
+
+def _leaves(value: Any, path: Path = ()) -> Iterator[tuple[Path, Any]]:
+    if len(path) > DEEPEST:
+        raise RecursionError
+    if isinstance(value, dict):
+        for key, item in value.items():
+            yield from _leaves(item, (*path, key))
+    elif isinstance(value, list):
+        for index, item in enumerate(value):
+            yield from _leaves(item, (*path, index))
+    else:
+        yield path, value
+
+
+def _trouble(value: Any) -> str:
+    """What makes a single value no value of any scene, or nothing."""
+    if isinstance(value, Decimal):
+        if not value.is_finite():
+            return "must be a finite number"
+        if not abs(float(value)) < float("inf"):
+            return "is too large for a number"
+    elif isinstance(value, int):
+        if value.bit_length() > INTEGER_BITS:
+            return "is too large for a number"
+    elif not isinstance(value, str):
+        return "a date or time has no place in a scene"
+    return ""
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _plain(item) for key, item in value.items()}
+    if isinstance(value, list):
+        return [_plain(item) for item in value]
+    if _trouble(value):
+        return None
+    return float(value) if isinstance(value, Decimal) else value

@@ -1,0 +1,87 @@
+"""What a scene file says, converted to millimetres and radians: the input of a `Design`."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from decimal import Decimal
+
+from camgeo.check.limits import Limits
+from camgeo.files.specs import DxfSpec
+from camgeo.mechanism.oscillating_roller import OscillatingRoller
+from camgeo.mechanism.slider_crank import SliderCrank
+from camgeo.mechanism.translating_roller import TranslatingRoller
+from camgeo.motion.plan import MotionPlan
+from camgeo.part.spec import Contact, PartSpec
+from camgeo.toolpath.spec import GcodeSpec
+from camgeo.units import LengthUnit
+
+Follower = TranslatingRoller | OscillatingRoller
+
+
+@dataclass(frozen=True, slots=True)
+class OutputSpec:
+    """`[output]`: what is written, and how exactly.
+
+    Attributes
+    ----------
+    formats : names of the writers, in the order of the scene.
+    tolerance : largest deviation of any written contour from the exact curve [mm].
+    dxf : how curves are drawn.
+    gcode : tool, feeds and machine; None if the scene has no `[output.gcode]`.
+    table_step : step of the value table [degrees], exactly as written, so that its rows fall on the
+        angles that the designer wrote.
+    """
+
+    formats: tuple[str, ...] = ("dxf",)
+    tolerance: float = 0.001
+    dxf: DxfSpec = field(default_factory=DxfSpec)
+    gcode: GcodeSpec | None = None
+    table_step: Decimal = Decimal(1)
+
+
+@dataclass(frozen=True, slots=True)
+class SceneSource:
+    """Where a scene came from.
+
+    Attributes
+    ----------
+    file : path as given, or empty for a scene that was not read from a file.
+    sha256 : of the file's bytes, hexadecimal.
+    """
+
+    file: str = ""
+    sha256: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Scene:
+    """One scene; lengths in mm, angles in rad, unless said otherwise.
+
+    Attributes
+    ----------
+    name : of the design, the stem of its files.
+    unit : of length in the scene file; drawings, programs and tables are written in it.
+    rotation : sense in which the disc turns, +1 counter-clockwise, -1 clockwise.
+    speed : of the disc, positive [rad/s]; None if the scene gives none.
+    plan : the motion; of the slider if there is a linkage, else of the follower.
+    follower : what rolls on the disc.
+    linkage : between motion and rocker; None if the motion is the follower's own.
+    contact : the flank on which the roller runs.
+    limits : what the design is held to.
+    part : the disc as a body; None if the scene has no `[part]`.
+    output : what is written.
+    source : where the scene came from.
+    """
+
+    name: str
+    unit: LengthUnit
+    rotation: int
+    speed: float | None
+    plan: MotionPlan
+    follower: Follower
+    linkage: SliderCrank | None = None
+    contact: Contact = "inner"
+    limits: Limits = field(default_factory=Limits)
+    part: PartSpec | None = None
+    output: OutputSpec = field(default_factory=OutputSpec)
+    source: SceneSource = field(default_factory=SceneSource)

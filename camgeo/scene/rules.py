@@ -1,0 +1,261 @@
+"""Rules between the keys of a scene, which a schema cannot state."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from decimal import Context, Decimal, Inexact
+from typing import Final
+
+from camgeo.errors import Fault
+from camgeo.scene.folder import beside
+from camgeo.scene.model import OutputSpec
+from camgeo.scene.sound import SoundValues
+
+TURN: Final = Decimal(360)
+"""What the spans add up to [degrees]."""
+
+SHORTEST_SPAN: Final = Decimal("1e-6")
+"""Shortest segment [degrees]; below it, velocities leave what a double can resolve."""
+
+SPAN_DIGITS: Final = 60
+"""Digits with which spans are added; a span that needs more is no angle anyone wrote."""
+
+WIDEST_SWING: Final = 180.0
+"""Largest rocker angle [degrees]; a rocker never swings through the cam axis."""
+
+SMALLEST_TOLERANCE: Final = 1e-7
+"""[mm]; below it, rounding of the files' decimals would exceed the tolerance."""
+
+LARGEST_TOLERANCE: Final = 1.0
+"""[mm]"""
+
+FINEST_PART: Final = 1e-10
+"""Smallest ratio of tolerance to the mechanism's largest length: 200,000 chords a turn."""
+
+COARSEST_PART: Final = 0.1
+"""Largest ratio of tolerance to the base radius: beyond it the contour is no cam any more."""
+
+SOLID_FORMATS: Final = ("stl", "3mf", "gcode")
+"""Formats that need the disc as a body."""
+
+DEFAULT_TOLERANCE: Final = OutputSpec().tolerance
+
+MACHINES: Final = ("linuxcnc",)
+"""Machine profiles that come with camgeo; any other is a file."""
+
+Rule = Callable[[SoundValues], Iterator[Fault]]
+
+
+def broken_rules(values: SoundValues) -> list[Fault]:
+    """Return the faults of all rules."""
+    return [fault for rule in RULES for fault in rule(values)]
+
+
+def spans_add_up(values: SoundValues) -> Iterator[Fault]:
+    """The spans add up to one turn, exactly as they are written."""
+    spans: list[Decimal] = []
+    for index in range(values.segments):
+        dwells = values.has("motion", index, "dwell")
+        if dwells and values.has("motion", index, "span"):
+            return
+        key = "dwell" if dwells else "span"
+        span = values.exact("motion", index, key)
+        if span is None:
+            return
+        if 0 < span < SHORTEST_SPAN:
+            message = "must be 0, or from 1e-6 to 360 (degrees)"
+            yield values.scene.fault(("motion", index, key), message)
+        spans.append(span)
+    if not spans:
+        return
+    adding = Context(prec=SPAN_DIGITS, traps=[Inexact])
+    total = Decimal(0)
+    try:
+        for span in spans:
+            total = adding.add(total, span)
+    except Inexact:
+        message = f"the spans have more digits than can be added exactly ({SPAN_DIGITS})"
+        yield values.scene.fault(("motion",), message)
+        return
+    if total != TURN:
+        message = f"the spans add up to {total.normalize():f} degrees; they must add up to 360"
+        yield values.scene.fault(("motion",), message)
+
+
+def motion_returns(values: SoundValues) -> Iterator[Fault]:
+    """The motion starts at 0 and ends there."""
+    for index in reversed(range(values.segments)):
+        place = ("motion", index, "to")
+        if values.has(*place):
+            if values.get(*place):
+                message = "the motion starts at 0 and must return to 0 with its last move"
+                yield values.scene.fault(place, message)
+            return
+        if not values.sound("motion", index):
+            return
+
+
+def swing_is_possible(values: SoundValues) -> Iterator[Fault]:
+    """A rocker's own motion is given in degrees and stays on its side of the cam axis."""
+    if not values.angular:
+        return
+    for index in range(values.segments):
+        end = values.get("motion", index, "to")
+        if end is not None and not abs(end) < WIDEST_SWING:
+            message = (
+                "must lie between -180 and 180: without a linkage the motion of an oscillating "
+                "follower is given in degrees"
+            )
+            yield values.scene.fault(("motion", index, "to"), message)
+
+
+def linkage_drives_a_rocker(values: SoundValues) -> Iterator[Fault]:
+    """Only a rocker can be driven through a linkage."""
+    if values.has("linkage") and values.get("follower", "kind") == "translating-roller":
+        message = 'a linkage drives a rocker: it needs kind = "oscillating-roller"'
+        yield values.scene.fault(("follower", "kind"), message)
+
+
+def formats_have_what_they_need(values: SoundValues) -> Iterator[Fault]:
+    """Solids and milling need a body, milling needs a tool."""
+    formats = values.get("output", "formats") or ()
+    for index, name in enumerate(formats):
+        place = ("output", "formats", index)
+        if name in SOLID_FORMATS and values.lacks("part", "thickness"):
+            message = "needs [part] thickness"
+            yield values.scene.fault(place, message)
+        if name == "gcode" and values.lacks("output", "gcode"):
+            yield values.scene.fault(place, "needs [output.gcode] with tool_diameter")
+        if (
+            name in SOLID_FORMATS
+            and values.get("follower", "contact") == "groove"
+            and values.lacks("part", "groove_depth")
+        ):
+            yield values.scene.fault(place, "needs [part] groove_depth, for the cam is a groove")
+
+
+def contact_and_part_agree(values: SoundValues) -> Iterator[Fault]:
+    """The part has the boundaries that its contact asks for, and no others."""
+    if not values.sound("follower", "contact"):
+        return
+    contact = values.get("follower", "contact") or "inner"
+    if contact in ("outer", "groove") and values.lacks("part", "rim"):
+        message = "needs [part] rim, the diameter of the blank"
+        yield values.scene.fault(("follower", "contact"), message)
+    if contact == "inner" and values.has("part", "rim"):
+        message = 'belongs to contact "outer" or "groove"; the outline of this cam is its flank'
+        yield values.scene.fault(("part", "rim"), message)
+    if contact != "groove" and values.has("part", "groove_depth"):
+        yield values.scene.fault(("part", "groove_depth"), 'belongs to contact "groove"')
+    if contact == "outer" and values.has("part", "bore"):
+        message = 'has no place in a cam with contact "outer": the roller runs where it would be'
+        yield values.scene.fault(("part", "bore"), message)
+
+
+def part_is_possible(values: SoundValues) -> Iterator[Fault]:
+    """Groove within the thickness, keyway within the bore."""
+    depth = values.get("part", "groove_depth")
+    thickness = values.get("part", "thickness")
+    if depth is not None and thickness is not None and not depth < thickness:
+        message = f"must be less than the thickness, {thickness:g}"
+        yield values.scene.fault(("part", "groove_depth"), message)
+    if values.has("part", "keyway") and values.lacks("part", "bore"):
+        yield values.scene.fault(("part", "keyway"), "needs [part] bore")
+    bore = values.get("part", "bore")
+    width = values.get("part", "keyway", "width")
+    if bore is not None and width is not None and not width < bore:
+        message = f"must be less than the bore, {bore:g}"
+        yield values.scene.fault(("part", "keyway", "width"), message)
+
+
+def tool_fits(values: SoundValues) -> Iterator[Fault]:
+    """The end mill fits into what it has to mill."""
+    place = ("output", "gcode", "tool_diameter")
+    tool = values.get(*place)
+    if tool is None:
+        return
+    roller = values.get("follower", "roller_radius")
+    contact = values.get("follower", "contact")
+    if contact == "groove" and roller is not None and tool > 2.0 * roller:
+        message = f"must not exceed the width of the groove, the roller's diameter {2 * roller:g}"
+        yield values.scene.fault(place, message)
+    bore = values.get("part", "bore")
+    if contact != "outer" and bore is not None and tool > bore:
+        yield values.scene.fault(place, f"must not exceed the bore to be milled, {bore:g}")
+
+
+def tolerance_is_possible(values: SoundValues) -> Iterator[Fault]:
+    """The tolerance is within its limits, and in proportion to the mechanism."""
+    place = ("output", "tolerance")
+    if not values.sound("units"):
+        return
+    if values.has(*place):
+        given = values.get(*place)
+        if given is None:
+            return
+        tolerance = given * values.mm
+        if not SMALLEST_TOLERANCE <= tolerance <= LARGEST_TOLERANCE:
+            message = "must be a length of 1e-7 mm to 1 mm"
+            if values.unit != "mm":
+                message += f'; it is given in the scene\'s unit, "{values.unit}"'
+            yield values.scene.fault(place, message)
+            return
+    else:
+        tolerance = DEFAULT_TOLERANCE
+    base = values.get("follower", "base_radius")
+    size = _largest_length(values)
+    if base is None or size is None:
+        return
+    base, size = base * values.mm, size * values.mm
+    what = "" if values.has(*place) else f"is not given; its default, {tolerance:g} mm, "
+    if tolerance < FINEST_PART * size:
+        message = f"must be at least {FINEST_PART:g} of the largest length, {size:g} mm"
+        yield values.scene.fault(place, what + message)
+    if tolerance > COARSEST_PART * base:
+        message = f"must be at most {COARSEST_PART:g} of the base radius, {base:g} mm"
+        yield values.scene.fault(place, what + message)
+
+
+def machine_file_is_at_hand(values: SoundValues) -> Iterator[Fault]:
+    """A machine profile named by its path lies in the scene's folder."""
+    place = ("output", "gcode", "machine")
+    machine = values.get(*place)
+    if machine is None or machine in MACHINES:
+        return
+    profile = beside(values.scene.file, machine)
+    if profile is None:
+        yield values.scene.fault(place, "must not leave the folder of the scene")
+    elif not profile.is_file():
+        yield values.scene.fault(place, "is no file in the folder of the scene")
+
+
+def _largest_length(values: SoundValues) -> float | None:
+    """The mechanism's largest length, in the scene's unit."""
+    if not (values.sound("follower") and values.sound("motion")):
+        return None
+    lengths: list[float] = [
+        abs(values.get("follower", key) or 0.0)
+        for key in ("base_radius", "roller_radius", "offset", "arm")
+    ]
+    pivot = values.get("follower", "pivot")
+    if pivot is not None:
+        lengths.append(math.hypot(*pivot))
+    if not values.angular:
+        ends = (values.get("motion", index, "to") for index in range(values.segments))
+        lengths.extend(abs(end) for end in ends if end is not None)
+    return max(lengths)
+
+
+RULES: Final[tuple[Rule, ...]] = (
+    spans_add_up,
+    motion_returns,
+    swing_is_possible,
+    linkage_drives_a_rocker,
+    formats_have_what_they_need,
+    contact_and_part_agree,
+    part_is_possible,
+    tool_fits,
+    tolerance_is_possible,
+    machine_file_is_at_hand,
+)

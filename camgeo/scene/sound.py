@@ -1,0 +1,76 @@
+"""The sound values of a scene: its rules are checked beside what is known to be wrong."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from decimal import Decimal
+from typing import Any
+
+from camgeo.scene.document import Document
+from camgeo.scene.keys import Path, value_at
+from camgeo.units import MM_PER, LengthUnit
+
+
+class SoundValues:
+    """A scene without the values that are known to be wrong.
+
+    A rule asks for what it compares and keeps silent where anything is missing, so that no fault
+    follows from another one.
+    """
+
+    def __init__(
+        self, scene: Document, bad: Collection[Path] = (), meant: Collection[Path] = ()
+    ) -> None:
+        self.scene = scene
+        self._bad = frozenset(bad)
+        self._around_bad = {path[:end] for path in bad for end in range(len(path) + 1)}
+        self._meant = frozenset(meant)
+
+    def sound(self, *path: str | int) -> bool:
+        """Tell whether nothing is wrong at `path`, around it or in it."""
+        if path in self._around_bad:
+            return False
+        return not any(path[:end] in self._bad for end in range(len(path) + 1))
+
+    def has(self, *path: str | int) -> bool:
+        """Tell whether the scene names the key, rightly or wrongly."""
+        return self.scene.at(path) is not None
+
+    def lacks(self, *path: str | int) -> bool:
+        """Tell whether the scene neither names the key nor, by a misspelt one, meant to."""
+        meant = any(path[:end] in self._meant for end in range(1, len(path) + 1))
+        return not meant and not self.has(*path)
+
+    def get(self, *path: str | int) -> Any:
+        """Value at `path`; None if it is absent or not sound."""
+        if not self.sound(*path):
+            return None
+        return value_at(self.scene.plain, path)
+
+    def exact(self, *path: str | int) -> Decimal | None:
+        """Number at `path` exactly as written; None if it is absent or not sound."""
+        if self.get(*path) is None:
+            return None
+        return Decimal(self.scene.at(path))
+
+    @property
+    def unit(self) -> LengthUnit:
+        """The scene's unit of length, mm if it is not sound."""
+        return "inch" if self.get("units", "length") == "inch" else "mm"
+
+    @property
+    def mm(self) -> float:
+        """Millimetres per unit of length."""
+        return MM_PER[self.unit]
+
+    @property
+    def segments(self) -> int:
+        """Number of segments of the motion, 0 if `motion` is no list."""
+        motion = self.scene.plain.get("motion")
+        return len(motion) if isinstance(motion, list) else 0
+
+    @property
+    def angular(self) -> bool:
+        """Whether positions of the motion are angles: an oscillating follower without linkage."""
+        kind = self.get("follower", "kind")
+        return kind == "oscillating-roller" and self.lacks("linkage")

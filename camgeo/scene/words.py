@@ -1,0 +1,175 @@
+"""Faults of a scene against its schema, in the words of a designer."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any, Final
+
+from jsonschema_rs import ValidationError
+
+from camgeo.errors import Fault
+from camgeo.scene.document import Document
+from camgeo.scene.keys import Path, quoted
+from camgeo.scene.schema import Node, definition, node_at, resolved, schema, validator
+
+TYPES: Final = {
+    "array": "a list in square brackets",
+    "boolean": "true or false, without quotes",
+    "integer": "a whole number",
+    "number": "a number",
+    "object": "a table",
+    "string": "text in quotes",
+}
+
+
+MOST_FAULTS: Final = 1000
+"""Faults told of one scene; a file with more is no scene with mistakes, but something else."""
+
+
+@dataclass(frozen=True, slots=True)
+class Verdict:
+    """What the schema says of a scene.
+
+    Attributes
+    ----------
+    faults : in words.
+    bad : paths of the values that are at fault; nothing is to be concluded from them.
+    meant : paths of the keys that are missing but, by their spelling, were meant.
+    """
+
+    faults: tuple[Fault, ...]
+    bad: frozenset[Path]
+    meant: frozenset[Path]
+
+
+def judge(scene: Document) -> Verdict:
+    """Hold a scene against the schema."""
+    told = itertools.islice(validator().iter_errors(scene.plain), MOST_FAULTS)
+    errors = [(tuple(error.instance_path), error) for error in told]
+    faults: list[Fault] = []
+    meant: set[Path] = set()
+    excused: set[Path] = set()
+    unknown: set[Path] = set()
+    for path, error in errors:
+        if error.kind.name == "additionalProperties":
+            for name in error.kind.as_dict()["unexpected"][:MOST_FAULTS]:
+                fault, known, sibling = _unknown_key(scene, path, name, error)
+                faults.append(fault)
+                unknown.add((*path, name))
+                if known:
+                    meant.add((*path, known))
+                if sibling:
+                    excused.add(path)
+    bad = set(scene.bad) | unknown
+    for path, error in errors:
+        if error.kind.name == "additionalProperties":
+            continue
+        if error.kind.name == "required":
+            name = str(error.kind.as_dict()["property"])
+            bad.add((*path, name))
+            if (*path, name) not in meant and path not in excused:
+                faults.append(_missing(scene, (*path, name), error))
+        elif path not in scene.bad:
+            bad.add(path)
+            fault = _refused(scene, path, error)
+            if fault not in faults:
+                faults.append(fault)
+    if len(errors) == MOST_FAULTS or len(faults) >= MOST_FAULTS:
+        # What was not looked at may be wrong too: nothing of the scene counts as sound.
+        bad.add(())
+        faults = [*faults[:MOST_FAULTS], Fault("", "", "there are more faults than are told here")]
+    return Verdict(tuple(faults), frozenset(bad), frozenset(meant))
+
+
+def _missing(scene: Document, path: Path, error: ValidationError) -> Fault:
+    node = resolved(node_at(error.evaluation_path).get("properties", {}).get(path[-1], {}))
+    return scene.fault(path, f"is missing: {node.get('description', 'it is needed')}".rstrip("."))
+
+
+def _refused(scene: Document, path: Path, error: ValidationError) -> Fault:
+    node = node_at(error.evaluation_path)
+    value = scene.at(path)
+    hint = ""
+    choices: list[Any] = node.get("enum") or node.get("x-values") or []
+    values = [str(item) for item in choices]
+    if isinstance(value, str):
+        if value in node.get("x-later", []):
+            choice = ", ".join(f'"{item}"' for item in values)
+            return scene.fault(path, f"is not available in this version; available: {choice}")
+        close = nearest(value, values)
+        if close:
+            hint = f'did you mean "{close}"?'
+        elif error.kind.name == "type" and _reads_as_number(value):
+            hint = "leave out the quotes"
+    return scene.fault(path, allowed(node), hint)
+
+
+def allowed(node: Node) -> str:
+    """Return what a node of the schema allows, in words: "must be ..."."""
+    if "x-allowed" in node:
+        return str(node["x-allowed"])
+    if "enum" in node:
+        return "must be one of " + ", ".join(f'"{item}"' for item in node["enum"])
+    text = "must be " + TYPES[node["type"]]
+    lowest = node.get("minimum", node.get("exclusiveMinimum"))
+    highest = node.get("maximum", node.get("exclusiveMaximum"))
+    if lowest is not None and highest is not None:
+        above = " above" if "exclusiveMinimum" in node else " from"
+        below = " to" if "maximum" in node else " and below"
+        text += f"{above} {lowest:g}{below} {highest:g}"
+    unit = node.get("x-unit")
+    return f"{text} ({unit})" if unit else text
+
+
+def nearest(word: str, words: Iterable[str]) -> str:
+    """Return the word that was probably meant, or nothing."""
+    import difflib  # only a scene with a fault needs it
+
+    by_lower = {item.lower(): item for item in words}
+    close = difflib.get_close_matches(word[:100].lower(), by_lower, n=1)
+    return by_lower[close[0]] if close else ""
+
+
+def _unknown_key(
+    scene: Document, path: Path, name: str, error: ValidationError
+) -> tuple[Fault, str, bool]:
+    """The fault, the key of the same table that was meant, and whether a sibling's key was."""
+    node = node_at(error.evaluation_path)
+    place = (*path, name)
+    if "x-unknown" in node:
+        return scene.fault(place, node["x-unknown"]), "", False
+    if name in node.get("x-later", []):
+        return scene.fault(place, "is not available in this version"), "", False
+    siblings = [definition(sibling) for sibling in node.get("x-siblings", [])]
+    for sibling in siblings:
+        if name in sibling["properties"]:
+            message = f"belongs to {sibling['title']}; this is {node['title']}"
+            return scene.fault(place, message), "", False
+    table: Any = scene.at(path)
+    free = [key for key in node["properties"] if key not in table]
+    known = nearest(name, free)
+    if known:
+        return scene.fault(place, "is not a known key", _did_you_mean(known)), known, False
+    for sibling in siblings:
+        key = nearest(name, sibling["properties"])
+        if key:
+            return scene.fault(place, "is not a known key", _did_you_mean(key)), "", True
+    if path and name in schema()["properties"]:
+        message = f"belongs to the top of the file; it stands in [{quoted(str(path[0]))}] here"
+        return scene.fault(place, message), "", False
+    keys = ", ".join(node["properties"])
+    return scene.fault(place, f"is not a known key; known here: {keys}"), "", False
+
+
+def _did_you_mean(key: str) -> str:
+    return f"did you mean {key}?"
+
+
+def _reads_as_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True

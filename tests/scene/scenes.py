@@ -1,0 +1,144 @@
+"""Scenes for the tests of the loader: one that is right, and ways to spoil it."""
+
+from __future__ import annotations
+
+import pathlib
+
+from camgeo.scene.load import parse_scene
+from camgeo.scene.model import Scene
+
+FIXTURES = pathlib.Path(__file__).parents[2] / "fixtures" / "scenes"
+
+PLATE = """\
+camgeo = 1
+name = "plate"
+[units]
+length = "mm"
+[cam]
+rotation = "ccw"
+speed = 60
+[follower]
+kind = "translating-roller"
+base_radius = 50
+roller_radius = 10
+offset = 12
+[[motion]]
+dwell = 30
+[[motion]]
+law = "modified-sine"
+span = 100
+to = 20
+[[motion]]
+dwell = 40
+[[motion]]
+law = "polynomial-345"
+span = 120
+to = 0
+inflection = 0.4
+[[motion]]
+dwell = 70
+[limits]
+transmission_angle = 60
+radius_ratio = 0.7
+[part]
+thickness = 12
+bore = 20
+keyway = { width = 6, depth = 2.8 }
+[output]
+formats = ["dxf", "gcode", "stl", "3mf", "csv", "svg", "png"]
+tolerance = 0.001
+[output.dxf]
+entity = "arcs"
+[output.gcode]
+machine = "linuxcnc"
+tool_diameter = 8
+[output.csv]
+step = 0.5
+"""
+
+ROCKER = """\
+camgeo = 1
+name = "rocker"
+[cam]
+rotation = "cw"
+[follower]
+kind = "oscillating-roller"
+pivot = [-96, -72]
+arm = 80
+base_radius = 55
+roller_radius = 10
+[[motion]]
+law = "polynomial-345"
+span = 160
+to = 25
+[[motion]]
+law = "cycloidal"
+span = 200
+to = 0
+"""
+
+LINKED = """\
+camgeo = 1
+name = "linked"
+[cam]
+rotation = "cw"
+[follower]
+kind = "oscillating-roller"
+pivot = [-34.81, -84.39]
+arm = 84.9
+base_radius = 47.654
+roller_radius = 9.5
+direction = "outward"
+[linkage]
+kind = "slider-crank"
+crank = 42
+coupler = 75.38
+crank_deflection = 6.3
+crank_leans = "away"
+stroke_direction = "left"
+branch = "cw"
+[[motion]]
+law = "polynomial-345"
+span = 160
+to = 5.5
+[[motion]]
+law = "inclined-sine"
+span = 200
+to = 0
+"""
+
+GROOVE = """\
+camgeo = 1
+name = "groove"
+[cam]
+rotation = "cw"
+[follower]
+kind = "translating-roller"
+base_radius = 60
+roller_radius = 8
+contact = "groove"
+[[motion]]
+dwell = 360
+[part]
+thickness = 20
+rim = 200
+groove_depth = 10
+bore = 25
+[output]
+formats = ["dxf", "stl", "gcode"]
+[output.gcode]
+tool_diameter = 10
+"""
+
+
+def spoilt(scene: str, *changes: tuple[str, str]) -> str:
+    """The scene with each first text, which stands in it once, replaced by the second."""
+    for old, new in changes:
+        assert scene.count(old) == 1, old
+        scene = scene.replace(old, new)
+    return scene
+
+
+def loaded(scene: str, *changes: tuple[str, str]) -> Scene:
+    """The scene, changed and loaded."""
+    return parse_scene(spoilt(scene, *changes))

@@ -1,0 +1,141 @@
+"""Values are converted once: lengths to mm, angles to rad, speeds to rad/s."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from decimal import Decimal
+
+import pytest
+
+from camgeo.mechanism.oscillating_roller import OscillatingRoller
+from camgeo.mechanism.translating_roller import TranslatingRoller
+from camgeo.motion.plan import Dwell, Move
+from camgeo.part.spec import Keyway, PartSpec
+from camgeo.scene.model import OutputSpec
+from camgeo.toolpath.spec import GcodeSpec
+from tests.scene.scenes import GROOVE, LINKED, PLATE, ROCKER, loaded
+
+
+def test_plate() -> None:
+    scene = loaded(PLATE)
+    assert (scene.name, scene.unit, scene.rotation, scene.contact) == ("plate", "mm", 1, "inner")
+    assert scene.speed == pytest.approx(2.0 * math.pi, rel=1e-15)
+    assert scene.follower == TranslatingRoller(50.0, 10.0, offset=12.0)
+    assert scene.linkage is None
+    assert scene.limits.transmission_angle == math.radians(60.0)
+    assert scene.limits.radius_ratio == 0.7
+    assert scene.part == PartSpec(thickness=12.0, bore=20.0, keyway=Keyway(6.0, 2.8, 0.0))
+    assert scene.output.formats == ("dxf", "gcode", "stl", "3mf", "csv", "svg", "png")
+    assert scene.output.tolerance == 0.001
+    assert scene.output.gcode == GcodeSpec(tool_diameter=8.0)
+    assert scene.output.table_step == Decimal("0.5")
+
+
+def test_motion() -> None:
+    first, rise, second, fall, third = loaded(PLATE).plan.segments
+    assert (first, second, third) == (Dwell(Decimal(30)), Dwell(Decimal(40)), Dwell(Decimal(70)))
+    assert isinstance(rise, Move)
+    assert isinstance(fall, Move)
+    assert (rise.span, rise.to, rise.law.name) == (Decimal(100), 20.0, "modified-sine")
+    assert rise.law.inflection == 0.5
+    assert (fall.law.name, fall.law.inflection) == ("polynomial-345", 0.4)
+
+
+def test_spans_stay_as_written() -> None:
+    scene = loaded(PLATE, ("dwell = 40", "dwell = 39.9"), ("dwell = 70", "dwell = 70.1"))
+    spans = [segment.span for segment in scene.plan.segments]
+    assert spans == [Decimal(30), Decimal(100), Decimal("39.9"), Decimal(120), Decimal("70.1")]
+
+
+def test_empty_dwells_are_left_out() -> None:
+    scene = loaded(PLATE, ("dwell = 40", "dwell = 0.0"), ("dwell = 70", "dwell = 110"))
+    assert len(scene.plan.segments) == 4
+
+
+def test_rocker_moves_in_degrees() -> None:
+    scene = loaded(ROCKER)
+    rise = scene.plan.segments[0]
+    assert isinstance(rise, Move)
+    assert rise.to == math.radians(25.0)
+    assert scene.follower == OscillatingRoller(complex(-96.0, -72.0), 80.0, 55.0, 10.0, 1, 1)
+    assert scene.speed is None
+    assert scene.part is None
+    assert scene.output == OutputSpec()
+    assert (scene.limits.transmission_angle, scene.limits.radius_ratio) == (None, 0.7)
+    inward = loaded(ROCKER, ("arm = 80", 'arm = 80\narm_side = "cw"\ndirection = "inward"'))
+    assert isinstance(inward.follower, OscillatingRoller)
+    assert (inward.follower.arm_side, inward.follower.direction) == (-1, -1)
+
+
+def test_alias_of_a_law() -> None:
+    fall = loaded(ROCKER).plan.segments[1]
+    assert isinstance(fall, Move)
+    assert fall.law.name == "inclined-sine"
+
+
+def test_linkage_moves_in_lengths() -> None:
+    scene = loaded(LINKED)
+    rise = scene.plan.segments[0]
+    assert isinstance(rise, Move)
+    assert rise.to == 5.5
+    assert isinstance(scene.follower, OscillatingRoller)
+    assert scene.follower.direction is None
+    linkage = scene.linkage
+    assert linkage is not None
+    assert (linkage.crank, linkage.coupler, linkage.deflection) == (42.0, 75.38, math.radians(6.3))
+    assert linkage.leans_away
+    assert (linkage.slider_side, linkage.stroke_direction, linkage.branch) == (1, 1, 1)
+    assert not linkage.mirrored
+
+
+def test_linkage_words() -> None:
+    scene = loaded(
+        LINKED,
+        ('direction = "outward"\n', ""),
+        ('leans = "away"', 'leans = "toward"\nslider_side = "right"\nmirrored = true'),
+        ('"left"', '"right"'),
+        ('branch = "cw"', 'branch = "ccw"'),
+    )
+    linkage = scene.linkage
+    assert linkage is not None
+    assert not linkage.leans_away
+    assert linkage.mirrored
+    assert (linkage.slider_side, linkage.stroke_direction, linkage.branch) == (-1, -1, -1)
+
+
+def test_direction_may_agree_with_the_linkage() -> None:
+    loaded(LINKED)
+    loaded(LINKED, ('"outward"', '"inward"'), ("crank = 42", "crank = 42\nmirrored = true"))
+
+
+def test_groove() -> None:
+    scene = loaded(GROOVE)
+    assert scene.contact == "groove"
+    assert scene.part == PartSpec(thickness=20.0, bore=25.0, rim=200.0, groove_depth=10.0)
+
+
+def test_all_of_the_milling_table() -> None:
+    table = """tool_diameter = 8
+tool_number = 3
+spindle_speed = 2500.5
+feed = 200
+plunge_feed = 50
+pass_depth = 1.5
+safe_height = 2"""
+    scene = loaded(PLATE, ("tool_diameter = 8", table))
+    assert scene.output.gcode == GcodeSpec("linuxcnc", 8.0, 3, 2500.5, 200.0, 50.0, 1.5, 2.0)
+
+
+def test_inches() -> None:
+    scene = loaded(
+        PLATE, ('"mm"', '"inch"'), ("tolerance = 0.001", "tolerance = 0.0001"), ("0.5", "0.25")
+    )
+    assert scene.unit == "inch"
+    assert scene.follower == TranslatingRoller(50 * 25.4, 10 * 25.4, offset=12 * 25.4)
+    assert scene.part == PartSpec(12 * 25.4, 20 * 25.4, Keyway(6 * 25.4, 2.8 * 25.4))
+    assert scene.output.tolerance == 0.0001 * 25.4
+    # A tool's defaults are millimetres, whatever the scene's unit.
+    assert scene.output.gcode == GcodeSpec(tool_diameter=8 * 25.4)
+    assert scene.output.table_step == Decimal("0.25")
+    assert dataclasses.replace(scene, unit="mm").speed == loaded(PLATE).speed

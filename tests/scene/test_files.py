@@ -1,0 +1,93 @@
+"""Files that are no scene at all, and where a scene came from."""
+
+from __future__ import annotations
+
+import hashlib
+import pathlib
+import subprocess
+import sys
+
+import pytest
+
+from camgeo.errors import SceneError
+from camgeo.scene.document import MOST_BYTES
+from camgeo.scene.load import load_scene, parse_scene
+from tests.scene.scenes import PLATE
+
+BYTES = [
+    (b"", "the scene is empty"),
+    (b"\n  # nothing yet\n", "the scene is empty"),
+    (b"camgeo = \n", "line 1: the scene is not valid TOML: Invalid value"),
+    (b"camgeo = 1\nname : x\n", "line 2: the scene is not valid TOML: Expected '='"),
+    (b"camgeo = 1\ncamgeo = 1\n", "line 2: the scene is not valid TOML: Cannot overwrite"),
+    (b"x = [1, 2", "not valid TOML: .* before the end of the file"),
+    (b"{\n", "not valid TOML"),
+    (b"camgeo = 1\n# gr\xfcn\n", "line 2: the scene is not UTF-8 text"),
+    (PLATE.encode("utf-16"), "the scene is not UTF-8 text"),
+    (b"\xef\xbb\xbf" + PLATE.encode(), "line 1: the scene starts with a byte order mark"),
+    (b"\x00\x01\x02", "not valid TOML"),
+    (b"x = " + 5000 * b"9", "a number with too many digits"),
+    (b"x = " + 5000 * b"[" + 5000 * b"]", "nested too deeply"),
+    (b"x = " + 250 * b"[" + 250 * b"]", "nested too deeply"),
+    (b"x" + 250 * b".x" + b" = 1", "nested too deeply"),
+    (b"#" * (MOST_BYTES + 1), "larger than 2,000,000 bytes"),
+]
+
+
+@pytest.mark.parametrize(("data", "message"), BYTES, ids=range(len(BYTES)))
+def test_no_scene(data: bytes, message: str, tmp_path: pathlib.Path) -> None:
+    file = tmp_path / "scene.toml"
+    file.write_bytes(data)
+    with pytest.raises(SceneError, match=message) as caught:
+        load_scene(file)
+    assert caught.value.file == str(file)
+    assert str(caught.value).startswith(f"{file}: 1 fault")
+
+
+def test_missing_file(tmp_path: pathlib.Path) -> None:
+    with pytest.raises(SceneError, match="there is no such file"):
+        load_scene(tmp_path / "none.toml")
+
+
+def test_folder(tmp_path: pathlib.Path) -> None:
+    with pytest.raises(SceneError, match="cannot be read: it is a folder"):
+        load_scene(tmp_path)
+
+
+def test_impossible_path() -> None:
+    with pytest.raises(SceneError, match="cannot be read"):
+        load_scene("a\0b")
+
+
+def test_text_that_no_file_can_hold() -> None:
+    with pytest.raises(SceneError, match="no text that UTF-8 can hold"):
+        parse_scene('name = "\ud800"')
+
+
+@pytest.mark.parametrize("line", ["key{} = 1\n", "[[motion]]\nkey{} = 1\n", "[[motion]]\n#{}\n"])
+def test_no_more_faults_than_anyone_reads(line: str) -> None:
+    text = PLATE + "".join(line.format(number) for number in range(3000))
+    with pytest.raises(SceneError, match="more faults than are told here") as caught:
+        parse_scene(text)
+    assert len(caught.value.faults) <= 1001
+
+
+def test_source_is_told(tmp_path: pathlib.Path) -> None:
+    file = tmp_path / "scene.toml"
+    data = PLATE.replace("\n", "\r\n").encode()
+    file.write_bytes(data)
+    source = load_scene(file).source
+    assert source.file == str(file)
+    assert source.sha256 == hashlib.sha256(data).hexdigest()
+    assert parse_scene(PLATE).source.file == ""
+
+
+def test_loading_imports_no_more_than_it_needs() -> None:
+    code = (
+        "import sys; from camgeo.scene.load import parse_scene; "
+        f"parse_scene({PLATE!r}); print(*sys.modules)"
+    )
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    modules = {name.partition(".")[0] for name in run.stdout.split()}
+    heavy = {"scipy", "shapely", "ezdxf", "trimesh", "manifold3d", "matplotlib", "camgeo_export"}
+    assert not modules & {*heavy, "jsonschema", "pydantic", "difflib"}

@@ -1,0 +1,212 @@
+"""Each fault is told with key, value, what is allowed, and the line."""
+
+from __future__ import annotations
+
+import pathlib
+import re
+
+import pytest
+
+from camgeo.errors import SceneError
+from camgeo.scene.load import parse_scene
+from tests.scene.scenes import GROOVE, LINKED, PLATE, ROCKER, spoilt
+
+Change = tuple[str, str]
+
+FAULTS: list[tuple[str, list[Change], str]] = [
+    # the frame of the format
+    (PLATE, [("camgeo = 1\n", "")], "camgeo: is missing: Version"),
+    (PLATE, [("camgeo = 1", "camgeo = 2")], "line 1: camgeo = 2: must be 1, the format version"),
+    (PLATE, [("camgeo = 1", "camgeo = true")], "camgeo = true: must be 1"),
+    (PLATE, [('"plate"', '"../plate"')], r'line 2: name = "\.\./plate": .* no path'),
+    (PLATE, [('"plate"', '"plate.toml"')], "no suffix"),
+    (PLATE, [('"plate"', '""')], "1 to 100 letters"),
+    (PLATE, [('"plate"', '"' + 101 * "a" + '"')], "1 to 100 letters"),
+    (PLATE, [('"plate"', '"plate\\n"')], "1 to 100 letters"),
+    (PLATE, [('name = "plate"', "name = 7")], "name = 7: must be 1 to 100 letters"),
+    # keys
+    (
+        PLATE,
+        [("base_radius", "base_radus")],
+        r"line 10: follower.base_radus = 50: is not a known key \(did you mean base_radius\?\)",
+    ),
+    (PLATE, [("[limits]", "[limit]")], r"line 28: limit: .*did you mean limits\?"),
+    (PLATE, [("speed = 60", "zzz = 60")], "cam.zzz = 60: is not a known key; known here: rotation"),
+    (PLATE, [('"ccw"\n', '"ccw"\nname = "x"\n')], r"belongs to the top of the file; .*\[cam\]"),
+    (PLATE, [("base_radius = 50\n", "")], "line 8: follower.base_radius: is missing: r_G"),
+    (PLATE, [("bore = 20", "hub = 20")], "part.hub = 20: is not available in this version"),
+    (PLATE, [("[limits]", "[effects.spring]")], "effects.spring: no effect is available"),
+    # values
+    (
+        PLATE,
+        [("base_radius = 50", 'base_radius = "50"')],
+        r'base_radius = "50": must be a positive number.*leave out the quotes',
+    ),
+    (PLATE, [("radius = 10", "radius = -10")], "roller_radius = -10: must be a positive number"),
+    (PLATE, [("radius = 10", "radius = 0")], "roller_radius = 0: must be a positive number"),
+    (PLATE, [("radius = 50", "radius = 1e10")], "base_radius = 1e10: .* 1e-9 to 1e9"),
+    (PLATE, [("radius = 50", "radius = true")], "base_radius = true: must be a positive number"),
+    (PLATE, [("offset = 12", "offset = nan")], "follower.offset = nan: must be a finite number"),
+    (PLATE, [("offset = 12", "offset = -inf")], "follower.offset = -inf: must be a finite number"),
+    (PLATE, [("offset = 12", "offset = 1e400")], "offset = 1e400: is too large for a number"),
+    (PLATE, [("speed = 60", "speed = 1979-05-27")], "1979-05-27: a date or time has no place"),
+    (PLATE, [("speed = 60", "speed = 07:32:00")], "07:32:00: a date or time has no place"),
+    (PLATE, [("speed = 60", "speed = 0")], r"must be a number above 0 to 1e\+06 \(rev/min\)"),
+    (PLATE, [("speed = 60", f"speed = 0x{500 * 'f'}")], "0xfff.*: is too large for a number"),
+    (PLATE, [('"ccw"', '"CCW"')], r'must be one of "cw", "ccw" \(did you mean "ccw"\?\)'),
+    (PLATE, [('"mm"', '"cm"')], 'units.length = "cm": must be one of "mm", "inch"'),
+    (PLATE, [("[cam]", "[[cam]]")], r"line 5: cam: must be a table"),
+    (PLATE, [("ratio = 0.7", "ratio = 1.5")], "must be a number above 0 to 1$"),
+    (PLATE, [("angle = 60", "angle = 91")], r"must be a number above 0 to 90 \(degrees\)"),
+    # the follower
+    (
+        PLATE,
+        [("translating-roller", "translating-flat")],
+        'not available in this version; available: "translating-roller", "oscillating-roller"',
+    ),
+    (
+        PLATE,
+        [("offset = 12", "arm = 12")],
+        "belongs to an oscillating-roller follower; this is a translating-roller follower",
+    ),
+    (PLATE, [("offset = 12", "offset = 50.001")], "line 12: .*must not exceed the base radius, 50"),
+    (ROCKER, [("radius = 55", "radius = 40")], "base_radius = 40: .*form no triangle.*40 and 200"),
+    (ROCKER, [("[-96, -72]", "[-96]")], r"pivot = \[-96\]: must be two numbers, \[x, y\]"),
+    (ROCKER, [("[-96, -72]", '[-96, "y"]')], r'pivot\[2\] = "y": must be a number'),
+    (ROCKER, [("to = 25", "to = 200")], "must lie between -180 and 180: .* in degrees"),
+    # the linkage
+    (LINKED, [("coupler", "copler")], r"linkage.copler = 75.38: .*did you mean coupler\?"),
+    (LINKED, [('leans = "away"', 'leans = "left"')], 'must be one of "away", "toward"'),
+    (LINKED, [("to = 5.5", "to = 60")], "line 12: linkage: the linkage does not close"),
+    (LINKED, [('"outward"', '"inward"')], "contradicts the linkage, which moves the roller outwa"),
+    (
+        PLATE,
+        [("[[motion]]\ndwell = 30", "[linkage]\n[[motion]]\ndwell = 30")],
+        'a linkage drives a rocker: it needs kind = "oscillating-roller"',
+    ),
+    # the motion
+    (PLATE, [("span = 100", "span = 99.999")], "line 13: motion: the spans add up to 359.999 deg"),
+    (PLATE, [("span = 100", "span = 100.0000000000000000001")], "360.0000000000000000001 degrees"),
+    (PLATE, [("span = 100", f"span = 100.{70 * '0'}1")], "more digits than can be added exactly"),
+    (PLATE, [("span = 100", "span = 0")], r"line 17: motion\[2\].span = 0: .*a move needs a span"),
+    (PLATE, [("span = 100", "span = -1")], r"motion\[2\].span = -1: must be a number from 1e-6"),
+    (PLATE, [("dwell = 30", "dwell = 1e-9")], r"motion\[1\].dwell = 1e-9: must be 0, or from 1e-6"),
+    (PLATE, [("to = 0", "to = 1")], r"line 24: motion\[4\].to = 1: .*must return to 0"),
+    (PLATE, [("inflection = 0.4", "inflection = 1")], "inflection = 1: must lie between 0 and 1"),
+    (PLATE, [("dwell = 40", "dwell = 40\nto = 5")], r"motion\[3\].to = 5: belongs to a move; this"),
+    (PLATE, [("dwell = 40", "dwel = 40")], r"motion\[3\].dwel = 40: .*did you mean dwell\?"),
+    (PLATE, [("dwell = 40", "law = 40")], r"motion\[3\].span: is missing: Span of the cam angle"),
+    (PLATE, [('"modified-sine"', '"modified-sin"')], r'did you mean "modified-sine"\?'),
+    (PLATE, [('"modified-sine"', '"auto"')], 'law = "auto": is not available in this version'),
+    (PLATE, [("to = 20", "to = 20\nvelocity = 3")], r"motion\[2\].velocity = 3: is not available"),
+    (PLATE, [("[limits]", "[[motion]]\n[limits]")], r"line 28: motion\[6\].law: is missing"),
+    # part and output
+    (PLATE, [("thickness = 12\n", "")], r"formats\[2\] = \"gcode\": needs \[part\] thickness"),
+    (PLATE, [("bore = 20\n", "")], r"part.keyway: needs \[part\] bore"),
+    (PLATE, [("width = 6", "width = 20")], "line 34: part.keyway.width = 20: .*less than the bore"),
+    (PLATE, [("{ width = 6, depth = 2.8 }", "6")], r"keyway = 6: must be a table, e\.g\."),
+    (PLATE, [("bore = 20", "bore = 20\nrim = 99")], 'rim = 99: belongs to contact "outer" or "gro'),
+    (PLATE, [("bore = 20", "bore = 20\ngroove_depth = 9")], 'belongs to contact "groove"'),
+    (PLATE, [("offset = 12", 'contact = "outer"')], "part.bore = 20: has no place"),
+    (GROOVE, [("rim = 200\n", "")], r'contact = "groove": needs \[part\] rim'),
+    (GROOVE, [("groove_depth = 10\n", "")], r'"stl": needs \[part\] groove_depth'),
+    (GROOVE, [("groove_depth = 10", "groove_depth = 20")], "must be less than the thickness, 20"),
+    (
+        GROOVE,
+        [("diameter = 10", "diameter = 16.1")],
+        "must not exceed the width of the gro.* 16",
+    ),
+    (PLATE, [("diameter = 8", "diameter = 21")], "must not exceed the bore to be milled, 20"),
+    (PLATE, [("tool_diameter = 8\n", "")], "output.gcode.tool_diameter: is missing: Diameter of"),
+    (GROOVE, [("[output.gcode]\ntool_diameter = 10", "")], r"needs \[output\.gcode\] with tool_"),
+    (PLATE, [('"svg"', '"swg"')], r'output.formats\[6\] = "swg": .*did you mean "svg"'),
+    (PLATE, [('"svg"', '"dxf"')], "must be a list of formats, each named once"),
+    (PLATE, [('"arcs"', '"spline"')], '"spline": is not available in this version; .*"polyline"'),
+    (PLATE, [('"linuxcnc"', '"grbl"')], '"grbl": is not available in this version; .*"linuxcnc"'),
+    (PLATE, [('"linuxcnc"', '"linuxcn"')], r'did you mean "linuxcnc"\?'),
+    (PLATE, [('"linuxcnc"', '"no.toml"')], "is no file in the folder of the scene"),
+    (PLATE, [('"linuxcnc"', '"../no.toml"')], "must not leave the folder of the scene"),
+    (PLATE, [('"linuxcnc"', '"/etc/no.toml"')], "must not leave the folder of the scene"),
+    (PLATE, [("tolerance = 0.001", "tolerance = 1e-15")], "tolerance = 1e-15: .* 1e-7 mm to 1 mm"),
+    (PLATE, [("tolerance = 0.001", "tolerance = 2")], "tolerance = 2: .* 1e-7 mm to 1 mm"),
+    (
+        PLATE,
+        [("tolerance = 0.001", "tolerance = 0.5"), ('"mm"', '"inch"')],
+        'tolerance = 0.5: .* 1e-7 mm to 1 mm; it is given in the scene\'s unit, "inch"',
+    ),
+    (PLATE, [("base_radius = 50", "base_radius = 1e9")], "at least 1e-10 of the largest length"),
+    (ROCKER, [("radius = 55", "radius = 1e-3")], "default, 0.001 mm, must be at most 0.1 of the b"),
+    (PLATE, [("step = 0.5", "step = 1e-9")], "csv.step = 1e-9: must be a number from 0.0001 to 90"),
+    (PLATE, [("step = 0.5", "step = 1e9")], "csv.step = 1e9: must be a number from 0.0001 to 90"),
+    (PLATE, [("step = 0.5", "step = 0")], "csv.step = 0: must be a number from 0.0001 to 90"),
+]
+
+
+@pytest.mark.parametrize(("scene", "changes", "message"), FAULTS, ids=[f[2] for f in FAULTS])
+def test_fault_is_told(scene: str, changes: list[Change], message: str) -> None:
+    text = spoilt(scene, *changes)
+    with pytest.raises(SceneError) as caught:
+        parse_scene(text, "scene.toml")
+    assert str(caught.value).startswith("scene.toml: ")
+    assert any(re.search(message, str(fault)) for fault in caught.value.faults), str(caught.value)
+
+
+def test_every_line_told_is_that_of_the_key() -> None:
+    for scene, changes, _ in FAULTS:
+        text = spoilt(scene, *changes)
+        with pytest.raises(SceneError) as caught:
+            parse_scene(text)
+        for fault in caught.value.faults:
+            if fault.line is None:
+                continue
+            line = text.splitlines()[fault.line - 1]
+            parts = re.findall(r"[A-Za-z0-9_-]+", re.sub(r"\[\d+\]", "", fault.key))
+            assert any(part in line for part in parts), (str(fault), line)
+
+
+def test_all_faults_at_once_in_the_order_of_the_file() -> None:
+    text = spoilt(
+        PLATE,
+        ("base_radius", "base_radus"),
+        ('"modified-sine"', '"modified-sin"'),
+        ("to = 0", "to = 3"),
+        ("keyway = { width = 6", "keyway = { width = 26"),
+        ("tolerance = 0.001", "tolerance = nan"),
+        ("step = 0.5", 'step = "fine"'),
+    )
+    with pytest.raises(SceneError, match="6 faults") as caught:
+        parse_scene(text)
+    assert [fault.key for fault in caught.value.faults] == [
+        "follower.base_radus",
+        "motion[2].law",
+        "motion[4].to",
+        "part.keyway.width",
+        "output.tolerance",
+        "output.csv.step",
+    ]
+
+
+def test_one_mistake_is_one_fault() -> None:
+    single = [
+        spoilt(PLATE, ("base_radius", "base_radus")),
+        spoilt(PLATE, ("dwell = 40", "dwel = 40")),
+        spoilt(PLATE, ("[part]", "[prat]")),
+        spoilt(PLATE, ("[output.gcode]", "[output.gcod]")),
+        spoilt(PLATE, ("offset = 12", "offset = 2000-01-01")),
+        spoilt(PLATE, ("span = 100", "span = 99")),
+        spoilt(PLATE, ("to = 0", "to = 9")),
+        spoilt(PLATE, ("camgeo = 1", "camgeo = 3"), ("base_radius", "radius_of_base")),
+        spoilt(LINKED, ("[linkage]", "[linkge]"), ("to = 5.5", "to = 200")),
+    ]
+    for text in single:
+        with pytest.raises(SceneError, match="1 fault\n"):
+            parse_scene(text)
+
+
+def test_machine_profile_beside_the_scene(tmp_path: pathlib.Path) -> None:
+    profile = tmp_path / "mill.toml"
+    profile.write_text("")
+    text = spoilt(PLATE, ('"linuxcnc"', '"mill.toml"'))
+    scene = parse_scene(text, str(tmp_path / "scene.toml"))
+    assert scene.output.gcode is not None
+    assert scene.output.gcode.machine == str(profile.resolve())

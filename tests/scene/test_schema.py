@@ -1,0 +1,76 @@
+"""The schema is valid, tells of every key, and agrees with the engine."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import jsonschema_rs
+
+from camgeo.check.limits import Limits
+from camgeo.files.specs import DxfSpec
+from camgeo.motion.laws import ALIASES, LAWS
+from camgeo.scene.model import OutputSpec
+from camgeo.scene.schema import Node, definition, resolved, schema
+from camgeo.scene.words import allowed
+from camgeo.toolpath.spec import GcodeSpec
+
+
+def test_schema_is_valid() -> None:
+    jsonschema_rs.meta.validate(schema())
+    assert schema()["$schema"] == "https://json-schema.org/draft/2020-12/schema"
+
+
+def test_every_key_is_described() -> None:
+    for name, node in _keys(schema()):
+        if name != "kind":
+            assert resolved(node).get("description"), name
+
+
+def test_every_value_can_be_asked_for_in_words() -> None:
+    for _, node in _keys(schema()):
+        if node is not True:
+            assert allowed(resolved(node)).startswith("must be") or "x-allowed" in resolved(node)
+
+
+def test_laws_are_those_of_the_engine() -> None:
+    assert set(definition("move")["properties"]["law"]["enum"]) == {*LAWS, *ALIASES}
+
+
+def test_defaults_are_those_of_the_engine() -> None:
+    output = schema()["properties"]["output"]["properties"]
+    assert tuple(output["formats"]["default"]) == OutputSpec().formats
+    assert output["csv"]["properties"]["step"]["default"] == OutputSpec().table_step
+    assert output["dxf"]["properties"]["entity"]["default"] == DxfSpec().entity
+    gcode = output["gcode"]["properties"]
+    assert gcode["machine"]["default"] == GcodeSpec().machine
+    assert gcode["tool_number"]["default"] == GcodeSpec().tool_number
+    assert gcode["spindle_speed"]["default"] == GcodeSpec().spindle_speed
+    limits = schema()["properties"]["limits"]["properties"]
+    assert limits["radius_ratio"]["default"] == Limits().radius_ratio
+    assert f"{OutputSpec().tolerance:g} mm" in output["tolerance"]["description"]
+    for key in ("feed", "plunge_feed", "safe_height"):
+        assert f"Default {getattr(GcodeSpec(), key):g} mm" in gcode[key]["description"]
+
+
+def test_tables_allow_no_unknown_keys() -> None:
+    for name, node in _keys(schema()):
+        node = resolved(node)
+        if node.get("type") == "object":
+            assert node.get("additionalProperties") is False or "allOf" in node, name
+    for name, node in schema()["$defs"].items():
+        if node.get("type") == "object":
+            assert node["additionalProperties"] is False, name
+
+
+def _keys(root: Node) -> Iterator[tuple[str, Any]]:
+    """Every key of every table."""
+    stack: list[Any] = [root]
+    while stack:
+        node = stack.pop()
+        if isinstance(node, list):
+            stack.extend(node)
+        elif isinstance(node, dict):
+            if isinstance(node.get("properties"), dict) and "type" in node:
+                yield from node["properties"].items()
+            stack.extend(node.values())
