@@ -1,0 +1,78 @@
+"""What all commands share: exit codes, help with examples, text and JSON output."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+import sys
+from typing import Any, Final
+
+from camgeo.check.finding import Finding
+from camgeo.design import Design
+
+FINE: Final = 0
+BROKEN: Final = 1
+WRONG: Final = 2
+"""Exit codes: all limits kept; a limit is broken; the scene or the call is wrong."""
+
+MARKS: Final = {"fatal": "FATAL", "broken": "BROKEN", "warning": "warning", "ok": "ok"}
+
+Subparsers = argparse._SubParsersAction  # noqa: SLF001 - argparse gives its type no public name
+
+
+def new_parser(
+    subparsers: Subparsers[argparse.ArgumentParser], name: str, summary: str, example: str
+) -> argparse.ArgumentParser:
+    """A command's parser, with an example in its help."""
+    return subparsers.add_parser(
+        name,
+        help=summary,
+        description=summary[0].upper() + summary[1:] + ".",
+        epilog=f"example:\n  {example}",
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+
+
+def exit_code(findings: tuple[Finding, ...]) -> int:
+    """1 if a limit is broken or there is no such disc, else 0."""
+    return BROKEN if any(f.severity in ("broken", "fatal") for f in findings) else FINE
+
+
+def finding_lines(findings: tuple[Finding, ...]) -> list[str]:
+    """One line a finding, marks aligned."""
+    return [f"{MARKS[f.severity]:8}{f.name:26}{f.sentence}" for f in findings]
+
+
+def finding_record(finding: Finding) -> dict[str, Any]:
+    """A finding for JSON; angles in degrees."""
+    place = None if finding.cam_angle is None else math.degrees(finding.cam_angle)
+    span = finding.cam_range and [math.degrees(angle) for angle in finding.cam_range]
+    return {
+        "name": finding.name,
+        "severity": finding.severity,
+        "value": finding.value,
+        "limit": finding.limit,
+        "unit": finding.unit,
+        "cam_angle_deg": place,
+        "cam_range_deg": span,
+        "sentence": finding.sentence,
+    }
+
+
+def print_json(document: object) -> None:
+    """A JSON document on standard output; NaN and infinity never get there."""
+    print(json.dumps(document, indent=2, allow_nan=False))
+
+
+def tell(message: str) -> None:
+    """A line for the person at the terminal, on standard error."""
+    print(message, file=sys.stderr)
+
+
+def identity(design: Design) -> dict[str, Any]:
+    """What made a result: scene, its hash, version."""
+    return {
+        "camgeo": design.version,
+        "scene": {"name": design.name, "sha256": design.scene_hash},
+    }

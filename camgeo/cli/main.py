@@ -1,0 +1,54 @@
+"""Entry point of the command line."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+from collections.abc import Sequence
+
+from camgeo._version import __version__
+from camgeo.cli import build, check, laws, new, plot, table
+from camgeo.cli.command import WRONG, tell
+from camgeo.errors import CamgeoError
+
+INTERRUPTED = 130
+"""Exit code after Ctrl-C, as shells count it."""
+
+COMMANDS = (new, check, build, table, plot, laws)
+
+
+def parser() -> argparse.ArgumentParser:
+    """The parser of all commands."""
+    top = argparse.ArgumentParser(
+        prog="camgeo",
+        description="From a scene file to DXF, G-code, STL and 3MF of a cam, each proved to be"
+        " within its tolerance.",
+        epilog="example:\n  camgeo new oscillating-roller -o my-cam.toml\n"
+        "  camgeo check my-cam.toml\n  camgeo build my-cam.toml -o out",
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    top.add_argument("--version", action="version", version=f"camgeo {__version__}")
+    subparsers = top.add_subparsers(metavar="COMMAND", required=True)
+    for command in COMMANDS:
+        command.register(subparsers)
+    return top
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run one command; 0 fine, 1 a limit is broken, 2 the scene or the call is wrong."""
+    parsed = parser().parse_args(arguments)
+    try:
+        code: int = parsed.run(parsed)
+        sys.stdout.flush()
+        return code
+    except CamgeoError as error:
+        tell(f"camgeo: {error}")
+        return WRONG
+    except KeyboardInterrupt:
+        tell("camgeo: interrupted; nothing half-written was left behind")
+        return INTERRUPTED
+    except BrokenPipeError:
+        # Whoever read our output has had enough; do not fail again while closing it.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 0

@@ -1,0 +1,60 @@
+"""`camgeo plot`: pictures of a scene, by whatever draws them (entry points `camgeo.plots`)."""
+
+from __future__ import annotations
+
+import argparse
+import difflib
+from importlib.metadata import entry_points
+from pathlib import Path
+
+from camgeo.cli.command import FINE, Subparsers, new_parser, tell
+from camgeo.errors import Fault, SceneError
+from camgeo.scene.open import load
+
+GROUP = "camgeo.plots"
+RENDERERS = "camgeo.renderers"
+SUFFIXES = (".png", ".svg", ".pdf")
+
+
+def register(subparsers: Subparsers[argparse.ArgumentParser]) -> None:
+    """Add the command."""
+    parser = new_parser(
+        subparsers,
+        "plot",
+        "draw a scene: motion, cam, curvature, transmission-angle",
+        "camgeo plot fixtures/scenes/setzhub.toml motion cam -o setzhub.png",
+    )
+    parser.add_argument("scene", metavar="SCENE", help="scene file (TOML)")
+    parser.add_argument("what", metavar="WHAT", nargs="*", help="what to draw; default all")
+    parser.add_argument(
+        "-o",
+        metavar="FILE",
+        dest="output",
+        help=f"picture, {', '.join(SUFFIXES)}; default NAME.png",
+    )
+    parser.add_argument("--force", action="store_true", help="write over an existing file")
+    parser.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Write the picture."""
+    names = sorted(entry.name for entry in entry_points(group=GROUP))
+    wanted = arguments.what or names
+    for name in wanted:
+        if name not in names:
+            near = difflib.get_close_matches(name, names, 1)
+            hint = f'did you mean "{near[0]}"?' if near else ""
+            raise SceneError([Fault("plot", name, f"can draw {', '.join(names)}", hint)])
+    design = load(arguments.scene)
+    target = Path(arguments.output or f"{design.name}.png")
+    if target.suffix not in SUFFIXES:
+        raise SceneError(
+            [Fault("-o", str(target), f"the name must end in one of {', '.join(SUFFIXES)}")]
+        )
+    render = entry_points(group=RENDERERS)["matplotlib"].load()
+    data: bytes = render(tuple(wanted), design, target.suffix)
+    from camgeo.files.transaction import write_set
+
+    write_set(target.parent, {target.name: data}, force=arguments.force)
+    tell(f"{target}: {', '.join(wanted)}")
+    return FINE

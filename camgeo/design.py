@@ -1,0 +1,449 @@
+"""A design: the one place that knows how the quantities of a cam depend on each other.
+
+Lazy: nothing is computed before it is asked for, and each quantity at most once. Stages that only
+files need are imported only then, so that a check stays as quick as its sums.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from decimal import Decimal
+from functools import cached_property
+from typing import TYPE_CHECKING, Literal, Protocol
+
+import numpy as np
+
+from camgeo._version import __version__
+from camgeo.check.closure import check_closure
+from camgeo.check.curvature import check_radius_ratio, check_undercut
+from camgeo.check.finding import Finding
+from camgeo.check.limits import Limits, default_transmission_angle
+from camgeo.check.linkage import check_linkage
+from camgeo.check.standstill import check_standstill
+from camgeo.check.transmission_angle import check_transmission_angle
+from camgeo.curve.curvature import curvature_extremes
+from camgeo.curve.pitch_curve import PitchCurve
+from camgeo.curve.working_curve import WorkingCurve
+from camgeo.errors import GeometryError
+from camgeo.mechanism.linkage import LinkedMotion
+from camgeo.mechanism.oscillating_roller import OscillatingRoller
+from camgeo.mechanism.slider_crank import SliderCrank
+from camgeo.mechanism.translating_roller import TranslatingRoller
+from camgeo.motion.motion import Jet, Motion, Side
+from camgeo.motion.plan import MotionPlan
+from camgeo.numeric.arrays import ComplexArray, FloatArray
+from camgeo.part.spec import Contact, PartSpec
+from camgeo.units import MM_PER, LengthUnit
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from pathlib import Path
+
+    from camgeo.contour.contour import Contour
+    from camgeo.contour.fit import Fit
+    from camgeo.files.product import FollowerSketch
+    from camgeo.files.specs import DxfSpec
+    from camgeo.files.table import Table
+    from camgeo.files.write import Report
+    from camgeo.part.part import Part
+    from camgeo.toolpath.moves import Toolpath
+    from camgeo.toolpath.paths import CutterPath
+    from camgeo.toolpath.spec import GcodeSpec
+
+TOPOLOGY_TOLERANCE = 0.01
+"""Contours by which it is seen that a bore fits are this exact [mm]; their deviation is counted."""
+
+
+class OutputRequest(Protocol):
+    """What a scene says of its output, see `camgeo.scene.model.OutputSpec`."""
+
+    @property
+    def formats(self) -> tuple[str, ...]: ...
+
+    @property
+    def tolerance(self) -> float: ...
+
+    @property
+    def dxf(self) -> DxfSpec: ...
+
+    @property
+    def gcode(self) -> GcodeSpec | None: ...
+
+    @property
+    def table_step(self) -> Decimal: ...
+
+
+class Source(Protocol):
+    """Where a scene came from, see `camgeo.scene.model.SceneSource`."""
+
+    @property
+    def file(self) -> str: ...
+
+    @property
+    def sha256(self) -> str: ...
+
+
+class Specification(Protocol):
+    """All that a design needs to be told; `camgeo.scene.model.Scene` is one."""
+
+    @property
+    def name(self) -> str: ...
+
+    @property
+    def unit(self) -> LengthUnit: ...
+
+    @property
+    def rotation(self) -> int: ...
+
+    @property
+    def speed(self) -> float | None: ...
+
+    @property
+    def plan(self) -> MotionPlan: ...
+
+    @property
+    def follower(self) -> TranslatingRoller | OscillatingRoller: ...
+
+    @property
+    def linkage(self) -> SliderCrank | None: ...
+
+    @property
+    def contact(self) -> Contact: ...
+
+    @property
+    def limits(self) -> Limits: ...
+
+    @property
+    def part(self) -> PartSpec | None: ...
+
+    @property
+    def output(self) -> OutputRequest: ...
+
+    @property
+    def source(self) -> Source: ...
+
+
+@dataclass(frozen=True)
+class Design:
+    """A cam as a scene states it, and everything that follows from it, on demand.
+
+    Cam angles are in radians, any number of turns, arrays (n,) or a single number; lengths in mm.
+    Errors of the mechanism are raised as `GeometryError` when the quantity is asked for.
+    """
+
+    specification: Specification
+
+    @property
+    def name(self) -> str:
+        """Name of the design, the stem of its files."""
+        return self.specification.name
+
+    @property
+    def unit(self) -> LengthUnit:
+        """Unit of length of the scene and of drawings, programs and tables."""
+        return self.specification.unit
+
+    @property
+    def scene_hash(self) -> str:
+        """SHA-256 of the scene file, hexadecimal."""
+        return self.specification.source.sha256
+
+    @property
+    def version(self) -> str:
+        """Version of camgeo."""
+        return __version__
+
+    @property
+    def rotation(self) -> int:
+        """Sense in which the disc turns: +1 counter-clockwise, -1 clockwise."""
+        return self.specification.rotation
+
+    @property
+    def base_radius(self) -> float:
+        """r_G, radius of the base circle of the pitch curve [mm]."""
+        return self.specification.follower.base_radius
+
+    @property
+    def roller_radius(self) -> float:
+        """r_R [mm]."""
+        return self.specification.follower.roller_radius
+
+    @property
+    def dxf(self) -> DxfSpec:
+        """How curves are drawn."""
+        return self.specification.output.dxf
+
+    @property
+    def gcode(self) -> GcodeSpec | None:
+        """Tool, feeds and machine."""
+        return self.specification.output.gcode
+
+    # Curves -----------------------------------------------------------------------------------
+
+    @cached_property
+    def motion(self) -> Motion:
+        """The follower's own motion, behind the linkage if there is one [mm or rad]."""
+        linkage = self.specification.linkage
+        plan = self.specification.plan
+        return plan if linkage is None else LinkedMotion(plan, linkage)
+
+    @cached_property
+    def pitch_curve(self) -> PitchCurve:
+        """The pitch curve in cam coordinates."""
+        return PitchCurve(self.motion, self.specification.follower, self.rotation)
+
+    @cached_property
+    def inner_curve(self) -> WorkingCurve:
+        """The inner working curve."""
+        return WorkingCurve(self.pitch_curve, -self.roller_radius)
+
+    @cached_property
+    def outer_curve(self) -> WorkingCurve:
+        """The outer working curve."""
+        return WorkingCurve(self.pitch_curve, self.roller_radius)
+
+    def pitch(self, phi: FloatArray) -> FloatArray:
+        """(n, 2) [mm] points of the pitch curve at `phi` (n,) [rad]."""
+        return _columns(self.pitch_curve.point(phi))
+
+    def inner(self, phi: FloatArray) -> FloatArray:
+        """(n, 2) [mm] points of the inner working curve at `phi` (n,) [rad]."""
+        return _columns(self.inner_curve.point(phi))
+
+    def outer(self, phi: FloatArray) -> FloatArray:
+        """(n, 2) [mm] points of the outer working curve at `phi` (n,) [rad]."""
+        return _columns(self.outer_curve.point(phi))
+
+    def lift(self, phi: FloatArray, side: Side = "right") -> Jet:
+        """(4, n) the follower's lift and its derivatives [mm or rad per rad^k] at `phi` (n,)."""
+        return self.motion.jet(np.atleast_1d(phi), side)
+
+    def stroke(self, phi: FloatArray, side: Side = "right") -> Jet:
+        """(4, n) what the motion plan demands; the slider's stroke if there is a linkage."""
+        return self.specification.plan.jet(np.atleast_1d(phi), side)
+
+    def curvature(self, phi: FloatArray, side: Side = "right") -> FloatArray:
+        """(n,) [1/mm] signed curvature of the pitch curve, positive where convex."""
+        return self.pitch_curve.curvature(phi, side)
+
+    def radius_of_curvature(self, phi: FloatArray, side: Side = "right") -> FloatArray:
+        """(n,) [mm] signed r_K of the pitch curve; infinite exactly at an inflection.
+
+        Prefer `curvature`, which has no poles.
+        """
+        kappa = self.curvature(phi, side)
+        radius: FloatArray = np.full_like(kappa, np.inf)
+        return np.divide(1.0, kappa, out=radius, where=kappa != 0.0)
+
+    def transmission_angle(self, phi: FloatArray, side: Side = "right") -> FloatArray:
+        """(n,) [rad] in [0, pi/2]: transmission angle mu."""
+        return self.pitch_curve.transmission_angle(phi, side)
+
+    # Checks -----------------------------------------------------------------------------------
+
+    @property
+    def contact(self) -> Contact:
+        """The flank on which the roller runs."""
+        return self.specification.contact
+
+    @cached_property
+    def flanks(self) -> tuple[tuple[str, WorkingCurve], ...]:
+        """The working curves in use, with their names."""
+        flanks = (("inner", self.inner_curve), ("outer", self.outer_curve))
+        return tuple(flank for flank in flanks if self.contact in (flank[0], "groove"))
+
+    @cached_property
+    def transmission_angle_limit(self) -> float:
+        """Smallest transmission angle that is allowed [rad], the scene's or the sources'."""
+        limit = self.specification.limits.transmission_angle
+        if limit is not None:
+            return limit
+        translating = isinstance(self.specification.follower, TranslatingRoller)
+        return default_transmission_angle(translating=translating, speed=self.specification.speed)
+
+    @cached_property
+    def findings(self) -> tuple[Finding, ...]:
+        """What the checks find, the good with the bad, worst first."""
+        found: list[Finding] = []
+        if isinstance(self.motion, LinkedMotion):
+            found += check_linkage(self.motion)
+        if not _fatal(found):
+            found += check_standstill(self.pitch_curve)
+        if not _fatal(found):
+            found.append(check_transmission_angle(self.pitch_curve, self.transmission_angle_limit))
+            bends = curvature_extremes(self.pitch_curve)
+            ratio = self.specification.limits.radius_ratio
+            for name, flank in self.flanks:
+                found.append(check_radius_ratio(flank, name, bends, ratio))
+                found += check_undercut(flank, name, bends)
+            found += check_closure(self.pitch_curve)
+        order = {"fatal": 0, "broken": 1, "warning": 2, "ok": 3}
+        return tuple(sorted(found, key=lambda finding: order[finding.severity]))
+
+    # Files ------------------------------------------------------------------------------------
+
+    @cached_property
+    def part(self) -> Part:
+        """The part: its boundaries, thickness, bore; GeometryError if they do not fit together."""
+        from camgeo.part.build import build_part
+
+        spec = self.specification.part or PartSpec()
+        self._require_outline()
+        return build_part(
+            self.contact, self.inner_curve, self.outer_curve, spec, TOPOLOGY_TOLERANCE
+        )
+
+    def _require_outline(self) -> None:
+        from camgeo.errors import UndercutError
+
+        fatal = [finding for finding in self.findings if finding.severity == "fatal"]
+        if fatal:
+            raise UndercutError("; ".join(finding.sentence for finding in fatal))
+
+    def pitch_contour(self, tolerance: float) -> Fit:
+        """The pitch curve as lines and arcs within `tolerance` [mm], counter-clockwise."""
+        from camgeo.contour.arcs import fit_arcs
+
+        return fit_arcs(WorkingCurve(self.pitch_curve, 0.0), tolerance)
+
+    def pitch_deviation(self, contour: Contour) -> float:
+        """Proved bound [mm] of the distance between `contour` and the pitch curve."""
+        from camgeo.contour.deviation import deviation
+
+        return deviation(WorkingCurve(self.pitch_curve, 0.0), contour)
+
+    @cached_property
+    def cutter_paths(self) -> tuple[CutterPath, ...]:
+        """The exact cutter paths of all operations; needs `[part]` and `[output.gcode]`."""
+        from camgeo.toolpath.paths import cutter_paths
+
+        spec = self.specification.part
+        if self.gcode is None or spec is None:
+            raise GeometryError("milling needs [part] and [output.gcode]", key="output.gcode")
+        radius = self.gcode.tool_diameter / 2.0
+        return cutter_paths(self.contact, self.pitch_curve, self.part, spec, radius)
+
+    def toolpath(self, tolerance: float) -> Toolpath:
+        """The milling program; its arcs lie within `tolerance` [mm] of the exact cutter paths."""
+        from camgeo.toolpath.plan import plan_toolpath
+
+        paths, spec = self.cutter_paths, self.gcode
+        assert spec is not None  # cutter_paths raises without it
+        return plan_toolpath(paths, spec, tolerance)
+
+    def toolpath_deviation(self, operation: str, contour: Contour) -> float:
+        """Proved bound [mm] of the distance between `contour` and the cutter path of `operation`.
+
+        Raises KeyError if there is no such operation.
+        """
+        from camgeo.contour.deviation import deviation
+        from camgeo.contour.exact import distance_between
+
+        path = {path.name: path for path in self.cutter_paths}[operation]
+        if path.curve is not None:
+            return deviation(path.curve, contour)
+        assert path.circle is not None  # a path is one or the other
+        return distance_between(path.circle, contour)
+
+    def curve(self, what: str, phi: FloatArray) -> FloatArray:
+        """(n, 2) [mm] points of "pitch", "inner" or "outer" at `phi` (n,) [rad]."""
+        return {"pitch": self.pitch, "inner": self.inner, "outer": self.outer}[what](phi)
+
+    def quantity(self, what: str, phi: FloatArray) -> FloatArray:
+        """(n,) values at `phi` (n,) [rad], see `camgeo.files.product.Product`."""
+        orders = {"s": 0, "s1": 1, "s2": 2, "s3": 3}
+        if what in orders:
+            lift: FloatArray = self.lift(phi)[orders[what]]
+            return lift
+        return {"transmission_angle": self.transmission_angle, "curvature": self.curvature}[what](
+            phi
+        )
+
+    @property
+    def joints(self) -> tuple[float, ...]:
+        """Cam angles [rad] at which the segments of the motion plan begin, from 0 upwards."""
+        return tuple(
+            math.radians(float(angle)) for angle in self.specification.plan.joints_deg[:-1]
+        )
+
+    @property
+    def lift_unit(self) -> Literal["mm", "rad"]:
+        """Unit of the follower's lift."""
+        return "mm" if isinstance(self.specification.follower, TranslatingRoller) else "rad"
+
+    @property
+    def follower_sketch(self) -> FollowerSketch:
+        """Where the follower is held, for a picture."""
+        from camgeo.files.product import FollowerSketch
+
+        follower = self.specification.follower
+        if isinstance(follower, OscillatingRoller):
+            return FollowerSketch("pivot", follower.pivot)
+        out = complex(math.cos(follower.guide_angle), math.sin(follower.guide_angle))
+        foot = -1j * out * follower.offset
+        return FollowerSketch(
+            "guide", foot + out * (follower.start_height + 2.0 * self.base_radius)
+        )
+
+    def table(self, step: Decimal | None = None) -> Table:
+        """The value table at every `step` degrees (the scene's if None), in the scene's unit."""
+        from camgeo.files.value_table import value_table
+
+        return value_table(self, step or self.specification.output.table_step)
+
+    @property
+    def has_linkage(self) -> bool:
+        """True if the motion plan is that of a slider in front of a linkage."""
+        return self.specification.linkage is not None
+
+    @property
+    def millimetres(self) -> float:
+        """Millimetres a unit of length of the scene."""
+        return MM_PER[self.unit]
+
+    def write(
+        self,
+        folder: str | Path,
+        formats: Sequence[str] | None = None,
+        *,
+        tolerance: float | None = None,
+        force: bool = False,
+    ) -> Report:
+        """Write the files and their certificate into `folder`, all of them or none.
+
+        Parameters
+        ----------
+        folder : made if it does not exist.
+        formats : names of writers, or None for those of the scene.
+        tolerance : largest deviation [mm] of any contour from the exact curve, or None for the
+            scene's.
+        force : write over files that exist and differ.
+
+        Raises
+        ------
+        UndercutError
+            If the cam has no outline.
+        ToleranceError
+            If the tolerance cannot be reached.
+        OutputError
+            If a file cannot be written; nothing is left behind.
+        """
+        from camgeo.files.write import write_files
+
+        output = self.specification.output
+        return write_files(
+            self,
+            folder,
+            tuple(formats or output.formats),
+            output.tolerance if tolerance is None else tolerance,
+            force=force,
+        )
+
+
+def _columns(points: ComplexArray) -> FloatArray:
+    return np.column_stack((points.real, points.imag))
+
+
+def _fatal(found: list[Finding]) -> bool:
+    return any(finding.severity == "fatal" for finding in found)

@@ -1,0 +1,153 @@
+"""What a writer gets to see of a design, and what a writer is.
+
+Writers register as entry points of the group ``camgeo.writers``; the entry point's name is the
+format's name on the command line and in the scene, and it loads an object that is a `Writer`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Literal, Protocol
+
+from camgeo.check.finding import Finding
+from camgeo.contour.contour import Contour
+from camgeo.contour.fit import Fit
+from camgeo.files.specs import DxfSpec
+from camgeo.files.table import Table
+from camgeo.numeric.arrays import FloatArray
+from camgeo.part.part import Part
+from camgeo.toolpath.moves import Toolpath
+from camgeo.toolpath.spec import GcodeSpec
+from camgeo.units import LengthUnit
+
+
+@dataclass(frozen=True, slots=True)
+class FollowerSketch:
+    """What a picture shows of the follower at cam angle 0.
+
+    Attributes
+    ----------
+    kind : "guide" for a translating follower, "pivot" for an oscillating one.
+    end : complex [mm], the pivot, or any point of the guide further out than the roller centre.
+    """
+
+    kind: Literal["guide", "pivot"]
+    end: complex
+
+
+class Product(Protocol):
+    """A design as its writers see it; `camgeo.design.Design` is one."""
+
+    @property
+    def name(self) -> str:
+        """Name of the scene; the stem of the files."""
+
+    @property
+    def unit(self) -> LengthUnit:
+        """Unit of length of the scene; drawings, programs and tables are written in it."""
+
+    @property
+    def scene_hash(self) -> str:
+        """SHA-256 of the scene file, hexadecimal; empty for a design made without a file."""
+
+    @property
+    def version(self) -> str:
+        """Version of camgeo."""
+
+    @property
+    def dxf(self) -> DxfSpec: ...
+
+    @property
+    def gcode(self) -> GcodeSpec | None: ...
+
+    @property
+    def part(self) -> Part: ...
+
+    @property
+    def base_radius(self) -> float:
+        """Radius r_G of the base circle of the pitch curve [mm]."""
+
+    @property
+    def roller_radius(self) -> float:
+        """Radius r_R of the roller [mm]."""
+
+    @property
+    def rotation(self) -> int:
+        """Sense in which the disc turns: +1 counter-clockwise, -1 clockwise."""
+
+    @property
+    def findings(self) -> tuple[Finding, ...]: ...
+
+    @property
+    def follower_sketch(self) -> FollowerSketch: ...
+
+    @property
+    def joints(self) -> tuple[float, ...]:
+        """Cam angles [rad] at which the segments of the motion plan begin, from 0 upwards."""
+
+    @property
+    def lift_unit(self) -> Literal["mm", "rad"]:
+        """Unit of `quantity("s", ...)`."""
+
+    def pitch_contour(self, tolerance: float) -> Fit:
+        """The pitch curve as lines and arcs within `tolerance` [mm], counter-clockwise."""
+
+    def pitch_deviation(self, contour: Contour) -> float:
+        """Proved bound [mm] of the distance between `contour` and the pitch curve."""
+
+    def toolpath(self, tolerance: float) -> Toolpath:
+        """The milling program; its arcs lie within `tolerance` [mm] of the exact cutter path."""
+
+    def toolpath_deviation(self, operation: str, contour: Contour) -> float:
+        """Proved bound [mm] of the distance of `contour` from the cutter path of `operation`."""
+
+    def table(self) -> Table:
+        """The value table, in the scene's unit and degrees."""
+
+    def curve(self, what: str, phi: FloatArray) -> FloatArray:
+        """(n, 2) [mm] points of "pitch", "inner" or "outer" at the cam angles `phi` (n,) [rad]."""
+
+    def quantity(self, what: str, phi: FloatArray) -> FloatArray:
+        """(n,) values at `phi` (n,) [rad]: "s", "s1", "s2", "s3" (lift and derivatives, mm or rad
+        per rad^k), "transmission_angle" [rad], "curvature" [1/mm].
+        """
+
+
+@dataclass(frozen=True, slots=True)
+class Written:
+    """A file's content and what its writer says of it.
+
+    Attributes
+    ----------
+    data : the whole file.
+    facts : what the certificate should name besides the deviation, e.g. {"arcs": 64}; numbers and
+        short texts, in the order to be written.
+    """
+
+    data: bytes
+    facts: dict[str, int | float | str] = field(default_factory=dict)
+
+
+class Writer(Protocol):
+    """One file format.
+
+    Attributes
+    ----------
+    suffix : of the file, with its dot, e.g. ".dxf".
+    needs : keys of the scene without which the format cannot be written, e.g. ("part.thickness",).
+    """
+
+    @property
+    def suffix(self) -> str: ...
+
+    @property
+    def needs(self) -> tuple[str, ...]: ...
+
+    def write(self, product: Product, tolerance: float) -> Written:
+        """The file. `tolerance` [mm] bounds the distance of everything in it from the exact curve.
+
+        Raises ToleranceError if that cannot be met.
+        """
+
+    def measure(self, product: Product, data: bytes) -> float | None:
+        """Read `data` back and return the proved deviation [mm]; None for pictures."""

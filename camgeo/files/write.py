@@ -1,0 +1,125 @@
+"""A design's files: written by their writers, read back and measured, certified, put in place."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from camgeo.errors import Fault, SceneError, ToleranceError
+from camgeo.files.product import Product
+from camgeo.files.transaction import write_set
+from camgeo.files.writers import find_writer
+
+CERTIFICATE = "certificate.json"
+
+Progress = Callable[[str], None]
+
+
+@dataclass(frozen=True, slots=True)
+class FileReport:
+    """One written file.
+
+    Attributes
+    ----------
+    name : of the file.
+    format : name of its writer.
+    size : in bytes.
+    tolerance : that was asked [mm].
+    deviation : proved for the file as read back [mm]; None for pictures.
+    facts : what its writer has to say, e.g. the number of arcs.
+    """
+
+    name: str
+    format: str
+    size: int
+    tolerance: float
+    deviation: float | None
+    facts: dict[str, int | float | str]
+
+
+@dataclass(frozen=True, slots=True)
+class Report:
+    """What was written.
+
+    Attributes
+    ----------
+    paths : of all files, the certificate last.
+    files : one report each, without the certificate.
+    """
+
+    paths: tuple[Path, ...]
+    files: tuple[FileReport, ...]
+
+
+def _silent(_: str) -> None:
+    """Tell no one."""
+
+
+def write_files(
+    product: Product,
+    folder: str | Path,
+    formats: tuple[str, ...],
+    tolerance: float,
+    *,
+    force: bool = False,
+    progress: Progress = _silent,
+) -> Report:
+    """Write `formats` of `product` and the certificate into `folder`, see `Design.write`."""
+    if not tolerance > 0.0:
+        raise SceneError([Fault("tolerance", f"{tolerance:g}", "must be greater than 0 mm")])
+    contents: dict[str, bytes] = {}
+    reports: list[FileReport] = []
+    for name in dict.fromkeys(formats):
+        writer = find_writer(name)
+        progress(f"{name}: computing")
+        written = writer.write(product, tolerance)
+        progress(f"{name}: reading back")
+        deviation = writer.measure(product, written.data)
+        if deviation is not None and not deviation <= tolerance:
+            raise ToleranceError(f"the {name} file, read back, is off", tolerance, deviation)
+        file = f"{product.name}{writer.suffix}"
+        contents[file] = written.data
+        reports.append(
+            FileReport(file, name, len(written.data), tolerance, deviation, written.facts)
+        )
+    contents[CERTIFICATE] = _certificate(product, tolerance, reports, contents)
+    paths = write_set(Path(folder), contents, force=force)
+    return Report(paths, tuple(reports))
+
+
+def _certificate(
+    product: Product, tolerance: float, reports: list[FileReport], contents: dict[str, bytes]
+) -> bytes:
+    """What is proved of the files, as JSON; the same for the same scene."""
+    document: dict[str, Any] = {
+        "camgeo": product.version,
+        "scene": {"name": product.name, "sha256": product.scene_hash},
+        "tolerance_mm": tolerance,
+        "files": [
+            {
+                "file": report.name,
+                "format": report.format,
+                "sha256": hashlib.sha256(contents[report.name]).hexdigest(),
+                "bytes": report.size,
+                "tolerance_mm": report.tolerance,
+                "deviation_mm": report.deviation,
+                **report.facts,
+            }
+            for report in reports
+        ],
+        "findings": [
+            {
+                "name": finding.name,
+                "severity": finding.severity,
+                "value": finding.value,
+                "limit": finding.limit,
+                "unit": finding.unit,
+            }
+            for finding in product.findings
+        ],
+    }
+    return (json.dumps(document, indent=2, allow_nan=False) + "\n").encode()
