@@ -1,0 +1,20 @@
+"""A contour from what files give: end points and the angle turned between them."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from camgeo.contour.contour import Contour
+from camgeo.numeric.arrays import ComplexArray, FloatArray
+
+
+def chain(vertices: ComplexArray, sweeps: FloatArray) -> Contour:
+    """Closed contour through `vertices` (n,) [mm] whose pieces turn by `sweeps` (n,) [rad].
+
+    The centres follow from both, so that each arc meets its end points.
+    """
+    chord = np.roll(vertices, -1) - vertices
+    straight = sweeps == 0.0
+    half = np.tan(0.5 * np.where(straight, 1.0, sweeps))
+    centres = np.where(straight, 0.0, vertices + 0.5 * chord * (1.0 + 1j / half))
+    return Contour(vertices, sweeps, centres)

@@ -1,0 +1,52 @@
+"""A drawing read back and held against the exact curves."""
+
+from __future__ import annotations
+
+from camgeo.files.product import Product
+from camgeo.units import MM_PER
+from camgeo_export.dxf.reader import DxfFile, read
+from camgeo_export.errors import FileError
+from camgeo_export.matching import deviation
+
+KINDS = {
+    "CUT": "LWPOLYLINE",
+    "PITCH_CURVE": "LWPOLYLINE",
+    "BASE_CIRCLE": "CIRCLE",
+    "CENTRE": "LINE",
+}
+"""What each layer holds; anything else does not belong into the drawing."""
+
+MEASUREMENT = {"mm": "1", "inch": "0"}
+
+
+def measure(product: Product, data: bytes) -> float:
+    """Largest proved deviation [mm] of all that is drawn.
+
+    Raises FileError if the drawing is incomplete, foreign or in the wrong unit.
+    """
+    drawing = read(data)
+    _check(drawing, product)
+    cut = deviation(drawing.contours("CUT"), product.part.boundaries)
+    if not product.dxf.auxiliary:
+        return cut
+    pitch = drawing.contours("PITCH_CURVE")
+    circles = drawing.circles("BASE_CIRCLE")
+    if len(pitch) != 1 or len(circles) != 1:
+        raise FileError("the drawing lacks its pitch curve or its base circle")
+    centre, radius = circles[0]
+    return max(
+        cut,
+        product.pitch_deviation(pitch[0].counter_clockwise()),
+        abs(centre) + abs(radius - product.base_radius),
+    )
+
+
+def _check(drawing: DxfFile, product: Product) -> None:
+    kinds = KINDS if product.dxf.auxiliary else {"CUT": "LWPOLYLINE"}
+    for entity in drawing.entities:
+        if kinds.get(entity.layer) != entity.kind:
+            raise FileError(f"{entity.kind} on layer {entity.layer} is not part of the drawing")
+    if drawing.mm_per_unit != MM_PER[product.unit]:
+        raise FileError(f"$INSUNITS does not say {product.unit}")
+    if drawing.header.get("$MEASUREMENT") != MEASUREMENT[product.unit]:
+        raise FileError(f"$MEASUREMENT does not say {product.unit}")

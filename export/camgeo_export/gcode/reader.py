@@ -1,0 +1,276 @@
+"""Interpreter of milling programs, as a controller would run them: words, modal state, moves.
+
+It knows the words that our machine profiles use and refuses others, so that nothing is overlooked.
+"""
+
+from __future__ import annotations
+
+import cmath
+import math
+import re
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from camgeo.contour.contour import Contour
+from camgeo_export.chain import chain
+from camgeo_export.errors import FileError
+
+Kind = Literal["rapid", "line", "arc"]
+
+WORD = re.compile(r"([A-Z])\s*([-+]?(?:\d+\.?\d*|\.\d+))")
+COMMENT = re.compile(r"\(([^()]*)\)")
+
+MODAL = {17, 40, 43, 49, 54, 80, 90, 91.1, 94}
+"""G words that must be active before the first cut; G49 is superseded by G43."""
+
+UNITS = {20: 25.4, 21: 1.0}
+
+
+@dataclass(frozen=True, slots=True)
+class CutterMove:
+    """One move; lengths in mm, feed in mm/min.
+
+    Attributes
+    ----------
+    kind : "rapid", "line" or "arc".
+    start, end : (x + iy); nan + nan i while the program has not said where.
+    z_start, z_end : heights.
+    centre : of an arc.
+    sweep : angle turned along an arc [rad], positive counter-clockwise.
+    mismatch : difference of an arc's radii at its ends.
+    feed : 0 for a traverse.
+    spindle : whether it turns.
+    operation : the last one that a comment has named.
+    line : in the file, counted from 1.
+    """
+
+    kind: Kind
+    start: complex
+    end: complex
+    z_start: float
+    z_end: float
+    centre: complex
+    sweep: float
+    mismatch: float
+    feed: float
+    spindle: bool
+    operation: str
+    line: int
+
+
+@dataclass(frozen=True, slots=True)
+class Loop:
+    """A closed run of cuts at one height.
+
+    Attributes
+    ----------
+    operation : its name.
+    z : height [mm].
+    contour : path of the tool centre, in the direction of cutting; each arc meets its end points.
+    mismatch : largest difference of radii [mm]: the controller's path lies within it of `contour`.
+    """
+
+    operation: str
+    z: float
+    contour: Contour
+    mismatch: float
+
+
+@dataclass(frozen=True, slots=True)
+class Program:
+    """A program that was run.
+
+    Attributes
+    ----------
+    mm_per_unit : of the program's unit of length.
+    step : last printed decimal [mm].
+    blending, naive_cam : P and Q of G64 [mm]; 0 for the exact path.
+    moves : in the order of running.
+    comments : without their brackets.
+    """
+
+    mm_per_unit: float
+    step: float
+    blending: float
+    naive_cam: float
+    moves: tuple[CutterMove, ...]
+    comments: tuple[str, ...]
+
+    def loops(self) -> list[Loop]:
+        """Closed runs of cuts at constant height; leads into and out of them are left out."""
+        found: list[Loop] = []
+        run: list[CutterMove] = []
+        # A point reached before closes a loop; the search then starts anew, so that a path which
+        # overlaps its beginning is found once, and no loop holds another.
+        reached: dict[complex, int] = {}
+        for move in self.moves:
+            flat = move.kind != "rapid" and move.z_start == move.z_end
+            if not flat or (run and run[-1].operation != move.operation):
+                run, reached = [], {}
+            if not flat:
+                continue
+            reached[move.start] = len(run)
+            run.append(move)
+            if move.end in reached:
+                found.append(_loop(run[reached[move.end] :]))
+                run, reached = [], {}
+        return found
+
+    def verify(self, safe_height: float, radius_tolerance: float) -> None:
+        """Raise FileError at the first move that is unsafe or that a controller may refuse.
+
+        Traverses in the plane at `safe_height` [mm] at least, none into the material, cuts with
+        feed and spindle on, arcs whose radii differ by `radius_tolerance` [mm] at most.
+        """
+        for move in self.moves:
+            fault = _fault(move, safe_height - 0.5 * self.step, radius_tolerance)
+            if fault:
+                raise FileError(f"line {move.line}: {fault}")
+
+
+@dataclass(slots=True)
+class _State:
+    """Modal state of the controller."""
+
+    scale: float = math.nan
+    motion: int = -1
+    at: complex = complex(math.nan, math.nan)
+    z: float = math.nan
+    feed: float = 0.0
+    spindle: bool = False
+    operation: str = ""
+    active: frozenset[float] = frozenset()
+    blending: float = math.inf
+    naive_cam: float = math.inf
+    step: float = math.inf
+    ended: bool = False
+
+
+def read(text: str) -> Program:
+    """Run a program; raises FileError at a block that cannot be."""
+    state = _State()
+    moves: list[CutterMove] = []
+    comments: list[str] = []
+    for number, line in enumerate(text.splitlines(), start=1):
+        for note in COMMENT.findall(line):
+            comments.append(note)
+            if note.startswith("operation "):
+                state.operation = note.removeprefix("operation ")
+        block = COMMENT.sub("", line).split(";")[0].strip().upper()
+        if not block or block == "%":
+            continue
+        if state.ended:
+            raise FileError(f"line {number}: block after the end of the program")
+        if WORD.sub("", block).strip():
+            raise FileError(f"line {number}: cannot be read: {block}")
+        move = _run(state, WORD.findall(block), number)
+        if move is not None:
+            moves.append(move)
+    if not state.ended or state.spindle:
+        raise FileError("the program does not end with the spindle off and M2 or M30")
+    return Program(
+        state.scale, state.step, state.blending, state.naive_cam, tuple(moves), tuple(comments)
+    )
+
+
+def _run(state: _State, words: list[tuple[str, str]], line: int) -> CutterMove | None:
+    """Run one block; the move it makes, if any."""
+    codes = [float(value) for letter, value in words if letter == "G"]
+    values = {letter: float(value) for letter, value in words if letter not in "GM"}
+    for code in codes:
+        _g(state, code, values, line)
+    if "F" in values:
+        state.feed = values["F"] * state.scale
+    for code in (float(value) for letter, value in words if letter == "M"):
+        _m(state, code, line)
+    if not values.keys() & {"X", "Y", "Z", "I", "J"}:
+        return None
+    for letter, value in words:
+        if letter in "XYZ":
+            places = len(value.partition(".")[2])
+            state.step = min(state.step, 10.0**-places * state.scale)
+    return _move(state, values, line)
+
+
+def _g(state: _State, code: float, values: dict[str, float], line: int) -> None:
+    if code in (0, 1, 2, 3):
+        state.motion = int(code)
+    elif code in UNITS:
+        state.scale = UNITS[int(code)]
+    elif code == 61:
+        state.blending = state.naive_cam = 0.0
+    elif code == 64:
+        # Without P the controller keeps its speed however far off; without Q, Q is P.
+        state.blending = values.get("P", math.inf) * state.scale
+        state.naive_cam = values.get("Q", values.get("P", math.inf)) * state.scale
+    elif code in MODAL:
+        state.active |= {code}
+    else:
+        raise FileError(f"line {line}: G{code:g} is not expected in our programs")
+
+
+def _m(state: _State, code: float, line: int) -> None:
+    if code in (3, 5):
+        state.spindle = code == 3
+    elif code in (2, 30):
+        state.ended = True
+    elif code != 6:
+        raise FileError(f"line {line}: M{code:g} is not expected in our programs")
+
+
+def _move(state: _State, values: dict[str, float], line: int) -> CutterMove:
+    if state.motion < 0 or math.isnan(state.scale):
+        raise FileError(f"line {line}: move before unit and kind of motion are known")
+    missing = MODAL - state.active
+    if state.motion > 0 and missing:
+        raise FileError(f"line {line}: cut without G{min(missing):g}")
+    start, z_start = state.at, state.z
+    scale = state.scale
+    x = values["X"] * scale if "X" in values else start.real
+    y = values["Y"] * scale if "Y" in values else start.imag
+    end = complex(x, y)
+    z_end = values["Z"] * scale if "Z" in values else z_start
+    kind: Kind = "rapid" if state.motion == 0 else "line"
+    centre, sweep, mismatch = 0j, 0.0, 0.0
+    if state.motion > 1:
+        kind = "arc"
+        arm = complex(values.get("I", 0.0), values.get("J", 0.0)) * scale
+        centre = start + arm
+        if not arm or end in (start, centre) or z_end != z_start:
+            raise FileError(f"line {line}: not an arc in the plane")
+        mismatch = abs(abs(arm) - abs(end - centre))
+        sweep = cmath.phase((end - centre) / -arm) % (2.0 * math.pi)
+        sweep -= 2.0 * math.pi if state.motion == 2 else 0.0
+    state.at, state.z = end, z_end
+    feed = 0.0 if kind == "rapid" else state.feed
+    return CutterMove(
+        kind, start, end, z_start, z_end, centre, sweep, mismatch, feed, state.spindle,
+        state.operation, line,
+    )  # fmt: skip
+
+
+def _fault(move: CutterMove, height: float, radius_tolerance: float) -> str:
+    """What is wrong with a move, or an empty text."""
+    if move.kind == "rapid":
+        low = min(move.z_start, move.z_end)
+        if move.end != move.start and not cmath.isnan(move.end) and not low >= height:
+            return f"traverse in the plane at Z {low:g} mm, below the safe height"
+        if move.z_end < 0.0:
+            return f"traverse down to Z {move.z_end:g} mm, into the material"
+        return ""
+    if cmath.isnan(move.start) or math.isnan(move.z_start):
+        return "cut from an unknown place"
+    if not move.feed > 0.0 or not move.spindle:
+        return "cut without feed, or with the spindle off"
+    if move.mismatch > radius_tolerance:
+        return f"the radii of the arc differ by {move.mismatch:g} mm"
+    return ""
+
+
+def _loop(run: list[CutterMove]) -> Loop:
+    vertices = np.array([move.start for move in run])
+    sweeps = np.array([move.sweep for move in run])
+    mismatch = max(move.mismatch for move in run)
+    return Loop(run[0].operation, run[0].z_start, chain(vertices, sweeps), mismatch)

@@ -1,0 +1,125 @@
+"""G-code: the milling program of the part in the words of a machine profile."""
+
+from __future__ import annotations
+
+import textwrap
+
+from camgeo.errors import Fault, SceneError
+from camgeo.files.product import Product, Written
+from camgeo.toolpath.moves import Operation, Rapid, Toolpath
+from camgeo.toolpath.spec import GcodeSpec
+from camgeo.units import MM_PER
+from camgeo_export.gcode.blocks import Grid, Speller, number
+from camgeo_export.gcode.budget import Budget, budget
+from camgeo_export.gcode.machine import CommentStyle, Machine, load
+from camgeo_export.gcode.measure import measure
+
+
+class GcodeWriter:
+    """Writes a milling program."""
+
+    suffix = ".ngc"
+    needs = ("output.gcode", "part.thickness")
+
+    def write(self, product: Product, tolerance: float) -> Written:
+        """The program, in the product's unit; path blending counts against `tolerance` [mm]."""
+        machine = load(spec(product).machine)
+        shares = budget(machine, product.unit, tolerance)
+        toolpath = product.toolpath(shares.fit)
+        grid = Grid(shares.decimals, MM_PER[product.unit])
+        speller = Speller(grid, shares, machine.arcs)
+        lines = _head(product, machine, shares, toolpath)
+        lines += _frame(product, machine, shares, toolpath)
+        speller.retract(toolpath.safe_height)
+        lines += speller.take()
+        for operation in toolpath.operations:
+            depths = " ".join(grid.text(grid.steps(depth)) for depth in operation.depths)
+            lines += comment(f"operation {operation.name}", machine.comment)
+            lines += comment(f"depths {depths}", machine.comment)
+            lines += _blocks(speller, operation)
+        speller.retract(toolpath.safe_height)
+        lines += speller.take()
+        lines += machine.end
+        _check_length(lines, machine)
+        facts: dict[str, int | float | str] = {
+            "operations": len(toolpath.operations),
+            "arcs": speller.arcs,
+            "lines": speller.lines,
+            "decimals": shares.decimals,
+            "budget fit mm": _short(shares.fit),
+            "budget rounding mm": _short(shares.rounding),
+            "budget chords mm": _short(shares.chord),
+            "path blending mm": _short(shares.blending),
+        }
+        return Written("".join(line + "\n" for line in lines).encode("ascii"), facts)
+
+    def measure(self, product: Product, data: bytes) -> float:
+        """Run the program in an interpreter of our own and measure the cutter path [mm]."""
+        return measure(product, data)
+
+
+def spec(product: Product) -> GcodeSpec:
+    """What the scene says of the milling; raises SceneError if it says nothing."""
+    if product.gcode is None:
+        message = "a program needs tool and feeds: add an [output.gcode] table"
+        raise SceneError([Fault("output.gcode", "", message)])
+    return product.gcode
+
+
+def comment(text: str, style: CommentStyle) -> list[str]:
+    """`text` as comment lines, without what the controller cannot read in one."""
+    plain = text.encode("ascii", "replace").decode("ascii")
+    plain = plain.translate(str.maketrans("()", "[]"))
+    width = style.line_length - len(style.open) - len(style.close)
+    return [style.open + line + style.close for line in textwrap.wrap(plain, width)]
+
+
+def _head(product: Product, machine: Machine, shares: Budget, toolpath: Toolpath) -> list[str]:
+    parts = (
+        f"part {product.name}",
+        f"camgeo {product.version}, for {machine.name}",
+        f"scene {product.scene_hash}" if product.scene_hash else "",
+        f"unit {product.unit}, Z 0 on the upper face, origin on the cam axis",
+        f"tolerance {shares.tolerance!r} mm",
+        f"fit within {shares.fit:.4g} mm, printed within {shares.rounding:.4g} mm",
+        f"chords within {shares.chord:.4g} mm, path blending {shares.blending:.4g} mm",
+        f"tool {toolpath.tool_number}: end mill, diameter {number(toolpath.tool_diameter)} mm",
+    )
+    return [line for part in parts if part for line in comment(part, machine.comment)]
+
+
+def _frame(product: Product, machine: Machine, shares: Budget, toolpath: Toolpath) -> list[str]:
+    """Modal state, path blending, tool and spindle."""
+    words = {
+        "unit": machine.unit_word(product.unit),
+        "tool": str(toolpath.tool_number),
+        "speed": number(toolpath.spindle_speed),
+    }
+    blending = machine.blending.off
+    if shares.blending > 0.0:
+        printed = f"{shares.blending / MM_PER[product.unit]:.{shares.decimals}f}"
+        blending = machine.blending.on.format(p=printed)
+    blocks = (*machine.preamble, blending, *machine.tool_change, *machine.spindle_on)
+    return [block.format(**words) for block in blocks]
+
+
+def _blocks(speller: Speller, operation: Operation) -> list[str]:
+    if not isinstance(operation.moves[0], Rapid):
+        raise ValueError(f"operation {operation.name} must begin with a traverse")
+    for move in operation.moves:
+        speller.move(move)
+    return speller.take()
+
+
+def _short(length: float) -> float:
+    """A share of the budget with four digits."""
+    return float(f"{length:.4g}")
+
+
+def _check_length(lines: list[str], machine: Machine) -> None:
+    for line in lines:
+        if len(line) > machine.comment.line_length:
+            raise ValueError(f"block longer than {machine.comment.line_length} characters: {line}")
+
+
+WRITER = GcodeWriter()

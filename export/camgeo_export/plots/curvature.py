@@ -1,0 +1,30 @@
+"""Curvature of the pitch curve, and where an offset by the roller radius comes to a cusp."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.figure import Figure, SubFigure
+
+from camgeo.files.product import Product
+from camgeo.units import MM_PER
+from camgeo_export.plots.style import LIMIT, LINE, diagram_angles, frame, over_cam_angle
+
+size = (7.0, 3.6)
+
+
+def draw(product: Product, figure: Figure | SubFigure) -> None:
+    """Draw the curvature over the cam angle with the limits of +-1/r_R."""
+    phi = diagram_angles(product.joints)
+    scale = MM_PER[product.unit]
+    limit = scale / product.roller_radius
+    axes = figure.subplots(gridspec_kw=frame(figure))
+    curvature = product.quantity("curvature", phi) * scale
+    axes.plot(np.degrees(phi), curvature, color=LINE, label="pitch curve")
+    for sign in (1.0, -1.0):
+        label = "cusp of a flank, ±1/r$_R$" if sign > 0.0 else None
+        axes.axhline(sign * limit, color=LIMIT, linestyle="--", linewidth=1.0, label=label)
+    axes.axhline(0.0, color="black", linewidth=0.5)
+    over_cam_angle(axes, product.joints)
+    axes.set_ylabel(f"curvature κ [1/{product.unit}]")
+    axes.set_title(f"{product.name}: curvature of the pitch curve")
+    axes.legend(loc="best")

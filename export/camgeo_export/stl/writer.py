@@ -1,0 +1,56 @@
+"""STL, binary: the part as a body. Always in millimetres, for the format knows no unit."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from camgeo.files.product import Product, Written
+from camgeo.numeric.arrays import FloatArray
+from camgeo_export.solid.prism import body
+from camgeo_export.stl.measure import measure
+
+HEADER_BYTES = 80
+
+FACET = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
+
+
+class StlWriter:
+    """Writes a binary STL."""
+
+    suffix = ".stl"
+    needs = ("part.thickness",)
+
+    def write(self, product: Product, tolerance: float) -> Written:
+        """The body [mm] within `tolerance` [mm]; the rounding of STL's single floats counts."""
+        solid = body(product.part, tolerance, _single)
+        corners = solid.vertices[solid.triangles]
+        facets = np.zeros(len(corners), dtype=FACET)
+        facets["corners"] = corners
+        facets["normal"] = _normals(corners)
+        data = _header(product) + np.uint32(len(facets)).tobytes() + facets.tobytes()
+        return Written(data, {"triangles": len(facets), "volume mm3": solid.volume})
+
+    def measure(self, product: Product, data: bytes) -> float:
+        """Read the mesh back with trimesh and measure it against the exact boundaries [mm]."""
+        return measure(product, data)
+
+
+def _single(values: FloatArray) -> FloatArray:
+    return values.astype(np.float32).astype(np.float64)
+
+
+def _normals(corners: FloatArray) -> FloatArray:
+    """(m, 3) outward unit normals of the triangles `corners` (m, 3, 3)."""
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    lengths = np.linalg.norm(normals, axis=1, keepdims=True)
+    # + 0.0 turns -0.0 into 0.0
+    return normals / np.where(lengths > 0.0, lengths, 1.0) + 0.0
+
+
+def _header(product: Product) -> bytes:
+    """80 bytes; they must not begin with "solid", by which readers tell the text form."""
+    text = f"camgeo {product.version} unit mm scene {product.scene_hash[:16]} {product.name}"
+    return text.encode("ascii", "replace")[:HEADER_BYTES].ljust(HEADER_BYTES)
+
+
+WRITER = StlWriter()

@@ -1,0 +1,114 @@
+"""3MF: the part as one mesh object in millimetres, in double precision."""
+
+from __future__ import annotations
+
+import io
+import zipfile
+from xml.etree import ElementTree as ET
+
+from camgeo.files.product import Product, Written
+from camgeo.numeric.arrays import FloatArray
+from camgeo_export.solid.prism import Body, body
+from camgeo_export.threemf.measure import measure
+
+CORE = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02"
+CONTENT_TYPES = "http://schemas.openxmlformats.org/package/2006/content-types"
+RELATIONSHIPS = "http://schemas.openxmlformats.org/package/2006/relationships"
+MODEL_TYPE = "application/vnd.ms-package.3dmanufacturing-3dmodel+xml"
+RELATIONSHIP_TYPE = "application/vnd.openxmlformats-package.relationships+xml"
+MODEL_RELATION = "http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"
+MODEL_PATH = "3D/3dmodel.model"
+
+NAMESPACE = "urn:camgeo:2026"
+"""Of our metadata; names outside of the core specification must have one."""
+
+FIXED_DATE = (1980, 1, 1, 0, 0, 0)
+"""Earliest date that a zip holds: the file's bytes depend on its content only."""
+
+UNIX = 3
+"""Number of the system that made a zip entry; fixed, for zipfile writes that of the host."""
+
+
+class ThreeMfWriter:
+    """Writes a 3MF package."""
+
+    suffix = ".3mf"
+    needs = ("part.thickness",)
+
+    def write(self, product: Product, tolerance: float) -> Written:
+        """The body [mm] within `tolerance` [mm]."""
+        solid = body(product.part, tolerance, _exact)
+        stream = io.BytesIO()
+        with zipfile.ZipFile(stream, "w") as package:
+            _store(package, "[Content_Types].xml", _content_types())
+            _store(package, "_rels/.rels", _relationships())
+            _store(package, MODEL_PATH, _model(product, tolerance, solid))
+        facts: dict[str, int | float | str] = {
+            "triangles": len(solid.triangles),
+            "volume mm3": solid.volume,
+        }
+        return Written(stream.getvalue(), facts)
+
+    def measure(self, product: Product, data: bytes) -> float:
+        """Read the mesh back with trimesh and measure it against the exact boundaries [mm]."""
+        return measure(product, data)
+
+
+def _exact(values: FloatArray) -> FloatArray:
+    return values + 0.0  # -0.0 becomes 0.0
+
+
+def _store(package: zipfile.ZipFile, path: str, root: ET.Element) -> None:
+    entry = zipfile.ZipInfo(path, FIXED_DATE)
+    entry.compress_type = zipfile.ZIP_DEFLATED
+    entry.create_system = UNIX
+    package.writestr(entry, ET.tostring(root, "UTF-8", xml_declaration=True))
+
+
+def _content_types() -> ET.Element:
+    root = ET.Element("Types", {"xmlns": CONTENT_TYPES})
+    for extension, kind in (("rels", RELATIONSHIP_TYPE), ("model", MODEL_TYPE)):
+        attributes = {"Extension": extension, "ContentType": kind}
+        ET.SubElement(root, "Default", attributes)
+    return root
+
+
+def _relationships() -> ET.Element:
+    root = ET.Element("Relationships", {"xmlns": RELATIONSHIPS})
+    attributes = {"Target": f"/{MODEL_PATH}", "Id": "model", "Type": MODEL_RELATION}
+    ET.SubElement(root, "Relationship", attributes)
+    return root
+
+
+def _model(product: Product, tolerance: float, solid: Body) -> ET.Element:
+    attributes = {
+        "xmlns": CORE,
+        "xmlns:camgeo": NAMESPACE,
+        "unit": "millimeter",
+        "xml:lang": "en",
+    }
+    root = ET.Element("model", attributes)
+    metadata = {
+        "Title": product.name,
+        "Application": f"camgeo {product.version}",
+        "camgeo:scene": product.scene_hash,
+        "camgeo:tolerance": f"{tolerance!r} mm",
+    }
+    for name, value in metadata.items():
+        ET.SubElement(root, "metadata", {"name": name}).text = value
+    resources = ET.SubElement(root, "resources")
+    item = ET.SubElement(resources, "object", {"id": "1", "type": "model", "name": product.name})
+    mesh = ET.SubElement(item, "mesh")
+    vertices = ET.SubElement(mesh, "vertices")
+    for x, y, z in solid.vertices.tolist():
+        ET.SubElement(vertices, "vertex", {"x": repr(x), "y": repr(y), "z": repr(z)})
+    triangles = ET.SubElement(mesh, "triangles")
+    for a, b, c in solid.triangles.tolist():
+        corners = {"v1": str(a), "v2": str(b), "v3": str(c)}
+        ET.SubElement(triangles, "triangle", corners)
+    build = ET.SubElement(root, "build")
+    ET.SubElement(build, "item", {"objectid": "1"})
+    return root
+
+
+WRITER = ThreeMfWriter()

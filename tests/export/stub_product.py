@@ -1,0 +1,216 @@
+"""A product whose boundaries are exact circles: what writers need of a design, without the engine.
+
+Its fits are off on purpose: the arcs of a "fit" bulge by most of the tolerance they are given, so
+that a writer which spends more than its share is found out.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+
+from camgeo.check.finding import Finding
+from camgeo.contour.contour import Contour
+from camgeo.contour.fit import Fit
+from camgeo.files.product import FollowerSketch
+from camgeo.files.specs import DxfSpec
+from camgeo.files.table import Table
+from camgeo.numeric.arrays import FloatArray
+from camgeo.part.part import Part
+from camgeo.toolpath.moves import ArcFeed, Feed, Move, Operation, Rapid, Toolpath
+from camgeo.toolpath.spec import GcodeSpec
+from camgeo.units import MM_PER, LengthUnit
+from camgeo_export.chain import chain
+
+SPEND = 0.99
+"""Share of the tolerance by which the fits are off."""
+
+PIECES = 12
+
+PROBES = np.linspace(0.0, 1.0, 33)
+
+
+def bulged(radius: float, centre: complex, tolerance: float) -> Contour:
+    """Circle of arcs between points of the circle, each `tolerance` off in its middle."""
+    step = 2.0 * math.pi / PIECES
+    vertices = centre + radius * np.exp(1j * step * np.arange(PIECES))
+    half_chord = radius * math.sin(step / 2.0)
+    signs = np.where(np.arange(PIECES) % 2 == 0, 1.0, -1.0)
+    sagitta = radius * (1.0 - math.cos(step / 2.0)) + signs * SPEND * tolerance
+    return chain(vertices, 4.0 * np.arctan(sagitta / half_chord))
+
+
+def off_circle(contour: Contour, radius: float, centre: complex) -> float:
+    """Largest distance [mm] of `contour` from a circle, probed at 33 points a piece."""
+    start = contour.vertices[:, None]
+    turned = np.exp(1j * contour.sweeps[:, None] * PROBES)
+    arc = contour.centres[:, None] + (start - contour.centres[:, None]) * turned
+    line = start + (contour.ends[:, None] - start) * PROBES
+    points = np.where(contour.sweeps[:, None] != 0.0, arc, line)
+    return float(abs(abs(points - centre) - radius).max())
+
+
+@dataclass(frozen=True, slots=True)
+class CircleBoundary:
+    name: str
+    hole: bool
+    radius: float
+    centre: complex = 0j
+
+    def arcs(self, tolerance: float) -> Fit:
+        contour = bulged(self.radius, self.centre, tolerance)
+        return Fit(contour, SPEND * tolerance, tolerance)
+
+    def polyline(self, tolerance: float) -> Fit:
+        sagitta = SPEND * tolerance
+        count = math.ceil(math.pi / (2.0 * math.asin(math.sqrt(sagitta / self.radius / 2.0))))
+        points = self.centre + self.radius * np.exp(2j * math.pi * np.arange(count) / count)
+        return Fit(Contour(points, np.zeros(count), np.zeros_like(points)), sagitta, tolerance)
+
+    def deviation(self, contour: Contour) -> float:
+        return off_circle(contour, self.radius, self.centre)
+
+
+@dataclass(frozen=True, slots=True)
+class StubProduct:
+    """An eccentric disc; with `groove`, a groove of eccentric flanks in a round blank."""
+
+    name: str = "eccentric"
+    unit: LengthUnit = "mm"
+    groove: bool = False
+    dxf: DxfSpec = field(default_factory=DxfSpec)
+    gcode: GcodeSpec | None = field(default_factory=GcodeSpec)
+    thickness: float | None = 8.0
+    scale: float = 1.0
+    scene_hash: str = "0123456789abcdef" * 4
+    version: str = "0.0.test"
+    rotation: int = -1
+    joints: tuple[float, ...] = (0.0, math.pi)
+    lift_unit: Literal["mm", "rad"] = "mm"
+    findings: tuple[Finding, ...] = field(
+        default=(Finding("transmission-angle", "ok", "fine", 70.0, 60.0, "deg"),)
+    )
+
+    @property
+    def centre(self) -> complex:
+        return complex(0.0, -5.0) * self.scale
+
+    @property
+    def pitch_radius(self) -> float:
+        return 40.0 * self.scale
+
+    @property
+    def roller_radius(self) -> float:
+        return 8.0 * self.scale
+
+    @property
+    def base_radius(self) -> float:
+        return 35.0 * self.scale
+
+    @property
+    def follower_sketch(self) -> FollowerSketch:
+        return FollowerSketch("guide", 60j * self.scale)
+
+    @property
+    def part(self) -> Part:
+        inner = self.pitch_radius - self.roller_radius
+        outer = self.pitch_radius + self.roller_radius
+        bore = CircleBoundary("bore", True, 10.0 * self.scale)
+        if not self.groove:
+            outline = CircleBoundary("outline", False, inner, self.centre)
+            return Part((outline, bore), (), self.thickness, 0.0)
+        rim = CircleBoundary("rim", False, 60.0 * self.scale)
+        flanks = (
+            CircleBoundary("inner flank", False, inner, self.centre),
+            CircleBoundary("outer flank", True, outer, self.centre),
+        )
+        return Part((rim, bore), flanks, self.thickness, 3.0)
+
+    def pitch_contour(self, tolerance: float) -> Fit:
+        contour = bulged(self.pitch_radius, self.centre, tolerance)
+        return Fit(contour, SPEND * tolerance, tolerance)
+
+    def pitch_deviation(self, contour: Contour) -> float:
+        return off_circle(contour, self.pitch_radius, self.centre)
+
+    def _path(self, operation: str) -> tuple[float, complex]:
+        assert self.gcode is not None
+        cutter = 0.5 * self.gcode.tool_diameter
+        if operation == "bore":
+            return 10.0 * self.scale - cutter, 0j
+        return (self.pitch_radius - self.roller_radius) + cutter, self.centre
+
+    def toolpath(self, tolerance: float) -> Toolpath:
+        assert self.gcode is not None
+        operations = []
+        for name in ("bore", "outline"):
+            radius, centre = self._path(name)
+            contour = bulged(radius, centre, tolerance)
+            if name == "outline":
+                contour = contour.reversed()
+            operations.append(_operation(name, contour, centre, self.gcode))
+        gcode = self.gcode
+        return Toolpath(
+            gcode.tool_number,
+            gcode.tool_diameter,
+            gcode.spindle_speed,
+            gcode.safe_height,
+            tuple(operations),
+        )
+
+    def toolpath_deviation(self, operation: str, contour: Contour) -> float:
+        return off_circle(contour, *self._path(operation))
+
+    def curve(self, what: str, phi: FloatArray) -> FloatArray:
+        offset = {"pitch": 0.0, "inner": -self.roller_radius, "outer": self.roller_radius}[what]
+        points = self.centre + (self.pitch_radius + offset) * np.exp(1j * (phi + 0.5 * math.pi))
+        return np.column_stack((points.real, points.imag))
+
+    def quantity(self, what: str, phi: FloatArray) -> FloatArray:
+        if what == "curvature":
+            return np.full_like(phi, 1.0 / self.pitch_radius)
+        if what == "transmission_angle":
+            return np.radians(80.0 - 10.0 * np.cos(phi))
+        order = {"s": 0, "s1": 1, "s2": 2, "s3": 3}[what]
+        mean = 5.0 * self.scale if order == 0 else 0.0
+        return mean - 5.0 * self.scale * np.cos(phi + 0.5 * math.pi * order)
+
+    def table(self) -> Table:
+        phi = np.linspace(0.0, 2.0 * math.pi, 73)
+        points = self.curve("inner", phi) / MM_PER[self.unit]
+        lift = self.quantity("s", phi) / MM_PER[self.unit]
+        names = ("phi [deg]", *(f"{what} [{self.unit}]" for what in ("s", "inner x", "inner y")))
+        return Table(names, np.column_stack((np.degrees(phi), lift, points)))
+
+
+def _operation(name: str, contour: Contour, centre: complex, gcode: GcodeSpec) -> Operation:
+    """Two passes along `contour`, entered and left tangentially on quarter circles."""
+    depths = (-4.0, -8.0)
+    start = complex(contour.vertices[0])
+    inwards = (centre - start) / abs(centre - start)
+    ccw = bool(contour.sweeps[0] > 0.0)
+    ahead = inwards * (-1j if ccw else 1j)
+    # The leads lie on the side of the waste: inside a bore, outside an outline.
+    inside = name == "bore"
+    reach = (0.4 if inside else -0.1) * abs(centre - start)
+    hinge = start + inwards * reach
+    entry, leave = hinge - ahead * abs(reach), hinge + ahead * abs(reach)
+    turn = ccw if inside else not ccw
+    moves: list[Move] = []
+    for depth in depths:
+        moves.append(Rapid((entry.real, entry.imag, gcode.safe_height)))
+        moves.append(Feed((entry.real, entry.imag, depth), gcode.plunge_feed))
+        moves.append(_arc(start, hinge, depth, turn, gcode.feed))
+        pieces = zip(contour.ends, contour.centres, contour.sweeps, strict=True)
+        for end, hub, sweep in pieces:
+            moves.append(_arc(complex(end), complex(hub), depth, bool(sweep > 0.0), gcode.feed))
+        moves.append(_arc(leave, hinge, depth, turn, gcode.feed))
+        moves.append(Rapid((leave.real, leave.imag, gcode.safe_height)))
+    return Operation(name, depths, tuple(moves))
+
+
+def _arc(end: complex, hub: complex, depth: float, ccw: bool, feed: float) -> ArcFeed:
+    return ArcFeed((end.real, end.imag, depth), (hub.real, hub.imag), ccw, feed)

@@ -1,0 +1,161 @@
+"""DXF: what is written is what is read back, within the tolerance, in the right unit."""
+
+from __future__ import annotations
+
+import io
+import math
+from dataclasses import replace
+
+import ezdxf
+import numpy as np
+import pytest
+
+from camgeo.contour.contour import Contour
+from camgeo.files.specs import DxfSpec
+from camgeo_export.chain import chain
+from camgeo_export.dxf.reader import read
+from camgeo_export.dxf.writer import WRITER
+from camgeo_export.errors import FileError
+from tests.export.stub_product import StubProduct
+
+PRODUCTS = {
+    "disc": StubProduct(),
+    "inch": StubProduct(unit="inch"),
+    "groove": StubProduct(groove=True),
+    "polyline": StubProduct(dxf=DxfSpec("polyline")),
+    "cut only": StubProduct(dxf=DxfSpec(auxiliary=False)),
+    "large": StubProduct(scale=1e4),
+}
+
+
+@pytest.fixture(params=list(PRODUCTS.values()), ids=list(PRODUCTS))
+def product(request: pytest.FixtureRequest) -> StubProduct:
+    found: StubProduct = request.param
+    return found
+
+
+@pytest.mark.parametrize("tolerance", [0.05, 1e-3])
+def test_read_back_is_within_the_tolerance(product: StubProduct, tolerance: float) -> None:
+    written = WRITER.write(product, tolerance)
+    assert 0.5 * tolerance < WRITER.measure(product, written.data) <= tolerance
+
+
+def test_numbers_keep_the_finest_tolerance() -> None:
+    product = StubProduct()
+    assert WRITER.measure(product, WRITER.write(product, 1e-7).data) <= 1e-7
+
+
+def test_the_same_bytes_each_time(product: StubProduct) -> None:
+    assert WRITER.write(product, 0.01).data == WRITER.write(product, 0.01).data
+
+
+def test_ezdxf_setting_is_put_back() -> None:
+    before = ezdxf.options.write_fixed_meta_data_for_testing  # type: ignore[attr-defined]
+    WRITER.write(StubProduct(), 0.01)
+    assert ezdxf.options.write_fixed_meta_data_for_testing == before  # type: ignore[attr-defined]
+
+
+def test_ezdxf_finds_nothing_to_mend(product: StubProduct) -> None:
+    text = WRITER.write(product, 0.01).data.decode()
+    document = ezdxf.read(io.StringIO(text))  # type: ignore[attr-defined]
+    audit = document.audit()
+    assert not audit.errors
+    assert not audit.fixes
+
+
+def test_entities_layers_and_units() -> None:
+    product = StubProduct()
+    drawing = read(WRITER.write(product, 0.01).data)
+    kinds = [(entity.layer, entity.kind) for entity in drawing.entities]
+    assert kinds == [
+        ("CUT", "LWPOLYLINE"),
+        ("CUT", "LWPOLYLINE"),
+        ("PITCH_CURVE", "LWPOLYLINE"),
+        ("BASE_CIRCLE", "CIRCLE"),
+        ("CENTRE", "LINE"),
+        ("CENTRE", "LINE"),
+    ]
+    assert drawing.header["$ACADVER"] == "AC1024"
+    assert (drawing.header["$INSUNITS"], drawing.header["$MEASUREMENT"]) == ("4", "1")
+    inch = read(WRITER.write(replace(product, unit="inch"), 0.01).data)
+    assert (inch.header["$INSUNITS"], inch.header["$MEASUREMENT"]) == ("1", "0")
+    assert drawing.properties == {
+        "camgeo": product.version,
+        "scene": product.scene_hash,
+        "tolerance mm": "0.01",
+    }
+
+
+def test_without_auxiliary_geometry_only_the_cut_is_drawn() -> None:
+    drawing = read(WRITER.write(PRODUCTS["cut only"], 0.01).data)
+    assert {entity.layer for entity in drawing.entities} == {"CUT"}
+
+
+def test_areas_are_those_of_the_part() -> None:
+    outline, bore = read(WRITER.write(StubProduct(), 1e-5).data).contours("CUT")
+    assert outline.area == pytest.approx(math.pi * 32.0**2, rel=1e-6)
+    assert bore.area == pytest.approx(math.pi * 10.0**2, rel=1e-6)
+
+
+def test_no_arc_exceeds_half_a_turn() -> None:
+    for contour in read(WRITER.write(StubProduct(), 0.01).data).contours("CUT"):
+        assert abs(contour.sweeps).max() <= math.pi
+
+
+def test_chain_gives_back_a_contour() -> None:
+    contour = Contour.circle(3.0, 1.0 + 2.0j).split(1.0)
+    again = chain(contour.vertices, contour.sweeps)
+    np.testing.assert_allclose(again.centres, contour.centres, atol=1e-14)
+
+
+# A measurement that accepts a wrong file is worth nothing: break the file and see it found.
+
+
+def test_a_moved_vertex_is_measured() -> None:
+    product = StubProduct()
+    data = WRITER.write(product, 0.01).data
+    vertex = b"\n 10\n32.0\n"
+    assert data.count(vertex) == 1
+    moved = data.replace(vertex, b"\n 10\n32.5\n")
+    assert WRITER.measure(product, moved) > 0.1
+
+
+def test_a_reversed_bulge_is_measured() -> None:
+    product = StubProduct()
+    data = WRITER.write(product, 0.01).data
+    head, entities = data.split(b"ENTITIES")
+    turned = entities.replace(b"\n 42\n0.", b"\n 42\n-0.", 1)
+    assert WRITER.measure(product, head + b"ENTITIES" + turned) > 0.1
+
+
+def test_a_foreign_scale_is_measured() -> None:
+    data = WRITER.write(StubProduct(scale=1.001), 0.01).data
+    assert WRITER.measure(StubProduct(), data) > 0.03
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        (b"$INSUNITS\n 70\n4", b"$INSUNITS\n 70\n1", "INSUNITS"),
+        (b"$INSUNITS\n 70\n4", b"$INSUNITS\n 70\n6", "INSUNITS"),
+        (b"$MEASUREMENT\n 70\n1", b"$MEASUREMENT\n 70\n0", "MEASUREMENT"),
+        (b"\n 70\n1\n 10\n", b"\n 70\n0\n 10\n", "open polyline"),
+        (b"\n 10\n32.0\n", b"\n 10\nnan\n", "not finite"),
+        (b"\n 10\n32.0\n", b"\n 11\n32.0\n", "vertices"),
+        (b"\n  8\nCUT", b"\n  8\nSCRAP", "SCRAP"),
+        (b"CIRCLE\n", b"TEXT\n", "TEXT"),
+        (b"EOF", b"EO", "no EOF"),
+        (b"  0\nSECTION", b"  a\nSECTION", "not a DXF"),
+    ],
+)
+def test_a_broken_drawing_is_refused(old: bytes, new: bytes, message: str) -> None:
+    product = StubProduct()
+    data = WRITER.write(product, 0.01).data
+    assert old in data
+    with pytest.raises(FileError, match=message):
+        WRITER.measure(product, data.replace(old, new))
+
+
+def test_a_missing_boundary_is_refused() -> None:
+    with pytest.raises(FileError, match="2 closed contours, expected 4"):
+        WRITER.measure(StubProduct(groove=True), WRITER.write(StubProduct(), 0.01).data)

@@ -1,0 +1,298 @@
+"""G-code: the program run again follows the path, and keeps the rules of controllers."""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from camgeo.errors import SceneError, ToleranceError
+from camgeo.toolpath.moves import ArcFeed, Feed, Rapid
+from camgeo.toolpath.spec import GcodeSpec
+from camgeo.units import LengthUnit
+from camgeo_export.errors import FileError
+from camgeo_export.gcode import machine as machines
+from camgeo_export.gcode.blocks import Grid, Speller
+from camgeo_export.gcode.budget import Budget, budget
+from camgeo_export.gcode.reader import Program, read
+from camgeo_export.gcode.writer import WRITER
+from tests.export.stub_product import StubProduct
+
+LINUXCNC = machines.load("linuxcnc")
+
+TOLERANCES = [0.05, 0.01, 1e-3, 1e-6]
+
+
+def program_of(product: StubProduct, tolerance: float) -> tuple[str, Program]:
+    text = WRITER.write(product, tolerance).data.decode()
+    return text, read(text)
+
+
+@pytest.mark.parametrize("unit", ["mm", "inch"])
+@pytest.mark.parametrize("tolerance", TOLERANCES)
+def test_the_budget_holds(unit: LengthUnit, tolerance: float) -> None:
+    product = StubProduct(unit=unit)
+    written = WRITER.write(product, tolerance)
+    assert 0.5 * tolerance < WRITER.measure(product, written.data) <= tolerance
+    shares = budget(LINUXCNC, unit, tolerance)
+    assert shares.fit + shares.rounding + shares.chord + shares.blending < tolerance
+
+
+@pytest.mark.parametrize("unit", ["mm", "inch"])
+@pytest.mark.parametrize("tolerance", TOLERANCES)
+def test_rules_of_controllers(unit: LengthUnit, tolerance: float) -> None:
+    text, program = program_of(StubProduct(unit=unit), tolerance)
+    lines = text.splitlines()
+    assert max(map(len, lines)) <= 78
+    assert not re.search(r"^N|G41|G42|%|[a-z]|-0\.0+\b", re.sub(r"\(.*?\)", "", text), re.M)
+    assert text.isascii()
+    assert lines[-2:] == ["M5", "M2"]
+    for move in program.moves:
+        if move.kind == "arc":
+            assert abs(move.sweep) <= math.pi + 1e-3
+            assert move.mismatch <= 3.0 * program.step
+    program.verify(5.0 - program.step, 0.002)
+
+
+def test_frame_of_the_program() -> None:
+    text, _ = program_of(StubProduct(), 0.001)
+    blocks = [line for line in text.splitlines() if not line.startswith("(")]
+    assert blocks[:9] == [
+        "G17 G21 G40 G49 G54 G80 G90 G94",
+        "G91.1",
+        "G61",
+        "T1 M6",
+        "G43 H1",
+        "S3000 M3",
+        "G0 Z5.00000",
+        "G0 X4.20000 Y-2.80000",
+        "G1 Z-4.00000 F100",
+    ]
+    assert f"(scene {StubProduct().scene_hash})" in text
+    assert "(tolerance 0.001 mm)" in text
+    assert "(operation outline)" in text
+
+
+def test_feed_is_written_first_and_when_it_changes() -> None:
+    text, _ = program_of(StubProduct(), 0.001)
+    cuts = [line for line in text.splitlines() if re.match("G[123] ", line)]
+    feeds = [re.findall("F([0-9.]+)", line) for line in cuts]
+    assert feeds[0] == ["100"]
+    assert feeds[1] == ["300"]
+    assert sum(map(len, feeds)) == 2 * 4  # plunge and path, for each pass
+
+
+def test_decimals_follow_the_tolerance() -> None:
+    decimals = [budget(LINUXCNC, "mm", tolerance).decimals for tolerance in TOLERANCES]
+    assert decimals == [4, 4, 5, 8]
+    assert budget(LINUXCNC, "inch", 0.05).decimals == 5
+    with pytest.raises(ToleranceError, match="too coarse"):
+        budget(LINUXCNC, "mm", 1e-9)
+
+
+def test_path_blending_is_part_of_the_budget() -> None:
+    _, coarse = program_of(StubProduct(), 0.01)
+    assert coarse.blending == pytest.approx(0.003)
+    assert coarse.naive_cam == 0.0
+    _, fine = program_of(StubProduct(), 0.001)
+    assert fine.blending == 0.0
+
+
+def test_blending_counts_in_the_measure() -> None:
+    product = StubProduct()
+    data = WRITER.write(product, 0.01).data
+    more = data.replace(b"G64 P0.0030", b"G64 P0.0130")
+    assert WRITER.measure(product, more) == pytest.approx(WRITER.measure(product, data) + 0.01)
+    naive = data.replace(b" Q0\n", b"\n")
+    assert WRITER.measure(product, naive) == pytest.approx(WRITER.measure(product, data) + 0.003)
+    assert WRITER.measure(product, data.replace(b" P0.0030 Q0\n", b"\n")) == math.inf
+
+
+def test_loops_leave_out_the_leads() -> None:
+    _, program = program_of(StubProduct(), 1e-4)
+    loops = program.loops()
+    assert [(loop.operation, loop.z) for loop in loops] == [
+        ("bore", -4.0), ("bore", -8.0), ("outline", -4.0), ("outline", -8.0),
+    ]  # fmt: skip
+    assert loops[0].contour.area == pytest.approx(math.pi * 7.0**2, rel=1e-4)
+    assert loops[2].contour.area == pytest.approx(-math.pi * 35.0**2, rel=1e-4)
+
+
+HEAD = "G21 G17 G40 G49 G54 G80 G90 G94 G91.1\nG43 H1\nG61\nS1 M3\nF100\n"
+
+
+def test_leads_from_and_to_the_same_point_are_no_part_of_the_loop() -> None:
+    body = "G0 X0 Y0\nG0 Z-1\nG1 X5\nG3 X-5 I-5 J0\nG3 X5 I5 J0\nG1 X0\nM5\nM2"
+    loops = read(HEAD + body).loops()
+    assert [loop.contour.area for loop in loops] == [pytest.approx(math.pi * 25.0)]
+
+
+def speller(tolerance: float = 0.001, decimals: int = 4) -> Speller:
+    shares = Budget(tolerance, decimals, 3.0 * 10.0**-decimals, 0.05 * tolerance, 0.0, tolerance)
+    return Speller(Grid(decimals, 1.0), shares, LINUXCNC.arcs)
+
+
+def test_an_arc_with_coincident_printed_ends_is_dropped() -> None:
+    words = speller(tolerance=1e-9)
+    words.move(Rapid((10.0, 0.0, 5.0)))
+    words.move(Feed((10.0, 0.0, -1.0), 100.0))
+    words.take()
+    end = 10.0 * complex(math.cos(3e-6), math.sin(3e-6))
+    words.move(ArcFeed((end.real, end.imag, -1.0), (0.0, 0.0), True, 100.0))
+    assert words.take() == []
+    words.move(ArcFeed((0.0, 10.0, -1.0), (0.0, 0.0), True, 100.0))
+    assert words.take() == ["G3 X0.0000 Y10.0000 I-10.0000 J0.0000"]
+
+
+def test_nearly_straight_arcs_become_lines() -> None:
+    words = speller()
+    words.move(Rapid((10.0, 0.0, -1.0)))
+    words.move(ArcFeed((9.99995, 0.03162, -1.0), (0.0, 0.0), True, 100.0))
+    assert words.take()[1:] == ["G1 X10.0000 Y0.0316 F100"]
+
+
+@pytest.mark.parametrize("radius", [5000.0, 0.005])
+def test_arcs_beyond_the_machine_become_chords_within_the_budget(radius: float) -> None:
+    words = speller()
+    words.move(Rapid((radius, 0.0, -1.0)))
+    turn = 0.01 if radius > 1.0 else math.pi
+    end = radius * complex(math.cos(turn), math.sin(turn))
+    words.move(ArcFeed((end.real, end.imag, -1.0), (0.0, 0.0), True, 100.0))
+    assert words.arcs == 0
+    sagitta = radius * (1.0 - math.cos(turn / words.lines / 2.0))
+    assert sagitta <= words.budget.chord
+    one_less = max(1, words.lines - 1)
+    assert radius * (1.0 - math.cos(turn / one_less / 2.0)) > words.budget.chord
+    assert f"X{end.real:.4f} Y{end.imag:.4f}" in words.take()[-1]
+
+
+@given(
+    st.floats(0.5, 900.0),
+    st.floats(-math.pi, math.pi),
+    st.floats(1e-3, math.pi),
+    st.complex_numbers(max_magnitude=500.0),
+    st.booleans(),
+    st.sampled_from([(4, 1.0), (5, 25.4), (6, 1.0)]),
+)
+def test_printed_arcs_meet_their_ends(
+    radius: float,
+    begin: float,
+    turn: float,
+    hub: complex,
+    ccw: bool,
+    grid: tuple[int, float],
+) -> None:
+    step = 10.0 ** -grid[0] * grid[1]
+    shares = Budget(1.0, grid[0], 3.0 * step, 1e-6, 0.0, 1.0)
+    words = Speller(Grid(*grid), shares, LINUXCNC.arcs)
+    start = hub + radius * complex(math.cos(begin), math.sin(begin))
+    final = begin + (turn if ccw else -turn)
+    end = hub + radius * complex(math.cos(final), math.sin(final))
+    words.move(Rapid((start.real, start.imag, -1.0)))
+    words.move(ArcFeed((end.real, end.imag, -1.0), (hub.real, hub.imag), ccw, 100.0))
+    head = HEAD if grid[1] == 1.0 else HEAD.replace("G21", "G20")
+    program = read(head + "\n".join(words.take()) + "\nM5\nM2")
+    for move in program.moves[1:]:
+        assert abs(move.end - end) <= 0.71 * step
+        if move.kind != "arc":
+            assert radius * (1.0 - math.cos(turn / 2.0)) <= 1.01e-6
+            continue
+        assert move.mismatch <= 1.42 * step * (1.0 + 1e-6)
+        middle = move.centre + (move.start - move.centre) * complex(
+            math.cos(move.sweep / 2.0), math.sin(move.sweep / 2.0)
+        )
+        assert abs(abs(middle - hub) - radius) <= shares.rounding
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("G0 Z5.00000\nG0 X4.2", "G0 Z1.00000\nG0 X4.2", "below the safe height"),
+        ("G1 Z-4.00000 F100", "G0 Z-4.00000", "into the material"),
+        ("S3000 M3", "S3000", "spindle off"),
+        (" F100", "", "without feed"),
+        ("G21", "G20", "not in mm"),
+        ("M2\n", "", "does not end"),
+        ("(operation outline)", "(operation rim)", "does not have"),
+        ("G1 Z-8.00000 F100", "G1 Z-7.00000 F100", "no closed path of 'bore' at Z -8"),
+        ("G17 ", "", "cut without G17"),
+        ("G91.1", "G90.1", "G90.1 is not expected"),
+        ("M5\nM2", "M9\nM5\nM2", "M9 is not expected"),
+        ("M5\nM2", "M5\nM2\nG0 X1", "after the end"),
+        ("G43 H1", "G43 H#1", "cannot be read"),
+        ("(tolerance 0.001 mm)", "", "name its tolerance"),
+    ],
+)
+def test_a_broken_program_is_refused(old: str, new: str, message: str) -> None:
+    product = StubProduct()
+    text = WRITER.write(product, 0.001).data.decode()
+    assert old in text
+    with pytest.raises(FileError, match=message):
+        WRITER.measure(product, text.replace(old, new).encode())
+
+
+def test_a_moved_point_and_a_wrong_radius_are_found() -> None:
+    product = StubProduct()
+    text = WRITER.write(product, 0.001).data.decode()
+    point = re.search(r"G2 X(\S+) Y(\S+) I(\S+) J(\S+)\n", text)
+    assert point is not None
+    moved = text.replace(f"X{point[1]} Y{point[2]} ", f"X{float(point[1]) + 0.05:.5f} Y{point[2]} ")
+    with pytest.raises(FileError, match="radii of the arc differ"):
+        WRITER.measure(product, moved.encode())
+    larger = replace(product, scale=1.001)
+    assert WRITER.measure(larger, text.encode()) > 0.03
+
+
+def test_a_program_needs_its_table() -> None:
+    product = StubProduct(gcode=None)
+    with pytest.raises(SceneError, match=r"output\.gcode"):
+        WRITER.write(product, 0.001)
+    with pytest.raises(FileError, match=r"output\.gcode"):
+        WRITER.measure(product, WRITER.write(StubProduct(), 0.001).data)
+
+
+def test_a_machine_may_be_a_file(tmp_path: Path) -> None:
+    source = Path(machines.__file__).parents[1] / "machines" / "linuxcnc.toml"
+    text = source.read_text().replace('end = ["M5", "M2"]', 'end = ["M5", "M30"]')
+    profile = tmp_path / "mill.toml"
+    profile.write_text(text.replace("mm = 4", "mm = 6"))
+    product = StubProduct(gcode=GcodeSpec(machine=str(profile)))
+    written = WRITER.write(product, 0.01)
+    assert written.data.endswith(b"M5\nM30\n")
+    assert b"X4.200000" in written.data
+    assert WRITER.measure(product, written.data) <= 0.01
+
+
+def test_unknown_machines_name_the_known() -> None:
+    with pytest.raises(SceneError, match=r"allowed: linuxcnc.*did you mean linuxcnc"):
+        machines.load("linuxnc")
+    with pytest.raises(SceneError, match="cannot be read"):
+        machines.load("nowhere.toml")
+
+
+def test_all_faults_of_a_profile_are_told_at_once() -> None:
+    text = (
+        'nam = "x"\npreamble = "G17"\ntool_change = []\nspindle_on = []\nend = []\ncomment = 3\n'
+        '[unit]\nmm = "G21"\ninch = 20\n[decimals]\nmm = 4.5\ninch = -1\n[blending]\non = "G64"\n'
+    )
+    with pytest.raises(SceneError) as caught:
+        machines.parse(text, "x.toml")
+    faults = {fault.key: str(fault) for fault in caught.value.faults}
+    assert set(faults) == {
+        "nam", "name", "preamble", "comment", "unit.inch", "decimals.mm", "decimals.inch", "arcs",
+        "blending.off", "blending.share", "blending.smallest",
+    }  # fmt: skip
+    assert "did you mean name?" in faults["nam"]
+    with pytest.raises(SceneError, match="not TOML"):
+        machines.parse("= 3", "x.toml")
+
+
+def test_names_are_made_safe_for_comments() -> None:
+    text = WRITER.write(StubProduct(name="a(b)ü" + "x" * 90), 0.01).data.decode()
+    assert text.startswith("(part a[b]?x")
+    assert max(map(len, text.splitlines())) <= 78

@@ -1,0 +1,98 @@
+"""CSV reads back to the bit; pictures are drawn, the same each time, and leave no global state."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import matplotlib as mpl
+import pytest
+
+from camgeo.files.product import FollowerSketch
+from camgeo.files.table import Table
+from camgeo.units import LengthUnit
+from camgeo_export.errors import FileError
+from camgeo_export.picture.writer import PNG, SVG, PictureWriter
+from camgeo_export.plots.render import PLOTS, find, render
+from camgeo_export.table.writer import WRITER as CSV
+from tests.export.stub_product import StubProduct
+
+
+@pytest.mark.parametrize("unit", ["mm", "inch"])
+def test_the_table_reads_back_to_the_bit(unit: LengthUnit) -> None:
+    product = StubProduct(unit=unit)
+    data = CSV.write(product, 0.001).data
+    assert data.startswith(f"phi [deg],s [{unit}],inner x [{unit}],inner y [{unit}]\n".encode())
+    assert b"\r" not in data
+    assert data.endswith(b"\n")
+    assert data.count(b"\n") == 74
+    assert CSV.measure(product, data) == 0.0
+
+
+def test_a_changed_length_is_measured_in_mm() -> None:
+    class Changed(StubProduct):
+        def table(self) -> Table:
+            table = super().table()
+            values = table.values.copy()
+            values[3, 2] += 0.5
+            return Table(table.names, values)
+
+    data = CSV.write(Changed(unit="inch"), 0.001).data
+    assert CSV.measure(StubProduct(unit="inch"), data) == pytest.approx(12.7)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        (b"\n5.0,", b"\n5.1,", "angles or ratios differ"),
+        (b"phi [deg]", b"phi [rad]", "other columns"),
+        (b"\n5.0,", b"\nfive,", "not a number"),
+    ],
+)
+def test_a_changed_table_is_refused(old: bytes, new: bytes, message: str) -> None:
+    data = CSV.write(StubProduct(), 0.001).data
+    assert old in data
+    with pytest.raises(FileError, match=message):
+        CSV.measure(StubProduct(), data.replace(old, new))
+
+
+def test_an_empty_table_is_refused() -> None:
+    with pytest.raises(FileError, match="other columns or rows"):
+        CSV.measure(StubProduct(), b"")
+
+
+@pytest.mark.parametrize("writer", [SVG, PNG], ids=["svg", "png"])
+def test_pictures_are_the_same_each_time(writer: PictureWriter) -> None:
+    product = StubProduct(groove=True)
+    data = writer.write(product, 0.001).data
+    assert data == writer.write(product, 0.001).data
+    writer.measure(product, data)
+
+
+@pytest.mark.parametrize("name", PLOTS)
+def test_every_plot_draws(name: str) -> None:
+    pivot = replace(StubProduct(lift_unit="rad", rotation=1), name="rocker")
+    assert render([name], pivot, ".svg").startswith(b"<?xml")
+
+
+def test_a_pivot_is_drawn() -> None:
+    class Rocker(StubProduct):
+        @property
+        def follower_sketch(self) -> FollowerSketch:
+            return FollowerSketch("pivot", 70.0 + 20.0j)
+
+    assert render(["cam"], Rocker(), ".svg") != render(["cam"], StubProduct(), ".svg")
+
+
+def test_plots_stack_and_leave_no_state() -> None:
+    before = dict(mpl.rcParams)
+    data = render(["motion", "transmission-angle"], StubProduct(), ".pdf")
+    assert data.startswith(b"%PDF")
+    assert data == render(["motion", "transmission-angle"], StubProduct(), ".pdf")
+    assert dict(mpl.rcParams) == before
+
+
+def test_unknown_plots_and_kinds() -> None:
+    with pytest.raises(KeyError, match="did you mean motion"):
+        find("motoin")
+    with pytest.raises(ValueError, match=r"\.svg, \.png and \.pdf"):
+        render(["cam"], StubProduct(), ".bmp")
