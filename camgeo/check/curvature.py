@@ -44,7 +44,27 @@ def check_radius_ratio(flank: WorkingCurve, name: str, bends: Extremes, limit: f
             f" {1 / abs(kappa):.4f} mm) at cam angle {math.degrees(phi):.4f} deg,"
             f" {'above' if broken else 'at most'} {limit:g}"
         ),
+        value=ratio,
+        limit=limit,
+        cam_angle=phi,
     )
+
+
+def check_undercut(flank: WorkingCurve, name: str, bends: Extremes) -> tuple[Finding, ...]:
+    """Cusps and local undercut of a flank: where 1 + d kappa is zero or negative."""
+    kappa, phi = _tightest(flank, bends)
+    margin = 1.0 + flank.distance * kappa
+    if margin > CUSP:
+        return (
+            Finding(
+                name=f"undercut-{name}",
+                severity="ok",
+                sentence=f"{name} flank: no cusp and no local undercut",
+                value=margin,
+                limit=0.0,
+                cam_angle=phi,
+            ),
+        )
     if margin >= -CUSP:
         return (
             Finding(

@@ -91,7 +91,8 @@ class PitchCurve:
     def transmission_angle(self, phi: FloatArray, side: Side = "right") -> FloatArray:
         """(n,) [rad] in [0, pi/2]: acute angle between rocker, or guide normal, and curve normal.
 
-        mu = atan2(|u|, |v|) (Wirsig section 3.3.4, corrected). Raises GeometryError where Z' = 0: no normal.
+        mu = atan2(|u|, |v|) (Wirsig section 3.3.4, corrected). Raises GeometryError where Z' = 0:
+        there is no normal.
         """
         return self._angle(phi, side, pressure=False)
 

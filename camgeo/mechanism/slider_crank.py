@@ -1,8 +1,8 @@
 """Slider-crank between the slider, whose stroke is demanded, and the rocker that follows the cam.
 
-Frame of the formulas (that of the thesis's program): the rocker shaft B_0 at the origin, the slider's guide horizontal at height e_sk above it. The pin on the slider is
-P = -X + i e_sk with X = s_0 + eps_s s, positive X to the left; the crank tip is
-T = l_sk exp(i theta), |P - T| = l_4.
+Frame of the formulas (that of the thesis's program): the rocker shaft B_0 at the origin, the
+slider's guide horizontal at height e_sk above it. The pin on the slider is P = -X + i e_sk with
+X = s_0 + eps_s s, positive X to the left; the crank tip is T = l_sk exp(i theta), |P - T| = l_4.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from camgeo.numeric.arrays import FloatArray
 
 @dataclass(frozen=True)
 class SliderCrank:
-    """Slider-crank on the rocker shaft (Wirsig section 3.3.1; docs/sources.md tells what was corrected).
+    """Slider-crank on the rocker shaft (Wirsig section 3.3.1, corrected as docs/sources.md says).
 
     Attributes
     ----------
@@ -111,7 +111,7 @@ class SliderCrank:
         return np.sqrt(np.maximum(first, 0.0)), np.sqrt(np.maximum(second, 0.0))
 
     def crank_angle(self, stroke: FloatArray) -> FloatArray:
-        """theta (n,) [rad] in (-2 pi, 2 pi) at `stroke` (n,) [mm], without the poles of Wirsig eq. 3.10."""
+        """theta (n,) [rad] in (-2 pi, 2 pi) at `stroke` (n,) [mm]; Wirsig eq. 3.10 without its poles."""
         x, d = self.pin(stroke)
         sine, cosine = self._half_angle(d)
         pin_angle = np.arctan2(self.guide_height, -x)
