@@ -8,6 +8,8 @@ design.write("out", ["dxf", "3mf"])  # files, with their certificate
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from camgeo._version import __version__
 from camgeo.check.finding import Finding
 from camgeo.check.limits import Limits
@@ -28,7 +30,23 @@ from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.mechanism.slider_crank import SliderCrank
 from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.motion.plan import Dwell, MotionPlan, Move
-from camgeo.scene.open import load
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+
+def load(path: str | Path) -> Design:
+    """Read a scene file and return its design; nothing is computed yet.
+
+    Raises
+    ------
+    SceneError
+        If anything in the file is wrong; all faults at once.
+    """
+    from camgeo.scene.load import load_scene  # the engine works without scene files
+
+    return Design(load_scene(path))
+
 
 __all__ = [
     "CamgeoError",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from typing import TYPE_CHECKING
 
 from camgeo.cli.command import (
     BROKEN,
@@ -15,8 +16,11 @@ from camgeo.cli.command import (
     tell,
 )
 from camgeo.cli.progress import Progress
-from camgeo.files.write import FileReport, write_files
-from camgeo.scene.open import load
+from camgeo.design import Design
+from camgeo.scene.load import load_scene
+
+if TYPE_CHECKING:
+    from camgeo.files.write import FileReport
 
 
 def register(subparsers: Subparsers[argparse.ArgumentParser]) -> None:
@@ -42,7 +46,7 @@ def register(subparsers: Subparsers[argparse.ArgumentParser]) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Write the files; findings beyond a limit are told, a disc that cannot be is refused."""
-    design = load(arguments.scene)
+    design = Design(load_scene(arguments.scene))
     findings = design.findings
     bad = tuple(f for f in findings if f.severity != "ok")
     for line in finding_lines(bad):
@@ -50,6 +54,8 @@ def run(arguments: argparse.Namespace) -> int:
     if any(f.severity == "fatal" for f in findings):
         tell("nothing was written: the cam has no outline")
         return BROKEN
+    from camgeo.files.write import write_files  # not before it is needed: a check writes nothing
+
     output = design.specification.output
     formats = output.formats
     if arguments.only is not None:

@@ -13,7 +13,8 @@ from camgeo.cli.command import (
     new_parser,
     print_json,
 )
-from camgeo.scene.open import load
+from camgeo.design import Design
+from camgeo.scene.load import load_scene
 
 
 def register(subparsers: Subparsers[argparse.ArgumentParser]) -> None:
@@ -31,7 +32,7 @@ def register(subparsers: Subparsers[argparse.ArgumentParser]) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Print the findings."""
-    design = load(arguments.scene)
+    design = Design(load_scene(arguments.scene))
     findings = design.findings
     if arguments.json:
         print_json({**identity(design), "findings": [finding_record(f) for f in findings]})

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import argparse
-import difflib
-from importlib.metadata import entry_points
 from pathlib import Path
 
 from camgeo.cli.command import FINE, Subparsers, new_parser, tell
+from camgeo.design import Design
 from camgeo.errors import Fault, SceneError
-from camgeo.scene.open import load
+from camgeo.scene.load import load_scene
 
 GROUP = "camgeo.plots"
 RENDERERS = "camgeo.renderers"
@@ -38,6 +37,11 @@ def register(subparsers: Subparsers[argparse.ArgumentParser]) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Write the picture."""
+    import difflib
+    from importlib.metadata import entry_points
+
+    from camgeo.files.transaction import write_set
+
     names = sorted(entry.name for entry in entry_points(group=GROUP))
     wanted = arguments.what or names
     for name in wanted:
@@ -45,7 +49,7 @@ def run(arguments: argparse.Namespace) -> int:
             near = difflib.get_close_matches(name, names, 1)
             hint = f'did you mean "{near[0]}"?' if near else ""
             raise SceneError([Fault("plot", name, f"can draw {', '.join(names)}", hint)])
-    design = load(arguments.scene)
+    design = Design(load_scene(arguments.scene))
     target = Path(arguments.output or f"{design.name}.png")
     if target.suffix not in SUFFIXES:
         raise SceneError(
@@ -53,8 +57,6 @@ def run(arguments: argparse.Namespace) -> int:
         )
     render = entry_points(group=RENDERERS)["matplotlib"].load()
     data: bytes = render(tuple(wanted), design, target.suffix)
-    from camgeo.files.transaction import write_set
-
     write_set(target.parent, {target.name: data}, force=arguments.force)
     tell(f"{target}: {', '.join(wanted)}")
     return FINE

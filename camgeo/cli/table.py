@@ -6,10 +6,14 @@ import argparse
 import sys
 from decimal import Decimal, InvalidOperation
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from camgeo.cli.command import FINE, Subparsers, new_parser, print_json, tell
-from camgeo.files.table import Table
-from camgeo.scene.open import load
+from camgeo.design import Design
+from camgeo.scene.load import load_scene
+
+if TYPE_CHECKING:
+    from camgeo.files.table import Table
 
 SMALLEST_STEP = Decimal("0.0001")
 LARGEST_STEP = Decimal(90)
@@ -49,7 +53,7 @@ def _step(text: str) -> Decimal:
 
 def run(arguments: argparse.Namespace) -> int:
     """Print or write the table."""
-    table = load(arguments.scene).table(arguments.step)
+    table = Design(load_scene(arguments.scene)).table(arguments.step)
     if arguments.json:
         columns = dict(zip(table.names, table.values.T.tolist(), strict=True))
         print_json(columns)

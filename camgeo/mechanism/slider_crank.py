@@ -111,7 +111,7 @@ class SliderCrank:
         return np.sqrt(np.maximum(first, 0.0)), np.sqrt(np.maximum(second, 0.0))
 
     def crank_angle(self, stroke: FloatArray) -> FloatArray:
-        """theta (n,) [rad] in (-2 pi, 2 pi) at `stroke` (n,) [mm]; Wirsig eq. 3.10 without its poles."""
+        """theta (n,) [rad] in (-2 pi, 2 pi) at `stroke` (n,) [mm]: Wirsig eq. 3.10, no poles."""
         x, d = self.pin(stroke)
         sine, cosine = self._half_angle(d)
         pin_angle = np.arctan2(self.guide_height, -x)
