@@ -20,12 +20,13 @@ def check_standstill(curve: PitchCurve) -> tuple[Finding, ...]:
     """A fatal finding where |Z'| vanishes; nothing where it does not."""
 
     def square(phi: FloatArray, side: Side) -> FloatArray:
-        relative = curve.relative_jet(phi, side)
+        relative = curve.relative_jet(phi, side, order=1)
         return np.asarray(relative.u**2 + relative.v**2)
 
     def slope(phi: FloatArray, side: Side) -> FloatArray:
-        relative = curve.relative_jet(phi, side)
-        return relative.u * relative.u1 + relative.v * relative.v1
+        relative = curve.relative_jet(phi, side, order=2)
+        (_, a1, a2), (_, b1, b2) = relative.along, relative.across
+        return np.asarray(a1 * a2 + b1 * b2)
 
     smallest, phi = extremes(curve, square, slope).smallest()
     speed = math.sqrt(smallest)

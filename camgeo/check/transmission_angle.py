@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from camgeo.check.finding import Finding
 from camgeo.curve.extremes import Extremes, extremes
 from camgeo.curve.pitch_curve import PitchCurve
@@ -15,11 +17,14 @@ def transmission_angle_extremes(curve: PitchCurve) -> Extremes:
     """All local extremes of the transmission angle [rad]; Z' must not vanish."""
 
     def slope(phi: FloatArray, side: Side) -> FloatArray:
-        relative = curve.relative_jet(phi, side)
-        return relative.u * relative.v1 - relative.v * relative.u1
+        # u v' - v u', up to sign: the turning of Z' less that of the follower's direction.
+        relative = curve.relative_jet(phi, side, order=2)
+        (_, a1, a2), (_, b1, b2) = relative.along, relative.across
+        own = (curve.rotation - relative.turning) * (a1 * a1 + b1 * b1)
+        return np.asarray(a1 * b2 - b1 * a2 + own)
 
     def across(phi: FloatArray, side: Side) -> FloatArray:
-        return curve.relative_jet(phi, side).u  # the angle is 0 where this vanishes
+        return curve.relative_jet(phi, side, order=1).u  # the angle is 0 where this vanishes
 
     return extremes(curve, curve.transmission_angle, slope, across)
 

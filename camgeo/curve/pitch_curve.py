@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
 
 from camgeo.curve.blocks import in_blocks
 from camgeo.errors import GeometryError
-from camgeo.mechanism.follower import Follower, RelativeJet
+from camgeo.mechanism.follower import FULL_ORDER, Follower, RelativeJet
 from camgeo.motion.motion import Dwell, Motion, Side
-from camgeo.motion.plan import in_turn
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 
 STANDSTILL = 1e-13
-"""|Z'| below this share of the largest length in it is a zero: its digits are rounding."""
+"""|Z'| below this share of the base radius, per rad, is a zero: its digits are rounding."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,29 +48,40 @@ class PitchCurve:
         """Rests: the curve is a circle about the cam axis there."""
         return self.motion.dwells
 
-    def relative_jet(self, phi: FloatArray, side: Side = "right") -> RelativeJet:
-        """R_0 to R_3, u, v at the cam angles `phi` (n,) [rad], see `camgeo.mechanism.follower`."""
-        return self.follower.relative_jet(self.motion.jet(phi, side), self.rotation)
+    def relative_jet(
+        self, phi: FloatArray, side: Side = "right", order: int = FULL_ORDER
+    ) -> RelativeJet:
+        """R_0 to R_`order`, u, v at `phi` (n,) [rad], see `camgeo.mechanism.follower`."""
+        return self.follower.relative_jet(self.motion.jet(phi, side), self.rotation, order)
 
     def jet(self, phi: FloatArray, side: Side = "right") -> ComplexArray:
         """(4, n) complex [mm/rad^k]: Z, Z', Z'', Z''' at the cam angles `phi` (n,) [rad]."""
 
         def block(angles: FloatArray) -> ComplexArray:
             relative = self.relative_jet(angles, side)
-            turn = self.turn(angles)
-            return np.stack(
-                (relative.r0 * turn, relative.r1 * turn, relative.r2 * turn, relative.r3 * turn)
-            )
+            return self.in_cam(relative, angles, relative.along, relative.across)
 
         return in_blocks(block, np.atleast_1d(phi))
 
-    def point(self, phi: FloatArray) -> ComplexArray:
+    def point(self, phi: FloatArray, side: Side = "right") -> ComplexArray:
         """(n,) complex [mm]: Z at the cam angles `phi` (n,) [rad]."""
-        return in_blocks(lambda a: self.relative_jet(a).r0 * self.turn(a), np.atleast_1d(phi))
 
-    def turn(self, phi: FloatArray) -> ComplexArray:
-        """(n,) exp(-i sigma phi), from axes that do not turn to those of the cam."""
-        return np.cos(phi) - 1j * (self.rotation * np.sin(phi))
+        def block(angles: FloatArray) -> ComplexArray:
+            relative = self.relative_jet(angles, side, order=1)
+            return self.in_cam(relative, angles, relative.along[0], relative.across[0])
+
+        return in_blocks(block, np.atleast_1d(phi))
+
+    def in_cam(
+        self, relative: RelativeJet, phi: FloatArray, along: FloatArray, across: FloatArray
+    ) -> ComplexArray:
+        """Complex (..., n): vectors given in the axes of `relative`, in the axes of the cam."""
+        angle = relative.axis - self.rotation * phi
+        cosine, sine = np.cos(angle), np.sin(angle)
+        out = np.empty(along.shape, dtype=np.complex128)
+        np.subtract(along * cosine, across * sine, out=out.real)
+        np.add(along * sine, across * cosine, out=out.imag)
+        return out
 
     def curvature(self, phi: FloatArray, side: Side = "right") -> FloatArray:
         """(n,) [1/mm] signed curvature, positive where the curve is convex; an inflection is 0.
@@ -84,9 +93,21 @@ class PitchCurve:
         GeometryError
             Where the roller centre stands still in the cam, Z' = 0: a cusp of the pitch curve.
         """
-        return in_blocks(
-            lambda a: curvature(self.relative_jet(a, side), self.rotation), np.atleast_1d(phi)
-        )
+
+        def block(angles: FloatArray) -> FloatArray:
+            relative = self.relative_jet(angles, side, order=2)
+            return curvature(relative, self.speed(relative), self.rotation)
+
+        return in_blocks(block, np.atleast_1d(phi))
+
+    def curvature_slope(self, phi: FloatArray, side: Side = "right") -> FloatArray:
+        """(n,) dkappa/dphi [1/(mm rad)] at `phi` (n,) [rad], by the chain rule."""
+
+        def block(angles: FloatArray) -> FloatArray:
+            relative = self.relative_jet(angles, side)
+            return curvature_slope(relative, self.speed(relative), self.rotation)
+
+        return in_blocks(block, np.atleast_1d(phi))
 
     def transmission_angle(self, phi: FloatArray, side: Side = "right") -> FloatArray:
         """(n,) [rad] in [0, pi/2]: acute angle between rocker, or guide normal, and curve normal.
@@ -94,70 +115,71 @@ class PitchCurve:
         mu = atan2(|u|, |v|) (Wirsig section 3.3.4, corrected). Raises GeometryError where Z' = 0:
         there is no normal.
         """
-        return self._angle(phi, side, pressure=False)
+
+        def block(angles: FloatArray) -> FloatArray:
+            relative = self.relative_jet(angles, side, order=1)
+            self.speed(relative)
+            return transmission_angle(relative)
+
+        return in_blocks(block, np.atleast_1d(phi))
 
     def pressure_angle(self, phi: FloatArray, side: Side = "right") -> FloatArray:
         """(n,) [rad] in [0, pi/2]: pi/2 - mu, to its own last digits where it is tiny."""
-        return self._angle(phi, side, pressure=True)
 
-    def _angle(self, phi: FloatArray, side: Side, *, pressure: bool) -> FloatArray:
         def block(angles: FloatArray) -> FloatArray:
-            relative = self.relative_jet(angles, side)
-            speed(relative)
-            u, v = np.abs(relative.u), np.abs(relative.v)
-            return np.arctan2(v, u) if pressure else np.arctan2(u, v)
+            relative = self.relative_jet(angles, side, order=1)
+            self.speed(relative)
+            return np.arctan2(np.abs(relative.v), np.abs(relative.u))
 
         return in_blocks(block, np.atleast_1d(phi))
+
+    def speed(self, relative: RelativeJet) -> FloatArray:
+        """|Z'| (n,) [mm/rad], never zero.
+
+        Raises
+        ------
+        GeometryError
+            Where the roller centre stands still in the cam: the rocker lies on the line of centres
+            and l_3 (1 - sigma psi') = l_1 (hard case HC18).
+        """
+        size = np.sqrt(relative.u * relative.u + relative.v * relative.v)
+        if len(size) and np.min(size) <= STANDSTILL * self.follower.base_radius:
+            raise GeometryError(
+                "the roller centre stands still in the turning cam (Z' = 0): the pitch curve has a"
+                " cusp and no normal there; the rocker lies on the line of centres and"
+                " l_3 (1 - sigma psi') = l_1"
+            )
+        return size
 
     def speed_bounds(self, low: FloatArray, high: FloatArray) -> FloatArray:
         """(3, n) upper bounds of |Z'|, |Z''|, |Z'''| over cells [low, high] (n,) [rad]."""
         middle = self.motion.jet(0.5 * (low + high))
         return self.follower.speed_bounds(middle, self.motion.jet_bounds(low, high))
 
-    def place(self, phi: float) -> float:
-        """`phi` [rad] reduced to [0, 2 pi)."""
-        return float(in_turn(np.array([phi]))[0])
+
+def transmission_angle(relative: RelativeJet) -> FloatArray:
+    """mu (n,) [rad], see `PitchCurve.transmission_angle`."""
+    return np.arctan2(np.abs(relative.u), np.abs(relative.v))
 
 
-def speed(relative: RelativeJet) -> FloatArray:
-    """|Z'| (n,) [mm/rad], never zero.
-
-    Raises
-    ------
-    GeometryError
-        Where the roller centre stands still in the cam: the rocker lies on the line of centres and
-        l_3 (1 - sigma psi') = l_1 (hard case HC18).
-    """
-    size = np.hypot(relative.u, relative.v)
-    scale = np.abs(relative.r0) + np.abs(relative.r2)
-    if np.any(size <= STANDSTILL * scale):
-        raise GeometryError(
-            "the roller centre stands still in the turning cam (Z' = 0): the pitch curve has a cusp"
-            " and no normal there; the rocker lies on the line of centres and"
-            " l_3 (1 - sigma psi') = l_1"
-        )
-    return size
-
-
-def curvature(relative: RelativeJet, rotation: int) -> FloatArray:
+def curvature(relative: RelativeJet, speed: FloatArray, rotation: int) -> FloatArray:
     """kappa (n,) [1/mm] from R_1 and R_2, see `PitchCurve.curvature`."""
-    r1, r2 = relative.r1, relative.r2
-    size = speed(relative)
-    cross = r1.real * r2.imag - r1.imag * r2.real
-    return -rotation * cross / (size * size * size)
+    (_, a1, a2), (_, b1, b2) = relative.along[:3], relative.across[:3]
+    # conj(Z') Z'' does not see the rotation, so R_k stand for Z^(k).
+    cross = b1 * a2
+    cross -= a1 * b2
+    kappa: FloatArray = cross
+    kappa *= rotation
+    kappa /= speed * speed * speed
+    return kappa
 
 
-def curvature_slope(relative: RelativeJet, rotation: int) -> FloatArray:
+def curvature_slope(relative: RelativeJet, speed: FloatArray, rotation: int) -> FloatArray:
     """dkappa/dphi (n,) [1/(mm rad)], by the chain rule from R_1 to R_3."""
-    r1, r2, r3 = relative.r1, relative.r2, relative.r3
-    square = speed(relative) ** 2
-    cross = r1.real * r2.imag - r1.imag * r2.real
-    # conj(Z') Z'' and conj(Z') Z''' do not see the rotation, so R_k stand for Z^(k).
-    cross_slope = r1.real * r3.imag - r1.imag * r3.real
-    dot = r1.real * r2.real + r1.imag * r2.imag
-    return -rotation * (cross_slope - 3.0 * cross * dot / square) / (square * np.sqrt(square))
-
-
-def degrees(phi: float) -> str:
-    """A cam angle [rad] in degrees for a message."""
-    return f"{math.degrees(phi):.10g}"
+    (_, a1, a2, a3), (_, b1, b2, b3) = relative.along, relative.across
+    square = speed * speed
+    cross = a1 * b2 - b1 * a2
+    cross_slope = a1 * b3 - b1 * a3
+    dot = a1 * a2 + b1 * b2
+    slope: FloatArray = -rotation * (cross_slope - 3.0 * cross * dot / square)
+    return slope / (square * speed)

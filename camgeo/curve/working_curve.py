@@ -12,7 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from camgeo.curve.blocks import in_blocks
-from camgeo.curve.pitch_curve import PitchCurve, curvature, curvature_slope, speed
+from camgeo.curve.pitch_curve import PitchCurve, curvature, curvature_slope
+from camgeo.mechanism.follower import RelativeJet
 from camgeo.motion.motion import Dwell, Side
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 
@@ -51,14 +52,23 @@ class WorkingCurve:
     def point(self, phi: FloatArray, side: Side = "right") -> ComplexArray:
         """(n,) complex [mm] points at the cam angles `phi` (n,) [rad]."""
         if self.distance == 0.0:
-            return self.pitch.point(phi)
+            return self.pitch.point(phi, side)
 
         def block(angles: FloatArray) -> ComplexArray:
-            relative = self.pitch.relative_jet(angles, side)
-            normal = (1j * self.pitch.rotation) * relative.r1 / speed(relative)
-            return (relative.r0 + self.distance * normal) * self.pitch.turn(angles)
+            relative = self.pitch.relative_jet(angles, side, order=1)
+            along, across = self.offset_parts(relative, self.pitch.speed(relative))
+            return self.pitch.in_cam(relative, angles, along, across)
 
         return in_blocks(block, np.atleast_1d(phi))
+
+    def offset_parts(
+        self, relative: RelativeJet, speed: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """Parts (n,), (n,) [mm] of the curve's points in the axes of `relative`."""
+        scale = (self.distance * self.pitch.rotation) / speed
+        along = relative.along[0] - scale * relative.across[1]
+        across = relative.across[0] + scale * relative.along[1]
+        return along, across
 
     def tangent(self, phi: FloatArray, side: Side = "right") -> ComplexArray:
         """(n,) complex unit tangents in the direction of growing cam angle, of the pitch curve.
@@ -67,8 +77,10 @@ class WorkingCurve:
         """
 
         def block(angles: FloatArray) -> ComplexArray:
-            relative = self.pitch.relative_jet(angles, side)
-            return relative.r1 / speed(relative) * self.pitch.turn(angles)
+            relative = self.pitch.relative_jet(angles, side, order=1)
+            speed = self.pitch.speed(relative)
+            along, across = relative.along[1] / speed, relative.across[1] / speed
+            return self.pitch.in_cam(relative, angles, along, across)
 
         return in_blocks(block, np.atleast_1d(phi))
 
@@ -83,9 +95,10 @@ class WorkingCurve:
 
     def pace(self, phi: FloatArray, side: Side = "right") -> FloatArray:
         """(n,) ds/dphi = |Z'| (1 + d kappa) [mm/rad]; negative in undercut."""
-        relative = self.pitch.relative_jet(phi, side)
-        kappa = curvature(relative, self.pitch.rotation)
-        return speed(relative) * (1.0 + self.distance * kappa)
+        relative = self.pitch.relative_jet(phi, side, order=2)
+        speed = self.pitch.speed(relative)
+        kappa = curvature(relative, speed, self.pitch.rotation)
+        return speed * (1.0 + self.distance * kappa)
 
     def arc_density(self, phi: FloatArray, side: Side = "right") -> tuple[FloatArray, FloatArray]:
         """ds/dphi (n,) [mm/rad] and |dkappa/ds| (n,) [1/mm^2] of the offset curve.
@@ -93,8 +106,9 @@ class WorkingCurve:
         By the chain rule: kappa_d' = kappa' / (1 + d kappa)^2 and ds/dphi = |Z'| (1 + d kappa).
         """
         relative = self.pitch.relative_jet(phi, side)
-        kappa = curvature(relative, self.pitch.rotation)
-        slope = curvature_slope(relative, self.pitch.rotation)
+        speed = self.pitch.speed(relative)
+        kappa = curvature(relative, speed, self.pitch.rotation)
+        slope = curvature_slope(relative, speed, self.pitch.rotation)
         regular = 1.0 + self.distance * kappa
-        pace = speed(relative) * regular
+        pace = speed * regular
         return np.abs(pace), np.abs(slope / (regular * regular * pace))

@@ -11,6 +11,8 @@ Curvature and transmission angle need the R_k only, not the rotation. u and v ar
 across and along the follower's own direction: |Z'|^2 = u^2 + v^2, and the transmission angle mu,
 the acute angle between rocker (or the normal of the guide) and the normal of the pitch curve, is
 tan mu = |u| / |v|.
+
+The R_k are kept as two real arrays: a third of the cost of complex ones, as most terms are real.
 """
 
 from __future__ import annotations
@@ -19,7 +21,9 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from camgeo.motion.motion import Jet
-from camgeo.numeric.arrays import ComplexArray, FloatArray
+from camgeo.numeric.arrays import FloatArray
+
+FULL_ORDER = 3
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -28,19 +32,20 @@ class RelativeJet:
 
     Attributes
     ----------
-    r0, r1, r2, r3 : (n,) complex, R_0 to R_3 [mm per rad^k].
+    along, across : (order + 1, n) parts of R_0, R_1, ... [mm per rad^k] along two axes at right
+        angles, the second counter-clockwise of the first.
+    axis : angle of the first axis from the x axis [rad].
     u, v : (n,) [mm/rad], see the module.
-    u1, v1 : (n,) [mm/rad^2], their derivatives.
+    turning : (n,) or a number, rate at which the follower's direction turns in the fixed frame,
+        per unit cam speed, counter-clockwise; 0 for a guide.
     """
 
-    r0: ComplexArray
-    r1: ComplexArray
-    r2: ComplexArray
-    r3: ComplexArray
+    along: FloatArray
+    across: FloatArray
+    axis: float
     u: FloatArray
     v: FloatArray
-    u1: FloatArray
-    v1: FloatArray
+    turning: FloatArray | float
 
 
 class Follower(Protocol):
@@ -58,8 +63,11 @@ class Follower(Protocol):
     @property
     def roller_radius(self) -> float: ...
 
-    def relative_jet(self, jet: Jet, rotation: int) -> RelativeJet:
-        """The roller centre for lifts `jet` (4, n); `rotation` is sigma, +1 ccw, -1 cw."""
+    def relative_jet(self, jet: Jet, rotation: int, order: int = FULL_ORDER) -> RelativeJet:
+        """The roller centre for lifts `jet` (4, n), R_0 to R_`order`, order at least 1.
+
+        `rotation` is sigma, +1 for a cam that turns counter-clockwise, -1 clockwise.
+        """
 
     def speed_bounds(self, jet: Jet, bounds: Jet) -> FloatArray:
         """(3, n) upper bounds of |Z'|, |Z''|, |Z'''| [mm/rad^k] over cells of cam angle.

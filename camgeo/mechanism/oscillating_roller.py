@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from camgeo.errors import GeometryError
-from camgeo.mechanism.follower import RelativeJet
+from camgeo.mechanism.follower import FULL_ORDER, RelativeJet
 from camgeo.motion.motion import Jet
 from camgeo.numeric.arrays import FloatArray
 
@@ -80,28 +80,44 @@ class OscillatingRoller:
         """psi_t (n,), angle from the line pivot -> cam axis to the arm, on the arm's own side."""
         return self.start_angle + self.arm_side * self.swing_sense * lift
 
-    def relative_jet(self, jet: Jet, rotation: int) -> RelativeJet:
-        """See `Follower.relative_jet`."""
-        l1, l3 = self.centre_distance, self.arm
-        alpha = cmath.phase(-self.pivot)
-        chi = self.arm_side * self.start_angle + self.swing_sense * jet[0]
-        cosine, sine = np.cos(chi), np.sin(chi)
-        chi1, chi2, chi3 = (self.swing_sense * jet[k] for k in (1, 2, 3))
-        turn = cmath.exp(1j * alpha)
-        tip = turn * l3 * (cosine + 1j * sine)
-        axis = turn * l1
-        omega = chi1 - rotation  # of the rocker relative to the cam, per unit cam speed
-        square = omega * omega
-        return RelativeJet(
-            r0=tip - axis,
-            r1=tip * (1j * omega) + 1j * rotation * axis,
-            r2=tip * (-square + 1j * chi2) + axis,
-            r3=tip * (-3.0 * omega * chi2 + 1j * (chi3 - square * omega)) - 1j * rotation * axis,
-            u=l1 * sine,
-            v=-rotation * l3 * omega - l1 * cosine,
-            u1=l1 * cosine * chi1,
-            v1=-rotation * l3 * chi2 + l1 * sine * chi1,
-        )
+    def relative_jet(self, jet: Jet, rotation: int, order: int = FULL_ORDER) -> RelativeJet:
+        """See `Follower.relative_jet`.
+
+        Axes along the line pivot -> cam axis and across it. The rocker carries the tip round with
+        omega = chi' - sigma, as the cam sees it: R_k = l_3 (e^{i gamma})^(k) e^{-i gamma} e^{i chi}
+        plus what turns with the cam alone, gamma = chi - sigma phi.
+        """
+        l1, l3, sense = self.centre_distance, self.arm, float(self.swing_sense)
+        chi = sense * jet[0]
+        chi += self.arm_side * self.start_angle
+        tip_along, tip_across = np.cos(chi), np.sin(chi)
+        u = l1 * tip_across
+        v = l1 * tip_along
+        tip_along *= l3
+        tip_across *= l3
+        turning = sense * jet[1]
+        omega = turning - rotation
+        along, across = np.empty((2, order + 1, jet.shape[1]))
+        np.subtract(tip_along, l1, out=along[0])
+        across[0] = tip_across
+        np.multiply(tip_across, omega, out=along[1])
+        np.negative(along[1], out=along[1])
+        np.multiply(tip_along, omega, out=across[1])
+        across[1] += rotation * l1
+        v = -rotation * l3 * omega - v
+        if order > 1:
+            chi2 = sense * jet[2]
+            square = omega * omega
+            along[2] = l1 - tip_along * square - tip_across * chi2
+            across[2] = tip_along * chi2 - tip_across * square
+        if order > 2:
+            # the third derivative of e^{i gamma} is (real + i imaginary) e^{i gamma}
+            real = -3.0 * omega * chi2
+            imaginary = sense * jet[3] - square * omega
+            along[3] = tip_along * real - tip_across * imaginary
+            across[3] = tip_across * real + tip_along * imaginary
+            across[3] -= rotation * l1
+        return RelativeJet(along, across, cmath.phase(-self.pivot), u, v, turning)
 
     def speed_bounds(self, jet: Jet, bounds: Jet) -> FloatArray:
         """See `Follower.speed_bounds`."""

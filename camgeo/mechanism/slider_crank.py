@@ -91,7 +91,7 @@ class SliderCrank:
     def pin(self, stroke: FloatArray) -> tuple[FloatArray, FloatArray]:
         """X (n,) and d = |P| (n,) [mm] at `stroke` (n,) [mm]."""
         x = self.start_position + self.stroke_direction * stroke
-        return x, np.hypot(x, self.guide_height)
+        return x, np.sqrt(x * x + self.guide_height**2)
 
     def missing_length(self, stroke: FloatArray) -> FloatArray:
         """(n,) [mm] by how much crank and coupler miss the pin; <= 0 where they reach it."""
@@ -105,8 +105,9 @@ class SliderCrank:
         shaft, pin, tip, zero at a dead centre.
         """
         crank, coupler = self.crank, self.coupler
-        first = (coupler - (d - crank)) * (coupler + (d - crank))
-        second = (d + crank - coupler) * (d + crank + coupler)
+        reach = d - crank
+        first = (coupler - reach) * (coupler + reach)
+        second = (d + (crank - coupler)) * (d + (crank + coupler))
         # At a dead centre the radicand may round to a tiny negative number.
         return np.sqrt(np.maximum(first, 0.0)), np.sqrt(np.maximum(second, 0.0))
 
@@ -133,40 +134,51 @@ class SliderCrank:
         theta = np.arctan2(self.guide_height, -x)
         theta -= self.branch * 2.0 * np.arctan2(half_sine, half_cosine)
         # exp(i theta) without another sine: the pin's direction turned by the triangle's angle.
-        scale = 4.0 * crank * d * d
-        versor = half_cosine * half_cosine - half_sine * half_sine
-        cross = self.branch * 2.0 * half_sine * half_cosine
+        product = half_sine * half_cosine
+        scale = 1.0 / (4.0 * crank * d * d)
+        versor = half_cosine * half_cosine
+        versor -= half_sine * half_sine
+        versor *= scale
+        cross = product * scale
+        cross *= 2.0 * self.branch
         height = self.guide_height
-        cosine = (-x * versor + height * cross) / scale
-        sine = (height * versor + x * cross) / scale
-        cos_v = (-x - crank * cosine) / coupler
-        leverage = self.branch * half_sine * half_cosine / (2.0 * crank * coupler)  # sin(v - theta)
-        cos_between = cos_v * cosine + (height - crank * sine) / coupler * sine  # cos(v - theta)
-        p1, p2, p3 = (-self.stroke_direction * jet[k] for k in (1, 2, 3))
-        resting = (p1 == 0.0) & (p2 == 0.0) & (p3 == 0.0)
-        if np.any((leverage == 0.0) & ~resting):
-            raise GeometryError(
-                "dead centre: crank and coupler lie on one line while the slider starts to move,"
-                " the rocker's acceleration is infinite",
-                key="linkage",
-            )
-        leverage = np.where(resting, 1.0, leverage)
-        theta1 = p1 * cos_v / (crank * leverage)
-        v1 = -p1 * cosine / (coupler * leverage)
-        theta2 = p2 * cos_v + crank * cos_between * theta1**2 + coupler * v1**2
-        theta2 /= crank * leverage
-        v2 = -(p2 * cosine + crank * theta1**2 + coupler * cos_between * v1**2)
-        v2 /= coupler * leverage
-        theta3 = (
-            p3 * cos_v
-            + 3.0 * crank * cos_between * theta1 * theta2
-            + crank * leverage * theta1**3
-            + 3.0 * coupler * v1 * v2
-        ) / (crank * leverage)
-        swing = theta - self.start_angle
-        swing -= 2.0 * math.pi * np.ceil((swing - math.pi) / (2.0 * math.pi))
-        out = np.stack((swing, theta1, theta2, theta3))
-        return -out if self.mirrored else out
+        cosine = height * cross - x * versor
+        sine = height * versor + x * cross
+        cos_v = (-1.0 / coupler) * x - (crank / coupler) * cosine
+        # cos(v - theta) by the law of cosines, sin(v - theta) from the triangle's area.
+        cos_between = cos_v * cosine + (height / coupler - (crank / coupler) * sine) * sine
+        leverage = (self.branch / (2.0 * crank * coupler)) * product
+        p1, p2, p3 = jet[1], jet[2], jet[3]
+        if not np.all(product):
+            resting = (p1 == 0.0) & (p2 == 0.0) & (p3 == 0.0)
+            if np.any((leverage == 0.0) & ~resting):
+                raise GeometryError(
+                    "dead centre: crank and coupler lie on one line while the slider starts to"
+                    " move, the rocker's acceleration is infinite",
+                    key="linkage",
+                )
+            leverage = np.where(resting, 1.0, leverage)
+        reciprocal = 1.0 / leverage
+        of_crank, of_coupler = reciprocal / crank, reciprocal / coupler
+        direction = -float(self.stroke_direction)
+        per_crank = direction * cos_v * of_crank  # theta' for p' = 1, the sign of p included
+        per_coupler = direction * cosine * of_coupler
+        out = np.empty_like(jet)
+        theta1, theta2, theta3 = out[1], out[2], out[3]
+        np.multiply(p1, per_crank, out=theta1)
+        v1 = -p1 * per_coupler
+        swing_in = crank * (theta1 * theta1)
+        coupler_in = coupler * (v1 * v1)
+        np.multiply(p2, per_crank, out=theta2)
+        theta2 += (swing_in * cos_between + coupler_in) * of_crank
+        v2 = -p2 * per_coupler - (swing_in + coupler_in * cos_between) * of_coupler
+        mixed = (3.0 * crank) * cos_between * theta1 * theta2 + (3.0 * coupler) * v1 * v2
+        np.multiply(p3, per_crank, out=theta3)
+        theta3 += theta1 * theta1 * theta1 + mixed * of_crank
+        swing = np.subtract(theta, self.start_angle, out=out[0])
+        if len(swing) and not (np.max(swing) <= math.pi and np.min(swing) > -math.pi):
+            swing -= 2.0 * math.pi * np.ceil((swing - math.pi) / (2.0 * math.pi))
+        return np.negative(out, out=out) if self.mirrored else out
 
     def transform_bounds(self, jet: Jet, bounds: Jet) -> Jet:
         """(4, n) bounds for psi of what `Motion.jet_bounds` bounds for the stroke.

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import cmath
 import math
 from dataclasses import dataclass
 
 import numpy as np
 
 from camgeo.errors import GeometryError
-from camgeo.mechanism.follower import RelativeJet
+from camgeo.mechanism.follower import FULL_ORDER, RelativeJet
 from camgeo.motion.motion import Jet
 from camgeo.numeric.arrays import FloatArray
 
@@ -56,30 +55,30 @@ class TranslatingRoller:
         """s_G, height of the roller centre over the cam axis at cam angle 0 [mm]."""
         return math.sqrt((self.base_radius - self.offset) * (self.base_radius + self.offset))
 
-    def relative_jet(self, jet: Jet, rotation: int) -> RelativeJet:
+    def relative_jet(self, jet: Jet, rotation: int, order: int = FULL_ORDER) -> RelativeJet:
         """See `Follower.relative_jet`."""
-        turn = self._turn
-        e = self.offset
-        y = self.start_height + self.direction * jet[0]
-        y1, y2, y3 = self.direction * jet[1], self.direction * jet[2], self.direction * jet[3]
-        v = rotation * y1 - e
-        return RelativeJet(
-            r0=turn * (e + 1j * y),
-            r1=turn * (rotation * y + 1j * (y1 - rotation * e)),
-            r2=turn * ((2.0 * rotation * y1 - e) + 1j * (y2 - y)),
-            r3=turn * (rotation * (3.0 * y2 - y) + 1j * (y3 - 3.0 * y1 + rotation * e)),
-            u=y,
-            v=v,
-            u1=y1,
-            v1=rotation * y2,
-        )
-
-    @property
-    def _turn(self) -> complex:
-        """From the frame with the guide upwards to the real one."""
-        if self.guide_angle == math.pi / 2.0:
-            return 1.0 + 0.0j
-        return cmath.exp(1j * (self.guide_angle - math.pi / 2.0))
+        e, sense = self.offset, float(rotation * self.direction)
+        along, across = np.empty((2, order + 1, jet.shape[1]))
+        height, v = across[0], across[1]  # R_1 = sigma (u + i v), u the height
+        np.multiply(jet[0], float(self.direction), out=height)
+        height += self.start_height
+        along[0] = e
+        np.multiply(height, float(rotation), out=along[1])
+        np.multiply(jet[1], float(self.direction), out=v)
+        v -= rotation * e
+        if order > 1:
+            np.multiply(jet[1], 2.0 * sense, out=along[2])
+            along[2] -= e
+            np.multiply(jet[2], float(self.direction), out=across[2])
+            across[2] -= height
+        if order > 2:
+            np.multiply(jet[2], 3.0 * sense, out=along[3])
+            along[3] -= along[1]
+            np.multiply(jet[1], -3.0 * self.direction, out=across[3])
+            across[3] += self.direction * jet[3]
+            across[3] += rotation * e
+        axis = self.guide_angle - math.pi / 2.0
+        return RelativeJet(along, across, axis, height, v, 0.0)
 
     def speed_bounds(self, jet: Jet, bounds: Jet) -> FloatArray:
         """See `Follower.speed_bounds`."""

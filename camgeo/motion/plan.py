@@ -64,21 +64,22 @@ class _Piece:
     jerk_bound: float = 0.0
     from_end: bool = False
 
-    def jet(self, phi: FloatArray) -> Jet:
-        """(4, n) lift and derivatives at `phi` (n,) [rad] inside the piece."""
-        out = np.zeros((4, len(phi)))
+    def jet(self, phi: FloatArray, out: Jet) -> None:
+        """Write lift and derivatives at `phi` (n,) [rad] inside the piece into `out` (4, n)."""
         if self.formula is None:
             out[0] = self.origin
-            return out
+            out[1:] = 0.0
+            return
         span = self.segment_end - self.segment_start
-        z = np.clip((phi - self.segment_start) / span, 0.0, 1.0)
-        w = np.clip((self.segment_end - phi) / span, 0.0, 1.0)
-        near, f1, f2, f3 = self.formula(z, w)
-        out[0] = self.origin + (-self.lift if self.from_end else self.lift) * near
-        out[1] = self.lift / span * f1
-        out[2] = self.lift / span**2 * f2
-        out[3] = self.lift / span**3 * f3
-        return out
+        rate = 1.0 / span
+        near, f1, f2, f3 = self.formula(
+            (phi - self.segment_start) * rate, (self.segment_end - phi) * rate
+        )
+        np.multiply(near, -self.lift if self.from_end else self.lift, out=out[0])
+        out[0] += self.origin
+        np.multiply(f1, self.lift / span, out=out[1])
+        np.multiply(f2, self.lift / span**2, out=out[2])
+        np.multiply(f3, self.lift / span**3, out=out[3])
 
     @property
     def jerk_limit(self) -> float:
@@ -236,7 +237,12 @@ class MotionPlan:
         angle = in_turn(phi, side)
         out = np.empty((4, len(angle)))
         for piece, index in self._by_piece(angle, side):
-            out[:, index] = piece.jet(angle[index])
+            if isinstance(index, slice):
+                piece.jet(angle[index], out[:, index])
+            else:
+                part = np.empty((4, len(index)))
+                piece.jet(angle[index], part)
+                out[:, index] = part
         return out
 
     def jet_bounds(self, low: FloatArray, high: FloatArray) -> Jet:

@@ -160,6 +160,8 @@ def rise_regions(half: HalfLaw, inflection: float) -> tuple[Region, ...]:
 
     def stretched(region: HalfRegion) -> Region:
         def formula(z: FloatArray, _w: FloatArray) -> Values:
+            if factor == 1.0:
+                return region.formula(z, 0.5 - z)
             f, f1, f2, f3 = region.formula(z / factor, (inflection - z) / factor)
             return factor * f, f1, f2 / factor, f3 / (factor * factor)
 
@@ -182,6 +184,9 @@ def fall_regions(half: HalfLaw, inflection: float) -> tuple[Region, ...]:
 
     def mirrored(region: HalfRegion) -> Region:
         def formula(z: FloatArray, w: FloatArray) -> Values:
+            if factor == 1.0:
+                g, f1, f2, f3 = region.formula(w, z - 0.5)
+                return g, f1, -f2, f3
             g, f1, f2, f3 = region.formula(w / factor, (z - inflection) / factor)
             return factor * g, f1, -f2 / factor, f3 / (factor * factor)
 
