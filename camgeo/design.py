@@ -18,6 +18,7 @@ from camgeo._version import __version__
 from camgeo.check.closure import check_closure
 from camgeo.check.curvature import check_radius_ratio, check_undercut
 from camgeo.check.finding import Finding
+from camgeo.check.follower import check_follower
 from camgeo.check.limits import Limits, default_transmission_angle
 from camgeo.check.linkage import check_linkage
 from camgeo.check.standstill import check_standstill
@@ -53,6 +54,13 @@ if TYPE_CHECKING:
 
 TOPOLOGY_TOLERANCE = 0.01
 """Contours by which it is seen that a bore fits are this exact [mm]; their deviation is counted."""
+
+
+WORST_FIRST = ("wrong", "fatal", "broken", "warning", "ok")
+"""Order of the findings by their severity."""
+
+NO_OUTLINE = ("wrong", "fatal")
+"""Severities with which no outline is made."""
 
 
 class OutputRequest(Protocol):
@@ -266,11 +274,18 @@ class Design:
     def findings(self) -> tuple[Finding, ...]:
         """What the checks find, the good with the bad, worst first."""
         found: list[Finding] = []
+        follower = self.specification.follower
+        found += check_follower(follower, runs_on_inner=self.contact != "outer")
+        regular = True
         if isinstance(self.motion, LinkedMotion):
-            found += check_linkage(self.motion)
-        if not _fatal(found):
-            found += check_standstill(self.pitch_curve)
-        if not _fatal(found):
+            of_linkage = check_linkage(self.motion)
+            found += of_linkage
+            regular = not _fatal(of_linkage)
+        if regular:
+            stands = check_standstill(self.pitch_curve)
+            found += stands
+            regular = not stands
+        if regular:
             found.append(check_transmission_angle(self.pitch_curve, self.transmission_angle_limit))
             bends = curvature_extremes(self.pitch_curve)
             ratio = self.specification.limits.radius_ratio
@@ -278,8 +293,12 @@ class Design:
                 found.append(check_radius_ratio(flank, name, bends, ratio))
                 found += check_undercut(flank, name, bends)
             found += check_closure(self.pitch_curve)
-        order = {"fatal": 0, "broken": 1, "warning": 2, "ok": 3}
-        return tuple(sorted(found, key=lambda finding: order[finding.severity]))
+        return tuple(sorted(found, key=lambda finding: WORST_FIRST.index(finding.severity)))
+
+    @property
+    def has_outline(self) -> bool:
+        """False if a finding says that there is no such disc."""
+        return not _fatal(self.findings)
 
     # Files ------------------------------------------------------------------------------------
 
@@ -297,9 +316,9 @@ class Design:
     def _require_outline(self) -> None:
         from camgeo.errors import UndercutError
 
-        fatal = [finding for finding in self.findings if finding.severity == "fatal"]
-        if fatal:
-            raise UndercutError("; ".join(finding.sentence for finding in fatal))
+        if not self.has_outline:
+            forbidding = (f.sentence for f in self.findings if f.severity in NO_OUTLINE)
+            raise UndercutError("; ".join(forbidding))
 
     def pitch_contour(self, tolerance: float) -> Fit:
         """The pitch curve as lines and arcs within `tolerance` [mm], counter-clockwise."""
@@ -445,5 +464,5 @@ def _columns(points: ComplexArray) -> FloatArray:
     return np.column_stack((points.real, points.imag))
 
 
-def _fatal(found: list[Finding]) -> bool:
-    return any(finding.severity == "fatal" for finding in found)
+def _fatal(found: Sequence[Finding]) -> bool:
+    return any(finding.severity in NO_OUTLINE for finding in found)

@@ -76,12 +76,14 @@ class ToleranceError(CamgeoError, ArithmeticError):
 
     Attributes
     ----------
+    reason : what cannot follow what.
     asked : tolerance asked [mm].
     reached : smallest deviation reached [mm].
     """
 
     def __init__(self, message: str, asked: float, reached: float) -> None:
         super().__init__(f"{message}: tolerance {asked:g} mm asked, {reached:g} mm reached")
+        self.reason = message
         self.asked = asked
         self.reached = reached
 

@@ -5,9 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-Severity = Literal["ok", "warning", "broken", "fatal"]
+Severity = Literal["ok", "warning", "broken", "fatal", "wrong"]
 """ok: within its limit. warning: worth knowing. broken: beyond its limit, the disc can be made all
-the same. fatal: there is no such disc, and no outline is written."""
+the same. fatal: there is no such disc, and no outline is written. wrong: what the scene describes
+is no cam mechanism; a command treats it as a fault of the scene."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,7 +6,6 @@ import argparse
 from typing import TYPE_CHECKING
 
 from camgeo.cli.command import (
-    BROKEN,
     Subparsers,
     exit_code,
     finding_lines,
@@ -51,9 +50,9 @@ def run(arguments: argparse.Namespace) -> int:
     bad = tuple(f for f in findings if f.severity != "ok")
     for line in finding_lines(bad):
         tell(line)
-    if any(f.severity == "fatal" for f in findings):
+    if not design.has_outline:
         tell("nothing was written: the cam has no outline")
-        return BROKEN
+        return exit_code(findings)
     from camgeo.files.write import write_files  # not before it is needed: a check writes nothing
 
     output = design.specification.output

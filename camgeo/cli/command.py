@@ -16,7 +16,13 @@ BROKEN: Final = 1
 WRONG: Final = 2
 """Exit codes: all limits kept; a limit is broken; the scene or the call is wrong."""
 
-MARKS: Final = {"fatal": "FATAL", "broken": "BROKEN", "warning": "warning", "ok": "ok"}
+MARKS: Final = {
+    "wrong": "WRONG",
+    "fatal": "FATAL",
+    "broken": "BROKEN",
+    "warning": "warning",
+    "ok": "ok",
+}
 
 Subparsers = argparse._SubParsersAction  # noqa: SLF001 - argparse gives its type no public name
 
@@ -35,7 +41,9 @@ def new_parser(
 
 
 def exit_code(findings: tuple[Finding, ...]) -> int:
-    """1 if a limit is broken or there is no such disc, else 0."""
+    """2 if there is no such mechanism, 1 if a limit is broken or there is no such disc, else 0."""
+    if any(f.severity == "wrong" for f in findings):
+        return WRONG
     return BROKEN if any(f.severity in ("broken", "fatal") for f in findings) else FINE
 
 

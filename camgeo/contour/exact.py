@@ -58,6 +58,7 @@ def distance_between(exact: Contour, contour: Contour) -> float:
     changes = np.flatnonzero(owner != before)
     corners = _corner_distances(exact, before[changes], owner[changes], contour.vertices[changes])
     _check_round(exact, contour)
+    _check_all_followed(exact, owner)
     return max(largest, float(np.max(corners, initial=0.0)))
 
 
@@ -135,16 +136,35 @@ def _corner_distances(
     exact: Contour, before: IntArray, after: IntArray, vertices: ComplexArray
 ) -> FloatArray:
     """Distance (k,) of `vertices` from the corners at which piece `before` meets piece `after`."""
-    same_circle = (
-        (exact.sweeps[before] != 0.0)
-        & (exact.sweeps[after] != 0.0)
-        & (exact.centres[before] == exact.centres[after])
-        & np.isclose(exact.radii[before], exact.radii[after], rtol=1e-12, atol=0.0)
-    )
+    same_circle = _same_circle(exact, before, after)
     following = after == (before + 1) % len(exact)
     if np.any(~same_circle & ~following):
         raise GeometryError("the contour does not follow the exact outline piece by piece")
     return np.where(same_circle, 0.0, np.abs(vertices - exact.vertices[after]))
+
+
+def _same_circle(exact: Contour, one: IntArray, other: IntArray) -> BoolArray:
+    """Whether the pieces `one` and `other` (k,) are arcs of the same circle."""
+    same: BoolArray = (
+        (exact.sweeps[one] != 0.0)
+        & (exact.sweeps[other] != 0.0)
+        & (exact.centres[one] == exact.centres[other])
+        & np.isclose(exact.radii[one], exact.radii[other], rtol=1e-12, atol=0.0)
+    )
+    return same
+
+
+def _check_all_followed(exact: Contour, owner: IntArray) -> None:
+    """No piece may be left out, e.g. the slot by a full circle; arcs of one circle count as one."""
+    each = np.arange(len(exact))
+    before, after = np.roll(each, 1), np.roll(each, -1)
+    joined = _same_circle(exact, before, each)
+    followed = np.isin(each, owner)
+    while not np.all(followed):
+        more = followed | (joined & followed[before]) | (joined[after] & followed[after])
+        if np.array_equal(more, followed):
+            raise GeometryError("the contour leaves out a part of the exact outline")
+        followed = more
 
 
 def _check_round(exact: Contour, contour: Contour) -> None:

@@ -76,7 +76,11 @@ def write_files(
     for name in dict.fromkeys(formats):
         writer = find_writer(name)
         progress(f"{name}: computing")
-        written = writer.write(product, tolerance)
+        try:
+            written = writer.write(product, tolerance)
+        except ToleranceError as error:
+            # The writer asked for a share of it; what the user knows is the whole.
+            raise ToleranceError(f"{name}: {error.reason}", tolerance, error.reached) from error
         progress(f"{name}: reading back")
         deviation = writer.measure(product, written.data)
         if deviation is not None and not deviation <= tolerance:

@@ -50,11 +50,13 @@ class Operation:
     name : what is cut, for the comment in the file.
     depths : Z of each pass [mm], descending, all negative.
     moves : in order; the first is a Rapid at the safe height above the first point.
+    note : what the person at the machine should know of it, or empty.
     """
 
     name: str
     depths: tuple[float, ...]
     moves: tuple[Move, ...]
+    note: str = ""
 
 
 @dataclass(frozen=True, slots=True)

@@ -25,6 +25,7 @@ class CutterPath:
         inside, 0 if the cutter fills the groove and plunges on the path itself.
     room : largest radius of the arcs that lead onto the path [mm].
     depth : to which is cut [mm], positive.
+    note : what the person at the machine should know, or empty.
     """
 
     name: str
@@ -33,6 +34,7 @@ class CutterPath:
     free_side: int
     room: float
     depth: float
+    note: str = ""
 
 
 def cutter_paths(
@@ -58,7 +60,8 @@ def cutter_paths(
                 value=f"{2.0 * tool_radius:g}",
             )
         circle = Contour.circle(radius)
-        paths.append(CutterPath("bore", None, circle, -1, radius / 2.0, part.thickness))
+        note = "the keyway is left to be broached" if spec.keyway is not None else ""
+        paths.append(CutterPath("bore", None, circle, -1, radius / 2.0, part.thickness, note))
     if contact == "inner":
         curve = WorkingCurve(pitch, tool_radius - roller)
         paths.append(CutterPath("outline", curve, None, 1, tool_radius, part.thickness))

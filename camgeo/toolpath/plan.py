@@ -76,7 +76,7 @@ def _operation(path: CutterPath, spec: GcodeSpec, tolerance: float) -> Operation
         if lead is not None or z == depths[-1]:
             x, y, _ = moves[-1].end
             moves.append(Rapid((x, y, spec.safe_height)))
-    return Operation(path.name, depths, tuple(moves))
+    return Operation(path.name, depths, tuple(moves), path.note)
 
 
 def _lead(path: CutterPath, contour: Contour) -> Lead | None:

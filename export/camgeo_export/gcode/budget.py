@@ -9,8 +9,8 @@ from camgeo.errors import ToleranceError
 from camgeo.units import MM_PER, LengthUnit
 from camgeo_export.gcode.machine import Machine
 
-ROUNDING_SHARE = 0.1
-"""Share of the tolerance for printed numbers; it decides the number of decimals."""
+ROUNDING_SHARE = 0.3
+"""Share of the tolerance for printed numbers; it decides the number of decimals: four at 1 um."""
 
 ROUNDING_UNITS = 3.0
 """Deviation by rounding, in units of the last decimal: end points and centre each move by at most

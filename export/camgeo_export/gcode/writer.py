@@ -36,6 +36,7 @@ class GcodeWriter:
             depths = " ".join(grid.text(grid.steps(depth)) for depth in operation.depths)
             lines += comment(f"operation {operation.name}", machine.comment)
             lines += comment(f"depths {depths}", machine.comment)
+            lines += comment(operation.note, machine.comment)
             lines += _blocks(speller, operation)
         speller.retract(toolpath.safe_height)
         lines += speller.take()
@@ -46,10 +47,10 @@ class GcodeWriter:
             "arcs": speller.arcs,
             "lines": speller.lines,
             "decimals": shares.decimals,
-            "budget fit mm": _short(shares.fit),
-            "budget rounding mm": _short(shares.rounding),
-            "budget chords mm": _short(shares.chord),
-            "path blending mm": _short(shares.blending),
+            "budget_fit_mm": _short(shares.fit),
+            "budget_rounding_mm": _short(shares.rounding),
+            "budget_chords_mm": _short(shares.chord),
+            "path_blending_mm": _short(shares.blending),
         }
         return Written("".join(line + "\n" for line in lines).encode("ascii"), facts)
 

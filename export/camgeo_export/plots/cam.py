@@ -11,6 +11,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, FancyArrowPatch, PathPatch
 from matplotlib.path import Path
 
+from camgeo.errors import UndercutError
 from camgeo.files.product import Product
 from camgeo.numeric.arrays import ComplexArray
 from camgeo.units import MM_PER
@@ -33,14 +34,7 @@ def draw(product: Product, figure: Figure | SubFigure) -> None:
     axes = figure.subplots(gridspec_kw=frame(figure, bottom=0.95))
     axes.set_aspect("equal")
     scale = 1.0 / MM_PER[product.unit]
-    sagitta = SAGITTA * product.base_radius
-    body = [b.arcs(sagitta).contour.points(sagitta) * scale for b in product.part.through]
-    groove = [b.arcs(sagitta).contour.points(sagitta) * scale for b in product.part.groove]
-    axes.add_patch(_area(body, BODY))
-    if groove:
-        axes.add_patch(_area(groove, GROOVE))
-    for ring in (*body, *groove):
-        axes.add_patch(PathPatch(_outline(ring), fill=False, edgecolor=LINE, linewidth=1.6))
+    rings = _draw_part(axes, product, scale)
     pitch = product.curve("pitch", cam_angles()) * scale
     axes.plot(pitch[:, 0], pitch[:, 1], **PITCH_STYLE)
     base = product.base_radius * scale
@@ -51,12 +45,40 @@ def draw(product: Product, figure: Figure | SubFigure) -> None:
     end = _follower(axes, product, roller, scale)
     _rotation_arrow(axes, product.rotation, 0.45 * base)
     _centre_mark(axes, 0.1 * base)
-    drawn = [*body, *groove, pitch[:, 0] + 1j * pitch[:, 1], np.array([end])]
+    drawn = [*rings, circle, pitch[:, 0] + 1j * pitch[:, 1], np.array([end])]
     _frame(axes, drawn, roller, product.roller_radius * scale)
     axes.set_xlabel(f"x [{product.unit}]")
     axes.set_ylabel(f"y [{product.unit}]")
     axes.set_title(product.name)
     _legend(axes)
+
+
+def _draw_part(axes: Axes, product: Product, scale: float) -> list[ComplexArray]:
+    """Draw the part and return its rings; without an outline, the working curves as they run."""
+    sagitta = SAGITTA * product.base_radius
+    try:
+        part = product.part
+        body = [b.arcs(sagitta).contour.points(sagitta) * scale for b in part.through]
+        groove = [b.arcs(sagitta).contour.points(sagitta) * scale for b in part.groove]
+    except UndercutError:
+        return _draw_working_curves(axes, product, scale)
+    axes.add_patch(_area(body, BODY))
+    if groove:
+        axes.add_patch(_area(groove, GROOVE))
+    for ring in (*body, *groove):
+        axes.add_patch(PathPatch(_outline(ring), fill=False, edgecolor=LINE, linewidth=1.6))
+    return [*body, *groove]
+
+
+def _draw_working_curves(axes: Axes, product: Product, scale: float) -> list[ComplexArray]:
+    """Both working curves with their cusps and loops: there is no disc, but the reason shows."""
+    rings = []
+    for what in ("inner", "outer"):
+        points = product.curve(what, cam_angles()) * scale
+        axes.plot(points[:, 0], points[:, 1], color=LINE, linewidth=1.0)
+        rings.append(points[:, 0] + 1j * points[:, 1])
+    axes.text(0.02, 0.98, "no outline: undercut", transform=axes.transAxes, va="top")
+    return rings
 
 
 def _legend(axes: Axes) -> None:

@@ -28,7 +28,7 @@ class StlWriter:
         facets["corners"] = corners
         facets["normal"] = _normals(corners)
         data = _header(product) + np.uint32(len(facets)).tobytes() + facets.tobytes()
-        return Written(data, {"triangles": len(facets), "volume mm3": solid.volume})
+        return Written(data, {"triangles": len(facets), "volume_mm3": solid.volume})
 
     def measure(self, product: Product, data: bytes) -> float:
         """Read the mesh back with trimesh and measure it against the exact boundaries [mm]."""

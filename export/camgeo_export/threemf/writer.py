@@ -45,7 +45,7 @@ class ThreeMfWriter:
             _store(package, MODEL_PATH, _model(product, tolerance, solid))
         facts: dict[str, int | float | str] = {
             "triangles": len(solid.triangles),
-            "volume mm3": solid.volume,
+            "volume_mm3": solid.volume,
         }
         return Written(stream.getvalue(), facts)
 

@@ -1,0 +1,54 @@
+"""Checks that roller and guide leave the cam a mechanism at all."""
+
+from __future__ import annotations
+
+from camgeo.check.finding import Finding
+from camgeo.mechanism.follower import Follower
+from camgeo.mechanism.translating_roller import TranslatingRoller
+
+LOCKED = 1e-9
+"""A guide within this share of the base radius of a tangent to the base circle is one."""
+
+
+def check_follower(follower: Follower, *, runs_on_inner: bool) -> tuple[Finding, ...]:
+    """A roller that reaches over the cam axis, a guide on which the follower locks; else nothing.
+
+    `runs_on_inner` is True if the roller runs on the inner working curve, alone or in a groove.
+    """
+    found = []
+    if runs_on_inner and follower.roller_radius >= follower.base_radius:
+        found.append(
+            Finding(
+                name="roller-over-axis",
+                severity="wrong",
+                sentence=(
+                    f"the roller ({follower.roller_radius:g} mm) is not smaller than the base"
+                    f" circle ({follower.base_radius:g} mm): it covers the cam axis, and its inner"
+                    " working curve lies on the other side; make follower.roller_radius smaller or"
+                    " follower.base_radius larger"
+                ),
+                value=follower.roller_radius,
+                limit=follower.base_radius,
+                unit="mm",
+            )
+        )
+    if (
+        isinstance(follower, TranslatingRoller)
+        and follower.start_height <= LOCKED * follower.base_radius
+    ):
+        found.append(
+            Finding(
+                name="self-locking",
+                severity="wrong",
+                sentence=(
+                    f"the offset equals the base radius ({follower.base_radius:g} mm): the guide"
+                    " touches the base circle, the transmission angle is 0 at cam angle 0 and the"
+                    " follower locks; make follower.offset smaller"
+                ),
+                value=abs(follower.offset),
+                limit=follower.base_radius,
+                unit="mm",
+                cam_angle=0.0,
+            )
+        )
+    return tuple(found)
