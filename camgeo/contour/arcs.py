@@ -49,7 +49,7 @@ def fit_arcs(curve: WorkingCurve, tolerance: float) -> Fit:
     """
     aim = AIM * tolerance
     for _ in range(4):
-        chains = [_fit_piece(curve, piece, aim) for piece in smooth_pieces(curve)]
+        chains = [_fit_piece(curve, piece, aim, tolerance) for piece in smooth_pieces(curve)]
         contour, angles = closed(chains)
         reached = deviation(curve, contour, angles)
         if reached <= tolerance:
@@ -58,7 +58,7 @@ def fit_arcs(curve: WorkingCurve, tolerance: float) -> Fit:
     raise ToleranceError("arcs cannot follow the curve", tolerance, reached)
 
 
-def _fit_piece(curve: WorkingCurve, piece: Piece, aim: float) -> Chain:
+def _fit_piece(curve: WorkingCurve, piece: Piece, aim: float, tolerance: float) -> Chain:
     if piece.dwell:
         return dwell_arc(curve, piece)
 
@@ -74,7 +74,7 @@ def _fit_piece(curve: WorkingCurve, piece: Piece, aim: float) -> Chain:
         if distance <= aim:
             return chain
         if 2 * count > MAX_ARCS or aim <= 0.0:
-            raise ToleranceError("arcs cannot follow the curve", aim, distance)
+            raise ToleranceError("arcs cannot follow the curve", tolerance, distance)
         count = max(count + 1, math.ceil(count * min(2.0, (distance / aim) ** (1.0 / 3.0))))
 
 

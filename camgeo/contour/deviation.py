@@ -89,7 +89,9 @@ def deviation(curve: WorkingCurve, contour: Contour, angles: FloatArray | None =
     rounding = ROUNDING * reach
     found = 0.0
     for _ in range(HALVINGS):
-        lower, bound, steepness = _distances(curve, contour, cells)
+        lower, bound, steepness, steep = _distances(curve, contour, cells)
+        if np.max(steep) > STEEPEST:  # no halving would mend that
+            break
         found = max(found, float(np.max(lower)))
         target = (1.0 + SHARPNESS) * found + rounding
         loose = (bound > target) | (steepness > STEEPEST)
@@ -116,22 +118,24 @@ def _first_cells(curve: WorkingCurve, angles: FloatArray) -> _Cells:
 
 def _distances(
     curve: WorkingCurve, contour: Contour, cells: _Cells
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """For each cell: distance found in its middle, bound of the distance, bound of sin alpha."""
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    """For each cell: distance found in its middle and bound of it, bound of sin alpha and sin alpha
+    found in its middle; 1 where the piece runs backwards.
+    """
     middle, half = 0.5 * (cells.low + cells.high), 0.5 * (cells.high - cells.low)
     pitch, offset = curve.pitch, curve.distance
     jet = pitch.jet(middle)
     v1, v2, v3 = pitch.speed_bounds(*_in_turn(cells))
     is_arc = contour.sweeps[cells.piece] != 0.0
 
-    lower, bound, steepness = (np.empty(len(middle)) for _ in range(3))
+    lower, bound, steepness, steep = (np.empty(len(middle)) for _ in range(4))
     for which, kind in ((is_arc, _arc_cells), (~is_arc, _line_cells)):
         if np.any(which):
             taylor = _Taylor(jet[:, which], v1[which], v2[which], v3[which], half[which])
-            lower[which], bound[which], steepness[which] = kind(
+            lower[which], bound[which], steepness[which], steep[which] = kind(
                 taylor, contour, cells.piece[which], offset, pitch.rotation
             )
-    return lower, bound, steepness
+    return lower, bound, steepness, steep
 
 
 def _in_turn(cells: _Cells) -> tuple[FloatArray, FloatArray]:
@@ -182,7 +186,7 @@ def _sines(
 
 def _arc_cells(
     taylor: _Taylor, contour: Contour, piece: IntArray, offset: float, rotation: int
-) -> tuple[FloatArray, FloatArray, FloatArray]:
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
     z, z1, z2 = taylor.jet[0], taylor.jet[1], taylor.jet[2]
     arm = z - contour.centres[piece]
     radius = contour.radii[piece]
@@ -216,14 +220,15 @@ def _arc_cells(
     lower = distance(nearest, np.where(pulls_in, large, small))
     normal = 1j * rotation * z1 / pace
     found = np.abs(np.abs(arm + offset * normal) - radius)
-    forward = (np.conj(arm) * z1).imag * np.sign(contour.sweeps[piece])
+    forward = (np.conj(arm) * z1).imag * np.sign(contour.sweeps[piece]) > 0.0
+    steep = np.where(forward, np.abs(slope) / np.where(forward, r * pace, 1.0), 1.0)
     bound = np.maximum(np.abs(upper), np.abs(lower))
-    return found, bound, np.where(forward > 0.0, high, 1.0)
+    return found, bound, np.where(forward, high, 1.0), steep
 
 
 def _line_cells(
     taylor: _Taylor, contour: Contour, piece: IntArray, offset: float, rotation: int
-) -> tuple[FloatArray, FloatArray, FloatArray]:
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
     z, z1, z2 = taylor.jet[0], taylor.jet[1], taylor.jet[2]
     start, end = contour.vertices[piece], contour.ends[piece]
     along = (end - start) / np.abs(end - start)
@@ -237,9 +242,10 @@ def _line_cells(
     lower = value - change - shift * (large if shift > 0.0 else small)
     normal = 1j * rotation * z1 / np.abs(z1)
     found = np.abs((np.conj(along) * (z + offset * normal - start)).imag)
-    forward = (np.conj(along) * z1).real
+    forward = (np.conj(along) * z1).real > 0.0
+    steep = np.where(forward, np.abs(slope) / np.abs(z1), 1.0)
     bound = np.maximum(np.abs(upper), np.abs(lower))
-    return found, bound, np.where(forward > 0.0, high, 1.0)
+    return found, bound, np.where(forward, high, 1.0), steep
 
 
 def _gaps(curve: WorkingCurve, contour: Contour, angles: FloatArray) -> float:

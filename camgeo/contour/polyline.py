@@ -35,7 +35,8 @@ def fit_polyline(curve: WorkingCurve, tolerance: float) -> Fit:
     """
     aim = tolerance
     for _ in range(6):
-        contour, angles = closed([_chords(curve, piece, aim) for piece in smooth_pieces(curve)])
+        chains = [_chords(curve, piece, aim, tolerance) for piece in smooth_pieces(curve)]
+        contour, angles = closed(chains)
         reached = deviation(curve, contour, angles)
         if reached <= tolerance:
             return Fit(contour.counter_clockwise(), reached, tolerance)
@@ -43,7 +44,7 @@ def fit_polyline(curve: WorkingCurve, tolerance: float) -> Fit:
     raise ToleranceError("straight pieces cannot follow the curve", tolerance, reached)
 
 
-def _chords(curve: WorkingCurve, piece: Piece, aim: float) -> Chain:
+def _chords(curve: WorkingCurve, piece: Piece, aim: float, tolerance: float) -> Chain:
     require_regular(curve, piece)
 
     def density(phi: FloatArray) -> FloatArray:
@@ -55,7 +56,7 @@ def _chords(curve: WorkingCurve, piece: Piece, aim: float) -> Chain:
         count = max(count, 4)  # no chord goes more than a quarter round the cam
     if count > MAX_CHORDS:
         raise ToleranceError(
-            f"more than {MAX_CHORDS:,} straight pieces would be needed", aim, math.inf
+            f"more than {MAX_CHORDS:,} straight pieces would be needed", tolerance, math.inf
         )
     joints = spread.joints(count)
     zero = np.zeros(count)

@@ -1,4 +1,4 @@
-"""Winding number of a contour about a point, exactly: the turns of its chords and arcs."""
+"""Winding number of a contour about a point, exactly: the turns of its chords, and its segments."""
 
 from __future__ import annotations
 
@@ -12,12 +12,11 @@ def winding_number(contour: Contour, point: complex) -> int:
 
     The point must not lie on the contour.
     """
-    half = contour.split(0.5 * np.pi)  # a quarter arc never turns half round any point off it
-    start, end = half.vertices - point, half.ends - point
-    middle = np.where(
-        half.sweeps != 0.0,
-        half.centres + (half.vertices - half.centres) * np.exp(0.5j * half.sweeps) - point,
-        0.5 * (start + end),
-    )
-    turned = np.angle(middle * np.conj(start)) + np.angle(end * np.conj(middle))
-    return round(float(np.sum(turned)) / (2.0 * np.pi))
+    pieces = contour.split(0.5 * np.pi)
+    start, end = pieces.vertices - point, pieces.ends - point
+    # A point between an arc and its chord sees the arc go round by the other way than the chord.
+    inside = np.abs(point - pieces.centres) < pieces.radii
+    beyond = (np.conj(end - start) * -start).imag * pieces.sweeps < 0.0
+    between = np.where(inside & beyond, np.sign(pieces.sweeps), 0.0)
+    chords = float(np.sum(np.angle(end * np.conj(start)))) / (2.0 * np.pi)
+    return round(chords + float(np.sum(between)))

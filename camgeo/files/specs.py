@@ -3,6 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Final
+
+SMALLEST_TOLERANCE: Final = 1e-7
+LARGEST_TOLERANCE: Final = 1.0
+"""Tolerances [mm] that files may be asked for: below, rounding of their decimals would exceed it;
+above, contours no longer resemble the cam."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -108,9 +108,9 @@ def _move_into_place(folder: Path, staging: Path, files: Mapping[str, bytes]) ->
     try:
         for name in files:
             target = folder / name
+            moved.append(name)  # first: Ctrl-C may come right after a move
             if target.exists():
                 target.replace(kept / name)
-            moved.append(name)
             (staging / name).replace(target)
     except BaseException:
         for name in reversed(moved):

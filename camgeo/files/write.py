@@ -11,6 +11,7 @@ from typing import Any
 
 from camgeo.errors import Fault, SceneError, ToleranceError
 from camgeo.files.product import Product
+from camgeo.files.specs import LARGEST_TOLERANCE, SMALLEST_TOLERANCE
 from camgeo.files.transaction import write_set
 from camgeo.files.writers import find_writer
 
@@ -69,8 +70,9 @@ def write_files(
     progress: Progress = _silent,
 ) -> Report:
     """Write `formats` of `product` and the certificate into `folder`, see `Design.write`."""
-    if not tolerance > 0.0:
-        raise SceneError([Fault("tolerance", f"{tolerance:g}", "must be greater than 0 mm")])
+    if not SMALLEST_TOLERANCE <= tolerance <= LARGEST_TOLERANCE:
+        message = f"must be a length of {SMALLEST_TOLERANCE:g} mm to {LARGEST_TOLERANCE:g} mm"
+        raise SceneError([Fault("tolerance", f"{tolerance:g}", message)])
     contents: dict[str, bytes] = {}
     reports: list[FileReport] = []
     for name in dict.fromkeys(formats):

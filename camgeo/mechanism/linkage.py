@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -13,6 +14,9 @@ from camgeo.motion.extremes import SAMPLES, lift_range, pieces
 from camgeo.motion.motion import Dwell, Jet, Motion, Side
 from camgeo.numeric.arrays import FloatArray
 from camgeo.numeric.roots import roots_on_grid
+
+ROUNDING = 8.0 * 2.0**-52
+"""A missing length of this share of crank and coupler is a dead centre, rounded."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,10 +39,11 @@ class LinkedMotion:
     linkage: SliderCrank
 
     def __post_init__(self) -> None:
+        linkage = self.linkage
         stroke = np.array(lift_range(self.slider))
-        nearest = np.clip(-self.linkage.stroke_direction * self.linkage.start_position, *stroke)
-        gap = float(np.max(self.linkage.missing_length(np.append(stroke, nearest))))
-        if gap <= 0.0:
+        nearest = np.clip(-linkage.stroke_direction * linkage.start_position, *stroke)
+        gap = float(np.max(linkage.missing_length(np.append(stroke, nearest))))
+        if gap <= ROUNDING * (linkage.crank + linkage.coupler):
             return
         first, last = self._open_range()
         raise GeometryError(
@@ -49,16 +54,22 @@ class LinkedMotion:
         )
 
     def _open_range(self) -> tuple[float, float]:
-        """First and last cam angle [rad] at which crank and coupler just reach the pin."""
+        """First and last cam angle [rad] at which crank and coupler just reach the pin.
+
+        Where the stroke passes one of those at which they do: however short the range in which they
+        do not, the stroke itself runs steadily through it.
+        """
+        linkage = self.linkage
         found: list[FloatArray] = []
         for start, end in pieces(self.slider):
             grid = np.linspace(start, end, SAMPLES)
-            found.append(roots_on_grid(self._missing, grid))
+            for reach in linkage.dead_strokes:
+                found.append(roots_on_grid(partial(self._beyond, reach), grid))
         angles = np.concatenate(found)
         return float(np.min(angles)), float(np.max(angles))
 
-    def _missing(self, phi: FloatArray) -> FloatArray:
-        return self.linkage.missing_length(self.slider.jet(phi)[0])
+    def _beyond(self, stroke: float, phi: FloatArray) -> FloatArray:
+        return np.asarray(self.slider.jet(phi)[0] - stroke)
 
     @property
     def breaks(self) -> FloatArray:

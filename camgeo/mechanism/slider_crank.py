@@ -88,6 +88,20 @@ class SliderCrank:
         tip = self.crank * complex(math.cos(self.start_angle), math.sin(self.start_angle))
         return math.atan2((pin - tip).imag, (pin - tip).real)
 
+    @cached_property
+    def dead_strokes(self) -> tuple[float, ...]:
+        """The strokes [mm] at which crank and coupler lie on one line."""
+        squares = [
+            (reach - self.guide_height) * (reach + self.guide_height)
+            for reach in (self.crank + self.coupler, abs(self.crank - self.coupler))
+        ]
+        distances = [math.sqrt(square) for square in squares if square >= 0.0]
+        return tuple(
+            self.stroke_direction * (x - self.start_position)
+            for distance in distances
+            for x in (distance, -distance)
+        )
+
     def pin(self, stroke: FloatArray) -> tuple[FloatArray, FloatArray]:
         """X (n,) and d = |P| (n,) [mm] at `stroke` (n,) [mm]."""
         x = self.start_position + self.stroke_direction * stroke

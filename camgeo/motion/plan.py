@@ -194,7 +194,8 @@ class MotionPlan:
             resting,
             strict=True,
         ):
-            same_segment = before.segment_start == after.segment_start and not rest_before
+            moving = not rest_before and not rest_after
+            same_segment = moving and before.segment_start == after.segment_start
             if rest_before and rest_after:
                 continue
             if same_segment and after.start not in self._inner_breaks:

@@ -8,6 +8,7 @@ from decimal import Context, Decimal, Inexact
 from typing import Final
 
 from camgeo.errors import Fault
+from camgeo.files.specs import LARGEST_TOLERANCE, SMALLEST_TOLERANCE
 from camgeo.scene.folder import beside
 from camgeo.scene.model import OutputSpec
 from camgeo.scene.sound import SoundValues
@@ -23,12 +24,6 @@ SPAN_DIGITS: Final = 60
 
 WIDEST_SWING: Final = 180.0
 """Largest rocker angle [degrees]; a rocker never swings through the cam axis."""
-
-SMALLEST_TOLERANCE: Final = 1e-7
-"""[mm]; below it, rounding of the files' decimals would exceed the tolerance."""
-
-LARGEST_TOLERANCE: Final = 1.0
-"""[mm]"""
 
 FINEST_PART: Final = 1e-10
 """Smallest ratio of tolerance to the mechanism's largest length: 200,000 chords a turn."""
