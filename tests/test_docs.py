@@ -29,7 +29,7 @@ def test_the_python_lines_of_the_readme_run(
     code = code.replace('"out"', repr(str(tmp_path / "out")))
     monkeypatch.chdir(ROOT)
     names: dict[str, object] = {}
-    exec(compile(code, "README.md", "exec"), names)  # noqa: S102 - our own README
+    exec(compile(code, "README.md", "exec"), names)
     assert (tmp_path / "out" / "setzhub.dxf").is_file()
     assert (tmp_path / "out" / "setzhub.3mf").is_file()
 

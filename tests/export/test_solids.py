@@ -34,7 +34,7 @@ def test_read_back_is_within_the_tolerance(writer: Writer, groove: bool, toleran
     measured = writer.measure(product, written.data)
     assert measured is not None
     assert 0.5 * tolerance < measured <= tolerance
-    assert written.facts["volume mm3"] == pytest.approx(VOLUMES[groove], rel=tolerance / 10.0)
+    assert written.facts["volume_mm3"] == pytest.approx(VOLUMES[groove], rel=tolerance / 10.0)
     assert written.data == writer.write(product, tolerance).data
 
 

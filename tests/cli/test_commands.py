@@ -1,0 +1,231 @@
+"""The commands, called as the console script calls them."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import camgeo
+from camgeo.cli.main import COMMANDS, main
+from camgeo.cli.progress import Progress
+from camgeo.files import transaction
+from camgeo.scene.new import KINDS
+from camgeo.units import MM_PER
+
+SCENES = Path(__file__).parents[2] / "fixtures" / "scenes"
+
+SETZHUB = str(SCENES / "setzhub.toml")
+
+NAMES = ("new", "check", "build", "table", "plot", "laws")
+
+Capture = pytest.CaptureFixture[str]
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_help_has_an_example(name: str, capsys: Capture) -> None:
+    with pytest.raises(SystemExit) as stopped:
+        main([name, "--help"])
+    assert stopped.value.code == 0
+    assert f"example:\n  camgeo {name} " in capsys.readouterr().out
+
+
+def test_help_names_all_commands(capsys: Capture) -> None:
+    assert len(COMMANDS) == len(NAMES)
+    with pytest.raises(SystemExit):
+        main(["--help"])
+    out = capsys.readouterr().out
+    assert all(f"    {name} " in out for name in NAMES)
+
+
+def test_version_and_module() -> None:
+    run = subprocess.run(
+        [sys.executable, "-m", "camgeo", "--version"], capture_output=True, text=True, check=True
+    )
+    assert run.stdout == f"camgeo {camgeo.__version__}\n"
+
+
+@pytest.mark.parametrize("call", [[], ["bild"], ["check"], ["table", SETZHUB, "--step", "x"],
+                                  ["table", SETZHUB, "--step", "0"],
+                                  ["build", SETZHUB, "--tolerance", "x"]])  # fmt: skip
+def test_wrong_call_is_2(call: list[str], capsys: Capture) -> None:
+    with pytest.raises(SystemExit) as stopped:
+        main(call)
+    assert stopped.value.code == 2
+    assert "usage: camgeo" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("scene", sorted(SCENES.glob("*.toml")), ids=lambda path: path.stem)
+def test_fixtures_keep_their_limits(scene: Path, capsys: Capture) -> None:
+    assert main(["check", str(scene)]) == 0
+    captured = capsys.readouterr()
+    assert "BROKEN" not in captured.out
+    assert captured.err == ""
+
+
+def test_check_of_a_broken_limit_is_1(tmp_path: Path, capsys: Capture) -> None:
+    scene = tmp_path / "strict.toml"
+    text = Path(SETZHUB).read_text()
+    assert text.count("transmission_angle = 41") == 1
+    scene.write_text(text.replace("transmission_angle = 41", "transmission_angle = 45"))
+    assert main(["check", str(scene)]) == 1
+    (line,) = [line for line in capsys.readouterr().out.splitlines() if "BROKEN" in line]
+    # 41.2 degrees is the least transmission angle of the thesis's own cam.
+    assert "transmission-angle" in line
+    assert "41.2" in line
+    assert "45" in line
+    # A broken limit is told, but the files are the designer's decision.
+    assert main(["build", str(scene), "-o", str(tmp_path / "out"), "--only", "csv"]) == 1
+    captured = capsys.readouterr()
+    assert "BROKEN" in captured.err
+    assert (tmp_path / "out" / "setzhub.csv").exists()
+
+
+def test_check_json(capsys: Capture) -> None:
+    assert main(["check", SETZHUB, "--json"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    design = camgeo.load(SETZHUB)
+    assert document["camgeo"] == camgeo.__version__
+    assert document["scene"] == {"name": "setzhub", "sha256": design.scene_hash}
+    assert len(document["findings"]) == len(design.findings)
+    for record, finding in zip(document["findings"], design.findings, strict=True):
+        assert record["name"] == finding.name
+        assert record["value"] == finding.value
+        assert record["sentence"] == finding.sentence
+        if finding.cam_angle is not None:
+            assert record["cam_angle_deg"] == pytest.approx(np.degrees(finding.cam_angle))
+
+
+def test_build_tells_what_it_wrote(tmp_path: Path, capsys: Capture) -> None:
+    call = ["build", SETZHUB, "-o", str(tmp_path), "--only", "dxf,csv", "--tolerance", "0.01"]
+    assert main(call) == 0
+    captured = capsys.readouterr()
+    assert {path.name for path in tmp_path.iterdir()} == {
+        "setzhub.dxf", "setzhub.csv", "certificate.json",
+    }  # fmt: skip
+    assert len(captured.out.splitlines()) == 3
+    assert "(tolerance 0.01 mm)" in captured.out
+    assert captured.err == ""  # not a terminal: no progress
+    # The same again needs no force, another tolerance does.
+    assert main([*call, "--json"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    assert [record["file"] for record in document["files"]] == ["setzhub.dxf", "setzhub.csv"]
+    assert main([*call[:-1], "0.02"]) == 2
+    assert "--force" in capsys.readouterr().err
+    assert main([*call[:-1], "0.02", "--force"]) == 0
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_new_scene_checks_and_builds(kind: str, tmp_path: Path, capsys: Capture) -> None:
+    scene = tmp_path / "my-cam.toml"
+    assert main(["new", kind, "-o", str(scene)]) == 0
+    assert main(["new", kind]) == 0
+    assert capsys.readouterr().out == scene.read_text()
+    assert main(["check", str(scene)]) == 0
+    assert main(["build", str(scene), "-o", str(tmp_path / "out"), "--tolerance", "0.01"]) == 0
+    assert (tmp_path / "out" / "certificate.json").exists()
+    scene.write_text("mine")
+    assert main(["new", kind, "-o", str(scene)]) == 2
+    assert scene.read_text() == "mine"
+    assert main(["new", kind, "-o", str(scene), "--force"]) == 0
+
+
+def test_table_has_a_row_for_each_step(tmp_path: Path, capsys: Capture) -> None:
+    assert main(["table", SETZHUB, "--step", "0.2"]) == 0
+    text = capsys.readouterr().out
+    rows = list(csv.reader(io.StringIO(text)))
+    assert len(rows) == 1 + 1800  # a counted-up float would give 1801
+    degrees = [float(row[0]) for row in rows[1:]]
+    assert degrees == [number * 2 / 10 for number in range(1800)]
+    target = tmp_path / "table.csv"
+    assert main(["table", SETZHUB, "--step", "0.2", "-o", str(target)]) == 0
+    assert target.read_text() == text
+    assert main(["table", SETZHUB, "--step", "90", "--json"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    assert document["phi [deg]"] == [0.0, 90.0, 180.0, 270.0]
+
+
+def test_table_in_inches(capsys: Capture) -> None:
+    scene = SCENES / "inch.toml"
+    assert main(["table", str(scene), "--step", "45"]) == 0
+    rows = list(csv.reader(io.StringIO(capsys.readouterr().out)))
+    column = rows[0].index("inner x [inch]")
+    x = camgeo.load(scene).inner(np.radians([45.0]))[0, 0]
+    assert float(rows[2][column]) == pytest.approx(x / MM_PER["inch"], rel=1e-15)
+
+
+def test_laws(capsys: Capture) -> None:
+    assert main(["laws"]) == 0
+    out = capsys.readouterr().out
+    # C_v and C_a of the 345 polynomial: 15/8 and 10/sqrt(3).
+    (line,) = [line for line in out.splitlines() if line.startswith("polynomial-345")]
+    assert line.split()[1:3] == ["1.87500", "5.77350"]
+    assert "cycloidal" in out
+    assert main(["laws", "--json", "--inflection", "0.4"]) == 0
+    assert all(law["inflection"] == 0.4 for law in json.loads(capsys.readouterr().out))
+
+
+def test_plot(tmp_path: Path, capsys: Capture) -> None:
+    target = tmp_path / "cam.svg"
+    assert main(["plot", SETZHUB, "cam", "-o", str(target)]) == 0
+    assert b"<svg" in target.read_bytes()
+    assert main(["plot", SETZHUB, "cams", "-o", str(tmp_path / "b.svg")]) == 2
+    assert 'did you mean "cam"?' in capsys.readouterr().err
+    assert main(["plot", SETZHUB, "cam", "-o", str(tmp_path / "b.gif")]) == 2
+    assert not (tmp_path / "b.gif").exists()
+
+
+class Terminal(io.StringIO):
+    def isatty(self) -> bool:
+        return True
+
+
+@pytest.mark.parametrize("stream", [io.StringIO, Terminal])
+def test_progress_only_on_a_terminal_and_late(
+    stream: type[io.StringIO], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    seconds = iter([0.0, 0.5, 1.5, 2.5])
+    monkeypatch.setattr("camgeo.cli.progress.time.monotonic", lambda: next(seconds))
+    terminal = stream()
+    monkeypatch.setattr(sys, "stderr", terminal)
+    with Progress() as progress:
+        for step in ("early", "dxf: computing", "stl"):
+            progress(step)
+    text = terminal.getvalue()
+    assert "early" not in text
+    assert ("dxf: computing" in text) == (stream is Terminal)
+    # What was written over is taken away at the end.
+    assert text.endswith("\r") or text == ""
+
+
+def test_interrupted_build_leaves_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Capture
+) -> None:
+    from camgeo_export.stl.writer import WRITER
+
+    def interrupted(*arguments: object) -> None:
+        raise KeyboardInterrupt
+
+    out = tmp_path / "out"
+    with monkeypatch.context() as patch:
+        patch.setattr(type(WRITER), "write", interrupted)
+        assert main(["build", SETZHUB, "-o", str(out), "--only", "csv,stl"]) == 130
+    assert "interrupted" in capsys.readouterr().err
+    assert not any(tmp_path.iterdir())
+    monkeypatch.setattr(transaction, "_write_durably", interrupted)
+    assert main(["build", SETZHUB, "-o", str(out), "--only", "csv"]) == 130
+    assert not any(tmp_path.iterdir())
+
+
+def test_reader_that_has_had_enough() -> None:
+    """`camgeo table ... | head -1` is no error."""
+    command = f"{sys.executable} -m camgeo table {SETZHUB} --step 0.05 | head -1"
+    run = subprocess.run(["sh", "-c", command], capture_output=True, text=True, check=True)
+    assert run.stdout.startswith("phi [deg],")
+    assert run.stderr == ""

@@ -1,0 +1,205 @@
+"""The proof of a contour is attacked: it must see every damage, or refuse the contour."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from camgeo.contour.arcs import fit_arcs
+from camgeo.contour.contour import Contour
+from camgeo.contour.deviation import deviation
+from camgeo.contour.locate import locate
+from camgeo.contour.polyline import fit_polyline
+from camgeo.errors import GeometryError
+from camgeo.numeric.arrays import ComplexArray, FloatArray
+from tests.contour.cams import FLANKS, TURN, curves, dense_flank, flank, polyline
+
+TOLERANCE = 0.01
+
+SAGITTA = 2e-6
+"""Of the dense curve by which is measured [mm]."""
+
+some = settings(
+    max_examples=30, deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow]
+)
+
+names = st.sampled_from(FLANKS)
+
+
+@cache
+def _fit(name: tuple[str, int], straight: bool = False) -> Contour:
+    return (fit_polyline if straight else fit_arcs)(flank(*name), TOLERANCE).contour
+
+
+def _through(vertices: ComplexArray, sweeps: FloatArray) -> Contour:
+    """As a file gives a contour: end points and the angle turned between them."""
+    chord = np.roll(vertices, -1) - vertices
+    safe = np.where(sweeps == 0.0, 1.0, sweeps)
+    centres = vertices + 0.5 * chord * (1.0 + 1j / np.tan(0.5 * safe))
+    return Contour(vertices, sweeps, np.where(sweeps == 0.0, 0.0, centres))
+
+
+def _caught(name: tuple[str, int], contour: Contour) -> float:
+    """The bound, held against dense sampling; infinite if the contour is refused."""
+    curve = flank(*name)
+    try:
+        bound = deviation(curve, contour)
+    except GeometryError:
+        return np.inf
+    assert bound >= dense_flank(name).measured(contour, 4_000) - SAGITTA
+    return bound
+
+
+@some
+@given(names, st.booleans(), st.integers(0, 10**6), st.floats(-5.0, 1.3), st.floats(0.0, TURN))
+def test_moved_vertex(
+    name: tuple[str, int], straight: bool, index: int, size: float, angle: float
+) -> None:
+    contour = _fit(name, straight)
+    vertices = contour.vertices.copy()
+    step = 10.0**size * complex(np.cos(angle), np.sin(angle))
+    vertices[index % len(vertices)] += step
+    _caught(name, _through(vertices, contour.sweeps))
+
+
+@some
+@given(names, st.integers(0, 10**6), st.floats(-6.0, 0.5), st.sampled_from([1.0, -1.0]))
+def test_changed_bulge(name: tuple[str, int], index: int, size: float, sign: float) -> None:
+    contour = _fit(name)
+    sweeps = contour.sweeps.copy()
+    index %= len(sweeps)
+    changed = sweeps[index] + sign * 10.0**size
+    sweeps[index] = np.clip(changed, -6.2, 6.2)
+    _caught(name, _through(contour.vertices, sweeps))
+
+
+@pytest.mark.parametrize("name", FLANKS, ids=str)
+def test_reversed_arc(name: tuple[str, int]) -> None:
+    contour = _fit(name)
+    for index in range(0, len(contour), 9):
+        sweeps = contour.sweeps.copy()
+        sweeps[index] *= -1.0
+        bound = _caught(name, _through(contour.vertices, sweeps))
+        # Its middle is now two sagittas off; where that is nothing, so is the damage.
+        sagitta = contour.radii[index] * (1.0 - np.cos(0.5 * contour.sweeps[index]))
+        assert bound >= 2.0 * sagitta - TOLERANCE
+
+
+@pytest.mark.parametrize("turns", [-1.0, 1.0])
+@pytest.mark.parametrize("name", FLANKS, ids=str)
+def test_arc_that_runs_the_long_way_round(name: tuple[str, int], turns: float) -> None:
+    """On the same circle, between the same ends: only its sweep tells."""
+    contour = _fit(name)
+    for index in range(0, len(contour), 9):
+        sweeps = contour.sweeps.copy()
+        if sweeps[index] == 0.0:
+            continue
+        sweeps[index] += turns * np.sign(sweeps[index]) * TURN
+        damaged = Contour(contour.vertices, sweeps, contour.centres)
+        # From the middle of the arc there to the other side of its circle.
+        assert _caught(name, damaged) > min(1.0, contour.radii[index])
+
+
+@pytest.mark.parametrize("straight", [False, True])
+@pytest.mark.parametrize("name", FLANKS, ids=str)
+def test_dropped_vertex(name: tuple[str, int], straight: bool) -> None:
+    contour = _fit(name, straight)
+    for index in range(0, len(contour), len(contour) // 4):
+        keep = np.arange(len(contour)) != index
+        _caught(name, _through(contour.vertices[keep], contour.sweeps[keep]))
+
+
+@some
+@given(names, st.integers(0, 10**6), st.integers(2, 40))
+def test_left_out_stretch(name: tuple[str, int], start: int, count: int) -> None:
+    """Vertices dropped and the gap closed by a straight piece."""
+    contour = _fit(name, straight=True)
+    keep = (np.arange(len(contour)) - start) % len(contour) >= count
+    _caught(name, _through(contour.vertices[keep], contour.sweeps[keep]))
+
+
+@some
+@given(names, st.booleans(), st.floats(-4.0, 1.0), st.floats(0.0, TURN))
+def test_shift_of_the_whole(
+    name: tuple[str, int], straight: bool, size: float, angle: float
+) -> None:
+    contour = _fit(name, straight)
+    step = 10.0**size * complex(np.cos(angle), np.sin(angle))
+    moved = np.where(contour.sweeps != 0.0, contour.centres + step, 0.0)
+    bound = _caught(name, Contour(contour.vertices + step, contour.sweeps, moved))
+    # A closed curve has normals in all directions: somewhere the shift is all distance, or a
+    # nearer part of the curve comes in between, which the first of its curvature bounds allow.
+    assert bound >= 0.9 * abs(step) - TOLERANCE
+
+
+@pytest.mark.parametrize("factor", [0.5, 0.99, 1.01, 2.0])
+def test_scaled(factor: float) -> None:
+    name = FLANKS[0]
+    contour = _fit(name)
+    scaled = Contour(factor * contour.vertices, contour.sweeps, factor * contour.centres)
+    # 50 mm of base radius, 7 mm roller: the dwell lies at 43.2 mm from the axis.
+    assert _caught(name, scaled) >= 43.0 * abs(factor - 1.0)
+
+
+def test_foreign_contours_are_refused_or_far() -> None:
+    name = ("setzhub", -1)
+    for contour in (
+        Contour.circle(40.0),
+        Contour.circle(1.0, 100.0 + 0j),
+        _fit(("ring", 1)),
+        polyline(np.array([0j, 50.0, 50j])),
+    ):
+        try:
+            bound = deviation(flank(*name), contour)
+        except GeometryError:
+            continue
+        assert bound >= dense_flank(name).measured(contour, 4_000) - SAGITTA > 1.0
+
+
+def test_twice_round_is_refused() -> None:
+    contour = _fit(FLANKS[0])
+    twice = Contour(
+        np.tile(contour.vertices, 2), np.tile(contour.sweeps, 2), np.tile(contour.centres, 2)
+    )
+    with pytest.raises(GeometryError, match="once round"):
+        deviation(flank(*FLANKS[0]), twice)
+
+
+def test_there_and_back_is_refused() -> None:
+    """A detour along the curve itself and back again encloses nothing but is no outline."""
+    contour = _fit(FLANKS[0], straight=True)
+    vertices = np.concatenate((contour.vertices[:20], contour.vertices[18:10:-1]))
+    vertices = np.concatenate((vertices, contour.vertices[11:]))
+    with pytest.raises(GeometryError, match="once round"):
+        deviation(flank(*FLANKS[0]), polyline(vertices))
+
+
+@settings(some, max_examples=10)
+@given(curves(), st.booleans(), st.integers(0, 10**6))
+def test_found_again_however_it_is_run(curve: object, back: bool, start: int) -> None:
+    fit = fit_arcs(curve, TOLERANCE)  # type: ignore[arg-type]
+    contour = fit.contour.reversed() if back else fit.contour
+    turned = Contour(
+        np.roll(contour.vertices, start),
+        np.roll(contour.sweeps, start),
+        np.roll(contour.centres, start),
+    )
+    found, angles = locate(curve, turned)  # type: ignore[arg-type]
+    assert np.all(np.diff(angles) > 0.0)
+    assert angles[-1] - angles[0] < TURN
+    assert 0.0 <= angles[0] < TURN
+    # Vertices within the tolerance of their feet, which is why they are found.
+    feet = curve.point(angles)  # type: ignore[attr-defined]
+    assert np.max(np.abs(found.vertices - feet)) <= TOLERANCE
+    # Both bounds lie within the proof's 1 % above the same distance.
+    assert deviation(curve, turned) == pytest.approx(fit.deviation, rel=0.011, abs=1e-10)  # type: ignore[arg-type]
+
+
+def test_inches_for_millimetres_show() -> None:
+    contour = _fit(FLANKS[0])
+    small = Contour(contour.vertices / 25.4, contour.sweeps, contour.centres / 25.4)
+    assert _caught(FLANKS[0], small) > 20.0

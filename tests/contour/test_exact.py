@@ -1,0 +1,153 @@
+"""Outlines of lines and arcs by nature: their chords, and the proof, attacked in the same way."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from camgeo.contour.contour import Contour
+from camgeo.contour.exact import chords_of, distance_between
+from camgeo.errors import GeometryError, ToleranceError
+from camgeo.part.bore import bore_outline
+from camgeo.part.spec import Keyway
+from tests.contour.cams import outline
+
+some = settings(max_examples=40, deadline=None, derandomize=True)
+
+RADIUS = 8.0
+
+PLAIN = Contour.circle(RADIUS)
+
+SLOTTED = bore_outline(2.0 * RADIUS, Keyway(5.0, 2.3, 0.4))
+
+outlines = st.sampled_from([PLAIN, SLOTTED])
+
+
+def _measured(exact: Contour, contour: Contour) -> float:
+    """Largest distance by dense sampling with exact distances: from below, never too large."""
+    a, b = outline(exact), outline(contour)
+    return max(
+        float(np.max(a.distances(b.dense(3_000)))), float(np.max(b.distances(a.dense(3_000))))
+    )
+
+
+def _caught(exact: Contour, contour: Contour) -> float:
+    try:
+        bound = distance_between(exact, contour)
+    except GeometryError:
+        return math.inf
+    assert bound >= _measured(exact, contour) - 1e-12
+    return bound
+
+
+@some
+@given(outlines, st.floats(-6.0, 0.0))
+def test_chords_keep_their_tolerance(exact: Contour, size: float) -> None:
+    tolerance = 10.0**size
+    chords = chords_of(exact, tolerance)
+    assert chords.arc_count == 0
+    found = _measured(exact, chords)
+    assert found <= tolerance * (1.0 + 1e-9) + 1e-14
+    # Points between the samples lie (1/5)^2 of a sagitta further at 5 points a chord.
+    assert distance_between(exact, chords) <= 1.04 * found + 1e-14
+    assert distance_between(exact, chords.reversed()) >= found - 1e-14
+
+
+def test_chords_are_few() -> None:
+    # Sagitta 0.001 on 8 mm: step 2 arccos(1 - 0.001/8) = 0.031624 rad, 100 to each half.
+    assert len(chords_of(PLAIN, 0.001)) == 2 * 100
+
+
+def test_too_many_chords_are_refused() -> None:
+    with pytest.raises(ToleranceError, match="straight pieces needed"):
+        chords_of(PLAIN, 1e-13)
+
+
+@pytest.mark.parametrize("exact", [PLAIN, SLOTTED])
+def test_itself_is_no_distance(exact: Contour) -> None:
+    for same in (exact, exact.reversed(), exact.split(1.0), exact.split(0.01).reversed()):
+        assert distance_between(exact, same) < 1e-14
+
+
+@some
+@given(st.floats(-5.0, 0.7), st.floats(0.0, 6.3), st.floats(0.6, 1.2))
+def test_shifted_and_scaled_circles(size: float, angle: float, factor: float) -> None:
+    """Two circles: the largest distance is known, |shift| + |difference of the radii|."""
+    step = 10.0**size * complex(np.cos(angle), np.sin(angle))
+    circle = Contour.circle(factor * RADIUS, step)
+    true = abs(step) + abs(factor - 1.0) * RADIUS
+    try:
+        bound = distance_between(PLAIN, circle)
+    except GeometryError:
+        return
+    assert true * (1.0 - 1e-12) <= bound <= true * 1.02 + 1e-12
+
+
+@some
+@given(outlines, st.floats(0.005, 0.5), st.integers(0, 10**6), st.floats(-5.0, 1.0),
+       st.floats(0.0, 6.3))  # fmt: skip
+def test_moved_vertex(
+    exact: Contour, tolerance: float, index: int, size: float, angle: float
+) -> None:
+    chords = chords_of(exact, tolerance)
+    vertices = chords.vertices.copy()
+    vertices[index % len(vertices)] += 10.0**size * complex(np.cos(angle), np.sin(angle))
+    _caught(exact, Contour(vertices, chords.sweeps, chords.centres))
+
+
+@some
+@given(outlines, st.floats(0.005, 0.5), st.integers(0, 10**6), st.integers(1, 30))
+def test_left_out_vertices(exact: Contour, tolerance: float, start: int, count: int) -> None:
+    chords = chords_of(exact, tolerance)
+    keep = (np.arange(len(chords)) - start) % len(chords) >= min(count, len(chords) - 3)
+    _caught(exact, Contour(chords.vertices[keep], chords.sweeps[keep], chords.centres[keep]))
+
+
+@some
+@given(st.floats(-4.0, 0.0), st.floats(0.0, 6.3))
+def test_shifted_bore_with_keyway(size: float, angle: float) -> None:
+    step = 10.0**size * complex(np.cos(angle), np.sin(angle))
+    arcs = SLOTTED.sweeps != 0.0
+    moved = Contour(
+        SLOTTED.vertices + step, SLOTTED.sweeps, np.where(arcs, SLOTTED.centres + step, 0.0)
+    )
+    # The whole circle has normals in all directions but those of the slot; the slot has those.
+    assert _caught(SLOTTED, moved) >= 0.7 * abs(step)
+
+
+@some
+@given(st.floats(1.0, 7.0), st.floats(0.1, 4.0), st.floats(0.0, 6.2))
+def test_another_keyway(width: float, depth: float, angle: float) -> None:
+    _caught(SLOTTED, bore_outline(2.0 * RADIUS, Keyway(width, depth, angle)))
+
+
+def test_a_bore_without_its_keyway_is_refused() -> None:
+    """The circle lies on the circle everywhere: only that the slot is missing tells."""
+    with pytest.raises(GeometryError, match="leaves out"):
+        distance_between(SLOTTED, PLAIN)
+    for plain in (PLAIN.split(1.0), PLAIN.split(0.3).reversed()):
+        with pytest.raises(GeometryError, match=r"leaves out|does not follow"):
+            distance_between(SLOTTED, plain)
+    for plain in (PLAIN, chords_of(PLAIN, 0.001)):
+        assert _caught(SLOTTED, plain) > 2.0
+        assert _caught(plain, SLOTTED) > 2.0
+
+
+def test_circles_cut_elsewhere_agree() -> None:
+    for start in np.linspace(0.0, 2.0 * np.pi, 17):
+        place = RADIUS * np.exp(1j * start)
+        halves = Contour(np.array([place, -place]), np.full(2, np.pi), np.zeros(2, np.complex128))
+        whole = Contour(np.array([place]), np.array([2.0 * np.pi]), np.zeros(1, np.complex128))
+        assert distance_between(PLAIN, halves) < 1e-14
+        assert distance_between(PLAIN, whole) < 1e-14
+        assert distance_between(whole, halves) < 1e-14
+
+
+def test_twice_round_is_refused() -> None:
+    twice = Contour(np.tile(PLAIN.vertices, 2), np.tile(PLAIN.sweeps, 2), np.tile(PLAIN.centres, 2))
+    with pytest.raises(GeometryError, match="once round"):
+        distance_between(PLAIN, twice)

@@ -1,0 +1,144 @@
+"""A fixture scene built by the command line, and what its part should be, computed anew."""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from camgeo.design import Design
+from camgeo.numeric.arrays import ComplexArray
+from camgeo.part.spec import PartSpec
+from camgeo.toolpath.spec import GcodeSpec
+from tests.end_to_end.exact import TURN, Flank, bore_area, bore_length
+from tests.measuring import DensePath
+
+SCENES = sorted((Path(__file__).parents[2] / "fixtures" / "scenes").glob("*.toml"))
+
+DENSE = 60_000
+"""Points of an exact boundary."""
+
+CHORDS = 5e-6
+"""Its chords [mm] lie h^2 kappa/8 off: h < 6e-3 on curves of at most 360 mm, kappa < 1 there."""
+
+
+@dataclass(frozen=True)
+class Exact:
+    """One exact boundary of the part."""
+
+    name: str
+    points: ComplexArray
+    area: float
+    length: float
+
+    @cached_property
+    def path(self) -> DensePath:
+        return DensePath(self.points)
+
+
+class Built:
+    """The scene's design, and the folder into which `camgeo build` wrote its files."""
+
+    def __init__(self, design: Design, folder: Path) -> None:
+        self.design = design
+        self.folder = folder
+
+    def file(self, suffix: str) -> Path:
+        return self.folder / f"{self.design.name}{suffix}"
+
+    @property
+    def tolerance(self) -> float:
+        return self.design.specification.output.tolerance
+
+    @property
+    def spec(self) -> PartSpec:
+        assert self.design.specification.part is not None
+        return self.design.specification.part
+
+    @property
+    def thickness(self) -> float:
+        assert self.spec.thickness is not None
+        return self.spec.thickness
+
+    @property
+    def gcode(self) -> GcodeSpec:
+        assert self.design.gcode is not None
+        return self.design.gcode
+
+    @cached_property
+    def certificate(self) -> dict[str, Any]:
+        document: dict[str, Any] = json.loads((self.folder / "certificate.json").read_text())
+        return document
+
+    def deviation(self, suffix: str) -> float:
+        """What the certificate says of a file [mm]."""
+        files = {record["file"]: record for record in self.certificate["files"]}
+        return float(files[self.file(suffix).name]["deviation_mm"])
+
+    def flank(self, side: int) -> Flank:
+        """Inner (-1) or outer (+1) working curve."""
+        return Flank(self.design, side * self.design.roller_radius)
+
+    @cached_property
+    def through(self) -> list[Exact]:
+        """Boundaries through the whole thickness."""
+        boundaries = []
+        if self.design.contact == "inner":
+            boundaries.append(self._flank("inner"))
+        else:
+            assert self.spec.rim is not None
+            radius = self.spec.rim / 2.0
+            circle = radius * np.exp(1j * np.linspace(0.0, TURN, DENSE, endpoint=False))
+            boundaries.append(Exact("rim", circle, math.pi * radius**2, TURN * radius))
+        if self.design.contact == "outer":
+            boundaries.append(self._flank("outer"))
+        elif self.spec.bore is not None:
+            area, length = bore_area(self.spec), bore_length(self.spec)
+            boundaries.append(Exact("bore", bore_points(self.spec), area, length))
+        return boundaries
+
+    @cached_property
+    def groove(self) -> list[Exact]:
+        """Boundaries of the groove."""
+        if self.design.contact != "groove":
+            return []
+        return [self._flank("inner"), self._flank("outer")]
+
+    def _flank(self, name: str) -> Exact:
+        phi = np.linspace(0.0, TURN, DENSE, endpoint=False)
+        columns = self.design.inner(phi) if name == "inner" else self.design.outer(phi)
+        flank = self.flank(-1 if name == "inner" else 1)
+        return Exact(name, columns[:, 0] + 1j * columns[:, 1], flank.area, flank.length)
+
+    @property
+    def volume(self) -> float:
+        """Exact volume [mm^3]."""
+        body = self.through[0].area - sum(hole.area for hole in self.through[1:])
+        depth = self.spec.groove_depth or 0.0
+        sunk = self.groove[1].area - self.groove[0].area if self.groove else 0.0
+        return body * self.thickness - sunk * depth
+
+    @property
+    def length(self) -> float:
+        """Length of all boundaries [mm]."""
+        return sum(boundary.length for boundary in self.through + self.groove)
+
+
+def bore_points(spec: PartSpec) -> ComplexArray:
+    """Dense points of the bore, in the direction of growing angle; corners of the slot exact."""
+    assert spec.bore is not None
+    radius = spec.bore / 2.0
+    if spec.keyway is None:
+        circle: ComplexArray = radius * np.exp(1j * np.linspace(0.0, TURN, DENSE, endpoint=False))
+        return circle
+    half, bottom = spec.keyway.width / 2.0, radius + spec.keyway.depth
+    opening = math.asin(half / radius)
+    arc = radius * np.exp(1j * np.linspace(opening, TURN - opening, DENSE))
+    slot = np.array([bottom - 1j * half, bottom + 1j * half])
+    turned: ComplexArray = np.concatenate((arc, slot)) * np.exp(1j * spec.keyway.angle)
+    return turned

@@ -1,0 +1,17 @@
+"""Each fixture scene is built once a session, by the command line."""
+
+from __future__ import annotations
+
+import pytest
+
+from camgeo import load
+from camgeo.cli.main import main
+from tests.end_to_end.built import SCENES, Built
+
+
+@pytest.fixture(scope="session", params=SCENES, ids=lambda path: path.stem)
+def built(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Built:
+    """The scene and its folder of files."""
+    folder = tmp_path_factory.mktemp(request.param.stem)
+    assert main(["build", str(request.param), "-o", str(folder)]) == 0
+    return Built(load(request.param), folder)

@@ -1,0 +1,104 @@
+"""A design's set of files: certificate, refusals, the same bytes again."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import camgeo
+from camgeo.errors import SceneError, ToleranceError
+from camgeo.files import write as write_module
+from camgeo.files.product import Product, Written
+from camgeo.files.write import write_files
+from camgeo.files.writers import find_writer, writer_names
+
+SCENES = Path(__file__).parents[2] / "fixtures" / "scenes"
+
+FORMATS = ("3mf", "csv", "dxf", "gcode", "png", "stl", "svg")
+
+
+class Claims:
+    """A writer whose file, read back, is `deviation` off."""
+
+    suffix = ".txt"
+    needs: tuple[str, ...] = ()
+
+    def __init__(self, deviation: float) -> None:
+        self.deviation = deviation
+
+    def write(self, product: Product, tolerance: float) -> Written:
+        return Written(b"text", {"words": 1})
+
+    def measure(self, product: Product, data: bytes) -> float:
+        return self.deviation
+
+
+def test_writers_are_found() -> None:
+    assert set(FORMATS) <= set(writer_names())
+    assert find_writer("dxf").suffix == ".dxf"
+    with pytest.raises(SceneError, match=r'no writer for this format.*did you mean "gcode"'):
+        find_writer("gcod")
+
+
+def test_report_and_certificate(tmp_path: Path) -> None:
+    design = camgeo.load(SCENES / "vorschub.toml")
+    report = design.write(tmp_path, ["csv", "dxf", "csv"], tolerance=0.01)
+    assert [file.name for file in report.files] == ["vorschub.csv", "vorschub.dxf"]
+    assert report.paths[-1] == tmp_path / "certificate.json"
+    certificate = json.loads(report.paths[-1].read_bytes())
+    assert certificate["tolerance_mm"] == 0.01
+    scene = (SCENES / "vorschub.toml").read_bytes()
+    assert certificate["scene"]["sha256"] == hashlib.sha256(scene).hexdigest()
+    for record, file in zip(certificate["files"], report.files, strict=True):
+        data = (tmp_path / file.name).read_bytes()
+        assert record["sha256"] == hashlib.sha256(data).hexdigest()
+        assert record["bytes"] == file.size == len(data)
+        assert record["deviation_mm"] == file.deviation
+        assert file.deviation is not None
+        assert file.deviation <= 0.01
+    assert [finding["name"] for finding in certificate["findings"]]
+
+
+@pytest.mark.parametrize("tolerance", [0.0, -1.0, 9e-8, 1.1, float("nan"), float("inf")])
+def test_no_tolerance(tolerance: float, tmp_path: Path) -> None:
+    design = camgeo.load(SCENES / "vorschub.toml")
+    with pytest.raises(SceneError, match="must be a length of 1e-07 mm to 1 mm"):
+        design.write(tmp_path / "out", ["csv"], tolerance=tolerance)
+    assert not any(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("deviation", [0.0011, float("nan"), float("inf")])
+def test_file_that_is_off_is_not_kept(
+    deviation: float, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The certificate's own check, broken on purpose: a writer that misses its tolerance."""
+    monkeypatch.setattr(write_module, "find_writer", lambda name: Claims(deviation))
+    design = camgeo.load(SCENES / "vorschub.toml")
+    with pytest.raises(ToleranceError, match="the odd file, read back, is off"):
+        write_files(design, tmp_path / "out", ("odd",), 0.001)
+    assert not any(tmp_path.iterdir())
+
+
+def test_the_same_bytes_in_a_fresh_process(tmp_path: Path) -> None:
+    """Time, hash seed and folder leave no trace in any format."""
+    runs = []
+    for seed in ("1", "2"):
+        folder = tmp_path / seed
+        code = (
+            "import camgeo, sys;"
+            f"camgeo.load({str(SCENES / 'inch.toml')!r}).write(sys.argv[1], {FORMATS!r},"
+            " tolerance=0.01)"
+        )
+        environment = dict(os.environ, PYTHONHASHSEED=seed, TZ=f"UTC+{seed}")
+        subprocess.run([sys.executable, "-c", code, str(folder)], check=True, env=environment)
+        runs.append({path.name: path.read_bytes() for path in sorted(folder.iterdir())})
+    assert len(runs[0]) == len(FORMATS) + 1
+    assert runs[0].keys() == runs[1].keys()
+    differing = [name for name, data in runs[0].items() if data != runs[1][name]]
+    assert not differing

@@ -1,0 +1,225 @@
+"""What holds for every roller follower, over random valid ones."""
+
+from __future__ import annotations
+
+import cmath
+import math
+from dataclasses import replace
+from decimal import Decimal
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from camgeo.curve.pitch_curve import PitchCurve
+from camgeo.curve.working_curve import WorkingCurve
+from camgeo.mechanism.oscillating_roller import OscillatingRoller
+from camgeo.mechanism.translating_roller import TranslatingRoller
+from camgeo.motion.inflection import shift
+from camgeo.motion.laws import LAWS
+from camgeo.motion.plan import Dwell, MotionPlan, Move
+from camgeo.numeric.arrays import ComplexArray, FloatArray
+from camgeo.units import TURN
+from tests.integrals import cells, integrals
+from tests.strategies import BENT, SMOOTH, attack, pitch_curves
+
+PLAN_TURN = Decimal(360)
+PHI = np.linspace(0.0, TURN, 121)
+
+ROUNDING = 1e-13
+"""As a share of the largest value: some hundred ulp. A value takes about 30 operations on lengths
+of its size, and cam angles are off by 4 ulp, by the steepness of the jerk, 70 times its size."""
+
+
+def size(values: FloatArray | ComplexArray) -> FloatArray:
+    """(k, 1) largest absolute values of each row."""
+    return np.asarray(np.max(np.abs(values), axis=-1, keepdims=True))
+
+
+def fixed(curve: PitchCurve, phi: FloatArray) -> ComplexArray:
+    """The roller centre in the fixed frame."""
+    return np.asarray(curve.point(phi) * np.exp(1j * curve.rotation * phi))
+
+
+def along_guide(follower: TranslatingRoller, vectors: ComplexArray) -> ComplexArray:
+    """Vectors in axes across the guide (to its right) and along it."""
+    return np.asarray(vectors * cmath.exp(-1j * (follower.guide_angle - math.pi / 2.0)))
+
+
+def backwards(plan: MotionPlan) -> MotionPlan:
+    """The motion run from the end: s~(phi) = s(-phi)."""
+    segments: list[Dwell | Move] = []
+    position = 0.0
+    for segment in plan.segments:
+        if isinstance(segment, Dwell):
+            segments.append(segment)
+            continue
+        mirrored = shift(LAWS[segment.law.name], 1.0 - segment.law.inflection)
+        segments.append(Move(segment.span, position, mirrored))
+        position = segment.to
+    return MotionPlan(tuple(reversed(segments)))
+
+
+@attack
+@given(curve=pitch_curves(BENT))
+def test_the_roller_starts_on_the_base_circle(curve: PitchCurve) -> None:
+    (start,) = curve.point(np.zeros(1))
+    assert abs(start) == pytest.approx(curve.follower.base_radius, rel=ROUNDING)
+
+
+@attack
+@given(curve=pitch_curves(BENT))
+def test_the_roller_stays_where_the_follower_holds_it(curve: PitchCurve) -> None:
+    """On the guide at its height, or on the arm at its angle; in the fixed frame."""
+    centre, lift = fixed(curve, PHI), curve.motion.jet(PHI)[0]
+    follower = curve.follower
+    limit = ROUNDING * np.max(np.abs(centre))
+    if isinstance(follower, TranslatingRoller):
+        local = along_guide(follower, centre)
+        height = math.sqrt(follower.base_radius**2 - follower.offset**2)
+        assert np.max(np.abs(local.real - follower.offset)) <= limit
+        assert np.max(np.abs(local.imag - height - follower.direction * lift)) <= limit
+        return
+    assert isinstance(follower, OscillatingRoller)
+    arm = centre - follower.pivot
+    assert np.max(np.abs(np.abs(arm) - follower.arm)) <= 4.0 * limit
+    angle = np.angle(arm / -follower.pivot)  # from the line pivot -> cam axis
+    assert np.all(np.sign(angle) == follower.arm_side)
+    swing = np.abs(angle) - follower.start_angle
+    assert follower.direction is not None
+    # An angle is a length by the arm.
+    assert np.max(np.abs(swing - follower.direction * lift)) <= 4.0 * limit / follower.arm
+
+
+@attack
+@given(curve=pitch_curves(BENT))
+def test_a_lift_outward_moves_away_from_the_cam_axis(curve: PitchCurve) -> None:
+    distance, lift = np.abs(curve.point(PHI)), curve.motion.jet(PHI)[0]
+    moved = lift > 1e-3 * max(float(np.max(lift)), 1e-9)
+    follower = curve.follower
+    assert isinstance(follower, TranslatingRoller | OscillatingRoller)
+    assert np.all((distance[moved] - follower.base_radius) * (follower.direction or 0) >= 0.0)
+
+
+@attack
+@given(curve=pitch_curves(BENT))
+def test_each_derivative_of_z_is_the_derivative_of_the_one_before(curve: PitchCurve) -> None:
+    low, high = cells(curve.borders, 6)
+    change = curve.jet(high, "left")[:3] - curve.jet(low, "right")[:3]
+    found = integrals(lambda phi: curve.jet(phi)[1:], low, high)
+    limit = ROUNDING * (size(curve.jet(PHI))[:3] + size(found))
+    assert np.all(np.abs(found - change) <= limit)
+
+
+@attack
+@given(curve=pitch_curves(SMOOTH))
+def test_the_same_cam_turned_the_other_way(curve: PitchCurve) -> None:
+    """Z of -sigma for the plan run backwards is Z of sigma, point for point."""
+    assert isinstance(curve.motion, MotionPlan)
+    other = PitchCurve(backwards(curve.motion), curve.follower, -curve.rotation)
+    here, there = curve.point(PHI), other.point(-PHI)
+    # 1 - lambda is rounded too.
+    assert np.max(np.abs(here - there)) <= 10.0 * ROUNDING * np.max(np.abs(here))
+
+
+def mirrored(curve: PitchCurve) -> PitchCurve:
+    """The mechanism seen in a mirror on the x axis."""
+    follower = curve.follower
+    if isinstance(follower, TranslatingRoller):
+        image: TranslatingRoller | OscillatingRoller = replace(
+            follower, offset=-follower.offset, guide_angle=-follower.guide_angle
+        )
+    else:
+        assert isinstance(follower, OscillatingRoller)
+        image = replace(follower, pivot=follower.pivot.conjugate(), arm_side=-follower.arm_side)
+    return PitchCurve(curve.motion, image, -curve.rotation)
+
+
+@attack
+@given(curve=pitch_curves(BENT))
+def test_the_mirror_image_of_a_mechanism_makes_the_mirror_image_of_the_cam(
+    curve: PitchCurve,
+) -> None:
+    image = mirrored(curve)
+    here, there = curve.jet(PHI), image.jet(PHI)
+    assert np.all(np.abs(np.conj(here) - there) <= ROUNDING * size(here))
+    for kappa, other in (
+        (curve.curvature(PHI), image.curvature(PHI)),
+        (curve.transmission_angle(PHI), image.transmission_angle(PHI)),
+    ):
+        assert np.max(np.abs(kappa - other)) <= ROUNDING * np.max(np.abs(kappa))
+    for distance in (-5.0, 5.0):
+        ours = WorkingCurve(curve, distance).point(PHI)
+        theirs = WorkingCurve(image, distance).point(PHI)
+        assert np.max(np.abs(np.conj(ours) - theirs)) <= ROUNDING * np.max(np.abs(ours))
+
+
+@attack
+@given(curve=pitch_curves(BENT), angle=st.floats(-math.pi, math.pi))
+def test_turning_the_mechanism_turns_the_curve(curve: PitchCurve, angle: float) -> None:
+    follower = curve.follower
+    if isinstance(follower, TranslatingRoller):
+        turned: TranslatingRoller | OscillatingRoller = replace(
+            follower, guide_angle=follower.guide_angle + angle
+        )
+    else:
+        assert isinstance(follower, OscillatingRoller)
+        turned = replace(follower, pivot=follower.pivot * cmath.exp(1j * angle))
+    here = curve.jet(PHI) * cmath.exp(1j * angle)
+    there = replace(curve, follower=turned).jet(PHI)
+    assert np.all(np.abs(here - there) <= ROUNDING * size(here))
+
+
+@attack
+@given(curve=pitch_curves(BENT))
+def test_transmission_angle_by_its_definition(curve: PitchCurve) -> None:
+    """The acute angle between the path of the roller centre, which is along the guide or across the
+    rocker, and the tangent of the pitch curve; both in the fixed frame."""
+    tangent = curve.jet(PHI)[1] * np.exp(1j * curve.rotation * PHI)
+    follower = curve.follower
+    if isinstance(follower, TranslatingRoller):
+        path = np.full(len(PHI), cmath.exp(1j * follower.guide_angle))
+    else:
+        assert isinstance(follower, OscillatingRoller)
+        path = 1j * (fixed(curve, PHI) - follower.pivot)
+    product = np.conj(path) * tangent
+    expected = np.arctan2(np.abs(product.imag), np.abs(product.real))
+    # The angle of a vector of length |Z'| that is right to ROUNDING of the largest one.
+    limit = ROUNDING * np.max(np.abs(tangent)) / np.abs(tangent)
+    assert np.all(np.abs(curve.transmission_angle(PHI) - expected) <= 4.0 * limit)
+    pressure = curve.pressure_angle(PHI)
+    assert np.all(np.abs(pressure - (0.5 * math.pi - expected)) <= 4.0 * limit)
+
+
+@attack
+@given(curve=pitch_curves(tuple(LAWS)), count=st.integers(1, 5))
+def test_speed_bounds_hold_all_over_their_cells(curve: PitchCurve, count: int) -> None:
+    low, high = cells(curve.borders, count)
+    bounds = curve.speed_bounds(low, high)
+    for share in np.linspace(0.0, 1.0, 33):
+        phi = np.clip(low + share * (high - low), low, high)
+        values = np.abs(curve.jet(phi, "left" if share == 1.0 else "right")[1:])
+        assert np.all(values <= bounds + ROUNDING * size(values))
+
+
+@attack
+@given(curve=pitch_curves(tuple(LAWS)))
+def test_speed_bounds_are_not_far_above_the_values(curve: PitchCurve) -> None:
+    """On small cells only the triangle inequality over the terms of |Z'| makes a difference."""
+    low, high = cells(curve.borders, 200)
+    values = np.abs(curve.jet(0.5 * (low + high))[1:])
+    bounds = curve.speed_bounds(low, high)
+    follower = curve.follower
+    spare = 2.0 * follower.base_radius
+    if isinstance(follower, OscillatingRoller):
+        spare = 4.0 * (follower.centre_distance + follower.arm)
+    assert np.all(bounds[0] <= 1.1 * values[0] + spare)
+
+
+def test_a_bound_of_half_the_speed_is_seen() -> None:
+    follower = TranslatingRoller(50.0, 5.0)
+    curve = PitchCurve(MotionPlan((Dwell(PLAN_TURN),)), follower, 1)
+    low, high = cells(curve.borders, 4)
+    assert curve.speed_bounds(low, high)[0] == pytest.approx(np.full(4, 50.0))
+    assert not np.all(np.abs(curve.jet(low)[1]) <= 0.5 * curve.speed_bounds(low, high)[0])

@@ -1,0 +1,85 @@
+from __future__ import annotations
+
+import math
+import re
+from decimal import Decimal
+
+import numpy as np
+import pytest
+
+from camgeo.errors import GeometryError
+from camgeo.mechanism.linkage import LinkedMotion
+from camgeo.mechanism.slider_crank import SliderCrank
+from camgeo.motion.plan import Dwell, MotionPlan, Move
+from tests.reference import POLYNOMIAL, plan_of, slider_crank_of, thesis_params
+
+PARAMS = thesis_params("T5_schnitt", 1)
+LINKAGE = slider_crank_of(PARAMS)
+
+
+def test_breaks_borders_and_rests_are_those_of_the_slider() -> None:
+    plan = plan_of(PARAMS, 5.5)
+    motion = LinkedMotion(plan, LINKAGE)
+    assert motion.breaks is plan.breaks
+    assert motion.borders is plan.borders
+    assert motion.dwells == plan.dwells
+
+
+def test_in_a_rest_the_rocker_rests_exactly() -> None:
+    motion = LinkedMotion(plan_of(PARAMS, 5.5), LINKAGE)
+    phi = np.radians(np.linspace(81.0, 369.0, 17))
+    assert not np.any(motion.jet(phi))
+    # At the joint the right-hand side rests, the left-hand one still moves: its jerk is not zero.
+    joint = motion.breaks[-1:]
+    assert not np.any(motion.jet(joint)[1:])
+    assert abs(motion.jet(joint, "left")[3][0]) > 1.0
+
+
+def test_a_stroke_too_long_is_refused_also_where_both_ends_of_it_fit() -> None:
+    """Both ends fit, but between them the pin comes nearer than the linkage can fold."""
+    linkage = SliderCrank(40.0, 90.0, math.radians(10.0), True, 1, -1, 1)
+    stroke = 2.0 * linkage.start_position  # to the mirrored place on the other side
+    ends = np.array([0.0, stroke])
+    assert np.all(linkage.missing_length(ends) <= 1e-9)
+    half = Decimal(180)
+    plan = MotionPlan((Move(half, stroke, POLYNOMIAL), Move(half, 0.0, POLYNOMIAL)))
+    with pytest.raises(GeometryError, match="does not close between cam angles") as caught:
+        LinkedMotion(plan, linkage)
+    assert caught.value.key == "linkage"
+    # Folded, crank and coupler keep the pin 50 mm off; the guide passes the shaft at 39.4 mm.
+    missing = 50.0 - linkage.guide_height
+    assert f"up to {missing:.6g} mm are missing" in caught.value.message
+
+
+def test_a_slider_that_never_moves_needs_no_room() -> None:
+    motion = LinkedMotion(MotionPlan((Dwell(Decimal(360)),)), LINKAGE)
+    assert not np.any(motion.jet(np.linspace(0.0, 6.0, 7)))
+
+
+@pytest.mark.parametrize("stroke", [100.0, 140.0, 150.0, 155.0])
+def test_however_short_the_gap_the_cam_angles_are_named(stroke: float) -> None:
+    """Folded, crank and coupler keep the pin 40 mm off; the guide passes at 39.998 mm. They miss it
+    over 0.8 mm of stroke, less than what lies between the points of any grid."""
+    linkage = SliderCrank(40.0, 80.0, 0.01, True, 1, -1, 1)
+    half = Decimal(180)
+    plan = MotionPlan((Move(half, stroke, POLYNOMIAL), Move(half, 0.0, POLYNOMIAL)))
+    with pytest.raises(GeometryError, match=r"up to 0.00199998 mm are missing") as caught:
+        LinkedMotion(plan, linkage)
+    first, last = (float(text) for text in re.findall(r"\d+\.\d+", caught.value.message)[:2])
+    at_ends = plan.jet(np.radians([first, last]))[0]
+    # Printed to ten digits: 1e-8 deg, by at most 150 mm by 15/8 by pi.
+    assert linkage.missing_length(at_ends) == pytest.approx([0.0, 0.0], abs=2e-8)
+    assert first + last == pytest.approx(360.0, abs=1e-7)
+
+
+def test_a_stroke_up_to_the_dead_centre_is_no_gap() -> None:
+    """Rounding decides whether the last bit is missing; the check names the dead centre."""
+    rng = np.random.default_rng(7)
+    half = Decimal(180)
+    for crank, coupler in rng.uniform(20.0, 150.0, (40, 2)):
+        linkage = SliderCrank(float(crank), float(coupler), 0.3, True, 1, 1, 1)
+        stroke = max(linkage.dead_strokes)
+        plan = MotionPlan((Move(half, stroke, POLYNOMIAL), Move(half, 0.0, POLYNOMIAL)))
+        if linkage.missing_length(np.array([-linkage.start_position]))[0] > 0.0:
+            continue
+        assert math.isfinite(LinkedMotion(plan, linkage).jet(np.array([1.0]))[0][0])

@@ -1,0 +1,227 @@
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from mpmath import mp, mpf
+
+from camgeo.errors import GeometryError
+from camgeo.mechanism.linkage import LinkedMotion
+from camgeo.mechanism.slider_crank import SliderCrank
+from camgeo.motion.plan import MotionPlan
+from camgeo.numeric.arrays import ComplexArray, FloatArray
+from camgeo.units import TURN
+from tests.integrals import cells, integrals
+from tests.strategies import SMOOTH, attack, plans, slider_cranks
+
+STROKE = 8.0  # of the linkages drawn
+STROKES = np.linspace(0.0, STROKE, 33)
+
+ROUNDING = 1e-12
+"""As a share of the largest value. Linkages keep 2 mm from closing, so that sin(v - theta), by
+which up to five times is divided, is 0.1 at least and rounds to 1e-14 at worst."""
+
+
+def pin_and_tip(linkage: SliderCrank, stroke: FloatArray) -> tuple[ComplexArray, ComplexArray]:
+    x = linkage.start_position + linkage.stroke_direction * stroke
+    pin = -x + 1j * linkage.guide_height
+    return np.asarray(pin), linkage.crank * np.exp(1j * linkage.crank_angle(stroke))
+
+
+@attack
+@given(linkage=slider_cranks())
+def test_the_coupler_keeps_its_length(linkage: SliderCrank) -> None:
+    pin, tip = pin_and_tip(linkage, STROKES)
+    assert np.abs(pin - tip) == pytest.approx(np.full(33, linkage.coupler), rel=1e-13)
+
+
+@attack
+@given(linkage=slider_cranks())
+def test_the_branch_is_the_side_of_the_tip(linkage: SliderCrank) -> None:
+    """+1: the crank tip lies clockwise of the pin seen from the rocker shaft."""
+    pin, tip = pin_and_tip(linkage, STROKES)
+    assert np.all(np.sign(np.imag(np.conj(pin) * tip)) == -linkage.branch)
+
+
+@attack
+@given(linkage=slider_cranks(), stroke=st.floats(0.0, STROKE))
+def test_newton_on_the_closed_loop_finds_the_same_rocker(
+    linkage: SliderCrank, stroke: float
+) -> None:
+    """|P - l_sk e^{i theta}| = l_4 solved at 40 digits from the angle found, with derivatives by
+    differences of the solution."""
+    (start,) = linkage.crank_angle(np.array([stroke]))
+    with mp.workdps(40):
+        height = mpf(linkage.crank) * mp.cos(mpf(linkage.deflection))
+
+        def solved(s: object) -> object:
+            x = mpf(linkage.start_position) + linkage.stroke_direction * s  # type: ignore[operator]
+            theta = mpf(float(start))
+            for _ in range(6):
+                dx = -x - linkage.crank * mp.cos(theta)
+                dy = height - linkage.crank * mp.sin(theta)
+                gap = dx**2 + dy**2 - mpf(linkage.coupler) ** 2
+                slope = 2 * linkage.crank * (dx * mp.sin(theta) - dy * mp.cos(theta))
+                theta -= gap / slope
+            return theta
+
+        theta = solved(mpf(stroke))
+        step = mpf(10) ** -10
+        ahead, behind = solved(mpf(stroke) + step), solved(mpf(stroke) - step)
+        slope = float((ahead - behind) / (2 * step))  # type: ignore[operator]
+        bend = float((ahead - 2 * theta + behind) / step**2)  # type: ignore[operator]
+        assert float(theta) == pytest.approx(float(start), abs=2e-14)  # type: ignore[arg-type]
+    jet = np.array([[stroke], [1.0], [0.0], [0.0]])
+    sense = -1.0 if linkage.mirrored else 1.0
+    found = sense * linkage.transform(jet)[:, 0]
+    assert found[1] == pytest.approx(slope, rel=ROUNDING, abs=ROUNDING / linkage.crank)
+    assert found[2] == pytest.approx(bend, rel=ROUNDING, abs=ROUNDING / linkage.crank)
+
+
+@attack
+@given(linkage=slider_cranks(), plan=plans(SMOOTH, STROKE))
+def test_each_derivative_is_the_derivative_of_the_one_before(
+    linkage: SliderCrank, plan: MotionPlan
+) -> None:
+    motion = LinkedMotion(plan, linkage)
+    low, high = cells(plan.borders, 6)
+    change = motion.jet(high, "left")[:3] - motion.jet(low, "right")[:3]
+    found = integrals(lambda phi: motion.jet(phi)[1:], low, high)
+    sizes = np.max(np.abs(motion.jet(np.linspace(0.0, TURN, 241))), axis=1)[:3, np.newaxis]
+    assert np.all(np.abs(found - change) <= ROUNDING * np.maximum(sizes, 0.01))
+
+
+@attack
+@given(linkage=slider_cranks())
+def test_mirrored_turns_the_rocker_the_other_way(linkage: SliderCrank) -> None:
+    jet = np.stack((STROKES, np.ones(33), -2.0 * np.ones(33), 3.0 * np.ones(33)))
+    other = replace(linkage, mirrored=not linkage.mirrored)
+    assert np.array_equal(linkage.transform(jet), -other.transform(jet))
+
+
+@attack
+@given(linkage=slider_cranks())
+def test_the_swing_starts_at_zero_without_jumps(linkage: SliderCrank) -> None:
+    fine = np.linspace(0.0, STROKE, 400)
+    jet = np.zeros((4, 400))
+    jet[0] = fine
+    swing = linkage.transform(jet)[0]
+    assert swing[0] == 0.0
+    assert np.all((swing > -math.pi) & (swing <= math.pi))
+    # 0.02 mm a step, by a lever of crank times sin(v - theta), 30 mm times 0.1.
+    assert np.max(np.abs(np.diff(swing))) < 0.02 / 3.0 * 2.0
+
+
+@attack
+@given(linkage=slider_cranks(), plan=plans(SMOOTH, STROKE), count=st.integers(1, 6))
+def test_bounds_hold_all_over_their_cells(
+    linkage: SliderCrank, plan: MotionPlan, count: int
+) -> None:
+    motion = LinkedMotion(plan, linkage)
+    low, high = cells(plan.borders, count)
+    bounds = motion.jet_bounds(low, high)
+    middle = motion.jet(0.5 * (low + high))[0]
+    sizes = np.max(np.abs(motion.jet(np.linspace(0.0, TURN, 241))), axis=1)[:, np.newaxis]
+    for share in np.linspace(0.0, 1.0, 25):
+        phi = np.clip(low + share * (high - low), low, high)
+        values = motion.jet(phi, "left" if share == 1.0 else "right")
+        values[0] -= middle
+        assert np.all(np.abs(values) <= bounds + ROUNDING * np.maximum(sizes, 0.01))
+
+
+@attack
+@given(linkage=slider_cranks(), plan=plans(SMOOTH, STROKE))
+def test_bounds_are_finite_on_small_cells_and_close_on_the_swing(
+    linkage: SliderCrank, plan: MotionPlan
+) -> None:
+    motion = LinkedMotion(plan, linkage)
+    coarse, fine = (
+        float(np.max(motion.jet_bounds(*cells(plan.borders, count))[0])) for count in (64, 128)
+    )
+    assert math.isfinite(coarse)
+    assert fine <= 0.7 * coarse + 1e-15
+
+
+def test_a_cell_that_may_reach_a_dead_centre_has_no_bound() -> None:
+    linkage = SliderCrank(40.0, 60.0, math.radians(30.0), True, 1, 1, 1)
+    full = linkage.crank + linkage.coupler
+    reach = math.sqrt(full**2 - linkage.guide_height**2) - linkage.start_position
+    jet = np.array([[reach - 1.0], [1.0], [0.0], [0.0]])
+    near = linkage.transform_bounds(jet, np.array([[0.5], [1.0], [0.0], [0.0]]))
+    assert np.all(np.isfinite(near))
+    beyond = linkage.transform_bounds(jet, np.array([[2.0], [1.0], [0.0], [0.0]]))
+    assert np.all(np.isinf(beyond))
+    rest = linkage.transform_bounds(jet, np.zeros((4, 1)))
+    assert not np.any(rest)
+
+
+# The questions of the thesis ------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("leans_away", [True, False])
+@pytest.mark.parametrize("slider_side", [1, -1])
+def test_at_stroke_0_the_slider_lies_where_the_words_say(
+    leans_away: bool, slider_side: int
+) -> None:
+    """Wirsig, section 3.3: s_0 = l_4 -+ l_sk sin(alpha_sk), to the left for +1."""
+    linkage = SliderCrank(40.0, 70.0, math.radians(30.0), leans_away, slider_side, 1, 1)
+    assert linkage.guide_height == pytest.approx(40.0 * math.sqrt(0.75), rel=1e-15)
+    expected = slider_side * (50.0 if leans_away else 90.0)
+    assert linkage.start_position == pytest.approx(expected, rel=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("leans_away", "slider_side", "branch", "start"),
+    [(True, 1, 1, 60.0), (True, -1, -1, 120.0), (False, 1, 1, 120.0)],
+)
+def test_the_dimensions_are_those_of_a_coupler_parallel_to_the_guide(
+    leans_away: bool, slider_side: int, branch: int, start: float
+) -> None:
+    """The three consistent answers of mechanisms.md 4.2; the other branch is off."""
+    linkage = SliderCrank(40.0, 70.0, math.radians(30.0), leans_away, slider_side, 1, branch)
+    assert math.sin(linkage.coupler_angle) == pytest.approx(0.0, abs=1e-14)
+    assert math.degrees(linkage.start_angle) == pytest.approx(start, rel=1e-14)
+    other = replace(linkage, branch=-branch)
+    assert abs(math.sin(other.coupler_angle)) > 0.01
+
+
+@pytest.mark.parametrize("direction", [1, -1])
+def test_a_positive_stroke_goes_the_way_it_is_told(direction: int) -> None:
+    linkage = SliderCrank(40.0, 70.0, math.radians(30.0), True, 1, direction, 1)
+    x, distance = linkage.pin(np.array([0.0, 3.0]))
+    assert x == pytest.approx([50.0, 50.0 + 3.0 * direction], rel=1e-15)
+    assert distance == pytest.approx(np.hypot(x, linkage.guide_height), rel=1e-15)
+
+
+@attack
+@given(linkage=slider_cranks())
+def test_at_stroke_0_a_linkage_closes_by_definition(linkage: SliderCrank) -> None:
+    assert linkage.missing_length(np.zeros(1))[0] <= 0.0
+
+
+def test_lengths_that_cannot_close_are_refused_with_what_is_missing() -> None:
+    with pytest.raises(GeometryError, match=r"does not close at stroke 0: 126\.4") as caught:
+        SliderCrank(40.0, -70.0, math.radians(30.0), True, 1, 1, 1)
+    assert caught.value.key == "linkage"
+
+
+@attack
+@given(linkage=slider_cranks())
+def test_at_the_dead_strokes_nothing_is_missing_and_nothing_to_spare(linkage: SliderCrank) -> None:
+    missing = linkage.missing_length(np.array(linkage.dead_strokes))
+    # Roots of squares of lengths up to 300 mm.
+    assert np.max(np.abs(missing)) <= 1e-12
+    assert len(linkage.dead_strokes) in (2, 4)
+
+
+def test_a_dead_centre_can_be_rested_in_but_not_left() -> None:
+    linkage = SliderCrank(40.0, 60.0, math.pi / 2.0, False, 1, -1, 1)
+    assert linkage.missing_length(np.zeros(1))[0] == pytest.approx(0.0, abs=2e-14)
+    assert not np.any(linkage.transform(np.zeros((4, 1))))
+    with pytest.raises(GeometryError, match="dead centre") as caught:
+        linkage.transform(np.array([[0.0], [0.0], [1.0], [0.0]]))
+    assert caught.value.key == "linkage"

@@ -1,0 +1,367 @@
+from __future__ import annotations
+
+import math
+from decimal import Decimal
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from camgeo.errors import GeometryError
+from camgeo.motion.laws import LAWS
+from camgeo.motion.laws.law import Law, Values
+from camgeo.motion.motion import Dwell as DwellSpan
+from camgeo.motion.motion import Side
+from camgeo.motion.plan import Dwell, MotionPlan, Move
+from camgeo.numeric.arrays import FloatArray
+from camgeo.units import TURN
+from tests.reference import POLYNOMIAL
+from tests.strategies import attack, cam_angles, plans
+
+EPS = 2.0**-52
+
+
+def degrees(*spans: str) -> list[Decimal]:
+    return [Decimal(span) for span in spans]
+
+
+def rise_and_return(rise: str = "100", back: str = "120", rest: str = "140") -> MotionPlan:
+    up, down, still = degrees(rise, back, rest)
+    return MotionPlan((Move(up, 20.0, POLYNOMIAL), Move(down, 0.0, POLYNOMIAL), Dwell(still)))
+
+
+def rounding(plan: MotionPlan, shift: float) -> FloatArray:
+    """(4, 1) what values differ by that are 64 roundings and `shift` [rad] apart.
+
+    Each changes by the next one times the shift. The jerk changes by at most 72 times its size a
+    rad: 4 pi in a law, by 0.4 for the largest shift of the inflection, by 25 degrees.
+    """
+    values = np.abs(plan.jet(np.linspace(0.0, TURN, 1441)))
+    sizes = np.maximum(np.max(values, axis=1), 1.0)
+    slopes = np.append(sizes[1:], 72.0 * sizes[3])
+    # The mesh of 1/4 degree is a hundredth of a move: it sees the peaks to a thousandth.
+    return np.asarray(1.001 * (64.0 * EPS * sizes + shift * slopes))[:, np.newaxis]
+
+
+ULP = math.ulp(TURN)
+SIDES: tuple[Side, Side] = ("right", "left")
+
+
+# Joints ---------------------------------------------------------------------------------------
+
+
+def test_joints_are_sums_of_what_was_written() -> None:
+    plan = MotionPlan((Dwell(Decimal("0.1")),) * 3600)
+    assert plan.joints_deg[-1] == 360
+    assert plan.joints_deg[3] == Decimal("0.3")
+    assert sum([0.1] * 3600) != 360.0  # floats would not close
+
+
+def test_digits_beyond_those_of_a_double_or_of_the_decimal_context_count() -> None:
+    nearly, half, tiny = degrees("179." + "9" * 60, "180", "1e-60")
+    plan = MotionPlan((Dwell(nearly), Dwell(half), Dwell(tiny)))
+    assert plan.joints_deg[-1] == 360
+    with pytest.raises(GeometryError) as caught:
+        MotionPlan((Dwell(nearly), Dwell(half)))
+    assert caught.value.value == "359." + "9" * 60
+
+
+@pytest.mark.parametrize(
+    ("spans", "total"),
+    [
+        (("120", "239.999"), "359.999"),
+        (("120.0", "240.001"), "360.001"),
+        (("0.1", "0.2"), "0.3"),
+        ((), "0"),
+    ],
+)
+def test_a_plan_that_does_not_close_is_refused_with_its_sum(
+    spans: tuple[str, ...], total: str
+) -> None:
+    with pytest.raises(GeometryError) as caught:
+        MotionPlan(tuple(Dwell(span) for span in degrees(*spans)))
+    assert caught.value.key == "motion"
+    assert caught.value.value == total
+    assert f"add up to {total} degrees" in caught.value.message
+    assert "exactly 360" in caught.value.message
+
+
+def test_a_negative_span_is_refused() -> None:
+    with pytest.raises(GeometryError, match="negative"):
+        MotionPlan((Dwell(Decimal(400)), Dwell(Decimal(-40))))
+
+
+def test_a_plan_that_ends_elsewhere_is_refused_with_the_place() -> None:
+    with pytest.raises(GeometryError, match=r"ends at 7\.5") as caught:
+        MotionPlan((Move(Decimal(360), 7.5, POLYNOMIAL),))
+    assert caught.value.key == "motion"
+
+
+def test_a_move_in_no_time_is_refused_and_named() -> None:
+    with pytest.raises(GeometryError, match="infinite velocity") as caught:
+        MotionPlan(
+            (
+                Dwell(Decimal(100)),
+                Move(Decimal(0), 5.0, POLYNOMIAL),
+                Move(Decimal(260), 0.0, POLYNOMIAL),
+            )
+        )
+    assert caught.value.key == "motion[2].span"  # counted as in the scene, from 1
+
+
+def test_a_move_to_where_the_follower_is_rests() -> None:
+    plan = MotionPlan(
+        (
+            Move(Decimal(0), 0.0, POLYNOMIAL),
+            Move(Decimal(360), 0.0, POLYNOMIAL),
+        )
+    )
+    assert plan.dwells == (DwellSpan(0.0, TURN),)
+    assert plan.breaks.size == 0
+    assert not np.any(plan.jet(np.linspace(0.0, TURN, 25)))
+
+
+# Breaks, borders, dwells ----------------------------------------------------------------------
+
+
+def test_breaks_are_the_joints_rounded_once() -> None:
+    plan = rise_and_return("100.1", "119.7", "140.2")
+    joints = [0.0, math.radians(100.1), math.radians(219.8)]
+    assert plan.breaks.tolist() == joints
+
+
+def test_the_end_of_a_move_that_begins_the_turn_is_a_break() -> None:
+    law = LAWS["quadratic-parabola"]
+    third = Decimal(120)
+    plan = MotionPlan((Move(third, 1.0, law), Dwell(third), Move(third, 0.0, law)))
+    expected = [math.radians(angle) for angle in (0.0, 60.0, 120.0, 240.0, 300.0)]
+    assert plan.breaks == pytest.approx(expected, rel=4.0 * EPS)
+
+
+def test_law_borders_are_breaks_and_region_borders_are_not() -> None:
+    law = LAWS["inclined-sine"]
+    assert law.borders == ()
+    plan = MotionPlan((Move(Decimal(180), 5.0, law), Move(Decimal(180), 0.0, law)))
+    assert plan.breaks.tolist() == [0.0, math.pi]
+    assert len(plan.borders) == 2 * len(law.regions)
+    law = LAWS["modified-trapezoid"]
+    plan = MotionPlan((Move(Decimal(180), 5.0, law), Move(Decimal(180), 0.0, law)))
+    inner = [math.pi * border for border in law.borders]
+    expected = [0.0, *inner, math.pi, *(math.pi + angle for angle in inner)]
+    assert plan.breaks == pytest.approx(expected, rel=2.0 * EPS)
+
+
+@attack
+@given(plan=plans())
+def test_breaks_are_borders_and_all_lie_in_one_turn(plan: MotionPlan) -> None:
+    assert set(plan.breaks.tolist()) <= set(plan.borders.tolist())
+    assert np.all(np.diff(plan.borders) > 0.0)
+    assert np.all((plan.borders >= 0.0) & (plan.borders < TURN))
+
+
+@attack
+@given(plan=plans())
+def test_between_breaks_nothing_jumps(plan: MotionPlan) -> None:
+    """At a border that is no break both sides are one formula in two forms: equal to rounding."""
+    inner = np.array([border for border in plan.borders if border not in plan.breaks])
+    gap = np.abs(plan.jet(inner, "right") - plan.jet(inner, "left"))
+    assert np.all(gap <= rounding(plan, ULP))
+
+
+def test_dwells_are_merged_also_across_cam_angle_0() -> None:
+    up, down = Move(Decimal(60), 5.0, POLYNOMIAL), Move(Decimal(60), 0.0, POLYNOMIAL)
+    plan = MotionPlan(
+        (
+            Dwell(Decimal(20)),
+            Dwell(Decimal(10)),
+            up,
+            Dwell(Decimal(40)),
+            Move(Decimal(30), 5.0, POLYNOMIAL),  # stays where it is
+            down,
+            Dwell(Decimal(0)),
+            Dwell(Decimal(140)),
+        )
+    )
+    joints = [math.radians(angle) for angle in (30.0, 90.0, 160.0, 220.0)]
+    assert plan.breaks.tolist() == joints
+    high, low = plan.dwells
+    assert (high.start, high.span) == pytest.approx((joints[1], math.radians(70.0)), rel=4 * EPS)
+    assert (low.start, low.span) == pytest.approx((joints[3], math.radians(170.0)), rel=4 * EPS)
+
+
+def test_a_zero_dwell_between_moves_leaves_one_break() -> None:
+    move = Move(Decimal(180), 5.0, POLYNOMIAL)
+    back = Move(Decimal(180), 0.0, POLYNOMIAL)
+    plan = MotionPlan((move, Dwell(Decimal(0)), back))
+    assert plan.breaks.tolist() == [0.0, math.pi]
+    assert plan.dwells == ()
+
+
+# Values ---------------------------------------------------------------------------------------
+
+
+def test_values_are_those_of_the_law_stretched() -> None:
+    """VDI 2143-1, eqs. (15) to (18), rise and return."""
+    plan = rise_and_return()
+    for start, span, first, last in ((0.0, 100.0, 0.0, 20.0), (100.0, 120.0, 20.0, 0.0)):
+        z = np.linspace(0.01, 0.99, 99)
+        phi = np.radians(start) + z * np.radians(span)
+        f, f1, f2, f3 = POLYNOMIAL(z)
+        width, stroke = np.radians(span), last - first
+        expected = stroke * np.stack((f, f1 / width, f2 / width**2, f3 / width**3))
+        expected[0] += first
+        # The angles of the mesh are rounded twice.
+        assert np.all(np.abs(plan.jet(phi) - expected) <= rounding(plan, 2.0 * ULP))
+
+
+@pytest.mark.parametrize("law", LAWS.values(), ids=LAWS)
+def test_both_sides_of_a_joint(law: Law) -> None:
+    """A rest on the left and the start of the move on the right; at its end the other way."""
+    right, span = Decimal(90), math.radians(90.0)
+    plan = MotionPlan((Dwell(right), Move(right, 6.0, law), Dwell(right), Move(right, 0.0, law)))
+    zero, one = np.zeros(1), np.ones(1)
+    start = law.regions[0].formula(zero, one)
+    end = law.regions[-1].formula(one, zero)
+    sides: tuple[tuple[float, float, Side, Side, Values], ...] = (
+        (span, 0.0, "left", "right", start),
+        (2.0 * span, 6.0, "right", "left", end),
+    )
+    for angle, position, resting, moving, values in sides:
+        rest = plan.jet(np.array([angle]), resting)[:, 0]
+        move = plan.jet(np.array([angle]), moving)[:, 0]
+        assert rest.tolist() == [position, 0.0, 0.0, 0.0]
+        assert move[0] == position
+        expected = [6.0 / span**k * float(values[k][0]) for k in (1, 2, 3)]
+        assert move[1:].tolist() == pytest.approx(expected, rel=8.0 * EPS)
+
+
+def test_the_turn_begins_with_the_last_segment_on_its_left() -> None:
+    plan = rise_and_return("120", "240", "0")
+    jerk = 20.0 * 60.0
+    before = plan.jet(np.array([0.0]), "left")[:, 0]
+    after = plan.jet(np.array([0.0]), "right")[:, 0]
+    assert before[0] == after[0] == 0.0
+    assert before[3] == pytest.approx(-jerk / math.radians(240.0) ** 3, rel=8.0 * EPS)
+    assert after[3] == pytest.approx(jerk / math.radians(120.0) ** 3, rel=8.0 * EPS)
+    assert np.array_equal(plan.jet(np.array([TURN]), "left")[:, 0], before)
+    assert np.array_equal(plan.jet(np.array([TURN]), "right")[:, 0], after)
+
+
+@attack
+@given(plan=plans())
+def test_joints_count_as_themselves_however_they_are_rounded(plan: MotionPlan) -> None:
+    """An angle an ulp beside the joint, as degrees give it, must not land in the other segment."""
+    limit = rounding(plan, 2.0 * ULP)
+    for side in SIDES:
+        exact = plan.jet(plan.breaks, side)
+        for neighbour in (np.nextafter(plan.breaks, 10.0), np.nextafter(plan.breaks, -10.0)):
+            assert np.all(np.abs(plan.jet(neighbour, side) - exact) <= limit)
+
+
+@attack
+@given(plan=plans(), phi=cam_angles(), turns=st.integers(-1000, 1000))
+def test_any_number_of_turns(plan: MotionPlan, phi: float, turns: int) -> None:
+    """k turns are rounded to an ulp of 2 pi k, which the motion takes for a shift of the angle."""
+    shift = 2.0 * math.ulp(TURN * (abs(turns) + 1)) + 4.0 * ULP
+    near = np.abs(plan.breaks - phi)
+    if np.any(np.minimum(near, TURN - near) <= shift):
+        return  # across a break the values are not comparable
+    here, there = (plan.jet(np.array([angle])) for angle in (phi, phi + TURN * turns))
+    assert np.all(np.abs(here - there) <= rounding(plan, shift))
+
+
+@attack
+@given(plan=plans(), data=st.data())
+def test_the_order_of_the_angles_does_not_matter(plan: MotionPlan, data: st.DataObject) -> None:
+    angles = st.one_of(st.floats(-20.0, 20.0), st.sampled_from(plan.borders.tolist()))
+    phi = np.array(data.draw(st.lists(angles, min_size=1, max_size=12)))
+    for side in SIDES:
+        values = plan.jet(phi, side)
+        order = np.argsort(phi, kind="stable")
+        assert np.array_equal(values[:, order], plan.jet(phi[order], side))
+        single = [plan.jet(np.array([angle]), side)[:, 0] for angle in phi]
+        assert np.array_equal(values, np.stack(single, axis=1))
+
+
+@pytest.mark.parametrize("angle", [math.nan, math.inf, -math.inf])
+def test_cam_angles_must_be_finite(angle: float) -> None:
+    with pytest.raises(GeometryError, match="finite"):
+        rise_and_return().jet(np.array([0.0, angle]))
+
+
+def test_no_angles_give_no_values() -> None:
+    assert rise_and_return().jet(np.empty(0)).shape == (4, 0)
+
+
+@attack
+@given(plan=plans(tuple(LAWS)), data=st.data())
+def test_the_motion_is_continuous_and_stays_between_its_positions(
+    plan: MotionPlan, data: st.DataObject
+) -> None:
+    gaps = plan.jet(plan.borders, "right")[0] - plan.jet(plan.borders, "left")[0]
+    assert np.max(np.abs(gaps)) <= 32.0 * EPS * 20.0
+    phi = np.array([data.draw(cam_angles())])
+    targets = [0.0, *(segment.to for segment in plan.segments if isinstance(segment, Move))]
+    assert -16.0 * EPS <= plan.jet(phi)[0][0] <= max(targets) * (1.0 + 16.0 * EPS)
+
+
+# Bounds ---------------------------------------------------------------------------------------
+
+
+def cells(plan: MotionPlan, count: int) -> tuple[FloatArray, FloatArray]:
+    """The turn in cells, `count` to each stretch between borders."""
+    edges = np.append(plan.borders, TURN)
+    shares = np.linspace(0.0, 1.0, count + 1)
+    grid = edges[:-1, np.newaxis] + shares * np.diff(edges)[:, np.newaxis]
+    grid[:, -1] = edges[1:]
+    return grid[:, :-1].ravel(), grid[:, 1:].ravel()
+
+
+def overshoot(plan: MotionPlan, low: FloatArray, high: FloatArray, bounds: FloatArray) -> float:
+    """Largest excess of the values over `bounds`, as a share of the size of each quantity."""
+    sizes = np.max(np.abs(plan.jet(np.linspace(0.0, TURN, 721))), axis=1)
+    middle = plan.jet(0.5 * (low + high))[0]
+    worst = -math.inf
+    for share in (*np.linspace(0.0, 1.0, 33), 1e-9, 1.0 - 1e-9):
+        phi = np.clip(low + share * (high - low), low, high)
+        values = plan.jet(phi, "left" if share == 1.0 else "right")
+        values[0] -= middle
+        excess = np.max(np.abs(values) - bounds, axis=1)
+        worst = max(worst, float(np.max(excess / np.maximum(sizes, 1e-300))))
+    return worst
+
+
+@attack
+@given(plan=plans(tuple(LAWS)), count=st.integers(1, 9))
+def test_bounds_hold_all_over_their_cells(plan: MotionPlan, count: int) -> None:
+    if all(isinstance(segment, Dwell) for segment in plan.segments):
+        return
+    low, high = cells(plan, count)
+    bounds = plan.jet_bounds(low, high)
+    sizes = np.max(np.abs(plan.jet(np.linspace(0.0, TURN, 721))), axis=1)
+    limit = np.max(rounding(plan, 2.0 * ULP)[:, 0] / np.maximum(sizes, 1e-300))
+    assert overshoot(plan, low, high, bounds) <= limit
+
+
+@attack
+@given(plan=plans(), count=st.integers(1, 9))
+def test_bounds_close_on_small_cells(plan: MotionPlan, count: int) -> None:
+    """Half the width, at least half the excess over the values in the middle."""
+    low, high = cells(plan, 8 * count)
+    bounds = plan.jet_bounds(low, high)
+    values = np.abs(plan.jet(0.5 * (low + high)))
+    jerk = bounds[3]
+    half = 0.5 * (high - low)
+    assert np.all(bounds[2] - values[2] <= half * jerk * (1.0 + 1e-9) + 1e-9)
+    assert np.all(bounds[1] - values[1] <= half * (values[2] + half * jerk) * (1.0 + 1e-9) + 1e-9)
+
+
+def test_bounds_that_are_too_small_are_seen() -> None:
+    plan = rise_and_return()
+    low, high = cells(plan, 5)
+    bounds = plan.jet_bounds(low, high)
+    for order in range(4):
+        wrong = bounds.copy()
+        wrong[order] *= 0.7  # the loosest of the true bounds has a third to spare somewhere
+        assert overshoot(plan, low, high, wrong) > 1e-3

@@ -1,0 +1,36 @@
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from mpmath import mp, mpf
+
+from camgeo.motion.laws.trigonometry import DIVISORS, x_minus_sin
+from tests.motion.oracle import DIGITS, Number, worst_ulps
+
+X = np.concatenate((np.logspace(-16, -1, 61), np.linspace(0.1, 0.5 * math.pi, 60)))
+
+
+def exact(x: float) -> Number:
+    with mp.workdps(DIGITS):  # at 1e-16 the difference has lost 32 digits
+        return mpf(x) - mp.sin(mpf(x))
+
+
+def test_the_difference_keeps_all_digits() -> None:
+    # The cube of x by 6 rounds three times, the series about once, the product once more.
+    assert worst_ulps(x_minus_sin(X), [exact(float(x)) for x in X]) <= 4.0
+
+
+def test_zero_stays_zero() -> None:
+    assert x_minus_sin(np.zeros(1))[0] == 0.0
+
+
+def test_the_plain_difference_would_not() -> None:
+    assert worst_ulps(X - np.sin(X), [exact(float(x)) for x in X]) > 1e15
+
+
+def test_the_divisors_are_those_of_the_series_and_enough() -> None:
+    assert [2 * k * (2 * k + 1) for k in range(2, len(DIVISORS) + 2)] == list(DIVISORS)
+    x = 0.5 * math.pi
+    power = 2 * len(DIVISORS) + 5  # of the first term that is left out
+    assert x**power / math.factorial(power) < 1e-17 * (x - math.sin(x))

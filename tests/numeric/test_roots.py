@@ -1,0 +1,92 @@
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.roots import MAX_STEPS, bracketed_roots, roots_on_grid, sign_changes
+from tests.strategies import attack
+
+ODD: dict[str, Callable[[FloatArray], FloatArray]] = {
+    "straight": lambda x: x,
+    "flat at the root": lambda x: x**9,
+    "steep at the root": np.cbrt,
+    "step": lambda x: np.where(x < 0.0, -1.0, 1.0),
+    "saturated": lambda x: np.arctan(1e12 * x),
+    "huge": lambda x: 1e300 * x,
+}
+"""Functions with a root at 0 and no other."""
+
+
+@attack
+@given(
+    name=st.sampled_from(sorted(ODD)),
+    root=st.floats(0.01, 6.28),
+    below=st.floats(1e-6, 5.0),
+    above=st.floats(1e-6, 5.0),
+)
+def test_roots_are_found_to_the_last_bits_whatever_the_function(
+    name: str, root: float, below: float, above: float
+) -> None:
+    low, high = np.array([root - below]), np.array([root + above])
+    (found,) = bracketed_roots(lambda x: ODD[name](x - root), low, high)
+    # The bracket is closed to two neighbours; x**9 underflows to 0 within 1e-36 of the root.
+    assert abs(found - root) <= 2.0 * math.ulp(root)
+    assert low[0] <= found <= high[0]
+
+
+def test_brackets_are_solved_together_as_each_alone() -> None:
+    low, high = np.array([3.0, 6.0, 9.0, 12.5]), np.array([4.0, 6.5, 10.0, 13.5])
+    together = bracketed_roots(np.sin, low, high)
+    alone = [bracketed_roots(np.sin, low[k : k + 1], high[k : k + 1])[0] for k in range(4)]
+    assert together.tolist() == alone
+    assert together == pytest.approx([k * math.pi for k in (1, 2, 3, 4)], rel=4.0 * 2.0**-52)
+
+
+@pytest.mark.parametrize(("low", "high"), [(0.0, 1.0), (-1.0, 0.0)])
+def test_a_root_at_an_end_of_the_bracket(low: float, high: float) -> None:
+    assert bracketed_roots(lambda x: x, np.array([low]), np.array([high])).tolist() == [0.0]
+
+
+def test_no_brackets_have_no_roots() -> None:
+    assert bracketed_roots(lambda x: x, np.empty(0), np.empty(0)).size == 0
+
+
+def test_a_smooth_root_takes_few_evaluations_and_a_step_no_more_than_halving() -> None:
+    def evaluations(function: Callable[[FloatArray], FloatArray]) -> int:
+        calls = 0
+
+        def counted(x: FloatArray) -> FloatArray:
+            nonlocal calls
+            calls += 1
+            return function(x)
+
+        bracketed_roots(counted, np.array([0.0]), np.array([2.0]))
+        return calls
+
+    assert evaluations(lambda x: np.cos(x)) <= 12
+    # 53 halvings from 2 to its last bit; the method may take two steps for one of them.
+    assert evaluations(lambda x: np.where(x < math.pi / 2, -1.0, 1.0)) <= 2 * 53
+    assert MAX_STEPS > 2 * 53
+
+
+def test_sign_changes_name_their_cells_and_zeros_once() -> None:
+    grid = np.arange(8.0)
+    values = np.array([-1.0, 2.0, 0.0, 3.0, -4.0, 0.0, 0.0, 0.0])
+    low, high = sign_changes(grid, values)
+    assert low.tolist() == [0.0, 2.0, 3.0]
+    assert high.tolist() == [1.0, 3.0, 4.0]
+    low, high = sign_changes(grid[:3], np.array([2.0, 1.0, 0.0]))
+    assert (low.tolist(), high.tolist()) == ([1.0], [2.0])
+
+
+def test_all_roots_on_a_grid_ascending() -> None:
+    grid = np.linspace(0.5, 20.0, 60)
+    expected = [k * math.pi for k in range(1, 7)]
+    # An ulp of 20, and what sin is off at its zero.
+    assert roots_on_grid(np.sin, grid) == pytest.approx(expected, abs=8e-15)

@@ -1,0 +1,166 @@
+"""Boundaries of parts: bore and keyway, what fits and what does not."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from camgeo.contour.winding import winding_number
+from camgeo.curve.pitch_curve import PitchCurve
+from camgeo.curve.working_curve import WorkingCurve
+from camgeo.errors import GeometryError, UndercutError
+from camgeo.mechanism.translating_roller import TranslatingRoller
+from camgeo.motion.plan import MotionPlan
+from camgeo.part.bore import bore_outline, bore_reach
+from camgeo.part.boundaries import ExactBoundary, largest_radius, smallest_radius
+from camgeo.part.build import build_part
+from camgeo.part.part import Part
+from camgeo.part.spec import Contact, Keyway, PartSpec
+from tests.contour.cams import dwell, flank, move, outline
+from tests.end_to_end.exact import bore_area, bore_length
+
+ROLLER = 8.0
+
+PLAN = MotionPlan((dwell(60), move(120, 15.0), dwell(60), move(120, 0.0)))
+"""Pitch curve from 40 to 55 mm: inner flank from 32 to 47, outer one from 48 to 63 mm."""
+
+PITCH = PitchCurve(PLAN, TranslatingRoller(40.0, ROLLER), 1)
+
+INNER, OUTER = WorkingCurve(PITCH, -ROLLER), WorkingCurve(PITCH, ROLLER)
+
+some = settings(max_examples=50, deadline=None, derandomize=True)
+
+
+def _part(contact: Contact, spec: PartSpec) -> Part:
+    return build_part(contact, INNER, OUTER, spec, 0.01)
+
+
+@some
+@given(st.floats(5.0, 60.0), st.floats(0.05, 0.95), st.floats(0.1, 10.0), st.floats(-7.0, 7.0))
+def test_bore_with_keyway(diameter: float, share: float, depth: float, angle: float) -> None:
+    keyway = Keyway(share * diameter, depth, angle)
+    contour = bore_outline(diameter, keyway)
+    spec = PartSpec(bore=diameter, keyway=keyway)
+    assert contour.area == pytest.approx(bore_area(spec), rel=1e-12)
+    assert contour.length == pytest.approx(bore_length(spec), rel=1e-12)
+    assert winding_number(contour, 0j) == 1
+    along = contour.vertices * np.exp(-1j * angle)
+    radius, half = diameter / 2.0, keyway.width / 2.0
+    # The slot's sides at half its width off the middle line, its bottom `depth` beyond the bore.
+    assert np.abs(along.imag) == pytest.approx(np.full(4, half), rel=1e-12)
+    assert sorted(along.real)[2:] == pytest.approx([radius + depth] * 2, rel=1e-12)
+    assert np.sum(np.isclose(np.abs(along), radius, rtol=1e-12)) == 2
+    far = np.max(np.abs(outline(contour).dense(4_000)))
+    assert bore_reach(diameter, keyway) == pytest.approx(far, rel=1e-12)
+
+
+def test_plain_bore() -> None:
+    assert bore_outline(20.0, None).area == pytest.approx(100.0 * math.pi, rel=1e-15)
+    assert bore_reach(20.0, None) == 10.0
+
+
+@pytest.mark.parametrize("width", [20.0, 25.0])
+def test_keyway_wider_than_its_bore(width: float) -> None:
+    with pytest.raises(GeometryError, match="narrower than the bore, 20 mm") as caught:
+        bore_outline(20.0, Keyway(width, 2.0))
+    assert caught.value.key == "part.keyway.width"
+
+
+def test_disc() -> None:
+    part = _part("inner", PartSpec(thickness=10.0, bore=20.0))
+    assert [(b.name, b.hole) for b in part.boundaries] == [("outline", False), ("bore", True)]
+    assert part.groove == ()
+    assert part.thickness == 10.0
+
+
+def test_ring() -> None:
+    part = _part("outer", PartSpec(thickness=10.0, rim=140.0, bore=20.0))
+    assert [(b.name, b.hole) for b in part.boundaries] == [("rim", False), ("outline", True)]
+
+
+def test_groove() -> None:
+    spec = PartSpec(thickness=10.0, rim=140.0, bore=20.0, groove_depth=4.0)
+    part = _part("groove", spec)
+    assert [b.name for b in part.through] == ["rim", "bore"]
+    assert [(b.name, b.hole) for b in part.groove] == [
+        ("inner flank", False),
+        ("outer flank", True),
+    ]
+    assert part.groove_depth == 4.0
+    # The groove is as wide as the roller, everywhere.
+    inner, outer = (boundary.arcs(0.001).contour for boundary in part.groove)
+    distances = outline(outer).distances(outline(inner).dense(2_000))
+    assert distances == pytest.approx(np.full(len(distances), 2.0 * ROLLER), abs=0.002)
+
+
+@pytest.mark.parametrize(
+    ("bore", "keyway", "fits"),
+    [
+        (63.9, None, True),
+        (64.1, None, False),
+        # Towards the dwell at its smallest radius, 32 mm: 30 + 1.5 fits, 30 + 2.5 does not;
+        # corners of a slot of 8 mm reach hypot(31.5, 4) = 31.75 and hypot(32.5, 4).
+        (60.0, Keyway(8.0, 1.5, math.pi / 2.0), True),
+        (60.0, Keyway(8.0, 2.5, math.pi / 2.0), False),
+        (90.0, None, False),
+        (1e3, None, False),
+    ],
+)
+def test_bore_must_fit(bore: float, keyway: Keyway | None, fits: bool) -> None:
+    spec = PartSpec(thickness=10.0, bore=bore, keyway=keyway)
+    if fits:
+        _part("inner", spec)
+        return
+    with pytest.raises(GeometryError, match=r"the outline comes as near as 3(1\.9|2)") as caught:
+        _part("inner", spec)
+    assert caught.value.key == "part.bore"
+
+
+@pytest.mark.parametrize("contact", ["outer", "groove"])
+def test_rim_must_be_outside(contact: Contact) -> None:
+    _part(contact, PartSpec(thickness=10.0, rim=126.5, groove_depth=4.0))
+    for rim in (125.9, 100.0):
+        with pytest.raises(GeometryError, match="more than 126") as caught:
+            _part(contact, PartSpec(thickness=10.0, rim=rim, groove_depth=4.0))
+        assert caught.value.key == "part.rim"
+    with pytest.raises(GeometryError, match="needs the diameter of its rim"):
+        _part(contact, PartSpec(thickness=10.0, groove_depth=4.0))
+
+
+def test_undercut_is_no_part() -> None:
+    undercut = WorkingCurve(PITCH, -60.0)
+    with pytest.raises(UndercutError):
+        build_part("inner", undercut, OUTER, PartSpec(bore=5.0), 0.01)
+    # Without anything to fit into it, it is found when its outline is asked for.
+    part = build_part("inner", undercut, OUTER, PartSpec(), 0.01)
+    for ask in (part.through[0].arcs, part.through[0].polyline):
+        with pytest.raises(UndercutError):
+            ask(0.01)
+
+
+@pytest.mark.parametrize("name", [("setzhub", -1), ("schnitt", -1), ("groove", 1)], ids=str)
+def test_extreme_radii(name: tuple[str, int]) -> None:
+    from camgeo.contour.arcs import fit_arcs
+
+    contour = fit_arcs(flank(*name), 0.01).contour
+    radii = np.abs(outline(contour).dense(50_000))
+    # Samples 0.01 mm apart miss an extreme by 0.01^2/8 over the radius there, 1 mm at least.
+    assert smallest_radius(contour) == pytest.approx(float(np.min(radii)), abs=2e-5)
+    assert largest_radius(contour) == pytest.approx(float(np.max(radii)), abs=2e-5)
+    assert smallest_radius(contour) <= np.min(radii) + 1e-12
+    assert largest_radius(contour) >= np.max(radii) - 1e-12
+
+
+@pytest.mark.parametrize("tolerance", [0.1, 0.001])
+def test_exact_boundary(tolerance: float) -> None:
+    exact = bore_outline(20.0, Keyway(6.0, 2.8))
+    boundary = ExactBoundary("bore", hole=True, exact=exact)
+    assert boundary.arcs(tolerance).deviation == 0.0
+    fit = boundary.polyline(tolerance)
+    assert fit.deviation <= tolerance * (1.0 + 1e-9)
+    assert fit.contour.arc_count == 0
+    assert boundary.deviation(fit.contour) == fit.deviation

@@ -1,0 +1,177 @@
+"""Reference values of `fixtures/reference`, and the mechanisms they were computed for."""
+
+from __future__ import annotations
+
+import json
+import math
+import tomllib
+from decimal import Decimal
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from camgeo.curve.pitch_curve import PitchCurve
+from camgeo.curve.working_curve import WorkingCurve
+from camgeo.mechanism.linkage import LinkedMotion
+from camgeo.mechanism.oscillating_roller import OscillatingRoller
+from camgeo.mechanism.slider_crank import SliderCrank
+from camgeo.mechanism.translating_roller import TranslatingRoller
+from camgeo.motion.inflection import shift
+from camgeo.motion.laws import LAWS
+from camgeo.motion.laws.law import Law
+from camgeo.motion.motion import Motion
+from camgeo.motion.plan import Dwell, MotionPlan, Move
+from camgeo.numeric.arrays import ComplexArray, FloatArray
+
+FOLDER = Path(__file__).parents[1] / "fixtures" / "reference"
+
+LAW_NAMES = {
+    "straight_line": "straight-line",
+    "quadratic_parabola": "quadratic-parabola",
+    "simple_sine": "simple-sine",
+    "poly345": "polynomial-345",
+    "inclined_sine": "inclined-sine",
+    "mod_acc_trapezoid": "modified-trapezoid",
+    "mod_sine": "modified-sine",
+}
+"""Names of the laws there and here."""
+
+POLYNOMIAL = LAWS["polynomial-345"]
+
+
+@cache
+def reference(file: str) -> Any:
+    """What a JSON or TOML file of the reference holds; not to be changed."""
+    text = (FOLDER / file).read_text(encoding="utf-8")
+    return tomllib.loads(text) if file.endswith(".toml") else json.loads(text)
+
+
+@cache
+def hard_case(name: str) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Parameters and expected values of a hard case."""
+    (case,) = [case for case in reference("hard_cases.json") if case["id"] == name]
+    return case["params"], case["expected"]
+
+
+def mechanisms() -> dict[str, dict[str, Any]]:
+    """The mechanisms of `mechanism_values.json` by name."""
+    cases: dict[str, dict[str, Any]] = reference("mechanism_values.json")["mechanisms"]
+    return cases
+
+
+def law_cases() -> list[dict[str, Any]]:
+    """The laws of `motion_law_values.json`."""
+    cases: list[dict[str, Any]] = reference("motion_law_values.json")["cases"]
+    return cases
+
+
+def law_of(case: dict[str, Any]) -> Law:
+    """The law of a case of `motion_law_values.json`."""
+    if case["law"] == "rr_asymmetric":
+        base = LAWS[LAW_NAMES[case["params"]["base"]]]
+        return shift(base, float.fromhex(case["params_hex"]["lam"]))
+    return LAWS[LAW_NAMES[case["law"]]]
+
+
+def plan_of(params: dict[str, Any], stroke: float) -> MotionPlan:
+    """Rest, rise to `stroke`, rest, return, rest over the spans `phi_H`, by 3-4-5 polynomials."""
+    first, rise, second, back, last = (Decimal(str(span)) for span in params["phi_H"])
+    up, down = POLYNOMIAL, POLYNOMIAL
+    if "lambda_rise" in params:
+        up = shift(POLYNOMIAL, params["lambda_rise"])
+        down = shift(POLYNOMIAL, params["lambda_return"])
+    return MotionPlan(
+        (
+            Dwell(first),
+            Move(rise, stroke, up),
+            Dwell(second),
+            Move(back, 0.0, down),
+            Dwell(last),
+        )
+    )
+
+
+def slider_crank_of(params: dict[str, Any]) -> SliderCrank:
+    """The linkage of a thesis example by its answers (mechanisms.md 4.2)."""
+    return SliderCrank(
+        crank=float(params["l_sk"]),
+        coupler=float(params["l_4"]),
+        deflection=math.radians(float(params["alpha_sk"])),
+        leans_away=params["q21"] == "ja",
+        slider_side=1 if params["q25"] == "positiv" else -1,
+        stroke_direction=1 if params["q22"] == "ja" else -1,
+        branch=1 if params["q23"] == "erster" else -1,
+        mirrored=params["q24"] == "negativ",
+    )
+
+
+def pitch_curve_of(params: dict[str, Any]) -> PitchCurve:
+    """The pitch curve of a mechanism of the reference collection."""
+    kind, sigma = params["kind"], params["sigma"]
+    roller = float(params.get("r_R", 0.0))
+    direction = params.get("kappa", 1)
+    if kind == "trans":
+        follower = TranslatingRoller(
+            float(params["r_G"]), roller, offset=float(params["e"]), direction=direction
+        )
+        return PitchCurve(plan_of(params, float(params["s_H"])), follower, sigma)
+    if kind == "osc":
+        rocker = _rocker_of(params, roller, direction)
+        return PitchCurve(plan_of(params, math.radians(params["psi_H_deg"])), rocker, sigma)
+    motion = LinkedMotion(plan_of(params, float(params["s_H"])), slider_crank_of(params))
+    return PitchCurve(motion, _rocker_of(params, roller, None), sigma)
+
+
+def _rocker_of(params: dict[str, Any], roller: float, direction: int | None) -> OscillatingRoller:
+    arm = float(params["l_3"])
+    if "psi_G_deg" in params:  # the cam axis lies to the right of the pivot there
+        distance = float(params["l_1"])
+        square = distance**2 + arm**2
+        square -= 2.0 * distance * arm * math.cos(math.radians(params["psi_G_deg"]))
+        return OscillatingRoller(-distance + 0j, arm, math.sqrt(square), roller, 1, direction)
+    pivot = complex(-float(params["x_A0"]), -float(params["y_A0"]))
+    return OscillatingRoller(pivot, arm, float(params["r_G"]), roller, 1, direction)
+
+
+def thesis_params(name: str, sigma: int) -> dict[str, Any]:
+    """Parameters of a cam of `thesis_examples.toml` in the form of `mechanism_values.json`."""
+    params = dict(reference("thesis_examples.toml")[name]["params"])
+    params["phi_H"] = [params[f"phi_H{span}"] for span in ("01", "12", "23", "34", "45")]
+    return params | {"kind": "cam_linkage", "sigma": sigma}
+
+
+def stroke_of(curve: PitchCurve) -> Motion:
+    """What the motion plan demands: the slider's motion if there is a linkage."""
+    return curve.motion.slider if isinstance(curve.motion, LinkedMotion) else curve.motion
+
+
+def inner_of(curve: PitchCurve) -> WorkingCurve:
+    """The inner working curve."""
+    return WorkingCurve(curve, -curve.follower.roller_radius)
+
+
+def outer_of(curve: PitchCurve) -> WorkingCurve:
+    """The outer working curve."""
+    return WorkingCurve(curve, curve.follower.roller_radius)
+
+
+def angles(*degrees: float | str) -> FloatArray:
+    """Cam angles in radians."""
+    return np.array([math.radians(float(angle)) for angle in degrees])
+
+
+def number(pair: list[str]) -> complex:
+    """A complex number of the reference collection."""
+    return complex(float(pair[0]), float(pair[1]))
+
+
+def column(rows: list[dict[str, Any]], key: str) -> FloatArray:
+    """A real quantity of all rows."""
+    return np.array([float(row[key]) for row in rows])
+
+
+def complex_column(rows: list[dict[str, Any]], key: str) -> ComplexArray:
+    """A complex quantity of all rows."""
+    return np.array([number(row[key]) for row in rows])

@@ -1,0 +1,166 @@
+"""Hypothesis: how many examples, and the values that the tests of several modules draw."""
+
+from __future__ import annotations
+
+import cmath
+import math
+from decimal import Decimal
+
+import numpy as np
+from hypothesis import HealthCheck, assume, reject, settings
+from hypothesis import strategies as st
+
+from camgeo.curve.pitch_curve import PitchCurve
+from camgeo.errors import GeometryError
+from camgeo.mechanism.oscillating_roller import OscillatingRoller
+from camgeo.mechanism.slider_crank import SliderCrank
+from camgeo.mechanism.translating_roller import TranslatingRoller
+from camgeo.motion.inflection import shift
+from camgeo.motion.laws import LAWS
+from camgeo.motion.laws.law import Law
+from camgeo.motion.plan import Dwell, MotionPlan, Move
+
+attack = settings(
+    max_examples=60,
+    deadline=None,  # the speed of a shared machine is no property of the code
+    derandomize=True,  # a run that failed fails again
+    suppress_health_check=[HealthCheck.too_slow, HealthCheck.filter_too_much],
+)
+
+BENT = tuple(name for name in LAWS if LAWS[name].end_velocity == 0.0)
+"""The laws without a shock."""
+
+SMOOTH = tuple(name for name in BENT if LAWS[name].end_acceleration == (0.0, 0.0))
+"""The laws whose acceleration has no jump either."""
+
+
+def inflections() -> st.SearchStrategy[float]:
+    """lambda anywhere in (0, 1), also very near its ends."""
+    near = st.floats(1.0, 6.0).map(lambda exponent: 10.0**-exponent)
+    return st.one_of(st.just(0.5), st.floats(0.01, 0.99), near, near.map(lambda lam: 1.0 - lam))
+
+
+@st.composite
+def laws(draw: st.DrawFn, names: tuple[str, ...] = tuple(LAWS)) -> Law:
+    """A law, often shifted."""
+    return shift(LAWS[draw(st.sampled_from(names))], draw(inflections()))
+
+
+@st.composite
+def places(draw: st.DrawFn, law: Law) -> float:
+    """A z in [0, 1]: anywhere, or as near as 1e-16 to an end, a border or the inflection."""
+    anywhere = st.floats(0.0, 1.0)
+    corner = st.sampled_from([0.0, law.inflection, *law.borders, 1.0])
+    distance = st.floats(1.0, 16.0).map(lambda exponent: 10.0**-exponent)
+    sign = st.sampled_from([-1.0, 0.0, 1.0])
+    near = st.builds(lambda z, d, s: min(max(z + s * d, 0.0), 1.0), corner, distance, sign)
+    z = draw(st.one_of(anywhere, near))
+    return z if z >= 1e-16 else 0.0
+
+
+@st.composite
+def plans(
+    draw: st.DrawFn, names: tuple[str, ...] = BENT, stroke: float = 20.0, shift_laws: bool = True
+) -> MotionPlan:
+    """A plan of rests and moves between lifts 0 and `stroke`, each move 20 degrees at least."""
+    count = draw(st.integers(2, 5))
+    weights = [draw(st.integers(1, 20)) for _ in range(count)]
+    rests = [draw(st.booleans()) for _ in range(count)]
+    free = 360 - 25 * count
+    total = sum(weights)
+    spans = [25 + Decimal(free * weight // total) for weight in weights]
+    spans[-1] += 360 - sum(spans)
+    segments: list[Dwell | Move] = []
+    position = 0.0
+    for number, (span, rest) in enumerate(zip(spans, rests, strict=True)):
+        last = number == count - 1
+        if rest and not (last and position != 0.0):
+            segments.append(Dwell(span))
+            continue
+        to = 0.0 if last else draw(st.floats(0.0, stroke))
+        if shift_laws:
+            lam = draw(st.floats(0.2, 0.8))
+            law = shift(LAWS[draw(st.sampled_from(names))], lam)
+        else:
+            law = LAWS[draw(st.sampled_from(names))]
+        segments.append(Move(span, to, law))
+        position = to
+    return MotionPlan(tuple(segments))
+
+
+def cam_angles() -> st.SearchStrategy[float]:
+    """A cam angle of one turn."""
+    return st.floats(0.0, 2.0 * math.pi, exclude_max=True)
+
+
+# Mechanisms -----------------------------------------------------------------------------------
+
+
+def signs() -> st.SearchStrategy[int]:
+    """+1 or -1."""
+    return st.sampled_from([1, -1])
+
+
+@st.composite
+def translating_rollers(draw: st.DrawFn, stroke: float) -> TranslatingRoller:
+    """A translating roller follower whose roller stays beyond the cam axis over `stroke` [mm]."""
+    direction = draw(signs())
+    base = draw(st.floats(40.0, 90.0)) + (stroke if direction < 0 else 0.0)
+    return TranslatingRoller(
+        base_radius=base,
+        roller_radius=draw(st.floats(2.0, 12.0)),
+        offset=draw(st.floats(-25.0, 25.0)),
+        guide_angle=draw(st.one_of(st.just(math.pi / 2.0), st.floats(-math.pi, math.pi))),
+        direction=direction,
+    )
+
+
+@st.composite
+def oscillating_rollers(draw: st.DrawFn, swing: float) -> OscillatingRoller:
+    """An oscillating roller follower that stays off the line of centres over `swing` [rad]."""
+    distance, arm = draw(st.floats(80.0, 160.0)), draw(st.floats(50.0, 75.0))
+    low, high = math.radians(20.0), math.radians(150.0)
+    direction = draw(signs())
+    start = draw(
+        st.floats(low + (swing if direction < 0 else 0.0), high - max(direction, 0) * swing)
+    )
+    square = distance**2 + arm**2 - 2.0 * distance * arm * math.cos(start)
+    return OscillatingRoller(
+        pivot=cmath.rect(distance, draw(st.floats(-math.pi, math.pi))),
+        arm=arm,
+        base_radius=math.sqrt(square),
+        roller_radius=draw(st.floats(2.0, 12.0)),
+        arm_side=draw(signs()),
+        direction=direction,
+    )
+
+
+@st.composite
+def pitch_curves(draw: st.DrawFn, names: tuple[str, ...] = SMOOTH) -> PitchCurve:
+    """A pitch curve of either follower; moves of at most 20 mm or 0.3 rad."""
+    sense = draw(signs())
+    if draw(st.booleans()):
+        return PitchCurve(draw(plans(names, 20.0)), draw(translating_rollers(20.0)), sense)
+    return PitchCurve(draw(plans(names, 0.3)), draw(oscillating_rollers(0.3)), sense)
+
+
+@st.composite
+def slider_cranks(draw: st.DrawFn, stroke: float = 8.0) -> SliderCrank:
+    """A linkage that closes over the stroke from 0 to `stroke` [mm] with 2 mm to spare."""
+    lengths = st.floats(30.0, 150.0)
+    try:
+        linkage = SliderCrank(
+            crank=draw(lengths),
+            coupler=draw(lengths),
+            deflection=math.radians(draw(st.floats(-50.0, 50.0))),
+            leans_away=draw(st.booleans()),
+            slider_side=draw(signs()),
+            stroke_direction=draw(signs()),
+            branch=draw(signs()),
+            mirrored=draw(st.booleans()),
+        )
+    except GeometryError:
+        reject()
+    strokes = np.linspace(0.0, stroke, 17)
+    assume(np.max(linkage.missing_length(strokes)) < -2.0)
+    return linkage

@@ -1,0 +1,53 @@
+"""The measures that other tests rely on, on figures with known distances, and broken on purpose."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from tests.measuring import DensePath, Outline, polygon
+
+# A stadium: half circles of radius 1 about +-2, straight sides; counter-clockwise.
+STADIUM = Outline.through(
+    np.array([2 - 1j, 2 + 1j, -2 + 1j, -2 - 1j]), np.array([np.pi, 0.0, np.pi, 0.0])
+)
+
+
+def test_centres_follow_from_sweeps() -> None:
+    assert STADIUM.centres[0] == pytest.approx(2.0)
+    assert STADIUM.centres[2] == pytest.approx(-2.0)
+    assert STADIUM.area == pytest.approx(8.0 + np.pi)
+
+
+@pytest.mark.parametrize(
+    ("point", "distance"), [(0, 1), (3, 0), (5, 2), (2, 1), (0.5 + 3j, 2), (3 + 1j, 2**0.5 - 1)]
+)
+def test_distance_by_hand(point: complex, distance: float) -> None:
+    assert STADIUM.distances(np.array([point]))[0] == pytest.approx(distance, abs=1e-15)
+
+
+def test_dense_points_are_on_the_outline() -> None:
+    points = STADIUM.dense(1000)
+    assert len(points) >= 1000
+    assert np.max(STADIUM.distances(points)) < 1e-14
+    assert polygon(points).area == pytest.approx(STADIUM.area, rel=1e-4)
+
+
+def test_clockwise_quarter() -> None:
+    quarter = Outline.through(np.array([1j, 1.0 + 0j]), np.array([-np.pi / 2]), closed=False)
+    assert abs(quarter.centres[0]) < 1e-15
+    # Behind its start the arc is no nearer than that.
+    assert quarter.distances(np.array([-1.0 + 0j]))[0] == pytest.approx(2**0.5)
+
+
+def test_a_bulge_that_is_wrong_shows() -> None:
+    broken = Outline.through(STADIUM.starts, np.array([np.pi, 0.0, 3.1, 0.0]))
+    # The sagitta of the half circle shrinks from 1 to tan(3.1/4).
+    found = np.max(broken.distances(STADIUM.dense(20_000)))
+    assert found == pytest.approx(1.0 - np.tan(3.1 / 4.0), rel=1e-3)
+
+
+def test_dense_path() -> None:
+    path = DensePath(STADIUM.dense(20_000))
+    points = np.array([0j, 5 + 0j, 3 + 1j])
+    assert path.distances(points) == pytest.approx(STADIUM.distances(points), abs=1e-7)

@@ -1,0 +1,246 @@
+"""Cutter paths: at the tool's radius from the flank, tangential leads, passes, refusals."""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from camgeo.curve.pitch_curve import PitchCurve
+from camgeo.curve.working_curve import WorkingCurve
+from camgeo.errors import GeometryError
+from camgeo.mechanism.translating_roller import TranslatingRoller
+from camgeo.motion.plan import MotionPlan
+from camgeo.part.build import build_part
+from camgeo.part.spec import Contact, Keyway, PartSpec
+from camgeo.toolpath.moves import ArcFeed, Feed, Move, Operation, Rapid, Toolpath
+from camgeo.toolpath.paths import cutter_paths
+from camgeo.toolpath.plan import plan_toolpath
+from camgeo.toolpath.spec import GcodeSpec
+from tests.contour.cams import dense, dwell, move
+from tests.measuring import DensePath, Outline
+
+TOLERANCE = 0.001
+
+SAGITTA = 5e-6
+"""Of chords of the dense curves [mm]: h = 5e-3 mm, kappa < 1/mm."""
+
+ROLLER = 8.0
+
+PITCH = PitchCurve(
+    MotionPlan((dwell(50), move(100, 20.0), dwell(70), move(140, 0.0))),
+    TranslatingRoller(40.0, ROLLER, 6.0),
+    1,
+)
+
+FLANKS = {"inner": WorkingCurve(PITCH, -ROLLER), "outer": WorkingCurve(PITCH, ROLLER)}
+
+PART = PartSpec(thickness=10.0, bore=25.0, keyway=Keyway(8.0, 3.3), rim=150.0, groove_depth=6.0)
+
+
+def _toolpath(
+    contact: Contact, tool: float, part: PartSpec = PART, pitch: PitchCurve = PITCH, **spec: float
+) -> Toolpath:
+    inner, outer = WorkingCurve(pitch, -ROLLER), WorkingCurve(pitch, ROLLER)
+    built = build_part(contact, inner, outer, part, 0.01)
+    paths = cutter_paths(contact, pitch, built, part, tool / 2.0)
+    return plan_toolpath(paths, GcodeSpec(tool_diameter=tool, **spec), TOLERANCE)  # type: ignore[arg-type]
+
+
+def _operations(toolpath: Toolpath) -> dict[str, Operation]:
+    return {operation.name: operation for operation in toolpath.operations}
+
+
+def _outline(moves: tuple[Move, ...]) -> Outline:
+    """The cuts in the plane of the first pass."""
+    cuts: list[tuple[complex, complex, float, complex]] = []
+    at = complex(*moves[0].end[:2])
+    for before, after in pairwise(moves):
+        end = complex(*after.end[:2])
+        if isinstance(after, Rapid) and cuts:
+            break
+        if not isinstance(after, Rapid) and before.end[2] == after.end[2]:
+            sweep, centre = 0.0, 0j
+            if isinstance(after, ArcFeed):
+                centre = complex(*after.centre)
+                turned = float(np.angle((end - centre) / (at - centre)))
+                sweep = turned % (2.0 * math.pi) if after.ccw else -((-turned) % (2.0 * math.pi))
+            cuts.append((at, end, sweep, centre))
+        at = end
+    starts, ends, sweeps, centres = zip(*cuts, strict=True)
+    return Outline(np.array(starts), np.array(ends), np.array(sweeps), np.array(centres))
+
+
+def _without_leads(path: Outline) -> Outline:
+    return Outline(path.starts[1:-1], path.ends[1:-1], path.sweeps[1:-1], path.centres[1:-1])
+
+
+@pytest.mark.parametrize("tool", [2.0, 6.0, 11.0])
+@pytest.mark.parametrize("contact", ["inner", "outer"])
+def test_path_is_the_tool_radius_from_the_flank(contact: Contact, tool: float) -> None:
+    operation = _operations(_toolpath(contact, tool))["outline"]
+    path = _outline(operation.moves)
+    loop = _without_leads(path)
+    assert abs(loop.starts[0] - loop.ends[-1]) == 0.0
+    flank = dense(FLANKS[contact])
+    distances = DensePath(flank).distances(loop.dense(5_000))
+    assert np.max(np.abs(distances - tool / 2.0)) <= TOLERANCE + SAGITTA
+    # ... and back: nowhere on the flank is the path further away than that.
+    back = loop.distances(flank[::20])
+    assert np.max(np.abs(back - tool / 2.0)) <= TOLERANCE + SAGITTA
+    # Climbing, clockwise spindle: the material on the right of the cutter's way.
+    assert (loop.area < 0.0) == (contact == "inner")
+
+
+@pytest.mark.parametrize("tool", [2.0, 6.0, 11.0])
+@pytest.mark.parametrize("contact", ["inner", "outer"])
+def test_leads(contact: Contact, tool: float) -> None:
+    operation = _operations(_toolpath(contact, tool))["outline"]
+    path = _outline(operation.moves)
+    whole = DensePath(dense(FLANKS[contact])).distances(path.dense(5_000))
+    assert np.min(whole) >= tool / 2.0 - TOLERANCE - SAGITTA
+    for lead, neighbour, place in ((0, 1, path.ends[0]), (-1, -2, path.starts[-1])):
+        ways = []
+        for piece in (lead, neighbour):
+            along = path.ends[piece] - path.starts[piece]
+            if path.sweeps[piece] != 0.0:
+                along = 1j * np.sign(path.sweeps[piece]) * (place - path.centres[piece])
+            ways.append(along / abs(along))
+        # Rounding of a point, 1e-14 mm, over the smaller radius, 0.1 mm at least.
+        assert abs(np.angle(ways[0] / ways[1])) < 1e-11
+    assert abs(path.sweeps[0]) == pytest.approx(math.pi / 2.0)
+    assert abs(path.sweeps[-1]) == pytest.approx(math.pi / 2.0)
+
+
+@pytest.mark.parametrize("tool", [8.0, 10.0, 15.9])
+def test_groove_in_two_rounds(tool: float) -> None:
+    operations = _operations(_toolpath("groove", tool))
+    assert list(operations) == ["bore", "outer flank", "inner flank"]
+    flanks = {name: DensePath(dense(curve)) for name, curve in FLANKS.items()}
+    cleared = []
+    for side in ("inner", "outer"):
+        path = _outline(operations[f"{side} flank"].moves)
+        points = path.dense(4_000)
+        for other in ("inner", "outer"):  # leads too stay off both flanks
+            assert np.min(flanks[other].distances(points)) >= tool / 2.0 - TOLERANCE - SAGITTA
+        loop = _without_leads(path)
+        distances = flanks[side].distances(loop.dense(4_000))
+        assert np.max(np.abs(distances - tool / 2.0)) <= TOLERANCE + SAGITTA
+        assert (loop.area < 0.0) == (side == "inner")
+        cleared.append(loop)
+    # No wall is left between the two rounds: half way along the pitch curve the nearer is in reach.
+    middle = PITCH.point(np.linspace(0.0, 2.0 * math.pi, 1000))
+    reach = np.minimum(cleared[0].distances(middle), cleared[1].distances(middle))
+    assert np.max(reach) <= tool / 2.0 + TOLERANCE
+
+
+def test_groove_with_a_tool_like_the_roller() -> None:
+    operation = _operations(_toolpath("groove", 2.0 * ROLLER, pass_depth=2.0))["groove"]
+    path = _outline(operation.moves)
+    pitch = DensePath(dense(WorkingCurve(PITCH, 0.0)))
+    assert np.max(pitch.distances(path.dense(4_000))) <= TOLERANCE + SAGITTA
+    assert abs(path.starts[0] - path.ends[-1]) == 0.0
+    # It plunges on the path itself from pass to pass and goes up once, at the end.
+    assert sum(isinstance(move, Rapid) for move in operation.moves) == 2
+
+
+@pytest.mark.parametrize("tool", [7.9, 2.0, 16.1])
+def test_groove_refuses_other_tools(tool: float) -> None:
+    with pytest.raises(GeometryError, match="from 8 to 16 mm") as caught:
+        _toolpath("groove", tool)
+    assert caught.value.key == "output.gcode.tool_diameter"
+
+
+def test_tool_that_no_bore_takes() -> None:
+    _toolpath("inner", 24.0)
+    for tool in (25.0, 30.0):
+        with pytest.raises(GeometryError, match="smaller than the bore, 25 mm") as caught:
+            _toolpath("inner", tool)
+        assert caught.value.key == "output.gcode.tool_diameter"
+
+
+def test_tool_larger_than_a_concave_radius() -> None:
+    """Refused just where the smallest concave radius of the flank is."""
+    plain = PartSpec(thickness=10.0)
+    plan = MotionPlan((dwell(180), move(60, 30.0), dwell(40), move(80, 0.0)))
+    pitch = PitchCurve(plan, TranslatingRoller(40.0, ROLLER), 1)
+    # 1 + d kappa of the cutter's path, an offset of the pitch curve, vanishes at d = -1/kappa.
+    kappa = np.min(pitch.curvature(np.linspace(0.0, 2.0 * math.pi, 200_001)))
+    assert kappa < 0.0
+    largest = 2.0 * (-1.0 / kappa + ROLLER)
+    _toolpath("inner", 0.99 * largest, plain, pitch)
+    with pytest.raises(GeometryError, match="too large for the outline: a concave part") as caught:
+        _toolpath("inner", 1.01 * largest, plain, pitch)
+    assert caught.value.key == "output.gcode.tool_diameter"
+
+
+def test_milling_needs_a_thickness() -> None:
+    with pytest.raises(GeometryError, match="thickness") as caught:
+        _toolpath("inner", 6.0, PartSpec(bore=25.0))
+    assert caught.value.key == "part.thickness"
+
+
+@pytest.mark.parametrize(
+    ("pass_depth", "count"), [(20.0, 1), (10.0, 1), (9.99, 2), (5.0, 2), (3.0, 4), (0.1, 100)]
+)
+def test_depth_passes(pass_depth: float, count: int) -> None:
+    toolpath = _toolpath("inner", 6.0, pass_depth=pass_depth)
+    for operation in toolpath.operations:
+        assert len(operation.depths) == count
+        assert operation.depths[-1] == -10.0
+        steps = -np.diff((0.0, *operation.depths))
+        assert steps == pytest.approx(np.full(count, 10.0 / count))
+        assert np.max(steps) <= pass_depth * (1.0 + 1e-9)
+
+
+def test_one_pass_if_nothing_is_said() -> None:
+    assert all(len(operation.depths) == 1 for operation in _toolpath("inner", 6.0).operations)
+
+
+@pytest.mark.parametrize(("contact", "tool"), [("inner", 6.0), ("outer", 6.0), ("groove", 10.0),
+                                               ("groove", 16.0)])  # fmt: skip
+def test_heights_and_feeds(contact: Contact, tool: float) -> None:
+    toolpath = _toolpath(contact, tool, pass_depth=2.5, safe_height=7.0, feed=250, plunge_feed=40)
+    assert toolpath.safe_height == 7.0
+    for operation in toolpath.operations:
+        first = operation.moves[0]
+        assert isinstance(first, Rapid)
+        assert first.end[2] == 7.0
+        assert isinstance(operation.moves[-1], Rapid)
+        depths = set()
+        for before, after in pairwise(operation.moves):
+            if isinstance(after, Rapid):
+                # Straight up, or over the part at the safe height.
+                assert after.end[2] == 7.0
+                assert after.end[:2] == before.end[:2] or before.end[2] == 7.0
+            elif after.end[2] != before.end[2]:
+                assert isinstance(after, Feed)
+                assert after.feed == 40
+                assert after.end[:2] == before.end[:2]
+            else:
+                assert after.feed == 250
+                depths.add(after.end[2])
+        assert tuple(sorted(depths, reverse=True)) == operation.depths
+    depth = 6.0 if contact == "groove" else 10.0
+    assert toolpath.operations[-1].depths[-1] == -depth
+
+
+@pytest.mark.parametrize("contact", ["inner", "outer", "groove"])
+def test_no_arc_exceeds_half_a_turn(contact: Contact) -> None:
+    for operation in _toolpath(contact, 10.0).operations:
+        path = _outline(operation.moves)
+        assert np.max(np.abs(path.sweeps)) <= math.pi * (1.0 + 1e-12)
+        arcs = path.sweeps != 0.0
+        mismatch = np.abs(path.starts - path.centres) - np.abs(path.ends - path.centres)
+        assert np.max(np.abs(mismatch[arcs])) < 1e-9
+
+
+def test_bore_is_cut_first_and_inside() -> None:
+    operation = _toolpath("inner", 6.0).operations[0]
+    assert operation.name == "bore"
+    points = _outline(operation.moves).dense(1_000)
+    # Radius 12.5 less the tool's 3; the keyway is left to a broach.
+    assert np.max(np.abs(points)) == pytest.approx(9.5, rel=1e-12)
+    assert _outline(operation.moves).area > 0.0
