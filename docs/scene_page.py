@@ -108,11 +108,8 @@ def _resolved(schema: dict[str, Any], node: dict[str, Any]) -> dict[str, Any]:
 def _is_table(schema: dict[str, Any], node: dict[str, Any]) -> bool:
     """Tables get a heading; an inline table, the keyway, is a row with its keys below it."""
     kind = _resolved(schema, node).get("type")
-    return (
-        kind in ("object", "array")
-        and "x-allowed" not in node
-        and "items" not in node
-        or (kind == "array" and "items" in node and node["items"].get("type") == "object")
+    return (kind in ("object", "array") and "x-allowed" not in node and "items" not in node) or (
+        kind == "array" and "items" in node and node["items"].get("type") == "object"
     )
 
 
