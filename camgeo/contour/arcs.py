@@ -7,12 +7,12 @@ from collections.abc import Callable
 
 import numpy as np
 
-from camgeo.contour.chain import Chain, closed
-from camgeo.contour.deviation import deviation
+from camgeo.contour.chain import Chain
 from camgeo.contour.fit import Fit
 from camgeo.contour.locate import foot_points
+from camgeo.contour.proved import proved_fit
 from camgeo.contour.spread import Spread
-from camgeo.curve.pieces import Piece, smooth_pieces
+from camgeo.curve.pieces import Piece
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import ToleranceError, UndercutError
 from camgeo.motion.motion import Side
@@ -47,15 +47,11 @@ def fit_arcs(curve: WorkingCurve, tolerance: float) -> Fit:
     ToleranceError
         If the tolerance cannot be reached in double precision.
     """
-    aim = AIM * tolerance
-    for _ in range(4):
-        chains = [_fit_piece(curve, piece, aim, tolerance) for piece in smooth_pieces(curve)]
-        contour, angles = closed(chains)
-        reached = deviation(curve, contour, angles)
-        if reached <= tolerance:
-            return Fit(contour.counter_clockwise(), reached, tolerance)
-        aim *= 0.9 * tolerance / reached
-    raise ToleranceError("arcs cannot follow the curve", tolerance, reached)
+
+    def fit_piece(piece: Piece, aim: float) -> Chain:
+        return _fit_piece(curve, piece, aim, tolerance)
+
+    return proved_fit(curve, tolerance, AIM * tolerance, fit_piece)
 
 
 def _fit_piece(curve: WorkingCurve, piece: Piece, aim: float, tolerance: float) -> Chain:

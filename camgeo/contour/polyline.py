@@ -7,11 +7,11 @@ import math
 import numpy as np
 
 from camgeo.contour.arcs import require_regular
-from camgeo.contour.chain import Chain, closed
-from camgeo.contour.deviation import deviation
+from camgeo.contour.chain import Chain
 from camgeo.contour.fit import Fit
+from camgeo.contour.proved import proved_fit
 from camgeo.contour.spread import Spread
-from camgeo.curve.pieces import Piece, smooth_pieces
+from camgeo.curve.pieces import Piece
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import ToleranceError
 from camgeo.numeric.arrays import FloatArray
@@ -24,7 +24,8 @@ def fit_polyline(curve: WorkingCurve, tolerance: float) -> Fit:
     """Chords within `tolerance` [mm] of `curve`, counter-clockwise, vertices on the curve.
 
     A chord of length h lies kappa h^2/8 off its arc, so chords that share out the integral of
-    sqrt(kappa / (8 tolerance)) ds evenly are as few as chords can be. Breaks are vertices.
+    sqrt(kappa / (8 tolerance)) ds evenly are as few as chords with both ends on the curve can be.
+    Breaks are vertices.
 
     Raises
     ------
@@ -33,15 +34,11 @@ def fit_polyline(curve: WorkingCurve, tolerance: float) -> Fit:
     ToleranceError
         If the tolerance cannot be reached in double precision.
     """
-    aim = tolerance
-    for _ in range(6):
-        chains = [_chords(curve, piece, aim, tolerance) for piece in smooth_pieces(curve)]
-        contour, angles = closed(chains)
-        reached = deviation(curve, contour, angles)
-        if reached <= tolerance:
-            return Fit(contour.counter_clockwise(), reached, tolerance)
-        aim *= 0.99 * tolerance / reached
-    raise ToleranceError("straight pieces cannot follow the curve", tolerance, reached)
+
+    def fit_piece(piece: Piece, aim: float) -> Chain:
+        return _chords(curve, piece, aim, tolerance)
+
+    return proved_fit(curve, tolerance, tolerance, fit_piece)
 
 
 def _chords(curve: WorkingCurve, piece: Piece, aim: float, tolerance: float) -> Chain:

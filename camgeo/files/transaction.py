@@ -37,10 +37,7 @@ def write_set(folder: Path, files: Mapping[str, bytes], *, force: bool) -> tuple
         raise OutputError(
             f"{folder}: cannot write {place}: {error.strerror or error}; nothing was written"
         ) from error
-    except BaseException:
-        # Ctrl-C between two moves: `_move_into_place` has put everything back.
-        raise
-    finally:
+    finally:  # after Ctrl-C too; then `_move_into_place` has put everything back
         if staging is not None:
             shutil.rmtree(staging, ignore_errors=True)
         for created in reversed(made):
