@@ -23,7 +23,6 @@ from camgeo.motion.plan import Dwell, MotionPlan, Move
 attack = settings(
     max_examples=60,
     deadline=None,  # the speed of a shared machine is no property of the code
-    derandomize=True,  # a run that failed fails again
     suppress_health_check=[HealthCheck.too_slow, HealthCheck.filter_too_much],
 )
 

@@ -36,6 +36,9 @@ DENSE = 100_000
 
 SMOOTH = ("polynomial-345", "inclined-sine", "modified-sine", "modified-trapezoid", "simple-sine")
 
+STROKES = st.just(0.0) | st.floats(-0.5, -1e-3) | st.floats(1e-3, 1.0)
+"""Shares of the largest stroke; a stroke of 1e-20 mm is a dwell by another name."""
+
 
 @cache
 def flank(scene: str, side: int) -> WorkingCurve:
@@ -73,7 +76,7 @@ def curves(draw: st.DrawFn) -> WorkingCurve:
     segments: list[Dwell | Move] = [dwell(draw(st.integers(0, rest)))]
     for number, (span, pause) in enumerate(zip(spans, dwells, strict=True)):
         last = number == count - 1
-        to = 0.0 if last else draw(st.floats(-0.5, 1.0)) * size
+        to = 0.0 if last else draw(STROKES) * size
         law = shift(LAWS[draw(st.sampled_from(SMOOTH))], draw(st.floats(0.35, 0.65)))
         segments += [Move(Decimal(span), to, law), dwell(pause)]
     left = 360 - int(sum(segment.span for segment in segments))

@@ -23,9 +23,7 @@ TOLERANCE = 0.01
 SAGITTA = 2e-6
 """Of the dense curve by which is measured [mm]."""
 
-some = settings(
-    max_examples=30, deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow]
-)
+some = settings(max_examples=30, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 
 names = st.sampled_from(FLANKS)
 

@@ -16,7 +16,7 @@ from camgeo.part.bore import bore_outline
 from camgeo.part.spec import Keyway
 from tests.contour.cams import outline
 
-some = settings(max_examples=40, deadline=None, derandomize=True)
+some = settings(max_examples=40, deadline=None)
 
 RADIUS = 8.0
 
