@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import TypeVar
 
@@ -12,9 +13,9 @@ from camgeo.numeric.arrays import FloatArray
 
 Scalar = TypeVar("Scalar", bound=np.generic)
 
-BLOCK = 4096
-"""Points a block: a dozen arrays of complex numbers of that length fit into a second-level cache
-of 1 MB, and the overhead of numpy's calls is still spread over many points."""
+BLOCK = 8192
+"""Points a block: a dozen real arrays of that length fit into a second-level cache of 1 MB, and the
+overhead of numpy's calls is spread over many points (benchmarks/evaluate.py shows both)."""
 
 
 def in_blocks(
@@ -23,5 +24,10 @@ def in_blocks(
     """`function(phi)` for a function (n,) -> (..., n), computed block by block."""
     if len(phi) <= BLOCK:
         return function(phi)
-    parts = [function(phi[start : start + BLOCK]) for start in range(0, len(phi), BLOCK)]
-    return np.concatenate(parts, axis=-1)
+    size = math.ceil(len(phi) / math.ceil(len(phi) / BLOCK))  # no small rest at the end
+    first = function(phi[:size])
+    out = np.empty((*first.shape[:-1], len(phi)), dtype=first.dtype)
+    out[..., :size] = first
+    for start in range(size, len(phi), size):
+        out[..., start : start + size] = function(phi[start : start + size])
+    return out

@@ -8,8 +8,8 @@ import numpy as np
 
 from camgeo.curve.blocks import in_blocks
 from camgeo.errors import GeometryError
-from camgeo.mechanism.follower import FULL_ORDER, Follower, RelativeJet
-from camgeo.motion.motion import Dwell, Motion, Side
+from camgeo.mechanism.follower import Follower, RelativeJet
+from camgeo.motion.motion import FULL_ORDER, Dwell, Motion, Side
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 
 STANDSTILL = 1e-13
@@ -52,7 +52,8 @@ class PitchCurve:
         self, phi: FloatArray, side: Side = "right", order: int = FULL_ORDER
     ) -> RelativeJet:
         """R_0 to R_`order`, u, v at `phi` (n,) [rad], see `camgeo.mechanism.follower`."""
-        return self.follower.relative_jet(self.motion.jet(phi, side), self.rotation, order)
+        jet = self.motion.jet(phi, side, order)
+        return self.follower.relative_jet(jet, self.rotation, order)
 
     def jet(self, phi: FloatArray, side: Side = "right") -> ComplexArray:
         """(4, n) complex [mm/rad^k]: Z, Z', Z'', Z''' at the cam angles `phi` (n,) [rad]."""

@@ -20,10 +20,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Protocol
 
-from camgeo.motion.motion import Jet
+from camgeo.motion.motion import FULL_ORDER, Jet
 from camgeo.numeric.arrays import FloatArray
-
-FULL_ORDER = 3
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -64,7 +62,7 @@ class Follower(Protocol):
     def roller_radius(self) -> float: ...
 
     def relative_jet(self, jet: Jet, rotation: int, order: int = FULL_ORDER) -> RelativeJet:
-        """The roller centre for lifts `jet` (4, n), R_0 to R_`order`, order at least 1.
+        """R_0 to R_`order`, order at least 1, for lifts `jet` (order + 1 or more, n).
 
         `rotation` is sigma, +1 for a cam that turns counter-clockwise, -1 clockwise.
         """

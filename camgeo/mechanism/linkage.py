@@ -11,7 +11,7 @@ import numpy as np
 from camgeo.errors import GeometryError
 from camgeo.mechanism.slider_crank import SliderCrank
 from camgeo.motion.extremes import SAMPLES, lift_range, pieces
-from camgeo.motion.motion import Dwell, Jet, Motion, Side
+from camgeo.motion.motion import FULL_ORDER, Dwell, Jet, Motion, Side
 from camgeo.numeric.arrays import FloatArray
 from camgeo.numeric.roots import roots_on_grid
 
@@ -86,9 +86,9 @@ class LinkedMotion:
         """See `Motion`."""
         return self.slider.dwells
 
-    def jet(self, phi: FloatArray, side: Side = "right") -> Jet:
-        """(4, n) rocker angle and derivatives, see `Motion.jet`."""
-        return self.linkage.transform(self.slider.jet(phi, side))
+    def jet(self, phi: FloatArray, side: Side = "right", order: int = FULL_ORDER) -> Jet:
+        """(order + 1, n) rocker angle and derivatives, see `Motion.jet`."""
+        return self.linkage.transform(self.slider.jet(phi, side, order), order)
 
     def jet_bounds(self, low: FloatArray, high: FloatArray) -> Jet:
         """See `Motion.jet_bounds`."""

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from camgeo.errors import GeometryError
-from camgeo.mechanism.follower import FULL_ORDER, RelativeJet
-from camgeo.motion.motion import Jet
+from camgeo.mechanism.follower import RelativeJet
+from camgeo.motion.motion import FULL_ORDER, Jet
 from camgeo.numeric.arrays import FloatArray
 
 

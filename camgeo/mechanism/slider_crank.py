@@ -14,7 +14,7 @@ from functools import cached_property
 import numpy as np
 
 from camgeo.errors import GeometryError
-from camgeo.motion.motion import Jet
+from camgeo.motion.motion import FULL_ORDER, Jet
 from camgeo.numeric.arrays import FloatArray
 
 
@@ -132,8 +132,10 @@ class SliderCrank:
         pin_angle = np.arctan2(self.guide_height, -x)
         return pin_angle - self.branch * 2.0 * np.arctan2(sine, cosine)
 
-    def transform(self, jet: Jet) -> Jet:
-        """(4, n) rocker angle psi and derivatives [rad/rad^k] for slider strokes `jet` (4, n).
+    def transform(self, jet: Jet, order: int = FULL_ORDER) -> Jet:
+        """(order + 1, n) rocker angle psi and derivatives [rad/rad^k] for strokes `jet`.
+
+        `jet` (4, n) is the slider's stroke and its derivatives [mm/rad^k]; order is at least 1.
 
         psi is counted from stroke 0, counter-clockwise positive, in (-pi, pi].
 
@@ -162,9 +164,9 @@ class SliderCrank:
         # cos(v - theta) by the law of cosines, sin(v - theta) from the triangle's area.
         cos_between = cos_v * cosine + (height / coupler - (crank / coupler) * sine) * sine
         leverage = (self.branch / (2.0 * crank * coupler)) * product
-        p1, p2, p3 = jet[1], jet[2], jet[3]
+        p1 = jet[1]
         if not np.all(product):
-            resting = (p1 == 0.0) & (p2 == 0.0) & (p3 == 0.0)
+            resting = np.all(jet[1:] == 0.0, axis=0)
             if np.any((leverage == 0.0) & ~resting):
                 raise GeometryError(
                     "dead centre: crank and coupler lie on one line while the slider starts to"
@@ -172,23 +174,30 @@ class SliderCrank:
                     key="linkage",
                 )
             leverage = np.where(resting, 1.0, leverage)
-        reciprocal = 1.0 / leverage
-        of_crank, of_coupler = reciprocal / crank, reciprocal / coupler
+        of_crank = 1.0 / (crank * leverage)
         direction = -float(self.stroke_direction)
-        per_crank = direction * cos_v * of_crank  # theta' for p' = 1, the sign of p included
-        per_coupler = direction * cosine * of_coupler
-        out = np.empty_like(jet)
-        theta1, theta2, theta3 = out[1], out[2], out[3]
-        np.multiply(p1, per_crank, out=theta1)
-        v1 = -p1 * per_coupler
-        swing_in = crank * (theta1 * theta1)
-        coupler_in = coupler * (v1 * v1)
-        np.multiply(p2, per_crank, out=theta2)
-        theta2 += (swing_in * cos_between + coupler_in) * of_crank
-        v2 = -p2 * per_coupler - (swing_in + coupler_in * cos_between) * of_coupler
-        mixed = (3.0 * crank) * cos_between * theta1 * theta2 + (3.0 * coupler) * v1 * v2
-        np.multiply(p3, per_crank, out=theta3)
-        theta3 += theta1 * theta1 * theta1 + mixed * of_crank
+        per_crank = direction * cos_v  # theta' for p' = 1, the sign of p included
+        per_crank *= of_crank
+        out = np.empty((order + 1, jet.shape[1]))
+        theta1 = np.multiply(p1, per_crank, out=out[1])
+        if order > 1:
+            of_coupler = (crank / coupler) * of_crank
+            per_coupler = direction * cosine
+            per_coupler *= of_coupler
+            v1 = p1 * per_coupler
+            np.negative(v1, out=v1)
+            swing_in = theta1 * theta1
+            swing_in *= crank
+            coupler_in = v1 * v1
+            coupler_in *= coupler
+            theta2 = np.multiply(jet[2], per_crank, out=out[2])
+            theta2 += (swing_in * cos_between + coupler_in) * of_crank
+        if order > 2:
+            v2 = -jet[2] * per_coupler - (swing_in + coupler_in * cos_between) * of_coupler
+            mixed = (3.0 * crank) * cos_between * theta1 * theta2 + (3.0 * coupler) * v1 * v2
+            theta3 = np.multiply(jet[3], per_crank, out=out[3])
+            theta3 += theta1 * theta1 * theta1
+            theta3 += mixed * of_crank
         swing = np.subtract(theta, self.start_angle, out=out[0])
         if len(swing) and not (np.max(swing) <= math.pi and np.min(swing) > -math.pi):
             swing -= 2.0 * math.pi * np.ceil((swing - math.pi) / (2.0 * math.pi))

@@ -16,6 +16,8 @@ Side = Literal["right", "left"]
 
 Jet = FloatArray
 
+FULL_ORDER = 3
+
 
 @dataclass(frozen=True, slots=True)
 class Dwell:
@@ -51,8 +53,11 @@ class Motion(Protocol):
     @property
     def dwells(self) -> tuple[Dwell, ...]: ...
 
-    def jet(self, phi: FloatArray, side: Side = "right") -> Jet:
-        """(4, n) lift and derivatives at the cam angles `phi` (n,) [rad], any number of turns."""
+    def jet(self, phi: FloatArray, side: Side = "right", order: int = FULL_ORDER) -> Jet:
+        """(order + 1, n) lift and derivatives at `phi` (n,) [rad], any number of turns.
+
+        A motion may return more orders than it is asked for, never fewer.
+        """
 
     def jet_bounds(self, low: FloatArray, high: FloatArray) -> Jet:
         """(4, n) upper bounds of |s - s(middle)|, |s'|, |s''|, |s'''| over the cells [low, high].

@@ -15,8 +15,8 @@ import numpy as np
 
 from camgeo.errors import GeometryError
 from camgeo.motion.laws.law import Formula, Law
+from camgeo.motion.motion import FULL_ORDER, Jet, Side
 from camgeo.motion.motion import Dwell as DwellSpan
-from camgeo.motion.motion import Jet, Side
 from camgeo.numeric.arrays import FloatArray, IntArray, frozen
 from camgeo.units import TURN
 
@@ -233,8 +233,11 @@ class MotionPlan:
             found = found[1:]
         return tuple(DwellSpan(start, end - start) for start, end in found)
 
-    def jet(self, phi: FloatArray, side: Side = "right") -> Jet:
-        """(4, n) lift and derivatives at the cam angles `phi` (n,) [rad], any number of turns."""
+    def jet(self, phi: FloatArray, side: Side = "right", _order: int = FULL_ORDER) -> Jet:
+        """(4, n) lift and derivatives at the cam angles `phi` (n,) [rad], any number of turns.
+
+        All orders, as the higher ones cost little once the law's sines are there.
+        """
         angle = in_turn(phi, side)
         out = np.empty((4, len(angle)))
         for piece, index in self._by_piece(angle, side):

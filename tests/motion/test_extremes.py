@@ -23,7 +23,7 @@ class Wave:
     borders = np.empty(0)
     dwells: tuple[DwellSpan, ...] = ()
 
-    def jet(self, phi: FloatArray, side: Side = "right") -> Jet:
+    def jet(self, phi: FloatArray, side: Side = "right", order: int = 3) -> Jet:
         x = phi - 1.0
         return 3.0 * np.stack((np.sin(x), np.cos(x), -np.sin(x), -np.cos(x)))
 
