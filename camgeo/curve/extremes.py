@@ -16,6 +16,10 @@ from camgeo.units import TURN
 SAMPLES = 257
 """Grid points per smooth piece on which sign changes of a slope are looked for."""
 
+INSIDE = 1e-8
+"""How far inside a piece its ends are looked at, as a share of its length: far beyond the rounding
+of a cam angle, and what lies between is as extreme at the end itself to this share squared."""
+
 Quantity = Callable[[FloatArray, Side], FloatArray]
 
 
@@ -60,7 +64,9 @@ def extremes(curve: HasBreaks, value: Quantity, *slopes: Quantity) -> Extremes:
         start, end = np.array([piece.start]), np.array([piece.end])
         inner: list[FloatArray] = []
         if not piece.dwell:
-            grid = np.linspace(piece.start, piece.end, SAMPLES)[1:-1]
+            grid = np.linspace(piece.start, piece.end, SAMPLES)
+            inside = INSIDE * (piece.end - piece.start)
+            grid[[0, -1]] += (inside, -inside)  # from inside, where a slope may jump
             inner = [roots_on_grid(_right(slope), grid) for slope in slopes]
         middle = np.sort(np.concatenate([*inner, np.empty(0)]))
         places += [start, middle, end]
