@@ -14,11 +14,15 @@ import numpy as np
 from camgeo.check.finding import Finding
 from camgeo.curve.extremes import Extremes
 from camgeo.curve.working_curve import WorkingCurve
+from camgeo.numeric.arrays import FloatArray
 from camgeo.numeric.roots import bracketed_roots
 from camgeo.units import TURN
 
 CUSP = 1e-12
 """1 + d kappa within this of zero is a cusp: twenty times the rounding of the curvature."""
+
+INSIDE = 1e-13
+"""This far from a break [rad] a cam angle is not taken for the break itself; 6e-12 degrees."""
 
 
 def check_radius_ratio(flank: WorkingCurve, name: str, bends: Extremes, limit: float) -> Finding:
@@ -79,7 +83,9 @@ def check_undercut(flank: WorkingCurve, name: str, bends: Extremes) -> tuple[Fin
                 cam_angle=phi,
             ),
         )
-    return tuple(_undercut(flank, name, start, end) for start, end in undercut_ranges(flank, bends))
+    return tuple(
+        _undercut(flank, name, bends, start, end) for start, end in undercut_ranges(flank, bends)
+    )
 
 
 def undercut_ranges(flank: WorkingCurve, bends: Extremes) -> list[tuple[float, float]]:
@@ -97,7 +103,7 @@ def undercut_ranges(flank: WorkingCurve, bends: Extremes) -> list[tuple[float, f
     jump = crossing & (phi[1:] == phi[:-1])
     smooth = np.flatnonzero(crossing & ~jump)
     angles = np.where(jump, phi[:-1], 0.0)
-    angles[smooth] = bracketed_roots(flank.regularity, phi[smooth], phi[smooth + 1])
+    angles[smooth] = _crossings(flank, phi[smooth], phi[smooth + 1])
     places = np.flatnonzero(crossing)
     marks = [(float(angles[k]), bool(values[k + 1] < 0.0)) for k in places]
     if marks and not marks[0][1]:
@@ -107,10 +113,24 @@ def undercut_ranges(flank: WorkingCurve, bends: Extremes) -> list[tuple[float, f
     return [(start % TURN, end % TURN) for start, end in zip(starts, ends, strict=True)]
 
 
-def _undercut(flank: WorkingCurve, name: str, start: float, end: float) -> Finding:
+def _crossings(flank: WorkingCurve, low: FloatArray, high: FloatArray) -> FloatArray:
+    """Where 1 + d kappa passes zero in each smooth stretch [low, high] (n,) [rad].
+
+    Its ends may be breaks, at which the value from the other side counts for nothing here.
+    """
+    low, high = low + INSIDE, high - INSIDE
+    at_low, at_high = flank.regularity(low), flank.regularity(high)
+    roots = np.where(np.abs(at_low) < np.abs(at_high), low, high)
+    within = np.flatnonzero((at_low < 0.0) != (at_high < 0.0))
+    roots[within] = bracketed_roots(flank.regularity, low[within], high[within])
+    return roots
+
+
+def _undercut(flank: WorkingCurve, name: str, bends: Extremes, start: float, end: float) -> Finding:
+    """The finding of one range: its margin is that of an extreme, as one lies in every range."""
     span = end - start if end > start else end - start + TURN
-    grid = np.linspace(start, start + span, 257)[1:-1]
-    margins = flank.regularity(grid)
+    inside = np.flatnonzero((bends.phi - start) % TURN <= span)
+    margins = 1.0 + flank.distance * bends.values[inside]
     worst = int(np.argmin(margins))
     return Finding(
         name=f"undercut-{name}",
@@ -122,7 +142,7 @@ def _undercut(flank: WorkingCurve, name: str, start: float, end: float) -> Findi
         ),
         value=float(margins[worst]),
         limit=0.0,
-        cam_angle=float(grid[worst] % TURN),
+        cam_angle=float(bends.phi[worst]) % TURN,
         cam_range=(start, end),
     )
 

@@ -26,7 +26,10 @@ def transmission_angle_extremes(curve: PitchCurve) -> Extremes:
     def across(phi: FloatArray, side: Side) -> FloatArray:
         return curve.relative_jet(phi, side, order=1).u  # the angle is 0 where this vanishes
 
-    return extremes(curve, curve.transmission_angle, slope, across)
+    def along(phi: FloatArray, side: Side) -> FloatArray:
+        return curve.relative_jet(phi, side, order=1).v  # and 90 degrees where this does
+
+    return extremes(curve, curve.transmission_angle, slope, across, along)
 
 
 def check_transmission_angle(curve: PitchCurve, limit: float) -> Finding:

@@ -1,0 +1,104 @@
+"""A design is lazy: each quantity at most once, and only when it is asked for."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import camgeo
+from camgeo.curve import curvature, pitch_curve
+from camgeo.design import Design
+from camgeo.motion import plan
+
+SETZHUB = Path(__file__).parents[1] / "fixtures" / "scenes" / "setzhub.toml"
+
+
+@pytest.fixture
+def design() -> Design:
+    return camgeo.load(SETZHUB)
+
+
+def test_nothing_is_computed_on_loading(design: Design, monkeypatch: pytest.MonkeyPatch) -> None:
+    assert set(vars(design)) == {"specification"}
+    calls: list[str] = []
+    jet = pitch_curve.PitchCurve.relative_jet
+
+    def counted(*arguments: object, **options: object) -> object:
+        calls.append("relative_jet")
+        return jet(*arguments, **options)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(pitch_curve.PitchCurve, "relative_jet", counted)
+    camgeo.load(SETZHUB)
+    assert calls == []
+    design.pitch(np.zeros(3))
+    assert calls == ["relative_jet"]
+
+
+def test_what_was_not_asked_for_did_not_run(design: Design) -> None:
+    design.pitch(np.zeros(1))
+    design.transmission_angle(np.zeros(1))
+    assert set(vars(design)) == {"specification", "motion", "pitch_curve"}
+
+
+def test_findings_are_computed_once(design: Design, monkeypatch: pytest.MonkeyPatch) -> None:
+    count = []
+    original = curvature.curvature_extremes
+
+    def counted(curve: pitch_curve.PitchCurve) -> object:
+        count.append(curve)
+        return original(curve)
+
+    monkeypatch.setattr("camgeo.design.curvature_extremes", counted)
+    first = design.findings
+    assert design.findings is first
+    assert design.has_outline
+    assert len(count) == 1
+
+
+def test_findings_come_worst_first(tmp_path: Path) -> None:
+    text = SETZHUB.read_text(encoding="utf-8").replace("roller_radius = 7.0", "roller_radius = 55")
+    text = text.replace("transmission_angle = 41", "transmission_angle = 80")
+    scene = tmp_path / "scene.toml"
+    scene.write_text(text, encoding="utf-8")
+    severities = [finding.severity for finding in camgeo.load(scene).findings]
+    assert severities[0] == "wrong"
+    order = ["wrong", "fatal", "broken", "warning", "ok"]
+    assert severities == sorted(severities, key=order.index)
+    assert {"wrong", "fatal", "broken", "ok"} <= set(severities)
+
+
+def test_a_check_imports_no_contour_and_no_writer() -> None:
+    code = (
+        "import camgeo, json, sys; d = camgeo.load(sys.argv[1]); d.findings;"
+        "print(json.dumps(sorted(sys.modules)))"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code, str(SETZHUB)], capture_output=True, text=True, check=True
+    )
+    loaded = json.loads(done.stdout)
+    unwanted = ("camgeo.contour", "camgeo.toolpath.plan", "camgeo_export", "shapely", "scipy")
+    assert not [name for name in loaded if name.startswith(unwanted)]
+    assert "camgeo.check.curvature" in loaded
+
+
+def test_quantities_agree_with_the_curves(design: Design) -> None:
+    phi = np.linspace(0.0, 2.0 * np.pi, 50)
+    pitch = design.pitch_curve.point(phi)
+    assert np.array_equal(design.pitch(phi), np.column_stack((pitch.real, pitch.imag)))
+    assert np.array_equal(design.curve("inner", phi), design.inner(phi))
+    assert np.array_equal(design.quantity("s2", phi), design.lift(phi)[2])
+    kappa = design.curvature(phi)
+    assert np.array_equal(design.quantity("curvature", phi), kappa)
+    assert design.radius_of_curvature(phi) == pytest.approx(1.0 / kappa, rel=1e-15)
+    assert np.array_equal(design.stroke(phi), plan.MotionPlan.jet(design.specification.plan, phi))
+
+
+def test_arrays_of_any_number_of_turns(design: Design) -> None:
+    phi = np.linspace(-7.0, 20.0, 101)
+    turned = phi - 2.0 * np.pi * np.floor(phi / (2.0 * np.pi))
+    assert design.pitch(phi) == pytest.approx(design.pitch(turned), abs=1e-12)
