@@ -129,7 +129,8 @@ def _crossings(flank: WorkingCurve, low: FloatArray, high: FloatArray) -> FloatA
 def _undercut(flank: WorkingCurve, name: str, bends: Extremes, start: float, end: float) -> Finding:
     """The finding of one range: its margin is that of an extreme, as one lies in every range."""
     span = end - start if end > start else end - start + TURN
-    inside = np.flatnonzero((bends.phi - start) % TURN <= span)
+    # It may lie at a break that ends the range, whose angle has been rounded on another way.
+    inside = np.flatnonzero((bends.phi - start + INSIDE) % TURN <= span + 2.0 * INSIDE)
     margins = 1.0 + flank.distance * bends.values[inside]
     worst = int(np.argmin(margins))
     return Finding(
@@ -142,7 +143,7 @@ def _undercut(flank: WorkingCurve, name: str, bends: Extremes, start: float, end
         ),
         value=float(margins[worst]),
         limit=0.0,
-        cam_angle=float(bends.phi[worst]) % TURN,
+        cam_angle=float(bends.phi[inside[worst]]) % TURN,
         cam_range=(start, end),
     )
 

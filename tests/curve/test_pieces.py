@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import itertools
 from decimal import Decimal
 
 import pytest
@@ -17,7 +18,7 @@ from tests.strategies import attack, plans
 def test_pieces_fill_one_turn_from_break_to_break(plan: MotionPlan) -> None:
     found = smooth_pieces(plan)
     assert sum(piece.end - piece.start for piece in found) == pytest.approx(TURN, rel=1e-15)
-    for before, after in zip(found[:-1], found[1:], strict=True):
+    for before, after in itertools.pairwise(found):
         assert before.end == after.start
     if plan.breaks.size:
         assert [piece.start for piece in found] == plan.breaks.tolist()
@@ -26,15 +27,11 @@ def test_pieces_fill_one_turn_from_break_to_break(plan: MotionPlan) -> None:
 @attack
 @given(plan=plans())
 def test_rests_are_pieces_and_moves_are_not_rests(plan: MotionPlan) -> None:
-    resting = [
-        (piece.start, piece.end - piece.start) for piece in smooth_pieces(plan) if piece.dwell
-    ]
-    assert len(resting) == len(plan.dwells)
-    for (start, span), dwell in zip(
-        resting, sorted(plan.dwells, key=lambda d: d.start), strict=True
-    ):
-        assert start == dwell.start
-        assert span == pytest.approx(dwell.span, rel=1e-14)
+    resting = [piece for piece in smooth_pieces(plan) if piece.dwell]
+    dwells = sorted(plan.dwells, key=lambda dwell: dwell.start)
+    assert [piece.start for piece in resting] == [dwell.start for dwell in dwells]
+    spans = [piece.end - piece.start for piece in resting]
+    assert spans == pytest.approx([dwell.span for dwell in dwells], rel=1e-14)
 
 
 def test_a_rest_of_the_whole_turn() -> None:

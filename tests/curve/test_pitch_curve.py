@@ -5,51 +5,46 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import assume, given
 
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.errors import GeometryError
-from camgeo.numeric.arrays import FloatArray
 from camgeo.units import TURN
 from tests.integrals import cells, integrals
 from tests.reference import hard_case, mechanisms, pitch_curve_of
 from tests.strategies import BENT, attack, pitch_curves
 
-ROUNDING = 1e-12
-"""Of angles [rad]: those of tangents, which are right to some 1e-14, and integrals of the curvature,
-right to a hundred ulp and an ulp of 2 pi at the cam angle, by the steepness of a jerk."""
+QUADRATURE = 1e-9
+"""What the rule of 24 points leaves of a sharp bend, for curves whose speed changes by 1 to 5."""
+
+
+def steady(curve: PitchCurve) -> bool:
+    """True if the rule of 24 points can follow: |Z'| stays off 0."""
+    speed = np.abs(curve.jet(np.linspace(0.0, TURN, 721))[1])
+    return bool(np.min(speed) > 0.2 * np.max(speed))
 
 
 @attack
 @given(curve=pitch_curves(BENT))
 def test_curvature_is_the_turning_of_the_tangent(curve: PitchCurve) -> None:
     """Positive where convex: a convex curve run through clockwise, for sigma = +1, turns so."""
+    assume(steady(curve))
     low, high = cells(curve.borders, 12)
     found = integrals(lambda phi: curve.curvature(phi) * np.abs(curve.jet(phi)[1]), low, high)
     ahead, behind = curve.jet(high, "left")[1], curve.jet(low, "right")[1]
     turned = -curve.rotation * np.angle(ahead / behind)
-    if not converged(curve, low, high):
-        return
-    assert np.max(np.abs(found - turned)) <= ROUNDING + 1e-9 * np.max(np.abs(found))
-
-
-def converged(curve: PitchCurve, low: FloatArray, high: FloatArray) -> bool:
-    """True if nothing turns so fast that 24 points cannot follow it: |Z'| stays off 0."""
-    phi = np.linspace(0.0, TURN, 721)
-    speed = np.abs(curve.jet(phi)[1])
-    return bool(np.min(speed) > 0.2 * np.max(speed)) and bool(np.all(high > low))
+    assert np.max(np.abs(found - turned)) <= QUADRATURE * np.max(np.abs(found))
 
 
 @attack
 @given(curve=pitch_curves(BENT))
 def test_the_slope_of_the_curvature_is_its_derivative(curve: PitchCurve) -> None:
+    assume(steady(curve))
     low, high = cells(curve.borders, 12)
-    if not converged(curve, low, high):
-        return
     found = integrals(curve.curvature_slope, low, high)
     change = curve.curvature(high, "left") - curve.curvature(low, "right")
     scale = np.max(np.abs(curve.curvature(np.linspace(0.0, TURN, 721))))
-    assert np.max(np.abs(found - change)) <= 1e-9 * scale
+    assert np.max(np.abs(found - change)) <= QUADRATURE * scale
 
 
 @pytest.mark.parametrize("name", mechanisms())

@@ -71,7 +71,7 @@ class Law:
     ----------
     name : as written in a scene.
     regions : from z = 0 to z = 1 without gaps.
-    borders : inner z at which f'' or f''' jumps.
+    borders : inner z at which f'', f''' or the fourth derivative jumps.
     characteristic : the law's characteristic values.
     end_velocity : f'(0) = f'(1); not 0 only where the law starts and ends with a shock.
     end_acceleration : f''(0) and f''(1); not 0 where the law has a jerk at its ends.
@@ -136,7 +136,7 @@ class HalfLaw:
     regions : from z = 0 to z = 1/2.
     centre : r (n,) in [0, 1/2] -> 1/2 - f(1/2 - r), to the last digits also for small r.
     characteristic : of the symmetric law.
-    borders : z inside (0, 1/2) at which f'' or f''' jumps.
+    borders : z inside (0, 1/2) at which f'', f''' or the fourth derivative jumps.
     middle_jumps : True if f'' or f''' jumps at z = 1/2 in the symmetric law.
     end_velocity, end_acceleration : f'(0), f''(0).
     """
