@@ -10,7 +10,7 @@ import math
 from dataclasses import dataclass
 from decimal import Decimal
 from functools import cached_property
-from typing import TYPE_CHECKING, Literal, Protocol
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -19,7 +19,7 @@ from camgeo.check.closure import check_closure
 from camgeo.check.curvature import check_radius_ratio, check_undercut
 from camgeo.check.finding import Finding
 from camgeo.check.follower import check_follower
-from camgeo.check.limits import Limits, default_transmission_angle
+from camgeo.check.limits import default_transmission_angle
 from camgeo.check.linkage import check_linkage
 from camgeo.check.standstill import check_standstill
 from camgeo.check.transmission_angle import check_transmission_angle
@@ -29,12 +29,11 @@ from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import GeometryError
 from camgeo.mechanism.linkage import LinkedMotion
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
-from camgeo.mechanism.slider_crank import SliderCrank
 from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.motion.motion import Jet, Motion, Side
-from camgeo.motion.plan import MotionPlan
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.part.spec import Contact, PartSpec
+from camgeo.specification import Specification
 from camgeo.units import MM_PER, LengthUnit
 
 if TYPE_CHECKING:
@@ -61,75 +60,6 @@ WORST_FIRST = ("wrong", "fatal", "broken", "warning", "ok")
 
 NO_OUTLINE = ("wrong", "fatal")
 """Severities with which no outline is made."""
-
-
-class OutputRequest(Protocol):
-    """What a scene says of its output, see `camgeo.scene.model.OutputSpec`."""
-
-    @property
-    def formats(self) -> tuple[str, ...]: ...
-
-    @property
-    def tolerance(self) -> float: ...
-
-    @property
-    def dxf(self) -> DxfSpec: ...
-
-    @property
-    def gcode(self) -> GcodeSpec | None: ...
-
-    @property
-    def table_step(self) -> Decimal: ...
-
-
-class Source(Protocol):
-    """Where a scene came from, see `camgeo.scene.model.SceneSource`."""
-
-    @property
-    def file(self) -> str: ...
-
-    @property
-    def sha256(self) -> str: ...
-
-
-class Specification(Protocol):
-    """All that a design needs to be told; `camgeo.scene.model.Scene` is one."""
-
-    @property
-    def name(self) -> str: ...
-
-    @property
-    def unit(self) -> LengthUnit: ...
-
-    @property
-    def rotation(self) -> int: ...
-
-    @property
-    def speed(self) -> float | None: ...
-
-    @property
-    def plan(self) -> MotionPlan: ...
-
-    @property
-    def follower(self) -> TranslatingRoller | OscillatingRoller: ...
-
-    @property
-    def linkage(self) -> SliderCrank | None: ...
-
-    @property
-    def contact(self) -> Contact: ...
-
-    @property
-    def limits(self) -> Limits: ...
-
-    @property
-    def part(self) -> PartSpec | None: ...
-
-    @property
-    def output(self) -> OutputRequest: ...
-
-    @property
-    def source(self) -> Source: ...
 
 
 @dataclass(frozen=True)

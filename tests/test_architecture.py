@@ -29,7 +29,7 @@ STAGES: tuple[tuple[str, ...], ...] = (
     ("part",),
     ("toolpath",),
     ("files",),
-    ("design",),
+    ("specification", "design"),
     ("scene",),
     ("sweep",),
     ("cli",),

@@ -1,0 +1,87 @@
+"""What a design needs to be told: the shape of a scene, without the scene's file format."""
+
+from __future__ import annotations
+
+from decimal import Decimal
+from typing import TYPE_CHECKING, Protocol
+
+from camgeo.check.limits import Limits
+from camgeo.mechanism.oscillating_roller import OscillatingRoller
+from camgeo.mechanism.slider_crank import SliderCrank
+from camgeo.mechanism.translating_roller import TranslatingRoller
+from camgeo.motion.plan import MotionPlan
+from camgeo.part.spec import Contact, PartSpec
+from camgeo.units import LengthUnit
+
+if TYPE_CHECKING:
+    from camgeo.files.specs import DxfSpec
+    from camgeo.toolpath.spec import GcodeSpec
+
+
+class OutputRequest(Protocol):
+    """What a scene says of its output, see `camgeo.scene.model.OutputSpec`."""
+
+    @property
+    def formats(self) -> tuple[str, ...]: ...
+
+    @property
+    def tolerance(self) -> float: ...
+
+    @property
+    def dxf(self) -> DxfSpec: ...
+
+    @property
+    def gcode(self) -> GcodeSpec | None: ...
+
+    @property
+    def table_step(self) -> Decimal: ...
+
+
+class Source(Protocol):
+    """Where a scene came from, see `camgeo.scene.model.SceneSource`."""
+
+    @property
+    def file(self) -> str: ...
+
+    @property
+    def sha256(self) -> str: ...
+
+
+class Specification(Protocol):
+    """All that a design needs to be told; `camgeo.scene.model.Scene` is one."""
+
+    @property
+    def name(self) -> str: ...
+
+    @property
+    def unit(self) -> LengthUnit: ...
+
+    @property
+    def rotation(self) -> int: ...
+
+    @property
+    def speed(self) -> float | None: ...
+
+    @property
+    def plan(self) -> MotionPlan: ...
+
+    @property
+    def follower(self) -> TranslatingRoller | OscillatingRoller: ...
+
+    @property
+    def linkage(self) -> SliderCrank | None: ...
+
+    @property
+    def contact(self) -> Contact: ...
+
+    @property
+    def limits(self) -> Limits: ...
+
+    @property
+    def part(self) -> PartSpec | None: ...
+
+    @property
+    def output(self) -> OutputRequest: ...
+
+    @property
+    def source(self) -> Source: ...
