@@ -9,8 +9,8 @@ from collections.abc import Sequence
 
 from camgeo._version import __version__
 from camgeo.cli import build, check, laws, new, plot, table
-from camgeo.cli.command import WRONG, tell
-from camgeo.errors import CamgeoError, GeometryError
+from camgeo.cli.command import BROKEN, WRONG, tell
+from camgeo.errors import CamgeoError, GeometryError, UndercutError
 
 INTERRUPTED = 130
 """Exit code after Ctrl-C, as shells count it."""
@@ -42,6 +42,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         code: int = parsed.run(parsed)
         sys.stdout.flush()
         return code
+    except UndercutError as error:
+        tell(f"camgeo: {error.message}; nothing was written")
+        return BROKEN
     except GeometryError as error:
         given = f" = {error.value}" if error.value else ""
         place = f"{error.key}{given}: " if error.key else ""

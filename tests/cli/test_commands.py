@@ -229,3 +229,12 @@ def test_reader_that_has_had_enough() -> None:
     run = subprocess.run(["sh", "-c", command], capture_output=True, text=True, check=True)
     assert run.stdout.startswith("phi [deg],")
     assert run.stderr == ""
+
+
+def test_an_outline_that_crosses_itself_is_refused(tmp_path: Path, capsys: Capture) -> None:
+    """HC22: every check of the curvature holds, and yet there is no such disc."""
+    scene = str(SCENES.parent / "refused" / "global_undercut.toml")
+    assert main(["check", scene]) == 0
+    assert main(["build", scene, "-o", str(tmp_path / "out")]) == 1
+    assert "the outline crosses itself" in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == []
