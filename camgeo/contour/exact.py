@@ -13,6 +13,9 @@ from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, IntArray
 MAX_CHORDS = 2_000_000
 """Chords at most."""
 
+ROUNDING = 2.0**-52 * 8.0
+"""Rounding of a distance, as a share of the outline's size."""
+
 
 def chords_of(exact: Contour, tolerance: float) -> Contour:
     """Straight pieces with vertices on `exact`, at most `tolerance` [mm] off it."""
@@ -52,14 +55,25 @@ def distance_between(exact: Contour, contour: Contour) -> float:
     """
     if exact.area * contour.area < 0.0:
         contour = contour.reversed()
-    owner = _nearest_pieces(exact, _middles(contour))
-    largest = float(np.max(_largest_distances(exact, owner, contour)))
+    owner = np.argmin(_distances(exact, _middles(contour)), axis=0)
+    beside = _largest_distances(exact, owner, contour)
+    # Past the end of its owner a piece is as far off as from the corner there: a straight piece at
+    # most as far as at its own end, an arc at most its length farther.
+    ends = np.maximum(
+        _distances_from_owner(exact, owner, contour.vertices),
+        _distances_from_owner(exact, owner, contour.ends),
+    )
+    past = (ends > beside * (1.0 + 1e-9)) & (contour.sweeps != 0.0)
+    beyond = np.where(past, ends + contour.lengths, ends)
+    largest = float(np.max(np.maximum(beside, beyond)))
     before = np.roll(owner, 1)
     changes = np.flatnonzero(owner != before)
     corners = _corner_distances(exact, before[changes], owner[changes], contour.vertices[changes])
     _check_round(exact, contour)
     _check_all_followed(exact, owner)
-    return max(largest, float(np.max(corners, initial=0.0)))
+    _check_gaps(exact, owner, contour)
+    rounding = ROUNDING * float(np.max(np.abs(exact.vertices)))
+    return max(largest, float(np.max(corners, initial=0.0))) + rounding
 
 
 def _middles(contour: Contour) -> ComplexArray:
@@ -87,9 +101,18 @@ def _distance_to_piece(exact: Contour, k: int, points: ComplexArray) -> FloatArr
     return round_off
 
 
-def _nearest_pieces(exact: Contour, points: ComplexArray) -> IntArray:
-    distances = np.stack([_distance_to_piece(exact, k, points) for k in range(len(exact))])
-    nearest: IntArray = np.argmin(distances, axis=0)
+def _distances(exact: Contour, points: ComplexArray) -> FloatArray:
+    """(pieces, n) distance of `points` (n,) from each piece of `exact`."""
+    return np.stack([_distance_to_piece(exact, k, points) for k in range(len(exact))])
+
+
+def _distances_from_owner(exact: Contour, owner: IntArray, points: ComplexArray) -> FloatArray:
+    """Distance (n,) of each point from its owner; arcs of one circle count as one piece."""
+    each = np.arange(len(exact))
+    one, other = (grid.ravel() for grid in np.meshgrid(each, each, indexing="ij"))
+    together = (_same_circle(exact, one, other) | (one == other)).reshape(len(exact), -1)
+    apart = np.where(together[:, owner], _distances(exact, points), np.inf)
+    nearest: FloatArray = np.min(apart, axis=0)
     return nearest
 
 
@@ -165,6 +188,26 @@ def _check_all_followed(exact: Contour, owner: IntArray) -> None:
         if np.array_equal(more, followed):
             raise GeometryError("the contour leaves out a part of the exact outline")
         followed = more
+
+
+def _check_gaps(exact: Contour, owner: IntArray, contour: Contour) -> None:
+    """No piece may pass the gap of an arc, e.g. the slot in a bore, on the far side of its centre.
+
+    Its ends would be beside the arc, but the points between them farther than the circle is.
+    """
+    arm = exact.vertices - exact.centres
+    each = np.arange(len(exact))
+    alone = ~_same_circle(exact, each, np.roll(each, 1))
+    alone &= ~_same_circle(exact, each, np.roll(each, -1))
+    facing = (arm * np.exp(0.5j * exact.sweeps))[owner]
+    centre = exact.centres[owner]
+    with_gap = (exact.sweeps[owner] != 0.0) & alone[owner]
+    start = np.angle((contour.vertices - centre) * np.conj(facing))
+    end = np.angle((contour.ends - centre) * np.conj(facing))
+    short_way = np.angle((contour.ends - centre) * np.conj(contour.vertices - centre))
+    turned = np.where(contour.sweeps != 0.0, contour.sweeps, short_way)
+    if np.any(with_gap & (np.abs(end - start - turned) > np.pi)):
+        raise GeometryError("the contour passes a gap of the exact outline")
 
 
 def _check_round(exact: Contour, contour: Contour) -> None:
