@@ -4,11 +4,8 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from camgeo.check.finding import Finding
 from camgeo.mechanism.linkage import LinkedMotion
-from camgeo.motion.extremes import lift_range
 
 DEAD_CENTRE = 1e-9
 """Crank and coupler within this share of their lengths of a straight line are at a dead centre."""
@@ -21,10 +18,8 @@ def check_linkage(motion: LinkedMotion) -> tuple[Finding, ...]:
     """Dead centre in the stroke (fatal); coupler not parallel to the guide (warning)."""
     linkage = motion.linkage
     found = []
-    stroke = np.array(lift_range(motion.slider))
-    nearest = np.clip(-linkage.stroke_direction * linkage.start_position, *stroke)
-    reach = -linkage.missing_length(np.append(stroke, nearest))
-    spare = float(np.min(reach))
+    stroke, missing = motion.tightest()
+    spare = -missing
     limit = DEAD_CENTRE * (linkage.crank + linkage.coupler)
     if spare <= limit:
         found.append(
@@ -32,8 +27,7 @@ def check_linkage(motion: LinkedMotion) -> tuple[Finding, ...]:
                 name="dead-centre",
                 severity="fatal",
                 sentence=(
-                    "crank and coupler come to lie on one line at stroke"
-                    f" {float(np.append(stroke, nearest)[int(np.argmin(reach))]):.6g} mm: a dead"
+                    f"crank and coupler come to lie on one line at stroke {stroke:.6g} mm: a dead"
                     " centre, the rocker's acceleration becomes infinite there"
                 ),
                 value=spare,

@@ -6,14 +6,10 @@ import argparse
 import sys
 from decimal import Decimal, InvalidOperation
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from camgeo.cli.command import FINE, Subparsers, new_parser, print_json, tell
 from camgeo.design import Design
 from camgeo.scene.load import load_scene
-
-if TYPE_CHECKING:
-    from camgeo.files.table import Table
 
 SMALLEST_STEP = Decimal("0.0001")
 LARGEST_STEP = Decimal(90)
@@ -58,7 +54,7 @@ def run(arguments: argparse.Namespace) -> int:
         columns = dict(zip(table.names, table.values.T.tolist(), strict=True))
         print_json(columns)
         return FINE
-    text = csv_text(table)
+    text = table.csv()
     if arguments.output is None:
         sys.stdout.write(text)
         return FINE
@@ -68,10 +64,3 @@ def run(arguments: argparse.Namespace) -> int:
     write_set(target.parent, {target.name: text.encode()}, force=arguments.force)
     tell(f"{target}: {len(table.values)} rows")
     return FINE
-
-
-def csv_text(table: Table) -> str:
-    """The table as CSV; numbers with the digits that they have."""
-    rows = [",".join(table.names)]
-    rows += [",".join(repr(value) for value in row) for row in table.values.tolist()]
-    return "\n".join(rows) + "\n"

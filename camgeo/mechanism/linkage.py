@@ -40,9 +40,7 @@ class LinkedMotion:
 
     def __post_init__(self) -> None:
         linkage = self.linkage
-        stroke = np.array(lift_range(self.slider))
-        nearest = np.clip(-linkage.stroke_direction * linkage.start_position, *stroke)
-        gap = float(np.max(linkage.missing_length(np.append(stroke, nearest))))
+        _, gap = self.tightest()
         if gap <= ROUNDING * (linkage.crank + linkage.coupler):
             return
         first, last = self._open_range()
@@ -52,6 +50,22 @@ class LinkedMotion:
             " stroke or lengthen crank or coupler",
             key="linkage",
         )
+
+    def tightest(self) -> tuple[float, float]:
+        """The stroke [mm] nearest to a dead centre, or beyond it, with the missing length [mm].
+
+        The length is negative where there is some to spare.
+
+        The pin's distance from the shaft is extreme at an end of the stroke, or where it passes the
+        shaft.
+        """
+        linkage = self.linkage
+        ends = np.array(lift_range(self.slider))
+        passing = np.clip(-linkage.stroke_direction * linkage.start_position, *ends)
+        strokes = np.append(ends, passing)
+        missing = linkage.missing_length(strokes)
+        worst = int(np.argmax(missing))
+        return float(strokes[worst]), float(missing[worst])
 
     def _open_range(self) -> tuple[float, float]:
         """First and last cam angle [rad] at which crank and coupler just reach the pin.

@@ -21,15 +21,11 @@ class CsvWriter:
     def write(self, product: Product, tolerance: float) -> Written:
         """The table in the product's unit and in degrees; its values are not fitted."""
         table = product.table()
-        stream = io.StringIO()
-        rows = csv.writer(stream, lineterminator="\n")
-        rows.writerow(table.names)
-        rows.writerows([repr(value) for value in row] for row in (table.values + 0.0).tolist())
         facts: dict[str, int | float | str] = {
             "rows": len(table.values),
             "columns": len(table.names),
         }
-        return Written(stream.getvalue().encode("utf-8"), facts)
+        return Written(table.csv().encode("utf-8"), facts)
 
     def measure(self, product: Product, data: bytes) -> float:
         """Read the table back; the largest difference of its lengths [mm], 0.0 for a file of ours.
