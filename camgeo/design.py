@@ -21,6 +21,8 @@ from camgeo.check.finding import Finding
 from camgeo.check.follower import check_follower
 from camgeo.check.limits import default_transmission_angle
 from camgeo.check.linkage import check_linkage
+from camgeo.check.motion import check_motion
+from camgeo.check.speed import check_speed
 from camgeo.check.standstill import check_standstill
 from camgeo.check.transmission_angle import check_transmission_angle
 from camgeo.curve.curvature import curvature_extremes
@@ -31,6 +33,7 @@ from camgeo.mechanism.linkage import LinkedMotion
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.motion.motion import Jet, Motion, Side
+from camgeo.motion.time_course import ConstantSpeed, TimeCourse, in_time
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.part.spec import Contact, PartSpec
 from camgeo.specification import Specification
@@ -42,7 +45,7 @@ if TYPE_CHECKING:
 
     from camgeo.contour.contour import Contour
     from camgeo.contour.fit import Fit
-    from camgeo.files.product import FollowerSketch
+    from camgeo.files.product import FollowerSketch, PlanSketch
     from camgeo.files.specs import DxfSpec
     from camgeo.files.table import Table
     from camgeo.files.write import Report
@@ -86,6 +89,11 @@ class Design:
     def scene_hash(self) -> str:
         """SHA-256 of the scene file, hexadecimal."""
         return self.specification.source.sha256
+
+    @property
+    def scene_files(self) -> dict[str, str]:
+        """SHA-256 of the files that the scene reads, hexadecimal, by their names."""
+        return dict(self.specification.source.files)
 
     @property
     def version(self) -> str:
@@ -178,6 +186,30 @@ class Design:
         """(n,) [rad] in [0, pi/2]: transmission angle mu."""
         return self.pitch_curve.transmission_angle(phi, side)
 
+    @property
+    def _plan_unit(self) -> Literal["mm", "deg"]:
+        """Unit in which positions of the plan are told."""
+        return "mm" if self.has_linkage or self.lift_unit == "mm" else "deg"
+
+    @cached_property
+    def time_course(self) -> TimeCourse | None:
+        """How the cam turns; None if the scene gives no speed."""
+        if self.specification.speed_curve is not None:
+            return self.specification.speed_curve
+        speed = self.specification.speed
+        return None if speed is None else ConstantSpeed(speed)
+
+    def in_time(self, phi: FloatArray, side: Side = "right") -> FloatArray:
+        """(4, n) lift, velocity, acceleration, jerk [mm or rad per s^k] at `phi` (n,) [rad].
+
+        Of the motion that the scene demands: the slider's, if there is a linkage. Raises
+        GeometryError if the scene gives no speed.
+        """
+        if self.time_course is None:
+            raise GeometryError("needs [cam] speed or speed_curve", key="cam.speed")
+        angles = np.atleast_1d(phi)
+        return in_time(self.stroke(angles, side), self.time_course, angles)
+
     # Checks -----------------------------------------------------------------------------------
 
     @property
@@ -223,6 +255,9 @@ class Design:
                 found.append(check_radius_ratio(flank, name, bends, ratio))
                 found += check_undercut(flank, name, bends)
             found += check_closure(self.pitch_curve)
+        found += check_motion(self.specification.plan, self._plan_unit)
+        if self.time_course is not None:
+            found += check_speed(self.specification.plan, self.time_course, self._plan_unit)
         return tuple(sorted(found, key=lambda finding: WORST_FIRST.index(finding.severity)))
 
     @property
@@ -333,6 +368,19 @@ class Design:
         foot = -1j * out * follower.offset
         return FollowerSketch(
             "guide", foot + out * (follower.start_height + 2.0 * self.base_radius)
+        )
+
+    @property
+    def plan_sketch(self) -> PlanSketch:
+        """The motion plan, for a picture."""
+        from camgeo.files.sketch import plan_sketch
+
+        spec = self.specification
+        return plan_sketch(
+            spec.plan,
+            of="slider" if self.has_linkage else "follower",
+            unit="mm" if self.has_linkage else self.lift_unit,
+            speed=spec.speed if spec.speed_curve is None else None,
         )
 
     def table(self, step: Decimal | None = None) -> Table:

@@ -10,6 +10,7 @@ from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.mechanism.slider_crank import SliderCrank
 from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.motion.plan import MotionPlan
+from camgeo.motion.time_course import SpeedCurve
 from camgeo.part.spec import Contact, PartSpec
 from camgeo.units import LengthUnit
 
@@ -46,6 +47,9 @@ class Source(Protocol):
     @property
     def sha256(self) -> str: ...
 
+    @property
+    def files(self) -> tuple[tuple[str, str], ...]: ...
+
 
 class Specification(Protocol):
     """All that a design needs to be told; `camgeo.scene.model.Scene` is one."""
@@ -61,6 +65,9 @@ class Specification(Protocol):
 
     @property
     def speed(self) -> float | None: ...
+
+    @property
+    def speed_curve(self) -> SpeedCurve | None: ...
 
     @property
     def plan(self) -> MotionPlan: ...

@@ -19,7 +19,7 @@ from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.mechanism.slider_crank import SliderCrank
 from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.motion.inflection import shift
-from camgeo.motion.laws import LAWS
+from camgeo.motion.laws import LAWS, make_law
 from camgeo.motion.laws.law import Law
 from camgeo.motion.motion import Motion
 from camgeo.motion.plan import Dwell, MotionPlan, Move
@@ -35,8 +35,19 @@ LAW_NAMES = {
     "inclined_sine": "inclined-sine",
     "mod_acc_trapezoid": "modified-trapezoid",
     "mod_sine": "modified-sine",
+    "uu_sine_straight": "sine-straight",
+    "uu_simple_sine": "simple-sine",
+    "gg_mod_sine": "modified-sine",
+    "rg_mod_sine": "modified-sine",
+    "gr_mod_sine": "modified-sine",
+    "ru_mod_trapezoid": "modified-trapezoid",
+    "ur_mod_trapezoid": "modified-trapezoid",
+    "ru_harmonic": "harmonic-combination",
+    "ur_harmonic": "harmonic-combination",
+    "gu_harmonic": "harmonic-combination",
+    "ug_harmonic": "harmonic-combination",
 }
-"""Names of the laws there and here."""
+"""Names of the laws there and here; those that end in `poly5` are `polynomial-5`."""
 
 POLYNOMIAL = LAWS["polynomial-345"]
 
@@ -67,12 +78,23 @@ def law_cases() -> list[dict[str, Any]]:
     return cases
 
 
+def law_terms(case: dict[str, Any]) -> tuple[str, str, dict[str, float]]:
+    """Name, task and parameters of a case of `motion_law_values.json`, as `make_law` takes them."""
+    there, task = case["law"], case["task"]
+    if there == "rr_asymmetric":
+        name = LAW_NAMES[case["params"]["base"]]
+    else:
+        name = "polynomial-5" if there.endswith("poly5") else LAW_NAMES[there]
+    velocity = "v0" if task == "G-U" else "v1"
+    terms = {"lam": "inflection", "c": "curved", "vG": velocity}
+    numbers = {key: text for key, text in case["params_hex"].items() if key != "base"}
+    return name, task, {terms.get(key, key): float.fromhex(text) for key, text in numbers.items()}
+
+
 def law_of(case: dict[str, Any]) -> Law:
     """The law of a case of `motion_law_values.json`."""
-    if case["law"] == "rr_asymmetric":
-        base = LAWS[LAW_NAMES[case["params"]["base"]]]
-        return shift(base, float.fromhex(case["params_hex"]["lam"]))
-    return LAWS[LAW_NAMES[case["law"]]]
+    name, task, parameters = law_terms(case)
+    return make_law(name, task, **parameters)
 
 
 def plan_of(params: dict[str, Any], stroke: float) -> MotionPlan:

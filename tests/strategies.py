@@ -16,7 +16,7 @@ from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.mechanism.slider_crank import SliderCrank
 from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.motion.inflection import shift
-from camgeo.motion.laws import LAWS
+from camgeo.motion.laws import FAMILIES, LAWS, make_law
 from camgeo.motion.laws.law import Law
 from camgeo.motion.plan import Dwell, MotionPlan, Move
 
@@ -26,11 +26,14 @@ attack = settings(
     suppress_health_check=[HealthCheck.too_slow, HealthCheck.filter_too_much],
 )
 
-BENT = tuple(name for name in LAWS if LAWS[name].end_velocity == 0.0)
-"""The laws without a shock."""
+BENT = tuple(name for name, law in LAWS.items() if law.start.velocity == 0.0)
+"""The laws from rest to rest without a shock."""
 
-SMOOTH = tuple(name for name in BENT if LAWS[name].end_acceleration == (0.0, 0.0))
+SMOOTH = tuple(name for name in BENT if LAWS[name].start.acceleration == 0.0)
 """The laws whose acceleration has no jump either."""
+
+FAMILY_TASKS = [(name, task) for name, family in FAMILIES.items() for task in family.tasks]
+"""All laws there are, each for each motion task that it is made for."""
 
 
 def inflections() -> st.SearchStrategy[float]:
@@ -39,17 +42,69 @@ def inflections() -> st.SearchStrategy[float]:
     return st.one_of(st.just(0.5), st.floats(0.01, 0.99), near, near.map(lambda lam: 1.0 - lam))
 
 
+def shares() -> st.SearchStrategy[float]:
+    """A share in (0, 1], also very near its ends."""
+    return st.one_of(st.just(1.0), inflections())
+
+
 @st.composite
 def laws(draw: st.DrawFn, names: tuple[str, ...] = tuple(LAWS)) -> Law:
-    """A law, often shifted."""
+    """A law from rest to rest, often shifted."""
     return shift(LAWS[draw(st.sampled_from(names))], draw(inflections()))
+
+
+@st.composite
+def parameters_of(draw: st.DrawFn, name: str, task: str) -> dict[str, float]:
+    """Parameters of a family for a task, all of them but those that stand in for lambda."""
+    taken = FAMILIES[name].parameters[task]
+    given: dict[str, float] = {}
+    for key in taken:
+        if key == "inflection":
+            given[key] = draw(inflections())
+        elif key == "curved":
+            given[key] = draw(shares())
+        elif key in ("sine", "cosine"):
+            # 64ths: shares that are to add up to 1 do so exactly.
+            left = 64 - round(64 * given.get("sine", 0.0))
+            given[key] = draw(st.integers(0, left)) / 64
+        elif key[0] in "vj" or "inflection" not in taken:
+            value = draw(boundary_values(50.0 if key[0] == "j" else 5.0))
+            if name != "polynomial" or draw(st.booleans()):
+                given[key] = value
+    return given
+
+
+def boundary_values(most: float) -> st.SearchStrategy[float]:
+    """0, or a value that is not so small that no one has it."""
+    size = st.floats(1e-6, most)
+    return st.one_of(st.just(0.0), size, size.map(lambda value: -value))
+
+
+@st.composite
+def family_terms(draw: st.DrawFn, name: str) -> tuple[str, dict[str, float]]:
+    """A motion task that a family is made for, and parameters for it."""
+    task = draw(st.sampled_from(FAMILIES[name].tasks))
+    return task, draw(parameters_of(name, task))
+
+
+@st.composite
+def family_laws(draw: st.DrawFn, name: str) -> Law:
+    """A law of a family for any of its motion tasks, with any parameters that it takes for it."""
+    task, given = draw(family_terms(name))
+    try:
+        return make_law(name, task, **given)
+    except GeometryError:
+        # Any values make a law, but not any set of them: the jerks alone, for instance.
+        assert name == "polynomial"
+        reject()
 
 
 @st.composite
 def places(draw: st.DrawFn, law: Law) -> float:
     """A z in [0, 1]: anywhere, or as near as 1e-16 to an end, a border or the inflection."""
     anywhere = st.floats(0.0, 1.0)
-    corner = st.sampled_from([0.0, law.inflection, *law.borders, 1.0])
+    inner = law.borders if law.inflection is None else (law.inflection, *law.borders)
+    corner = st.sampled_from([0.0, *inner, 1.0])
     distance = st.floats(1.0, 16.0).map(lambda exponent: 10.0**-exponent)
     sign = st.sampled_from([-1.0, 0.0, 1.0])
     near = st.builds(lambda z, d, s: min(max(z + s * d, 0.0), 1.0), corner, distance, sign)

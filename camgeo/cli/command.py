@@ -80,7 +80,7 @@ def tell(message: str) -> None:
 
 def identity(design: Design) -> dict[str, Any]:
     """What made a result: scene, its hash, version."""
-    return {
-        "camgeo": design.version,
-        "scene": {"name": design.name, "sha256": design.scene_hash},
-    }
+    scene: dict[str, Any] = {"name": design.name, "sha256": design.scene_hash}
+    if design.scene_files:
+        scene["files"] = design.scene_files
+    return {"camgeo": design.version, "scene": scene}

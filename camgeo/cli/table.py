@@ -1,18 +1,28 @@
-"""`camgeo table`: the value table as CSV."""
+"""`camgeo table`: the value table of a scene or of a normalised motion law, as CSV."""
 
 from __future__ import annotations
 
 import argparse
 import sys
+from collections.abc import Callable
 from decimal import Decimal, InvalidOperation
+from functools import partial
 from pathlib import Path
 
+import numpy as np
+
 from camgeo.cli.command import FINE, Subparsers, new_parser, print_json, tell
+from camgeo.cli.law_options import add_law_options, given_options, law_from
 from camgeo.design import Design
+from camgeo.files.table import Table
+from camgeo.motion.value_table import NAMES, PRINTED_STEP, law_table
 from camgeo.scene.load import load_scene
 
 SMALLEST_STEP = Decimal("0.0001")
 LARGEST_STEP = Decimal(90)
+
+PRINTED_NAMES = NAMES[:4]
+"""The guideline prints no f'''."""
 
 
 def register(subparsers: Subparsers[argparse.ArgumentParser]) -> None:
@@ -20,47 +30,93 @@ def register(subparsers: Subparsers[argparse.ArgumentParser]) -> None:
     parser = new_parser(
         subparsers,
         "table",
-        "print the value table as CSV: motion, curves, transmission angle, curvature",
-        "camgeo table fixtures/scenes/setzhub.toml --step 0.5 -o setzhub.csv",
+        "print the value table as CSV: motion, curves, transmission angle, curvature; or that of a"
+        " motion law",
+        "camgeo table fixtures/scenes/setzhub.toml --step 0.5 -o setzhub.csv\n"
+        "  camgeo table --law modified-sine --step 0.002 --printed",
     )
-    parser.add_argument("scene", metavar="SCENE", help="scene file (TOML)")
+    parser.add_argument("scene", metavar="SCENE", nargs="?", help="scene file (TOML)")
     parser.add_argument(
-        "--step", metavar="DEG", type=_step, help="step of the cam angle in degrees"
+        "--step",
+        metavar="STEP",
+        help="step of the cam angle in degrees; with --law, step of z, default 0.002",
     )
     parser.add_argument(
         "-o", metavar="FILE", dest="output", help="file to write; else the terminal"
     )
     parser.add_argument("--force", action="store_true", help="write over an existing file")
     parser.add_argument("--json", action="store_true", help="print JSON")
-    parser.set_defaults(run=run)
+    parser.add_argument(
+        "--printed", action="store_true", help="with --law: rounded as the tables of VDI 2143 are"
+    )
+    add_law_options(parser)
+    parser.set_defaults(run=partial(run, parser))
 
 
-def _step(text: str) -> Decimal:
-    try:
-        step = Decimal(text)
-    except InvalidOperation:
-        raise argparse.ArgumentTypeError(f"{text!r} is no number of degrees") from None
-    if not SMALLEST_STEP <= step <= LARGEST_STEP:
-        raise argparse.ArgumentTypeError(
-            f"{text} degrees; from {SMALLEST_STEP} to {LARGEST_STEP} are allowed"
-        )
-    return step
-
-
-def run(arguments: argparse.Namespace) -> int:
+def run(parser: argparse.ArgumentParser, arguments: argparse.Namespace) -> int:
     """Print or write the table."""
-    table = Design(load_scene(arguments.scene)).table(arguments.step)
+    if arguments.scene is None and arguments.law is None:
+        parser.error("one of SCENE and --law NAME is needed")
+    if arguments.scene is not None and arguments.law is not None:
+        parser.error("SCENE and --law are both given; only one of them is allowed")
+    if arguments.scene is None:
+        return _of_law(parser, arguments)
+    only_with_law = given_options(arguments) + ["--printed"] * arguments.printed
+    if only_with_law:
+        parser.error(f"{', '.join(only_with_law)}: allowed with --law only, not with SCENE")
+    return _of_scene(parser, arguments)
+
+
+def _of_scene(parser: argparse.ArgumentParser, arguments: argparse.Namespace) -> int:
+    step = None
+    if arguments.step is not None:
+        step = _number(parser, arguments.step, "number of degrees")
+        if not SMALLEST_STEP <= step <= LARGEST_STEP:
+            parser.error(
+                f"argument --step: {arguments.step} degrees;"
+                f" from {SMALLEST_STEP} to {LARGEST_STEP} are allowed"
+            )
+    table = Design(load_scene(arguments.scene)).table(step)
+    return _deliver(table, table.csv, arguments)
+
+
+def _of_law(parser: argparse.ArgumentParser, arguments: argparse.Namespace) -> int:
+    step = PRINTED_STEP
+    if arguments.step is not None:
+        step = _number(parser, arguments.step, "number")
+    exact = law_table(law_from(arguments), step)
+    if not arguments.printed:
+        table = Table(NAMES, exact.values)
+        return _deliver(table, table.csv, arguments)
+    rows = exact.printed()
+    table = Table(PRINTED_NAMES, np.array(rows, dtype=np.float64))
+    lines = [",".join(row) + "\n" for row in (PRINTED_NAMES, *rows)]
+    return _deliver(table, lambda: "".join(lines), arguments)
+
+
+def _number(parser: argparse.ArgumentParser, text: str, what: str) -> Decimal:
+    """The number in the text of `--step`; ends the command if there is none."""
+    try:
+        number = Decimal(text)
+    except InvalidOperation:
+        number = Decimal("NaN")
+    if not number.is_finite():
+        parser.error(f"argument --step: {text!r} is no {what}")
+    return number
+
+
+def _deliver(table: Table, text: Callable[[], str], arguments: argparse.Namespace) -> int:
+    """Print the table as JSON, or its text to the terminal or into a file."""
     if arguments.json:
         columns = dict(zip(table.names, table.values.T.tolist(), strict=True))
         print_json(columns)
         return FINE
-    text = table.csv()
     if arguments.output is None:
-        sys.stdout.write(text)
+        sys.stdout.write(text())
         return FINE
     from camgeo.files.transaction import write_set
 
     target = Path(arguments.output)
-    write_set(target.parent, {target.name: text.encode()}, force=arguments.force)
+    write_set(target.parent, {target.name: text().encode()}, force=arguments.force)
     tell(f"{target}: {len(table.values)} rows")
     return FINE

@@ -1,4 +1,4 @@
-"""Closure and smoothness: how a curve and its motion join at the breaks and after a turn."""
+"""Closure: how a curve joins at the breaks and after a turn."""
 
 from __future__ import annotations
 
@@ -19,26 +19,20 @@ class Joints:
     phi : (m,) cam angles [rad].
     gaps : (m,) distance of the curve's two ends [mm].
     turns : (m,) angle between its two tangents [rad], in [0, pi].
-    velocity_jumps, acceleration_jumps : (m,) jumps of s' and s'' [mm or rad, per rad, rad^2].
     """
 
     phi: FloatArray
     gaps: FloatArray
     turns: FloatArray
-    velocity_jumps: FloatArray
-    acceleration_jumps: FloatArray
 
 
 def joints(curve: PitchCurve) -> Joints:
     """Compare both one-sided values at each break of `curve` and at cam angle 0."""
     phi = np.unique(np.append(curve.breaks, 0.0))
     after, before = curve.jet(phi, "right"), curve.jet(phi, "left")
-    lift = curve.motion.jet(phi, "right") - curve.motion.jet(phi, "left")
     turned = after[1] * np.conj(before[1])
     return Joints(
         phi=frozen(phi, np.float64),
         gaps=frozen(np.abs(after[0] - before[0]), np.float64),
         turns=frozen(np.abs(np.angle(turned)), np.float64),
-        velocity_jumps=frozen(lift[1], np.float64),
-        acceleration_jumps=frozen(lift[2], np.float64),
     )

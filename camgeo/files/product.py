@@ -7,18 +7,22 @@ format's name on the command line and in the scene, and it loads an object that 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Literal, Protocol
+from typing import Final, Literal, Protocol
 
 from camgeo.check.finding import Finding
 from camgeo.contour.contour import Contour
 from camgeo.contour.fit import Fit
 from camgeo.files.specs import DxfSpec
 from camgeo.files.table import Table
+from camgeo.motion.joints import Joint
 from camgeo.numeric.arrays import FloatArray
 from camgeo.part.part import Part
 from camgeo.toolpath.moves import Toolpath
 from camgeo.toolpath.spec import GcodeSpec
 from camgeo.units import LengthUnit
+
+DWELL: Final = "dwell"
+"""What a segment of the motion plan that is a rest is called."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,6 +39,51 @@ class FollowerSketch:
     end: complex
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class PlanSegment:
+    """A segment of the motion plan, of any length but 0.
+
+    Attributes
+    ----------
+    start, end : cam angles [rad] in [0, 2 pi].
+    label : name of its motion law; "dwell", or "data" for a motion by data.
+    course : (n, 2) cam angles [rad] and positions [unit of the plan] of a motion by data, which is
+        asked for as a whole; None for the others.
+    """
+
+    start: float
+    end: float
+    label: str
+    course: FloatArray | None = None
+
+    @property
+    def is_dwell(self) -> bool:
+        """Whether it is a rest."""
+        return self.label == DWELL
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PlanSketch:
+    """What a picture shows of the motion plan.
+
+    Attributes
+    ----------
+    of : whose motion is planned: the follower's, or with a linkage the slider's.
+    unit : of the plan's positions.
+    joints : of the plan, as many as segments: joint k is where segment k begins.
+    breaks : the joints, and the places inside the laws at which a derivative may jump.
+    segments : by ascending cam angle, without those of no length.
+    speed : of the disc [rad/s], positive; None if there is none or it varies.
+    """
+
+    of: Literal["follower", "slider"]
+    unit: Literal["mm", "rad"]
+    joints: tuple[Joint, ...]
+    breaks: tuple[Joint, ...]
+    segments: tuple[PlanSegment, ...]
+    speed: float | None = None
+
+
 class Product(Protocol):
     """A design as its writers see it; `camgeo.design.Design` is one."""
 
@@ -49,6 +98,10 @@ class Product(Protocol):
     @property
     def scene_hash(self) -> str:
         """SHA-256 of the scene file, hexadecimal; empty for a design made without a file."""
+
+    @property
+    def scene_files(self) -> dict[str, str]:
+        """SHA-256 of the files that the scene reads, by their names."""
 
     @property
     def version(self) -> str:
@@ -80,6 +133,9 @@ class Product(Protocol):
 
     @property
     def follower_sketch(self) -> FollowerSketch: ...
+
+    @property
+    def plan_sketch(self) -> PlanSketch: ...
 
     @property
     def joints(self) -> tuple[float, ...]:

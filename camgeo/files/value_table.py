@@ -10,10 +10,16 @@ import numpy as np
 
 from camgeo.files.table import Table
 from camgeo.motion.motion import Jet
+from camgeo.motion.time_course import TimeCourse, in_time
 from camgeo.numeric.arrays import FloatArray
 from camgeo.units import LengthUnit
 
 FULL_TURN = Decimal(360)
+
+POWERS = ("s", "s^2", "s^3")
+
+SWING = ("omega_psi", "alpha_psi", "j_psi")
+"""Names of the rocker's angular velocity, acceleration and jerk."""
 
 
 class Tabulated(Protocol):
@@ -47,6 +53,9 @@ class Tabulated(Protocol):
 
     def transmission_angle(self, phi: FloatArray) -> FloatArray: ...
 
+    @property
+    def time_course(self) -> TimeCourse | None: ...
+
 
 def cam_angles(step: Decimal) -> FloatArray:
     """0, step, 2 step, ... below 360 [degrees], each rounded once from the exact decimal.
@@ -59,7 +68,10 @@ def cam_angles(step: Decimal) -> FloatArray:
 
 
 def value_table(design: Tabulated, step: Decimal) -> Table:
-    """One row for every `step` degrees of cam angle; right-hand values at the joints."""
+    """One row for every `step` degrees of cam angle; right-hand values at the joints.
+
+    With a speed also the time, and velocity, acceleration and jerk in time.
+    """
     degrees = cam_angles(step)
     phi = np.radians(degrees)
     unit, mm = design.unit, design.millimetres
@@ -74,6 +86,7 @@ def value_table(design: Tabulated, step: Decimal) -> Table:
         columns.append(("psi [deg]", np.degrees(swing[0])))
         for mark, rate, values in zip(marks[1:], ("1", "1/rad", "1/rad^2"), swing[1:], strict=True):
             columns.append((f"psi{mark} [{rate}]", values))
+    columns += _in_time(design, phi)
     for name, points in (
         ("pitch", design.pitch(phi)),
         ("inner", design.inner(phi)),
@@ -86,3 +99,20 @@ def value_table(design: Tabulated, step: Decimal) -> Table:
     columns.append((f"r_K [{unit}]", design.radius_of_curvature(phi) / mm))
     names = tuple(name for name, _ in columns)
     return Table(names, np.column_stack([values for _, values in columns]))
+
+
+def _in_time(design: Tabulated, phi: FloatArray) -> list[tuple[str, FloatArray]]:
+    """Time and derivatives in time: of the motion that the scene demands, and of the rocker."""
+    course = design.time_course
+    if course is None:
+        return []
+    columns = [("t [s]", course.time(phi))]
+    if design.has_linkage or design.lift_unit == "mm":
+        timed = in_time(design.stroke(phi), course, phi)[1:]
+        for name, power, values in zip(("v", "a", "j"), POWERS, timed, strict=True):
+            columns.append((f"{name} [{design.unit}/{power}]", values / design.millimetres))
+    if design.lift_unit == "rad":
+        timed = in_time(design.lift(phi), course, phi)[1:]
+        for name, power, values in zip(SWING, POWERS, timed, strict=True):
+            columns.append((f"{name} [deg/{power}]", np.degrees(values)))
+    return columns

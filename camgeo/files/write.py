@@ -103,7 +103,11 @@ def _certificate(
     """What is proved of the files, as JSON; the same for the same scene."""
     document: dict[str, Any] = {
         "camgeo": product.version,
-        "scene": {"name": product.name, "sha256": product.scene_hash},
+        "scene": {
+            "name": product.name,
+            "sha256": product.scene_hash,
+            **({"files": product.scene_files} if product.scene_files else {}),
+        },
         "tolerance_mm": tolerance,
         "files": [
             {

@@ -14,13 +14,18 @@ from functools import cached_property
 import numpy as np
 
 from camgeo.errors import GeometryError
-from camgeo.motion.laws.law import Formula, Law
+from camgeo.motion.laws.law import Formula, Law, Values
 from camgeo.motion.motion import FULL_ORDER, Jet, Side
 from camgeo.motion.motion import Dwell as DwellSpan
+from camgeo.motion.points import FitReport
+from camgeo.motion.spline import Spline
 from camgeo.numeric.arrays import FloatArray, IntArray, frozen
 from camgeo.units import TURN
 
 FULL_TURN = Decimal(360)
+
+BLOCK = 8192
+"""Points worked on at a time, so that intermediate results stay in the processor's cache."""
 
 SNAP = 4.0 * math.ulp(TURN)
 """Two cam angles [rad] closer than this are the same angle, rounded differently on the way from
@@ -36,14 +41,38 @@ class Dwell:
 
 @dataclass(frozen=True, slots=True)
 class Move:
-    """A move over `span` degrees, exactly as written, to the position `to` [mm or rad] by `law`."""
+    """A move over `span` degrees, exactly as written, to the position `to` [mm or rad] by `law`.
+
+    Attributes
+    ----------
+    scale : what the values of the law are multiplied with [mm or rad]; None for a normalised law,
+        which the stroke scales. A move that returns to where it started has a law of its own size.
+    """
 
     span: Decimal
     to: float
     law: Law
+    scale: float | None = None
 
 
-Segment = Dwell | Move
+@dataclass(frozen=True, slots=True)
+class Course:
+    """A motion by data over `span` degrees, exactly as written.
+
+    Attributes
+    ----------
+    to : position at the end [mm or rad].
+    spline : over z in [0, 1], the way from the position at the start [mm or rad].
+    report : how far it is from the rows of a lift table; None for a motion through points.
+    """
+
+    span: Decimal
+    to: float
+    spline: Spline
+    report: FitReport | None = None
+
+
+Segment = Dwell | Move | Course
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,6 +92,12 @@ class _Piece:
     segment_end: float = 0.0
     jerk_bound: float = 0.0
     from_end: bool = False
+    spline: Spline | None = None
+
+    @property
+    def length(self) -> float:
+        """Cam angle of the whole segment [rad]."""
+        return self.segment_end - self.segment_start
 
     def jet(self, phi: FloatArray, out: Jet) -> None:
         """Write lift and derivatives at `phi` (n,) [rad] inside the piece into `out` (4, n)."""
@@ -70,7 +105,7 @@ class _Piece:
             out[0] = self.origin
             out[1:] = 0.0
             return
-        span = self.segment_end - self.segment_start
+        span = self.length
         rate = 1.0 / span
         near, f1, f2, f3 = self.formula(
             (phi - self.segment_start) * rate, (self.segment_end - phi) * rate
@@ -82,11 +117,27 @@ class _Piece:
         np.multiply(f3, self.lift / span**3, out=out[3])
 
     @property
+    def knots(self) -> FloatArray:
+        """Cam angles [rad] inside the piece at which the polynomial of a spline changes."""
+        if self.spline is None:
+            return np.empty(0)
+        inner = self.spline.knots[1:-1]
+        angles: FloatArray = self.segment_start + inner * self.length
+        return angles
+
+    def spline_bounds(self, low: FloatArray, high: FloatArray) -> Jet:
+        """(4, n) what `MotionPlan.jet_bounds` gives, for cells of a piece that has a spline."""
+        assert self.spline is not None  # called for those only
+        shares = [np.clip((a - self.segment_start) / self.length, 0.0, 1.0) for a in (low, high)]
+        bounds = self.spline.cell_bounds(*shares)
+        return bounds / self.length ** np.arange(4.0)[:, np.newaxis]
+
+    @property
     def jerk_limit(self) -> float:
         """Bound of |s'''| over the piece."""
         if self.formula is None:
             return 0.0
-        return abs(self.lift) / (self.segment_end - self.segment_start) ** 3 * self.jerk_bound
+        return abs(self.lift) / self.length**3 * self.jerk_bound
 
 
 @dataclass(frozen=True)
@@ -150,7 +201,11 @@ class MotionPlan:
             start, end = _radians(first), _radians(last)
             if segment.span == 0:
                 continue
-            if isinstance(segment, Dwell) or segment.to == position:
+            if isinstance(segment, Course):
+                pieces.append(_course_piece(segment, position, start, end))
+                position = segment.to
+                continue
+            if isinstance(segment, Dwell) or (segment.scale is None and segment.to == position):
                 pieces.append(_Piece(start, end, position))
                 continue
             for region in segment.law.regions:
@@ -158,7 +213,7 @@ class MotionPlan:
                     start=start + region.start * (end - start) if region.start > 0.0 else start,
                     end=start + region.end * (end - start) if region.end < 1.0 else end,
                     origin=segment.to if region.from_end else position,
-                    lift=segment.to - position,
+                    lift=segment.to - position if segment.scale is None else segment.scale,
                     formula=region.formula,
                     segment_start=start,
                     segment_end=end,
@@ -177,7 +232,10 @@ class MotionPlan:
     @cached_property
     def borders(self) -> FloatArray:
         """(k,) cam angles [rad] at which the formula changes, ascending from 0."""
-        return self._starts
+        knots = [piece.knots for piece in self._pieces]
+        if not any(map(len, knots)):
+            return self._starts
+        return frozen(np.unique(np.concatenate([self._starts, *knots])), np.float64)
 
     @cached_property
     def breaks(self) -> FloatArray:
@@ -242,11 +300,15 @@ class MotionPlan:
         out = np.empty((4, len(angle)))
         for piece, index in self._by_piece(angle, side):
             if isinstance(index, slice):
-                piece.jet(angle[index], out[:, index])
+                for first in range(index.start, index.stop, BLOCK):
+                    part = slice(first, min(first + BLOCK, index.stop))
+                    piece.jet(angle[part], out[:, part])
             else:
-                part = np.empty((4, len(index)))
-                piece.jet(angle[index], part)
-                out[:, index] = part
+                for first in range(0, len(index), BLOCK):
+                    places = index[first : first + BLOCK]
+                    values = np.empty((4, len(places)))
+                    piece.jet(angle[places], values)
+                    out[:, places] = values
         return out
 
     def jet_bounds(self, low: FloatArray, high: FloatArray) -> Jet:
@@ -257,12 +319,17 @@ class MotionPlan:
         middle = 0.5 * (low + high)
         half = 0.5 * (high - low)
         out = np.abs(self.jet(middle))
-        for piece, index in self._by_piece(middle, "right"):
-            out[3, index] = piece.jerk_limit
         jerk = out[3]
+        splines = []
+        for piece, index in self._by_piece(middle, "right"):
+            jerk[index] = piece.jerk_limit
+            if piece.spline is not None:
+                splines.append((piece, index))
         out[0] = half * (out[1] + half * (out[2] / 2.0 + half * jerk / 6.0))
         out[1] += half * (out[2] + half * jerk / 2.0)
         out[2] += half * jerk
+        for piece, index in splines:
+            out[:, index] = piece.spline_bounds(low[index], high[index])
         return out
 
     def _by_piece(self, angle: FloatArray, side: Side) -> list[tuple[_Piece, slice | IntArray]]:
@@ -285,6 +352,19 @@ class MotionPlan:
             for piece, first, last in zip(pieces, bounds[:-1], bounds[1:], strict=True)
             if last > first
         ]
+
+
+def _course_piece(course: Course, position: float, start: float, end: float) -> _Piece:
+    spline = course.spline
+
+    def formula(z: FloatArray, _w: FloatArray) -> Values:
+        s, s1, s2, s3 = spline.values(np.clip(z, 0.0, 1.0))
+        return s, s1, s2, s3
+
+    return _Piece(
+        start, end, position, 1.0, formula, start, end,
+        jerk_bound=float(np.max(spline.bounds(3))), spline=spline,
+    )  # fmt: skip
 
 
 def in_turn(phi: FloatArray, side: Side = "right") -> FloatArray:

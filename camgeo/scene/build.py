@@ -5,8 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable
-from decimal import Decimal
-from functools import partial
+from dataclasses import replace
 from typing import Any, Final, TypeVar
 
 import numpy as np
@@ -18,17 +17,20 @@ from camgeo.mechanism.linkage import LinkedMotion
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.mechanism.slider_crank import SliderCrank
 from camgeo.mechanism.translating_roller import TranslatingRoller
-from camgeo.motion.inflection import shift
-from camgeo.motion.laws import find_law
-from camgeo.motion.plan import Dwell, MotionPlan, Move
+from camgeo.motion.plan import Dwell, MotionPlan
+from camgeo.motion.planning import plan_motion
+from camgeo.motion.speed_table import read_speed_table
+from camgeo.motion.time_course import SpeedCurve
 from camgeo.part.spec import Keyway, PartSpec
+from camgeo.scene.data_files import DataFiles
 from camgeo.scene.folder import beside
 from camgeo.scene.keys import Path
 from camgeo.scene.model import Follower, OutputSpec, Scene, SceneSource
+from camgeo.scene.motion import MotionRequests
 from camgeo.scene.rules import MACHINES
 from camgeo.scene.sound import SoundValues
 from camgeo.toolpath.spec import GcodeSpec
-from camgeo.units import RPM
+from camgeo.units import RPM, TURN
 
 Built = TypeVar("Built")
 
@@ -54,6 +56,7 @@ class Builder:
     def __init__(self, values: SoundValues) -> None:
         self.values = values
         self.faults: list[Fault] = []
+        self.files = DataFiles(values)
         self._mm = values.mm
 
     def plan(self) -> MotionPlan | None:
@@ -61,19 +64,22 @@ class Builder:
         values = self.values
         if not values.sound("motion") or not values.sound("follower", "kind"):
             return None
-        scale = math.radians(1.0) if values.angular else self._mm
-        segments: list[Dwell | Move] = []
-        for index in range(values.segments):
-            place = ("motion", index)
-            dwell = values.exact(*place, "dwell")
-            if dwell is None:
-                move = self._engine(place, partial(self._move, place, scale))
-                if move is None:
-                    return None
-                segments.append(move)
-            elif dwell:
-                segments.append(Dwell(dwell))
-        return self._engine(("motion",), lambda: MotionPlan(tuple(segments)))
+        requests = MotionRequests(values, self.files)
+        self.faults += requests.faults
+        if requests.faults or self.files.faults:
+            return None
+        return self._engine(("motion",), lambda: plan_motion(requests.all))
+
+    def speed_curve(self) -> SpeedCurve | None:
+        """How the speed varies; None if it does not, or its file is not sound."""
+        key = ("cam", "speed_curve")
+        if self.values.get(*key) is None:
+            return None
+        data = self.files.read(key)
+        if data is None:
+            return None
+        name: str = self.values.get(*key)
+        return self._engine(key, lambda: read_speed_table(data, name))
 
     def follower(self) -> Follower | None:
         """The follower; None if its table is not sound or there is no such mechanism."""
@@ -133,7 +139,7 @@ class Builder:
         stated = self.values.get("follower", "direction")
         if linked is None or stated is None or not isinstance(follower, OscillatingRoller):
             return
-        strokes = [segment.to for segment in plan.segments if isinstance(segment, Move)]
+        strokes = [segment.to for segment in plan.segments if not isinstance(segment, Dwell)]
         farthest = max(strokes, key=abs, default=0.0)
         jet = np.array([[farthest], [0.0], [0.0], [0.0]])
         swing = float(linkage.transform(jet)[0, 0])
@@ -148,11 +154,14 @@ class Builder:
         plan: MotionPlan,
         follower: Follower,
         linkage: SliderCrank | None,
+        speed_curve: SpeedCurve | None,
         source: SceneSource,
     ) -> Scene:
         """The scene, all of whose values are sound."""
         get = self.values.get
         speed = get("cam", "speed")
+        if speed_curve is not None:
+            speed = TURN / speed_curve.spline.period / RPM
         return Scene(
             name=get("name"),
             unit=self.values.unit,
@@ -161,20 +170,13 @@ class Builder:
             plan=plan,
             follower=follower,
             linkage=linkage,
+            speed_curve=speed_curve,
             contact=get("follower", "contact") or "inner",
             limits=self._limits(),
             part=self._part(),
             output=self._output(),
-            source=source,
+            source=replace(source, files=tuple(sorted(self.files.hashes.items()))),
         )
-
-    def _move(self, place: Path, scale: float) -> Move:
-        table: dict[str, Any] = self.values.get(*place)
-        law = find_law(table["law"])
-        if "inflection" in table:
-            law = shift(law, table["inflection"])
-        span = self.values.exact(*place, "span") or Decimal(0)
-        return Move(span=span, to=scale * table["to"], law=law)
 
     def _limits(self) -> Limits:
         table: dict[str, Any] = self.values.get("limits") or {}

@@ -25,7 +25,7 @@ BLANK: Final = re.compile(r"(?:[ \t\r\n]|\#[^\n]*)*")
 
 
 def key_lines(text: str) -> dict[Path, int]:
-    """Return the line, counted from 1, of each table header and key of a TOML `text`.
+    """Return the line, counted from 1, of each header, key and array element of a TOML `text`.
 
     The text must be valid TOML. Keys inside inline tables have no entry of their own; where the
     scanner loses its way (an escape in a quoted key), the rest of the file has none.
@@ -54,7 +54,9 @@ def key_lines(text: str) -> dict[Path, int]:
         else:
             for depth in range(1, len(names) + 1):
                 lines.setdefault((*table, *names[:depth]), line)
-            place = _past_value(text, place + 1)
+            starts, place = _past_value(text, place + 1)
+            for index, start in enumerate(starts):
+                lines[(*table, *names, index)] = line + text.count("\n", seen, start)
         place = _skip(BLANK, text, place)
     return lines
 
@@ -96,19 +98,30 @@ def _placed(names: Path, counts: dict[Path, int], known: int = 0) -> Path:
     return path
 
 
-def _past_value(text: str, place: int) -> int:
-    """Place of the line end behind the value that starts at `place`."""
+def _past_value(text: str, place: int) -> tuple[list[int], int]:
+    """Places at which the elements of the array at `place` start, if it is one; its line end."""
     depth = 0
+    starts: list[int] = []
+    expected = array = False
     while match := VALUE.match(text, place):
         piece = match[0]
         if piece == "\n" and depth == 0:
-            return place
+            return starts, place
+        if depth == 0 and piece == "[":
+            array = expected = True
+        elif depth == 1 and array and piece[0] not in "]\n#":
+            # A piece of plain text may hold several elements, and the commas between them.
+            for number, part in enumerate(piece.split(",") if piece[0] not in "\"'" else [piece]):
+                expected = expected or number > 0
+                if expected and part.strip():
+                    starts.append(place)
+                    expected = False
         if piece in ("[", "{"):
             depth += 1
         elif piece in ("]", "}"):
             depth -= 1
         place = match.end()
-    return len(text)
+    return starts, len(text)
 
 
 def _skip(pattern: re.Pattern[str], text: str, place: int) -> int:

@@ -69,11 +69,11 @@ def _scene(data: bytes, file: str) -> Scene:
     # The plan makes some of these checks again, in its own words.
     moves = not any(fault.key.startswith("motion") for fault in faults)
     plan = builder.plan() if moves else None
-    follower, linkage = builder.follower(), builder.linkage()
+    follower, linkage, speed_curve = builder.follower(), builder.linkage(), builder.speed_curve()
     if plan is not None and follower is not None and linkage is not None:
         builder.join(plan, follower, linkage)
-    faults += builder.faults
+    faults += [*builder.files.faults, *builder.faults]
     if faults or plan is None or follower is None:
         last = len(text.lines) + MOST_BYTES
         raise SceneError(sorted(faults, key=lambda fault: fault.line or last), file)
-    return builder.scene(plan, follower, linkage, source)
+    return builder.scene(plan, follower, linkage, speed_curve, source)

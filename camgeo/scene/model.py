@@ -11,6 +11,7 @@ from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.mechanism.slider_crank import SliderCrank
 from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.motion.plan import MotionPlan
+from camgeo.motion.time_course import SpeedCurve
 from camgeo.part.spec import Contact, PartSpec
 from camgeo.toolpath.spec import GcodeSpec
 from camgeo.units import LengthUnit
@@ -47,10 +48,12 @@ class SceneSource:
     ----------
     file : path as given, or empty for a scene that was not read from a file.
     sha256 : of the file's bytes, hexadecimal.
+    files : names of the files that the scene reads, each with the SHA-256 of its bytes.
     """
 
     file: str = ""
     sha256: str = ""
+    files: tuple[tuple[str, str], ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,7 +65,8 @@ class Scene:
     name : of the design, the stem of its files.
     unit : of length in the scene file; drawings, programs and tables are written in it.
     rotation : sense in which the disc turns, +1 counter-clockwise, -1 clockwise.
-    speed : of the disc, positive [rad/s]; None if the scene gives none.
+    speed : of the disc, positive [rad/s], the mean one if it varies; None if the scene gives none.
+    speed_curve : how the speed varies over the turn; None if it does not.
     plan : the motion; of the slider if there is a linkage, else of the follower.
     follower : what rolls on the disc.
     linkage : between motion and rocker; None if the motion is the follower's own.
@@ -80,6 +84,7 @@ class Scene:
     plan: MotionPlan
     follower: Follower
     linkage: SliderCrank | None = None
+    speed_curve: SpeedCurve | None = None
     contact: Contact = "inner"
     limits: Limits = field(default_factory=Limits)
     part: PartSpec | None = None

@@ -9,6 +9,8 @@ from typing import Final
 
 from camgeo.errors import Fault
 from camgeo.files.specs import LARGEST_TOLERANCE, SMALLEST_TOLERANCE
+from camgeo.motion.laws import find_family
+from camgeo.motion.planning import AUTO
 from camgeo.scene.folder import beside
 from camgeo.scene.model import OutputSpec
 from camgeo.scene.sound import SoundValues
@@ -35,6 +37,9 @@ SOLID_FORMATS: Final = ("stl", "3mf", "gcode")
 """Formats that need the disc as a body."""
 
 DEFAULT_TOLERANCE: Final = OutputSpec().tolerance
+
+SHAPES: Final = ("inflection", "curved", "sine", "cosine")
+"""Keys of a move that shape its law."""
 
 MACHINES: Final = ("linuxcnc",)
 """Machine profiles that come with camgeo; any other is a file."""
@@ -82,6 +87,8 @@ def motion_returns(values: SoundValues) -> Iterator[Fault]:
     """The motion starts at 0 and ends there."""
     for index in reversed(range(values.segments)):
         place = ("motion", index, "to")
+        if values.get("motion", index, "law") == "table":
+            return  # where it ends is told by its file
         if values.has(*place):
             if values.get(*place):
                 message = "the motion starts at 0 and must return to 0 with its last move"
@@ -89,6 +96,35 @@ def motion_returns(values: SoundValues) -> Iterator[Fault]:
             return
         if not values.sound("motion", index):
             return
+
+
+def laws_have_their_parameters(values: SoundValues) -> Iterator[Fault]:
+    """A law takes the parameters that stand beside it."""
+    for index in range(values.segments):
+        place = ("motion", index)
+        name = values.get(*place, "law")
+        if name is None or not values.sound(*place) or name in ("table", "points"):
+            continue
+        if name != AUTO and values.has(*place, "optimise"):
+            yield values.scene.fault((*place, "optimise"), f'belongs to law "{AUTO}"')
+        family = None if name == AUTO else find_family(name)
+        taken = set().union(*family.parameters.values()) if family else set(SHAPES)
+        for key in (*SHAPES, "jerk"):
+            if not values.has(*place, key) or key in taken:
+                continue
+            if key == "jerk" and {"j0", "j1"} & taken:
+                continue
+            own = [each for each in SHAPES if each in taken]
+            known = f"its parameters: {', '.join(own)}" if own else "it has no parameters"
+            message = f'is no parameter of "{name}"; {known}'
+            yield values.scene.fault((*place, key), message)
+
+
+def one_speed(values: SoundValues) -> Iterator[Fault]:
+    """The disc turns evenly or by a table."""
+    if values.has("cam", "speed") and values.has("cam", "speed_curve"):
+        message = "contradicts speed; give one of them"
+        yield values.scene.fault(("cam", "speed_curve"), message)
 
 
 def swing_is_possible(values: SoundValues) -> Iterator[Fault]:
@@ -245,6 +281,8 @@ def _largest_length(values: SoundValues) -> float | None:
 RULES: Final[tuple[Rule, ...]] = (
     spans_add_up,
     motion_returns,
+    laws_have_their_parameters,
+    one_speed,
     swing_is_possible,
     linkage_drives_a_rocker,
     formats_have_what_they_need,

@@ -169,15 +169,6 @@ def test_shock_is_fatal() -> None:
     assert any(place == pytest.approx(joint) for joint in (30.0, 130.0, 170.0, 290.0))
 
 
-@pytest.mark.parametrize("law", ["quadratic-parabola", "simple-sine"])
-def test_jump_of_the_acceleration_is_a_warning(law: str) -> None:
-    finding = named(check_closure(cam(law)), "jerk")
-    assert finding.severity == "warning"
-    span = math.radians(100.0)
-    steps = {"quadratic-parabola": 8.0, "simple-sine": math.pi**2 / 2.0}
-    assert finding.value == pytest.approx(steps[law] * 20.0 / span**2, rel=1e-12)
-
-
 def test_standstill_is_found_between_the_samples() -> None:
     params, _ = hard_case("HC18")
     (finding,) = check_standstill(pitch_curve_of(params))

@@ -160,17 +160,6 @@ def test_table_in_inches(capsys: Capture) -> None:
     assert float(rows[2][column]) == pytest.approx(x / MM_PER["inch"], rel=1e-15)
 
 
-def test_laws(capsys: Capture) -> None:
-    assert main(["laws"]) == 0
-    out = capsys.readouterr().out
-    # C_v and C_a of the 345 polynomial: 15/8 and 10/sqrt(3).
-    (line,) = [line for line in out.splitlines() if line.startswith("polynomial-345")]
-    assert line.split()[1:3] == ["1.87500", "5.77350"]
-    assert "cycloidal" in out
-    assert main(["laws", "--json", "--inflection", "0.4"]) == 0
-    assert all(law["inflection"] == 0.4 for law in json.loads(capsys.readouterr().out))
-
-
 def test_plot(tmp_path: Path, capsys: Capture) -> None:
     target = tmp_path / "cam.svg"
     assert main(["plot", SETZHUB, "cam", "-o", str(target)]) == 0

@@ -15,9 +15,10 @@ import numpy as np
 from camgeo.check.finding import Finding
 from camgeo.contour.contour import Contour
 from camgeo.contour.fit import Fit
-from camgeo.files.product import FollowerSketch
+from camgeo.files.product import FollowerSketch, PlanSegment, PlanSketch
 from camgeo.files.specs import DxfSpec
 from camgeo.files.table import Table
+from camgeo.motion.joints import Joint
 from camgeo.numeric.arrays import FloatArray
 from camgeo.part.part import Part
 from camgeo.toolpath.moves import ArcFeed, Feed, Move, Operation, Rapid, Toolpath
@@ -31,6 +32,8 @@ SPEND = 0.99
 PIECES = 12
 
 PROBES = np.linspace(0.0, 1.0, 33)
+
+QUANTITIES = ("s", "s1", "s2", "s3")
 
 
 def bulged(radius: float, centre: complex, tolerance: float) -> Contour:
@@ -86,6 +89,7 @@ class StubProduct:
     thickness: float | None = 8.0
     scale: float = 1.0
     scene_hash: str = "0123456789abcdef" * 4
+    scene_files: dict[str, str] = field(default_factory=dict)
     version: str = "0.0.test"
     rotation: int = -1
     joints: tuple[float, ...] = (0.0, math.pi)
@@ -113,6 +117,20 @@ class StubProduct:
     @property
     def follower_sketch(self) -> FollowerSketch:
         return FollowerSketch("guide", 60j * self.scale)
+
+    @property
+    def plan_sketch(self) -> PlanSketch:
+        """From joint to joint by a harmonic, turn to turn."""
+        found = []
+        for angle in self.joints:
+            jet = np.array([self.quantity(what, np.array([angle]))[0] for what in QUANTITIES])
+            found.append(Joint(angle, float(jet[0]), "U", "U", 3, jet, jet))
+        ends = (*self.joints[1:], 2.0 * math.pi)
+        segments = tuple(
+            PlanSegment(start, end, "simple-sine")
+            for start, end in zip(self.joints, ends, strict=True)
+        )
+        return PlanSketch("follower", self.lift_unit, tuple(found), tuple(found), segments)
 
     @property
     def part(self) -> Part:

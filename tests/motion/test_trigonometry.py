@@ -1,11 +1,13 @@
 from __future__ import annotations
 
+import itertools
 import math
 
 import numpy as np
+import pytest
 from mpmath import mp, mpf
 
-from camgeo.motion.laws.trigonometry import DIVISORS, x_minus_sin
+from camgeo.motion.laws.trigonometry import COEFFICIENTS, x_minus_sin
 from tests.motion.oracle import DIGITS, Number, worst_ulps
 
 X = np.concatenate((np.logspace(-16, -1, 61), np.linspace(0.1, 0.5 * math.pi, 60)))
@@ -29,8 +31,11 @@ def test_the_plain_difference_would_not() -> None:
     assert worst_ulps(X - np.sin(X), [exact(float(x)) for x in X]) > 1e15
 
 
-def test_the_divisors_are_those_of_the_series_and_enough() -> None:
-    assert [2 * k * (2 * k + 1) for k in range(2, len(DIVISORS) + 2)] == list(DIVISORS)
+def test_the_coefficients_are_those_of_the_series_and_enough() -> None:
+    ratios = [b / a for a, b in itertools.pairwise(COEFFICIENTS)]
+    exact_ratios = [-1.0 / (2 * k * (2 * k + 1)) for k in range(2, len(COEFFICIENTS) + 1)]
+    assert ratios == pytest.approx(exact_ratios, rel=4.0 * 2.0**-52)
+    assert COEFFICIENTS[0] == 1.0
     x = 0.5 * math.pi
-    power = 2 * len(DIVISORS) + 5  # of the first term that is left out
+    power = 2 * len(COEFFICIENTS) + 3  # of the first term that is left out
     assert x**power / math.factorial(power) < 1e-17 * (x - math.sin(x))

@@ -97,8 +97,8 @@ FAULTS: list[tuple[str, list[Change], str]] = [
     (PLATE, [("dwell = 40", "dwel = 40")], r"motion\[3\].dwel = 40: .*did you mean dwell\?"),
     (PLATE, [("dwell = 40", "law = 40")], r"motion\[3\].span: is missing: Span of the cam angle"),
     (PLATE, [('"modified-sine"', '"modified-sin"')], r'did you mean "modified-sine"\?'),
-    (PLATE, [('"modified-sine"', '"auto"')], 'law = "auto": is not available in this version'),
-    (PLATE, [("to = 20", "to = 20\nvelocity = 3")], r"motion\[2\].velocity = 3: is not available"),
+    (PLATE, [('"modified-sine"', '"tabel"')], 'law = "tabel": .*did you mean "table"'),
+    (PLATE, [("to = 20", "to = 20\nvelocity = 3")], r"motion\[2\].velocity = 3: must be 0 at the"),
     (PLATE, [("[limits]", "[[motion]]\n[limits]")], r"line 28: motion\[6\].law: is missing"),
     # part and output
     (PLATE, [("thickness = 12\n", "")], r"formats\[2\] = \"gcode\": needs \[part\] thickness"),

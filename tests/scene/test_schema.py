@@ -9,7 +9,8 @@ import jsonschema_rs
 
 from camgeo.check.limits import Limits
 from camgeo.files.specs import DxfSpec
-from camgeo.motion.laws import ALIASES, LAWS
+from camgeo.motion.laws import ALIASES, FAMILIES
+from camgeo.motion.planning import AUTO
 from camgeo.scene.model import OutputSpec
 from camgeo.scene.schema import Node, definition, resolved, schema
 from camgeo.scene.words import allowed
@@ -34,7 +35,9 @@ def test_every_value_can_be_asked_for_in_words() -> None:
 
 
 def test_laws_are_those_of_the_engine() -> None:
-    assert set(definition("move")["properties"]["law"]["enum"]) == {*LAWS, *ALIASES}
+    data = {definition(name)["properties"]["law"]["const"] for name in ("lift-table", "points")}
+    names = set(definition("move")["properties"]["law"]["enum"])
+    assert names == {*FAMILIES, *ALIASES, AUTO, *data}
 
 
 def test_defaults_are_those_of_the_engine() -> None:

@@ -1,28 +1,42 @@
-"""Straight line (Gerade), VDI 2143-1 eqs. (21) to (23): constant velocity, a shock at both ends."""
+"""Straight line (Gerade), VDI 2143-1 eqs. (21) to (23): constant velocity, a shock at both ends.
+
+As a segment between others it sets the velocity of its neighbours' ends.
+"""
 
 from __future__ import annotations
 
-import math
+from types import MappingProxyType
 
 import numpy as np
 
-from camgeo.motion.laws.law import Characteristic, HalfLaw, HalfRegion, Values
+from camgeo.motion.laws.family import Family, Given, inflection_at
+from camgeo.motion.laws.law import Boundary, Law, Region, Values
 from camgeo.numeric.arrays import FloatArray
 
 
-def _formula(z: FloatArray, _r: FloatArray) -> Values:
+def _from_start(z: FloatArray, _w: FloatArray) -> Values:
     zero = np.zeros_like(z)
-    return z, np.ones_like(z), zero, zero
+    return z.copy(), np.ones_like(z), zero, zero
 
 
-def _centre(r: FloatArray) -> FloatArray:
-    return r
+def _from_end(z: FloatArray, w: FloatArray) -> Values:
+    return _from_start(w, z)
 
 
-STRAIGHT_LINE = HalfLaw(
-    name="straight-line",
-    regions=(HalfRegion(0.0, 0.5, _formula, 0.0),),
-    centre=_centre,
-    characteristic=Characteristic(1.0, math.inf, math.inf, math.inf, math.inf, math.inf),
-    end_velocity=1.0,
-)
+def _make(task: str, given: Given) -> Law:
+    inflection_at(task, given.get("inflection", 0.5))  # nothing bends, so nothing shifts
+    return Law(
+        name="straight-line",
+        task=task,
+        regions=(
+            Region(0.0, 0.5, _from_start, lambda _z, w: w.copy(), 0.0, from_end=False),
+            Region(0.5, 1.0, _from_end, lambda z, _w: z.copy(), 0.0, from_end=True),
+        ),
+        borders=(),
+        start=Boundary(velocity=1.0),
+        end=Boundary(velocity=1.0),
+        parameters=MappingProxyType(dict(given)),
+    )
+
+
+STRAIGHT_LINE = Family("straight-line", {"R-R": ("inflection",), "G-G": ()}, _make)

@@ -1,0 +1,102 @@
+"""Options that name a motion law with its task and parameters, and the law made from them."""
+
+from __future__ import annotations
+
+import argparse
+import math
+from typing import Final
+
+from camgeo.errors import GeometryError
+from camgeo.motion.laws import ALIASES, FAMILIES, make_law
+from camgeo.motion.laws.law import Law
+from camgeo.motion.task import TASKS
+from camgeo.scene.words import nearest
+
+DEFAULT_TASK: Final = "R-R"
+
+EVERY_TASK: Final = "all"
+
+PARAMETERS: Final = {
+    "inflection": ("LAMBDA", "z of the inflection point, counted as in VDI 2143"),
+    "curved": ("C", "share of z outside the stretch of constant velocity"),
+    "v0": ("F1", "f'(0)"),
+    "a0": ("F2", "f''(0)"),
+    "j0": ("F3", "f'''(0)"),
+    "v1": ("F1", "f'(1)"),
+    "a1": ("F2", "f''(1)"),
+    "j1": ("F3", "f'''(1)"),
+    "sine": ("B", "share b of the sines in the curved part of an SCCA law"),
+    "cosine": ("D", "share d of the cosines in the curved part of an SCCA law"),
+}
+"""What `make_law` may take besides name and task: metavar and help of the option."""
+
+
+def add_law_options(parser: argparse.ArgumentParser, *, several: bool = False) -> None:
+    """Add `--law`, `--task` and an option for each parameter; absent ones are None.
+
+    With `several`, `--law` takes any number of names, and `--task` is also allowed to be "all".
+    """
+    group = parser.add_argument_group(
+        "motion law", "normalised: f(0) = 0, f(1) = 1; which parameters there are, the law decides"
+    )
+    if several:
+        group.add_argument("--law", metavar="NAME", nargs="+", help="these laws only")
+    else:
+        group.add_argument(
+            "--law", metavar="NAME", help="name of the law, as `camgeo laws` lists it"
+        )
+    group.add_argument(
+        "--task",
+        choices=(*TASKS, EVERY_TASK) if several else TASKS,
+        metavar="TASK",
+        help=f"motion task, {TASKS[0]} to {TASKS[-1]}"
+        + (f", or {EVERY_TASK}" if several else "")
+        + f"; default {DEFAULT_TASK}",
+    )
+    for name, (metavar, text) in PARAMETERS.items():
+        group.add_argument(f"--{name}", metavar=metavar, type=_number, help=text)
+
+
+def given_options(arguments: argparse.Namespace) -> list[str]:
+    """Which of the task and the parameters are given, as options."""
+    return [f"--{name}" for name in ("task", *PARAMETERS) if getattr(arguments, name) is not None]
+
+
+def law_from(arguments: argparse.Namespace) -> Law:
+    """Make the law that the options ask for; `--law` must be among them.
+
+    Raises
+    ------
+    GeometryError
+        If there is no law of that name, it does not serve the task, takes no such parameter, or the
+        value of one is not allowed.
+    """
+    name = known_law(arguments.law)
+    return make_law(name, arguments.task or DEFAULT_TASK, **parameters_from(arguments))
+
+
+def parameters_from(arguments: argparse.Namespace) -> dict[str, float]:
+    """The parameters that are given, by the names that `make_law` takes."""
+    parameters = {key: getattr(arguments, key) for key in PARAMETERS}
+    return {key: value for key, value in parameters.items() if value is not None}
+
+
+def known_law(text: str) -> str:
+    """The name of the law that is called `text`; GeometryError, with a hint, if there is none."""
+    name = ALIASES.get(text, text)
+    if name not in FAMILIES:
+        known = (*FAMILIES, *ALIASES)
+        close = nearest(name, known)
+        hint = f"did you mean {close}?" if close else f"there are {', '.join(known)}"
+        raise GeometryError(f"is no motion law; {hint}", key="law", value=text)
+    return name
+
+
+def _number(text: str) -> float:
+    try:
+        number = float(text)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"{text!r} is no number") from None
+    if not math.isfinite(number):
+        raise argparse.ArgumentTypeError(f"{text!r} is no finite number")
+    return number

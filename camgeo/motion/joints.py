@@ -1,0 +1,86 @@
+"""Joints of a motion plan: what meets there, and how smoothly."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from camgeo.motion.plan import MotionPlan
+from camgeo.motion.task import End, end_of
+from camgeo.numeric.arrays import FloatArray, frozen
+
+ROUNDING = 1e-9
+"""A value smaller than this part of the largest of its order at either side counts as zero, and a
+jump smaller than it as none: what is left of conversions from degrees is a thousand times less."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Joint:
+    """A place where two segments meet; the first one is cam angle 0, where the turn closes.
+
+    Attributes
+    ----------
+    cam_angle : [rad] in [0, 2 pi).
+    position : lift [mm or rad].
+    before, after : class of the end of the segment before and of the start of the one after.
+    order : of the highest derivative that is continuous, -1 (none) to 3.
+    left, right : (4,) lift and three derivatives with respect to the cam angle from either side.
+    """
+
+    cam_angle: float
+    position: float
+    before: End
+    after: End
+    order: int
+    left: FloatArray
+    right: FloatArray
+
+
+def joints(plan: MotionPlan) -> tuple[Joint, ...]:
+    """The joints of `plan`, by ascending cam angle; a segment of no length has none of its own."""
+    return _joints_at(plan, _angles(plan))
+
+
+def breaks(plan: MotionPlan) -> tuple[Joint, ...]:
+    """As `joints`, with the places inside the laws at which a derivative may jump among them."""
+    return _joints_at(plan, np.unique(np.append(_angles(plan), plan.breaks)))
+
+
+def _angles(plan: MotionPlan) -> FloatArray:
+    angles: FloatArray = np.unique(np.radians([float(angle) for angle in plan.joints_deg[:-1]]))
+    return angles
+
+
+def _joints_at(plan: MotionPlan, angles: FloatArray) -> tuple[Joint, ...]:
+    left, right = plan.jet(angles, "left"), plan.jet(angles)
+    scale = _scale(plan, angles, left, right)
+    zero = ROUNDING * scale
+    jumps = np.abs(right - left) > zero
+    left, right = (np.where(np.abs(jet) > zero, jet, 0.0) for jet in (left, right))
+    return tuple(
+        Joint(
+            cam_angle=float(angles[k]),
+            position=float(right[0, k]),
+            before=end_of(float(left[1, k]), float(left[2, k])),
+            after=end_of(float(right[1, k]), float(right[2, k])),
+            order=int(np.argmax([*jumps[:, k], True])) - 1,
+            left=frozen(left[:, k], np.float64),
+            right=frozen(right[:, k], np.float64),
+        )
+        for k in range(len(angles))
+    )
+
+
+def _scale(plan: MotionPlan, angles: FloatArray, left: FloatArray, right: FloatArray) -> FloatArray:
+    """(4, k) size of each derivative in the two segments at each joint."""
+    ends = np.append(angles[1:], angles[0] + 2.0 * math.pi)
+    shares = np.linspace(0.0, 1.0, 17)[1:-1]
+    inside = angles[:, np.newaxis] + (ends - angles)[:, np.newaxis] * shares
+    size = np.abs(plan.jet(inside.ravel())).reshape(4, len(angles), -1).max(axis=2)
+    size = np.maximum(size, np.abs(right))
+    size[:, :] = np.maximum(size, np.abs(np.roll(left, -1, axis=1)))
+    around: FloatArray = np.maximum(size, np.roll(size, 1, axis=1))
+    around[0] = np.max(around[0])
+    return around

@@ -1,0 +1,96 @@
+"""The inflection point at which both parts of a law are equally hard: the inverse relations.
+
+VDI 2143-1 gives lambda for equal accelerations, equal jerks and equal dynamic moments of some laws
+as numbers (sections 6.6.1 and 6.6.2); here it follows for each law that has an inflection point.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from decimal import localcontext
+from typing import Final
+
+import numpy as np
+
+from camgeo.errors import GeometryError
+from camgeo.motion.laws import find_family
+from camgeo.motion.laws.characteristic import Characteristic, characteristic
+from camgeo.motion.laws.family import COUNTED_FROM_END
+from camgeo.motion.laws.pulse import DIGITS
+from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.roots import roots_on_grid
+
+Given = Mapping[str, float]
+
+NEAREST: Final = 1e-6
+"""How near to 0 and 1 an inflection point is looked for."""
+
+TINY: Final = 1e-300
+"""Stands for a part without acceleration, whose logarithm is asked."""
+
+GRID: Final = 65
+"""Places at which the two parts are compared before the root is bracketed."""
+
+QUANTITIES: Final = ("acceleration", "jerk", "moment")
+
+
+def equal_accelerations(name: str, task: str, given: Given) -> float:
+    """lambda, as VDI 2143-1 counts it, at which |C_a| = |C_a*|, from a quadratic.
+
+    Parameters
+    ----------
+    name, task : a law with an inflection point, see `camgeo.motion.laws.make_law`.
+    given : its other parameters.
+
+    Raises
+    ------
+    GeometryError
+        If the law has no inflection point, or none makes them equal.
+    """
+    family = find_family(name)
+    if family.parts is None:
+        raise GeometryError(f"{name} has no inflection point", key="inflection")
+    place = family.parts(task, given).inflection_for_equal_accelerations()
+    with localcontext(DIGITS):
+        return float(1 - place if task in COUNTED_FROM_END else place)
+
+
+def balanced(name: str, task: str, quantity: str, given: Given) -> float:
+    """lambda at which both parts have the same largest acceleration, jerk or dynamic moment.
+
+    Parameters
+    ----------
+    quantity : one of `QUANTITIES`.
+
+    Raises
+    ------
+    GeometryError
+        If the law has no inflection point, or none makes them equal.
+    """
+    if quantity == "acceleration":
+        return equal_accelerations(name, task, given)
+    family = find_family(name)
+
+    def difference(places: FloatArray) -> FloatArray:
+        laws = (family.law(task, {**given, "inflection": float(lam)}) for lam in places)
+        return np.array([_log_ratio(characteristic(law), quantity) for law in laws])
+
+    # Denser towards both ends, where one part is short.
+    share = np.linspace(0.0, 1.0, GRID)
+    grid = NEAREST + (1.0 - 2.0 * NEAREST) * share * share * (3.0 - 2.0 * share)
+    roots = roots_on_grid(difference, grid)
+    if not len(roots):
+        raise GeometryError(
+            f"no inflection point makes the {quantity} equal in both parts of {name} for {task}",
+            key="inflection",
+        )
+    return float(roots[0])
+
+
+def _log_ratio(values: Characteristic, quantity: str) -> float:
+    first, second = {
+        "jerk": (values.jerk, values.braking_jerk),
+        "moment": (values.moment, values.braking_moment),
+    }[quantity]
+    return math.log(max(abs(first.value), TINY)) - math.log(max(abs(second.value), TINY))

@@ -1,0 +1,163 @@
+"""Characteristic values of a law (Kennwerte, VDI 2143-1, section 5.1), signed, with places."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from camgeo.motion.laws.law import Law, Region
+from camgeo.numeric.arrays import BoolArray, FloatArray
+
+ROUNDING = 1e-13
+"""A jump smaller than this part of the largest value is rounding."""
+
+
+@dataclass(frozen=True, slots=True)
+class Extreme:
+    """A largest or smallest value and the z where it is taken first.
+
+    A value may be the limit from one side only, at a border where the quantity jumps.
+    """
+
+    value: float
+    z: float
+
+
+@dataclass(frozen=True, slots=True)
+class Characteristic:
+    """Characteristic values of a law.
+
+    For a law with an accelerating part before the inflection point and a decelerating one behind
+    it, the starred values are those of the second part; for a law without parts (a polynomial, the
+    double harmonic) the values without star are the largest over the whole move, the starred ones
+    the smallest. (For U-R and U-G the guideline calls it the other way round: there the part with
+    the star is the one at the turn, the first.)
+
+    Attributes
+    ----------
+    velocity : C_v, largest f'. It is C_Mstat too.
+    least_velocity : smallest f'; negative where the law runs back.
+    acceleration, deceleration : C_a, C_a*: the extreme of f'' in each part.
+    jerk, braking_jerk : C_j, C_j*: the extreme of f''' in each part, of equal ones the one nearer
+        to the border of the move.
+    moment, braking_moment : C_Mdyn, C_Mdyn*: the extreme of f' f'' in each part.
+    largest_acceleration, least_acceleration, largest_jerk, least_jerk, largest_moment,
+    least_moment : largest and smallest f'', f''', f' f'' over the whole move.
+    lift, least_lift : largest and smallest f: beyond [0, 1] where the law overshoots.
+    """
+
+    velocity: Extreme
+    least_velocity: Extreme
+    acceleration: Extreme
+    deceleration: Extreme
+    jerk: Extreme
+    braking_jerk: Extreme
+    moment: Extreme
+    braking_moment: Extreme
+    largest_acceleration: Extreme
+    least_acceleration: Extreme
+    largest_jerk: Extreme
+    least_jerk: Extreme
+    largest_moment: Extreme
+    least_moment: Extreme
+    lift: Extreme
+    least_lift: Extreme
+
+
+def characteristic(law: Law) -> Characteristic:
+    """The characteristic values of `law`.
+
+    The extremes are evaluated at all places where one can be: at the ends of each region, from
+    inside, and where its formula has a turning point, known in closed form or as the root of a
+    polynomial.
+    """
+    values = [_values(region) for region in law.regions]
+    z = np.concatenate([value[0] for value in values])
+    f, f1, f2, f3 = (np.concatenate([v[k] for v in values]) for k in range(1, 5))
+    power = f1 * f2
+    everywhere = np.ones(len(z), dtype=bool)
+    if law.inflection is None:
+        first = second = everywhere
+        pick: tuple[_Pick, _Pick, _Pick] = (_largest, _smallest, _smallest)
+    else:
+        second = np.concatenate(
+            [
+                np.full(len(v[0]), region.from_end)
+                for v, region in zip(values, law.regions, strict=True)
+            ]
+        )
+        first = ~second
+        pick = (_extreme, _extreme, _outermost)
+    return Characteristic(
+        velocity=_largest(z, f1, everywhere),
+        least_velocity=_smallest(z, f1, everywhere),
+        acceleration=pick[0](z, f2, first),
+        deceleration=pick[1](z, f2, second),
+        jerk=pick[0](z, f3, first),
+        braking_jerk=pick[2](z, f3, second),
+        moment=pick[0](z, power, first),
+        braking_moment=pick[1](z, power, second),
+        largest_acceleration=_largest(z, f2, everywhere),
+        least_acceleration=_smallest(z, f2, everywhere),
+        largest_jerk=_largest(z, f3, everywhere),
+        least_jerk=_smallest(z, f3, everywhere),
+        largest_moment=_largest(z, power, everywhere),
+        least_moment=_smallest(z, power, everywhere),
+        lift=_largest(z, f, everywhere),
+        least_lift=_smallest(z, f, everywhere),
+    )
+
+
+def acceleration_jumps(law: Law) -> bool:
+    """Whether f'' jumps inside the law: a jerk in the sense of the guideline."""
+    ends = [_values(region) for region in law.regions]
+    scale = max(float(np.max(np.abs(values[3]))) for values in ends)
+    return any(
+        abs(float(after[3][0] - before[3][-1])) > ROUNDING * scale
+        for before, after in itertools.pairwise(ends)
+    )
+
+
+_Pick = Callable[[FloatArray, FloatArray, BoolArray], Extreme]
+
+
+def _values(region: Region) -> tuple[FloatArray, ...]:
+    """z, f, f', f'', f''' at the ends of a region and at its turns, ascending in z."""
+    z = np.array(sorted({region.start, *region.turns(), region.end}))
+    near, f1, f2, f3 = region.formula(z, 1.0 - z)
+    return z, 1.0 - near if region.from_end else near, f1, f2, f3
+
+
+def _largest(z: FloatArray, values: FloatArray, among: BoolArray) -> Extreme:
+    return _first(z, values, among, float(np.max(values[among])))
+
+
+def _smallest(z: FloatArray, values: FloatArray, among: BoolArray) -> Extreme:
+    return _first(z, values, among, float(np.min(values[among])))
+
+
+def _extreme(z: FloatArray, values: FloatArray, among: BoolArray) -> Extreme:
+    """The value of largest magnitude, the first of equal ones."""
+    return _first(z, values, among, _values_of_largest_magnitude(values, among)[0])
+
+
+def _outermost(z: FloatArray, values: FloatArray, among: BoolArray) -> Extreme:
+    """The value of largest magnitude, the last of equal ones: that of the border at z = 1."""
+    return _first(z, values, among, _values_of_largest_magnitude(values, among)[-1])
+
+
+def _values_of_largest_magnitude(values: FloatArray, among: BoolArray) -> list[float]:
+    part = values[among]
+    size = np.abs(part)
+    largest = float(np.max(size))
+    signs = np.sign(part[size >= (1.0 - ROUNDING) * largest])
+    return [float(sign) * largest for sign in signs]
+
+
+def _first(z: FloatArray, values: FloatArray, among: BoolArray, value: float) -> Extreme:
+    """The first place at which `value` is taken, to rounding."""
+    near = np.abs(values - value) <= ROUNDING * abs(value)
+    return Extreme(value, float(z[np.argmax(near & among)]))

@@ -1,0 +1,229 @@
+"""Motion laws of one motion task side by side (VDI 2143-1, Tafeln 2, 3 and 4, for any task)."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Final
+
+import numpy as np
+
+from camgeo.errors import GeometryError
+from camgeo.motion.laws import FAMILIES, Characteristic, characteristic, find_family
+from camgeo.motion.laws.characteristic import ROUNDING
+from camgeo.motion.laws.law import Law, Region
+from camgeo.motion.task import ends_of
+
+QUANTITIES: Final = (
+    "velocity",
+    "acceleration",
+    "deceleration",
+    "jerk",
+    "braking_jerk",
+    "moment",
+    "braking_moment",
+)
+"""The characteristic values that are compared: C_v, C_a, C_a*, C_j, C_j*, C_Mdyn, C_Mdyn*."""
+
+ZERO: Final = {"R": ("v", "a"), "G": ("a",), "U": ("v",), "B": ()}
+"""What is zero at an end of each class: velocity, acceleration."""
+
+MM2_PER_M2: Final = 1e6
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """One law of a comparison, or the reason why there is none.
+
+    Attributes
+    ----------
+    name, task : what was asked for.
+    law, values : the law and its characteristic values; None if `reason` says why there is none.
+    shocks, jerks : ascending z at which f' (f'') jumps: at an end of the task R or U (R or G) where
+        the law starts or ends with something else than zero, and inside for f''.
+    unbounded : those of `QUANTITIES` that no number bounds, because of a shock or jerk.
+    ignored : parameters given that the family does not take for the task.
+    assumed : boundary values that the family takes, were not given, and are 0 therefore.
+    reason : empty, or why the law cannot be made.
+    """
+
+    name: str
+    task: str
+    law: Law | None = None
+    values: Characteristic | None = None
+    shocks: tuple[float, ...] = ()
+    jerks: tuple[float, ...] = ()
+    unbounded: frozenset[str] = frozenset()
+    ignored: tuple[str, ...] = ()
+    assumed: tuple[str, ...] = ()
+    reason: str = ""
+
+    @property
+    def runs_back(self) -> bool:
+        """Whether f' is negative somewhere."""
+        values = self.values
+        if values is None:
+            return False
+        return values.least_velocity.value < -ROUNDING * values.velocity.value
+
+    @property
+    def overshoots(self) -> bool:
+        """Whether f leaves [0, 1]."""
+        values = self.values
+        if values is None:
+            return False
+        return values.lift.value > 1.0 + ROUNDING or values.least_lift.value < -ROUNDING
+
+    def bounded(self, quantity: str) -> float | None:
+        """The value of one of `QUANTITIES`; None if it is unbounded or there is no law."""
+        if self.values is None or quantity in self.unbounded:
+            return None
+        value: float = getattr(self.values, quantity).value
+        return value
+
+
+@dataclass(frozen=True, slots=True)
+class Running:
+    """A move as it is run: what the characteristic values are multiplied with.
+
+    Attributes
+    ----------
+    speed : omega of the cam, constant [rad/s], above 0.
+    span : Phi, cam angle of the move [rad], above 0, at most a turn.
+    stroke : S [mm], above 0.
+
+    Raises
+    ------
+    GeometryError
+        If one of them is not such a number.
+    """
+
+    speed: float
+    span: float
+    stroke: float
+
+    def __post_init__(self) -> None:
+        for key in ("speed", "span", "stroke"):
+            value = getattr(self, key)
+            if not (math.isfinite(value) and value > 0.0):
+                raise GeometryError("must be a finite number above 0", key=key, value=repr(value))
+        if self.span > 2.0 * math.pi * (1.0 + ROUNDING):
+            raise GeometryError(
+                "cannot be more than one turn", key="span", value=f"{math.degrees(self.span):g}"
+            )
+
+    def physical(self, quantity: str, value: float) -> float:
+        """The physical value of one of `QUANTITIES`, from its characteristic value.
+
+        With k = omega/Phi (VDI 2143-1, eqs. (1) to (4) and (9) to (14) at constant omega): velocity
+        S k C_v [mm/s], acceleration S k^2 C_a [mm/s^2], jerk S k^3 C_j [mm/s^3]. The torque at the
+        camshaft against the inertia of a mass m on the follower, M = m a v/omega, is m C_Mdyn S^2
+        omega^2/Phi^3; here for 1 kg [N m/kg], and 1 kg mm^2/s^2 is 1e-6 N m.
+        """
+        rate = self.speed / self.span
+        if quantity.endswith("moment"):
+            return value * self.stroke**2 * rate**2 / self.span / MM2_PER_M2
+        order = {"velocity": 1, "acceleration": 2, "deceleration": 2, "jerk": 3, "braking_jerk": 3}
+        return float(value * self.stroke * rate ** order[quantity])
+
+
+def compare(task: str, given: Mapping[str, float], names: Sequence[str] = ()) -> tuple[Entry, ...]:
+    """Each family made for `task`, or those called `names`, with what it takes of `given`.
+
+    Parameters
+    ----------
+    task : one of `camgeo.motion.task.TASKS`.
+    given : parameters by the names that `make_law` takes.
+    names : families or aliases, in the order to be listed; KeyError if one is not known.
+    """
+    families = [find_family(name) for name in dict.fromkeys(names)] or [
+        family for family in FAMILIES.values() if task in family.tasks
+    ]
+    return tuple(_entry(family.name, task, given) for family in families)
+
+
+def _entry(name: str, task: str, given: Mapping[str, float]) -> Entry:
+    family = find_family(name)
+    taken = family.parameters.get(task, ())
+    ignored = tuple(key for key in given if key not in taken)
+    own = {key: value for key, value in given.items() if key in taken}
+    try:
+        law = family.law(task, MappingProxyType(own))
+        values = characteristic(law)
+    except GeometryError as error:
+        given_as = f"{error.key} = {error.value}: " if error.value and error.key != "task" else ""
+        return Entry(name, task, reason=f"{given_as}{error.message}")
+    shocks = _end_jumps(law, "v")
+    jerks = tuple(sorted({*_end_jumps(law, "a"), *_inner_jumps(law)}))
+    return Entry(
+        name,
+        task,
+        law,
+        values,
+        shocks,
+        jerks,
+        _unbounded(law, shocks, jerks),
+        ignored,
+        tuple(key for key in taken if key[1:] in ("0", "1") and _is_zero(name, law, own, key)),
+    )
+
+
+def _is_zero(name: str, law: Law, own: Mapping[str, float], key: str) -> bool:
+    """Whether the boundary value `key` was not given, and the law has 0 there for that reason.
+
+    An acceleration that follows from the inflection point is not zero, and the free polynomial
+    leaves open what is not given.
+    """
+    if key in own or name == "polynomial":
+        return False
+    end = law.start if key[1] == "0" else law.end
+    return {"v": end.velocity, "a": end.acceleration, "j": end.jerk}[key[0]] == 0.0
+
+
+def _end_jumps(law: Law, order: str) -> tuple[float, ...]:
+    """z of the ends at which f' ("v") or f'' ("a") is not the zero that the task wants."""
+    found = []
+    for place, kind, end in zip((0.0, 1.0), ends_of(law.task), (law.start, law.end), strict=True):
+        value = end.velocity if order == "v" else end.acceleration
+        if order in ZERO[kind] and value != 0.0:
+            found.append(place)
+    return tuple(found)
+
+
+def _inner_jumps(law: Law) -> tuple[float, ...]:
+    """z inside at which f'' jumps."""
+    ends = [(region.start, *_accelerations(region)) for region in law.regions]
+    scale = max(abs(value) for _, *pair in ends for value in pair)
+    return tuple(
+        place
+        for (_, _, left), (place, right, _) in itertools.pairwise(ends)
+        if abs(right - left) > ROUNDING * scale
+    )
+
+
+def _accelerations(region: Region) -> tuple[float, float]:
+    """f'' at the ends of a region, from inside."""
+    z = np.array([region.start, region.end])
+    first, last = region.formula(z, 1.0 - z)[2]
+    return float(first), float(last)
+
+
+def _unbounded(law: Law, shocks: tuple[float, ...], jerks: tuple[float, ...]) -> frozenset[str]:
+    """Which quantities have no bound.
+
+    After a shock all but the velocity, after a jerk the jerk of the part that the jump borders on;
+    a law without parts has the extremes of the whole move.
+    """
+    found: set[str] = set()
+    after_shock = (QUANTITIES[1::2], QUANTITIES[2::2])
+    after_jerk = (("jerk",), ("braking_jerk",))
+    for places, (first, second) in ((shocks, after_shock), (jerks, after_jerk)):
+        for place in places:
+            if law.inflection is None or place <= law.inflection:
+                found.update(first)
+            if law.inflection is None or place >= law.inflection:
+                found.update(second)
+    return frozenset(found)

@@ -1,0 +1,87 @@
+"""Double harmonic: f = (1 - cos pi z)/2 - (1 - cos 2 pi z)/8, from rest to turn and back.
+
+A gentle start into a turn, f''(1) = -pi^2, for moves that need no rest at the top (H. A. Rothbart,
+Cams, 1956). With s = sin(pi z/2) it is f = s^4, which keeps its digits at both ends.
+"""
+
+from __future__ import annotations
+
+import math
+from types import MappingProxyType
+
+import numpy as np
+
+from camgeo.motion.laws.family import Family, Given
+from camgeo.motion.laws.law import Boundary, Law, Region, Values, mirrored_region
+from camgeo.numeric.arrays import FloatArray
+
+JERK = 4.0 * math.pi**3
+"""More than |f'''| = pi^3 |s c (3 - 8 s^2)| anywhere."""
+
+
+def _derivatives(sine: FloatArray, cosine: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    square = sine * sine
+    product = sine * cosine
+    return (
+        2.0 * math.pi * square * product,
+        math.pi**2 * square * (3.0 - 4.0 * square),
+        math.pi**3 * product * (3.0 - 8.0 * square),
+    )
+
+
+def _from_start(z: FloatArray, _w: FloatArray) -> Values:
+    half = 0.5 * math.pi * z
+    sine = np.sin(half)
+    return sine**4, *_derivatives(sine, np.cos(half))
+
+
+def _from_end(_z: FloatArray, w: FloatArray) -> Values:
+    half = 0.5 * math.pi * w
+    cosine, sine = np.sin(half), np.cos(half)
+    return cosine * cosine * (1.0 + sine * sine), *_derivatives(sine, cosine)
+
+
+def _complement(_z: FloatArray, w: FloatArray) -> FloatArray:
+    return _from_end(_z, w)[0]
+
+
+def _lift(z: FloatArray, w: FloatArray) -> FloatArray:
+    return _from_start(z, w)[0]
+
+
+def _turns() -> tuple[float, ...]:
+    """Where f'', f''', (f' f'')' and f'''' vanish, by s^2: the last two are quadratics in it.
+
+    f' f'' is s^5 c (3 - 4 s^2), f''' is s c (3 - 8 s^2).
+    """
+    squares = [0.75, 0.375]
+    squares += [(46.0 + sign * 14.0) / 64.0 for sign in (1, -1)]
+    squares += [(30.0 + sign * math.sqrt(30.0**2 - 4.0 * 32.0 * 3.0)) / 64.0 for sign in (1, -1)]
+    return tuple(2.0 / math.pi * math.asin(math.sqrt(square)) for square in squares)
+
+
+def _turns_before() -> tuple[float, ...]:
+    return tuple(z for z in _turns() if z <= 0.5)
+
+
+def _turns_behind() -> tuple[float, ...]:
+    return tuple(z for z in _turns() if z > 0.5)
+
+
+HALVES: tuple[Region, ...] = (
+    Region(0.0, 0.5, _from_start, _complement, JERK, from_end=False, turns=_turns_before),
+    Region(0.5, 1.0, _from_end, _lift, JERK, from_end=True, turns=_turns_behind),
+)
+TURN = Boundary(acceleration=-(math.pi**2))
+
+
+def _make(task: str, _given: Given) -> Law:
+    if task == "R-U":
+        regions, start, end = HALVES, Boundary(), TURN
+    else:
+        regions = tuple(mirrored_region(region) for region in reversed(HALVES))
+        start, end = Boundary(acceleration=math.pi**2), Boundary()
+    return Law("double-harmonic", task, regions, (), start, end, parameters=MappingProxyType({}))
+
+
+DOUBLE_HARMONIC = Family("double-harmonic", {"R-U": (), "U-R": ()}, _make)

@@ -1,0 +1,141 @@
+"""What a family of motion laws is: one shape, for one or more motion tasks, with parameters."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from decimal import Decimal, localcontext
+from typing import Final
+
+from camgeo.errors import GeometryError
+from camgeo.motion.laws.law import Law
+from camgeo.motion.laws.pulse import DIGITS, Pulse
+from camgeo.motion.laws.two_pulses import Parts, law_of_two_pulses
+
+Given = Mapping[str, float]
+
+COUNTED_FROM_END: Final = ("U-R", "U-G")
+"""Tasks whose lambda VDI 2143-1 counts from the end of the move (sections 6.6.3 and 6.8.2)."""
+
+
+@dataclass(frozen=True, slots=True)
+class Family:
+    """A family of laws.
+
+    Attributes
+    ----------
+    name : as written in a scene.
+    parameters : for each task that it is made for, the names of the parameters it takes.
+    make : task, parameters given -> law. The names have been checked, the values have not.
+    parts : task, parameters given -> the two pulses and what they meet, for a law that has them.
+    """
+
+    name: str
+    parameters: Mapping[str, tuple[str, ...]]
+    make: Callable[[str, Given], Law]
+    parts: Callable[[str, Given], Parts] | None = None
+
+    @property
+    def tasks(self) -> tuple[str, ...]:
+        """The motion tasks that it is made for."""
+        return tuple(self.parameters)
+
+    def law(self, task: str, given: Given) -> Law:
+        """The law for `task` with the parameters `given`.
+
+        Raises
+        ------
+        GeometryError
+            If it is not made for the task, does not take a parameter, or a value is not possible;
+            it tells what is.
+        """
+        if task not in self.parameters:
+            tasks = ", ".join(self.tasks)
+            raise GeometryError(f"{self.name} is made for {tasks}", key="task", value=task)
+        taken = self.parameters[task]
+        for key, value in given.items():
+            if key not in taken:
+                known = ", ".join(taken) or "none"
+                raise GeometryError(
+                    f"{self.name} for {task} takes no {key}; its parameters: {known}",
+                    key=key,
+                    value=repr(value),
+                )
+            if not math.isfinite(value):
+                raise GeometryError("must be a finite number", key=key, value=repr(value))
+        return self.make(task, given)
+
+
+def boundary_parameters(task: str, orders: str = "va") -> tuple[str, ...]:
+    """Names of the boundary values that an end of this class leaves open: "v0", "a0", ..."""
+    names = []
+    for end, number in ((task[0], "0"), (task[-1], "1")):
+        free = {"R": "", "G": "v", "U": "a", "B": "va"}[end]
+        names += [order + number for order in orders if order in free or order == "j"]
+    return tuple(names)
+
+
+def pulse_family(name: str, shapes: Mapping[str, tuple[Pulse, Pulse]]) -> Family:
+    """A family of two fixed pulses for each task, with the place of the inflection point.
+
+    It takes `inflection`, v0 and v1 where the task has constant velocity at that end, and, in place
+    of the inflection, a0 or a1 where the task turns there: the acceleration that is wanted.
+    """
+
+    def parts(task: str, given: Given) -> Parts:
+        first, second = shapes[task]
+        return Parts(first, second, given.get("v0", 0.0), given.get("v1", 0.0))
+
+    def make(task: str, given: Given) -> Law:
+        return pulse_law(name, task, parts(task, given), given)
+
+    parameters = {task: ("inflection", *boundary_parameters(task)) for task in shapes}
+    return Family(name, parameters, make, parts)
+
+
+def pulse_law(name: str, task: str, parts: Parts, given: Given, **also: float) -> Law:
+    """The law of two pulses with the inflection that `given` states or that follows from it.
+
+    `also` are parameters that shaped the pulses, for the law to say.
+    """
+    wanted = [key for key in ("inflection", "a0", "a1") if key in given]
+    if len(wanted) > 1:
+        raise GeometryError(
+            f"{' and '.join(wanted)} each decide where the inflection point lies; give one of them",
+            key=wanted[0],
+            value=repr(given[wanted[0]]),
+        )
+    if "a0" in given:
+        place = parts.inflection_for_start(given["a0"])
+    elif "a1" in given:
+        place = parts.inflection_for_end(given["a1"])
+    else:
+        place = inflection_at(task, given.get("inflection", 0.5))
+    with localcontext(DIGITS):
+        stated = 1 - place if task in COUNTED_FROM_END else place
+    speeds = {key: given[key] for key in ("v0", "v1") if key in given}
+    parameters = {"inflection": float(stated), **also, **speeds}
+    return law_of_two_pulses(name, task, parts, place, parameters)
+
+
+def inflection_at(task: str, stated: float) -> Decimal:
+    """z of the inflection point, with 50 digits, from lambda as VDI 2143-1 counts it for `task`."""
+    if not 0.0 < stated < 1.0:
+        raise GeometryError(
+            "the inflection point must lie strictly between 0 and 1: the acceleration would be"
+            " infinite",
+            key="inflection",
+            value=repr(stated),
+        )
+    with localcontext(DIGITS):
+        return 1 - Decimal(stated) if task in COUNTED_FROM_END else Decimal(stated)
+
+
+def share(given: Given, key: str, default: float, *, positive: bool = False) -> Decimal:
+    """A parameter that is a part of 1."""
+    value = given.get(key, default)
+    if not (0.0 < value <= 1.0 or (value == 0.0 and not positive)):
+        lowest = "above 0" if positive else "from 0"
+        raise GeometryError(f"must lie {lowest} to 1", key=key, value=repr(value))
+    return Decimal(value)

@@ -1,0 +1,57 @@
+"""SCCA laws: sine, constant, cosine acceleration, one family with two shares.
+
+Of the half span, `sine` (b) is a quarter of a sine, `cosine` (d) a quarter of a cosine, and what is
+left constant acceleration (R. L. Norton, Cam Design and Manufacturing Handbook, section 3.7):
+b = 1/4, d = 1/4 is the modified trapezoid, 1/4 and 3/4 the modified sine, 1/2 and 1/2 the inclined
+sine, 0 and 0 the parabola, 0 and 1 the simple sine. `curved` (c) below 1 gives the variants with
+constant velocity: the acceleration is squeezed into the outer c of the span, the middle 1 - c runs
+straight.
+"""
+
+from __future__ import annotations
+
+from decimal import Decimal, localcontext
+
+from camgeo.errors import GeometryError
+from camgeo.motion.laws.family import Family, Given, pulse_law, share
+from camgeo.motion.laws.law import Law
+from camgeo.motion.laws.pulse import DIGITS, sine_pulse
+from camgeo.motion.laws.two_pulses import Parts
+
+SINE, COSINE, CURVED = 0.25, 0.75, 1.0
+"""The modified sine, where nothing is given."""
+
+ROUNDING = Decimal("1e-15")
+"""What two shares that are meant to add up to 1, 0.1 and 0.9, miss of it as doubles."""
+
+
+def _shares(given: Given) -> tuple[Decimal, Decimal, Decimal]:
+    """Shares of sine, constant and cosine, which add up to 1."""
+    sine, cosine = share(given, "sine", SINE), share(given, "cosine", COSINE)
+    constant = 1 - sine - cosine
+    if constant < -ROUNDING:
+        raise GeometryError(
+            "the shares of sine and cosine add up to more than 1",
+            key="sine",
+            value=f"{float(sine):g} + {float(cosine):g}",
+        )
+    if constant < ROUNDING:
+        return sine, Decimal(0), 1 - sine
+    return sine, constant, cosine
+
+
+def _parts(_task: str, given: Given) -> Parts:
+    curved = share(given, "curved", CURVED, positive=True)
+    with localcontext(DIGITS):
+        pulse = sine_pulse(*(part * curved for part in _shares(given)))
+    return Parts(pulse, pulse)
+
+
+def _make(task: str, given: Given) -> Law:
+    defaults = {"sine": SINE, "cosine": COSINE, "curved": CURVED}
+    shares = {key: given.get(key, default) for key, default in defaults.items()}
+    rest = {key: value for key, value in given.items() if key == "inflection"}
+    return pulse_law("scca", task, _parts(task, given), rest, **shares)
+
+
+SCCA = Family("scca", {"R-R": ("inflection", "sine", "cosine", "curved")}, _make, _parts)

@@ -1,0 +1,102 @@
+"""Sine-straight combination (Sinus-Gerade-Kombination) from turn to turn, VDI 2143-1 section 6.3.
+
+Quarters of a cosine over c lambda and c (1 - lambda), eqs. (111) to (119), a straight line between
+them; c = 1 is the simple sine.
+"""
+
+from __future__ import annotations
+
+import math
+from decimal import Decimal, localcontext
+
+from camgeo.errors import GeometryError
+from camgeo.motion.laws.family import Family, Given, boundary_parameters, pulse_law, share
+from camgeo.motion.laws.law import Law
+from camgeo.motion.laws.pulse import DIGITS, PI, sine_pulse
+from camgeo.motion.laws.two_pulses import Parts
+
+LEAST = math.pi**2 / 4.0
+"""Least value of a0 |a1|/(a0 + |a1|), that of the simple sine."""
+
+
+CURVED = 0.5
+"""c where none is given, as in the guideline's Tafel 3."""
+
+
+def _make(task: str, given: Given) -> Law:
+    values = dict(given)
+    if "a0" in values and "a1" in values:
+        values = _from_accelerations(values)
+    elif "inflection" in values and ("a0" in values or "a1" in values):
+        values = _from_inflection(values)
+    rest = {key: value for key, value in values.items() if key != "curved"}
+    curved = values.get("curved", CURVED)
+    return pulse_law("sine-straight", task, _parts(task, values), rest, curved=curved)
+
+
+def _parts(_task: str, given: Given) -> Parts:
+    pulse = sine_pulse(Decimal(0), Decimal(0), share(given, "curved", CURVED, positive=True))
+    return Parts(pulse, pulse)
+
+
+def _from_accelerations(given: dict[str, float]) -> dict[str, float]:
+    """lambda = r/(1 + r), r = |a1/a0| (127), and c."""
+    a0, a1 = given.pop("a0"), given.pop("a1")
+    if not (a0 > 0.0 > a1):
+        raise GeometryError(
+            "accelerates first and decelerates then: a0 must be positive, a1 negative",
+            key="acceleration",
+            value=f"{a0:g}, {a1:g}",
+        )
+    if given:
+        raise GeometryError(
+            f"a0 and a1 decide {' and '.join(given)} too; leave out one or the other",
+            key=next(iter(given)),
+        )
+    return {"inflection": -a1 / (a0 - a1), "curved": curved_for(a0 * (-a1 / (a0 - a1)))}
+
+
+def _from_inflection(given: dict[str, float]) -> dict[str, float]:
+    """c from lambda and the acceleration at one end (130)."""
+    inflection = given["inflection"]
+    product = given["a0"] * inflection if "a0" in given else -given["a1"] * (1.0 - inflection)
+    if "curved" in given:
+        raise GeometryError(
+            "inflection and acceleration decide curved too; leave out one of them", key="curved"
+        )
+    return {"inflection": inflection, "curved": curved_for(product)}
+
+
+def curved_for(product: float) -> float:
+    """c from lambda C_a, or from (1 - lambda)|C_a*| (eq. (130), restored).
+
+    Raises GeometryError below pi^2/4, which the simple sine has.
+    """
+    if not product >= LEAST:
+        raise GeometryError(
+            "no sine-straight combination turns so gently: inflection times the normalised"
+            f" acceleration is {product:.6g}, it must be at least pi^2/4 = {LEAST:.6g}",
+            key="acceleration",
+            value=f"{product:.6g}",
+        )
+    with localcontext(DIGITS):
+        k = PI - 2
+        # The smaller root, without cancellation: k c^2 - pi c + pi^2/(2 product) = 0.
+        square = PI * PI * (1 - 2 * k / Decimal(product))
+        return min(1.0, float(PI * PI / Decimal(product) / (PI + square.sqrt())))
+
+
+def curved_for_velocity(velocity: float) -> float:
+    """c from C_v (129), 1 < C_v <= pi/2; GeometryError outside."""
+    if not 1.0 < velocity <= math.pi / 2.0:
+        raise GeometryError(
+            "the largest velocity of a sine-straight combination lies above 1, up to pi/2",
+            key="velocity",
+            value=repr(velocity),
+        )
+    return math.pi / (math.pi - 2.0) * ((velocity - 1.0) / velocity)
+
+
+SINE_STRAIGHT = Family(
+    "sine-straight", {"U-U": ("inflection", "curved", *boundary_parameters("U-U"))}, _make, _parts
+)

@@ -1,0 +1,335 @@
+"""Laws of two pulses: an accelerating part over [0, lambda], a decelerating one over [lambda, 1].
+
+Each part begins at its own border, the second one backwards: f = v0 z + A l1^2 p1(z/l1) from the
+start, 1 - f = v1 w + B l2^2 p2(w/l2) from the end, w = 1 - z, with l1 = lambda and l2 = 1 - lambda.
+A = C_a and B = -C_a* follow from f and f' being continuous at lambda (VDI 2143-1, eqs. (90), (91),
+(120), (121), (169), (171), (193), (195), (220), (221), all of them special cases):
+
+    V1 l1 A - V2 l2 B = v1 - v0          P1 l1^2 A + P2 l2^2 B = 1 - l1 v0 - l2 v1
+
+with V, P the velocity and the position at the end of a pulse. f'' is continuous at lambda, for a
+pulse ends at zero there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from decimal import Decimal, localcontext
+from types import MappingProxyType
+
+import numpy as np
+
+from camgeo.errors import GeometryError
+from camgeo.motion.laws.law import Boundary, Law, Region, Values
+from camgeo.motion.laws.pulse import DIGITS, Pulse, Stretch
+from camgeo.numeric.arrays import FloatArray
+
+HALF = Decimal("0.5")
+
+
+@dataclass(frozen=True, slots=True)
+class Parts:
+    """The two parts of a law and what it meets at its ends, before the place of the inflection.
+
+    Attributes
+    ----------
+    first, second : pulses of the accelerating and of the decelerating part.
+    v0, v1 : f'(0), f'(1).
+    """
+
+    first: Pulse
+    second: Pulse
+    v0: float = 0.0
+    v1: float = 0.0
+
+    @property
+    def mirrored(self) -> Parts:
+        """The parts of the mirror image 1 - f(1 - z)."""
+        return Parts(self.second, self.first, self.v1, self.v0)
+
+    def amplitudes(self, inflection: Decimal) -> tuple[Decimal, Decimal]:
+        """A = C_a and B = -C_a* for lambda = `inflection`, signed, with 50 digits."""
+        with localcontext(DIGITS):
+            l1, l2 = inflection, 1 - inflection
+            v0, v1 = Decimal(self.v0), Decimal(self.v1)
+            missing = 1 - l1 * v0 - l2 * v1
+            first, second = self.first, self.second
+            common = l2 * first.velocity * second.position + l1 * second.velocity * first.position
+            a = second.velocity * missing + l2 * second.position * (v1 - v0)
+            b = first.velocity * missing - l1 * first.position * (v1 - v0)
+            return a / (l1 * common), b / (l2 * common)
+
+    def inflection_for_end(self, acceleration: float) -> Decimal:
+        """lambda with f''(1) = `acceleration`, for a second pulse that starts at its peak.
+
+        VDI 2143-1, eqs. (179), (201), (206) and (206a), from one quadratic.
+
+        Raises
+        ------
+        GeometryError
+            If there is no lambda in (0, 1); it tells which accelerations there are.
+        """
+        return self.inflection_for_peak(Decimal(acceleration))
+
+    def inflection_for_start(self, acceleration: float) -> Decimal:
+        """lambda with f''(0) = `acceleration`, for a first pulse that starts at its peak."""
+        with localcontext(DIGITS):
+            return 1 - self.mirrored.inflection_for_end(-acceleration)
+
+    def inflection_for(
+        self, acceleration: float | None = None, deceleration: float | None = None
+    ) -> Decimal:
+        """lambda with f'' = `acceleration` at the peak of the first part, or `deceleration`, which
+        is negative as a rule, at that of the second (section 6.2).
+
+        Raises GeometryError if there is none.
+        """
+        with localcontext(DIGITS):
+            if acceleration is not None:
+                parts = self.mirrored
+                wanted = -Decimal(acceleration) / Decimal(self.first.peak)
+                return 1 - parts.inflection_for_peak(wanted)
+            wanted = Decimal(deceleration or 0.0) / Decimal(self.second.peak)
+            return self.inflection_for_peak(wanted)
+
+    def inflection_for_peak(self, signed: Decimal) -> Decimal:
+        """lambda with -B = `signed`: B l2 (l2 V1 P2 + l1 V2 P1) = V1 (1 - w) - l1 P1 D in l1."""
+        with localcontext(DIGITS):
+            b = -signed
+            v0, v1 = Decimal(self.v0), Decimal(self.v1)
+            d = v1 - v0
+            own = self.first.velocity * self.second.position
+            slope = self.second.velocity * self.first.position - own
+            rise = self.first.velocity - self.first.position
+            roots = _inside(
+                -b * slope,
+                b * (slope - own) - d * rise,
+                b * own - self.first.velocity * (1 - v1),
+            )
+            if not roots:
+                raise self._out_of_reach(signed)
+            return roots[0]
+
+    def _out_of_reach(self, signed: Decimal) -> GeometryError:
+        """Why there is no lambda: the peak runs from its value at 0 to infinity at 1."""
+        bound = (1 - Decimal(self.v1)) / self.second.position
+        d = Decimal(self.v1) - Decimal(self.v0)
+        grows = self.first.velocity * (1 - Decimal(self.v0)) - self.first.position * d
+        side = "below" if grows > 0 else "above"
+        return GeometryError(
+            f"no inflection point gives the normalised acceleration {float(signed):.6g} at that"
+            f" end; it must be {side} {-float(bound):.6g}",
+            key="acceleration",
+            value=f"{float(signed):.6g}",
+        )
+
+    def inflection_for_equal_accelerations(self) -> Decimal:
+        """lambda at which |C_a| = |C_a*|; preferably with C_a* = -C_a, else with C_a* = C_a.
+
+        Raises
+        ------
+        GeometryError
+            If there is none: the smaller of the two is least where lambda reaches 0 or 1.
+        """
+        with localcontext(DIGITS):
+            v0, v1 = Decimal(self.v0), Decimal(self.v1)
+            d = v1 - v0
+            first, second = self.first, self.second
+            # l2 (a0 + a1 l1) is A's numerator times l2, l1 (b0 + b1 l1) is B's times l1.
+            weight = Decimal(first.peak) / Decimal(second.peak)
+            a0 = weight * (second.velocity * (1 - v1) + second.position * d)
+            a1 = weight * d * (second.velocity - second.position)
+            b0 = first.velocity * (1 - v1)
+            b1 = d * (first.velocity - first.position)
+            for sign in (1, -1):
+                roots = _inside(-a1 - sign * b1, a1 - a0 - sign * b0, a0)
+                if roots:
+                    return roots[0]
+        if v0 == v1 == 1:
+            return HALF  # a straight line: both are zero everywhere
+        raise GeometryError(
+            "no inflection point makes acceleration and deceleration equal for these end"
+            f" velocities ({self.v0:g} and {self.v1:g}, normalised)",
+            key="inflection",
+        )
+
+
+def law_of_two_pulses(
+    name: str,
+    task: str,
+    parts: Parts,
+    inflection: Decimal,
+    parameters: Mapping[str, float],
+) -> Law:
+    """The law of two pulses with its inflection point at z = `inflection`, inside (0, 1).
+
+    `parameters` is what the law shall say it was made of.
+    """
+    a, b = parts.amplitudes(inflection)
+    with localcontext(DIGITS):
+        l1, l2 = inflection, 1 - inflection
+        lift = float(Decimal(parts.v0) * l1 + a * l1**2 * parts.first.position)
+        left = float(Decimal(parts.v1) * l2 + b * l2**2 * parts.second.position)
+        speed = float(Decimal(parts.v0) + a * l1 * parts.first.velocity)
+        symmetric = parts.first is parts.second and l1 == l2 and a == b
+    lengths = float(l1), float(l2)
+    # Distances from the inflection point are taken from the length that is a double, else from the
+    # shorter one.
+    kept = l1 == Decimal(lengths[0]) or (l2 != Decimal(lengths[1]) and l1 < l2)
+    middle = lengths[0] if kept else 1.0 - lengths[1]
+    first = _Part(parts.first, (l1, l2), float(a), parts.v0, speed, (lift, left), middle, kept)
+    second = _Part(
+        parts.second, (l2, l1), float(b), parts.v1, speed, (left, lift), middle, not kept
+    )
+    regions = (*first.regions(from_end=False), *reversed(second.regions(from_end=True)))
+    # One formula runs through the middle, or a straight line.
+    smooth = symmetric and parts.first.end == 0.0
+    smooth |= parts.first.ends_straight and parts.second.ends_straight
+    continues = (
+        *(stretch.continues for stretch in parts.first.stretches[1:]),
+        smooth,
+        *(stretch.continues for stretch in reversed(parts.second.stretches[1:])),
+    )
+    return Law(
+        name=name,
+        task=task,
+        regions=regions,
+        borders=tuple(
+            region.start for region, on in zip(regions[1:], continues, strict=True) if not on
+        ),
+        start=first.boundary(1.0),
+        end=second.boundary(-1.0),
+        inflection=middle,
+        parameters=MappingProxyType(dict(parameters)),
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class _Part:
+    """One part of a law, counted from its border: y = z or w, and the other of them.
+
+    Attributes
+    ----------
+    lengths : of this part and of the other one, with 50 digits.
+    amplitude : A or B.
+    base : f' at the border.
+    speed : f' at the inflection point.
+    reached : near value (f or g of the part) at the inflection point, and what is then to come.
+    middle : z of the inflection point.
+    kept : whether the inflection point lies at y = its own length exactly, else at the other one's.
+    """
+
+    pulse: Pulse
+    lengths: tuple[Decimal, Decimal]
+    amplitude: float
+    base: float
+    speed: float
+    reached: tuple[float, float]
+    middle: float
+    kept: bool
+
+    def boundary(self, sign: float) -> Boundary:
+        """f', f'', f''' at the border; `sign` is that of f''."""
+        return Boundary(
+            self.base,
+            sign * self.amplitude * self.pulse.border + 0.0,
+            self.amplitude / float(self.lengths[0]) * self.pulse.jerk,
+        )
+
+    def regions(self, *, from_end: bool) -> list[Region]:
+        """The regions, from the border to the inflection point."""
+        found = []
+        for stretch in self.pulse.stretches:
+            ends = [self._place(x, from_end=from_end) for x in (stretch.start, stretch.end)]
+            found.append(self._region(stretch, min(ends), max(ends), from_end=from_end))
+        return found
+
+    def _place(self, x: Decimal, *, from_end: bool) -> float:
+        """z of a place in the pulse."""
+        if x == 1:
+            return self.middle
+        with localcontext(DIGITS):
+            y = x * self.lengths[0]
+            return float(1 - y if from_end else y)
+
+    def _counted(self, stretch: Stretch) -> Callable[[FloatArray, FloatArray], FloatArray]:
+        """y and the other one -> u of the stretch, exact to the last digits of y near its zero."""
+        length, other = (float(value) for value in self.lengths)
+        if stretch.from_end and stretch.end == 1:
+            if self.kept:
+                return lambda y, _rest: (length - y) / length
+            return lambda _y, rest: (rest - other) / length
+        if not stretch.from_end and stretch.start == 0:
+            return lambda y, _rest: y / length
+        with localcontext(DIGITS):
+            zero = (stretch.end if stretch.from_end else stretch.start) * self.lengths[0]
+            high = float(zero)
+            low = float(zero - Decimal(high))
+        if stretch.from_end:
+            return lambda y, _rest: ((high - y) + low) / length
+        return lambda y, _rest: ((y - high) - low) / length
+
+    def _region(self, stretch: Stretch, start: float, end: float, *, from_end: bool) -> Region:
+        length, other = (float(value) for value in self.lengths)
+        base, kept = self.base, self.kept
+        to_speed = self.amplitude * length
+        to_lift = to_speed * length
+        to_acceleration = -self.amplitude if from_end else self.amplitude
+        to_jerk = self.amplitude / length
+        near_at, far_at = self.reached
+        counted = self._counted(stretch)
+        # Where base and acceleration work against each other, the lift is counted from the
+        # inflection point: the two sums would cancel there.
+        from_middle = stretch.from_end and base * self.amplitude < 0.0
+
+        def to_inflection(y: FloatArray, rest: FloatArray) -> tuple[FloatArray, FloatArray]:
+            """r, and the way from there to the inflection point."""
+            r = (length - y) / length if kept else (rest - other) / length
+            return r, length * r * self.speed - to_lift * stretch.back(r)
+
+        def near_and_rest(y: FloatArray, rest: FloatArray) -> Values:
+            p, v, a, j = stretch.formula(counted(y, rest))
+            v *= to_speed
+            a *= to_acceleration
+            j *= to_jerk
+            if from_middle:
+                p = near_at - to_inflection(y, rest)[1]
+            else:
+                p *= to_lift
+                if base:
+                    p += base * y
+            if base:
+                v += base
+            return p, v, a, j
+
+        def far(y: FloatArray, rest: FloatArray) -> FloatArray:
+            near = near_and_rest(y, rest)[0]
+            return np.where(near < 0.5, 1.0 - near, far_at + to_inflection(y, rest)[1])
+
+        def turns() -> tuple[float, ...]:
+            ys = (length * x for x in stretch.turns(base, to_speed))
+            return tuple(1.0 - y if from_end else y for y in ys)
+
+        return Region(
+            start=start,
+            end=end,
+            formula=(lambda z, w: near_and_rest(w, z)) if from_end else near_and_rest,
+            far=(lambda z, w: far(w, z)) if from_end else far,
+            jerk_bound=abs(to_jerk) * stretch.jerk,
+            from_end=from_end,
+            turns=turns,
+        )
+
+
+def _inside(a: Decimal, b: Decimal, c: Decimal) -> list[Decimal]:
+    """Roots of a t^2 + b t + c inside (0, 1), the smaller first."""
+    if a == 0:
+        roots = [-c / b] if b != 0 else []
+    else:
+        square = b * b - 4 * a * c
+        if square < 0:
+            return []
+        half = -(b + square.sqrt().copy_sign(b)) / 2
+        roots = [half / a, c / half] if half != 0 else [Decimal(0)]
+    return sorted(root for root in roots if 0 < root < 1)

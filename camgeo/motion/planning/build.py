@@ -1,0 +1,159 @@
+"""From settled joints to segments: the law that each move asks for, normalised and made."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from camgeo.errors import GeometryError
+from camgeo.motion.laws import find_family, make_law
+from camgeo.motion.laws.balance import balanced
+from camgeo.motion.laws.law import Law
+from camgeo.motion.laws.two_point import law_of_boundary_values
+from camgeo.motion.planning.chain import Chain, Joint, Link
+from camgeo.motion.planning.reach import out_of_reach
+from camgeo.motion.planning.request import MoveRequest
+
+MISSED = 1e-9
+"""Part of its size by which a stated value may be missed, from rounding."""
+
+GENTLEST = 1.0 - 1e-9
+"""c of a sine-straight combination that may turn a little more gently still, by rounding."""
+
+ORDERS = {"v": 1, "a": 2, "j": 3}
+
+
+def named_law(chain: Chain, number: int, task: str) -> Law:
+    """The law that a move names, for `task`, with what is known of its joints.
+
+    Raises
+    ------
+    GeometryError
+        With the key of the segment, if there is no such law; it names the value that would do.
+    """
+    link = chain.links[number]
+    request = link.request
+    assert isinstance(request, MoveRequest)
+    family = find_family(request.law)
+    if task not in family.parameters:
+        task = family.tasks[0]  # the polynomial of what is given has but one
+    with keyed(link):
+        given = dict(request.parameters)
+        known = normalised(chain, number)
+        given |= {key: known[key] for key in _needed(chain, number, family.parameters[task], known)}
+        if request.balance:
+            given["inflection"] = balanced(family.name, task, request.balance, given)
+        wrong = None
+        try:
+            law = make_law(family.name, task, **given)
+        except GeometryError:
+            wrong = out_of_reach(chain, number, family, task, given)
+            if wrong is None:
+                raise
+    if wrong is not None:
+        raise wrong
+    _check_stated(chain, number, law)
+    return law
+
+
+def middle_law(chain: Chain, number: int, task: str) -> Law:
+    """The law that a move names with its inflection point in the middle and its gentlest turns."""
+    link = chain.links[number]
+    request = link.request
+    assert isinstance(request, MoveRequest)
+    family = find_family(request.law)
+    taken = family.parameters[task]
+    known = normalised(chain, number)
+    gentlest = {"inflection": 0.5, "curved": GENTLEST}
+    given = {key: value for key, value in gentlest.items() if key in taken}
+    given |= {key: known[key] for key in ("v0", "v1") if key in taken and key in known}
+    with keyed(link):
+        return family.law(task, given | {k: v for k, v in request.parameters.items() if k in taken})
+
+
+def normalised(chain: Chain, number: int) -> dict[str, float]:
+    """Known values at both ends, "v0" to "j1", normalised (VDI 2143-1, eqs. (136) to (141))."""
+    link = chain.links[number]
+    return _scaled(chain, number, link.stroke)
+
+
+def _scaled(chain: Chain, number: int, unit: float) -> dict[str, float]:
+    link = chain.links[number]
+    found = {}
+    for end, joint in (("0", chain.before(number)), ("1", chain.after(number))):
+        for key, value in _values(joint):
+            if value is not None:
+                found[key + end] = value * link.length ** ORDERS[key] / unit
+    return found
+
+
+def _values(joint: Joint) -> Iterator[tuple[str, float | None]]:
+    yield "v", joint.velocity
+    yield "a", joint.acceleration
+    yield "j", joint.jerk
+
+
+def _needed(
+    chain: Chain, number: int, taken: tuple[str, ...], known: dict[str, float]
+) -> list[str]:
+    """Boundary values that a law is to be told, of those it takes."""
+    request = chain.links[number].request
+    assert isinstance(request, MoveRequest)
+    ends = {"0": chain.before(number), "1": chain.after(number)}
+    keys = [key for key in taken if key in known]
+    accelerations = [key for key in keys if key[0] == "a"]
+    accelerations.sort(key=lambda key: "acceleration" not in ends[key[1]].stated)
+    if "inflection" not in taken:
+        return keys
+    # A turn is met by the place of the inflection point (and by c, where there is one).
+    free = 2 if "curved" in taken else 1
+    free -= len({"inflection", "curved"} & request.shaped_by)
+    dropped = accelerations[max(free, 0) :]
+    return [key for key in keys if key not in dropped]
+
+
+def _check_stated(chain: Chain, number: int, law: Law) -> None:
+    """What a designer states is met, or refused: a law that has no freedom left may have another
+    value, as the simple sine from rest to rest has.
+    """
+    link = chain.links[number]
+    for joint, end in ((chain.before(number), law.start), (chain.after(number), law.end)):
+        for order, name in enumerate(("velocity", "acceleration"), start=1):
+            if name not in joint.stated:
+                continue
+            unit = link.stroke / link.length**order
+            wanted, found = getattr(joint, name), getattr(end, name) * unit
+            if abs(found - wanted) > MISSED * max(abs(found), abs(wanted), abs(unit)):
+                raise GeometryError(
+                    f"cannot be met by {law.name} for {law.task} of {link.key}, whose {name} there"
+                    f" is {chain.unit.told(found, order)}; polynomial-5 and auto meet any",
+                    key=f"{joint.key}.{name}",
+                    value=chain.unit.told(wanted, order),
+                )
+
+
+def law_without_stroke(chain: Chain, number: int, name: str) -> Law:
+    """A move that ends where it starts, a polynomial of its own size [mm or rad]."""
+    values = _scaled(chain, number, 1.0)
+    if name == "polynomial-5":
+        values = {key: value for key, value in values.items() if key[0] != "j"}
+    if name == "polynomial-7":
+        values = {"j0": 0.0, "j1": 0.0, **values}
+    start, end = (
+        {ORDERS[key[0]]: value for key, value in values.items() if key[1] == side} for side in "01"
+    )
+    task = f"{chain.before(number).end}-{chain.after(number).end}"
+    return law_of_boundary_values(name, task, start, end, {}, rise=0.0)
+
+
+@contextmanager
+def keyed(link: Link, default: str = "law") -> Iterator[None]:
+    """Errors get the key of the segment that asks for it; `default` where they have none."""
+    try:
+        yield
+    except GeometryError as error:
+        key = error.key or default
+        known = {"a0": "law", "a1": "law", "v0": "law", "v1": "law", "task": "law"}
+        raise GeometryError(
+            error.message, key=f"{link.key}.{known.get(key, key)}", value=error.value
+        ) from error

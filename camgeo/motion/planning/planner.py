@@ -1,0 +1,144 @@
+"""From what is asked to a motion plan: classes, values, laws, in this order."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Final
+
+import numpy as np
+
+from camgeo.errors import GeometryError
+from camgeo.motion.laws import ALIASES, FAMILIES, find_family, make_law
+from camgeo.motion.plan import Course, Dwell, MotionPlan, Move, Segment
+from camgeo.motion.planning.auto import best_law
+from camgeo.motion.planning.build import keyed, law_without_stroke, named_law, normalised
+from camgeo.motion.planning.chain import STRAIGHT, Chain, chain_of
+from camgeo.motion.planning.request import (
+    AUTO,
+    MoveRequest,
+    PointsRequest,
+    Request,
+    Rest,
+    TableRequest,
+    Unit,
+)
+from camgeo.motion.planning.tables import fit, settle_tables
+from camgeo.motion.planning.tasks import settle_straight_lines, settle_tasks, task_of
+from camgeo.motion.planning.values import settle_values
+from camgeo.motion.points import Boundary, clamped_spline
+
+PLAIN: Final = Unit()
+"""No unit: values are told as they are, per radian."""
+
+
+def plan_motion(requests: Sequence[Request], unit: Unit = PLAIN) -> MotionPlan:
+    """The motion plan of `requests`, in the order of the cam angle, over one turn.
+
+    Joints get the values that are stated; a rest or a straight line on one side decides the rest.
+    A turn has the acceleration that a law beside it can have, where there is no choice. What is
+    still open becomes as smooth as can be, see `camgeo.motion.planning.values`.
+
+    `unit` is what messages tell positions in.
+
+    Raises
+    ------
+    GeometryError
+        With the key of the segment: if the laws cannot join, a law does not exist with the values
+        that it meets, or the segments make no turn (see `MotionPlan`).
+    """
+    _check_spans(requests)
+    chain = chain_of(requests, unit)
+    settle_straight_lines(chain)
+    settle_tables(chain)
+    settle_tasks(chain)
+    settle_values(chain)
+    return MotionPlan(tuple(_segment(chain, number) for number in range(len(chain.links))))
+
+
+def _check_spans(requests: Sequence[Request]) -> None:
+    """What `MotionPlan` checks of spans, before anything is planned on them; names and numbers."""
+    for number, request in enumerate(requests):
+        if isinstance(request, MoveRequest):
+            _check_name(request.law, f"motion[{number + 1}].law")
+        if isinstance(request, MoveRequest | PointsRequest) and not math.isfinite(request.to):
+            raise GeometryError(
+                "must be a finite number", key=f"motion[{number + 1}].to", value=repr(request.to)
+            )
+        if request.span == 0 and not isinstance(request, Rest):
+            raise GeometryError(
+                "a move of zero length cannot change the position (infinite velocity)",
+                key=f"motion[{number + 1}].span",
+                value=str(request.span),
+            )
+    MotionPlan(
+        tuple(
+            Dwell(request.span)
+            if isinstance(request, Rest)
+            else Move(request.span, 0.0, make_law("polynomial-345"))
+            for request in requests
+        )
+    )
+
+
+def _check_name(law: str, key: str) -> None:
+    if law not in (AUTO, *FAMILIES, *ALIASES):
+        names = ", ".join((AUTO, *FAMILIES, *ALIASES))
+        raise GeometryError(f"there is no such law; there are {names}", key=key, value=law)
+
+
+def _segment(chain: Chain, number: int) -> Segment:
+    link = chain.links[number]
+    match link.request:
+        case Rest():
+            return Dwell(link.request.span)
+        case MoveRequest():
+            return _move(chain, number, link.request)
+        case PointsRequest():
+            return _course(chain, number, link.request)
+        case TableRequest():
+            return fit(chain, number)
+
+
+def _move(chain: Chain, number: int, request: MoveRequest) -> Move:
+    link, task = chain.links[number], task_of(chain, number)
+    if link.straight:
+        return Move(request.span, request.to, make_law(STRAIGHT))
+    if link.stroke == 0.0:
+        if task == "R-R":
+            return Move(request.span, request.to, make_law("polynomial-345"))  # it rests
+        with keyed(link):
+            name = "polynomial-5" if request.law == AUTO else find_family(request.law).name
+            return Move(
+                request.span, request.to, law_without_stroke(chain, number, name), scale=1.0
+            )
+    if request.law == AUTO:
+        with keyed(link):
+            law = best_law(task, normalised(chain, number), request.parameters, request.optimise)
+    else:
+        law = named_law(chain, number, task)
+    return Move(request.span, request.to, law)
+
+
+def _course(chain: Chain, number: int, request: PointsRequest) -> Course:
+    link, start, end = chain.links[number], chain.before(number), chain.after(number)
+    length = link.length
+    inner = {index + 1: _over_span(values, length) for index, values in request.given.items()}
+    with keyed(link, "points"):
+        spline = clamped_spline(
+            np.concatenate(([0.0], request.shares, [1.0])),
+            np.concatenate(([0.0], request.positions - start.position, [link.stroke])),
+            _over_span((start.velocity, start.acceleration), length),
+            _over_span((end.velocity, end.acceleration), length),
+            inner,
+        )
+    return Course(request.span, start.position + link.stroke, spline)
+
+
+def _over_span(values: Boundary, length: float) -> Boundary:
+    """Velocity and acceleration with respect to the part of the span."""
+    velocity, acceleration = values
+    return (
+        None if velocity is None else velocity * length,
+        None if acceleration is None else acceleration * length**2,
+    )

@@ -1,0 +1,193 @@
+"""Which motion task each move has: the class of every joint, from what is stated and what laws can.
+
+A law family is made for some pairs of classes; a joint's class must suit both its sides. The
+classes that do not fit are struck out until nothing changes; where several remain, the one is taken
+that asks least of the designer: a rest if a law named there can only join at rests, else a turn
+where the motion turns back and a general motion where it goes on.
+"""
+
+from __future__ import annotations
+
+from typing import Final
+
+from camgeo.errors import GeometryError
+from camgeo.motion.laws import FAMILIES, find_family
+from camgeo.motion.planning.chain import Chain, Joint, Link
+from camgeo.motion.planning.request import AUTO, MoveRequest, PointsRequest
+from camgeo.motion.task import NAMES, TASKS, End, end_of
+
+FREE: Final = (AUTO, "polynomial-5", "polynomial-7", "polynomial")
+"""Laws that can join to anything; between two of them the joint is as smooth as can be."""
+
+ORDER: Final[tuple[End, ...]] = ("R", "U", "G", "B")
+
+
+LEGEND: Final = ", ".join(f"{end} {NAMES[end]}" for end in ORDER)
+
+
+def settle_straight_lines(chain: Chain) -> None:
+    """Give the joints beside a straight line its velocity; a rest beside one stays a rest.
+
+    Raises
+    ------
+    GeometryError
+        If a value that is stated there contradicts it.
+    """
+    for number, joint in enumerate(chain.joints):
+        before, after = chain.around(number)
+        if joint.rests:
+            if before.straight and before.stroke and "velocity" in joint.stated:
+                raise _contradiction(joint, "velocity", chain.unit.told(before.speed, 1))
+            continue
+        for link in (before, after):
+            if link.straight:
+                _on_straight_line(chain, joint, link)
+                break
+
+
+def settle_tasks(chain: Chain) -> None:
+    """Give every joint of `chain` one class, and velocity or acceleration 0 where it says so.
+
+    Raises
+    ------
+    GeometryError
+        If the laws named cannot join: it names laws that could.
+    """
+    for number in range(len(chain.joints)):
+        _from_values(chain, number)
+    possible = [_tasks(link) for link in chain.links]
+    _strike_out(chain, possible)
+    for number, joint in enumerate(chain.joints):
+        if len(joint.classes) > 1:
+            joint.classes = {_preferred(chain, number)}
+            _strike_out(chain, possible)
+    for joint in chain.joints:
+        if joint.end in ("R", "U"):
+            joint.velocity = 0.0
+        if joint.end in ("R", "G"):
+            joint.acceleration = 0.0
+
+
+def task_of(chain: Chain, number: int) -> str:
+    """The motion task of a move, once the classes are settled."""
+    return f"{chain.before(number).end}-{chain.after(number).end}"
+
+
+def is_free(link: Link) -> bool:
+    """Whether a segment joins to any velocity and acceleration."""
+    request = link.request
+    if isinstance(request, MoveRequest):
+        return request.law in FREE
+    return isinstance(request, PointsRequest)
+
+
+def _tasks(link: Link) -> set[str] | None:
+    """The tasks that a segment can have; None if it takes whatever there is."""
+    request = link.request
+    if not isinstance(request, MoveRequest) or link.straight or is_free(link):
+        return None
+    tasks = set(find_family(request.law).tasks)
+    if link.stroke:
+        return tasks
+    if "R-R" not in tasks:
+        raise GeometryError(
+            "has no shape for a move that ends where it starts; polynomial-5 and auto have, and a"
+            " dwell stands still",
+            key=f"{link.key}.law",
+            value=request.law,
+        )
+    return {"R-R"}
+
+
+def _from_values(chain: Chain, number: int) -> None:
+    """Strike out the classes that known values exclude."""
+    joint = chain.joints[number]
+    if joint.classes == {"R"}:
+        return
+    velocity, acceleration = joint.velocity, joint.acceleration
+    if velocity is not None:
+        joint.classes &= {"R", "U"} if velocity == 0.0 else {"G", "B"}
+    else:
+        joint.classes -= {"G"}  # a constant velocity that is nowhere told
+    if acceleration is not None:
+        joint.classes &= {"R", "G"} if acceleration == 0.0 else {"U", "B"}
+    if velocity is not None and acceleration is not None:
+        joint.classes = {end_of(velocity, acceleration)}
+    elif velocity is None and joint.classes >= {"U", "B"} and chain.turns(number):
+        joint.classes -= {"B"}  # it turns back here, so it stands for a moment
+
+
+def _on_straight_line(chain: Chain, joint: Joint, link: Link) -> None:
+    for order, (name, wanted) in enumerate(
+        (("velocity", link.speed), ("acceleration", 0.0)), start=1
+    ):
+        stated = getattr(joint, name) if name in joint.stated else None
+        if stated is not None and abs(stated - wanted) > 1e-9 * max(abs(stated), abs(wanted)):
+            raise _contradiction(joint, name, chain.unit.told(wanted, order))
+    joint.velocity, joint.acceleration = link.speed, 0.0
+
+
+def _contradiction(joint: Joint, name: str, has: str) -> GeometryError:
+    return GeometryError(
+        f"contradicts the straight line at this joint, whose {name} is {has}; leave it out",
+        key=f"{joint.key}.{name}",
+        value=f"{getattr(joint, name):g}",
+    )
+
+
+def _strike_out(chain: Chain, possible: list[set[str] | None]) -> None:
+    """Keep of tasks and classes what fits together, until nothing changes."""
+    changed = True
+    while changed:
+        changed = False
+        for number, tasks in enumerate(possible):
+            if tasks is None:
+                continue
+            start, end = chain.before(number), chain.after(number)
+            kept = {task for task in tasks if task[0] in start.classes and task[-1] in end.classes}
+            if not kept:
+                raise _no_task(chain, number)
+            possible[number] = kept
+            for joint, ends in ((start, {t[0] for t in kept}), (end, {t[-1] for t in kept})):
+                fitting = {each for each in joint.classes if each in ends}
+                if fitting != joint.classes:
+                    joint.classes, changed = fitting, True
+
+
+def _preferred(chain: Chain, number: int) -> End:
+    classes = chain.joints[number].classes
+    if all(is_free(link) for link in chain.around(number)):
+        for wanted in ("U", "B") if chain.turns(number) else ("B", "U"):
+            if wanted in classes:
+                return "U" if wanted == "U" else "B"
+    at_rest = not any(_jerks_from_rest(link) for link in chain.around(number))
+    order = ORDER if at_rest else ("U", *ORDER)
+    return next(each for each in order if each in classes)
+
+
+def _jerks_from_rest(link: Link) -> bool:
+    """Whether a law is free of jerks from turn to turn, but not from rest to rest."""
+    return isinstance(link.request, MoveRequest) and link.request.law == "simple-sine"
+
+
+def _no_task(chain: Chain, number: int) -> GeometryError:
+    """Why a law does not fit between its joints, and which would."""
+    link = chain.links[number]
+    assert isinstance(link.request, MoveRequest)
+    starts, ends = (joint.classes for joint in (chain.before(number), chain.after(number)))
+    here = [task for task in TASKS if task[0] in starts and task[-1] in ends]
+    names = [
+        name
+        for name, family in FAMILIES.items()
+        if name not in ("straight-line", "polynomial") and set(family.tasks) & set(here)
+    ]
+    family = find_family(link.request.law)
+    words = " to ".join(
+        " or ".join(NAMES[each] for each in ORDER if each in classes) for classes in (starts, ends)
+    )
+    return GeometryError(
+        f"is made for {', '.join(family.tasks)} ({LEGEND}); here the move goes from {words}"
+        f" ({', '.join(here)}), for which there are {', '.join(names)}, auto",
+        key=f"{link.key}.law",
+        value=family.name,
+    )

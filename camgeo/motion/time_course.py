@@ -1,0 +1,356 @@
+"""From derivatives over the cam angle to derivatives over time: the cam's own motion phi(t).
+
+VDI 2143-1, eqs. (1) to (4): s' and s'' over the angle, the angle's velocity omega = dphi/dt and
+acceleration alpha = d^2phi/dt^2 give velocity and acceleration over time; the third derivative
+follows from (2) by the chain rule once more.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Final, Literal, Protocol
+
+import numpy as np
+
+from camgeo.errors import GeometryError
+from camgeo.motion.motion import Jet, Motion, Side
+from camgeo.motion.points import periodic_spline
+from camgeo.motion.spline import Extremes, Spline, extremes_of
+from camgeo.numeric.arrays import FloatArray, frozen
+from camgeo.numeric.roots import bracketed_roots
+from camgeo.units import TURN
+
+SAMPLES: Final = 33
+"""Grid points per piece between borders on which turning points are looked for, as in
+`camgeo.motion.extremes`."""
+
+FEWEST_SAMPLES: Final = 5
+MOST_POINTS: Final = 1_000_000
+"""Of the whole grid: a curve of speed with very many rows has short pieces, and gets fewer each."""
+
+INSET: Final = 1e-7
+"""Share of a piece by which its grid keeps off its ends, where the values have two sides."""
+
+CLOSING: Final = 1e-9
+"""By this much [rad] may the table of a speed curve miss a full turn: rounding of its degrees."""
+
+GOLDEN: Final = 0.5 * (math.sqrt(5.0) - 1.0)
+
+GOLDEN_STEPS: Final = 40
+"""They shorten a bracket to 4e-9 of its length; the value is then the extreme but for rounding."""
+
+VELOCITY, ACCELERATION, JERK, TORQUE = 1, 2, 3, 4
+
+LiftUnit = Literal["mm", "rad"]
+
+
+METRES: Final[dict[LiftUnit, float]] = {"mm": 1e-3, "rad": 1.0}
+"""Factor from the unit of lift to the one in which M = m v a / omega holds as it stands."""
+
+
+class TimeCourse(Protocol):
+    """The angular motion of the cam over one turn, repeated with every turn.
+
+    Attributes
+    ----------
+    borders : (k,) cam angles in [0, 2 pi) [rad], ascending, where its formula changes; omega, alpha
+        and alpha_rate are continuous there.
+    """
+
+    @property
+    def borders(self) -> FloatArray: ...
+
+    def rates(self, phi: FloatArray) -> FloatArray:
+        """(3, n) omega [rad/s], alpha [rad/s^2] and dalpha/dt [rad/s^3] at `phi` (n,) [rad]."""
+
+    def time(self, phi: FloatArray) -> FloatArray:
+        """(n,) time [s] at which the cam is at `phi` (n,) [rad], any number of turns."""
+
+
+@dataclass(frozen=True, slots=True)
+class ConstantSpeed:
+    """The cam turns evenly; time 0 at cam angle 0.
+
+    Attributes
+    ----------
+    speed : omega [rad/s], above 0: the cam angle counts in the sense of rotation.
+
+    Raises
+    ------
+    GeometryError
+        If `speed` is not a finite number above 0.
+    """
+
+    speed: float
+
+    def __post_init__(self) -> None:
+        if not (math.isfinite(self.speed) and self.speed > 0.0):
+            raise GeometryError(
+                "the speed of the cam must be a finite number above 0 rad/s",
+                key="speed",
+                value=repr(self.speed),
+            )
+
+    @property
+    def borders(self) -> FloatArray:
+        return np.empty(0)
+
+    def omega(self, phi: FloatArray) -> FloatArray:
+        """(n,) omega [rad/s]."""
+        return np.full(len(phi), self.speed)
+
+    def alpha(self, phi: FloatArray) -> FloatArray:
+        """(n,) alpha [rad/s^2], zero."""
+        return np.zeros(len(phi))
+
+    def alpha_rate(self, phi: FloatArray) -> FloatArray:
+        """(n,) dalpha/dt [rad/s^3], zero."""
+        return np.zeros(len(phi))
+
+    def rates(self, phi: FloatArray) -> FloatArray:
+        out = np.zeros((3, len(phi)))
+        out[0] = self.speed
+        return out
+
+    def time(self, phi: FloatArray) -> FloatArray:
+        return np.asarray(phi, dtype=np.float64) / self.speed
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SpeedCurve:
+    """The cam angle over time by a table of one turn: a quintic spline through it, C4, periodic.
+
+    Attributes
+    ----------
+    t : (n,) time [s], ascending, n >= 4.
+    phi : (n,) cam angle [rad], ascending; the last one is the first one and a turn.
+    spline : phi over t.
+
+    Raises
+    ------
+    GeometryError
+        If the table does not ascend or does not span exactly a turn, and if phi' <= 0 anywhere: the
+        cam would stand still or run backwards.
+    """
+
+    t: FloatArray
+    phi: FloatArray
+    spline: Spline = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        t, phi = frozen(self.t, np.float64), frozen(self.phi, np.float64)
+        object.__setattr__(self, "t", t)
+        object.__setattr__(self, "phi", phi)
+        if t.ndim != 1 or t.shape != phi.shape or len(t) < 4:
+            raise GeometryError(
+                f"times {t.shape} and angles {phi.shape}: allowed are 4 rows or more, as many of"
+                " one as of the other",
+                key="speed",
+            )
+        span = float(phi[-1] - phi[0])
+        if not abs(span - TURN) <= CLOSING:
+            raise GeometryError(
+                f"the cam angle goes on by {span!r} rad from the first to the last row; allowed is"
+                f" one turn, {TURN!r}",
+                key="speed",
+                value=repr(span),
+            )
+        spline = periodic_spline(t, phi, float(t[-1] - t[0]), TURN, gap=CLOSING)
+        slowest = spline.extremes(1).lowest
+        if not slowest.value > 0.0:
+            angle = float(spline.values(np.array([slowest.place]), 0)[0, 0])
+            raise GeometryError(
+                f"the cam would stand still or run backwards: phi' is {slowest.value:g} rad/s at"
+                f" t = {slowest.place:g} s, phi = {angle:g} rad; allowed is above 0",
+                key="speed",
+                value=repr(slowest.value),
+            )
+        object.__setattr__(self, "spline", spline)
+
+    @property
+    def borders(self) -> FloatArray:
+        """(n - 1,) the cam angles of the table, in [0, 2 pi)."""
+        return np.unique(np.mod(self.phi[:-1], TURN))
+
+    def omega(self, phi: FloatArray) -> FloatArray:
+        """(n,) omega [rad/s] at `phi` (n,) [rad]."""
+        found: FloatArray = self.rates(phi)[0]
+        return found
+
+    def alpha(self, phi: FloatArray) -> FloatArray:
+        """(n,) alpha [rad/s^2] at `phi` (n,) [rad]."""
+        found: FloatArray = self.rates(phi)[1]
+        return found
+
+    def alpha_rate(self, phi: FloatArray) -> FloatArray:
+        """(n,) dalpha/dt [rad/s^3] at `phi` (n,) [rad]."""
+        found: FloatArray = self.rates(phi)[2]
+        return found
+
+    def rates(self, phi: FloatArray) -> FloatArray:
+        return self.spline.values(self.time(phi))[1:]
+
+    def time(self, phi: FloatArray) -> FloatArray:
+        return self.spline.inverse(phi)
+
+
+def in_time(jet: Jet, course: TimeCourse, phi: FloatArray) -> FloatArray:
+    """Lift and its derivatives over time.
+
+    Parameters
+    ----------
+    jet : (4, n) s, s', s'', s''' over the cam angle at `phi` [mm or rad per rad^k].
+    course : how the cam turns.
+    phi : (n,) cam angles [rad].
+
+    Returns
+    -------
+    (4, n) s [mm], velocity v = s' omega [mm/s], acceleration a = s'' omega^2 + s' alpha [mm/s^2]
+    and jerk s''' omega^3 + 3 s'' omega alpha + s' dalpha/dt [mm/s^3], or with rad instead of mm.
+    VDI 2143-1, eqs. (1) and (2); with constant omega (3) and (4).
+    """
+    return _chained(jet, course.rates(phi))
+
+
+def _chained(jet: Jet, rates: FloatArray) -> FloatArray:
+    omega, alpha, alpha_rate = rates
+    s, s1, s2, s3 = jet[:4]
+    return np.stack(
+        (
+            s,
+            s1 * omega,
+            s2 * omega**2 + s1 * alpha,
+            s3 * omega**3 + 3.0 * s2 * omega * alpha + s1 * alpha_rate,
+        )
+    )
+
+
+def inertia_torque(
+    timed: FloatArray, omega: FloatArray, inertia: float = 1.0, unit: LiftUnit = "mm"
+) -> FloatArray:
+    """(n,) torque [N m] on the camshaft that accelerates the follower: M omega = m v a.
+
+    Parameters
+    ----------
+    timed : (4, n) lift over time, as `in_time` gives it.
+    omega : (n,) [rad/s] of the cam.
+    inertia : mass [kg] of a follower whose lift is in mm, or moment of inertia [kg m^2] of one
+        whose swing is in rad; 1 gives the torque per unit of it.
+    unit : of the lift.
+
+    Positive where the cam drives the follower, negative where the follower drives the cam; its
+    integral over the cam angle is zero over a turn. No spring, load or friction is in it.
+    """
+    torque: FloatArray = inertia * METRES[unit] ** 2 * timed[1] * timed[2] / omega
+    return torque
+
+
+@dataclass(frozen=True, slots=True)
+class TimeExtremes:
+    """Smallest and largest values over a turn, signed, with their cam angles [rad].
+
+    Attributes
+    ----------
+    velocity : [mm/s or rad/s]
+    acceleration : [mm/s^2 or rad/s^2]
+    jerk : [mm/s^3 or rad/s^3]
+    torque : inertia torque per unit of mass [N m/kg], or of the moment of inertia [N m/(kg m^2)].
+    """
+
+    velocity: Extremes
+    acceleration: Extremes
+    jerk: Extremes
+    torque: Extremes
+
+
+def time_extremes(motion: Motion, course: TimeCourse, unit: LiftUnit = "mm") -> TimeExtremes:
+    """Physical extremes of `motion` with the cam turning as `course` says.
+
+    Between neighbouring borders of both, velocity and acceleration turn where acceleration and
+    jerk change sign: those places are bracketed roots. Jerk and torque are searched from the
+    turning points of a grid, by golden section. Two turning points that lie within a
+    thirty-second of a piece can be missed. At borders both one-sided values count.
+    """
+    edges = np.unique(np.concatenate((motion.borders, course.borders, [0.0, TURN])))
+    edges = edges[np.concatenate((np.diff(edges) > 8.0 * math.ulp(TURN), [True]))]
+
+    def timed(phi: FloatArray, side: Side = "right") -> FloatArray:
+        """(5, n) lift over time, and the torque."""
+        rates = course.rates(phi)
+        out = _chained(motion.jet(phi, side), rates)
+        return np.concatenate((out, [inertia_torque(out, rates[0], 1.0, unit)]))
+
+    samples = int(np.clip(MOST_POINTS // len(edges), FEWEST_SAMPLES, SAMPLES))
+    share = np.linspace(0.0, 1.0, samples)
+    share[0], share[-1] = INSET, 1.0 - INSET
+    inside = edges[:-1, np.newaxis] + np.diff(edges)[:, np.newaxis] * share
+    flat = timed(inside.ravel())
+    grid = flat.reshape(5, *inside.shape)
+
+    right, left = timed(edges[:-1]), timed(edges[1:], "left")
+
+    def extremes(row: int, turning: FloatArray) -> Extremes:
+        return extremes_of(
+            np.concatenate((edges[:-1], edges[1:], inside.ravel(), turning)),
+            np.concatenate((right[row], left[row], flat[row], timed(turning)[row])),
+        )
+
+    def at_roots(row: int) -> Extremes:
+        return extremes(row, _roots(lambda phi: timed(phi)[row + 1], inside, grid[row + 1]))
+
+    def at_peaks(row: int) -> Extremes:
+        return extremes(row, _peaks(lambda phi: timed(phi)[row], inside, grid[row]))
+
+    return TimeExtremes(
+        velocity=at_roots(VELOCITY),
+        acceleration=at_roots(ACCELERATION),
+        jerk=at_peaks(JERK),
+        torque=at_peaks(TORQUE),
+    )
+
+
+def _roots(
+    function: Callable[[FloatArray], FloatArray], grid: FloatArray, values: FloatArray
+) -> FloatArray:
+    """Roots where `values` changes sign along the rows of `grid` (m, k)."""
+    change = values[:, :-1] * np.sign(values[:, 1:]) < 0.0
+    return bracketed_roots(function, grid[:, :-1][change], grid[:, 1:][change])
+
+
+def _peaks(
+    function: Callable[[FloatArray], FloatArray], grid: FloatArray, values: FloatArray
+) -> FloatArray:
+    """Places of the extremes that the turning points of `values` along the rows of `grid` show."""
+    padded = np.concatenate((grid[:, :1], grid, grid[:, -1:]), axis=1)
+    found = []
+    for sign in (1.0, -1.0):
+        heights = sign * values
+        inner = np.pad(heights, ((0, 0), (1, 1)), constant_values=-np.inf)
+        top = (heights >= inner[:, :-2]) & (heights >= inner[:, 2:])
+        top &= (heights > inner[:, :-2]) | (heights > inner[:, 2:])
+        # A parabola through three points rises above the middle one by an eighth of the larger
+        # difference at most; what cannot get to the largest value even with all of it is left.
+        falls = np.abs(np.diff(heights, axis=1, prepend=heights[:, :1], append=heights[:, -1:]))
+        top &= heights + np.maximum(falls[:, :-1], falls[:, 1:]) >= np.max(heights)
+        found.append(_golden(function, sign, padded[:, :-2][top], padded[:, 2:][top]))
+    return np.concatenate(found)
+
+
+def _golden(
+    function: Callable[[FloatArray], FloatArray], sign: float, low: FloatArray, high: FloatArray
+) -> FloatArray:
+    """Golden section search of the largest sign * function in each bracket [low, high]."""
+    if not len(low):
+        return low
+    left, right = high - GOLDEN * (high - low), low + GOLDEN * (high - low)
+    f_left, f_right = sign * function(left), sign * function(right)
+    for _ in range(GOLDEN_STEPS):
+        to_left = f_left >= f_right
+        low, high = np.where(to_left, low, left), np.where(to_left, right, high)
+        new = np.where(to_left, high - GOLDEN * (high - low), low + GOLDEN * (high - low))
+        f_new = sign * function(new)
+        left, right = np.where(to_left, new, right), np.where(to_left, left, new)
+        f_left, f_right = np.where(to_left, f_new, f_right), np.where(to_left, f_left, f_new)
+    return np.where(f_left >= f_right, left, right)

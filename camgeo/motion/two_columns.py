@@ -1,0 +1,229 @@
+"""Tables of two columns as people write them: CSV with separators and decimals of any country."""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from camgeo.errors import GeometryError
+from camgeo.numeric.arrays import FloatArray
+
+MOST_BYTES: Final = 16_000_000
+MOST_ROWS: Final = 200_000
+
+NUMBER: Final = re.compile(r"[+-]?(\d+([.,]\d*)?|[.,]\d+)([eE][+-]?\d+)?")
+
+HEADING: Final = re.compile(r"(?P<name>[^\[(]*?)\s*([\[(]\s*(?P<unit>[^\])]*?)\s*[\])])?")
+
+LINE_END: Final = re.compile(r"\r\n|\r|\n")
+
+
+@dataclass(frozen=True, slots=True)
+class Column:
+    """What a column may be called.
+
+    Attributes
+    ----------
+    what : in messages.
+    names : in headings, in lower case.
+    units : allowed in headings, in lower case; empty for any.
+    """
+
+    what: str
+    names: tuple[str, ...]
+    units: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class TwoColumns:
+    """The rows of a table.
+
+    Attributes
+    ----------
+    first, second : (n,) the numbers.
+    unit : of the second column as its heading tells it; empty where it does not.
+    lines : (n,) line of the file on which each row stands, from 1.
+    """
+
+    first: FloatArray
+    second: FloatArray
+    unit: str
+    lines: tuple[int, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class _Layout:
+    """How the rows are written: separator, number of cells, cells of both columns, unit."""
+
+    separator: str
+    cells: int
+    first: int
+    second: int
+    unit: str
+    has_heading: bool
+
+
+def read_two_columns(data: bytes | str, file: str, columns: tuple[Column, Column]) -> TwoColumns:
+    """Read a table of two numbers a row.
+
+    Cells are separated by ; or tab or comma, whichever of these in this order is in the first row.
+    Decimals have a point; with ; or tab they may have a comma, all alike. Empty lines, and lines
+    that begin with #, are passed over. A heading may name the columns: then there may be more than
+    two, of which those called as `columns` says count, whatever their case, with a unit in brackets
+    or without. Without a heading there are two columns.
+
+    Parameters
+    ----------
+    data : the file, UTF-8; at most 16,000,000 bytes and 200,000 rows.
+    file : its name, for messages.
+
+    Raises
+    ------
+    GeometryError
+        With file and line, if anything is not as said here: not a number or not a finite one, too
+        few or too many rows or cells.
+    """
+    lines = _lines(data, file)
+    counted = [
+        (number, line)
+        for number, line in enumerate(lines, start=1)
+        if line.strip() and not line.lstrip().startswith("#")
+    ]
+    if not counted:
+        raise fault(file, len(lines), "", "no rows; allowed are 2 or more")
+    layout = _layout(counted[0][1], file, counted[0][0], columns)
+    if layout.has_heading:
+        counted = counted[1:]
+    if not 2 <= len(counted) <= MOST_ROWS:
+        place = counted[min(len(counted), MOST_ROWS + 1) - 1][0] if counted else len(lines)
+        raise fault(
+            file, place, "", f"{len(counted):,} rows of numbers; allowed are 2 to {MOST_ROWS:,}"
+        )
+    first, second = _columns(counted, layout, file)
+    return TwoColumns(first, second, layout.unit, tuple(number for number, _ in counted))
+
+
+def check_ascending(table: TwoColumns, values: FloatArray, file: str, what: str) -> None:
+    """Raise GeometryError with the line of the first row whose `values` do not ascend."""
+    falls = np.flatnonzero(np.diff(values) <= 0.0)
+    if len(falls):
+        place = int(falls[0]) + 1
+        before = float(values[place - 1])
+        raise fault(
+            file,
+            table.lines[place],
+            repr(float(values[place])),
+            f"the {what} before is {before!r}; allowed is only ascending",
+        )
+
+
+def _columns(
+    counted: list[tuple[int, str]], layout: _Layout, file: str
+) -> tuple[FloatArray, FloatArray]:
+    """Both columns, (n,) each, of the numbered lines."""
+    out = np.empty((2, len(counted)))
+    decimal = ""
+    for row, (number, line) in enumerate(counted):
+        cells = line.split(layout.separator)
+        if len(cells) != layout.cells:
+            raise fault(
+                file, number, line, f"{len(cells)} columns; allowed are {layout.cells} in this file"
+            )
+        for column, cell in enumerate((layout.first, layout.second)):
+            text = cells[cell].strip()
+            if not NUMBER.fullmatch(text):
+                raise fault(file, number, text, "not a number; allowed are numbers like 12.5")
+            mark = "," if "," in text else "." if "." in text else ""
+            if mark and decimal and mark != decimal:
+                raise fault(
+                    file, number, text, f"the decimals above have {decimal!r}; allowed is one kind"
+                )
+            decimal = mark or decimal
+            value = float(text.replace(",", "."))
+            if not math.isfinite(value):
+                raise fault(file, number, text, "too large; allowed are numbers up to 1.7e308")
+            out[column, row] = value
+    return out[0], out[1]
+
+
+def _lines(data: bytes | str, file: str) -> list[str]:
+    size = len(data)
+    if size > MOST_BYTES:
+        raise GeometryError(
+            f"{file}, line 1: the file has {size:,} bytes; allowed are {MOST_BYTES:,}",
+            value=str(size),
+        )
+    if isinstance(data, str):
+        text = data
+    else:
+        try:
+            text = data.decode("utf-8")
+        except UnicodeDecodeError as error:
+            line = data[: error.start].count(b"\n") + 1
+            raise fault(file, line, "", "no UTF-8 text; allowed is UTF-8") from error
+    return LINE_END.split(text.removeprefix("\N{BYTE ORDER MARK}"))
+
+
+def _layout(line: str, file: str, number: int, columns: tuple[Column, Column]) -> _Layout:
+    """Separator and columns from the first line that counts."""
+    separator = next((mark for mark in (";", "\t", ",") if mark in line), "")
+    if not separator:
+        raise fault(file, number, line, "one column; allowed separators are ; and tab and comma")
+    cells = [cell.strip().strip('"').strip() for cell in line.split(separator)]
+    if NUMBER.fullmatch(cells[0]):
+        if len(cells) != 2:
+            raise fault(
+                file,
+                number,
+                line,
+                f"{len(cells)} columns; without a heading 2 are allowed,"
+                f" {columns[0].what} and {columns[1].what} (a decimal comma needs ; or tab as"
+                " separator)",
+            )
+        return _Layout(separator, 2, 0, 1, "", has_heading=False)
+    headings = [_heading(cell) for cell in cells]
+    found = [_column(headings, column, file, number) for column in columns]
+    for place, column in zip(found, columns, strict=True):
+        unit = headings[place][1]
+        if unit and column.units and unit.lower() not in column.units:
+            raise fault(
+                file,
+                number,
+                cells[place],
+                f"the unit of the {column.what}; allowed is {column.units[0]}",
+            )
+    unit = headings[found[1]][1]
+    return _Layout(separator, len(cells), found[0], found[1], unit, has_heading=True)
+
+
+def _heading(cell: str) -> tuple[str, str]:
+    """Name, in lower case, and unit of a column."""
+    match = HEADING.fullmatch(cell)
+    if match is None:
+        return cell.lower(), ""
+    return match["name"].strip().lower(), match["unit"] or ""
+
+
+def _column(headings: list[tuple[str, str]], column: Column, file: str, number: int) -> int:
+    found = [k for k, (name, _) in enumerate(headings) if name in column.names]
+    if len(found) != 1:
+        given = ", ".join(name for name, _ in headings)
+        raise fault(
+            file,
+            number,
+            given,
+            f"{len(found)} columns of {column.what}; allowed is one, called"
+            f" {' or '.join(column.names)}",
+        )
+    return found[0]
+
+
+def fault(file: str, line: int, value: str, message: str) -> GeometryError:
+    """What is wrong in a line of a table."""
+    shown = value.strip() if len(value.strip()) <= 60 else value.strip()[:57] + "..."
+    given = f"{shown!r}: " if shown else ""
+    return GeometryError(f"{file}, line {line}: {given}{message}", value=shown)

@@ -1,0 +1,103 @@
+"""Polynomials by their coefficients in ascending powers."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from decimal import Decimal
+from fractions import Fraction
+
+import numpy as np
+
+from camgeo.numeric.arrays import FloatArray
+
+NEARLY_REAL = 1e-6
+"""Imaginary part up to which a root counts as a real one: a double root splits by 1e-8."""
+
+ROUNDING = 1e-12
+"""More than what is lost in evaluating a polynomial of the degrees used here near its maximum."""
+
+
+def horner(coefficients: Sequence[float], x: FloatArray) -> FloatArray:
+    """The polynomial at `x` (n,)."""
+    value = np.full_like(x, coefficients[-1])
+    for coefficient in coefficients[-2::-1]:
+        value *= x
+        if coefficient:
+            value += coefficient
+    return value
+
+
+def derivative(coefficients: Sequence[float]) -> list[float]:
+    """Coefficients of the derivative."""
+    return [power * c for power, c in enumerate(coefficients)][1:] or [0.0]
+
+
+def product(first: Sequence[float], second: Sequence[float]) -> list[float]:
+    """Coefficients of the product."""
+    return [float(c) for c in np.convolve(first, second)]
+
+
+def roots_inside(coefficients: Sequence[float], low: float, high: float) -> FloatArray:
+    """Real roots in [low, high], ascending, to the last bits where they are simple."""
+    roots = np.roots(np.array(coefficients[::-1], dtype=np.float64))
+    scale = np.maximum(1.0, np.abs(roots))
+    real: FloatArray = np.sort(roots.real[np.abs(roots.imag) < NEARLY_REAL * scale])
+    slope = derivative(coefficients)
+    for _ in range(2):  # Newton's method
+        rise = horner(slope, real)
+        value = horner(coefficients, real)
+        real = real - np.divide(value, rise, out=np.zeros_like(real), where=rise != 0.0)
+    return real[(real >= low) & (real <= high)]
+
+
+def largest_magnitude(coefficients: Sequence[float], low: float, high: float) -> float:
+    """Largest absolute value over [low, high], exact but for rounding upwards."""
+    turns = roots_inside(derivative(coefficients), low, high)
+    places = np.concatenate((turns, [low, high]))
+    return float(np.max(np.abs(horner(coefficients, places)))) * (1.0 + ROUNDING)
+
+
+@dataclass(frozen=True, slots=True)
+class Bernstein:
+    """A polynomial over [0, 1] as a sum of c_i z^i w^(n - i) with w = 1 - z.
+
+    Its terms cancel less than those of any other form; where all c_i have one sign, not at all.
+
+    Attributes
+    ----------
+    coefficients : (n + 1,) c_i, binomials included.
+    """
+
+    coefficients: tuple[float, ...]
+
+    @staticmethod
+    def of(powers: Sequence[Decimal] | Sequence[Fraction]) -> Bernstein:
+        """From exact coefficients in ascending powers of z; each c_i is rounded once."""
+        exact = [Fraction(c) for c in powers]
+        n = len(exact) - 1
+        return Bernstein(
+            tuple(
+                float(sum(math.comb(n - k, i - k) * exact[k] for k in range(i + 1)))
+                for i in range(n + 1)
+            )
+        )
+
+    def lower(self, z: FloatArray, w: FloatArray) -> FloatArray:
+        """Values at `z` (n,) <= 1/2, with w = 1 - z."""
+        return _scaled_horner(self.coefficients, z, w)
+
+    def upper(self, z: FloatArray, w: FloatArray) -> FloatArray:
+        """Values at `z` (n,) >= 1/2, with w = 1 - z exact to its own last digits."""
+        return _scaled_horner(self.coefficients[::-1], w, z)
+
+
+def _scaled_horner(
+    coefficients: Sequence[float], small: FloatArray, large: FloatArray
+) -> FloatArray:
+    """The sum of c_i small^i large^(n - i) = large^n times a polynomial in small/large."""
+    value = horner(coefficients, small / large)
+    for _ in range(len(coefficients) - 1):
+        value *= large
+    return value

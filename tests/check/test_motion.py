@@ -1,0 +1,168 @@
+from __future__ import annotations
+
+import math
+from decimal import Decimal
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from camgeo.check.finding import Finding
+from camgeo.check.motion import check_motion
+from camgeo.check.speed import check_speed
+from camgeo.motion.laws import characteristic, make_law
+from camgeo.motion.plan import MotionPlan
+from camgeo.motion.planning import MoveRequest, Request, Rest, TableRequest, plan_motion
+from camgeo.motion.time_course import ConstantSpeed
+from tests.strategies import SMOOTH, attack, plans
+
+STROKE, SPAN = 20.0, math.radians(100.0)
+
+
+def move(span: int, to: float, law: str, **also: Any) -> MoveRequest:
+    return MoveRequest(Decimal(span), to, law, **also)
+
+
+def there_and_back(law: str) -> MotionPlan:
+    return plan_motion(
+        [Rest(Decimal(60)), move(100, STROKE, law), Rest(Decimal(100)), move(100, 0.0, law)]
+    )
+
+
+def named(plan: MotionPlan, name: str) -> list[Finding]:
+    return [finding for finding in check_motion(plan, "mm") if finding.name == name]
+
+
+@attack
+@given(plan=plans(SMOOTH))
+def test_smooth_plans_have_nothing_but_their_joints_to_tell(plan: MotionPlan) -> None:
+    (only,) = check_motion(plan, "mm")
+    assert (only.name, only.severity) == ("joints", "ok")
+    assert only.value is not None
+    assert only.value >= 2.0
+
+
+def test_a_straight_line_has_a_shock_at_each_end_of_the_size_of_its_speed() -> None:
+    shocks = named(there_and_back("straight-line"), "shock")
+    speed = STROKE / SPAN
+    assert [round(math.degrees(found.cam_angle or 0.0)) for found in shocks] == [0, 60, 160, 260]
+    assert [found.value for found in shocks] == pytest.approx([speed, speed, -speed, -speed])
+    assert {found.severity for found in shocks} == {"broken"}
+    assert shocks[1].unit == "mm/rad"
+    assert "11.4592 mm/rad at cam angle 60 deg" in shocks[1].sentence
+
+
+@pytest.mark.parametrize(
+    ("law", "jumps"),
+    [
+        # f'' of the laws: 4 and -4 with a jump of -8 between; pi^2/2 and -pi^2/2.
+        ("quadratic-parabola", {0: 4.0, 60: 4.0, 110: -8.0, 160: 4.0, 260: -4.0, 310: 8.0}),
+        (
+            "simple-sine",
+            {k: math.pi**2 / 2 * s for k, s in ((0, -1), (60, 1), (160, 1), (260, -1))},
+        ),
+    ],
+)
+def test_jerks_are_told_one_by_one_inside_a_law_too(law: str, jumps: dict[int, float]) -> None:
+    found = named(there_and_back(law), "jerk")
+    size = STROKE / SPAN**2
+    told = {round(math.degrees(each.cam_angle or 0.0)): each.value for each in found}
+    expected = {angle: jump * size for angle, jump in jumps.items()}
+    if law == "quadratic-parabola":
+        expected[0] *= -1.0  # the end of the return: from 4 of the falling stroke to rest
+    assert told == pytest.approx(expected, rel=1e-12)
+    assert {each.severity for each in found} == {"warning"}
+    assert {each.unit for each in found} == {"mm/rad^2"}
+
+
+def test_angles_are_told_in_degrees() -> None:
+    plan = plan_motion([move(180, math.radians(10.0), "straight-line"), move(180, 0.0, "auto")])
+    requests: list[Request] = [
+        Rest(Decimal(90)),
+        move(90, math.radians(10.0), "straight-line"),
+        Rest(Decimal(90)),
+        move(90, 0.0, "polynomial-345"),
+    ]
+    plan = plan_motion(requests)
+    shocks = [found for found in check_motion(plan, "deg") if found.name == "shock"]
+    assert [found.value for found in shocks] == pytest.approx([20.0 / math.pi, -20.0 / math.pi])
+    assert {found.unit for found in shocks} == {"deg/rad"}
+
+
+@attack
+@given(
+    name=st.sampled_from(["polynomial-5", "polynomial-7", "modified-sine"]),
+    v0=st.floats(-6.0, 6.0),
+    v1=st.floats(-6.0, 6.0),
+)
+def test_overshoot_is_found_exactly(name: str, v0: float, v1: float) -> None:
+    """Against the largest and smallest of 20,001 values, which lie at most h^2/8 |f''| inside."""
+    law = make_law(name, "G-G", v0=v0, v1=v1)
+    found = characteristic(law)
+    z = np.linspace(0.0, 1.0, 20_001)
+    f, _, f2, _ = law(z)
+    slack = float(np.max(np.abs(f2))) * (z[1] ** 2) / 8.0 * 1.01 + 1e-15
+    assert float(np.max(f)) <= found.lift.value + 4e-16
+    assert found.lift.value <= float(np.max(f)) + slack
+    assert found.least_lift.value >= float(np.min(f)) - slack
+    assert found.least_lift.value <= float(np.min(f)) + 4e-16
+
+
+def test_overshoot_is_told_with_its_place_and_size() -> None:
+    plan = plan_motion(
+        [
+            Rest(Decimal(60)),
+            move(60, 10.0, "polynomial-5", velocity=40.0, acceleration=0.0),
+            move(60, 20.0, "polynomial-5", velocity=0.0, acceleration=100.0),
+            move(180, 0.0, "polynomial-5"),
+        ]
+    )
+    found = named(plan, "overshoot")
+    phi = np.radians(np.linspace(0.0, 360.0, 36_001))
+    lift = plan.jet(phi)[0]
+    beyond = float(np.max(lift)) - 20.0
+    assert beyond > 0.01, "the example overshoots"
+    only = max(found, key=lambda each: each.value or 0.0)  # of three; the return has the largest
+    assert only.value == pytest.approx(beyond, rel=1e-5)
+    assert only.cam_angle == pytest.approx(float(phi[np.argmax(lift)]), abs=np.radians(0.02))
+    assert only.severity == "warning"
+
+
+def test_a_smoothed_table_tells_its_deviation() -> None:
+    shares = np.linspace(0.0, 1.0, 181)
+    lifts = 5.0 * (1.0 - np.cos(2.0 * math.pi * shares)) + 1e-3 * np.sin(90.0 * shares**2)
+    lifts[-1] = lifts[0]
+    plan = plan_motion([TableRequest(Decimal(360), shares, lifts, smoothing=2e-3)])
+    (found,) = named(plan, "lift-table")
+    rows = plan.jet(2.0 * math.pi * shares[:-1])[0]
+    worst = float(np.max(np.abs(rows - lifts[:-1])))
+    assert found.value == pytest.approx(worst, abs=1e-12)
+    assert worst <= 2e-3
+    assert found.cam_angle is not None
+    at = plan.jet(np.array([found.cam_angle]))[0, 0]
+    row = round(found.cam_angle / math.radians(2.0))
+    assert abs(at - lifts[row]) == pytest.approx(worst, abs=1e-12)
+
+
+def test_physical_extremes_are_the_characteristic_values_times_the_speed() -> None:
+    """VDI 2143-1, section 5.1: v = C_v S omega/Phi, ..., torque by C_Mdyn S^2 omega^2/Phi^3."""
+    speed = 10.0
+    found = {
+        each.name: each
+        for each in check_speed(there_and_back("polynomial-345"), ConstantSpeed(speed), "mm")
+    }
+    values = characteristic(make_law("polynomial-345"))
+    expected = {
+        "largest-velocity": values.velocity.value * STROKE * speed / SPAN,
+        "largest-acceleration": values.acceleration.value * STROKE * speed**2 / SPAN**2,
+        "largest-jerk": values.jerk.value * STROKE * speed**3 / SPAN**3,
+        "largest-inertia-torque": values.moment.value * (STROKE / 1e3) ** 2 * speed**2 / SPAN**3,
+    }
+    assert found.keys() == expected.keys()
+    for name, value in expected.items():
+        told = found[name].value
+        assert told is not None
+        assert abs(told) == pytest.approx(value, rel=1e-12)
+        assert found[name].severity == "ok"

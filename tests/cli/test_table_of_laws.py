@@ -1,0 +1,187 @@
+"""`camgeo table --law`: the value table of a normalised law."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from decimal import Decimal
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from camgeo.cli.law_options import PARAMETERS
+from camgeo.cli.main import main
+from camgeo.motion.laws import FAMILIES, make_law
+from camgeo.motion.value_table import law_table
+
+FIXTURES = Path(__file__).parents[2] / "fixtures"
+
+SETZHUB = str(FIXTURES / "scenes" / "setzhub.toml")
+
+Capture = pytest.CaptureFixture[str]
+
+
+def read(text: str) -> tuple[list[str], list[list[str]]]:
+    head, *rows = csv.reader(io.StringIO(text))
+    return head, rows
+
+
+def numbers(text: str) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
+    return np.array(read(text)[1], dtype=np.float64)
+
+
+def test_all_digits_of_a_law(capsys: Capture) -> None:
+    assert main(["table", "--law", "modified-sine", "--step", "0.002"]) == 0
+    captured = capsys.readouterr()
+    assert captured.err == ""
+    assert captured.out.startswith("z,f,f1,f2,f3\n0.0,0.0,0.0,0.0,")
+    assert len(read(captured.out)[1]) == 501
+    expected = law_table(make_law("modified-sine"), Decimal("0.002")).values
+    assert np.array_equal(numbers(captured.out), expected)
+    # 0.002 is the guideline's step, and the default.
+    assert main(["table", "--law", "modified-sine"]) == 0
+    assert capsys.readouterr().out == captured.out
+
+
+def test_the_law_is_made_of_its_options(capsys: Capture) -> None:
+    call = ["table", "--step", "0.1", "--law"]
+    assert main([*call, "inclined-sine", "--inflection", "0.4"]) == 0
+    expected = law_table(make_law("inclined-sine", inflection=0.4), Decimal("0.1")).values
+    assert np.array_equal(numbers(capsys.readouterr().out), expected)
+    ends = {"v0": -0.25, "a0": 1.5, "v1": 0.75, "a1": -2.0}
+    options = [text for name, value in ends.items() for text in (f"--{name}", str(value))]
+    assert main([*call, "polynomial-5", "--task", "B-B", *options]) == 0
+    values = numbers(capsys.readouterr().out)
+    assert np.array_equal(
+        values, law_table(make_law("polynomial-5", "B-B", **ends), Decimal("0.1")).values
+    )
+    # The ends are as asked: the normalised conditions hold up to rounding.
+    assert values[0, 1:4] == pytest.approx([0.0, -0.25, 1.5], abs=1e-12)
+    assert values[-1, 1:4] == pytest.approx([1.0, 0.75, -2.0], abs=1e-12)
+
+
+def test_an_alias_names_the_same_table(capsys: Capture) -> None:
+    assert main(["table", "--law", "cycloidal", "--printed"]) == 0
+    by_alias = capsys.readouterr().out
+    assert main(["table", "--law", "inclined-sine", "--printed"]) == 0
+    assert capsys.readouterr().out == by_alias
+
+
+def test_the_printed_table_is_the_guideline_s_but_for_what_is_listed(capsys: Capture) -> None:
+    """As text, with the errata of the guideline put right by the lists."""
+    corrected = {}
+    for name in ("errata.csv", "rounding.csv"):
+        with (FIXTURES / "tables" / name).open(newline="", encoding="utf-8") as file:
+            for cell in csv.DictReader(file):
+                if cell["table"] == "mod_sine":
+                    corrected[cell["z"], cell["column"]] = cell["correct_rounded"]
+    head, rows = read((FIXTURES / "tables" / "modified-sine_printed.csv").read_text("utf-8"))
+    lines = [",".join(head)]
+    for row in rows:
+        cells = zip(head[1:], row[1:], strict=True)
+        right = (corrected.pop((row[0], column), text) for column, text in cells)
+        lines.append(",".join((row[0], *right)))
+    assert not corrected
+    assert main(["table", "--law", "modified-sine", "--step", "0.002", "--printed"]) == 0
+    assert capsys.readouterr().out.splitlines() == lines
+
+
+def test_json(capsys: Capture) -> None:
+    call = ["table", "--law", "modified-sine", "--step", "0.25"]
+    assert main(call) == 0
+    head, rows = read(capsys.readouterr().out)
+    columns = {name: [float(row[place]) for row in rows] for place, name in enumerate(head)}
+    assert main([*call, "--json"]) == 0
+    assert json.loads(capsys.readouterr().out) == columns
+    assert main([*call, "--json", "--printed"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    # VDI 2143-1, the printed row z = 0.250: 0.1171785 1.0998 4.7874 (4.787351 exact).
+    assert {name: values[1] for name, values in document.items()} == {
+        "z": 0.25, "f": 0.1171785, "f1": 1.0998, "f2": 4.7874,
+    }  # fmt: skip
+
+
+def test_file(tmp_path: Path, capsys: Capture) -> None:
+    call = ["table", "--law", "modified-sine", "--step", "0.1", "--printed"]
+    assert main(call) == 0
+    text = capsys.readouterr().out
+    target = tmp_path / "law.csv"
+    assert main([*call, "-o", str(target)]) == 0
+    assert target.read_text() == text
+    captured = capsys.readouterr()
+    assert captured.out == ""
+    assert "11 rows" in captured.err
+    target.write_text("mine")
+    assert main([*call, "-o", str(target)]) == 2
+    assert "--force" in capsys.readouterr().err
+    assert target.read_text() == "mine"
+    assert main([*call, "-o", str(target), "--force"]) == 0
+    assert target.read_text() == text
+
+
+def refused(call: list[str], capsys: Capture) -> str:
+    """What a wrong call is told; its exit code must be 2, and nothing be printed."""
+    try:
+        code: object = main(["table", *call])
+    except SystemExit as stopped:
+        code = stopped.code
+    captured = capsys.readouterr()
+    assert code == 2
+    assert captured.out == ""
+    return captured.err
+
+
+LAW = ["--law", "modified-sine"]
+
+
+@pytest.mark.parametrize(
+    ("call", "told"),
+    [
+        ([], "one of SCENE and --law NAME is needed"),
+        (["--step", "0.1"], "one of SCENE and --law NAME is needed"),
+        ([SETZHUB, *LAW], "SCENE and --law are both given; only one of them is allowed"),
+        ([SETZHUB, "--printed"], "--printed: allowed with --law only"),
+        ([SETZHUB, "--inflection", "0.4", "--task", "R-R"], "--task, --inflection: allowed with"),
+        (["--law", "modified-sin"], "modified-sin: is no motion law; did you mean modified-sine?"),
+        (["--law", "Cycloid"], "did you mean cycloidal?"),
+        (["--law", "xyzzy"], "is no motion law; there are straight-line, "),
+        ([*LAW, "--step", "x"], "argument --step: 'x' is no number"),
+        ([*LAW, "--step", "nan"], "argument --step: 'nan' is no number"),
+        ([*LAW, "--step", "0"], "step of z must be from 0.000001 to 0.5"),
+        ([*LAW, "--step", "0.6"], "step of z must be from 0.000001 to 0.5"),
+        ([SETZHUB, "--step", "nan"], "argument --step: 'nan' is no number of degrees"),
+        ([SETZHUB, "--step", "91"], "argument --step: 91 degrees; from 0.0001 to 90 are allowed"),
+        ([*LAW, "--inflection", "x"], "argument --inflection: 'x' is no number"),
+        ([*LAW, "--v0", "inf"], "argument --v0: 'inf' is no finite number"),
+        ([*LAW, "--inflection", "1.5"], "inflection = 1.5: "),
+        ([*LAW, "--inflection", "1e-300", "--json"], "too large for a number at z = 0"),
+        ([*LAW, "--task", "X-R"], "argument --task: invalid choice: 'X-R'"),
+    ],
+)
+def test_a_wrong_call_is_told_what_is_allowed(call: list[str], told: str, capsys: Capture) -> None:
+    assert told in refused(call, capsys)
+
+
+def test_there_is_an_option_for_every_parameter_of_every_law() -> None:
+    taken = {
+        name
+        for family in FAMILIES.values()
+        for names in family.parameters.values()
+        for name in names
+    }
+    assert taken == PARAMETERS.keys()
+
+
+@pytest.mark.parametrize("name", sorted(PARAMETERS.keys() - {"inflection"}))
+def test_a_parameter_that_the_law_has_not_is_named(name: str, capsys: Capture) -> None:
+    """From rest to rest, the 3-4-5 polynomial has an inflection point to place and no more."""
+    told = refused(["--law", "polynomial-345", f"--{name}", "0.5"], capsys)
+    assert f"{name} = 0.5: " in told
+    assert f"takes no {name}; its parameters: inflection\n" in told
+
+
+def test_a_task_that_the_law_does_not_serve_is_refused(capsys: Capture) -> None:
+    told = refused(["--law", "polynomial-345", "--task", "G-U"], capsys)
+    assert told == "camgeo: task = G-U: polynomial-345 is made for R-R\n"

@@ -1,0 +1,239 @@
+"""Motion plan and motion diagram: what is drawn, where jumps are, and that nothing is moved far."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from dataclasses import replace
+from decimal import Decimal
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from matplotlib import rc_context
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+import camgeo
+from camgeo.files.product import PlanSketch, Product
+from camgeo.files.sketch import plan_sketch
+from camgeo.motion.laws import make_law
+from camgeo.motion.plan import Dwell, MotionPlan, Move
+from camgeo.numeric.arrays import FloatArray
+from camgeo_export.plots import motion
+from camgeo_export.plots.motion import spread
+from camgeo_export.plots.render import render
+from camgeo_export.plots.style import RC
+from tests.export.stub_product import QUANTITIES, StubProduct
+
+SCENES = sorted((Path(__file__).parents[2] / "fixtures" / "scenes").glob("*.toml"))
+
+
+def move(span: str, to: float, law: str) -> Move:
+    return Move(Decimal(span), to, make_law(law))
+
+
+HARSH = MotionPlan(
+    (
+        Dwell(Decimal(60)),
+        move("90", 10.0, "straight-line"),
+        Dwell(Decimal(0)),
+        Dwell(Decimal(30)),
+        move("60", 4.0, "quadratic-parabola"),
+        move("120", 0.0, "inclined-sine"),
+    )
+)
+"""Shocks at 60 and 150 degrees, jerks at 180, 210 and 240, all by their laws."""
+
+
+def sketch_of(plan: MotionPlan, speed: float | None = None) -> PlanSketch:
+    return plan_sketch(plan, of="follower", unit="mm", speed=speed)
+
+
+def drawn(product: Product) -> Figure:
+    with rc_context(RC):
+        figure = Figure(figsize=motion.size)
+        motion.draw(product, figure)
+        FigureCanvasAgg(figure).draw()  # type: ignore[no-untyped-call]  # places the names of the axes
+    return figure
+
+
+def texts(axes: Axes) -> list[str]:
+    return [text.get_text() for text in axes.texts]
+
+
+def panel(figure: Figure, label: str) -> Axes:
+    (axes,) = [axes for axes in figure.axes if axes.get_ylabel().startswith(label)]
+    return axes
+
+
+class Planned(StubProduct):
+    """The stub with a motion plan of our choice, as a follower that translates."""
+
+    plan: MotionPlan = HARSH
+    speed: float | None = None
+
+    @property
+    def plan_sketch(self) -> PlanSketch:
+        return sketch_of(self.plan, self.speed)
+
+    def quantity(self, what: str, phi: FloatArray) -> FloatArray:
+        values: FloatArray = self.plan.jet(phi)[QUANTITIES.index(what)]
+        return values
+
+
+def test_the_sketch_of_a_plan() -> None:
+    sketch = sketch_of(HARSH)
+    labels = [segment.label for segment in sketch.segments]
+    assert labels == ["dwell", "straight-line", "dwell", "quadratic-parabola", "inclined-sine"]
+    # A segment of no length has neither a name nor a joint of its own.
+    starts = [segment.start for segment in sketch.segments]
+    assert starts == [joint.cam_angle for joint in sketch.joints]
+    assert starts == [math.radians(angle) for angle in (0, 60, 150, 180, 240)]
+    assert [segment.end for segment in sketch.segments] == [*starts[1:], math.radians(360)]
+    breaks = [joint.cam_angle for joint in sketch.breaks]
+    assert breaks == pytest.approx([*starts[:4], math.radians(210), starts[4]])
+
+
+def test_joints_are_numbered_and_their_tasks_told() -> None:
+    names, numbers, plan, classes, *_ = drawn(Planned()).axes
+    assert texts(numbers) == ["1", "2", "3", "4", "5", "1"]
+    # From rest into a straight line the velocity jumps, R to G; a parabola starts as a turn.
+    letters = [text for text in texts(classes) if "°" not in text]
+    assert letters == ["R", "R|G", "G|R", "R|U", "U|R", "R"]
+    angles = [text for text in texts(classes) if "°" in text]
+    assert angles == ["0°", "60°", "150°", "180°", "240°", "360°"]
+    told = [text.replace("\n", " ").replace("- ", "-") for text in texts(names)]
+    laws = ["dwell", "straight-line", "dwell", "quadratic-parabola", "inclined-sine"]
+    tasks = ["R-R", "G-G", "R-R", "U-U", "R-R"]
+    assert told == [f"{task} {law}" for task, law in zip(tasks, laws, strict=True)]
+    assert plan.get_ylabel() == "s [mm]"
+    assert [text.get_text() for text in plan.get_yticklabels()] == ["0", "4", "10"]
+
+
+def test_jumps_are_drawn_upright_with_both_values() -> None:
+    """Within 1e-6 degrees of each break the curve goes from the left-hand to the right-hand value.
+
+    `diagram_angles` steps 1e-9 rad to either side, 6e-8 degrees; s''' changes over it by less than
+    1e-6 of its largest value, as its slope is at most 2 pi/(pi/3) of it per radian.
+    """
+    plan = HARSH
+    figure = drawn(Planned())
+    for order, label in enumerate(["s [", "s′", "s″", "s‴"]):
+        curve = max(panel_curves(figure, label), key=len)
+        size = max(1.0, np.abs(curve[:, 1]).max())
+        for angle in plan.breaks:
+            near = curve[np.abs(curve[:, 0] - math.degrees(angle)) < 1e-6]
+            values = [plan.jet(np.array([angle]), side)[order, 0] for side in ("left", "right")]
+            for value in values:
+                assert np.abs(near[:, 1] - value).min() < 1e-6 * size, (label, angle)
+
+
+def panel_curves(figure: Figure, label: str) -> list[FloatArray]:
+    # The plan has the same name as the lift; the diagram comes after it.
+    axes = [axes for axes in figure.axes if axes.get_ylabel().startswith(label)][-1]
+    return [np.column_stack(line.get_data()) for line in axes.lines]
+
+
+def test_infinite_accelerations_and_jerks_are_marked() -> None:
+    figure = drawn(Planned())
+    marked = {}
+    for label in ("s′", "s″", "s‴"):
+        lines = [line for line in panel(figure, label).lines if line.get_marker() == "^"]
+        marked[label] = [float(x) for line in lines for x in np.asarray(line.get_xdata())]
+    assert marked["s′"] == []
+    assert marked["s″"] == pytest.approx([60.0, 150.0])
+    assert marked["s‴"] == pytest.approx([60.0, 150.0, 180.0, 210.0, 240.0])
+
+
+def test_extremes_are_told() -> None:
+    """The fastest is the straight line up, the fastest down the middle of the parabola."""
+    (told,) = texts(panel(drawn(Planned()), "s′"))
+    fastest = 10.0 / math.radians(90)
+    slowest = -2.0 * 6.0 / math.radians(60)
+    assert told == f"max {fastest:.4g} at 60.0°,  min −{-slowest:.4g} at 210.0°"
+
+
+def test_a_second_scale_tells_values_over_time() -> None:
+    product = Planned()
+    speed = 20.0
+    fast = type("Fast", (Planned,), {"speed": speed})()
+    assert not [axes for axes in drawn(product).axes if axes.get_ylabel().startswith("v ")]
+    figure = drawn(fast)
+    for order, (left, right, power) in enumerate(
+        [("s′", "v [mm/s]", 0), ("s″", "a [10³ mm/s²]", 3), ("s‴", "jerk [10³ mm/s³]", 3)], start=1
+    ):
+        first, second = panel(figure, left), panel(figure, right)
+        assert second.get_ylim() == pytest.approx(
+            [limit * speed**order / 10**power for limit in first.get_ylim()]
+        )
+
+
+@pytest.mark.parametrize("scene", SCENES, ids=lambda path: path.stem)
+def test_every_scene_is_drawn_with_titles_that_say_whose_motion(scene: Path) -> None:
+    design = camgeo.load(scene)
+    figure = drawn(design)
+    plan, diagram = (text.get_text() for text in figure.texts)
+    linked = design.has_linkage
+    assert plan == f"{design.name}: motion plan of the {'slider' if linked else 'follower'}"
+    assert ("behind the linkage" in diagram) == linked
+    # Nothing is cut off: all text lies on the page.
+    width, height = figure.bbox.width, figure.bbox.height
+    for axes in figure.axes:
+        for text in (*axes.texts, axes.yaxis.label, axes.xaxis.label):
+            box = text.get_window_extent()
+            assert box.x0 >= 0.0 and box.x1 <= width and box.y0 >= 0.0 and box.y1 <= height, text  # noqa: PT018
+
+
+@pytest.mark.parametrize("scene", SCENES, ids=lambda path: path.stem)
+def test_names_of_laws_do_not_lie_on_each_other(scene: Path) -> None:
+    names = drawn(camgeo.load(scene)).axes[0]
+    boxes = sorted(
+        (text.get_window_extent().x0, text.get_window_extent().x1) for text in names.texts
+    )
+    assert all(left[1] <= right[0] for left, right in itertools.pairwise(boxes))
+
+
+@pytest.mark.parametrize("suffix", [".svg", ".png", ".pdf"])
+def test_the_same_bytes_each_time(suffix: str) -> None:
+    assert render(["motion"], Planned(), suffix) == render(["motion"], Planned(), suffix)
+    rocker = replace(StubProduct(lift_unit="rad"), name="rocker")
+    assert render(["motion"], rocker, suffix) != render(["motion"], StubProduct(), suffix)
+
+
+PLACES = st.lists(st.floats(0.0, 360.0), min_size=1, max_size=30).map(sorted)
+
+
+@given(PLACES, st.floats(0.1, 100.0))
+def test_what_is_spread_is_in_order_apart_and_on_the_page(places: list[float], gap: float) -> None:
+    moved = spread(np.array(places), gap, 0.0, 360.0)
+    room = 360.0 / max(1, len(places) - 1)
+    # Rounding: 30 steps of a gap of at most 360, a few units in the last place of 360 each.
+    slack = 1e-9
+    assert np.all(np.diff(moved) >= min(gap, room) - slack)
+    assert moved[0] >= -slack
+    assert moved[-1] <= 360.0 + slack
+
+
+@given(PLACES, st.floats(0.001, 1.0))
+def test_what_has_room_stays(places: list[float], share: float) -> None:
+    apart = np.unique(np.round(places))
+    if len(apart) > 1:
+        moved = spread(apart, share * float(np.diff(apart).min()) * 0.999, 0.0, 360.0)
+        # Positions are taken minus and plus number times gap: some units in the last place of 360.
+        assert np.allclose(moved, apart, rtol=0.0, atol=1e-9)
+
+
+def test_a_motion_by_data_is_drawn_as_it_is_asked_for() -> None:
+    design = camgeo.load(next(path for path in SCENES if path.stem == "points"))
+    (segment,) = [s for s in design.plan_sketch.segments if s.course is not None]
+    assert segment.label == "data"
+    assert segment.course is not None
+    inside = segment.course[1:-1]
+    assert np.array_equal(design.stroke(inside[:, 0])[0], inside[:, 1])
+    (plan,) = [axes for axes in drawn(design).axes if axes.get_ylabel() == "s [mm]"][:1]
+    curve = max((np.column_stack(line.get_data()) for line in plan.lines), key=len)
+    assert curve == pytest.approx(segment.course * [math.degrees(1.0), 1.0])

@@ -1,0 +1,207 @@
+"""Tables of lift: what is read, what is refused with file and line, and the spline through them."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from camgeo.errors import GeometryError
+from camgeo.motion.lift_table import LiftTable, fit_table, read_lift_table
+from camgeo.motion.two_columns import MOST_BYTES, MOST_ROWS
+from tests.strategies import attack
+
+PLAIN = "0,0\n120,5\n240,2\n360,0\n"
+
+
+def columns(table: LiftTable) -> tuple[list[float], list[float]]:
+    return table.angle_deg.tolist(), table.lift.tolist()
+
+
+EXPECTED = ([0.0, 90.5, 360.0], [0.0, 1.25, -0.5])
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "0,0\n90.5,1.25\n360,-0.5\n",
+        "0;0\n90.5;1.25\n360;-.5\n",
+        "0;0\r\n90,5;1,25\r\n360;-0,5",
+        "0\t0\r90,5\t1,25\r360\t-,5\r",
+        "\ufeff# measured\n\n  # twice\n0 , 0\n 90.50,+1.25e0\n3.6E2, -5e-1\n\n",
+        "phi [deg],s [mm]\n0,0\n90.5,1.25\n360,-0.5\n",
+        '"Angle (°)"; "Lift (mm)"\n0;0\n90,5;1,25\n360;-0,5\n',
+        "# x\ns [mm]\tv\tCam angle [DEG]\n0\tn/a\t0\n1.25\t\t90.5\n-0.5\t7\t360\n",
+    ],
+)
+def test_all_ways_of_writing_read_the_same(text: str) -> None:
+    table = read_lift_table(text, "lift.csv")
+    assert columns(table) == EXPECTED
+    assert columns(read_lift_table(text.encode(), "lift.csv")) == EXPECTED
+    assert table.unit == ("mm" if "mm" in text else "")
+    with pytest.raises(ValueError, match="read-only"):
+        table.lift[0] = 1.0
+
+
+@attack
+@given(
+    st.lists(st.floats(-1e6, 1e6), min_size=3, max_size=40),
+    st.sampled_from([(",", "."), (";", "."), (";", ","), ("\t", ","), ("\t", ".")]),
+    st.floats(1.0, 720.0),
+)
+def test_what_was_written_is_read(lifts: list[float], style: tuple[str, str], span: float) -> None:
+    separator, decimal = style
+    angles = np.linspace(0.0, span, len(lifts)).tolist()
+    rows = [
+        separator.join(repr(value).replace(".", decimal) for value in row)
+        for row in zip(angles, lifts, strict=True)
+    ]
+    table = read_lift_table("\n".join(rows), "lift.csv", span)
+    assert columns(table) == (angles, lifts)
+    assert table.span == span
+
+
+@pytest.mark.parametrize(
+    ("text", "line", "message"),
+    [
+        ("", 1, "no rows; allowed are 2 or more"),
+        ("# nothing\n", 2, "no rows"),
+        ("0,0\n", 1, "1 rows of numbers; allowed are 2"),
+        ("phi,s\n", 2, "0 rows of numbers"),
+        ("0 0\n360 0\n", 1, "allowed separators are ; and tab and comma"),
+        ("0,0,1\n360,0,1\n", 1, "3 columns; without a heading 2 are allowed"),
+        ("0,5,1,5\n360,0,1,0\n", 1, "4 columns; without a heading 2"),
+        ("0,0\n1\n360,0\n", 2, "1 columns; allowed are 2"),
+        ("0,0\n1,2,3\n360,0\n", 2, "'1,2,3': 3 columns"),
+        ("0,0\n1,x\n360,0\n", 2, "'x': not a number"),
+        ("0,0\n1,nan\n360,0\n", 2, "'nan': not a number"),
+        ("0,0\n1,inf\n360,0\n", 2, "'inf': not a number"),
+        ("0,0\n1,1e999\n360,0\n", 2, "'1e999': too large"),
+        ("0,0\n1,\n360,0\n", 2, "not a number"),
+        ("0,0\n1,1_0\n360,0\n", 2, "'1_0': not a number"),
+        ("0;0\n1;1.234,5\n360;0\n", 2, "'1.234,5': not a number"),
+        ("0;0\n1;1,5\n360;0.5\n", 3, "'0.5': the decimals above have ','; allowed is one kind"),
+        ("1,0\n360,0\n", 1, "'1.0': the first angle; allowed is 0"),
+        ("0,0\n\n5,1\n5,2\n360,0\n", 4, "'5.0': the angle before is 5.0; allowed is only asc"),
+        ("0,0\n5,1\n4,2\n360,0\n", 3, "'4.0': the angle before is 5.0"),
+        ("0,0\n5,1\n361,2\n", 3, "'361.0': beyond the span; allowed is up to 360 degrees"),
+        ("0,0\n5,1\n359,2\n", 3, "'359.0': the last angle; allowed is the end of the span, 360"),
+        ("phi,lift,s\n0,0,0\n360,0,0\n", 1, "2 columns of lift; allowed is one, called s or lift"),
+        ("phi,v\n0,0\n360,0\n", 1, "'phi, v': 0 columns of lift"),
+        ("a,s\n0,0\n360,0\n", 1, "0 columns of angle; allowed is one, called phi or angle or"),
+        ("phi [rad],s\n0,0\n360,0\n", 1, r"'phi [rad]': the unit of the angle; allowed is deg"),
+    ],
+)
+def test_what_is_wrong_is_told_with_file_and_line(text: str, line: int, message: str) -> None:
+    with pytest.raises(GeometryError) as caught:
+        read_lift_table(text, "lift.csv")
+    assert caught.value.message.startswith(f"lift.csv, line {line}: ")
+    assert message in caught.value.message
+    assert "allowed" in caught.value.message
+
+
+def test_what_is_no_text_is_told_with_its_line() -> None:
+    with pytest.raises(GeometryError, match=r"lift\.csv, line 2: no UTF-8 text; allowed is UTF-8"):
+        read_lift_table(b"0,0\n1,\xff\n", "lift.csv")
+
+
+def test_too_much_is_refused() -> None:
+    with pytest.raises(GeometryError, match="16,000,001 bytes; allowed are 16,000,000"):
+        read_lift_table(b"#" * (MOST_BYTES + 1), "lift.csv")
+    rows = "\n".join(f"{k},0" for k in range(MOST_ROWS + 1))
+    with pytest.raises(GeometryError, match=r"line 200001: 200,001 rows of numbers; .* to 200,000"):
+        read_lift_table(rows, "lift.csv", MOST_ROWS)
+
+
+def test_as_much_as_is_allowed_is_read() -> None:
+    rows = "\n".join(f"{k},0" for k in range(MOST_ROWS))
+    assert len(read_lift_table(rows, "lift.csv", MOST_ROWS - 1).lift) == MOST_ROWS
+
+
+@pytest.mark.parametrize("span", [0.0, -1.0, math.nan, math.inf])
+def test_a_poor_span_is_refused(span: float) -> None:
+    with pytest.raises(GeometryError, match="allowed are numbers above 0"):
+        read_lift_table(PLAIN, "lift.csv", span)
+
+
+def test_the_last_row_counts_as_the_end_of_the_span_though_rounded() -> None:
+    table = read_lift_table("0,0\n40,1\n119.99999999999,2\n", "lift.csv", 120.0)
+    assert table.angle_deg[-1] == 120.0
+
+
+def test_a_periodic_table_may_miss_its_closing_row() -> None:
+    rows = "".join(f"{k},{math.sin(math.radians(k))!r}\n" for k in range(0, 360, 5))
+    table = read_lift_table(rows, "lift.csv", periodic=True)
+    assert table.angle_deg[-1] == 355.0
+    with pytest.raises(GeometryError, match="the end of the span, 360"):
+        read_lift_table(rows, "lift.csv")
+    spline, fit = fit_table(table, periodic=True)
+    closed, _ = fit_table(
+        read_lift_table(rows + "360,0\n", "lift.csv", periodic=True), periodic=True
+    )
+    assert spline.taylor.tolist() == closed.taylor.tolist()
+    assert fit.largest_deviation == 0.0
+    x = np.linspace(-7.0, 7.0, 57)
+    # Interpolation of sin: (pi / 72)^6 / 6! of its sixth derivative, times what splines add.
+    np.testing.assert_allclose(spline.values(x, 0)[0], np.sin(x), rtol=0.0, atol=1e-9)
+
+
+def test_a_table_that_does_not_close_is_refused_beyond_the_gap() -> None:
+    table = read_lift_table("0,0\n90,1\n180,2\n270,1\n360,0.02\n", "lift.csv", periodic=True)
+    with pytest.raises(GeometryError, match=r"0\.02 off .* up to 0\.01"):
+        fit_table(table, periodic=True, gap=0.01)
+    _, fit = fit_table(table, periodic=True, gap=0.02)
+    assert fit.largest_deviation == pytest.approx(0.02, rel=1e-12)
+    assert fit.place == pytest.approx(2.0 * math.pi)
+
+
+def test_a_move_from_rest_to_rest() -> None:
+    # The 3-4-5 polynomial over 100 degrees: degree 5 with these ends, so it comes back itself.
+    z = np.arange(0.0, 1.01, 0.125)
+    lift = 20.0 * z**3 * (10.0 - 15.0 * z + 6.0 * z**2)
+    text = "".join(f"{100.0 * a!r};{b!r}\n" for a, b in zip(z.tolist(), lift.tolist(), strict=True))
+    table = read_lift_table(text, "lift.csv", 100.0)
+    spline, fit = fit_table(table, periodic=False, start=(0.0, 0.0), end=(0.0, 0.0))
+    assert fit.largest_deviation <= 1e-13
+    span = math.radians(100.0)
+    share = np.linspace(0.0, 1.0, 101)
+    found = spline.values(share * span)
+    expected = 20.0 * np.stack(
+        (
+            share**3 * (10.0 - 15.0 * share + 6.0 * share**2),
+            30.0 * share**2 * (1.0 - share) ** 2 / span,
+            60.0 * share * (1.0 - share) * (1.0 - 2.0 * share) / span**2,
+            60.0 * (1.0 - 6.0 * share + 6.0 * share**2) / span**3,
+        )
+    )
+    for order in range(4):
+        # Rounding of 20 over h^order, h = 1/8 of the span, and a factor of 1000 for the solve.
+        allowed = 1000.0 * 2.0**-52 * 20.0 * (8.0 / span) ** order
+        np.testing.assert_allclose(found[order], expected[order], rtol=0.0, atol=allowed)
+
+
+@pytest.mark.parametrize("periodic", [True, False])
+def test_smoothing_keeps_what_it_is_told(periodic: bool) -> None:
+    angles = np.arange(0.0, 361.0)
+    lift = 5.0 - 5.0 * np.cos(np.radians(angles)) + 0.01 * np.sin(angles**2)
+    lift[-1] = lift[0]
+    table = LiftTable(angles, lift, 360.0)
+    spline, fit = fit_table(table, periodic=periodic, largest_deviation=0.05)
+    assert fit.largest_deviation <= 0.05
+    assert fit.length > math.radians(5.0)
+    assert fit.rms <= fit.largest_deviation
+    through, none = fit_table(table, periodic=periodic)
+    assert none.largest_deviation <= 1e-14
+    assert none.length == 0.0
+    assert spline.extremes(3).magnitude < 1e-2 * through.extremes(3).magnitude
+    _, told = fit_table(table, periodic=periodic, length=fit.length)
+    assert told.largest_deviation == pytest.approx(fit.largest_deviation, rel=1e-9)
+
+
+def test_ends_of_a_periodic_table_are_refused() -> None:
+    table = read_lift_table(PLAIN, "lift.csv", periodic=True)
+    with pytest.raises(GeometryError, match="no end conditions"):
+        fit_table(table, periodic=True, start=(0.0, None))

@@ -1,0 +1,222 @@
+"""The inverse relations: lambda from a wanted acceleration, c from C_v or C_a, and what refuses."""
+
+from __future__ import annotations
+
+import math
+import re
+from decimal import Decimal
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from camgeo.errors import GeometryError
+from camgeo.motion.laws import FAMILIES, characteristic, make_law
+from camgeo.motion.laws.family import COUNTED_FROM_END
+from camgeo.motion.laws.sine_straight import LEAST, curved_for, curved_for_velocity
+from camgeo.motion.laws.two_pulses import Parts
+from tests.strategies import attack
+
+NEAR_END = 1e-6
+
+SHAPED = [
+    (name, task)
+    for name, family in FAMILIES.items()
+    for task in family.tasks
+    if family.parts is not None
+]
+TURNS = [(name, task) for name, task in SHAPED if "U" in task and name != "sine-straight"]
+"""Laws of one parameter that turn."""
+
+BOUNDS = {
+    "modified-trapezoid": 32.0 * math.pi**2 / (15.0 * math.pi**2 + 8.0),
+    "harmonic-combination": math.pi**2 / 4.0,
+    "simple-sine": math.pi**2 / 4.0,
+}
+"""|f''_U| at lambda = 0: VDI 2143-1, remarks on (179) and (201); the simple sine's is that of a
+quarter of a cosine over the whole move."""
+
+
+def inflections() -> st.SearchStrategy[float]:
+    """lambda from 1e-6 to 1 - 1e-6."""
+    near = st.floats(1.0, 6.0).map(lambda exponent: 10.0**-exponent)
+    edge = st.sampled_from([NEAR_END, 0.5, 1.0 - NEAR_END])
+    return st.one_of(edge, st.floats(0.01, 0.99), near, near.map(lambda lam: 1.0 - lam))
+
+
+def place_of(task: str, lam: float) -> float:
+    """z of the inflection point."""
+    return 1.0 - lam if task in COUNTED_FROM_END else lam
+
+
+def parts_of(name: str, task: str, **given_: float) -> Parts:
+    """The two parts of a law."""
+    make = FAMILIES[name].parts
+    assert make is not None
+    return make(task, given_)
+
+
+def both_ends(lam: float) -> float:
+    """The smaller of the two parts."""
+    return min(lam, 1.0 - lam)
+
+
+@pytest.mark.parametrize(("name", "task"), SHAPED)
+@given(lam=inflections(), v0=st.floats(-0.5, 0.5), v1=st.floats(-0.5, 0.5))
+@attack
+def test_lambda_from_the_peaks(name: str, task: str, lam: float, v0: float, v1: float) -> None:
+    """From C_a and from C_a*, from anywhere in (0, 1).
+
+    For velocities below 1/2 the peak of a part falls all the way with its own length, like 1/length
+    where that is short and by a factor above 0.05 elsewhere, so the error of lambda is 20 times the
+    rounding of the peak at most; 1e-13 of it allows for the peaks' dozen roundings.
+    """
+    given_ = {"v0": v0 * (task[0] == "G"), "v1": v1 * (task[-1] == "G")}
+    given_ = {key: value for key, value in given_.items() if key in FAMILIES[name].parameters[task]}
+    parts = parts_of(name, task, **given_)
+    a, b = parts.amplitudes(Decimal(lam))
+    peak_a = float(a) * float(parts.first.peak)
+    peak_b = -float(b) * float(parts.second.peak)
+    # Where the part itself is long its peak hardly depends on it: |da/dl| is at least the bound's
+    # tenth, so an ulp of the peak is a few ulp of 1.
+    assert float(parts.inflection_for(acceleration=peak_a)) == pytest.approx(lam, abs=1e-13)
+    assert float(parts.inflection_for(deceleration=peak_b)) == pytest.approx(lam, abs=1e-13)
+
+
+@pytest.mark.parametrize(("name", "task"), TURNS)
+@given(lam=inflections())
+@attack
+def test_lambda_from_the_acceleration_at_the_turn(name: str, task: str, lam: float) -> None:
+    law = make_law(name, task, inflection=lam)
+    for key, value in (("a0", law.start.acceleration), ("a1", law.end.acceleration)):
+        if key not in FAMILIES[name].parameters[task]:
+            continue
+        back = make_law(name, task, **{key: value})
+        assert back.inflection == pytest.approx(place_of(task, lam), abs=1e-13)
+        met = back.start.acceleration if key == "a0" else back.end.acceleration
+        # Through lambda as a double, whose error the other part's length divides.
+        assert met == pytest.approx(value, rel=4e-16 / both_ends(lam) + 1e-14)
+
+
+@pytest.mark.parametrize(("name", "task"), [turn for turn in TURNS if "G" not in turn[1]])
+def test_an_acceleration_that_is_too_gentle_is_refused(name: str, task: str) -> None:
+    """It runs from the bound, taken where the other part has no length, to infinity."""
+    key, sign = ("a0", 1.0) if task[0] == "U" else ("a1", -1.0)
+    bound = sign * BOUNDS[name]
+    law = make_law(name, task, **{key: bound * (1.0 + 1e-6)})
+    assert law.inflection is not None
+    assert min(law.inflection, 1.0 - law.inflection) < 1e-5
+    for wrong in (bound * (1.0 - 1e-6), 0.0, -bound, -1e6 * bound):
+        with pytest.raises(GeometryError) as caught:
+            make_law(name, task, **{key: wrong})
+        assert caught.value.key == "acceleration"
+        told = re.search(r"must be (above|below) (\S+)$", caught.value.message)
+        assert told is not None
+        if key == "a1":
+            assert told[1] == "below"
+            # 6 digits are told.
+            assert float(told[2]) == pytest.approx(bound, rel=1e-5)
+            assert make_law(name, task, a1=float(told[2]) * (1.0 + 1e-5)).end.acceleration < 0.0
+
+
+@pytest.mark.parametrize(("velocity", "wanted", "lam"), [(2.5, -2.0, 0.763553000587)])
+def test_gu_with_a_fast_start(velocity: float, wanted: float, lam: float) -> None:
+    """The plus sign of (206) beyond v_G = 4 pi/(3 pi - 4)."""
+    law = make_law("harmonic-combination", "G-U", v0=velocity, a1=wanted)
+    assert law.inflection == pytest.approx(lam, abs=1e-12)  # 12 digits are given
+    assert law.end.acceleration == pytest.approx(wanted, rel=1e-14)
+
+
+@pytest.mark.parametrize("wanted", [-5.0, -3.0])
+def test_gu_that_does_not_exist(wanted: float) -> None:
+    """v_G = 5: a negative radicand, or both roots outside."""
+    with pytest.raises(GeometryError, match="no inflection point"):
+        make_law("harmonic-combination", "G-U", v0=5.0, a1=wanted)
+
+
+# The sine-straight combination -----------------------------------------------------------------
+
+
+def curves() -> st.SearchStrategy[float]:
+    """c from 1e-6 to 1."""
+    near = st.floats(0.0, 6.0).map(lambda exponent: 10.0**-exponent)
+    return st.one_of(st.just(1.0), st.just(1.0 - NEAR_END), st.floats(0.01, 1.0), near)
+
+
+@given(curved=curves())
+@attack
+def test_c_from_cv(curved: float) -> None:
+    velocity = characteristic(make_law("sine-straight", "U-U", curved=curved)).velocity.value
+    # C_v - 1 is c (1 - 2/pi) where c is small: an ulp of C_v is 3 ulp of 1 there.
+    assert curved_for_velocity(velocity) == pytest.approx(curved, abs=4e-15)
+
+
+@pytest.mark.parametrize("velocity", [-1.0, 0.0, 1.0, 1.6, math.inf, math.nan])
+def test_a_cv_that_does_not_exist(velocity: float) -> None:
+    with pytest.raises(GeometryError, match=r"lies above 1, up to pi/2") as caught:
+        curved_for_velocity(velocity)
+    assert caught.value.key == "velocity"
+
+
+@given(curved=curves(), lam=inflections())
+@attack
+def test_c_from_ca(curved: float, lam: float) -> None:
+    law = make_law("sine-straight", "U-U", curved=curved, inflection=lam)
+    product = lam * law.start.acceleration
+    # (130) has a double root at c = pi/(2 (pi - 2)) = 1.376; up to c = 1 the slope
+    # d(product)/dc / product = (2 c k - pi)/(pi c - k c^2) stays above 0.4, k = pi - 2.
+    assert curved_for(product) == pytest.approx(curved, rel=2e-15)
+
+
+@given(curved=curves(), lam=inflections())
+@attack
+def test_lambda_and_c_from_both_turns(curved: float, lam: float) -> None:
+    law = make_law("sine-straight", "U-U", curved=curved, inflection=lam)
+    wanted = {"a0": law.start.acceleration, "a1": law.end.acceleration}
+    try:
+        back = make_law("sine-straight", "U-U", **wanted)
+    except GeometryError:
+        assert curved > 1.0 - 1e-14  # gentlest of all, and rounded beyond it
+        return
+    # lambda = -a1/(a0 - a1) has an error of an ulp of 1, of which the shorter part has a multiple.
+    size = 1e-15 / both_ends(lam) + 1e-14
+    assert back.parameters["inflection"] == pytest.approx(lam, abs=1e-15)
+    assert back.start.acceleration == pytest.approx(wanted["a0"], rel=size)
+    assert back.end.acceleration == pytest.approx(wanted["a1"], rel=size)
+
+
+@pytest.mark.parametrize(
+    ("given_", "key", "words"),
+    [
+        ({"a0": -1.0, "a1": 1.0}, "acceleration", "a0 must be positive, a1 negative"),
+        ({"a0": 6.0, "a1": 6.0}, "acceleration", "a0 must be positive, a1 negative"),
+        ({"a0": 4.0, "a1": -4.0}, "acceleration", r"must be at least pi\^2/4 = 2.4674"),
+        ({"a0": 4.0, "inflection": 0.5}, "acceleration", r"must be at least pi\^2/4 = 2.4674"),
+        ({"a1": -4.0, "inflection": 0.5}, "acceleration", r"must be at least pi\^2/4 = 2.4674"),
+        ({"a0": 9.0, "a1": -9.0, "inflection": 0.5}, "inflection", "decide inflection too"),
+        ({"a0": 9.0, "a1": -9.0, "curved": 0.5}, "curved", "decide curved too"),
+        ({"a0": 9.0, "inflection": 0.5, "curved": 0.5}, "curved", "decide curved too"),
+    ],
+)
+def test_what_a_sine_straight_refuses(given_: dict[str, float], key: str, words: str) -> None:
+    with pytest.raises(GeometryError, match=words) as caught:
+        make_law("sine-straight", "U-U", **given_)
+    assert caught.value.key == key
+
+
+def test_the_gentlest_turns_are_those_of_the_simple_sine() -> None:
+    sine = make_law("simple-sine", "U-U")
+    assert 0.5 * sine.start.acceleration == pytest.approx(LEAST, rel=1e-15)
+    assert curved_for(LEAST) == 1.0
+    with pytest.raises(GeometryError):
+        curved_for(LEAST * (1.0 - 1e-15))
+
+
+@pytest.mark.parametrize(("name", "task"), [turn for turn in SHAPED if "U" in turn[1]])
+def test_two_wishes_for_one_parameter_are_refused(name: str, task: str) -> None:
+    if name == "sine-straight":
+        return  # it has two parameters
+    key = "a0" if task[0] == "U" else "a1"
+    with pytest.raises(GeometryError, match="give one of them") as caught:
+        make_law(name, task, **{key: 9.0, "inflection": 0.5})
+    assert caught.value.key == "inflection"
