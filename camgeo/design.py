@@ -22,7 +22,6 @@ from camgeo.check.follower import check_follower
 from camgeo.check.limits import default_transmission_angle
 from camgeo.check.linkage import check_linkage
 from camgeo.check.motion import check_motion
-from camgeo.check.speed import check_speed
 from camgeo.check.standstill import check_standstill
 from camgeo.check.transmission_angle import check_transmission_angle
 from camgeo.curve.curvature import curvature_extremes
@@ -33,7 +32,6 @@ from camgeo.mechanism.linkage import LinkedMotion
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.motion.motion import Jet, Motion, Side
-from camgeo.motion.time_course import ConstantSpeed, TimeCourse, in_time
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.part.spec import Contact, PartSpec
 from camgeo.specification import Specification
@@ -49,6 +47,7 @@ if TYPE_CHECKING:
     from camgeo.files.specs import DxfSpec
     from camgeo.files.table import Table
     from camgeo.files.write import Report
+    from camgeo.motion.time_course import TimeCourse
     from camgeo.part.part import Part
     from camgeo.toolpath.moves import Toolpath
     from camgeo.toolpath.paths import CutterPath
@@ -196,6 +195,8 @@ class Design:
         """How the cam turns; None if the scene gives no speed."""
         if self.specification.speed_curve is not None:
             return self.specification.speed_curve
+        from camgeo.motion.time_course import ConstantSpeed
+
         speed = self.specification.speed
         return None if speed is None else ConstantSpeed(speed)
 
@@ -207,6 +208,8 @@ class Design:
         """
         if self.time_course is None:
             raise GeometryError("needs [cam] speed or speed_curve", key="cam.speed")
+        from camgeo.motion.time_course import in_time
+
         angles = np.atleast_1d(phi)
         return in_time(self.stroke(angles, side), self.time_course, angles)
 
@@ -257,6 +260,8 @@ class Design:
             found += check_closure(self.pitch_curve)
         found += check_motion(self.specification.plan, self._plan_unit)
         if self.time_course is not None:
+            from camgeo.check.speed import check_speed
+
             found += check_speed(self.specification.plan, self.time_course, self._plan_unit)
         return tuple(sorted(found, key=lambda finding: WORST_FIRST.index(finding.severity)))
 

@@ -10,12 +10,12 @@ from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.mechanism.slider_crank import SliderCrank
 from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.motion.plan import MotionPlan
-from camgeo.motion.time_course import SpeedCurve
 from camgeo.part.spec import Contact, PartSpec
 from camgeo.units import LengthUnit
 
 if TYPE_CHECKING:
     from camgeo.files.specs import DxfSpec
+    from camgeo.motion.time_course import SpeedCurve
     from camgeo.toolpath.spec import GcodeSpec
 
 

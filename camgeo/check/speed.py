@@ -6,21 +6,27 @@ import math
 from typing import Literal
 
 from camgeo.check.finding import Finding
-from camgeo.motion.motion import Motion
-from camgeo.motion.time_course import TimeCourse, time_extremes
+from camgeo.motion.law_extremes import extremes_at_turns
+from camgeo.motion.plan import MotionPlan
+from camgeo.motion.time_course import ConstantSpeed, LiftUnit, TimeCourse, time_extremes
 
 Unit = Literal["mm", "deg"]
 
 
-def check_speed(motion: Motion, course: TimeCourse, unit: Unit) -> tuple[Finding, ...]:
+def check_speed(plan: MotionPlan, course: TimeCourse, unit: Unit) -> tuple[Finding, ...]:
     """Largest velocity, acceleration and jerk in time, and the torque that a mass asks for.
 
     Parameters
     ----------
-    motion : in mm, or in rad with the `unit` "deg".
+    plan : in mm, or in rad with the `unit` "deg".
     course : how the cam turns.
     """
-    extremes = time_extremes(motion, course, "mm" if unit == "mm" else "rad")
+    lift_unit: LiftUnit = "mm" if unit == "mm" else "rad"
+    extremes = None
+    if isinstance(course, ConstantSpeed):
+        extremes = extremes_at_turns(plan, course, lift_unit)
+    if extremes is None:
+        extremes = time_extremes(plan, course, lift_unit)
     scale = 1.0 if unit == "mm" else math.degrees(1.0)
     torque = "N m/kg" if unit == "mm" else "N m/(kg m^2)"
     rows = (

@@ -3,23 +3,24 @@
 from __future__ import annotations
 
 import argparse
+import importlib
 import os
 import sys
 from collections.abc import Sequence
 
 from camgeo._version import __version__
-from camgeo.cli import build, check, laws, new, plot, table
 from camgeo.cli.command import BROKEN, WRONG, tell
 from camgeo.errors import CamgeoError, GeometryError, UndercutError
 
 INTERRUPTED = 130
 """Exit code after Ctrl-C, as shells count it."""
 
-COMMANDS = (new, check, build, table, plot, laws)
+COMMANDS = ("new", "check", "build", "table", "plot", "laws")
+"""Modules of `camgeo.cli`, in the order of the help."""
 
 
-def parser() -> argparse.ArgumentParser:
-    """The parser of all commands."""
+def parser(commands: Sequence[str] = COMMANDS) -> argparse.ArgumentParser:
+    """The parser of `commands`; no module of another command is imported."""
     top = argparse.ArgumentParser(
         prog="camgeo",
         description="From a scene file to DXF, G-code, STL and 3MF of a cam, each proved to be"
@@ -30,14 +31,16 @@ def parser() -> argparse.ArgumentParser:
     )
     top.add_argument("--version", action="version", version=f"camgeo {__version__}")
     subparsers = top.add_subparsers(metavar="COMMAND", required=True)
-    for command in COMMANDS:
-        command.register(subparsers)
+    for command in commands:
+        importlib.import_module(f"camgeo.cli.{command}").register(subparsers)
     return top
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command; 0 fine, 1 a limit is broken, 2 the scene or the call is wrong."""
-    parsed = parser().parse_args(arguments)
+    words = sys.argv[1:] if arguments is None else list(arguments)
+    named = words[:1] if words and words[0] in COMMANDS else COMMANDS
+    parsed = parser(named).parse_args(words)
     try:
         code: int = parsed.run(parsed)
         sys.stdout.flush()

@@ -25,7 +25,7 @@ from camgeo.contour.contour import Contour
 from camgeo.contour.locate import locate
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import GeometryError
-from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, IntArray
+from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, IntArray, ascending
 from camgeo.units import TURN
 
 SHARPNESS = 0.01
@@ -110,7 +110,7 @@ def _first_cells(curve: WorkingCurve, angles: FloatArray) -> _Cells:
     cuts = (angles[:, None] + (ends - angles)[:, None] * parts).ravel()
     borders = np.concatenate((curve.borders, curve.borders + TURN))
     borders = borders[(borders > angles[0]) & (borders < angles[0] + TURN)]
-    cuts = np.unique(np.concatenate((cuts, borders, [angles[0] + TURN])))
+    cuts = ascending(np.concatenate((cuts, borders, [angles[0] + TURN])))
     low, high = cuts[:-1], cuts[1:]
     piece = np.searchsorted(angles, 0.5 * (low + high), side="right") - 1
     return _Cells(low, high, piece)

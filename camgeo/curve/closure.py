@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from camgeo.curve.pitch_curve import PitchCurve
-from camgeo.numeric.arrays import FloatArray, frozen
+from camgeo.numeric.arrays import FloatArray, ascending, frozen
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -28,7 +28,7 @@ class Joints:
 
 def joints(curve: PitchCurve) -> Joints:
     """Compare both one-sided values at each break of `curve` and at cam angle 0."""
-    phi = np.unique(np.append(curve.breaks, 0.0))
+    phi = ascending(np.append(curve.breaks, 0.0))
     after, before = curve.jet(phi, "right"), curve.jet(phi, "left")
     turned = after[1] * np.conj(before[1])
     return Joints(

@@ -9,7 +9,7 @@ import numpy as np
 
 from camgeo.motion.plan import MotionPlan
 from camgeo.motion.task import End, end_of
-from camgeo.numeric.arrays import FloatArray, frozen
+from camgeo.numeric.arrays import FloatArray, ascending, frozen
 
 ROUNDING = 1e-9
 """A value smaller than this part of the largest of its order at either side counts as zero, and a
@@ -45,12 +45,11 @@ def joints(plan: MotionPlan) -> tuple[Joint, ...]:
 
 def breaks(plan: MotionPlan) -> tuple[Joint, ...]:
     """As `joints`, with the places inside the laws at which a derivative may jump among them."""
-    return _joints_at(plan, np.unique(np.append(_angles(plan), plan.breaks)))
+    return _joints_at(plan, ascending(np.append(_angles(plan), plan.breaks)))
 
 
 def _angles(plan: MotionPlan) -> FloatArray:
-    angles: FloatArray = np.unique(np.radians([float(angle) for angle in plan.joints_deg[:-1]]))
-    return angles
+    return ascending(np.radians([float(angle) for angle in plan.joints_deg[:-1]]))
 
 
 def _joints_at(plan: MotionPlan, angles: FloatArray) -> tuple[Joint, ...]:

@@ -9,9 +9,8 @@ from typing import Final
 import numpy as np
 
 from camgeo.errors import GeometryError
+from camgeo.motion.boundary import FREE, Boundary
 from camgeo.motion.points import (
-    FREE,
-    Boundary,
     FitReport,
     clamped_spline,
     periodic_spline,

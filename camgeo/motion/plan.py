@@ -10,6 +10,7 @@ import math
 from dataclasses import dataclass, field
 from decimal import Decimal, localcontext
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -17,10 +18,12 @@ from camgeo.errors import GeometryError
 from camgeo.motion.laws.law import Formula, Law, Values
 from camgeo.motion.motion import FULL_ORDER, Jet, Side
 from camgeo.motion.motion import Dwell as DwellSpan
-from camgeo.motion.points import FitReport
-from camgeo.motion.spline import Spline
-from camgeo.numeric.arrays import FloatArray, IntArray, frozen
+from camgeo.numeric.arrays import FloatArray, IntArray, ascending, frozen
 from camgeo.units import TURN
+
+if TYPE_CHECKING:  # only a motion by data needs splines
+    from camgeo.motion.points import FitReport
+    from camgeo.motion.spline import Spline
 
 FULL_TURN = Decimal(360)
 
@@ -235,7 +238,7 @@ class MotionPlan:
         knots = [piece.knots for piece in self._pieces]
         if not any(map(len, knots)):
             return self._starts
-        return frozen(np.unique(np.concatenate([self._starts, *knots])), np.float64)
+        return frozen(ascending(np.concatenate([self._starts, *knots])), np.float64)
 
     @cached_property
     def breaks(self) -> FloatArray:

@@ -29,13 +29,9 @@ from typing import Final
 import numpy as np
 
 from camgeo.errors import GeometryError
+from camgeo.motion.boundary import FREE, Boundary
 from camgeo.motion.spline import Spline
 from camgeo.numeric.arrays import BoolArray, FloatArray, IntArray
-
-Boundary = tuple[float | None, float | None]
-"""Velocity s' and acceleration s'' at a point; None where it is free."""
-
-FREE: Final[Boundary] = (None, None)
 
 MOST_UNEQUAL: Final = 1e6
 """Largest allowed ratio of the longest to the shortest distance of neighbouring points. The solve

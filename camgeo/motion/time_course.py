@@ -18,7 +18,7 @@ from camgeo.errors import GeometryError
 from camgeo.motion.motion import Jet, Motion, Side
 from camgeo.motion.points import periodic_spline
 from camgeo.motion.spline import Extremes, Spline, extremes_of
-from camgeo.numeric.arrays import FloatArray, frozen
+from camgeo.numeric.arrays import FloatArray, ascending, frozen
 from camgeo.numeric.roots import bracketed_roots
 from camgeo.units import TURN
 
@@ -172,7 +172,7 @@ class SpeedCurve:
     @property
     def borders(self) -> FloatArray:
         """(n - 1,) the cam angles of the table, in [0, 2 pi)."""
-        return np.unique(np.mod(self.phi[:-1], TURN))
+        return ascending(np.mod(self.phi[:-1], TURN))
 
     def omega(self, phi: FloatArray) -> FloatArray:
         """(n,) omega [rad/s] at `phi` (n,) [rad]."""
@@ -273,7 +273,7 @@ def time_extremes(motion: Motion, course: TimeCourse, unit: LiftUnit = "mm") -> 
     turning points of a grid, by golden section. Two turning points that lie within a
     thirty-second of a piece can be missed. At borders both one-sided values count.
     """
-    edges = np.unique(np.concatenate((motion.borders, course.borders, [0.0, TURN])))
+    edges = ascending(np.concatenate((motion.borders, course.borders, [0.0, TURN])))
     edges = edges[np.concatenate((np.diff(edges) > 8.0 * math.ulp(TURN), [True]))]
 
     def timed(phi: FloatArray, side: Side = "right") -> FloatArray:

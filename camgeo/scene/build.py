@@ -6,7 +6,7 @@ import math
 import re
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any, Final, TypeVar
+from typing import TYPE_CHECKING, Any, Final, TypeVar
 
 import numpy as np
 
@@ -19,8 +19,6 @@ from camgeo.mechanism.slider_crank import SliderCrank
 from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.motion.plan import Dwell, MotionPlan
 from camgeo.motion.planning import plan_motion
-from camgeo.motion.speed_table import read_speed_table
-from camgeo.motion.time_course import SpeedCurve
 from camgeo.part.spec import Keyway, PartSpec
 from camgeo.scene.data_files import DataFiles
 from camgeo.scene.folder import beside
@@ -31,6 +29,9 @@ from camgeo.scene.rules import MACHINES
 from camgeo.scene.sound import SoundValues
 from camgeo.toolpath.spec import GcodeSpec
 from camgeo.units import RPM, TURN
+
+if TYPE_CHECKING:
+    from camgeo.motion.time_course import SpeedCurve
 
 Built = TypeVar("Built")
 
@@ -78,6 +79,8 @@ class Builder:
         data = self.files.read(key)
         if data is None:
             return None
+        from camgeo.motion.speed_table import read_speed_table  # few scenes have one
+
         name: str = self.values.get(*key)
         return self._engine(key, lambda: read_speed_table(data, name))
 

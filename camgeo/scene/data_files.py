@@ -5,7 +5,6 @@ from __future__ import annotations
 import hashlib
 
 from camgeo.errors import Fault
-from camgeo.motion.two_columns import MOST_BYTES
 from camgeo.scene.folder import beside
 from camgeo.scene.keys import Path
 from camgeo.scene.sound import SoundValues
@@ -28,6 +27,8 @@ class DataFiles:
     def read(self, key: Path) -> bytes | None:
         """The file that the scene names at `key`, up to one byte too many; None with a fault."""
         name: str = self.values.get(*key)
+        from camgeo.motion.two_columns import MOST_BYTES  # few scenes name a file
+
         path = beside(self.values.scene.file, name)
         if path is None:
             self._fault(key, "must not leave the folder of the scene")

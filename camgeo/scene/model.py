@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from decimal import Decimal
+from typing import TYPE_CHECKING
 
 from camgeo.check.limits import Limits
 from camgeo.files.specs import DxfSpec
@@ -11,10 +12,12 @@ from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.mechanism.slider_crank import SliderCrank
 from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.motion.plan import MotionPlan
-from camgeo.motion.time_course import SpeedCurve
 from camgeo.part.spec import Contact, PartSpec
 from camgeo.toolpath.spec import GcodeSpec
 from camgeo.units import LengthUnit
+
+if TYPE_CHECKING:
+    from camgeo.motion.time_course import SpeedCurve
 
 Follower = TranslatingRoller | OscillatingRoller
 

@@ -9,17 +9,15 @@ from typing import Any, Final
 import numpy as np
 
 from camgeo.errors import Fault, GeometryError
-from camgeo.motion.laws.balance import QUANTITIES
-from camgeo.motion.lift_table import read_lift_table
+from camgeo.motion.boundary import FREE
 from camgeo.motion.planning import MoveRequest, PointsRequest, Request, Rest, TableRequest
-from camgeo.motion.points import FREE
 from camgeo.scene.data_files import DataFiles
 from camgeo.scene.keys import Path
 from camgeo.scene.rules import SHAPES
 from camgeo.scene.sound import SoundValues
 
-BALANCES: Final = {f"equal-{quantity}": quantity for quantity in QUANTITIES}
-"""Words for the inflection point that makes both parts of a law equal in something."""
+EQUAL: Final = "equal-"
+"""Begins the words for the inflection point that makes both parts of a law equal in something."""
 
 TURN_DEG: Final = Decimal(360)
 
@@ -64,7 +62,7 @@ class MotionRequests:
         if table["law"] == "points":
             return self._points(place, table, span, to, end)
         inflection = table.get("inflection")
-        balance = BALANCES.get(inflection, "") if isinstance(inflection, str) else ""
+        balance = inflection.removeprefix(EQUAL) if isinstance(inflection, str) else ""
         return MoveRequest(
             span=span,
             to=to,
@@ -118,6 +116,8 @@ class MotionRequests:
         )
 
     def _table(self, place: Path, table: dict[str, Any], span: Decimal) -> TableRequest | None:
+        from camgeo.motion.lift_table import read_lift_table  # few scenes have one
+
         key = (*place, "file")
         data = self.files.read(key)
         if data is None:

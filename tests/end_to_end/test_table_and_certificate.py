@@ -43,6 +43,44 @@ def test_table_holds_the_values_of_the_design(built: Built) -> None:
         assert np.array_equal(columns["psi [deg]"], np.degrees(design.lift(phi)[0]))
 
 
+def test_table_tells_the_motion_in_time(built: Built) -> None:
+    """Against what the columns over the cam angle give: v = s' omega, and so on (eqs. (1) to (4)).
+
+    A disc that turns evenly is where its angle is by the speed; for one that does not, differences
+    of the columns themselves over time must agree, h^2/6 of the next but one derivative apart.
+    """
+    with built.file(".csv").open(newline="") as file:
+        rows = list(csv.reader(file))
+    columns = dict(zip(rows[0], np.array(rows[1:], dtype=np.float64).T, strict=True))
+    course = built.design.time_course
+    assert ("t [s]" in columns) == (course is not None)
+    if course is None:
+        return
+    unit = built.design.unit
+    time = columns["t [s]"]
+    speed = built.design.specification.speed
+    assert speed is not None
+    first = f"v [{unit}/s]" if f"s [{unit}]" in columns else "omega_psi [deg/s]"
+    if built.design.specification.speed_curve is None:
+        assert np.allclose(time, np.radians(columns["phi [deg]"]) / speed, rtol=1e-15)
+        if f"s [{unit}]" in columns:
+            for order, name in enumerate((f"v [{unit}/s]", f"a [{unit}/s^2]", f"j [{unit}/s^3]")):
+                power = f"/rad^{order + 1}" if order else "/rad"
+                over_angle = columns[f"s{chr(39) * (order + 1)} [{unit}{power}]"]
+                expected = over_angle * speed ** (order + 1)
+                size = np.max(np.abs(expected))
+                assert np.max(np.abs(columns[name] - expected)) <= 4e-16 * size
+        return
+    assert np.all(np.diff(time) > 0.0)
+    lift, velocity = columns[f"s [{unit}]"], columns[first]
+    mean = (lift[2:] - lift[:-2]) / (time[2:] - time[:-2])
+    step = float(np.max(np.diff(time)))
+    jerk = float(np.max(np.abs(columns[f"j [{unit}/s^3]"])))
+    acceleration = float(np.max(np.abs(columns[f"a [{unit}/s^2]"])))
+    uneven = float(np.max(np.abs(np.diff(time, 2))))
+    assert np.max(np.abs(velocity[1:-1] - mean)) <= jerk * step**2 + acceleration * uneven
+
+
 def test_certificate(built: Built) -> None:
     certificate = built.certificate
     scene = next(path for path in SCENES if path.stem == built.design.name)

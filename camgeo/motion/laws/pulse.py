@@ -10,6 +10,7 @@ integral backwards from the inflection point, r = 1 - x.
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -19,7 +20,7 @@ from typing import Final
 import numpy as np
 
 from camgeo.motion.laws.trigonometry import x_minus_sin
-from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.arrays import FloatArray, ascending
 from camgeo.numeric.polynomial import (
     derivative,
     horner,
@@ -325,8 +326,13 @@ def polynomial_pulse(acceleration: tuple[int, ...]) -> Pulse:
         backwards = [float(c) for c in _integral(_integral(_reflected(a_exact)))]
         velocity, position = sum(v_exact, Decimal(0)), sum(p_exact, Decimal(0))
     _, v, a, j = by_x
-    places = [roots_inside(c, 0.0, 1.0) for c in (j, derivative(j), derivative(product(v, a)))]
-    turns = sorted({float(x) for x in np.concatenate(places)})
+
+    @functools.cache
+    def turns() -> list[float]:
+        slopes = (j, derivative(j), derivative(product(v, a)))
+        return [
+            float(x) for x in ascending(np.concatenate([roots_inside(c, 0.0, 1.0) for c in slopes]))
+        ]
 
     def from_start(u: FloatArray) -> Motion:
         p, v, a, j = (horner(coefficients, u) for coefficients in by_x)
@@ -344,11 +350,11 @@ def polynomial_pulse(acceleration: tuple[int, ...]) -> Pulse:
         stretches=(
             Stretch(
                 Decimal(0), middle, from_start, False, back, largest,
-                lambda _b, _s: tuple(x for x in turns if x <= float(middle)),
+                lambda _b, _s: tuple(x for x in turns() if x <= float(middle)),
             ),
             Stretch(
                 middle, Decimal(1), from_end, True, back, largest,
-                lambda _b, _s: tuple(x for x in turns if x > float(middle)),
+                lambda _b, _s: tuple(x for x in turns() if x > float(middle)),
                 continues=True,
             ),
         ),

@@ -18,7 +18,7 @@ import numpy as np
 
 from camgeo.errors import GeometryError
 from camgeo.motion.laws.law import Boundary, Law, Region, Values
-from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.arrays import FloatArray, ascending
 from camgeo.numeric.polynomial import (
     Bernstein,
     derivative,
@@ -177,7 +177,7 @@ def _region(shape: _Shape, *, from_end: bool) -> Region:
     def turns() -> tuple[float, ...]:
         places = [first, second, third, derivative(third), derivative(product(first, second))]
         found = np.concatenate([roots_inside(c, *half) for c in places])
-        return tuple(float(z) for z in np.unique(found))
+        return tuple(float(z) for z in ascending(found))
 
     return Region(
         start=half[0],

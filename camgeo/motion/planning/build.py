@@ -7,7 +7,6 @@ from contextlib import contextmanager
 
 from camgeo.errors import GeometryError
 from camgeo.motion.laws import find_family, make_law
-from camgeo.motion.laws.balance import balanced
 from camgeo.motion.laws.law import Law
 from camgeo.motion.laws.two_point import law_of_boundary_values
 from camgeo.motion.planning.chain import Chain, Joint, Link
@@ -42,6 +41,8 @@ def named_law(chain: Chain, number: int, task: str) -> Law:
         known = normalised(chain, number)
         given |= {key: known[key] for key in _needed(chain, number, family.parameters[task], known)}
         if request.balance:
+            from camgeo.motion.laws.balance import balanced
+
             given["inflection"] = balanced(family.name, task, request.balance, given)
         wrong = None
         try:

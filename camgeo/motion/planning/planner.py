@@ -9,9 +9,9 @@ from typing import Final
 import numpy as np
 
 from camgeo.errors import GeometryError
+from camgeo.motion.boundary import Boundary
 from camgeo.motion.laws import ALIASES, FAMILIES, find_family, make_law
 from camgeo.motion.plan import Course, Dwell, MotionPlan, Move, Segment
-from camgeo.motion.planning.auto import best_law
 from camgeo.motion.planning.build import keyed, law_without_stroke, named_law, normalised
 from camgeo.motion.planning.chain import STRAIGHT, Chain, chain_of
 from camgeo.motion.planning.request import (
@@ -23,10 +23,8 @@ from camgeo.motion.planning.request import (
     TableRequest,
     Unit,
 )
-from camgeo.motion.planning.tables import fit, settle_tables
 from camgeo.motion.planning.tasks import settle_straight_lines, settle_tasks, task_of
 from camgeo.motion.planning.values import settle_values
-from camgeo.motion.points import Boundary, clamped_spline
 
 PLAIN: Final = Unit()
 """No unit: values are told as they are, per radian."""
@@ -50,7 +48,10 @@ def plan_motion(requests: Sequence[Request], unit: Unit = PLAIN) -> MotionPlan:
     _check_spans(requests)
     chain = chain_of(requests, unit)
     settle_straight_lines(chain)
-    settle_tables(chain)
+    if any(isinstance(request, TableRequest) for request in requests):
+        from camgeo.motion.planning.tables import settle_tables
+
+        settle_tables(chain)
     settle_tasks(chain)
     settle_values(chain)
     return MotionPlan(tuple(_segment(chain, number) for number in range(len(chain.links))))
@@ -97,6 +98,8 @@ def _segment(chain: Chain, number: int) -> Segment:
         case PointsRequest():
             return _course(chain, number, link.request)
         case TableRequest():
+            from camgeo.motion.planning.tables import fit
+
             return fit(chain, number)
 
 
@@ -113,6 +116,8 @@ def _move(chain: Chain, number: int, request: MoveRequest) -> Move:
                 request.span, request.to, law_without_stroke(chain, number, name), scale=1.0
             )
     if request.law == AUTO:
+        from camgeo.motion.planning.auto import best_law
+
         with keyed(link):
             law = best_law(task, normalised(chain, number), request.parameters, request.optimise)
     else:
@@ -124,6 +129,8 @@ def _course(chain: Chain, number: int, request: PointsRequest) -> Course:
     link, start, end = chain.links[number], chain.before(number), chain.after(number)
     length = link.length
     inner = {index + 1: _over_span(values, length) for index, values in request.given.items()}
+    from camgeo.motion.points import clamped_spline
+
     with keyed(link, "points"):
         spline = clamped_spline(
             np.concatenate(([0.0], request.shares, [1.0])),

@@ -8,7 +8,7 @@ from decimal import Decimal
 from types import MappingProxyType
 from typing import Final
 
-from camgeo.motion.points import Boundary
+from camgeo.motion.boundary import Boundary
 from camgeo.numeric.arrays import FloatArray
 
 FULL_TURN: Final = Decimal(360)

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from camgeo.errors import GeometryError
+from camgeo.motion.boundary import Boundary
 from camgeo.motion.plan import Course
 from camgeo.motion.planning.chain import Chain, Joint
 from camgeo.motion.planning.request import TableRequest
 from camgeo.motion.points import (
-    Boundary,
     FitReport,
     clamped_spline,
     periodic_spline,

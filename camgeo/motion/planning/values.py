@@ -10,12 +10,13 @@ from __future__ import annotations
 import numpy as np
 
 from camgeo.errors import GeometryError
+from camgeo.motion.boundary import FREE, Boundary
 from camgeo.motion.laws import find_family
 from camgeo.motion.planning.build import middle_law, named_law
 from camgeo.motion.planning.chain import Chain, Joint, Link
 from camgeo.motion.planning.request import MoveRequest, PointsRequest
 from camgeo.motion.planning.tasks import is_free, task_of
-from camgeo.motion.points import FREE, MOST_UNEQUAL, Boundary, smoothest_values
+from camgeo.numeric.arrays import ascending
 
 
 def settle_values(chain: Chain) -> None:
@@ -208,6 +209,8 @@ class _Nodes:
 
     def fill(self, period: float | None) -> None:
         """Give the joints the smoothest values."""
+        from camgeo.motion.points import smoothest_values  # most plans have nothing open
+
         self._check_distances()
         values = smoothest_values(
             np.array(self.places), np.array(self.positions), self.given, period
@@ -217,7 +220,9 @@ class _Nodes:
 
     def _check_distances(self) -> None:
         """Values lose their digits where the distances are too unequal."""
-        steps = np.diff(np.unique([*self.places, self.end]))
+        from camgeo.motion.points import MOST_UNEQUAL
+
+        steps = np.diff(ascending(np.array([*self.places, self.end])))
         ratio = float(np.max(steps) / np.min(steps))
         if ratio <= MOST_UNEQUAL:
             return

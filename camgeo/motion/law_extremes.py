@@ -1,0 +1,51 @@
+"""Extremes in time of a plan made of laws, for a disc that turns evenly: where the laws turn."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from camgeo.motion.plan import Course, MotionPlan, Move
+from camgeo.motion.spline import Extremes, extremes_of
+from camgeo.motion.time_course import (
+    ConstantSpeed,
+    LiftUnit,
+    TimeExtremes,
+    in_time,
+    inertia_torque,
+)
+from camgeo.numeric.arrays import FloatArray, ascending
+
+
+def extremes_at_turns(
+    plan: MotionPlan, course: ConstantSpeed, unit: LiftUnit = "mm"
+) -> TimeExtremes | None:
+    """The same as `camgeo.motion.time_course.time_extremes`, exactly and without a search.
+
+    With constant speed velocity, acceleration, jerk and torque have their extremes where s', s'',
+    s''' and s' s'' have theirs (VDI 2143-1, section 5.1): at the turns of the laws and at the
+    borders, from either side. None if a part of the plan is motion by data.
+    """
+    if any(isinstance(segment, Course) for segment in plan.segments):
+        return None
+    places = [plan.borders]
+    for segment, start, end in zip(
+        plan.segments, plan.joints_deg[:-1], plan.joints_deg[1:], strict=True
+    ):
+        if isinstance(segment, Move):
+            turns = [z for region in segment.law.regions for z in region.turns()]
+            first, last = np.radians([float(start), float(end)])
+            places.append(first + np.array(turns) * (last - first))
+    phi = ascending(np.concatenate(places))
+    sides = [in_time(plan.jet(phi, side), course, phi) for side in ("right", "left")]
+    timed = np.concatenate(sides, axis=1)
+    torque = inertia_torque(timed, course.omega(np.tile(phi, 2)), unit=unit)
+
+    def extremes(values: FloatArray) -> Extremes:
+        return extremes_of(np.tile(phi, 2), values)
+
+    return TimeExtremes(
+        velocity=extremes(timed[1]),
+        acceleration=extremes(timed[2]),
+        jerk=extremes(timed[3]),
+        torque=extremes(torque),
+    )

@@ -1,0 +1,84 @@
+from __future__ import annotations
+
+import math
+from fractions import Fraction
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from camgeo.numeric.polynomial import (
+    Bernstein,
+    derivative,
+    horner,
+    largest_magnitude,
+    product,
+    roots_inside,
+)
+
+EPS = 2.0**-52
+
+coefficients = st.lists(st.integers(-50, 50).map(float), min_size=2, max_size=8)
+
+
+def exactly(powers: list[float], x: float) -> Fraction:
+    return sum((Fraction(c) * Fraction(x) ** k for k, c in enumerate(powers)), Fraction(0))
+
+
+@given(powers=coefficients, x=st.floats(0.0, 1.0))
+def test_horner_and_bernstein_give_the_value(powers: list[float], x: float) -> None:
+    """To a few roundings of the terms: 2 n for Horner's form, n for each power in Bernstein's."""
+    true = float(exactly(powers, x))
+    place = np.array([x])
+    size = sum(abs(c) * x**k for k, c in enumerate(powers))
+    degree = len(powers) - 1
+    assert horner(powers, place)[0] == pytest.approx(true, abs=2 * degree * EPS * size + 1e-300)
+    form = Bernstein.of([Fraction(c) for c in powers])
+    terms = sum(abs(c) * x**i * (1.0 - x) ** (degree - i) for i, c in enumerate(form.coefficients))
+    evaluate = form.lower if x <= 0.5 else form.upper
+    limit = (3 * degree + 3) * EPS * terms + 1e-300
+    assert evaluate(place, 1.0 - place)[0] == pytest.approx(true, abs=limit)
+
+
+def test_bernstein_keeps_the_digits_where_powers_cancel() -> None:
+    """(1 - z)^7 near z = 1, whose powers leave nothing of it."""
+    powers = [(-1) ** k * math.comb(7, k) for k in range(8)]
+    form = Bernstein.of([Fraction(c) for c in powers])
+    w = np.array([1e-3])
+    z = 1.0 - w
+    assert form.upper(z, w)[0] == pytest.approx(1e-21, rel=16 * EPS)
+    assert abs(horner([float(c) for c in powers], z)[0] - 1e-21) > 1e-19
+
+
+@given(powers=coefficients)
+def test_derivative_and_product(powers: list[float]) -> None:
+    x = 0.375
+    slope = sum(
+        (k * Fraction(c) * Fraction(x) ** (k - 1) for k, c in enumerate(powers) if k), Fraction(0)
+    )
+    assert float(exactly(derivative(powers), x)) == float(slope)
+    square = product(powers, powers)
+    assert exactly(square, x) == exactly(powers, x) ** 2
+
+
+@given(roots=st.lists(st.integers(1, 99), min_size=1, max_size=5, unique=True))
+def test_roots_are_found(roots: list[int]) -> None:
+    powers = [1.0]
+    for root in roots:
+        powers = product(powers, [-root / 100.0, 1.0])
+    found = roots_inside(powers, 0.0, 1.0)
+    # Neighbours a hundredth apart: the worst condition of five of them is about 1e8.
+    assert found == pytest.approx(sorted(root / 100.0 for root in roots), abs=1e8 * EPS)
+    assert len(roots_inside(powers, -1.0, 0.0)) == 0
+
+
+@given(powers=coefficients)
+def test_nothing_is_larger_than_the_largest(powers: list[float]) -> None:
+    found = largest_magnitude(powers, 0.0, 0.7)
+    x = np.linspace(0.0, 0.7, 2001)
+    dense = float(np.max(np.abs(horner(powers, x))))
+    size = sum(abs(c) for c in powers)
+    assert dense <= found + 16 * EPS * size
+    second = sum(k * (k - 1) * abs(c) for k, c in enumerate(powers))
+    assert found <= dense + second * (0.7 / 2000.0) ** 2 / 8.0 + 1e-11 * size
