@@ -12,6 +12,7 @@ count nothing on the bare side.
 from __future__ import annotations
 
 import argparse
+import functools
 import platform
 import statistics
 import time
@@ -21,6 +22,7 @@ from typing import Final
 
 import numpy as np
 
+from camgeo.motion.plan import Move
 from camgeo.motion.planning import MoveRequest, plan_motion
 from camgeo.units import TURN
 
@@ -61,15 +63,16 @@ def main() -> None:
     )
     plan = plan_motion([MoveRequest(Decimal(60), to, law) for to, law, _ in MOVES])
     share = statistics.fmean(part for _, _, part in MOVES)
-    print(", ".join(f"{s.law.name} {s.law.task}" for s in plan.segments))
+    laws = [segment.law for segment in plan.segments if isinstance(segment, Move)]
+    print(", ".join(f"{law.name} {law.task}" for law in laws))
     print(f"{'points':>9}{'ns a point':>12}{'sin':>8}{'cos':>8}{'needed':>9}{'ratio':>8}")
     for points in map(int, arguments.points.split(",")):
         phi = np.linspace(0.0, TURN, points, endpoint=False)
         out = np.empty_like(phi)
         work: dict[str, Callable[[], object]] = {
-            "jet": lambda phi=phi: plan.jet(phi),
-            "sin": lambda phi=phi, out=out: np.sin(phi, out=out),
-            "cos": lambda phi=phi, out=out: np.cos(phi, out=out),
+            "jet": functools.partial(plan.jet, phi),
+            "sin": functools.partial(np.sin, phi, out=out),
+            "cos": functools.partial(np.cos, phi, out=out),
         }
         times: dict[str, list[float]] = {name: [] for name in work}
         for call in work.values():

@@ -20,11 +20,11 @@ import numpy as np
 
 from camgeo.motion.laws import ALIASES, FAMILIES, characteristic, make_law
 from camgeo.motion.laws.balance import equal_accelerations
-from camgeo.motion.laws.characteristic import Extreme
 from camgeo.motion.laws.law import Law
 from camgeo.motion.planning.auto import best_law, size_of
 from camgeo.motion.planning.request import CRITERIA
 from camgeo.motion.task import ENDS, NAMES, TASKS
+from camgeo.numeric.extremes import Extreme
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -241,7 +241,7 @@ def jumps_of(law: Law, order: int) -> list[float]:
 
 
 def _extreme(extreme: Extreme) -> str:
-    return f"{_number(extreme.value)} ({_place(extreme.z)})"
+    return f"{_number(extreme.value)} ({_place(extreme.place)})"
 
 
 def _number(value: float) -> str:

@@ -108,7 +108,7 @@ def _overshoot(
         (-values.least_lift.value, values.least_lift, "start"),
     ):
         if excess > OVERSHOOT:
-            angle = start + extreme.z * float(move.span)
+            angle = start + extreme.place * float(move.span)
             beyond = scale * excess * abs(stroke)
             found.append(
                 Finding(

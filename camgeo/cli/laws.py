@@ -184,7 +184,7 @@ def _rounded(value: float | None) -> str:
 def _place(entry: Entry, quantity: str) -> str:
     if entry.bounded(quantity) is None:
         return f"{'-':>{CELL}}"
-    return f"{getattr(entry.values, quantity).z:{CELL}.5f}"
+    return f"{getattr(entry.values, quantity).place:{CELL}.5f}"
 
 
 def _parameters(entry: Entry) -> str:
@@ -261,7 +261,7 @@ def _values(entry: Entry) -> dict[str, Any]:
     for field in fields(entry.values):
         extreme = getattr(entry.values, field.name)
         within = extreme.value if field.name not in entry.unbounded else None
-        found[field.name] = within if within is None else {"value": within, "z": extreme.z}
+        found[field.name] = within if within is None else {"value": within, "z": extreme.place}
     return found
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 
 from camgeo.motion.plan import Course, MotionPlan, Move
-from camgeo.motion.spline import Extremes, extremes_of
 from camgeo.motion.time_course import (
     ConstantSpeed,
     LiftUnit,
@@ -14,6 +13,7 @@ from camgeo.motion.time_course import (
     inertia_torque,
 )
 from camgeo.numeric.arrays import FloatArray, ascending
+from camgeo.numeric.extremes import Extremes, extremes_of
 
 
 def extremes_at_turns(

@@ -14,6 +14,7 @@ import numpy as np
 from camgeo.errors import GeometryError
 from camgeo.motion.motion import FULL_ORDER, Side
 from camgeo.numeric.arrays import FloatArray, IntArray, frozen
+from camgeo.numeric.extremes import Extremes, extremes_of
 
 DEGREE: Final = 5
 
@@ -22,30 +23,6 @@ MAX_STEPS: Final = 200
 
 EDGE: Final = 8.0 * 2.0**-52
 """An argument that lies outside the knots by this share of the largest of them was rounded."""
-
-
-@dataclass(frozen=True, slots=True)
-class Extreme:
-    """A largest or smallest value and the argument at which it is taken first.
-
-    A value may be the limit from one side only, where the quantity jumps.
-    """
-
-    value: float
-    place: float
-
-
-@dataclass(frozen=True, slots=True)
-class Extremes:
-    """Smallest and largest value of a quantity, signed."""
-
-    lowest: Extreme
-    highest: Extreme
-
-    @property
-    def magnitude(self) -> float:
-        """The largest absolute value."""
-        return max(abs(self.lowest.value), abs(self.highest.value))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -218,16 +195,6 @@ class Spline:
         found = np.searchsorted(self.knots, x, side) - 1
         piece: IntArray = np.clip(found, 0, len(self.knots) - 2)
         return piece
-
-
-def extremes_of(x: FloatArray, values: FloatArray) -> Extremes:
-    """Smallest and largest of `values` (n,), which are taken at `x` (n,) in any order."""
-    order = np.argsort(x, kind="stable")
-    x, values = x[order], values[order]
-    low, high = int(np.argmin(values)), int(np.argmax(values))
-    return Extremes(
-        Extreme(float(values[low]), float(x[low])), Extreme(float(values[high]), float(x[high]))
-    )
 
 
 def _taylor(rows: FloatArray, t: FloatArray, order: int) -> FloatArray:

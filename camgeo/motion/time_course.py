@@ -17,8 +17,9 @@ import numpy as np
 from camgeo.errors import GeometryError
 from camgeo.motion.motion import Jet, Motion, Side
 from camgeo.motion.points import periodic_spline
-from camgeo.motion.spline import Extremes, Spline, extremes_of
+from camgeo.motion.spline import Spline
 from camgeo.numeric.arrays import FloatArray, ascending, frozen
+from camgeo.numeric.extremes import Extremes, extremes_of
 from camgeo.numeric.roots import bracketed_roots
 from camgeo.units import TURN
 

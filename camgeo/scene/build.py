@@ -69,7 +69,7 @@ class Builder:
         self.faults += requests.faults
         if requests.faults or self.files.faults:
             return None
-        return self._engine(("motion",), lambda: plan_motion(requests.all))
+        return self._engine(("motion",), lambda: plan_motion(requests.all, requests.unit))
 
     def speed_curve(self) -> SpeedCurve | None:
         """How the speed varies; None if it does not, or its file is not sound."""

@@ -10,7 +10,7 @@ import numpy as np
 
 from camgeo.errors import Fault, GeometryError
 from camgeo.motion.boundary import FREE
-from camgeo.motion.planning import MoveRequest, PointsRequest, Request, Rest, TableRequest
+from camgeo.motion.planning import MoveRequest, PointsRequest, Request, Rest, TableRequest, Unit
 from camgeo.scene.data_files import DataFiles
 from camgeo.scene.keys import Path
 from camgeo.scene.rules import SHAPES
@@ -35,6 +35,7 @@ class MotionRequests:
     Attributes
     ----------
     all : in the order of the scene.
+    unit : of positions in the scene.
     faults : of points, and of what is in the files that the segments name.
     """
 
@@ -44,6 +45,7 @@ class MotionRequests:
         self.faults: list[Fault] = []
         self.all: list[Request] = []
         self._scale = math.radians(1.0) if values.angular else values.mm
+        self.unit = Unit("deg" if values.angular else values.unit, self._scale)
         for index in range(values.segments):
             request = self._request(("motion", index))
             if request is not None:

@@ -55,6 +55,8 @@ def backwards(plan: MotionPlan) -> MotionPlan:
         if isinstance(segment, Dwell):
             segments.append(segment)
             continue
+        assert isinstance(segment, Move)
+        assert segment.law.inflection is not None
         mirrored = shift(LAWS[segment.law.name], 1.0 - segment.law.inflection)
         segments.append(Move(segment.span, position, mirrored))
         position = segment.to

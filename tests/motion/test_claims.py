@@ -120,7 +120,7 @@ def test_the_constants_are_those_of_the_law(inflection: float) -> None:
         found = characteristic(make_law(name, "R-U", inflection=inflection))
         extreme = found.moment if value > 0 else found.braking_moment
         assert ulps(extreme.value, value) <= 8.0
-        assert extreme.z == pytest.approx(float(place), rel=1e-14)
+        assert extreme.place == pytest.approx(float(place), rel=1e-14)
     # (173) with (174), (196)
     speed = exact("modified-trapezoid", "R-U", {"inflection": inflection}, lam)[2]
     assert abs(speed - m * (3 * pi + 2) / (4 * pi) * abs(trapezoid[1])) < TINY
@@ -691,7 +691,9 @@ def assert_extremes(law: Law, expected: list[tuple[str, str]], value_limit: floa
         if found.least_velocity.value < 0.0:
             limit += 1e-15 * most
         assert abs(extreme.value - true) <= limit
-        assert extreme.z == pytest.approx(float(place), abs=PLACE_LIMIT + half_a_unit(place), rel=0)
+        assert extreme.place == pytest.approx(
+            float(place), abs=PLACE_LIMIT + half_a_unit(place), rel=0
+        )
 
 
 def half_a_unit(text: str) -> float:

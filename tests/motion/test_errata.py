@@ -175,7 +175,7 @@ def test_194_misses_the_final_acceleration_by_nearly_half() -> None:
     assert near(printed.ru_harmonic_amplitudes(lam)[1], "-2763.6", 0.5)
     found = characteristic(make_law("harmonic-combination", "R-U", inflection=0.999))
     assert found.deceleration.value == pytest.approx(-2763.6, abs=0.05)
-    assert found.deceleration.z == 1.0
+    assert found.deceleration.place == 1.0
 
 
 def test_194_has_the_coefficient_that_193_demands() -> None:
@@ -197,7 +197,7 @@ def test_219_second_form_adds_the_initial_velocity_once_too_often() -> None:
     assert abs(2 * lam / mp.pi * ca + v - right) < HOLDS  # the first form
     found = characteristic(make_law("harmonic-combination", "G-U", inflection=0.5, v0=0.5))
     assert ulps(found.velocity.value, right) <= 8.0
-    assert found.velocity.z == 0.5
+    assert found.velocity.place == 0.5
 
 
 def test_219_holds_only_for_a_positive_c_a() -> None:
@@ -208,7 +208,7 @@ def test_219_holds_only_for_a_positive_c_a() -> None:
     assert printed.gu_harmonic(lam, v)[1].formula(lam)[1] < v
     found = characteristic(make_law("harmonic-combination", "G-U", inflection=0.5, v0=1.6))
     assert found.velocity.value == 1.6
-    assert found.velocity.z == 0.0
+    assert found.velocity.place == 0.0
 
 
 # (208), (209), (212), (213) and (216): f'_G inside the bracket --------------------------------
@@ -341,7 +341,7 @@ def test_the_jerk_keeps_its_sign_in_the_mirror() -> None:
     found = characteristic(make_law("harmonic-combination", "U-R", inflection=0.5))
     forward = characteristic(make_law("harmonic-combination", "R-U", inflection=0.5))
     assert ulps(found.largest_jerk.value, end[4]) <= 8.0
-    assert found.largest_jerk.z == 1.0
+    assert found.largest_jerk.place == 1.0
     assert found.largest_jerk.value == forward.largest_jerk.value
     assert found.least_jerk.value == forward.least_jerk.value
     assert found.acceleration.value == -forward.deceleration.value

@@ -24,10 +24,11 @@ from mpmath import mp, mpf
 
 from camgeo.errors import GeometryError
 from camgeo.motion.laws import ALIASES, FAMILIES, LAWS, characteristic, find_family, make_law
-from camgeo.motion.laws.characteristic import Extreme, acceleration_jumps
+from camgeo.motion.laws.characteristic import acceleration_jumps
 from camgeo.motion.laws.law import Law, Region, Values
 from camgeo.motion.task import TASKS
 from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.extremes import Extreme
 from tests.motion.oracle import (
     DIGITS,
     decimal,
@@ -727,7 +728,7 @@ def test_characteristic_values_are_taken_where_they_are_said_to_be(
     ]
     for extreme, value_of, size in checks:
         with mp.workdps(DIGITS):
-            off = [abs(mpf(extreme.value) - value_of(v)) for v in candidates(true, extreme.z)]
+            off = [abs(mpf(extreme.value) - value_of(v)) for v in candidates(true, extreme.place)]
         # f''' has its extremes at borders, of which the place is rounded: 2^-52 by the length.
         lengths = [float(piece.end - piece.start) for piece in true]
         assert float(min(off)) <= (1.2e-13 + 4.0 * EPS / min(lengths)) * size

@@ -19,10 +19,10 @@ from numpy.polynomial import Polynomial
 from scipy.interpolate import make_interp_spline
 
 from camgeo.errors import GeometryError
+from camgeo.motion.boundary import Boundary
 from camgeo.motion.points import (
     MOST_UNEQUAL,
     NEAR_ENOUGH,
-    Boundary,
     clamped_spline,
     periodic_spline,
     report,

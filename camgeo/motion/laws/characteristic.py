@@ -10,20 +10,10 @@ import numpy as np
 
 from camgeo.motion.laws.law import Law, Region
 from camgeo.numeric.arrays import BoolArray, FloatArray
+from camgeo.numeric.extremes import Extreme
 
 ROUNDING = 1e-13
 """A jump smaller than this part of the largest value is rounding."""
-
-
-@dataclass(frozen=True, slots=True)
-class Extreme:
-    """A largest or smallest value and the z where it is taken first.
-
-    A value may be the limit from one side only, at a border where the quantity jumps.
-    """
-
-    value: float
-    z: float
 
 
 @dataclass(frozen=True, slots=True)

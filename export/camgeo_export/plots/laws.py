@@ -201,7 +201,7 @@ def _mark(axes: Axes, entry: Entry, quantity: str, name: str) -> None:
     if value is None:
         text = f"{name} unbounded"
     else:
-        axes.plot([getattr(entry.values, quantity).z], [value], zorder=3, **EXTREME)
+        axes.plot([getattr(entry.values, quantity).place], [value], zorder=3, **EXTREME)
         text = f"{name} = {value + 0.0:.4g}".replace("-", "−")
     axes.text(
         0.97, 0.95 if first else 0.05, text,
