@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from camgeo.motion.plan import MotionPlan
+from camgeo.motion.plan import FULL_TURN, MotionPlan
 from camgeo.motion.task import End, end_of
 from camgeo.numeric.arrays import FloatArray, ascending, frozen
 
@@ -49,7 +49,8 @@ def breaks(plan: MotionPlan) -> tuple[Joint, ...]:
 
 
 def _angles(plan: MotionPlan) -> FloatArray:
-    return ascending(np.radians([float(angle) for angle in plan.joints_deg[:-1]]))
+    degrees = [float(angle) for angle in plan.joints_deg if angle < FULL_TURN]
+    return ascending(np.radians(degrees))
 
 
 def _joints_at(plan: MotionPlan, angles: FloatArray) -> tuple[Joint, ...]:

@@ -1,0 +1,393 @@
+"""What holds of every plan, whatever is asked: drawn at random."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from decimal import Decimal
+
+import numpy as np
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+from camgeo.errors import GeometryError
+from camgeo.motion.joints import Joint, joints
+from camgeo.motion.laws import LAWS
+from camgeo.motion.plan import Course, MotionPlan, Move
+from camgeo.motion.planning import MoveRequest, PointsRequest, Request, Rest, TableRequest
+from camgeo.motion.planning.tasks import FREE
+from camgeo.numeric.arrays import FloatArray
+from tests.motion.planning.wishes import move, planned, rest, straight, through, wishes
+from tests.strategies import attack
+
+SHARES = np.array([0.003, 0.11, 0.23, 0.47, 0.53, 0.77, 0.89, 0.997])
+"""Places inside a segment, symmetric."""
+
+SAME = 1e-6
+"""Of the size of each derivative. A plan asked for in another way differs by rounding, which the
+banded solve multiplies: over spans from 0.001 to 359 degrees 1e-9 was the most."""
+
+UNIQUE = ("auto", "polynomial-5", "polynomial-7", "polynomial", "modified-sine", "straight-line")
+"""Laws whose joints are settled without a choice between two that are as good."""
+
+many = settings(attack, max_examples=80)
+
+
+def plan_of(requests: Sequence[Request]) -> MotionPlan | None:
+    """The plan; None if it is refused, with the key of a segment."""
+    try:
+        return planned(*requests)
+    except GeometryError as error:
+        if not error.key.startswith("motion["):
+            raise
+        return None
+
+
+def accepted(requests: Sequence[Request]) -> MotionPlan:
+    """The plan, if there is one."""
+    plan = plan_of(requests)
+    assume(plan is not None)
+    assert plan is not None
+    return plan
+
+
+def moving(requests: Sequence[Request]) -> list[Request]:
+    """The requests that have a length."""
+    return [request for request in requests if request.span > 0]
+
+
+def positions(requests: Sequence[Request]) -> list[float]:
+    """Position at the start of each request, and at the end."""
+    found = [0.0]
+    for request in requests:
+        match request:
+            case Rest():
+                found.append(found[-1])
+            case TableRequest():
+                found.append(found[-1] + request.rise)
+            case _:
+                found.append(request.to)
+    return found
+
+
+def samples(plan: MotionPlan) -> list[FloatArray]:
+    """(4, 8) jet in each segment that has a length."""
+    found = []
+    at = Decimal(0)
+    for segment in plan.segments:
+        start, end = (math.radians(float(angle)) for angle in (at, at + segment.span))
+        found.append(plan.jet(start + (end - start) * SHARES))
+        at += segment.span
+    return found
+
+
+def assert_same(
+    first: list[FloatArray], second: list[FloatArray], requests: Sequence[Request]
+) -> None:
+    """Equal but for rounding. Of a segment that hardly moves, rounding is of its neighbours."""
+    way = max(float(np.ptp(jet[0])) for jet in first)
+    for one, other, request in zip(first, second, moving(requests), strict=True):
+        length = math.radians(float(request.span))
+        for order in range(4):
+            size = max(float(np.max(np.abs(one[order]))), 0.01 * way / length**order)
+            assert np.max(np.abs(one[order] - other[order])) <= SAME * size
+
+
+def met(requests: Sequence[Request], joint: int) -> tuple[Request, Request]:
+    """The requests before and after a joint."""
+    return moving(requests)[joint - 1], moving(requests)[joint]
+
+
+# What holds at the joints ----------------------------------------------------------------------
+
+
+@given(wishes())
+@many
+def test_all_is_finite_and_refusals_name_their_segment(requests: list[Request]) -> None:
+    plan = accepted(requests)
+    assert all(np.all(np.isfinite(jet)) for jet in samples(plan))
+    found = joints(plan)
+    assert len(found) == len(moving(requests))
+    assert all(np.all(np.isfinite([joint.left, joint.right])) for joint in found)
+
+
+@given(wishes())
+@many
+def test_position_and_velocity_are_continuous(requests: list[Request]) -> None:
+    """But where a straight line meets a rest or another straight line: there is a shock."""
+    for number, joint in enumerate(joints(accepted(requests))):
+        before, after = met(requests, joint=number)
+        stops = [
+            straight(each) and (isinstance(other, Rest) or straight(other) or joint_rests(requests))
+            for each, other in ((before, after), (after, before))
+        ]
+        assert joint.order >= (0 if any(stops) else 1)
+
+
+def joint_rests(requests: Sequence[Request]) -> bool:
+    """Whether a moment of rest may lie at a joint."""
+    return any(request.span == 0 for request in requests)
+
+
+@given(wishes(FREE))
+@many
+def test_acceleration_is_continuous_between_laws_that_meet_anything(
+    requests: list[Request],
+) -> None:
+    assert all(joint.order >= 2 for joint in joints(accepted(requests)))
+
+
+@given(wishes(stated=True, data=False))
+@many
+def test_stated_values_are_met(requests: list[Request]) -> None:
+    plan = accepted(requests)
+    jets = samples(plan)
+    for number, joint in enumerate(joints(plan)):
+        before, after = met(requests, joint=number)
+        if not isinstance(before, MoveRequest):
+            continue
+        for order, stated in ((1, before.velocity), (2, before.acceleration)):
+            if stated is None:
+                continue
+            size = np.max([np.max(np.abs(jet[order])) for jet in (jets[number - 1], jets[number])])
+            # From degrees to radians and from the unit span back: ten roundings.
+            angle = np.array([joint.cam_angle])
+            left = plan.jet(angle, "left")[order, 0]
+            assert abs(left - stated) <= 1e-12 * (abs(stated) + size)
+            if not straight(after) and not joint_rests(requests):
+                right = plan.jet(angle)[order, 0]
+                assert abs(right - stated) <= 1e-12 * (abs(stated) + size)
+
+
+@given(wishes(("polynomial-5",), data=False, rests=False, stated=False))
+@many
+def test_free_joints_have_four_continuous_derivatives(requests: list[Request]) -> None:
+    """s''' as `joints` tells it, s'''' from the quintics: where the turn nobody asks for is not
+    pinned to velocity 0."""
+    assume(min(request.span for request in requests) >= 1)
+    plan = accepted(requests)
+    found = joints(plan)
+    for joint in found:
+        assert joint.order == 3
+    fourth = [fourth_at_ends(plan, number) for number in range(len(found))]
+    size = max(abs(value) for pair in fourth for value in pair) + 1e-300
+    for number, joint in enumerate(found):
+        if joint.before == "U":
+            continue  # a turn stands still, which is asked of it
+        # Rounding of s' over span^3, with spans from 1 degree on, relative to the largest.
+        assert fourth[number - 1][1] == pytest.approx(fourth[number][0], abs=1e-6 * size)
+
+
+def fourth_at_ends(plan: MotionPlan, number: int) -> tuple[float, float]:
+    """s'''' at both ends of a quintic, from three values of s''', which is a parabola."""
+    segment = plan.segments[number]
+    assert isinstance(segment, Move)
+    length = math.radians(float(segment.span))
+    start = math.radians(float(sum((each.span for each in plan.segments[:number]), Decimal(0))))
+    third = plan.jet(start + length * np.array([0.2, 0.5, 0.8]))[3]
+    a, b, c = (float(value) for value in third)
+    middle, bend = (c - a) / 0.6, (a - 2.0 * b + c) / 0.09
+    return (middle - 0.5 * bend) / length, (middle + 0.5 * bend) / length
+
+
+@given(wishes())
+@many
+def test_the_plan_is_its_laws_scaled(requests: list[Request]) -> None:
+    plan = accepted(requests)
+    position = 0.0
+    for segment, jet in zip(plan.segments, samples(plan), strict=True):
+        length = math.radians(float(segment.span))
+        if isinstance(segment, Move):
+            scale = segment.to - position if segment.scale is None else segment.scale
+            values = np.array(segment.law(SHARES)) * scale
+        elif isinstance(segment, Course):
+            values = np.array(segment.spline.values(SHARES))
+        else:
+            values = np.zeros((4, len(SHARES)))
+        values[0] += position
+        values /= length ** np.arange(4.0)[:, np.newaxis]
+        position = getattr(segment, "to", position)
+        for order in range(4):
+            size = np.max(np.abs(values[order])) + abs(position) * (order == 0)
+            if order == 3 and isinstance(segment, Move) and segment.law.borders:
+                continue  # it jumps inside, and a place near a jump may lie on either side
+            # z as the plan has it differs from the share by rounding of the angle, 1e-15 rad.
+            slack = 1e-11 + 1e-13 / length
+            assert np.max(np.abs(jet[order] - values[order])) <= slack * size + 1e-300
+
+
+# Other ways to ask for the same ----------------------------------------------------------------
+
+
+def changed(request: Request, positions_by: Callable[[float], float], factor: float) -> Request:
+    """A request with other positions; velocities and accelerations times `factor`."""
+
+    def times(value: float | None) -> float | None:
+        return None if value is None else factor * value
+
+    match request:
+        case MoveRequest():
+            return replace(
+                request,
+                to=positions_by(request.to),
+                velocity=times(request.velocity),
+                acceleration=times(request.acceleration),
+            )
+        case PointsRequest():
+            return replace(
+                request,
+                to=positions_by(request.to),
+                positions=np.array([positions_by(float(each)) for each in request.positions]),
+                given={
+                    index: (times(velocity), times(acceleration))
+                    for index, (velocity, acceleration) in request.given.items()
+                },
+                velocity=times(request.velocity),
+                acceleration=times(request.acceleration),
+            )
+        case TableRequest():
+            smoothing = request.smoothing
+            return replace(
+                request,
+                lifts=factor * request.lifts,
+                smoothing=None if smoothing is None else abs(factor) * smoothing,
+            )
+    return request
+
+
+@given(wishes(), st.sampled_from([-1.0, 3.0, 1e-7, -1e5]))
+@many
+def test_a_scaled_or_mirrored_wish_gives_the_scaled_or_mirrored_motion(
+    requests: list[Request], factor: float
+) -> None:
+    plan = plan_of(requests)
+    other = plan_of([changed(each, lambda x: factor * x, factor) for each in requests])
+    assert (plan is None) == (other is None)
+    assume(plan is not None)
+    assert plan is not None
+    assert other is not None
+    assert_same(samples(plan), [jet / factor for jet in samples(other)], requests)
+
+
+def neighbouring_tables(requests: Sequence[Request]) -> bool:
+    """Whether two tables meet, of which the first one decides how."""
+    parts = moving(requests)
+    return any(
+        isinstance(one, TableRequest) and isinstance(other, TableRequest)
+        for one, other in zip([parts[-1], *parts], parts, strict=False)
+    )
+
+
+def extreme(plan: MotionPlan) -> bool:
+    """Whether a law is so lopsided that rounding decides whether "auto" takes it for smooth."""
+    return any(
+        isinstance(segment, Move)
+        and segment.law.inflection is not None
+        and not 1e-3 < segment.law.inflection < 1.0 - 1e-3
+        for segment in plan.segments
+    )
+
+
+@given(wishes(UNIQUE), st.integers(0, 20))
+@many
+def test_where_the_turn_begins_does_not_matter(requests: list[Request], first: int) -> None:
+    assume(not neighbouring_tables(requests))
+    plan = accepted(requests)
+    first %= len(requests)
+    start = positions(requests)[first]
+    turned = [
+        changed(each, lambda x: x - start, 1.0) for each in requests[first:] + requests[:first]
+    ]
+    assume(positions(turned)[-1] == 0.0)  # rounding of the positions themselves
+    other = plan_of(turned)
+    assert other is not None
+    assume(not extreme(plan) and not extreme(other))
+    jets = samples(other)
+    ahead = len(moving(requests[:first]))
+    jets = jets[len(jets) - ahead :] + jets[: len(jets) - ahead]
+    for jet in jets:
+        jet[0] += start
+    assert_same(samples(plan), jets, requests)
+
+
+def reversed_wish(requests: Sequence[Request]) -> list[Request]:
+    """The same motion backwards, if the joints are not stated."""
+    found: list[Request] = []
+    starts = positions(requests)
+    for request, start in zip(reversed(requests), starts[-2::-1], strict=True):
+        match request:
+            case MoveRequest():
+                found.append(replace(request, to=start))
+            case PointsRequest():
+                found.append(
+                    replace(
+                        request,
+                        to=start,
+                        shares=1.0 - request.shares[::-1],
+                        positions=request.positions[::-1],
+                    )
+                )
+            case TableRequest():
+                found.append(
+                    replace(request, shares=1.0 - request.shares[::-1], lifts=request.lifts[::-1])
+                )
+            case Rest():
+                found.append(request)
+    return found
+
+
+@given(wishes(UNIQUE, stated=False))
+@many
+def test_backwards(requests: list[Request]) -> None:
+    assume(not neighbouring_tables(requests))
+    plan = accepted(requests)
+    other = plan_of(reversed_wish(requests))
+    assert other is not None
+    assume(not extreme(plan) and not extreme(other))
+    signs = np.array([[1.0], [-1.0], [1.0], [-1.0]])
+    jets = [signs * jet[:, ::-1] for jet in reversed(samples(other))]
+    assert_same(samples(plan), jets, requests)
+
+
+@given(wishes(), st.sampled_from([1e-6, 1e6]))
+@attack
+def test_tiny_and_huge_strokes(requests: list[Request], size: float) -> None:
+    requests = [changed(each, lambda x: size / 20.0 * x, size / 20.0) for each in requests]
+    plan = accepted(requests)
+    assert all(np.all(np.isfinite(jet)) for jet in samples(plan))
+
+
+@pytest.mark.parametrize("law", ["auto", *sorted(LAWS), "polynomial-5", "polynomial-7"])
+@pytest.mark.parametrize("span", ["0.001", "1", "179.9995", "359", "359.999"])
+@pytest.mark.parametrize("size", [1e-6, 1.0, 1e6])
+def test_from_rest_to_rest_over_any_span(law: str, span: str, size: float) -> None:
+    left = 360 - Decimal(span)
+    plan = planned(move(span, size, law), rest(0), move(left, 0.0, law), rest(0))
+    for jet, segment in zip(samples(plan), plan.segments, strict=True):
+        assert isinstance(segment, Move)
+        length = math.radians(float(segment.span))
+        assert np.all(np.isfinite(jet))
+        assert np.max(np.abs(jet[1])) <= 2.5 * size / length  # C_v of all of them is below 2.5
+        assert np.min(jet[0]) >= 0.0
+        assert np.max(jet[0]) <= size
+
+
+@pytest.mark.parametrize("size", [1e-6, 1.0, 1e6])
+def test_through_points_without_rest_over_unequal_spans(size: float) -> None:
+    """A thousandth of a degree beside 359 degrees: right, or refused in words."""
+    plan = planned(
+        move("0.001", 1e-5 * size), through("359.998", 0.0, (0.5, size)), move("0.001", 0.0)
+    )
+    found = joints(plan)
+    assert all(joint.order >= 2 for joint in found)
+    with pytest.raises(GeometryError, match="1e\\+06") as caught:
+        planned(move("0.0001", size), move("359.9999", 0.0))
+    assert caught.value.key == "motion[1].span"
+
+
+def test_joints_are_told_by_their_angle() -> None:
+    found = joints(planned(move(120, 10.0), rest(0), move(240, 0.0)))
+    assert [joint.cam_angle for joint in found] == [0.0, math.radians(120.0)]
+    assert [type(joint) for joint in found] == [Joint, Joint]

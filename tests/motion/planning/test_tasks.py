@@ -1,0 +1,338 @@
+"""The motion task of every joint, derived; and what cannot be, told in words."""
+
+from __future__ import annotations
+
+import math
+import re
+from decimal import Decimal
+
+import numpy as np
+import pytest
+
+from camgeo.errors import GeometryError
+from camgeo.motion.laws import FAMILIES
+from camgeo.motion.planning import Request, Unit, plan_motion
+from camgeo.motion.task import TASKS
+from tests.motion.planning.wishes import laws, move, planned, rest, table, through
+
+
+@pytest.mark.parametrize(
+    ("requests", "wanted"),
+    [
+        # rests
+        ([rest(60), move(90, 20.0), rest(60), move(150, 0.0)], ["R-R", "R-R"]),
+        ([move(120, 20.0), rest(0), move(240, 0.0), rest(0)], ["R-R", "R-R"]),
+        # one turn between two rests, or none
+        ([rest(60), move(120, 20.0), move(180, 0.0)], ["R-U", "U-R"]),
+        ([move(120, 20.0), move(240, 0.0)], ["U-U", "U-U"]),
+        # a motion that goes on
+        ([rest(60), move(120, 20.0), move(120, 30.0), move(60, 0.0)], ["R-B", "B-U", "U-R"]),
+        ([rest(60), move(120, 20.0), move(120, 20.0), move(60, 0.0)], ["R-U", "U-U", "U-R"]),
+        # straight lines
+        (
+            [rest(40), move(60, 5.0), move(40, 15.0, "straight-line"), move(220, 0.0)],
+            ["R-G", "R-R", "G-R"],
+        ),
+        (
+            [move(60, 5.0), move(40, 15.0, "straight-line"), move(60, 25.0), move(200, 0.0)],
+            ["U-G", "R-R", "G-U", "U-U"],
+        ),
+        # laws that leave no choice
+        ([move(120, 20.0, "polynomial-345"), move(240, 0.0)], ["R-R", "R-R"]),
+        ([move(120, 20.0, "sine-straight"), move(240, 0.0)], ["U-U", "U-U"]),
+        ([rest(60), move(120, 20.0, "harmonic-combination"), move(180, 0.0)], ["R-U", "U-R"]),
+        ([rest(60), move(120, 20.0, "double-harmonic"), move(180, 0.0)], ["R-U", "U-R"]),
+        ([move(120, 20.0, "simple-sine"), move(240, 0.0)], ["U-U", "U-U"]),
+        ([rest(60), move(120, 20.0, "simple-sine"), move(180, 0.0)], ["R-R", "R-R"]),
+        # stated
+        ([rest(60), move(120, 20.0, velocity=3.0), move(180, 0.0)], ["R-B", "B-R"]),
+        (
+            [rest(60), move(120, 20.0, velocity=3.0, acceleration=0.0), move(180, 0.0)],
+            ["R-G", "G-R"],
+        ),
+        ([rest(60), move(120, 20.0, acceleration=0.0), move(180, 0.0)], ["R-R", "R-R"]),
+        ([rest(60), move(120, 20.0, velocity=0.0), move(180, 0.0)], ["R-U", "U-R"]),
+        (
+            [rest(60), move(120, 20.0, velocity=0.0), move(100, 30.0), rest(0), move(80, 0.0)],
+            ["R-U", "U-R", "R-R"],
+        ),
+        (
+            [rest(60), move(120, 20.0, "modified-sine", velocity=3.0), move(180, 0.0)],
+            ["R-G", "G-R"],
+        ),
+    ],
+)  # fmt: skip
+def test_tasks_are_derived(requests: list[Request], wanted: list[str]) -> None:
+    found = [name.split()[-1] for name in laws(planned(*requests))]
+    assert [task for task in found if task in TASKS] == wanted
+
+
+def test_a_move_that_stays_where_it_is_between_rests_rests() -> None:
+    plan = planned(rest(60), move(120, 0.0, "modified-sine"), rest(180))
+    assert len(plan.dwells) == 1
+    assert plan.dwells[0].span == 2.0 * math.pi
+
+
+@pytest.mark.parametrize("law", ["polynomial-5", "polynomial-7", "polynomial", "auto"])
+def test_a_move_that_returns_within_itself_keeps_what_is_stated(law: str) -> None:
+    jerk = {"jerk": 3.0} if law in ("polynomial-7", "polynomial") else {}
+    plan = planned(
+        rest(60),
+        move(60, 10.0, "polynomial-7", velocity=5.0, acceleration=-2.0, jerk=7.0),
+        move(30, 10.0, law, velocity=-5.0, acceleration=1.0, **jerk),
+        move(210, 0.0),
+    )
+    ends = [math.radians(120.0), math.radians(150.0)]
+    right, left = plan.jet(np.array(ends)), plan.jet(np.array(ends), "left")
+    assert list(right[:, 0][:3]) == pytest.approx([10.0, 5.0, -2.0], rel=1e-12)
+    assert list(left[:, 1][:3]) == pytest.approx([10.0, -5.0, 1.0], rel=1e-12)
+    if jerk:
+        assert right[3, 0] == pytest.approx(7.0, rel=1e-9)
+        assert left[3, 1] == pytest.approx(3.0, rel=1e-9)
+
+
+MM = Unit("mm", 1.0)
+INCH = Unit("inch", 25.4)
+DEG = Unit("deg", math.radians(1.0))
+
+FAULTS: list[tuple[list[Request], str, str, str]] = [
+    # a rest beside a stated value
+    (
+        [rest(60), move(120, 20.0, velocity=3.0), rest(60), move(120, 0.0)],
+        "motion[2].velocity",
+        "3 mm/rad",
+        r"must be 0 at the end of a move that meets a rest \(or be left out\)",
+    ),
+    (
+        [rest(60), move(120, 20.0, acceleration=-3.0), rest(0), move(180, 0.0)],
+        "motion[2].acceleration",
+        "-3 mm/rad^2",
+        "must be 0 at the end of a move that meets a rest",
+    ),
+    # a straight line
+    (
+        [rest(60), move(90, 5.0, velocity=3.0), move(90, 15.0, "straight-line"), move(120, 0.0)],
+        "motion[2].velocity",
+        "3",
+        "contradicts the straight line at this joint, whose velocity is 6.3662 mm/rad; leave it",
+    ),
+    (
+        [
+            rest(60),
+            move(90, 5.0),
+            move(90, 15.0, "straight-line", acceleration=1.0),
+            move(120, 0.0),
+        ],
+        "motion[3].acceleration",
+        "1",
+        r"contradicts the straight line at this joint, whose acceleration is 0 mm/rad\^2",
+    ),
+    (
+        [rest(60), move(90, 5.0, "straight-line", velocity=0.0), rest(90), move(120, 0.0)],
+        "motion[2].velocity",
+        "0",
+        "contradicts the straight line at this joint, whose velocity is 3.1831 mm/rad",
+    ),
+    # a law that is not made for it
+    (
+        [
+            rest(40),
+            move(60, 5.0, "polynomial-345"),
+            move(40, 15.0, "straight-line"),
+            move(220, 0.0),
+        ],
+        "motion[2].law",
+        "polynomial-345",
+        (r"is made for R-R \(R rest, U turn, G constant velocity, B general motion\); here the move"
+        r" goes from rest to constant velocity \(R-G\), for which there are modified-sine,"
+        " polynomial-5, polynomial-7, auto"),
+    ),
+    (
+        [rest(40), move(60, 5.0, "sine-straight"), move(260, 0.0)],
+        "motion[2].law",
+        "sine-straight",
+        r"from rest to rest or turn \(R-R, R-U\), for which there are .*harmonic-combination",
+    ),
+    (
+        [move(60, 5.0, "double-harmonic", velocity=2.0), move(300, 0.0)],
+        "motion[1].law",
+        "double-harmonic",
+        "here the move goes from",
+    ),
+    # no stroke
+    (
+        [move(60, 5.0), move(60, 5.0, "sine-straight"), move(240, 0.0)],
+        "motion[2].law",
+        "sine-straight",
+        "has no shape for a move that ends where it starts; polynomial-5 and auto have, and a",
+    ),
+    ([move(360, 0.0, "harmonic-combination")], "motion[1].law", "harmonic-combination", "no shape"),
+    # a turn that the law cannot make
+    (
+        [rest(60), move(120, 20.0, "harmonic-combination", acceleration=-4.0), move(180, 0.0)],
+        "motion[2].acceleration",
+        "-4 mm/rad^2",
+        (r"over 120 degrees and 20 mm, harmonic-combination for R-U ends with an acceleration below"
+        r" -11.25 mm/rad\^2, here it meets -4 mm/rad\^2; polynomial-5 and auto meet any"),
+    ),
+    (
+        [
+            rest(60),
+            move(120, -20.0, "auto", acceleration=4.0),
+            move(120, 0.0, "modified-trapezoid"),
+            rest(60),
+        ],
+        "motion[2].acceleration",
+        "4 mm/rad^2",
+        (r"over 120 degrees and 20 mm, modified-trapezoid for U-R starts with an acceleration above"
+        r" 9.22816 mm/rad\^2, here it meets 4"),
+    ),
+    (
+        [move(180, 20.0, "sine-straight", acceleration=3.0), move(180, 0.0)],
+        "motion[1].acceleration",
+        "3 mm/rad^2",
+        r"sine-straight for U-U ends with an acceleration below -5 mm/rad\^2, here it meets 3",
+    ),
+    (
+        [rest(60), move(100, 10.0, "harmonic-combination"), move(200, 30.0, "simple-sine"), rest(0),
+         ],
+        "motion",
+        "",
+        "ends at 30 mm",
+    ),
+    (
+        [
+            move(60, 10.0, "sine-straight"),
+            move(60, 30.0, "sine-straight"),
+            move(240, 0.0, "sine-straight"),
+        ],
+        "motion[1].law",
+        "",
+        "would stand still for a moment at its end and then go on the same way",
+    ),
+    # stated, but the law has no freedom left
+    (
+        [move(60, 10.0, "simple-sine", velocity=0.0, acceleration=0.0), rest(60), move(240, 0.0)],
+        "motion[1].acceleration",
+        "0 mm/rad^2",
+        r"cannot be met by simple-sine for R-R of motion\[1\], whose acceleration there is -45",
+    ),
+    (
+        [
+            move(90, 10.0, "simple-sine", acceleration=-30.0),
+            move(90, 0.0, "simple-sine", acceleration=40.0),
+            move(90, 10.0, "simple-sine", acceleration=-30.0),
+            move(90, 0.0, "simple-sine", acceleration=40.0),
+        ],
+        "motion[",
+        "",
+        r"cannot be met by simple-sine for U-U",
+    ),
+    (
+        [move(60, 10.0, "polynomial-5", jerk=3.0), move(300, 0.0)],
+        "motion[1].jerk",
+        "3",
+        "is met by polynomial-7 and polynomial only; leave it out or name one of them",
+    ),
+    # numbers and names
+    ([move(60, 10.0, "polynomal"), move(300, 0.0)], "motion[1].law", "polynomal", "no such law"),
+    ([move(60, math.nan), move(300, 0.0)], "motion[1].to", "nan", "must be a finite number"),
+    ([move(60, 10.0), move(300, 1.0)], "motion", "", "starts at 0 and ends at 1 mm, it does"),
+    ([move(60, 10.0), move(299, 0.0)], "motion", "359", "add up to 359 degrees"),
+    ([move(0, 10.0), move(360, 0.0)], "motion[1].span", "0", "cannot change the position"),
+    ([move("0.0001", 1.0), move("359.9999", 0.0)], "motion[1].span", "0.0001", "is too short"),
+    (
+        [through("0.001", 0.0, (0.2, 1.0), (0.4, 0.0)), move("359.999", 0.0)],
+        "motion[1].points",
+        "",
+        "has points too near to each other beside the moves",
+    ),
+    ([table(360, [0.0, 5.0, 1.0])], "motion[1].file", "1.0", "the last point lies 1 off"),
+    # parameters
+    (
+        [move(60, 10.0, "sine-straight", parameters={"sine": 0.5}), move(300, 0.0)],
+        "motion[1].sine",
+        "0.5",
+        "takes no sine; its parameters",
+    ),
+    (
+        [rest(60), move(120, 10.0, parameters={"inflection": 0.4}), move(180, 0.0)],
+        "motion[2].inflection",
+        "auto",
+        "no law for R-U with inflection = 0.4 meets .* leave those out, or name a law",
+    ),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("requests", "key", "value", "words"), FAULTS, ids=[f"{f[1]} {f[3][:40]}" for f in FAULTS]
+)
+def test_what_cannot_be_is_told(requests: list[Request], key: str, value: str, words: str) -> None:
+    with pytest.raises(GeometryError) as caught:
+        plan_motion(requests, MM)
+    assert caught.value.key.startswith(key)
+    assert re.search(words, caught.value.message), caught.value.message
+    if value:
+        assert caught.value.value.startswith(value)
+
+
+def test_messages_are_told_in_the_unit_of_the_scene() -> None:
+    requests: list[Request] = [
+        rest(60),
+        move(120, math.radians(20.0), "harmonic-combination", acceleration=math.radians(-4.0)),
+        move(180, 0.0),
+    ]
+    with pytest.raises(GeometryError, match=r"20 deg, .* below -11\.25 deg/rad\^2") as caught:
+        plan_motion(requests, DEG)
+    assert caught.value.value == "-4 deg/rad^2"
+    requests = [move(90, 25.4, velocity=3.0), move(90, 50.8, "straight-line"), move(180, 0.0)]
+    with pytest.raises(GeometryError, match=r"velocity is 0\.63662 inch/rad"):
+        plan_motion(requests, INCH)
+    with pytest.raises(GeometryError, match=r"velocity is 16\.1701 per rad"):
+        plan_motion(requests)
+
+
+def test_the_acceleration_told_would_do() -> None:
+    """What the message names as possible is possible, on its side and no further."""
+
+    def asked(acceleration: float) -> list[Request]:
+        return [
+            rest(60),
+            move(120, 20.0, "modified-trapezoid", acceleration=acceleration),
+            move(180, 0.0),
+        ]
+
+    with pytest.raises(GeometryError) as caught:
+        plan_motion(asked(-1.0), MM)
+    told = re.search(r"below (\S+) mm", caught.value.message)
+    assert told is not None
+    bound = float(told[1])
+    assert laws(planned(*asked(bound * (1.0 + 1e-4))))[1] == "modified-trapezoid R-U"
+    with pytest.raises(GeometryError):
+        planned(*asked(bound * (1.0 - 1e-4)))
+
+
+@pytest.mark.parametrize("law", [name for name in FAMILIES if name != "straight-line"])
+def test_a_law_that_does_not_fit_has_a_substitute_that_does(law: str) -> None:
+    """After a straight line into a rest; each law that a message names is a way out."""
+
+    def asked(name: str) -> list[Request]:
+        return [rest(60), move(60, 5.0), move(60, 15.0, "straight-line"),
+                move(120, 30.0, name), rest(0), move(60, 0.0)]  # fmt: skip
+
+    try:
+        planned(*asked(law))
+    except GeometryError as error:
+        told = re.search(r"for which there are (.*)$", error.message)
+        assert told is not None
+        names = told[1].split(", ")
+        assert law not in names
+        for name in names:
+            planned(*asked(name))
+    else:
+        assert "G-R" in FAMILIES[law].tasks or law == "polynomial"
+
+
+def test_spans_of_many_digits_are_kept() -> None:
+    plan = planned(rest("60.000000000000000000001"), move("299.999999999999999999999", 0.0))
+    assert plan.joints_deg[1] == Decimal("60.000000000000000000001")

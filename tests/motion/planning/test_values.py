@@ -1,0 +1,197 @@
+"""Velocity and acceleration of joints: stated, fixed by a neighbour, inferred."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from camgeo.motion.joints import Joint, joints
+from camgeo.motion.laws import make_law
+from camgeo.motion.plan import MotionPlan
+from camgeo.motion.planning import Request
+from tests.motion.planning.wishes import data_of, laws, move, move_of, planned, rest, through
+from tests.strategies import attack
+
+
+def at(plan: MotionPlan, degrees: float) -> Joint:
+    """The joint at that cam angle."""
+    (found,) = [
+        joint for joint in joints(plan) if math.isclose(joint.cam_angle, math.radians(degrees))
+    ]
+    return found
+
+
+def energy(plan: MotionPlan) -> float:
+    """Integral of s''' squared over the turn, of polynomials: Gauss, exact up to degree 9."""
+    places, weights = np.polynomial.legendre.leggauss(5)
+    total = 0.0
+    for first, last in zip(plan.joints_deg[:-1], plan.joints_deg[1:], strict=True):
+        start, end = math.radians(float(first)), math.radians(float(last))
+        angles = 0.5 * (start + end) + 0.5 * (end - start) * places
+        total += 0.5 * (end - start) * float(weights @ plan.jet(angles)[3] ** 2)
+    return total
+
+
+ASKED = st.fixed_dictionaries(
+    {"first": st.integers(20, 120), "second": st.integers(20, 120)}
+    | {name: st.floats(5.0, 30.0) for name in ("low", "high")}
+)
+
+
+def chain(asked: dict[str, float], **also: float) -> list[Request]:
+    """Up in two steps from a rest and back to it; `also` is stated where the steps meet."""
+    first, second = asked["first"], asked["second"]
+    return [
+        rest(30),
+        move(first, asked["low"], "polynomial-5", **also),
+        move(second, asked["low"] + asked["high"], "polynomial-5"),
+        move(330 - first - second, 0.0, "polynomial-5"),
+    ]
+
+
+@given(asked=ASKED, change=st.floats(0.01, 0.5), sign=st.sampled_from([-1.0, 1.0]))
+@attack
+def test_what_is_inferred_has_the_least_jerk(
+    asked: dict[str, float], change: float, sign: float
+) -> None:
+    """Stated otherwise, the integral of s''' squared is larger."""
+    plan = planned(*chain(asked))
+    joint = joints(plan)[2]
+    velocity, acceleration = float(joint.left[1]), float(joint.left[2])
+    stated = planned(*chain(asked, velocity=velocity, acceleration=acceleration))
+    least = energy(plan)
+    assert energy(stated) == pytest.approx(least, rel=1e-9)
+    size = abs(velocity) + abs(acceleration)
+    other = planned(*chain(asked, velocity=velocity + sign * change * size))
+    assert energy(other) > least
+    other = planned(*chain(asked, velocity=velocity, acceleration=acceleration + change * size))
+    assert energy(other) > least
+
+
+@given(asked=ASKED)
+@attack
+def test_points_and_polynomials_are_the_same_motion(asked: dict[str, float]) -> None:
+    """A move through a point is two quintics that meet as smoothly as can be."""
+    moves = chain(asked)
+    first, second = asked["first"], asked["second"]
+    way = float(first / (first + second))
+    points: list[Request] = [
+        rest(30),
+        through(first + second, asked["low"] + asked["high"], (way, asked["low"])),
+        moves[3],
+    ]
+    angles = np.linspace(0.0, 6.28, 63)
+    one, other = planned(*moves).jet(angles), planned(*points).jet(angles)
+    for order in range(4):
+        size = np.max(np.abs(one[order]))
+        # The point's place is the share of the span, rounded; the solve takes 1e-12.
+        assert np.max(np.abs(one[order] - other[order])) <= 1e-9 * size
+
+
+def test_a_straight_line_fixes_its_neighbours_end_velocities() -> None:
+    plan = planned(
+        rest(40), move(60, 5.0), move(40, 15.0, "straight-line"), move(60, 25.0), move(160, 0.0)
+    )
+    speed = 10.0 / math.radians(40.0)
+    for degrees in (100.0, 140.0):
+        joint = at(plan, degrees)
+        assert (joint.before, joint.after) == ("G", "G")
+        assert joint.order >= 2
+        assert joint.left[1] == pytest.approx(speed, rel=1e-14)
+        assert joint.right[1] == pytest.approx(speed, rel=1e-14)
+
+
+def test_two_straight_lines_and_a_rest_meet_with_shocks() -> None:
+    plan = planned(
+        rest(90),
+        move(90, 5.0, "straight-line"),
+        move(90, 20.0, "straight-line"),
+        move(90, 0.0, "straight-line"),
+    )
+    found = joints(plan)
+    assert [joint.order for joint in found] == [0, 0, 0, 0]
+    steps = [float(joint.right[1] - joint.left[1]) for joint in found]
+    unit = 1.0 / math.radians(90.0)
+    assert steps == pytest.approx([20 * unit, 5 * unit, 10 * unit, -35 * unit], rel=1e-12)
+
+
+def test_a_law_stated_in_full_decides_its_turn_and_the_neighbour_meets_it() -> None:
+    plan = planned(
+        rest(60),
+        move(120, 20.0, "modified-trapezoid", parameters={"inflection": 0.526}),
+        move(180, 0.0, "harmonic-combination"),
+    )
+    law = make_law("modified-trapezoid", "R-U", inflection=0.526)
+    wanted = law.end.acceleration * 20.0 / math.radians(120.0) ** 2
+    joint = at(plan, 180.0)
+    assert joint.order >= 2
+    assert joint.left[2] == pytest.approx(wanted, rel=1e-13)
+    assert joint.right[2] == pytest.approx(wanted, rel=1e-12)
+
+
+@pytest.mark.parametrize("balance", ["acceleration", "jerk", "moment"])
+def test_a_balanced_law_decides_its_turn(balance: str) -> None:
+    plan = planned(
+        rest(60), move(120, 20.0, "harmonic-combination", balance=balance), move(180, 0.0)
+    )
+    wanted = {"acceleration": 0.5, "jerk": 2.0 / 3.0, "moment": 0.528787514567007}[balance]
+    assert move_of(plan, 1).law.parameters["inflection"] == pytest.approx(wanted, abs=1e-14)
+    assert at(plan, 180.0).order >= 2
+
+
+def test_the_gentlest_law_meets_the_sharpest() -> None:
+    """Of two laws of one parameter the one that turns more sharply decides, wherever it stands."""
+    for requests in (
+        [move(298, 20.0, "simple-sine"), move(62, 0.0, "simple-sine")],
+        [move(62, 20.0, "simple-sine"), move(298, 0.0, "simple-sine")],
+    ):
+        plan = planned(*requests)
+        short = [move_of(plan, k).law for k in (0, 1) if plan.segments[k].span == 62]
+        assert [law.parameters["inflection"] for law in short] == [0.5]
+        assert sorted(joint.order >= 2 for joint in joints(plan)) == [False, True]
+
+
+def test_an_inferred_turn_suits_the_laws_beside_it() -> None:
+    """Left alone the integral of s''' squared would turn the wrong way round here."""
+    plan = planned(
+        move("153.7", 20.0, "sine-straight"),
+        through("145.2", 0.0, (0.5, 6.42)),
+        move("13.5", 10.0),
+        move("47.6", 0.0),
+    )
+    for joint in joints(plan):
+        assert joint.order >= 2
+    assert joints(plan)[0].right[2] > 0.0
+    assert joints(plan)[1].left[2] < 0.0
+
+
+@given(asked=ASKED)
+@attack
+def test_once_a_turn_is_made_sharper_the_rest_is_still_the_smoothest(
+    asked: dict[str, float],
+) -> None:
+    """Joints between polynomials keep s''' continuous beside a turn that a law decides."""
+    first, second = asked["first"], asked["second"]
+    plan = planned(
+        move(first, 20.0, "sine-straight"),
+        move(second, 10.0, "polynomial-5"),
+        move(360 - first - second, 0.0, "polynomial-5"),
+    )
+    assert joints(plan)[2].order == 3
+
+
+def test_stated_values_of_points_are_met() -> None:
+    plan = planned(
+        rest(60),
+        through(120, 20.0, (0.25, 4.0), (0.5, 12.0), given={0: (9.0, -3.0), 1: (None, 2.0)}),
+        move(180, 0.0),
+    )
+    assert laws(plan)[:2] == ["rest", "data"]
+    inner = plan.jet(np.radians([90.0, 120.0]))
+    assert list(inner[:3, 0]) == pytest.approx([4.0, 9.0, -3.0], rel=1e-12)
+    assert [inner[0, 1], inner[2, 1]] == pytest.approx([12.0, 2.0], rel=1e-12)
+    assert data_of(plan, 1).report is None
