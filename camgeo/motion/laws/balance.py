@@ -94,3 +94,32 @@ def _log_ratio(values: Characteristic, quantity: str) -> float:
         "moment": (values.moment, values.braking_moment),
     }[quantity]
     return math.log(max(abs(first.value), TINY)) - math.log(max(abs(second.value), TINY))
+
+
+def inflection_for(
+    name: str,
+    task: str,
+    given: Given,
+    *,
+    acceleration: float | None = None,
+    deceleration: float | None = None,
+) -> float:
+    """lambda, as VDI 2143-1 counts it, for a wanted C_a or C_a* (eqs. (128), (179), (201), (206)).
+
+    Parameters
+    ----------
+    name, task, given : as of `equal_accelerations`.
+    acceleration : wanted extreme of f'' in the first part of the move, signed; or
+    deceleration : wanted extreme of f'' in the second part, signed.
+
+    Raises
+    ------
+    GeometryError
+        If the law has no inflection point, or none gives the value; it tells which there are.
+    """
+    family = find_family(name)
+    if family.parts is None:
+        raise GeometryError(f"{name} has no inflection point", key="inflection")
+    place = family.parts(task, given).inflection_for(acceleration, deceleration)
+    with localcontext(DIGITS):
+        return float(1 - place if task in COUNTED_FROM_END else place)
