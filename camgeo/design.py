@@ -22,6 +22,7 @@ from camgeo.check.follower import check_follower
 from camgeo.check.limits import default_transmission_angle
 from camgeo.check.linkage import check_linkage
 from camgeo.check.motion import check_motion
+from camgeo.check.speed import check_speed
 from camgeo.check.standstill import check_standstill
 from camgeo.check.transmission_angle import check_transmission_angle
 from camgeo.curve.curvature import curvature_extremes
@@ -259,10 +260,7 @@ class Design:
                 found += check_undercut(flank, name, bends)
             found += check_closure(self.pitch_curve)
         found += check_motion(self.specification.plan, self._plan_unit)
-        if self.time_course is not None:
-            from camgeo.check.speed import check_speed
-
-            found += check_speed(self.specification.plan, self.time_course, self._plan_unit)
+        found += check_speed(self.specification.plan, self.time_course, self._plan_unit)
         return tuple(sorted(found, key=lambda finding: WORST_FIRST.index(finding.severity)))
 
     @property

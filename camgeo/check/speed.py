@@ -1,4 +1,4 @@
-"""Physical extremes of the motion, once the cam has a speed; there is no limit to hold them to."""
+"""Extremes of the motion, in time once the cam has a speed; there is no limit to hold them to."""
 
 from __future__ import annotations
 
@@ -6,50 +6,74 @@ import math
 from typing import Literal
 
 from camgeo.check.finding import Finding
+from camgeo.motion.joints import breaks
 from camgeo.motion.law_extremes import extremes_at_turns
 from camgeo.motion.plan import MotionPlan
-from camgeo.motion.time_course import ConstantSpeed, LiftUnit, TimeCourse, time_extremes
+from camgeo.motion.time_course import (
+    ConstantSpeed,
+    LiftUnit,
+    TimeCourse,
+    TimeExtremes,
+    time_extremes,
+)
+from camgeo.numeric.extremes import Extremes
 
 Unit = Literal["mm", "deg"]
 
+NAMES = ("velocity", "acceleration", "jerk")
 
-def check_speed(plan: MotionPlan, course: TimeCourse, unit: Unit) -> tuple[Finding, ...]:
-    """Largest velocity, acceleration and jerk in time, and the torque that a mass asks for.
+OVER_ANGLE = ConstantSpeed(1.0)
+"""At 1 rad/s derivatives over time are those over the cam angle."""
+
+
+def check_speed(plan: MotionPlan, course: TimeCourse | None, unit: Unit) -> tuple[Finding, ...]:
+    """Smallest and largest velocity, acceleration and jerk, and the torque that a mass asks for.
 
     Parameters
     ----------
     plan : in mm, or in rad with the `unit` "deg".
-    course : how the cam turns.
+    course : how the cam turns; None tells the derivatives over the cam angle, and no torque.
     """
-    lift_unit: LiftUnit = "mm" if unit == "mm" else "rad"
-    extremes = None
-    if isinstance(course, ConstantSpeed):
-        extremes = extremes_at_turns(plan, course, lift_unit)
-    if extremes is None:
-        extremes = time_extremes(plan, course, lift_unit)
+    extremes = _extremes(plan, course or OVER_ANGLE, "mm" if unit == "mm" else "rad")
     scale = 1.0 if unit == "mm" else math.degrees(1.0)
-    torque = "N m/kg" if unit == "mm" else "N m/(kg m^2)"
-    rows = (
-        ("velocity", extremes.velocity, scale, f"{unit}/s"),
-        ("acceleration", extremes.acceleration, scale, f"{unit}/s^2"),
-        ("jerk", extremes.jerk, scale, f"{unit}/s^3"),
-        ("inertia-torque", extremes.torque, 1.0, torque),
-    )
+    base = "rad" if course is None else "s"
+    order = min(joint.order for joint in breaks(plan))
     found = []
-    for name, values, factor, per in rows:
-        low, high = values.lowest, values.highest
-        worst = max(low, high, key=lambda end: abs(end.value))
-        found.append(
-            Finding(
-                name=f"largest-{name}",
-                severity="ok",
-                sentence=(
-                    f"from {factor * low.value:.6g} to {factor * high.value:.6g} {per}, at cam"
-                    f" angles {math.degrees(low.place):.6g} and {math.degrees(high.place):.6g} deg"
-                ),
-                value=factor * worst.value,
-                unit=per,
-                cam_angle=worst.place,
-            )
-        )
+    for power, (name, values) in enumerate(
+        zip(NAMES, (extremes.velocity, extremes.acceleration, extremes.jerk), strict=True), start=1
+    ):
+        per = f"{unit}/{base}" if power == 1 else f"{unit}/{base}^{power}"
+        # Where a derivative jumps the next one is infinite.
+        found.append(_finding(name, values, scale, per, bounded=order >= power - 1))
+    if course is not None:
+        per = "N m/kg" if unit == "mm" else "N m/(kg m^2)"
+        found.append(_finding("inertia-torque", extremes.torque, 1.0, per, bounded=order >= 1))
     return tuple(found)
+
+
+def _extremes(plan: MotionPlan, course: TimeCourse, unit: LiftUnit) -> TimeExtremes:
+    if isinstance(course, ConstantSpeed):
+        found = extremes_at_turns(plan, course, unit)
+        if found is not None:
+            return found
+    return time_extremes(plan, course, unit)
+
+
+def _finding(name: str, values: Extremes, scale: float, unit: str, *, bounded: bool) -> Finding:
+    low, high = values.lowest, values.highest
+    worst = max(low, high, key=lambda end: abs(end.value))
+    sentence = (
+        f"from {scale * low.value:.6g} to {scale * high.value:.6g} {unit}, at cam angles"
+        f" {math.degrees(low.place):.6g} and {math.degrees(high.place):.6g} deg"
+    )
+    if not bounded:
+        jumps = "a shock" if name != "jerk" else "a shock or a jerk"
+        sentence = f"infinite at {jumps}; elsewhere {sentence}"
+    return Finding(
+        name=f"largest-{name}",
+        severity="ok",
+        sentence=sentence,
+        value=scale * worst.value if bounded else None,
+        unit=unit,
+        cam_angle=worst.place if bounded else None,
+    )

@@ -10,18 +10,19 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Final, Literal, Protocol
+from typing import TYPE_CHECKING, Final, Literal, Protocol
 
 import numpy as np
 
 from camgeo.errors import GeometryError
 from camgeo.motion.motion import Jet, Motion, Side
-from camgeo.motion.points import periodic_spline
-from camgeo.motion.spline import Spline
 from camgeo.numeric.arrays import FloatArray, ascending, frozen
 from camgeo.numeric.extremes import Extremes, extremes_of
 from camgeo.numeric.roots import bracketed_roots
 from camgeo.units import TURN
+
+if TYPE_CHECKING:
+    from camgeo.motion.spline import Spline
 
 SAMPLES: Final = 33
 """Grid points per piece between borders on which turning points are looked for, as in
@@ -158,6 +159,8 @@ class SpeedCurve:
                 key="speed",
                 value=repr(span),
             )
+        from camgeo.motion.points import periodic_spline  # constant speed needs none
+
         spline = periodic_spline(t, phi, float(t[-1] - t[0]), TURN, gap=CLOSING)
         slowest = spline.extremes(1).lowest
         if not slowest.value > 0.0:

@@ -166,3 +166,27 @@ def test_physical_extremes_are_the_characteristic_values_times_the_speed() -> No
         assert told is not None
         assert abs(told) == pytest.approx(value, rel=1e-12)
         assert found[name].severity == "ok"
+
+
+def test_without_a_speed_the_derivatives_are_over_the_cam_angle() -> None:
+    found = {each.name: each for each in check_speed(there_and_back("polynomial-345"), None, "mm")}
+    assert found.keys() == {"largest-velocity", "largest-acceleration", "largest-jerk"}
+    velocity = found["largest-velocity"]
+    assert abs(velocity.value or 0.0) == pytest.approx(15.0 / 8.0 * STROKE / SPAN, rel=1e-13)
+    assert velocity.unit == "mm/rad"
+    assert found["largest-jerk"].unit == "mm/rad^3"
+
+
+def test_what_is_infinite_has_no_value() -> None:
+    course = ConstantSpeed(5.0)
+    parabola = {
+        each.name: each for each in check_speed(there_and_back("quadratic-parabola"), course, "mm")
+    }
+    assert parabola["largest-jerk"].value is None
+    assert "infinite at a shock or a jerk" in parabola["largest-jerk"].sentence
+    size = 4.0 * STROKE * 25.0 / SPAN**2
+    assert abs(parabola["largest-acceleration"].value or 0.0) == pytest.approx(size, rel=1e-13)
+    line = {each.name: each for each in check_speed(there_and_back("straight-line"), course, "mm")}
+    assert line["largest-velocity"].value is not None
+    for name in ("acceleration", "jerk", "inertia-torque"):
+        assert line[f"largest-{name}"].value is None
