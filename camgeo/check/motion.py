@@ -8,7 +8,7 @@ from typing import Literal
 from camgeo.check.finding import Finding
 from camgeo.motion.joints import Joint, breaks, joints
 from camgeo.motion.laws import characteristic
-from camgeo.motion.plan import Course, MotionPlan, Move
+from camgeo.motion.plan import Course, Dwell, MotionPlan, Move
 
 Unit = Literal["mm", "deg"]
 
@@ -28,7 +28,7 @@ def check_motion(plan: MotionPlan, unit: Unit) -> tuple[Finding, ...]:
     unit : of the findings, "deg" for a plan in rad.
     """
     scale = 1.0 if unit == "mm" else math.degrees(1.0)
-    found = [_continuity(plan)]
+    found = [_laws(plan), _continuity(plan)]
     for joint in breaks(plan):
         if joint.order == SHOCK:
             found.append(_jump(joint, 1, scale, unit))
@@ -44,6 +44,33 @@ def check_motion(plan: MotionPlan, unit: Unit) -> tuple[Finding, ...]:
         if isinstance(segment, Move | Course):
             position = segment.to
     return tuple(found)
+
+
+def _laws(plan: MotionPlan) -> Finding:
+    """What each move is made of, with what was chosen or worked out for it."""
+    told = []
+    for segment, start, end in zip(
+        plan.segments, plan.joints_deg[:-1], plan.joints_deg[1:], strict=True
+    ):
+        if isinstance(segment, Dwell) or not segment.span:
+            continue
+        made = _made_of(segment)
+        told.append(f"{float(start):g} to {float(end):g} deg {made}")
+    more = f" and {len(told) - LISTED} more" if len(told) > LISTED else ""
+    return Finding(
+        name="laws",
+        severity="ok",
+        sentence="; ".join(told[:LISTED]) + more if told else "the follower rests",
+        value=float(len(told)),
+    )
+
+
+def _made_of(segment: Move | Course) -> str:
+    if isinstance(segment, Course):
+        return "by data"
+    law = segment.law
+    given = ", ".join(f"{key} {value:.6g}" for key, value in law.parameters.items())
+    return f"{law.name} {law.task}" + (f" ({given})" if given else "")
 
 
 def _continuity(plan: MotionPlan) -> Finding:

@@ -10,6 +10,7 @@ from camgeo.cli.command import (
     finding_lines,
     finding_record,
     identity,
+    motion_record,
     new_parser,
     print_json,
 )
@@ -35,7 +36,8 @@ def run(arguments: argparse.Namespace) -> int:
     design = Design(load_scene(arguments.scene))
     findings = design.findings
     if arguments.json:
-        print_json({**identity(design), "findings": [finding_record(f) for f in findings]})
+        records = [finding_record(finding) for finding in findings]
+        print_json({**identity(design), "motion": motion_record(design), "findings": records})
     else:
         print("\n".join(finding_lines(findings)))
     return exit_code(findings)

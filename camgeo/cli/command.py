@@ -10,6 +10,8 @@ from typing import Any, Final
 
 from camgeo.check.finding import Finding
 from camgeo.design import Design
+from camgeo.motion.joints import joints
+from camgeo.motion.plan import Course, Move
 
 FINE: Final = 0
 BROKEN: Final = 1
@@ -65,6 +67,40 @@ def finding_record(finding: Finding) -> dict[str, Any]:
         "cam_angle_deg": place,
         "cam_range_deg": span,
         "sentence": finding.sentence,
+    }
+
+
+def motion_record(design: Design) -> dict[str, Any]:
+    """Segments and joints of the motion plan for JSON; angles in degrees, derivatives per rad^k.
+
+    Positions are in mm, or in rad for an oscillating follower without linkage.
+    """
+    plan = design.specification.plan
+    segments = []
+    for segment in plan.segments:
+        record: dict[str, Any] = {"span_deg": float(segment.span)}
+        if isinstance(segment, Move):
+            law = segment.law
+            record |= {"to": segment.to, "law": law.name, "task": law.task}
+            record["parameters"] = dict(law.parameters)
+        elif isinstance(segment, Course):
+            record |= {"to": segment.to, "law": "data"}
+            if segment.report is not None:
+                record["largest_deviation"] = segment.report.largest_deviation
+        segments.append(record)
+    return {
+        "segments": segments,
+        "joints": [
+            {
+                "cam_angle_deg": math.degrees(joint.cam_angle),
+                "before": joint.before,
+                "after": joint.after,
+                "continuous_derivatives": joint.order,
+                "left": joint.left.tolist(),
+                "right": joint.right.tolist(),
+            }
+            for joint in joints(plan)
+        ],
     }
 
 

@@ -13,7 +13,7 @@ from camgeo.check.finding import Finding
 from camgeo.check.motion import check_motion
 from camgeo.check.speed import check_speed
 from camgeo.motion.laws import characteristic, make_law
-from camgeo.motion.plan import MotionPlan
+from camgeo.motion.plan import MotionPlan, Move
 from camgeo.motion.planning import MoveRequest, Request, Rest, TableRequest, plan_motion
 from camgeo.motion.time_course import ConstantSpeed
 from tests.strategies import SMOOTH, attack, plans
@@ -38,10 +38,25 @@ def named(plan: MotionPlan, name: str) -> list[Finding]:
 @attack
 @given(plan=plans(SMOOTH))
 def test_smooth_plans_have_nothing_but_their_joints_to_tell(plan: MotionPlan) -> None:
-    (only,) = check_motion(plan, "mm")
-    assert (only.name, only.severity) == ("joints", "ok")
-    assert only.value is not None
-    assert only.value >= 2.0
+    laws, order = check_motion(plan, "mm")
+    assert (laws.name, laws.severity) == ("laws", "ok")
+    assert (order.name, order.severity) == ("joints", "ok")
+    assert order.value is not None
+    assert order.value >= 2.0
+
+
+def test_laws_are_told_with_what_was_worked_out_for_them() -> None:
+    plan = plan_motion([Rest(Decimal(60)), move(120, 10.0, "auto"), move(180, 0.0, "auto")])
+    (found,) = named(plan, "laws")
+    first, second = found.sentence.split("; ")
+    assert first.startswith("60 to 180 deg ")
+    assert second.startswith("180 to 360 deg ")
+    for told, segment in zip((first, second), plan.segments[1:], strict=True):
+        assert isinstance(segment, Move)
+        assert f"{segment.law.name} {segment.law.task}" in told
+        for key, value in segment.law.parameters.items():
+            assert f"{key} {value:.6g}" in told
+    assert named(plan_motion([Rest(Decimal(360))]), "laws")[0].sentence == "the follower rests"
 
 
 def test_a_straight_line_has_a_shock_at_each_end_of_the_size_of_its_speed() -> None:

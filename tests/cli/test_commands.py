@@ -90,6 +90,19 @@ def test_check_of_a_broken_limit_is_1(tmp_path: Path, capsys: Capture) -> None:
 def test_check_json(capsys: Capture) -> None:
     assert main(["check", SETZHUB, "--json"]) == 0
     document = json.loads(capsys.readouterr().out)
+    motion = document["motion"]
+    assert [segment.get("law", "dwell") for segment in motion["segments"]] == [
+        "dwell",
+        "polynomial-345",
+        "dwell",
+        "polynomial-345",
+        "dwell",
+    ]
+    assert [joint["cam_angle_deg"] for joint in motion["joints"]] == pytest.approx(
+        [0.0, 110.0, 190.0, 210.0, 300.0]
+    )
+    assert {joint["before"] + joint["after"] for joint in motion["joints"]} == {"RR"}
+    assert all(joint["continuous_derivatives"] >= 2 for joint in motion["joints"])
     design = camgeo.load(SETZHUB)
     assert document["camgeo"] == camgeo.__version__
     assert document["scene"] == {"name": "setzhub", "sha256": design.scene_hash}

@@ -106,7 +106,7 @@ def _segment(chain: Chain, number: int) -> Segment:
 def _move(chain: Chain, number: int, request: MoveRequest) -> Move:
     link, task = chain.links[number], task_of(chain, number)
     if link.straight:
-        return Move(request.span, request.to, make_law(STRAIGHT))
+        return Move(request.span, request.to, make_law(STRAIGHT, "G-G"))
     if link.stroke == 0.0:
         if task == "R-R":
             return Move(request.span, request.to, make_law("polynomial-345"))  # it rests

@@ -31,11 +31,11 @@ from tests.motion.planning.wishes import laws, move, planned, rest, table, throu
         # straight lines
         (
             [rest(40), move(60, 5.0), move(40, 15.0, "straight-line"), move(220, 0.0)],
-            ["R-G", "R-R", "G-R"],
+            ["R-G", "G-G", "G-R"],
         ),
         (
             [move(60, 5.0), move(40, 15.0, "straight-line"), move(60, 25.0), move(200, 0.0)],
-            ["U-G", "R-R", "G-U", "U-U"],
+            ["U-G", "G-G", "G-U", "U-U"],
         ),
         # laws that leave no choice
         ([move(120, 20.0, "polynomial-345"), move(240, 0.0)], ["R-R", "R-R"]),
