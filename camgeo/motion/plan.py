@@ -15,9 +15,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from camgeo.errors import GeometryError
-from camgeo.motion.laws.law import Formula, Law, Values
+from camgeo.motion.laws.law import Law
 from camgeo.motion.motion import FULL_ORDER, Jet, Side
 from camgeo.motion.motion import Dwell as DwellSpan
+from camgeo.motion.piece import Piece, spline_piece
 from camgeo.numeric.arrays import FloatArray, IntArray, ascending, frozen
 from camgeo.units import TURN
 
@@ -78,71 +79,6 @@ class Course:
 Segment = Dwell | Move | Course
 
 
-@dataclass(frozen=True, slots=True)
-class _Piece:
-    """A stretch of the turn with one formula; a dwell has none.
-
-    s = origin + lift * (near value), with the near value f counted from the segment's start or
-    g = 1 - f counted from its end.
-    """
-
-    start: float
-    end: float
-    origin: float
-    lift: float = 0.0
-    formula: Formula | None = None
-    segment_start: float = 0.0
-    segment_end: float = 0.0
-    jerk_bound: float = 0.0
-    from_end: bool = False
-    spline: Spline | None = None
-
-    @property
-    def length(self) -> float:
-        """Cam angle of the whole segment [rad]."""
-        return self.segment_end - self.segment_start
-
-    def jet(self, phi: FloatArray, out: Jet) -> None:
-        """Write lift and derivatives at `phi` (n,) [rad] inside the piece into `out` (4, n)."""
-        if self.formula is None:
-            out[0] = self.origin
-            out[1:] = 0.0
-            return
-        span = self.length
-        rate = 1.0 / span
-        near, f1, f2, f3 = self.formula(
-            (phi - self.segment_start) * rate, (self.segment_end - phi) * rate
-        )
-        np.multiply(near, -self.lift if self.from_end else self.lift, out=out[0])
-        out[0] += self.origin
-        np.multiply(f1, self.lift / span, out=out[1])
-        np.multiply(f2, self.lift / span**2, out=out[2])
-        np.multiply(f3, self.lift / span**3, out=out[3])
-
-    @property
-    def knots(self) -> FloatArray:
-        """Cam angles [rad] inside the piece at which the polynomial of a spline changes."""
-        if self.spline is None:
-            return np.empty(0)
-        inner = self.spline.knots[1:-1]
-        angles: FloatArray = self.segment_start + inner * self.length
-        return angles
-
-    def spline_bounds(self, low: FloatArray, high: FloatArray) -> Jet:
-        """(4, n) what `MotionPlan.jet_bounds` gives, for cells of a piece that has a spline."""
-        assert self.spline is not None  # called for those only
-        shares = [np.clip((a - self.segment_start) / self.length, 0.0, 1.0) for a in (low, high)]
-        bounds = self.spline.cell_bounds(*shares)
-        return bounds / self.length ** np.arange(4.0)[:, np.newaxis]
-
-    @property
-    def jerk_limit(self) -> float:
-        """Bound of |s'''| over the piece."""
-        if self.formula is None:
-            return 0.0
-        return abs(self.lift) / self.length**3 * self.jerk_bound
-
-
 @dataclass(frozen=True)
 class MotionPlan:
     """Segments that fill one turn; the lift is counted from the position at cam angle 0.
@@ -195,8 +131,8 @@ class MotionPlan:
             )
 
     @cached_property
-    def _pieces(self) -> tuple[_Piece, ...]:
-        pieces: list[_Piece] = []
+    def _pieces(self) -> tuple[Piece, ...]:
+        pieces: list[Piece] = []
         position = 0.0
         for segment, first, last in zip(
             self.segments, self.joints_deg[:-1], self.joints_deg[1:], strict=True
@@ -205,14 +141,14 @@ class MotionPlan:
             if segment.span == 0:
                 continue
             if isinstance(segment, Course):
-                pieces.append(_course_piece(segment, position, start, end))
+                pieces.append(spline_piece(segment.spline, position, start, end))
                 position = segment.to
                 continue
             if isinstance(segment, Dwell) or (segment.scale is None and segment.to == position):
-                pieces.append(_Piece(start, end, position))
+                pieces.append(Piece(start, end, position))
                 continue
             for region in segment.law.regions:
-                piece = _Piece(
+                piece = Piece(
                     start=start + region.start * (end - start) if region.start > 0.0 else start,
                     end=start + region.end * (end - start) if region.end < 1.0 else end,
                     origin=segment.to if region.from_end else position,
@@ -335,7 +271,7 @@ class MotionPlan:
             out[:, index] = piece.spline_bounds(low[index], high[index])
         return out
 
-    def _by_piece(self, angle: FloatArray, side: Side) -> list[tuple[_Piece, slice | IntArray]]:
+    def _by_piece(self, angle: FloatArray, side: Side) -> list[tuple[Piece, slice | IntArray]]:
         """Each piece with the places in `angle` that lie in it; a slice where they are in order."""
         starts, pieces = self._starts, self._pieces
         nudge = SNAP if side == "right" else -SNAP
@@ -355,19 +291,6 @@ class MotionPlan:
             for piece, first, last in zip(pieces, bounds[:-1], bounds[1:], strict=True)
             if last > first
         ]
-
-
-def _course_piece(course: Course, position: float, start: float, end: float) -> _Piece:
-    spline = course.spline
-
-    def formula(z: FloatArray, _w: FloatArray) -> Values:
-        s, s1, s2, s3 = spline.values(np.clip(z, 0.0, 1.0))
-        return s, s1, s2, s3
-
-    return _Piece(
-        start, end, position, 1.0, formula, start, end,
-        jerk_bound=float(np.max(spline.bounds(3))), spline=spline,
-    )  # fmt: skip
 
 
 def in_turn(phi: FloatArray, side: Side = "right") -> FloatArray:

@@ -22,13 +22,13 @@ from camgeo.errors import GeometryError
 from camgeo.motion.boundary import Boundary
 from camgeo.motion.points import (
     MOST_UNEQUAL,
-    NEAR_ENOUGH,
     clamped_spline,
     periodic_spline,
     report,
     smooth_clamped_spline,
     smooth_periodic_spline,
 )
+from camgeo.motion.smoothing import NEAR_ENOUGH
 from camgeo.motion.spline import DEGREE, Spline
 from camgeo.numeric.arrays import BoolArray, FloatArray
 from tests.strategies import attack
