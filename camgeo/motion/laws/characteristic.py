@@ -103,10 +103,13 @@ def characteristic(law: Law) -> Characteristic:
 
 def acceleration_jumps(law: Law) -> bool:
     """Whether f'' jumps inside the law: a jerk in the sense of the guideline."""
-    ends = [_values(region) for region in law.regions]
-    scale = max(float(np.max(np.abs(values[3]))) for values in ends)
+    ends = []
+    for region in law.regions:
+        z = np.array([region.start, region.end])
+        ends.append(region.formula(z, 1.0 - z)[2])
+    scale = float(np.max(np.abs(ends)))
     return any(
-        abs(float(after[3][0] - before[3][-1])) > ROUNDING * scale
+        abs(float(after[0] - before[1])) > ROUNDING * scale
         for before, after in itertools.pairwise(ends)
     )
 

@@ -8,8 +8,9 @@ Bernstein's form, whose coefficients are rounded once.
 
 from __future__ import annotations
 
+import functools
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import TYPE_CHECKING
@@ -75,12 +76,20 @@ def law_of_boundary_values(
 
 @dataclass(frozen=True, slots=True)
 class _Shape:
-    """f, 1 - f, f', f'', f''' as Bernstein polynomials, and f in powers of z."""
+    """A polynomial in the forms that are needed.
+
+    Attributes
+    ----------
+    lift, rest, derivatives : f, 1 - f, and f', f'', f''' as Bernstein polynomials.
+    powers : coefficients of f in powers of z.
+    turns : gives all z in [0, 1] at which f, f', f'', f''' or f' f'' may have an extremum.
+    """
 
     lift: Bernstein
     rest: Bernstein
     derivatives: tuple[Bernstein, Bernstein, Bernstein]
     powers: tuple[float, ...]
+    turns: Callable[[], FloatArray]
 
     @staticmethod
     def of(powers: list[Fraction], rise: float) -> _Shape:
@@ -92,10 +101,22 @@ class _Shape:
             derived = [k * c for k, c in enumerate(derived)][1:] or [Fraction(0)]
             orders.append(Bernstein.of(derived))
         first, second, third = orders
+        coefficients = tuple(float(c) for c in powers)
         return _Shape(
-            Bernstein.of(powers), Bernstein.of(rest), (first, second, third),
-            tuple(float(c) for c in powers),
-        )  # fmt: skip
+            lift=Bernstein.of(powers),
+            rest=Bernstein.of(rest),
+            derivatives=(first, second, third),
+            powers=coefficients,
+            turns=functools.cache(lambda: _turns(coefficients)),
+        )
+
+
+def _turns(powers: tuple[float, ...]) -> FloatArray:
+    first = derivative(powers)
+    second = derivative(first)
+    third = derivative(second)
+    slopes = [first, second, third, derivative(third), derivative(product(first, second))]
+    return ascending(np.concatenate([roots_inside(slope, 0.0, 1.0) for slope in slopes]))
 
 
 def _boundary(shape: _Shape, z: float) -> Boundary:
@@ -161,9 +182,7 @@ def _undetermined() -> GeometryError:
 
 def _region(shape: _Shape, *, from_end: bool) -> Region:
     """Half of the range."""
-    first = derivative(shape.powers)
-    second = derivative(first)
-    third = derivative(second)
+    third = derivative(derivative(derivative(shape.powers)))
     half = (0.5, 1.0) if from_end else (0.0, 0.5)
     near, far = (shape.rest, shape.lift) if from_end else (shape.lift, shape.rest)
 
@@ -175,9 +194,7 @@ def _region(shape: _Shape, *, from_end: bool) -> Region:
         return value(near, z, w), f1, f2, f3
 
     def turns() -> tuple[float, ...]:
-        places = [first, second, third, derivative(third), derivative(product(first, second))]
-        found = np.concatenate([roots_inside(c, *half) for c in places])
-        return tuple(float(z) for z in ascending(found))
+        return tuple(z for z in shape.turns() if half[0] <= z <= half[1])
 
     return Region(
         start=half[0],
