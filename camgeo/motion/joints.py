@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,10 +9,14 @@ import numpy as np
 from camgeo.motion.plan import FULL_TURN, MotionPlan
 from camgeo.motion.task import End, end_of
 from camgeo.numeric.arrays import FloatArray, ascending, frozen
+from camgeo.units import TURN
 
 ROUNDING = 1e-9
-"""A value smaller than this part of the largest of its order at either side counts as zero, and a
-jump smaller than it as none: what is left of conversions from degrees is a thousand times less."""
+"""A value smaller than this part of the largest of its order in its segment counts as zero: what is
+left of conversions from degrees is a thousand times less."""
+
+JUMP = 1e-10
+"""A jump smaller than this part of the largest of its order on either side counts as none."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -55,10 +58,10 @@ def _angles(plan: MotionPlan) -> FloatArray:
 
 def _joints_at(plan: MotionPlan, angles: FloatArray) -> tuple[Joint, ...]:
     left, right = plan.jet(angles, "left"), plan.jet(angles)
-    scale = _scale(plan, angles, left, right)
-    zero = ROUNDING * scale
-    jumps = np.abs(right - left) > zero
-    left, right = (np.where(np.abs(jet) > zero, jet, 0.0) for jet in (left, right))
+    before, after = _scales(plan, angles, left, right)
+    jumps = np.abs(right - left) > JUMP * np.maximum(before, after)
+    left = np.where(np.abs(left) > ROUNDING * before, left, 0.0)
+    right = np.where(np.abs(right) > ROUNDING * after, right, 0.0)
     return tuple(
         Joint(
             cam_angle=float(angles[k]),
@@ -73,14 +76,15 @@ def _joints_at(plan: MotionPlan, angles: FloatArray) -> tuple[Joint, ...]:
     )
 
 
-def _scale(plan: MotionPlan, angles: FloatArray, left: FloatArray, right: FloatArray) -> FloatArray:
-    """(4, k) size of each derivative in the two segments at each joint."""
-    ends = np.append(angles[1:], angles[0] + 2.0 * math.pi)
+def _scales(
+    plan: MotionPlan, angles: FloatArray, left: FloatArray, right: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """(4, k) size of each derivative in the segment before and in the one after each joint."""
+    ends = np.append(angles[1:], angles[0] + TURN)
     shares = np.linspace(0.0, 1.0, 17)[1:-1]
     inside = angles[:, np.newaxis] + (ends - angles)[:, np.newaxis] * shares
     size = np.abs(plan.jet(inside.ravel())).reshape(4, len(angles), -1).max(axis=2)
     size = np.maximum(size, np.abs(right))
-    size[:, :] = np.maximum(size, np.abs(np.roll(left, -1, axis=1)))
-    around: FloatArray = np.maximum(size, np.roll(size, 1, axis=1))
-    around[0] = np.max(around[0])
-    return around
+    after: FloatArray = np.maximum(size, np.abs(np.roll(left, -1, axis=1)))
+    after[0] = np.max(after[0])
+    return np.roll(after, 1, axis=1), after

@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 from camgeo.errors import GeometryError
 from camgeo.motion.laws import FAMILIES, make_law
 from camgeo.motion.laws.balance import equal_accelerations
+from camgeo.motion.laws.characteristic import acceleration_jumps
 from camgeo.motion.laws.law import Law
 from camgeo.motion.planning import CRITERIA
 from camgeo.motion.planning.auto import best_law
@@ -129,3 +130,22 @@ def test_a_stated_inflection_is_honoured() -> None:
     law = move_of(plan, 1).law
     assert law.parameters["inflection"] == 0.4
     assert law.inflection == 0.4
+
+
+@pytest.mark.parametrize(
+    ("name", "task"),
+    [
+        ("modified-trapezoid", "R-U"),
+        ("modified-trapezoid", "U-R"),
+        ("harmonic-combination", "U-R"),
+        ("sine-straight", "U-U"),
+        ("modified-sine", "R-R"),
+    ],
+)
+@pytest.mark.parametrize("side", [0.0, 1.0])
+def test_a_lopsided_law_has_no_jump(name: str, task: str, side: float) -> None:
+    """Nor is one seen where a border, off by its rounding, lies beside a steep acceleration."""
+    for distance in np.geomspace(1e-6, 0.5, 60):
+        law = make_law(name, task, inflection=float(abs(side - distance)))
+        assert not acceleration_jumps(law)
+    assert acceleration_jumps(make_law("quadratic-parabola", inflection=1e-6))
