@@ -112,10 +112,11 @@ def test_a_turn_of_rest_has_one_joint_without_a_jump() -> None:
 def test_a_gentle_side_is_not_judged_by_a_violent_one() -> None:
     """10 mm in a thousandth of a degree, and half a mm per rad^2 beside it."""
     plan = planned(
+        rest(1),
         move("0.001", 10.0, "polynomial-5", velocity=0.0, acceleration=-0.5),
-        move("179.999", 8.0, "polynomial-5"),
-        move(180, 0.0, "polynomial-5"),
+        move("178.999", 0.0, "polynomial-5"),
+        rest(180),
     )
-    turn = joints(plan)[1]
+    turn = joints(plan)[2]
     assert turn.after == "U"
     assert turn.right[2] == pytest.approx(-0.5, rel=1e-9)
