@@ -731,7 +731,8 @@ def test_characteristic_values_are_taken_where_they_are_said_to_be(
             off = [abs(mpf(extreme.value) - value_of(v)) for v in candidates(true, extreme.place)]
         # f''' has its extremes at borders, of which the place is rounded: 2^-52 by the length.
         lengths = [float(piece.end - piece.start) for piece in true]
-        assert float(min(off)) <= (1.2e-13 + 4.0 * EPS / min(lengths)) * size
+        # Where the quantity is zero everywhere the oracle leaves the rounding of its 100 digits.
+        assert float(min(off)) <= (1.2e-13 + 4.0 * EPS / min(lengths)) * size + 1e-40
 
 
 # Families and names ---------------------------------------------------------------------------

@@ -174,9 +174,10 @@ def law_of_two_pulses(
         speed = float(Decimal(parts.v0) + a * l1 * parts.first.velocity)
         symmetric = parts.first is parts.second and l1 == l2 and a == b
     lengths = float(l1), float(l2)
-    # Distances from the inflection point are taken from the length that is a double, else from the
-    # shorter one.
-    kept = l1 == Decimal(lengths[0]) or (l2 != Decimal(lengths[1]) and l1 < l2)
+    # Distances from the inflection point are taken from the length that is a double; from the
+    # shorter one if both are or neither is, so that the mirror image takes the same.
+    exact = l1 == Decimal(lengths[0]), l2 == Decimal(lengths[1])
+    kept = l1 <= l2 if exact[0] == exact[1] else exact[0]
     middle = lengths[0] if kept else 1.0 - lengths[1]
     first = _Part(parts.first, (l1, l2), float(a), parts.v0, speed, (lift, left), middle, kept)
     second = _Part(
