@@ -37,8 +37,3 @@ def end_of(velocity: float, acceleration: float) -> End:
 def ends_of(task: str) -> tuple[str, str]:
     """The classes at the start and at the end of `task`, one of `TASKS`."""
     return task[0], task[-1]
-
-
-def mirrored_task(task: str) -> str:
-    """The task of the move run backwards."""
-    return f"{task[-1]}-{task[0]}"
