@@ -17,11 +17,9 @@ def transmission_angle_extremes(curve: PitchCurve) -> Extremes:
     """All local extremes of the transmission angle [rad]; Z' must not vanish."""
 
     def slope(phi: FloatArray, side: Side) -> FloatArray:
-        # u v' - v u', up to sign: the turning of Z' less that of the follower's direction.
-        relative = curve.relative_jet(phi, side, order=2)
-        (_, a1, a2), (_, b1, b2) = relative.along, relative.across
-        own = (curve.rotation - relative.turning) * (a1 * a1 + b1 * b1)
-        return np.asarray(a1 * b2 - b1 * a2 + own)
+        motion = curve.motion.jet(phi, side)
+        tangent = curve.follower.tangent_jet(motion, curve.rotation)
+        return np.asarray(tangent.u[0] * tangent.w[1] - tangent.w[0] * tangent.u[1])
 
     def across(phi: FloatArray, side: Side) -> FloatArray:
         return curve.relative_jet(phi, side, order=1).u  # the angle is 0 where this vanishes

@@ -8,7 +8,7 @@ import numpy as np
 
 from camgeo.curve.blocks import in_blocks
 from camgeo.errors import GeometryError
-from camgeo.mechanism.follower import Follower, RelativeJet
+from camgeo.mechanism.follower import Follower, RelativeJet, TangentJet
 from camgeo.motion.motion import FULL_ORDER, Dwell, Motion, Side
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 
@@ -105,8 +105,9 @@ class PitchCurve:
         """(n,) dkappa/dphi [1/(mm rad)] at `phi` (n,) [rad], by the chain rule."""
 
         def block(angles: FloatArray) -> FloatArray:
-            relative = self.relative_jet(angles, side)
-            return curvature_slope(relative, self.speed(relative), self.rotation)
+            motion = self.motion.jet(angles, side)
+            self.speed(self.follower.relative_jet(motion, self.rotation, 1))
+            return curvature_slope(self.follower.tangent_jet(motion, self.rotation), self.rotation)
 
         return in_blocks(block, np.atleast_1d(phi))
 
@@ -175,12 +176,17 @@ def curvature(relative: RelativeJet, speed: FloatArray, rotation: int) -> FloatA
     return kappa
 
 
-def curvature_slope(relative: RelativeJet, speed: FloatArray, rotation: int) -> FloatArray:
-    """dkappa/dphi (n,) [1/(mm rad)], by the chain rule from R_1 to R_3."""
-    (_, a1, a2, a3), (_, b1, b2, b3) = relative.along, relative.across
-    square = speed * speed
-    cross = a1 * b2 - b1 * a2
-    cross_slope = a1 * b3 - b1 * a3
-    dot = a1 * a2 + b1 * b2
-    slope: FloatArray = -rotation * (cross_slope - 3.0 * cross * dot / square)
-    return slope / (square * speed)
+def curvature_slope(tangent: TangentJet, rotation: int) -> FloatArray:
+    """dkappa/dphi (n,) [1/(mm rad)].
+
+    kappa = (1 - sigma (turning + q)) / |Z'| with q = (u w' - w u') / |Z'|^2: the tangent turns with
+    the cam, with the follower, and against the follower. No part of the slope is left in a rest, so
+    that nothing cancels where the motion is small.
+    """
+    (u, u1), (w, w1) = tangent.u, tangent.w
+    square = u * u + w * w
+    growth = u * u1 + w * w1
+    against = (u * w1 - w * u1) / square
+    slope: FloatArray = rotation * growth * (3.0 * against + tangent.turning) - tangent.swerve
+    slope /= square * np.sqrt(square)
+    return slope

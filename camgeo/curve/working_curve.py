@@ -105,10 +105,12 @@ class WorkingCurve:
 
         By the chain rule: kappa_d' = kappa' / (1 + d kappa)^2 and ds/dphi = |Z'| (1 + d kappa).
         """
-        relative = self.pitch.relative_jet(phi, side)
-        speed = self.pitch.speed(relative)
-        kappa = curvature(relative, speed, self.pitch.rotation)
-        slope = curvature_slope(relative, speed, self.pitch.rotation)
+        pitch = self.pitch
+        motion = pitch.motion.jet(phi, side)
+        relative = pitch.follower.relative_jet(motion, pitch.rotation, 2)
+        speed = pitch.speed(relative)
+        kappa = curvature(relative, speed, pitch.rotation)
+        slope = curvature_slope(pitch.follower.tangent_jet(motion, pitch.rotation), pitch.rotation)
         regular = 1.0 + self.distance * kappa
         pace = speed * regular
         return np.abs(pace), np.abs(slope / (regular * regular * pace))

@@ -46,6 +46,28 @@ class RelativeJet:
     turning: FloatArray | float
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class TangentJet:
+    """Z' in the axes of the follower's own direction, which turns with the rocker.
+
+    R_1 = sigma (u + i w) times the direction across the follower's path. All but u and w themselves
+    vanishes in a rest, so that what a small motion does to the curvature keeps its digits.
+
+    Attributes
+    ----------
+    u, w : (2, n) [mm/rad^k], with their derivatives.
+    turning : (n,) rate at which the follower's direction turns in the fixed frame, per unit cam
+        speed, counter-clockwise; 0 for a guide.
+    swerve : (n,) [mm^2/rad^3] sigma (u w'' - w u'') + u u' + w w' + sigma turning' |Z'|^2, in which
+        all that is linear in the follower's acceleration has cancelled.
+    """
+
+    u: FloatArray
+    w: FloatArray
+    turning: FloatArray
+    swerve: FloatArray
+
+
 class Follower(Protocol):
     """A roller follower; lengths in mm.
 
@@ -66,6 +88,9 @@ class Follower(Protocol):
 
         `rotation` is sigma, +1 for a cam that turns counter-clockwise, -1 clockwise.
         """
+
+    def tangent_jet(self, jet: Jet, rotation: int) -> TangentJet:
+        """Z' in the follower's own axes for lifts `jet` (4, n), `rotation` as above."""
 
     def speed_bounds(self, jet: Jet, bounds: Jet) -> FloatArray:
         """(3, n) upper bounds of |Z'|, |Z''|, |Z'''| [mm/rad^k] over cells of cam angle.

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from camgeo.errors import GeometryError
-from camgeo.mechanism.follower import RelativeJet
+from camgeo.mechanism.follower import RelativeJet, TangentJet
 from camgeo.motion.motion import FULL_ORDER, Jet
 from camgeo.numeric.arrays import FloatArray
 
@@ -118,6 +118,18 @@ class OscillatingRoller:
             across[3] = tip_across * real + tip_along * imaginary
             across[3] -= rotation * l1
         return RelativeJet(along, across, cmath.phase(-self.pivot), u, v, turning)
+
+    def tangent_jet(self, jet: Jet, rotation: int) -> TangentJet:
+        """See `Follower.tangent_jet`."""
+        l1, l3 = self.centre_distance, self.arm
+        chi, chi1, chi2, chi3 = self.swing_sense * jet[:4]
+        chi = chi + self.arm_side * self.start_angle
+        along, across = l1 * np.cos(chi), l1 * np.sin(chi)
+        relative = 1.0 - rotation * chi1
+        u = np.stack((across, along * chi1))
+        w = np.stack((along - l3 * relative, rotation * l3 * chi2 - across * chi1))
+        swerve = l3 * (w[0] * chi1 * chi2 + across * (chi3 + chi1 * relative * relative))
+        return TangentJet(u, w, chi1, swerve)
 
     def speed_bounds(self, jet: Jet, bounds: Jet) -> FloatArray:
         """See `Follower.speed_bounds`."""

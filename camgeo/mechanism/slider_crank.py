@@ -112,23 +112,42 @@ class SliderCrank:
         _, d = self.pin(stroke)
         return np.maximum(d - (self.crank + self.coupler), abs(self.crank - self.coupler) - d)
 
-    def _half_angle(self, d: FloatArray) -> tuple[FloatArray, FloatArray]:
+    @cached_property
+    def _start_gaps(self) -> tuple[float, float]:
+        """(l_sk + l_4)^2 - d^2 and d^2 - (l_sk - l_4)^2 [mm^2] at stroke 0, tiny where they are."""
+        lean = -self.deflection if self.leans_away else self.deflection
+        outer = math.sin(0.5 * (0.5 * math.pi - lean))
+        inner = math.sin(0.5 * (0.5 * math.pi + lean))
+        product = 4.0 * self.crank * self.coupler
+        return product * outer * outer, product * inner * inner
+
+    def _half_angle(self, growth: FloatArray, d: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Sine and cosine, times a common factor, of half the angle pin - shaft - tip, in (0, pi).
 
-        Their squares add up to 4 l_sk d; their product is D/2, twice the area of the triangle
-        shaft, pin, tip, zero at a dead centre.
+        `growth` is d^2 less its value at stroke 0 [mm^2]: a dead centre at the start keeps the
+        digits of the stroke, which d has no longer. The squares add up to 4 l_sk d; the product is
+        D/2, twice the area of the triangle shaft, pin, tip, zero at a dead centre.
         """
         crank, coupler = self.crank, self.coupler
-        reach = d - crank
-        first = (coupler - reach) * (coupler + reach)
-        second = (d + (crank - coupler)) * (d + (crank + coupler))
+        outer, inner = self._start_gaps
+        difference = crank - coupler
+        reach = d + abs(difference)
+        near = (inner + growth) / reach  # d - |l_sk - l_4|
+        short, long = (near, reach) if difference > 0.0 else (reach, near)
+        total = d + (crank + coupler)
+        first = (outer - growth) / total * short
+        second = long * total
         # At a dead centre the radicand may round to a tiny negative number.
         return np.sqrt(np.maximum(first, 0.0)), np.sqrt(np.maximum(second, 0.0))
+
+    def _growth(self, stroke: FloatArray) -> FloatArray:
+        """d^2 less its value at stroke 0 [mm^2]."""
+        return np.asarray(stroke * (2.0 * self.stroke_direction * self.start_position + stroke))
 
     def crank_angle(self, stroke: FloatArray) -> FloatArray:
         """theta (n,) [rad] in (-2 pi, 2 pi) at `stroke` (n,) [mm]: Wirsig eq. 3.10, no poles."""
         x, d = self.pin(stroke)
-        sine, cosine = self._half_angle(d)
+        sine, cosine = self._half_angle(self._growth(stroke), d)
         pin_angle = np.arctan2(self.guide_height, -x)
         return pin_angle - self.branch * 2.0 * np.arctan2(sine, cosine)
 
@@ -146,7 +165,7 @@ class SliderCrank:
         """
         x, d = self.pin(jet[0])
         crank, coupler = self.crank, self.coupler
-        half_sine, half_cosine = self._half_angle(d)
+        half_sine, half_cosine = self._half_angle(self._growth(jet[0]), d)
         theta = np.arctan2(self.guide_height, -x)
         theta -= self.branch * 2.0 * np.arctan2(half_sine, half_cosine)
         # exp(i theta) without another sine: the pin's direction turned by the triangle's angle.
@@ -215,7 +234,12 @@ class SliderCrank:
         farthest = np.abs(x) + bounds[0]
         crank, coupler = self.crank, self.coupler
         ends = [
-            np.multiply(*self._half_angle(np.hypot(reach, self.guide_height)))
+            np.multiply(
+                *self._half_angle(
+                    (reach - self.start_position) * (reach + self.start_position),
+                    np.hypot(reach, self.guide_height),
+                )
+            )
             for reach in (nearest, farthest)
         ]
         leverage = np.minimum(*ends) / (2.0 * crank * coupler)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from camgeo.errors import GeometryError
-from camgeo.mechanism.follower import RelativeJet
+from camgeo.mechanism.follower import RelativeJet, TangentJet
 from camgeo.motion.motion import FULL_ORDER, Jet
 from camgeo.numeric.arrays import FloatArray
 
@@ -79,6 +79,15 @@ class TranslatingRoller:
             across[3] += rotation * e
         axis = self.guide_angle - math.pi / 2.0
         return RelativeJet(along, across, axis, height, v, 0.0)
+
+    def tangent_jet(self, jet: Jet, rotation: int) -> TangentJet:
+        """See `Follower.tangent_jet`."""
+        u = self.direction * jet[:2]
+        u[0] += self.start_height
+        w = (rotation * self.direction) * jet[1:3]
+        w[0] -= self.offset
+        swerve = u[0] * (self.direction * (jet[1] + jet[3]))
+        return TangentJet(u, w, np.zeros_like(swerve), swerve)
 
     def speed_bounds(self, jet: Jet, bounds: Jet) -> FloatArray:
         """See `Follower.speed_bounds`."""
