@@ -17,15 +17,17 @@ import numpy as np
 from camgeo._version import __version__
 from camgeo.check.closure import check_closure
 from camgeo.check.curvature import check_radius_ratio, check_undercut
-from camgeo.check.finding import Finding
+from camgeo.check.finding import Finding, Severity
 from camgeo.check.follower import check_follower
 from camgeo.check.limits import default_transmission_angle
 from camgeo.check.linkage import check_linkage
 from camgeo.check.motion import check_motion
+from camgeo.check.outline import check_lost_stroke, check_outline, no_outline
 from camgeo.check.speed import check_speed
 from camgeo.check.standstill import check_standstill
 from camgeo.check.transmission_angle import check_transmission_angle
 from camgeo.curve.curvature import curvature_extremes
+from camgeo.curve.extremes import Extremes
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import GeometryError
@@ -34,14 +36,19 @@ from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.motion.motion import Jet, Motion, Side
 from camgeo.numeric.arrays import ComplexArray, FloatArray
+from camgeo.outline.cusps import undercut_ranges
+from camgeo.outline.envelope import Envelope
+from camgeo.outline.outline import Outline, real_outline
+from camgeo.outline.path import Path, whole
 from camgeo.part.spec import Contact, PartSpec
 from camgeo.specification import Specification
 from camgeo.units import MM_PER, LengthUnit
 
 if TYPE_CHECKING:
+    import pathlib
     from collections.abc import Sequence
-    from pathlib import Path
 
+    from camgeo.check.cures import Cure
     from camgeo.contour.contour import Contour
     from camgeo.contour.fit import Fit
     from camgeo.files.product import FollowerSketch, PlanSketch
@@ -49,6 +56,7 @@ if TYPE_CHECKING:
     from camgeo.files.table import Table
     from camgeo.files.write import Report
     from camgeo.motion.time_course import TimeCourse
+    from camgeo.outline.replay_result import Replay
     from camgeo.part.part import Part
     from camgeo.toolpath.moves import Toolpath
     from camgeo.toolpath.paths import CutterPath
@@ -60,6 +68,9 @@ TOPOLOGY_TOLERANCE = 0.01
 
 WORST_FIRST = ("wrong", "fatal", "broken", "warning", "ok")
 """Order of the findings by their severity."""
+
+UNDERCUT = ("cusp-", "undercut-", "global-undercut-")
+"""How the names of findings begin that a cure can be looked for."""
 
 NO_OUTLINE = ("wrong", "fatal")
 """Severities with which no outline is made."""
@@ -148,6 +159,31 @@ class Design:
     def outer_curve(self) -> WorkingCurve:
         """The outer working curve."""
         return WorkingCurve(self.pitch_curve, self.roller_radius)
+
+    @cached_property
+    def bends(self) -> Extremes:
+        """The extremes of the pitch curve's curvature; GeometryError where it stands still."""
+        return curvature_extremes(self.pitch_curve)
+
+    @cached_property
+    def inner_outline(self) -> Outline:
+        """What is left of the inner flank, see `camgeo.outline.outline.real_outline`."""
+        return real_outline(self.inner_curve, self.bends)
+
+    @cached_property
+    def outer_outline(self) -> Outline:
+        """What is left of the outer flank, see `camgeo.outline.outline.real_outline`."""
+        return real_outline(self.outer_curve, self.bends)
+
+    def outline(self, flank: str) -> Outline:
+        """What is left of the "inner" or "outer" flank."""
+        return self.inner_outline if flank == "inner" else self.outer_outline
+
+    def replay(self, flank: str) -> Replay:
+        """The roller pressed against what is left of the "inner" or "outer" flank."""
+        from camgeo.outline.replay import replay_outline  # only what undercuts needs it
+
+        return replay_outline(self.pitch_curve, self.outline(flank).path)
 
     def pitch(self, phi: FloatArray) -> FloatArray:
         """(n, 2) [mm] points of the pitch curve at `phi` (n,) [rad]."""
@@ -253,15 +289,49 @@ class Design:
             regular = not stands
         if regular:
             found.append(check_transmission_angle(self.pitch_curve, self.transmission_angle_limit))
-            bends = curvature_extremes(self.pitch_curve)
             ratio = self.specification.limits.radius_ratio
+            mechanism = not any(finding.severity == "wrong" for finding in found)
             for name, flank in self.flanks:
-                found.append(check_radius_ratio(flank, name, bends, ratio))
-                found += check_undercut(flank, name, bends)
-            found += check_closure(self.pitch_curve)
+                found.append(check_radius_ratio(flank, name, self.bends, ratio))
+                found += check_undercut(flank, name, self.bends, self._severity)
+                found += self._outline_findings(name, flank) if mechanism else ()
+            found += check_closure(self.pitch_curve, self._severity)
         found += check_motion(self.specification.plan, self._plan_unit)
         found += check_speed(self.specification.plan, self.time_course, self._plan_unit)
         return tuple(sorted(found, key=lambda finding: WORST_FIRST.index(finding.severity)))
+
+    @property
+    def _severity(self) -> Severity:
+        """Of a disc that undercuts: whether it is made all the same."""
+        return "broken" if self.specification.limits.undercut == "trim" else "fatal"
+
+    def _outline_findings(self, name: str, flank: WorkingCurve) -> list[Finding]:
+        """What is left of a flank, and what the follower does on it."""
+        try:
+            outline = self.outline(name)
+            replay = self.replay(name) if outline.is_trimmed else None
+        except GeometryError as error:
+            return [no_outline(name, error.message)]
+        ranges = undercut_ranges(flank, self.bends)
+        kinks = [pivot.after for pivot in self._pitch_path.pivots]
+        found = [*check_outline(outline, name, ranges, self._severity, kinks)]
+        if replay is not None:
+            found.append(check_lost_stroke(replay, name, self.lift_unit, self._severity))
+        return found
+
+    @cached_property
+    def cures(self) -> tuple[Cure, ...]:
+        """What would cure the undercut, one for each knob, the cheapest first; empty without any.
+
+        Raises GeometryError if it cannot be decided whether the flanks cross.
+        """
+        if not any(f.name.startswith(UNDERCUT) and f.severity != "ok" for f in self.findings):
+            return ()
+        from camgeo.check.cures import Cam, cures  # a search, and few cams need one
+
+        spec = self.specification
+        cam = Cam(spec.plan, spec.linkage, spec.follower, spec.rotation, spec.contact)
+        return cures(cam)
 
     @property
     def has_outline(self) -> bool:
@@ -277,9 +347,22 @@ class Design:
 
         spec = self.specification.part or PartSpec()
         self._require_outline()
-        return build_part(
-            self.contact, self.inner_curve, self.outer_curve, spec, TOPOLOGY_TOLERANCE
+        return build_part(self.contact, *self._flank_paths, spec, TOPOLOGY_TOLERANCE)
+
+    @property
+    def _flank_paths(self) -> tuple[Path, Path]:
+        """Inner and outer outline; the whole curve for the flank on which no roller runs."""
+        used = [name for name, _ in self.flanks]
+        inner, outer = (
+            self.outline(name).path if name in used else whole(curve)
+            for name, curve in (("inner", self.inner_curve), ("outer", self.outer_curve))
         )
+        return inner, outer
+
+    @property
+    def _pitch_path(self) -> Path:
+        """The pitch curve, with its corners where the velocity jumps."""
+        return Path(Envelope(WorkingCurve(self.pitch_curve, 0.0)).elements)
 
     def _require_outline(self) -> None:
         from camgeo.errors import UndercutError
@@ -292,13 +375,13 @@ class Design:
         """The pitch curve as lines and arcs within `tolerance` [mm], counter-clockwise."""
         from camgeo.contour.arcs import fit_arcs
 
-        return fit_arcs(WorkingCurve(self.pitch_curve, 0.0), tolerance)
+        return fit_arcs(self._pitch_path, tolerance)
 
     def pitch_deviation(self, contour: Contour) -> float:
         """Proved bound [mm] of the distance between `contour` and the pitch curve."""
         from camgeo.contour.deviation import deviation
 
-        return deviation(WorkingCurve(self.pitch_curve, 0.0), contour)
+        return deviation(self._pitch_path, contour)
 
     @cached_property
     def cutter_paths(self) -> tuple[CutterPath, ...]:
@@ -309,7 +392,7 @@ class Design:
         if self.gcode is None or spec is None:
             raise GeometryError("milling needs [part] and [output.gcode]", key="output.gcode")
         radius = self.gcode.tool_diameter / 2.0
-        return cutter_paths(self.contact, self.pitch_curve, self.part, spec, radius)
+        return cutter_paths(self.contact, *self._flank_paths, self.part, spec, radius)
 
     def toolpath(self, tolerance: float) -> Toolpath:
         """The milling program; its arcs lie within `tolerance` [mm] of the exact cutter paths."""
@@ -328,8 +411,8 @@ class Design:
         from camgeo.contour.exact import distance_between
 
         path = {path.name: path for path in self.cutter_paths}[operation]
-        if path.curve is not None:
-            return deviation(path.curve, contour)
+        if path.path is not None:
+            return deviation(path.path, contour)
         assert path.circle is not None  # a path is one or the other
         return distance_between(path.circle, contour)
 
@@ -404,7 +487,7 @@ class Design:
 
     def write(
         self,
-        folder: str | Path,
+        folder: str | pathlib.Path,
         formats: Sequence[str] | None = None,
         *,
         tolerance: float | None = None,

@@ -199,6 +199,28 @@ def pitch_curves(draw: st.DrawFn, names: tuple[str, ...] = SMOOTH) -> PitchCurve
 
 
 @st.composite
+def wild_pitch_curves(draw: st.DrawFn) -> PitchCurve:
+    """A pitch curve with a roller that may be far too large, by any law, shocks among them.
+
+    The follower stays on one side of the cam axis, and the cam axis free of the roller at lift 0.
+    """
+    swings = draw(st.booleans())
+    plan = draw(plans(tuple(LAWS), 0.6 if swings else 60.0))
+    sense, share = draw(signs()), draw(st.floats(0.05, 0.95))
+    if swings:
+        distance, arm = draw(st.floats(80.0, 140.0)), draw(st.floats(50.0, 90.0))
+        start = math.radians(draw(st.floats(15.0, 110.0)))
+        base = math.sqrt(distance**2 + arm**2 - 2.0 * distance * arm * math.cos(start))
+        pivot = cmath.rect(distance, draw(st.floats(-math.pi, math.pi)))
+        rocker = OscillatingRoller(pivot, arm, base, share * base, draw(signs()), 1)
+        return PitchCurve(plan, rocker, sense)
+    base = draw(st.floats(10.0, 60.0))
+    offset = base * draw(st.floats(-0.6, 0.6))
+    guide = draw(st.floats(-math.pi, math.pi))
+    return PitchCurve(plan, TranslatingRoller(base, share * base, offset, guide), sense)
+
+
+@st.composite
 def slider_cranks(draw: st.DrawFn, stroke: float = 8.0) -> SliderCrank:
     """A linkage that closes over the stroke from 0 to `stroke` [mm] with 2 mm to spare."""
     lengths = st.floats(30.0, 150.0)

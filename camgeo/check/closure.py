@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from camgeo.check.finding import Finding
+from camgeo.check.finding import Finding, Severity
 from camgeo.curve.closure import joints
 from camgeo.curve.pitch_curve import PitchCurve
 
@@ -17,8 +17,12 @@ TANGENT_LIMIT = 1e-9
 """Largest angle between the tangents at a joint [rad]."""
 
 
-def check_closure(curve: PitchCurve) -> tuple[Finding, ...]:
-    """Closure of the pitch curve and of its tangent."""
+def check_closure(curve: PitchCurve, severity: Severity = "fatal") -> tuple[Finding, ...]:
+    """Closure of the pitch curve and of its tangent.
+
+    `severity` is that of a corner of the pitch curve: "fatal" if no disc is made of it, else
+    "broken".
+    """
     join = joints(curve)
     limit = POINT_LIMIT * (
         curve.follower.base_radius + float(np.max(np.abs(curve.point(join.phi))))
@@ -39,7 +43,7 @@ def check_closure(curve: PitchCurve) -> tuple[Finding, ...]:
         ),
         Finding(
             name="tangent-closure",
-            severity="fatal" if open_tangent else "ok",
+            severity=severity if open_tangent else "ok",
             sentence=(
                 "largest angle between the tangents at a joint"
                 f" {math.degrees(join.turns[turn]):.2g} deg at cam angle"

@@ -11,18 +11,11 @@ import math
 
 import numpy as np
 
-from camgeo.check.finding import Finding
+from camgeo.check.finding import Finding, Severity
 from camgeo.curve.extremes import Extremes
 from camgeo.curve.working_curve import WorkingCurve
-from camgeo.numeric.arrays import FloatArray
-from camgeo.numeric.roots import bracketed_roots
+from camgeo.outline.cusps import CUSP, INSIDE, undercut_ranges
 from camgeo.units import TURN
-
-CUSP = 1e-12
-"""1 + d kappa within this of zero is a cusp: twenty times the rounding of the curvature."""
-
-INSIDE = 1e-13
-"""This far from a break [rad] a cam angle is not taken for the break itself; 6e-12 degrees."""
 
 
 def check_radius_ratio(flank: WorkingCurve, name: str, bends: Extremes, limit: float) -> Finding:
@@ -54,8 +47,13 @@ def check_radius_ratio(flank: WorkingCurve, name: str, bends: Extremes, limit: f
     )
 
 
-def check_undercut(flank: WorkingCurve, name: str, bends: Extremes) -> tuple[Finding, ...]:
-    """Cusps and local undercut of a flank: where 1 + d kappa is zero or negative."""
+def check_undercut(
+    flank: WorkingCurve, name: str, bends: Extremes, severity: Severity = "fatal"
+) -> tuple[Finding, ...]:
+    """Cusps and local undercut of a flank: where 1 + d kappa is zero or negative.
+
+    `severity` is that of undercut: "fatal" if no disc is made of it, else "broken".
+    """
     kappa, phi = _tightest(flank, bends)
     margin = 1.0 + flank.distance * kappa
     if margin > CUSP:
@@ -73,7 +71,7 @@ def check_undercut(flank: WorkingCurve, name: str, bends: Extremes) -> tuple[Fin
         return (
             Finding(
                 name=f"cusp-{name}",
-                severity="fatal",
+                severity=severity,
                 sentence=(
                     f"{name} flank: cusp at cam angle {math.degrees(phi):.6f} deg, the roller"
                     f" radius equals the pitch curve's radius of curvature, {1 / abs(kappa):.6g} mm"
@@ -84,50 +82,19 @@ def check_undercut(flank: WorkingCurve, name: str, bends: Extremes) -> tuple[Fin
             ),
         )
     return tuple(
-        _undercut(flank, name, bends, start, end) for start, end in undercut_ranges(flank, bends)
+        _undercut(flank, name, bends, span, severity) for span in undercut_ranges(flank, bends)
     )
 
 
-def undercut_ranges(flank: WorkingCurve, bends: Extremes) -> list[tuple[float, float]]:
-    """Ranges of cam angle (start, end) [rad] with 1 + d kappa < 0, ends in [0, 2 pi).
-
-    Between neighbouring extremes the curvature is monotone, so no range escapes, however narrow.
-    The whole turn is (0, 2 pi).
-    """
-    phi = np.append(bends.phi, bends.phi[0] + TURN)
-    values = 1.0 + flank.distance * np.append(bends.values, bends.values[0])
-    if np.all(values < 0.0):
-        return [(0.0, TURN)]
-    crossing = (values[:-1] < 0.0) != (values[1:] < 0.0)
-    # Two entries at one cam angle are the two sides of a break: a jump, not a root.
-    jump = crossing & (phi[1:] == phi[:-1])
-    smooth = np.flatnonzero(crossing & ~jump)
-    angles = np.where(jump, phi[:-1], 0.0)
-    angles[smooth] = _crossings(flank, phi[smooth], phi[smooth + 1])
-    places = np.flatnonzero(crossing)
-    marks = [(float(angles[k]), bool(values[k + 1] < 0.0)) for k in places]
-    if marks and not marks[0][1]:
-        marks = [*marks[1:], marks[0]]
-    starts = [angle for angle, begins in marks if begins]
-    ends = [angle for angle, begins in marks if not begins]
-    return [(start % TURN, end % TURN) for start, end in zip(starts, ends, strict=True)]
-
-
-def _crossings(flank: WorkingCurve, low: FloatArray, high: FloatArray) -> FloatArray:
-    """Where 1 + d kappa passes zero in each smooth stretch [low, high] (n,) [rad].
-
-    Its ends may be breaks, at which the value from the other side counts for nothing here.
-    """
-    low, high = low + INSIDE, high - INSIDE
-    at_low, at_high = flank.regularity(low), flank.regularity(high)
-    roots = np.where(np.abs(at_low) < np.abs(at_high), low, high)
-    within = np.flatnonzero((at_low < 0.0) != (at_high < 0.0))
-    roots[within] = bracketed_roots(flank.regularity, low[within], high[within])
-    return roots
-
-
-def _undercut(flank: WorkingCurve, name: str, bends: Extremes, start: float, end: float) -> Finding:
+def _undercut(
+    flank: WorkingCurve,
+    name: str,
+    bends: Extremes,
+    cam_range: tuple[float, float],
+    severity: Severity,
+) -> Finding:
     """The finding of one range: its margin is that of an extreme, as one lies in every range."""
+    start, end = cam_range
     span = end - start if end > start else end - start + TURN
     # It may lie at a break that ends the range, whose angle has been rounded on another way.
     inside = np.flatnonzero((bends.phi - start + INSIDE) % TURN <= span + 2.0 * INSIDE)
@@ -135,7 +102,7 @@ def _undercut(flank: WorkingCurve, name: str, bends: Extremes, start: float, end
     worst = int(np.argmin(margins))
     return Finding(
         name=f"undercut-{name}",
-        severity="fatal",
+        severity=severity,
         sentence=(
             f"{name} flank: undercut from cam angle {math.degrees(start):.6f} to"
             f" {math.degrees(end):.6f} deg, the roller is larger than the radius of"

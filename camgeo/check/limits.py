@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Literal
 
 from camgeo.units import RPM
 
@@ -19,10 +20,12 @@ class Limits:
     ----------
     transmission_angle : smallest allowed [rad].
     radius_ratio : largest allowed r_R / r_K (Wirsig eq. 3.36: r_K >= r_R / 0.7).
+    undercut : whether a disc that undercuts is refused, or trimmed to what is left of it.
     """
 
     transmission_angle: float | None = None
     radius_ratio: float = 0.7
+    undercut: Literal["refuse", "trim"] = "refuse"
 
 
 def default_transmission_angle(*, translating: bool, speed: float | None) -> float:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import argparse
+from decimal import Decimal
+from typing import TYPE_CHECKING, Any
 
 from camgeo.cli.command import (
     Subparsers,
@@ -16,6 +18,10 @@ from camgeo.cli.command import (
 )
 from camgeo.design import Design
 from camgeo.scene.load import load_scene
+
+if TYPE_CHECKING:
+    from camgeo.check.cures import Cure
+    from camgeo.check.cures.cure import Value
 
 
 def register(subparsers: Subparsers[argparse.ArgumentParser]) -> None:
@@ -32,12 +38,44 @@ def register(subparsers: Subparsers[argparse.ArgumentParser]) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Print the findings."""
+    """Print the findings, and what would cure undercut."""
     design = Design(load_scene(arguments.scene))
     findings = design.findings
     if arguments.json:
         records = [finding_record(finding) for finding in findings]
-        print_json({**identity(design), "motion": motion_record(design), "findings": records})
+        document = {**identity(design), "motion": motion_record(design), "findings": records}
+        print_json(document | {"cures": [cure_record(cure) for cure in design.cures]})
     else:
         print("\n".join(finding_lines(findings)))
+        print_cures(design.cures)
     return exit_code(findings)
+
+
+def print_cures(cures: tuple[Cure, ...]) -> None:
+    """The cures that work, the cheapest first, then the knobs that do not cure."""
+    if not cures:
+        return
+    print("\nAny one of these cures the undercut; it may break another limit, so check again:")
+    for cure in cures:
+        print(f"  {cure.sentence}" if cure.works else f"  no cure: {cure.sentence}")
+
+
+def cure_record(cure: Cure) -> dict[str, Any]:
+    """A cure for JSON; lengths in mm, angles in degrees."""
+    return {
+        "knob": cure.knob,
+        "key": cure.key,
+        "from": _plain(cure.value_from),
+        "to": None if cure.value_to is None else _plain(cure.value_to),
+        "unit": cure.unit,
+        "cost": cure.cost,
+        "also": [
+            {"key": each.key, "from": _plain(each.value_from), "to": _plain(each.value_to)}
+            for each in cure.also
+        ],
+        "sentence": cure.sentence,
+    }
+
+
+def _plain(value: Value) -> float | str:
+    return float(value) if isinstance(value, Decimal) else value

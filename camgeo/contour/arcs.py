@@ -3,20 +3,21 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 
 import numpy as np
 
 from camgeo.contour.chain import Chain
 from camgeo.contour.fit import Fit
+from camgeo.contour.joints import joints_apart, require_regular, values_at_joints
+from camgeo.contour.legs import StretchLeg, TurnLeg
 from camgeo.contour.locate import foot_points
 from camgeo.contour.proved import proved_fit
 from camgeo.contour.spread import Spread
 from camgeo.curve.pieces import Piece
 from camgeo.curve.working_curve import WorkingCurve
-from camgeo.errors import ToleranceError, UndercutError
-from camgeo.motion.motion import Side
+from camgeo.errors import ToleranceError
 from camgeo.numeric.arrays import ComplexArray, FloatArray
+from camgeo.outline.path import Path
 
 BIARC_CONSTANT = 0.2912
 """Arcs of plain biarcs needed, asymptotically: 0.2912 eps^(-1/3) times the integral of
@@ -31,42 +32,54 @@ PROBES = 8
 FLAT = 1e-10
 """An arc with a smaller sagitta [mm] is a line: its centre has no digits left to be known by."""
 
+HALVINGS = 8
+"""Rounds of halving at most."""
+
 MAX_ARCS = 200_000
 """Arcs a smooth piece at most; more is a tolerance beyond the arithmetic."""
 
 
-def fit_arcs(curve: WorkingCurve, tolerance: float) -> Fit:
-    """One pass of biarcs within `tolerance` [mm] of `curve`, counter-clockwise.
+def fit_arcs(path: Path, tolerance: float) -> Fit:
+    """One pass of biarcs within `tolerance` [mm] of `path`, counter-clockwise.
 
-    Breaks are joints of the contour and each dwell is one arc about the cam axis, of any sweep.
+    Breaks are joints of the contour, each dwell is one arc about the cam axis, of any sweep, and
+    each arc of the path is one arc. Corners are where the path has them and nowhere else.
 
     Raises
     ------
     UndercutError
-        If the curve is not regular.
+        If the path is not regular.
     ToleranceError
         If the tolerance cannot be reached in double precision.
+    GeometryError
+        If the contour cannot be compared with the path.
     """
 
-    def fit_piece(piece: Piece, aim: float) -> Chain:
-        return _fit_piece(curve, piece, aim, tolerance)
+    def fit_piece(leg: StretchLeg, piece: Piece, aim: float) -> Chain:
+        return _fit_piece(leg.curve, piece, aim, tolerance)
 
-    return proved_fit(curve, tolerance, AIM * tolerance, fit_piece)
+    def fit_turn(leg: TurnLeg, _aim: float) -> Chain:
+        return Chain(
+            np.zeros(1), np.array([leg.first]), np.array([leg.sweep]), np.array([leg.centre])
+        )
+
+    return proved_fit(path, tolerance, AIM * tolerance, fit_piece, fit_turn)
 
 
 def _fit_piece(curve: WorkingCurve, piece: Piece, aim: float, tolerance: float) -> Chain:
+    require_regular(curve, piece)
     if piece.dwell:
         return dwell_arc(curve, piece)
 
     def density(phi: FloatArray) -> FloatArray:
-        pace, bend = curve.arc_density(phi)
-        return np.cbrt(bend) * pace
+        # (|dkappa/ds|)^(1/3) ds is the same for all parallels, also where one has a cusp.
+        speed = curve.pitch.speed(curve.pitch.relative_jet(phi, order=1))
+        return np.cbrt(np.abs(curve.pitch.curvature_slope(phi)) * speed * speed)
 
-    require_regular(curve, piece)
     spread = Spread(piece, density)
     count = max(1, math.ceil(0.5 * BIARC_CONSTANT * spread.total * aim ** (-1.0 / 3.0)))
     while True:
-        chain, distance = _biarcs(curve, spread.joints(count))
+        chain, distance = _sound_biarcs(curve, joints_apart(curve, spread.joints(count)))
         if distance <= aim:
             return chain
         if 2 * count > MAX_ARCS or aim <= 0.0:
@@ -75,27 +88,36 @@ def _fit_piece(curve: WorkingCurve, piece: Piece, aim: float, tolerance: float) 
 
 
 def dwell_arc(curve: WorkingCurve, piece: Piece) -> Chain:
-    """The one arc about the cam axis that a dwell is."""
+    """The one arc about the cam axis that a dwell, or a part of one, is."""
     start = np.array([piece.start])
     sweep = -curve.pitch.rotation * (piece.end - piece.start)
     return Chain(start, curve.point(start), np.array([sweep]), np.zeros(1, dtype=np.complex128))
 
 
-def require_regular(curve: WorkingCurve, piece: Piece) -> None:
-    """Raise UndercutError if 1 + d kappa is not positive at some sample of the piece."""
-    grid = np.linspace(piece.start, piece.end, 257)[1:-1]
-    if float(np.min(curve.regularity(grid))) <= 0.0:
-        raise UndercutError(
-            "the offset curve has a cusp or undercut between cam angles"
-            f" {math.degrees(piece.start):.6g} and {math.degrees(piece.end):.6g} degrees"
-            f" (offset {curve.distance:g} mm); no outline can be made of it"
-        )
+def _sound_biarcs(curve: WorkingCurve, joints: FloatArray) -> tuple[Chain, float]:
+    """Biarcs whose arcs have a parallel on the pitch curve, see `camgeo.contour.deviation`.
+
+    Beside a cusp the curvature may grow so fast between two joints that the second arc has to turn
+    back, with less than the roller's radius: such spans are halved.
+    """
+    chain, distance = _biarcs(curve, joints)
+    for _ in range(HALVINGS):
+        side = -curve.pitch.rotation * np.sign(chain.sweeps)
+        radii = np.abs(chain.vertices - chain.centres)
+        bad = (chain.sweeps != 0.0) & (radii <= side * curve.distance)
+        if not np.any(bad):
+            break
+        spans = np.flatnonzero(bad[0::2] | bad[1::2])
+        halves = 0.5 * (joints[spans] + joints[spans + 1])
+        joints = joints_apart(curve, np.insert(joints, spans + 1, halves))
+        chain, distance = _biarcs(curve, joints)
+    return chain, distance
 
 
 def _biarcs(curve: WorkingCurve, joints: FloatArray) -> tuple[Chain, float]:
     """Biarcs between `joints` (n + 1,) [rad], and the largest distance found by sampling."""
-    points = _ends(curve.point, joints)
-    tangents = _ends(curve.tangent, joints)
+    points = values_at_joints(curve.point, joints)
+    tangents = values_at_joints(curve.tangent, joints)
     chord = points[1:] - points[:-1]
     t0, t1 = tangents[:-1], tangents[1:]
     # Equal tangent lengths d at both ends: |chord - d (t0 + t1)| = 2 d.
@@ -113,7 +135,10 @@ def _biarcs(curve: WorkingCurve, joints: FloatArray) -> tuple[Chain, float]:
     sweeps, centres = arcs_from_tangents(vertices, directions, ends)
 
     guess = 0.5 * (joints[:-1] + joints[1:])
-    angles = np.ravel(np.column_stack((joints[:-1], foot_points(curve, middle, guess))))
+    feet = foot_points(curve, middle, guess)
+    # Beside a cusp, where the curve hardly moves with the angle, the search may leave the joints.
+    feet = np.where((feet > joints[:-1]) & (feet < joints[1:]), feet, guess)
+    angles = np.ravel(np.column_stack((joints[:-1], feet)))
     chain = Chain(angles, vertices, sweeps, centres)
     return chain, _sampled_distance(curve, chain, ends, np.append(angles[1:], joints[-1]))
 
@@ -129,13 +154,6 @@ def arcs_from_tangents(
     radii = np.abs(chords) / (2.0 * np.sin(safe))
     centres = np.where(flat, 0.0, starts + 1j * tangents * radii)
     return np.where(flat, 0.0, 2.0 * half), centres
-
-
-def _ends(function: Callable[[FloatArray, Side], ComplexArray], joints: FloatArray) -> ComplexArray:
-    """Values at the joints of one smooth piece: right-hand at its start, left-hand at its end."""
-    values = function(joints, "right")
-    values[-1] = function(joints[-1:], "left")[0]
-    return values
 
 
 def _sampled_distance(

@@ -1,22 +1,24 @@
-"""Chains of pieces along a stretch of the curve, and their closing to a contour."""
+"""Chains of pieces along the legs of a path, and their closing to a contour."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 
 from camgeo.contour.contour import Contour
+from camgeo.contour.legs import Leg
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Chain:
-    """Pieces along one smooth piece of the curve, open at its end.
+    """Pieces along one smooth piece of a leg, open at its end.
 
     Attributes
     ----------
-    angles : (n,) [rad] cam angles of the pieces' starts.
+    angles : (n,) [rad] parameters of the pieces' starts.
     vertices, sweeps, centres : (n,), as of `Contour`.
     """
 
@@ -25,14 +27,81 @@ class Chain:
     sweeps: FloatArray
     centres: ComplexArray
 
+    @classmethod
+    def empty(cls) -> Self:
+        """No pieces at all."""
+        none = np.empty(0)
+        return cls(none, none.astype(np.complex128), none, none.astype(np.complex128))
 
-def closed(chains: list[Chain]) -> tuple[Contour, FloatArray]:
-    """The contour of all chains in turn, and the cam angles of its vertices."""
-    return (
-        Contour(
-            np.concatenate([chain.vertices for chain in chains]),
-            np.concatenate([chain.sweeps for chain in chains]),
-            np.concatenate([chain.centres for chain in chains]),
-        ),
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Run:
+    """All pieces of a contour along one leg, run the way of the leg.
+
+    Attributes
+    ----------
+    leg : the exact leg.
+    angles : (n + 1,) [rad] parameters of the leg that belong to the vertices, ascending.
+    vertices : (n + 1,) complex [mm] ends of the pieces; n = 0 for a leg too short for a piece.
+    sweeps, centres : (n,), as of `Contour`.
+    """
+
+    leg: Leg
+    angles: FloatArray
+    vertices: ComplexArray
+    sweeps: FloatArray
+    centres: ComplexArray
+
+    @property
+    def starts(self) -> ComplexArray:
+        """(n,) complex [mm], start of each piece."""
+        return self.vertices[:-1]
+
+    @property
+    def ends(self) -> ComplexArray:
+        """(n,) complex [mm], end of each piece."""
+        return self.vertices[1:]
+
+    @property
+    def radii(self) -> FloatArray:
+        """(n,) [mm] radius of each arc; 0 for lines."""
+        return np.where(self.sweeps != 0.0, np.abs(self.starts - self.centres), 0.0)
+
+
+def joined(parts: list[tuple[Leg, list[Chain]]]) -> tuple[Run, ...]:
+    """The runs of all legs in turn, each ending in the first vertex of the next.
+
+    Where a leg begins in a corner or an arc, the exact point there is its first vertex, not the
+    same point as its own curve rounds it.
+    """
+    whole = [_joined_chain(leg, chains) for leg, chains in parts]
+    runs: list[Run] = []
+    following: complex = next(complex(chain.vertices[0]) for chain in whole if len(chain.vertices))
+    for (leg, _), chain in reversed(list(zip(parts, whole, strict=True))):
+        closing = chain.angles[0] + (leg.end - leg.start) if leg.closed else leg.end
+        vertices = np.append(chain.vertices, following)
+        angles = np.append(chain.angles, closing)
+        runs.insert(0, Run(leg, angles, vertices, chain.sweeps, chain.centres))
+        following = complex(vertices[0])
+    return tuple(runs)
+
+
+def _joined_chain(leg: Leg, chains: list[Chain]) -> Chain:
+    vertices = np.concatenate([chain.vertices for chain in chains])
+    if leg.first is not None and len(vertices):
+        vertices[0] = leg.first
+    return Chain(
         np.concatenate([chain.angles for chain in chains]),
+        vertices,
+        np.concatenate([chain.sweeps for chain in chains]),
+        np.concatenate([chain.centres for chain in chains]),
+    )
+
+
+def contour_of(runs: tuple[Run, ...]) -> Contour:
+    """The closed contour of all runs in turn."""
+    return Contour(
+        np.concatenate([run.starts for run in runs]),
+        np.concatenate([run.sweeps for run in runs]),
+        np.concatenate([run.centres for run in runs]),
     )

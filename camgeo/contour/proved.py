@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 
-from camgeo.contour.chain import Chain, closed
-from camgeo.contour.deviation import deviation
+import numpy as np
+
+from camgeo.contour.chain import Chain, contour_of, joined
+from camgeo.contour.deviation import proved_bound
 from camgeo.contour.fit import Fit
-from camgeo.curve.pieces import Piece, smooth_pieces
-from camgeo.curve.working_curve import WorkingCurve
-from camgeo.errors import ToleranceError
+from camgeo.contour.legs import Leg, StretchLeg, TurnLeg, legs_of
+from camgeo.curve.pieces import Piece
+from camgeo.errors import GeometryError, ToleranceError
+from camgeo.outline.path import Path
 
 ROUNDS = 6
 """Fits at most; the second is within the tolerance wherever double precision can be."""
@@ -17,28 +21,73 @@ ROUNDS = 6
 EASE = 0.95
 """By how much more than the excess the aim is lowered for the next round."""
 
+FINER = 0.125
+"""Share of the aim that is tried next where the pieces are too coarse for a proof: they turn by
+more than it allows, round the tip of a lobe. Arcs become half as long."""
+
+SLIGHT = 0.01
+"""An arc of a turn shorter than this share of the tolerance is a corner: files that round to a
+tenth of it, as programs do, could not tell its ends apart."""
+
+FitPiece = Callable[[StretchLeg, Piece, float], Chain]
+FitTurn = Callable[[TurnLeg, float], Chain]
+
 
 def proved_fit(
-    curve: WorkingCurve, tolerance: float, aim: float, fit_piece: Callable[[Piece, float], Chain]
+    path: Path, tolerance: float, aim: float, fit_piece: FitPiece, fit_turn: FitTurn
 ) -> Fit:
-    """Fit each smooth piece of `curve`, prove the whole, and aim lower until the proof holds.
+    """Fit each smooth piece of `path`, prove the whole, and aim lower until the proof holds.
 
     Parameters
     ----------
     tolerance : that the proved deviation must not exceed [mm].
     aim : deviation that the first round aims at [mm].
-    fit_piece : smooth piece, aim [mm] -> its chain.
+    fit_piece : stretch, smooth piece of it, aim [mm] -> its chain.
+    fit_turn : arc between two stretches, aim [mm] -> its chain.
 
     Raises
     ------
     ToleranceError
         If the tolerance cannot be reached in double precision.
+    GeometryError
+        If the contour cannot be compared with the path, or the path has a gap.
     """
-    reached = 0.0
+
+    def fit_leg(leg: StretchLeg | TurnLeg) -> list[Chain]:
+        if isinstance(leg, StretchLeg):
+            return [fit_piece(leg, piece, aim) for piece in leg.pieces]
+        return [Chain.empty() if leg.length <= SLIGHT * tolerance else fit_turn(leg, aim)]
+
+    legs = legs_of(path)
+    for leg in legs:
+        _require_joined(leg, tolerance)
+    reached, failed = 0.0, None
     for _ in range(ROUNDS):
-        contour, angles = closed([fit_piece(piece, aim) for piece in smooth_pieces(curve)])
-        reached = deviation(curve, contour, angles)
+        parts: list[tuple[Leg, list[Chain]]] = [(leg, fit_leg(leg)) for leg in legs]
+        runs = joined(parts)
+        try:
+            reached, failed = proved_bound(runs), None
+        except GeometryError as error:
+            failed = error
+            aim *= FINER
+            continue
         if reached <= tolerance:
-            return Fit(contour.counter_clockwise(), reached, tolerance)
+            return Fit(contour_of(runs).counter_clockwise(), reached, tolerance)
         aim *= EASE * tolerance / reached
+    if failed is not None:
+        raise failed
     raise ToleranceError("the pieces of the contour cannot follow the curve", tolerance, reached)
+
+
+def _require_joined(leg: StretchLeg | TurnLeg, tolerance: float) -> None:
+    """A parallel is torn apart where the follower's velocity jumps: there it is no single leg."""
+    if isinstance(leg, TurnLeg):
+        return
+    inner = np.array([piece.start for piece in leg.pieces if leg.closed or piece.start > leg.start])
+    gaps = np.abs(leg.point(inner) - leg.point(inner, "left")) if len(inner) else inner
+    if np.any(gaps > tolerance):
+        angle = math.degrees(float(inner[int(np.argmax(gaps))]))
+        raise GeometryError(
+            f"the curve is torn apart at cam angle {angle:.6g} degrees: the velocity of the"
+            " follower jumps there"
+        )

@@ -1,4 +1,4 @@
-"""Boundaries of a part: offsets of the pitch curve, and outlines of lines and arcs by nature."""
+"""Boundaries of a part: outlines of the flanks, and outlines of lines and arcs by nature."""
 
 from __future__ import annotations
 
@@ -13,24 +13,24 @@ from camgeo.contour.exact import chords_of, distance_between
 from camgeo.contour.fit import Fit
 from camgeo.contour.polyline import fit_polyline
 from camgeo.contour.simple import require_simple
-from camgeo.curve.working_curve import WorkingCurve
+from camgeo.outline.path import Path
 
 
 @dataclass(frozen=True, slots=True)
 class CurveBoundary:
-    """A working curve as boundary, see `camgeo.part.part.Boundary`."""
+    """The outline of a flank as boundary, see `camgeo.part.part.Boundary`."""
 
     name: str
     hole: bool
-    curve: WorkingCurve
+    path: Path
 
     def arcs(self, tolerance: float) -> Fit:
-        """Lines and arcs; raises UndercutError if the curve is no outline, ToleranceError."""
-        return self._simple(fit_arcs(self.curve, tolerance))
+        """Lines and arcs; raises UndercutError if the path is no outline, ToleranceError."""
+        return self._simple(fit_arcs(self.path, tolerance))
 
     def polyline(self, tolerance: float) -> Fit:
         """Straight pieces; raises as `arcs`."""
-        return self._simple(fit_polyline(self.curve, tolerance))
+        return self._simple(fit_polyline(self.path, tolerance))
 
     def _simple(self, fit: Fit) -> Fit:
         require_simple(fit.contour, self.name)
@@ -38,7 +38,7 @@ class CurveBoundary:
 
     def deviation(self, contour: Contour) -> float:
         """Proved bound [mm], see `camgeo.contour.deviation`."""
-        return deviation(self.curve, contour)
+        return deviation(self.path, contour)
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from camgeo.contour.contour import Contour
-from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import GeometryError
+from camgeo.outline.path import Path
 from camgeo.part.bore import bore_outline, bore_reach
 from camgeo.part.boundaries import (
     CurveBoundary,
@@ -17,14 +17,14 @@ from camgeo.part.spec import Contact, PartSpec
 
 
 def build_part(
-    contact: Contact, inner: WorkingCurve, outer: WorkingCurve, spec: PartSpec, tolerance: float
+    contact: Contact, inner: Path, outer: Path, spec: PartSpec, tolerance: float
 ) -> Part:
     """The part for one contact.
 
     Parameters
     ----------
     contact : flank on which the roller runs.
-    inner, outer : the working curves.
+    inner, outer : the real outlines of the flanks; only those of the contact are looked at.
     spec : what the scene says of the part.
     tolerance : of the contours [mm] by which it is seen that one boundary lies inside another.
 
@@ -40,16 +40,16 @@ def build_part(
         bore = (ExactBoundary("bore", hole=True, exact=bore_outline(spec.bore, spec.keyway)),)
     thickness = spec.thickness
     if contact == "inner":
-        outline = CurveBoundary("outline", hole=False, curve=inner)
+        outline = CurveBoundary("outline", hole=False, path=inner)
         _bore_fits(spec, outline, tolerance)
         return Part((outline, *bore), (), thickness, 0.0)
-    rim = _rim(spec, CurveBoundary("outer flank", hole=True, curve=outer), tolerance)
+    rim = _rim(spec, CurveBoundary("outer flank", hole=True, path=outer), tolerance)
     if contact == "outer":
-        flank = CurveBoundary("outline", hole=True, curve=outer)
+        flank = CurveBoundary("outline", hole=True, path=outer)
         return Part((rim, flank), (), thickness, 0.0)
     groove = (
-        CurveBoundary("inner flank", hole=False, curve=inner),
-        CurveBoundary("outer flank", hole=True, curve=outer),
+        CurveBoundary("inner flank", hole=False, path=inner),
+        CurveBoundary("outer flank", hole=True, path=outer),
     )
     _bore_fits(spec, groove[0], tolerance)
     return Part((rim, *bore), groove, thickness, spec.groove_depth or 0.0)

@@ -186,6 +186,7 @@ class Builder:
         angle = table.get("transmission_angle")
         return Limits(
             transmission_angle=None if angle is None else math.radians(angle),
+            undercut=table.get("undercut", "refuse"),
             **_given(table, {"radius_ratio": 1.0}),
         )
 

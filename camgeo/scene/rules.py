@@ -27,6 +27,10 @@ SPAN_DIGITS: Final = 60
 WIDEST_SWING: Final = 180.0
 """Largest rocker angle [degrees]; a rocker never swings through the cam axis."""
 
+SMALLEST_POSITION: Final = 1e-30
+"""Smallest position that is not 0; with less, velocities of up to 1e12 as parts of the stroke are
+beyond what a double can hold when they are multiplied."""
+
 FINEST_PART: Final = 1e-10
 """Smallest ratio of tolerance to the mechanism's largest length: 200,000 chords a turn."""
 
@@ -96,6 +100,15 @@ def motion_returns(values: SoundValues) -> Iterator[Fault]:
             return
         if not values.sound("motion", index):
             return
+
+
+def positions_can_be_told_from_0(values: SoundValues) -> Iterator[Fault]:
+    """A position is 0, or no smaller than what laws can be scaled to."""
+    for index in range(values.segments):
+        end = values.get("motion", index, "to")
+        if end is not None and 0.0 < abs(end) < SMALLEST_POSITION:
+            message = "must be 0, or at least 1e-30 in magnitude"
+            yield values.scene.fault(("motion", index, "to"), message)
 
 
 def laws_have_their_parameters(values: SoundValues) -> Iterator[Fault]:
@@ -281,6 +294,7 @@ def _largest_length(values: SoundValues) -> float | None:
 RULES: Final[tuple[Rule, ...]] = (
     spans_add_up,
     motion_returns,
+    positions_can_be_told_from_0,
     laws_have_their_parameters,
     one_speed,
     swing_is_possible,

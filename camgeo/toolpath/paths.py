@@ -1,13 +1,14 @@
-"""Exact cutter paths: which parallel of the pitch curve the cutter's centre runs on."""
+"""Exact cutter paths: which parallel of the real outline the cutter's centre runs on."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 from camgeo.contour.contour import Contour
-from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import GeometryError
+from camgeo.outline.envelope import Envelope
+from camgeo.outline.path import Path
 from camgeo.part.part import Part
 from camgeo.part.spec import Contact, PartSpec
 
@@ -19,7 +20,7 @@ class CutterPath:
     Attributes
     ----------
     name : of the operation.
-    curve : the exact path, or None if it is `circle`.
+    path : the exact path, or None if it is `circle`.
     circle : the exact path of a bore.
     free_side : +1 if the lead-in comes from outside of the path (away from the cam axis), -1 from
         inside, 0 if the cutter fills the groove and plunges on the path itself.
@@ -29,7 +30,7 @@ class CutterPath:
     """
 
     name: str
-    curve: WorkingCurve | None
+    path: Path | None
     circle: Contour | None
     free_side: int
     room: float
@@ -38,9 +39,12 @@ class CutterPath:
 
 
 def cutter_paths(
-    contact: Contact, pitch: PitchCurve, part: Part, spec: PartSpec, tool_radius: float
+    contact: Contact, inner: Path, outer: Path, part: Part, spec: PartSpec, tool_radius: float
 ) -> tuple[CutterPath, ...]:
     """The operations of a part, the bore first: it is cut while the blank is whole.
+
+    `inner` and `outer` are the real outlines of the flanks, of which those of the contact are
+    looked at. The cutter rolls round their corners on arcs.
 
     Raises
     ------
@@ -49,7 +53,6 @@ def cutter_paths(
     """
     if part.thickness is None:
         raise GeometryError("milling needs the thickness of the part", key="part.thickness")
-    roller = pitch.follower.roller_radius
     paths: list[CutterPath] = []
     if spec.bore is not None and contact != "outer":
         radius = spec.bore / 2.0 - tool_radius
@@ -63,19 +66,24 @@ def cutter_paths(
         note = "the keyway is left to be broached" if spec.keyway is not None else ""
         paths.append(CutterPath("bore", None, circle, -1, radius / 2.0, part.thickness, note))
     if contact == "inner":
-        curve = WorkingCurve(pitch, tool_radius - roller)
-        paths.append(CutterPath("outline", curve, None, 1, tool_radius, part.thickness))
+        path = inner.offset(tool_radius)
+        paths.append(CutterPath("outline", path, None, 1, tool_radius, part.thickness))
     elif contact == "outer":
-        curve = WorkingCurve(pitch, roller - tool_radius)
-        paths.append(CutterPath("outline", curve, None, -1, tool_radius, part.thickness))
+        path = outer.offset(-tool_radius)
+        paths.append(CutterPath("outline", path, None, -1, tool_radius, part.thickness))
     else:
-        paths += _groove_paths(pitch, roller, tool_radius, part.groove_depth)
+        paths += _groove_paths(inner, outer, tool_radius, part.groove_depth)
     return tuple(paths)
 
 
-def _groove_paths(
-    pitch: PitchCurve, roller: float, tool_radius: float, depth: float
-) -> list[CutterPath]:
+def _groove_paths(inner: Path, outer: Path, tool_radius: float, depth: float) -> list[CutterPath]:
+    """One round of a cutter like the roller on the pitch curve, or one along each flank.
+
+    What the roller sweeps where a flank is trimmed is wider than two rounds along what is left of
+    the flanks; there only a cutter like the roller clears it for certain.
+    """
+    pitch = inner.stretches[0].curve.pitch
+    roller = pitch.follower.roller_radius
     side = roller - tool_radius
     if side < 0.0 or 2.0 * tool_radius < roller:
         raise GeometryError(
@@ -85,8 +93,16 @@ def _groove_paths(
             value=f"{2.0 * tool_radius:g}",
         )
     if side == 0.0:
-        return [CutterPath("groove", WorkingCurve(pitch, 0.0), None, 0, 0.0, depth)]
+        centre = Path(Envelope(WorkingCurve(pitch, 0.0)).elements)
+        return [CutterPath("groove", centre, None, 0, 0.0, depth)]
+    if not (inner.is_whole and outer.is_whole):
+        raise GeometryError(
+            "a flank of the groove is trimmed or has a corner: only a cutter like the roller,"
+            f" {2.0 * roller:g} mm, clears all that the roller passes over",
+            key="output.gcode.tool_diameter",
+            value=f"{2.0 * tool_radius:g}",
+        )
     return [
-        CutterPath("outer flank", WorkingCurve(pitch, side), None, -1, side / 2.0, depth),
-        CutterPath("inner flank", WorkingCurve(pitch, -side), None, 1, side / 2.0, depth),
+        CutterPath("outer flank", outer.offset(-tool_radius), None, -1, side / 2.0, depth),
+        CutterPath("inner flank", inner.offset(tool_radius), None, 1, side / 2.0, depth),
     ]

@@ -42,11 +42,11 @@ def path_contour(path: CutterPath, tolerance: float) -> Contour:
     GeometryError
         With key "output.gcode.tool_diameter", if the cutter does not reach the whole flank.
     """
-    if path.curve is None:
+    if path.path is None:
         assert path.circle is not None  # a path is one or the other
         return path.circle
     try:
-        contour = fit_arcs(path.curve, tolerance).contour
+        contour = fit_arcs(path.path, tolerance).contour
         require_simple(contour, f"path of the cutter along the {path.name}")
     except UndercutError as error:
         raise GeometryError(

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from camgeo.check.closure import check_closure
-from camgeo.check.curvature import check_radius_ratio, check_undercut, undercut_ranges
+from camgeo.check.curvature import check_radius_ratio, check_undercut
 from camgeo.check.finding import Finding
 from camgeo.check.follower import check_follower
 from camgeo.check.limits import default_transmission_angle
@@ -23,6 +23,7 @@ from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.motion.laws import LAWS
 from camgeo.motion.plan import Dwell, MotionPlan, Move
+from camgeo.outline.cusps import undercut_ranges
 from camgeo.units import RPM
 from tests.reference import (
     hard_case,

@@ -6,11 +6,12 @@ import numpy as np
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from camgeo.check.curvature import check_undercut, undercut_ranges
+from camgeo.check.curvature import check_undercut
 from camgeo.curve.curvature import curvature_extremes
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.numeric.arrays import FloatArray
+from camgeo.outline.cusps import undercut_ranges
 from camgeo.units import TURN
 from tests.strategies import BENT, attack, pitch_curves
 

@@ -14,8 +14,10 @@ from camgeo.contour.contour import Contour
 from camgeo.contour.deviation import deviation
 from camgeo.contour.locate import locate
 from camgeo.contour.polyline import fit_polyline
+from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import GeometryError
 from camgeo.numeric.arrays import ComplexArray, FloatArray
+from camgeo.outline.path import whole
 from tests.contour.cams import FLANKS, TURN, curves, dense_flank, flank, polyline
 
 TOLERANCE = 0.01
@@ -30,7 +32,7 @@ names = st.sampled_from(FLANKS)
 
 @cache
 def _fit(name: tuple[str, int], straight: bool = False) -> Contour:
-    return (fit_polyline if straight else fit_arcs)(flank(*name), TOLERANCE).contour
+    return (fit_polyline if straight else fit_arcs)(whole(flank(*name)), TOLERANCE).contour
 
 
 def _through(vertices: ComplexArray, sweeps: FloatArray) -> Contour:
@@ -45,7 +47,7 @@ def _caught(name: tuple[str, int], contour: Contour) -> float:
     """The bound, held against dense sampling; infinite if the contour is refused."""
     curve = flank(*name)
     try:
-        bound = deviation(curve, contour)
+        bound = deviation(whole(curve), contour)
     except GeometryError:
         return np.inf
     assert bound >= dense_flank(name).measured(contour, 4_000) - SAGITTA
@@ -152,7 +154,7 @@ def test_foreign_contours_are_refused_or_far() -> None:
         polyline(np.array([0j, 50.0, 50j])),
     ):
         try:
-            bound = deviation(flank(*name), contour)
+            bound = deviation(whole(flank(*name)), contour)
         except GeometryError:
             continue
         assert bound >= dense_flank(name).measured(contour, 4_000) - SAGITTA > 1.0
@@ -164,7 +166,7 @@ def test_twice_round_is_refused() -> None:
         np.tile(contour.vertices, 2), np.tile(contour.sweeps, 2), np.tile(contour.centres, 2)
     )
     with pytest.raises(GeometryError, match="once round"):
-        deviation(flank(*FLANKS[0]), twice)
+        deviation(whole(flank(*FLANKS[0])), twice)
 
 
 def test_there_and_back_is_refused() -> None:
@@ -173,28 +175,28 @@ def test_there_and_back_is_refused() -> None:
     vertices = np.concatenate((contour.vertices[:20], contour.vertices[18:10:-1]))
     vertices = np.concatenate((vertices, contour.vertices[11:]))
     with pytest.raises(GeometryError, match="once round"):
-        deviation(flank(*FLANKS[0]), polyline(vertices))
+        deviation(whole(flank(*FLANKS[0])), polyline(vertices))
 
 
 @settings(some, max_examples=10)
 @given(curves(), st.booleans(), st.integers(0, 10**6))
-def test_found_again_however_it_is_run(curve: object, back: bool, start: int) -> None:
-    fit = fit_arcs(curve, TOLERANCE)  # type: ignore[arg-type]
+def test_found_again_however_it_is_run(curve: WorkingCurve, back: bool, start: int) -> None:
+    fit = fit_arcs(whole(curve), TOLERANCE)
     contour = fit.contour.reversed() if back else fit.contour
     turned = Contour(
         np.roll(contour.vertices, start),
         np.roll(contour.sweeps, start),
         np.roll(contour.centres, start),
     )
-    found, angles = locate(curve, turned)  # type: ignore[arg-type]
+    (run,) = locate(whole(curve), turned)
+    angles = run.angles[:-1]
     assert np.all(np.diff(angles) > 0.0)
     assert angles[-1] - angles[0] < TURN
     assert 0.0 <= angles[0] < TURN
     # Vertices within the tolerance of their feet, which is why they are found.
-    feet = curve.point(angles)  # type: ignore[attr-defined]
-    assert np.max(np.abs(found.vertices - feet)) <= TOLERANCE
+    assert np.max(np.abs(run.starts - curve.point(angles))) <= TOLERANCE
     # Both bounds lie within the proof's 1 % above the same distance.
-    assert deviation(curve, turned) == pytest.approx(fit.deviation, rel=0.011, abs=1e-10)  # type: ignore[arg-type]
+    assert deviation(whole(curve), turned) == pytest.approx(fit.deviation, rel=0.011, abs=1e-10)
 
 
 def test_inches_for_millimetres_show() -> None:

@@ -11,31 +11,31 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from camgeo.contour.arcs import fit_arcs
-from camgeo.contour.contour import Contour
 from camgeo.contour.fit import Fit
 from camgeo.contour.polyline import fit_polyline
 from camgeo.contour.simple import require_simple
 from camgeo.curve.pieces import smooth_pieces
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.curve.working_curve import WorkingCurve
-from camgeo.errors import ToleranceError, UndercutError
+from camgeo.errors import GeometryError, ToleranceError, UndercutError
 from camgeo.mechanism.translating_roller import TranslatingRoller
+from camgeo.motion.motion import Side
 from camgeo.motion.plan import MotionPlan
-from camgeo.numeric.arrays import ComplexArray
+from camgeo.outline.path import Path, whole
 from camgeo.part.boundaries import CurveBoundary
 from tests.contour.cams import FLANKS, TURN, Dense, curves, dwell, flank, move, outline
 from tests.contour.cams import translating as cam
+from tests.contour.tangents import PLACE, check_shared_ends, check_tangent
 from tests.reference import hard_case
 
-Fitter = Callable[[WorkingCurve, float], Fit]
+Fitter = Callable[[Path, float], Fit]
 
 FITTERS: tuple[Fitter, ...] = (fit_arcs, fit_polyline)
 
+SIDES: tuple[Side, ...] = ("right", "left")
+
 SAGITTA = 2e-6
 """Chords of the dense curve by which is measured, see `Dense` [mm]."""
-
-PLACE = 1e-13
-"""Rounding of a point of a curve some 100 mm from the axis: 8 ulp [mm]."""
 
 some = settings(
     max_examples=15,
@@ -44,47 +44,16 @@ some = settings(
 )
 
 
-def _tangents(contour: Contour) -> tuple[ComplexArray, ComplexArray]:
-    """Unit tangents at the start and at the end of each piece."""
-    arm = contour.vertices - contour.centres
-    chord = contour.ends - contour.vertices
-    along: ComplexArray = np.where(contour.sweeps != 0.0, 1j * np.sign(contour.sweeps) * arm, chord)
-    along /= np.abs(along)
-    last: ComplexArray = along * np.exp(1j * contour.sweeps)
-    return along, last
-
-
-def _check_tangent(contour: Contour, except_at: ComplexArray) -> None:
-    """No corner: neighbours turn by no more than the rounding of end points over a piece."""
-    first, last = _tangents(contour)
-    turns = np.abs(np.angle(np.roll(first, -1) * np.conj(last)))
-    shorter = np.minimum(contour.lengths, np.roll(contour.lengths, -1))
-    # Both tangents come from chords whose ends are PLACE off; an arc written as a line, with a
-    # sagitta of up to 1e-10 mm, turns by 4e-10 over its length.
-    lines = (contour.sweeps == 0.0) | (np.roll(contour.sweeps, -1) == 0.0)
-    allowed = (2.0 * PLACE + np.where(lines, 8e-10, 0.0)) / shorter
-    for corner in except_at:
-        allowed[np.argmin(np.abs(contour.ends - corner))] = np.pi
-    assert np.all(turns <= allowed)
-
-
-def _check_shared_ends(contour: Contour) -> None:
-    """Each arc, turned about its centre by its sweep, meets the start of the next piece."""
-    turned = contour.centres + (contour.vertices - contour.centres) * np.exp(1j * contour.sweeps)
-    arcs = contour.sweeps != 0.0
-    # A sweep of half the angle of tangent and chord carries PLACE / chord, times the radius.
-    allowed = 8.0 * PLACE * (1.0 + contour.radii / np.maximum(contour.lengths, 1e-6))
-    assert np.all((np.abs(turned - contour.ends) <= allowed)[arcs])
-
-
 def _check_fit(curve: WorkingCurve, fit: Fit, tolerance: float) -> None:
     assert fit.tolerance == tolerance
     assert fit.deviation <= tolerance
     assert fit.contour.area > 0.0
     found = Dense.of(curve).measured(fit.contour)
     assert found <= fit.deviation + SAGITTA
-    # The proof's own slack is 1 %; dense sampling finds all but (1/100)^2 of an arc's bulge.
-    assert fit.deviation <= 1.02 * found + 1e-9
+    # The proof's own slack is 1 %; dense sampling finds all but (1/100)^2 of a piece's bulge. To
+    # this come the gaps at the feet: the distance times the sine of the angle between piece and
+    # curve there, 0.03 where the coarsest arcs turn by a radian.
+    assert fit.deviation <= 1.05 * found + 1e-9
 
 
 @pytest.mark.parametrize("fitter", FITTERS)
@@ -92,39 +61,39 @@ def _check_fit(curve: WorkingCurve, fit: Fit, tolerance: float) -> None:
 @pytest.mark.parametrize("name", FLANKS, ids=str)
 def test_fixture_flanks(name: tuple[str, int], tolerance: float, fitter: Fitter) -> None:
     curve = flank(*name)
-    _check_fit(curve, fitter(curve, tolerance), tolerance)
+    _check_fit(curve, fitter(whole(curve), tolerance), tolerance)
 
 
 @some
 @given(curves(), st.sampled_from([0.03, 0.002]), st.sampled_from(FITTERS))
 def test_any_cam(curve: WorkingCurve, tolerance: float, fitter: Fitter) -> None:
-    _check_fit(curve, fitter(curve, tolerance), tolerance)
+    _check_fit(curve, fitter(whole(curve), tolerance), tolerance)
 
 
 @pytest.mark.parametrize("tolerance", [0.01, 1e-5])
 @pytest.mark.parametrize("name", FLANKS, ids=str)
 def test_arcs_are_tangent_and_meet(name: tuple[str, int], tolerance: float) -> None:
-    contour = fit_arcs(flank(*name), tolerance).contour
-    _check_tangent(contour, np.empty(0, dtype=np.complex128))
-    _check_shared_ends(contour)
+    contour = fit_arcs(whole(flank(*name)), tolerance).contour
+    check_tangent(contour, np.empty(0, dtype=np.complex128))
+    check_shared_ends(contour)
 
 
 @some
 @given(curves(), st.sampled_from([0.03, 1e-4]))
 def test_arcs_of_any_cam_are_tangent_and_meet(curve: WorkingCurve, tolerance: float) -> None:
-    contour = fit_arcs(curve, tolerance).contour
-    _check_tangent(contour, np.empty(0, dtype=np.complex128))
-    _check_shared_ends(contour)
+    contour = fit_arcs(whole(curve), tolerance).contour
+    check_tangent(contour, np.empty(0, dtype=np.complex128))
+    check_shared_ends(contour)
 
 
 @some
 @given(curves())
 def test_breaks_are_joints_and_a_dwell_is_one_arc_about_the_axis(curve: WorkingCurve) -> None:
     for fitter in FITTERS:
-        vertices = fitter(curve, 0.01).contour.vertices
+        vertices = fitter(whole(curve), 0.01).contour.vertices
         for place in curve.point(curve.breaks):
             assert np.min(np.abs(vertices - place)) <= PLACE
-    contour = fit_arcs(curve, 0.01).contour
+    contour = fit_arcs(whole(curve), 0.01).contour
     about_axis = (contour.sweeps != 0.0) & (contour.centres == 0.0)
     rests = [piece for piece in smooth_pieces(curve) if piece.dwell]
     assert np.count_nonzero(about_axis) == len(rests)
@@ -150,24 +119,26 @@ def test_breaks_are_joints_and_a_dwell_is_one_arc_about_the_axis(curve: WorkingC
 def test_dwells_across_the_start_and_beyond_half_a_turn(
     plan: tuple[object, ...], spans: list[float], rotation: int
 ) -> None:
-    contour = fit_arcs(cam(*plan, rotation=rotation), 0.001).contour  # type: ignore[arg-type]
+    contour = fit_arcs(whole(cam(*plan, rotation=rotation)), 0.001).contour  # type: ignore[arg-type]
     about_axis = (contour.sweeps != 0.0) & (contour.centres == 0.0)
     found = sorted(np.degrees(contour.sweeps[about_axis]).tolist())
     assert found == pytest.approx(sorted(spans), rel=1e-15)
 
 
 def test_cam_that_rests_all_turn_is_a_circle() -> None:
-    fit = fit_arcs(cam(dwell(360)), 1e-9)
+    fit = fit_arcs(whole(cam(dwell(360))), 1e-9)
     assert len(fit.contour) == 1
     assert fit.contour.area == pytest.approx(np.pi * 32.0**2, rel=1e-15)
     assert fit.deviation < 1e-11
 
 
-def test_shock_is_a_corner_and_nothing_else_is() -> None:
+@pytest.mark.parametrize("fitter", FITTERS)
+def test_curve_torn_apart_by_a_shock_is_refused(fitter: Fitter) -> None:
     curve = cam(dwell(40), move(140, 15.0, "straight-line"), dwell(60), move(120, 0.0))
-    corners = curve.point(np.radians([40.0, 180.0]))
-    with pytest.raises(AssertionError):
-        _check_tangent(fit_arcs(curve, 0.001).contour, corners[:1])
+    gap = np.abs(np.subtract(*(curve.point(np.radians([40.0]), side) for side in SIDES)))
+    assert gap[0] > 1.0
+    with pytest.raises(GeometryError, match="torn apart at cam angle 40 degrees"):
+        fitter(whole(curve), 0.001)
 
 
 @pytest.mark.parametrize(("fitter", "power"), [(fit_arcs, 3.0), (fit_polyline, 2.0)])
@@ -176,7 +147,7 @@ def test_counts_follow_their_law(name: tuple[str, int], fitter: Fitter, power: f
     """Pieces ~ tolerance^(-1/3) for G1 arcs, ^(-1/2) for chords."""
     curve = flank(*name)
     tolerances = (1e-2, 1e-3, 1e-4, 1e-5)
-    counts = [len(fitter(curve, tolerance).contour) for tolerance in tolerances]
+    counts = [len(fitter(whole(curve), tolerance).contour) for tolerance in tolerances]
     slope = -math.log(counts[-1] / counts[0]) / math.log(tolerances[-1] / tolerances[0])
     # Each smooth piece has whole pairs of arcs: 2 more than needed at most, and a count raised by
     # a trial that failed is 10 % too large at most; at the coarse end this is the larger share.
@@ -189,7 +160,7 @@ def test_counts_follow_their_law(name: tuple[str, int], fitter: Fitter, power: f
 @pytest.mark.parametrize("fitter", FITTERS)
 def test_tolerance_beyond_arithmetic_is_refused(fitter: Fitter) -> None:
     with pytest.raises(ToleranceError, match="tolerance 1e-14 mm asked") as caught:
-        fitter(flank("setzhub", -1), 1e-14)
+        fitter(whole(flank("setzhub", -1)), 1e-14)
     assert caught.value.reached > caught.value.asked == 1e-14
 
 
@@ -199,7 +170,7 @@ def test_undercut_is_refused(fitter: Fitter) -> None:
     curve = cam(move(40, 20.0), move(40, 0.0), dwell(280), roller=20.0)
     assert np.min(curve.regularity(np.linspace(0.0, TURN, 3601))) < 0.0
     with pytest.raises(UndercutError, match="cusp or undercut between cam angles"):
-        fitter(curve, 0.001)
+        fitter(whole(curve), 0.001)
 
 
 @pytest.mark.parametrize("case", ["HC22", "HC22b"])
@@ -215,12 +186,12 @@ def test_global_undercut_is_refused(case: str) -> None:
     roller = float(parameters["r_R"])
     curve = WorkingCurve(PitchCurve(plan, TranslatingRoller(parameters["r_G"], roller), 1), -roller)
     assert np.min(curve.regularity(np.linspace(0.0, TURN, 36_001))) > 0.0
-    fit = fit_arcs(curve, 0.001)
+    fit = fit_arcs(whole(curve), 0.001)
     with pytest.raises(UndercutError, match=r"outline crosses itself .*global undercut"):
         require_simple(fit.contour, "outline")
     for refused in (
-        CurveBoundary("outline", False, curve).arcs,
-        CurveBoundary("outline", False, curve).polyline,
+        CurveBoundary("outline", False, whole(curve)).arcs,
+        CurveBoundary("outline", False, whole(curve)).polyline,
     ):
         with pytest.raises(UndercutError, match="global undercut"):
             refused(0.01)
@@ -236,5 +207,5 @@ def test_global_undercut_is_refused(case: str) -> None:
 
 def test_outlines_of_the_fixtures_are_simple() -> None:
     for name in FLANKS:
-        require_simple(fit_arcs(flank(*name), 0.01).contour, "outline")
-    assert len(outline(fit_arcs(flank("setzhub", -1), 0.01).contour).starts) < 60
+        require_simple(fit_arcs(whole(flank(*name)), 0.01).contour, "outline")
+    assert len(outline(fit_arcs(whole(flank("setzhub", -1)), 0.01).contour).starts) < 60

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -15,12 +16,14 @@ from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import GeometryError, UndercutError
 from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.motion.plan import MotionPlan
+from camgeo.outline.path import Path, whole
 from camgeo.part.bore import bore_outline, bore_reach
 from camgeo.part.boundaries import ExactBoundary, largest_radius, smallest_radius
 from camgeo.part.build import build_part
 from camgeo.part.part import Part
 from camgeo.part.spec import Contact, Keyway, PartSpec
 from tests.contour.cams import dwell, flank, move, outline
+from tests.contour.paths import area, cut_off_lobe, swallow_tail
 from tests.end_to_end.exact import bore_area, bore_length
 
 ROLLER = 8.0
@@ -30,7 +33,7 @@ PLAN = MotionPlan((dwell(60), move(120, 15.0), dwell(60), move(120, 0.0)))
 
 PITCH = PitchCurve(PLAN, TranslatingRoller(40.0, ROLLER), 1)
 
-INNER, OUTER = WorkingCurve(PITCH, -ROLLER), WorkingCurve(PITCH, ROLLER)
+INNER, OUTER = whole(WorkingCurve(PITCH, -ROLLER)), whole(WorkingCurve(PITCH, ROLLER))
 
 some = settings(max_examples=50, deadline=None)
 
@@ -132,7 +135,7 @@ def test_rim_must_be_outside(contact: Contact) -> None:
 
 
 def test_undercut_is_no_part() -> None:
-    undercut = WorkingCurve(PITCH, -60.0)
+    undercut = whole(WorkingCurve(PITCH, -60.0))
     with pytest.raises(UndercutError):
         build_part("inner", undercut, OUTER, PartSpec(bore=5.0), 0.01)
     # Without anything to fit into it, it is found when its outline is asked for.
@@ -146,7 +149,7 @@ def test_undercut_is_no_part() -> None:
 def test_extreme_radii(name: tuple[str, int]) -> None:
     from camgeo.contour.arcs import fit_arcs
 
-    contour = fit_arcs(flank(*name), 0.01).contour
+    contour = fit_arcs(whole(flank(*name)), 0.01).contour
     radii = np.abs(outline(contour).dense(50_000))
     # Samples 0.01 mm apart miss an extreme by 0.01^2/8 over the radius there, 1 mm at least.
     assert smallest_radius(contour) == pytest.approx(float(np.min(radii)), abs=2e-5)
@@ -164,3 +167,32 @@ def test_exact_boundary(tolerance: float) -> None:
     assert fit.deviation <= tolerance * (1.0 + 1e-9)
     assert fit.contour.arc_count == 0
     assert boundary.deviation(fit.contour) == fit.deviation
+
+
+# Trimmed outlines -----------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("trimmed", [swallow_tail, cut_off_lobe])
+def test_trimmed_disc(trimmed: Callable[[], Path]) -> None:
+    path = trimmed()
+    part = build_part("inner", path, path, PartSpec(thickness=10.0, bore=4.0), 0.01)
+    flank = part.through[0]
+    tolerance = 0.001
+    fit, straight = flank.arcs(tolerance), flank.polyline(tolerance)
+    for found in (fit, straight):
+        assert found.deviation <= tolerance
+        strip = tolerance * found.contour.length
+        assert found.contour.area == pytest.approx(abs(area(path)), abs=strip)
+        assert flank.deviation(found.contour.reversed()) == pytest.approx(
+            found.deviation, rel=0.011
+        )
+
+
+def test_bore_beside_a_corner() -> None:
+    """HC22: without the lobe the disc is the base circle of 6 mm with a corner at 9.06 mm."""
+    path = cut_off_lobe()
+    part = build_part("inner", path, path, PartSpec(bore=11.9), 0.01)
+    contour = part.through[0].arcs(0.001).contour
+    assert largest_radius(contour) == pytest.approx(9.06066828504406653, rel=1e-12)
+    with pytest.raises(GeometryError, match=r"the outline comes as near as (5\.99|6)"):
+        build_part("inner", path, path, PartSpec(bore=12.1), 0.01)

@@ -13,6 +13,7 @@ from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import GeometryError
 from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.motion.plan import MotionPlan
+from camgeo.outline.path import whole
 from camgeo.part.build import build_part
 from camgeo.part.spec import Contact, Keyway, PartSpec
 from camgeo.toolpath.moves import ArcFeed, Feed, Move, Operation, Rapid, Toolpath
@@ -43,9 +44,9 @@ PART = PartSpec(thickness=10.0, bore=25.0, keyway=Keyway(8.0, 3.3), rim=150.0, g
 def _toolpath(
     contact: Contact, tool: float, part: PartSpec = PART, pitch: PitchCurve = PITCH, **spec: float
 ) -> Toolpath:
-    inner, outer = WorkingCurve(pitch, -ROLLER), WorkingCurve(pitch, ROLLER)
+    inner, outer = (whole(WorkingCurve(pitch, distance)) for distance in (-ROLLER, ROLLER))
     built = build_part(contact, inner, outer, part, 0.01)
-    paths = cutter_paths(contact, pitch, built, part, tool / 2.0)
+    paths = cutter_paths(contact, inner, outer, built, part, tool / 2.0)
     return plan_toolpath(paths, GcodeSpec(tool_diameter=tool, **spec), TOLERANCE)  # type: ignore[arg-type]
 
 

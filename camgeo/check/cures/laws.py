@@ -1,0 +1,168 @@
+"""Cure by another law of the moves in which undercut lies, at unchanged sizes and spans."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+from camgeo.check.cures.cam import Cam, Crossed, Pairs, bends_of, is_sound, margin_within
+from camgeo.check.cures.cure import Change, Cure, no_cure, told_share
+from camgeo.check.cures.moves import (
+    angles_of,
+    dwells_beside,
+    key_of,
+    undercut_segments,
+)
+from camgeo.motion.laws import FAMILIES, characteristic
+from camgeo.motion.laws.characteristic import acceleration_jumps
+from camgeo.motion.laws.law import Law
+from camgeo.motion.plan import MotionPlan, Move
+from camgeo.outline.cusps import CUSP
+
+KNOB = "other law"
+
+TASK = "R-R"
+
+
+@dataclass(frozen=True, slots=True)
+class Offer:
+    """A law with its default parameters, and what it would cost in place of another.
+
+    Attributes
+    ----------
+    growth : share by which the peak of the acceleration grows, 0 if it does not.
+    """
+
+    law: Law
+    growth: float
+
+
+def other_law(cam: Cam, pairs: Pairs, crossed: Crossed) -> Cure:
+    """Another family for the moves from rest to rest that have undercut, with default parameters.
+
+    Of those that leave none the one whose acceleration grows least; one whose acceleration jumps
+    only where the present one's does. Each move has its own against local undercut; if the flank
+    still crosses itself, all get the same.
+    """
+    plan, places = cam.plan, undercut_segments(cam, pairs)
+    for number in places:
+        move = plan.segments[number]
+        if not (isinstance(move, Move) and move.law.task == TASK and _at_rest(plan, number, move)):
+            key = key_of(number, move, "law")
+            reason = f"another law: {key} has undercut and is no law from rest to rest"
+            present = move.law.name if isinstance(move, Move) else ""
+            return no_cure(KNOB, key, present, "", reason)
+    fitting = {number: _fitting(cam, number) for number in places}
+    if all(fitting.values()):
+        first = {number: offers[0] for number, offers in fitting.items()}
+        if is_sound(_with(cam, first), crossed):
+            return _cure(plan, first)
+        for same in _same_for_all(fitting):
+            if same != first and is_sound(_with(cam, same), crossed):
+                return _cure(plan, same)
+    number = next((each for each, offers in fitting.items() if not offers), places[0])
+    move = plan.segments[number]
+    assert isinstance(move, Move)
+    key = key_of(number, move, "law")
+    return no_cure(KNOB, key, move.law.name, "", f"no other {key} cures it at these sizes")
+
+
+def offers_for(plan: MotionPlan, number: int) -> list[Offer]:
+    """All laws that could stand in a move's place, the cheapest first."""
+    move = plan.segments[number]
+    assert isinstance(move, Move)
+    before, after = dwells_beside(plan, number)
+    present = _peak(move.law)
+    jerky = _jerks(move.law)
+    found = []
+    for family in FAMILIES.values():
+        if TASK not in family.tasks:
+            continue
+        law = family.law(TASK, {})
+        ends = ((law.start, before), (law.end, after))
+        joins = all(
+            end.velocity == 0.0 and (end.acceleration == 0.0 or bool(dwells))
+            for end, dwells in ends
+        )
+        same = law.name == move.law.name and law.parameters == move.law.parameters
+        if joins and not same and (jerky or not _jerks(law)):
+            found.append(Offer(law, max(0.0, _peak(law) / present - 1.0)))
+    return sorted(found, key=lambda offer: (offer.growth, _jerks(offer.law)))
+
+
+def _fitting(cam: Cam, number: int) -> list[Offer]:
+    """The offers that leave no cusp and no local undercut in a move, the cheapest first."""
+    found = []
+    for offer in offers_for(cam.plan, number):
+        changed = _with(cam, {number: offer})
+        bends = bends_of(changed)
+        angles = angles_of(cam.plan, number)
+        if bends is not None and margin_within(changed, bends, *angles) > CUSP:
+            found.append(offer)
+    return found
+
+
+def _same_for_all(fitting: Mapping[int, list[Offer]]) -> list[dict[int, Offer]]:
+    """One law for all moves, each that fits them all, the cheapest first."""
+    by_name = [{offer.law.name: offer for offer in offers} for offers in fitting.values()]
+    names = [name for name in by_name[0] if all(name in offers for offers in by_name)]
+    every = [
+        {number: offers[name] for number, offers in zip(fitting, by_name, strict=True)}
+        for name in names
+    ]
+    return sorted(every, key=lambda offers: max(offer.growth for offer in offers.values()))
+
+
+def _with(cam: Cam, offers: Mapping[int, Offer]) -> Cam:
+    segments = list(cam.plan.segments)
+    for number, offer in offers.items():
+        move = segments[number]
+        assert isinstance(move, Move)
+        segments[number] = replace(move, law=offer.law)
+    return cam.moved(MotionPlan(tuple(segments)))
+
+
+def _at_rest(plan: MotionPlan, number: int, move: Move) -> bool:
+    """Whether another law can stand there: beside a dwell, or where this one rests as well."""
+    sides = zip((move.law.start, move.law.end), dwells_beside(plan, number), strict=True)
+    return all(dwells or end.velocity == end.acceleration == 0.0 for end, dwells in sides)
+
+
+def _peak(law: Law) -> float:
+    """Largest magnitude of f''; infinite for a law that starts or ends with a shock."""
+    if law.start.velocity or law.end.velocity:
+        return math.inf
+    values = characteristic(law)
+    return max(abs(values.largest_acceleration.value), abs(values.least_acceleration.value))
+
+
+def _jerks(law: Law) -> bool:
+    """Whether the acceleration jumps, between two rests."""
+    ends = (law.start, law.end)
+    return any(end.velocity or end.acceleration for end in ends) or acceleration_jumps(law)
+
+
+def _cure(plan: MotionPlan, offers: Mapping[int, Offer]) -> Cure:
+    changes = {}
+    for number, offer in offers.items():
+        move = plan.segments[number]
+        assert isinstance(move, Move)
+        changes[number] = Change(key_of(number, move, "law"), move.law.name, offer.law.name)
+    leading = max(offers, key=lambda number: offers[number].growth)
+    cost = offers[leading].growth
+    told = " and ".join(
+        f'{change.key} "{change.value_to}" instead of "{change.value_from}"'
+        for change in changes.values()
+    )
+    grows = f"grows by {told_share(cost)}" if cost > 0.0 else "does not grow"
+    return Cure(
+        knob=KNOB,
+        key=changes[leading].key,
+        value_from=changes[leading].value_from,
+        value_to=changes[leading].value_to,
+        unit="",
+        cost=cost,
+        sentence=(f"{told}, with default parameters (the peak of the acceleration {grows})"),
+        also=tuple(change for number, change in changes.items() if number != leading),
+    )

@@ -1,0 +1,97 @@
+"""The moves in which undercut lies, and what may change of them and leave their joints alone."""
+
+from __future__ import annotations
+
+import math
+from decimal import Decimal
+
+from camgeo.check.cures.cam import Cam, Pairs, bends_of, margin_within
+from camgeo.motion.plan import Dwell, MotionPlan, Move, Segment
+from camgeo.outline.cusps import CUSP
+
+
+def undercut_segments(cam: Cam, pairs: Pairs) -> tuple[int, ...]:
+    """Positions in the plan of the segments in which undercut lies.
+
+    Those with a cusp or local undercut; if there are none, those of the crossings `pairs`, of which
+    dwells are left out where a move is among them: what it does, its neighbour has to bear.
+    """
+    bends = bends_of(cam)
+    if bends is None:
+        return ()
+    local = [
+        number
+        for number, segment in enumerate(cam.plan.segments)
+        if segment.span and margin_within(cam, bends, *angles_of(cam.plan, number)) <= CUSP
+    ]
+    if local:
+        return tuple(local)
+    angles = [angle for pair in pairs for angle in pair]
+    places = sorted({segment_at(cam.plan, angle) for angle in angles})
+    moves = [place for place in places if not isinstance(cam.plan.segments[place], Dwell)]
+    return tuple(moves or places)
+
+
+def angles_of(plan: MotionPlan, number: int) -> tuple[float, float]:
+    """Cam angles [rad] at which a segment starts and ends."""
+    first, last = plan.joints_deg[number : number + 2]
+    return math.radians(float(first)), math.radians(float(last))
+
+
+def segment_at(plan: MotionPlan, angle: float) -> int:
+    """Position of the segment that holds the cam angle [rad]; the first one of no other."""
+    for number, segment in enumerate(plan.segments):
+        start, end = angles_of(plan, number)
+        if segment.span and start <= angle < end:
+            return number
+    return len(plan.segments) - 1
+
+
+def from_rest_to_rest(plan: MotionPlan, number: int) -> bool:
+    """Whether a segment is a move whose span can change and leave its joints what they are.
+
+    Its velocity is 0 at both ends; its acceleration is so too where no dwell is beside it.
+    """
+    move = plan.segments[number]
+    if not isinstance(move, Move) or move.span == 0:
+        return False
+    before, after = dwells_beside(plan, number)
+    ends = ((move.law.start, before), (move.law.end, after))
+    return all(
+        end.velocity == 0.0 and (end.acceleration == 0.0 or bool(dwells)) for end, dwells in ends
+    )
+
+
+def dwells_beside(plan: MotionPlan, number: int) -> tuple[list[int], list[int]]:
+    """Positions of the dwells next to a segment, before and after it, nearest first.
+
+    Those of no length are left out, and looked past.
+    """
+
+    def run(step: int) -> list[int]:
+        segments, found = plan.segments, []
+        for away in range(1, len(segments)):
+            place = (number + step * away) % len(segments)
+            if not isinstance(segments[place], Dwell):
+                break
+            if segments[place].span:
+                found.append(place)
+        return found
+
+    return run(-1), run(1)
+
+
+def dwells_around(plan: MotionPlan, number: int) -> tuple[int, ...]:
+    """Positions of the dwells next to a segment on either side, each once."""
+    before, after = dwells_beside(plan, number)
+    return tuple(dict.fromkeys(before + after))
+
+
+def key_of(number: int, segment: Segment, what: str) -> str:
+    """The scene's key of a segment, e.g. "motion[2].span"; that of a dwell is its length."""
+    return f"motion[{number + 1}].{'dwell' if isinstance(segment, Dwell) else what}"
+
+
+def degrees(value: Decimal) -> str:
+    """An angle as written, for a sentence."""
+    return f"{value.normalize():f}" if value else "0"

@@ -1,0 +1,119 @@
+"""Necks: chords of the pitch curve at right angles to it at both ends, where two flanks touch.
+
+A flank at the distance d touches itself where such a chord is 2 |d| long and d points into it, and
+crosses itself where it is shorter. That makes a smooth figure of a global undercut, so that its
+limit is a root and need not be enclosed by trial.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from camgeo.check.cures.cam import Cam, Pairs
+from camgeo.check.cures.moves import angles_of, segment_at
+from camgeo.curve.pitch_curve import PitchCurve
+from camgeo.errors import GeometryError
+
+STEPS = 40
+"""Newton steps; from a crossing near by ten are many."""
+
+LONGEST = 0.1
+"""Longest Newton step [rad]: 6 degrees, so that it stays among the moves where it began."""
+
+SQUARE = 1e-10
+"""Cosine between chord and tangent that counts as a right angle; its square is lost in rounding."""
+
+TOGETHER = 1e-3
+"""Ends closer than this [rad] run into each other: between those of a neck the curve turns half
+round, and where they meet the equations for the two become one."""
+
+Place = tuple[int, float]
+"""A cam angle as position of its segment in the plan and share of the segment's span."""
+
+
+@dataclass(frozen=True, slots=True)
+class Neck:
+    """A chord of the pitch curve at right angles to it at both ends.
+
+    Attributes
+    ----------
+    first, second : its ends; as shares of segments they outlast a change of the spans.
+    clearance : its length less twice the roller radius [mm].
+    """
+
+    first: Place
+    second: Place
+    clearance: float
+
+
+def narrowest(cam: Cam, pairs: Pairs) -> Neck | None:
+    """The neck with the least clearance near the crossings; None if none is found."""
+    found = [_neck(cam, *pair) for pair in pairs]
+    necks = [neck for neck in found if neck is not None]
+    return min(necks, key=lambda neck: neck.clearance, default=None)
+
+
+def followed(cam: Cam, neck: Neck) -> Neck | None:
+    """The same neck of a changed cam; None if it cannot be followed."""
+    return _neck(cam, _angle(cam, neck.first), _angle(cam, neck.second))
+
+
+def _neck(cam: Cam, first: float, second: float) -> Neck | None:
+    try:
+        pitch = cam.pitch_curve()
+        ends = _square_chord(pitch, first, second)
+    except GeometryError:
+        return None
+    if ends is None:
+        return None
+    angles = np.array(ends)
+    point, slope = pitch.jet(angles)[:2]
+    chord = complex(point[1] - point[0])
+    inward = 1j * pitch.rotation * slope / np.abs(slope) * np.array([1.0, -1.0])
+    facing = (np.conj(chord) * inward).real
+    # The flank lies in the chord at both its ends, or at neither.
+    if not any(np.all(distance * facing > 0.0) for distance in cam.distances):
+        return None
+    clearance = abs(chord) - 2.0 * cam.follower.roller_radius
+    return Neck(_place(cam, ends[0]), _place(cam, ends[1]), clearance)
+
+
+def _square_chord(pitch: PitchCurve, first: float, second: float) -> tuple[float, float] | None:
+    """Ends [rad] of the shortest chord near by, by Newton's method; None if it leads nowhere."""
+    angles = np.array([first, second])
+    for _ in range(STEPS):
+        if abs(math.remainder(float(angles[1] - angles[0]), math.tau)) < TOGETHER:
+            return None
+        point, slope, bend = pitch.jet(angles)[:3]
+        chord = np.conj(complex(point[1] - point[0]))
+        # Half the square of the chord's length, its gradient and its Hessian.
+        sign = np.array([-1.0, 1.0])
+        gradient = sign * (chord * slope).real
+        speed = np.abs(slope)
+        if np.all(np.abs(gradient) <= SQUARE * speed * abs(chord)):
+            return float(angles[0]), float(angles[1])
+        own = speed**2 + sign * (chord * bend).real
+        mixed = -float((np.conj(slope[0]) * slope[1]).real)
+        if min(own) <= 0.0 or own[0] * own[1] <= mixed**2:  # no minimum: go downhill
+            own, mixed = speed**2, 0.0
+        crosswise = own[::-1] * gradient - mixed * gradient[::-1]
+        step = crosswise / (own[0] * own[1] - mixed**2)
+        longest = float(np.max(np.abs(step)))
+        if longest == 0.0:
+            return None
+        angles = angles - step * min(1.0, LONGEST / longest)
+    return None
+
+
+def _place(cam: Cam, angle: float) -> Place:
+    number = segment_at(cam.plan, angle % math.tau)
+    start, end = angles_of(cam.plan, number)
+    return number, (angle % math.tau - start) / (end - start)
+
+
+def _angle(cam: Cam, place: Place) -> float:
+    start, end = angles_of(cam.plan, place[0])
+    return start + place[1] * (end - start)

@@ -1,0 +1,131 @@
+"""The nearest value of a knob at which a cam is free of cusps and undercut."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from camgeo.check.cures.cam import Cam, Crossed, Pairs, crossings_of, margin
+from camgeo.check.cures.neck import Neck, followed, narrowest
+from camgeo.errors import GeometryError
+from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.roots import bracketed_roots
+from camgeo.outline.cusps import CUSP
+
+FIRST = 0.005
+"""First step away from the present value, as a share of the scale. A range of cures narrower than
+a step may be passed over; half a per cent is less than what a designer rounds to."""
+
+GROWTH = 2.0
+"""Each step ends this much farther from the present value than the one before it."""
+
+BEYOND = 1e-7
+"""Crossings are looked for this share beyond the limit: at the limit itself the flank has a cusp or
+touches itself, and nearer to it rounding of the curve decides."""
+
+NARROW = 1e-9
+"""Width, as a share of the scale, to which a limit that is no root is enclosed."""
+
+Make = Callable[[float], Cam]
+"""The cam at a value of the knob; GeometryError where there is none."""
+
+
+def nearest_cure(
+    make: Make, start: float, end: float, scale: float, crossed: Crossed
+) -> float | None:
+    """The limit nearest to `start` on the way to `end` beyond which the cam is sound.
+
+    Of local undercut it is the root of the margin; of global undercut that of the neck's clearance,
+    or, where there is no such neck, a sound value within `NARROW` of the limit. None if there is
+    none on the way. A value at which there is no mechanism is not sound.
+    """
+    away = 1.0 if end > start else -1.0
+    before, regular, neck = start, False, None
+    pairs = _pairs(make, start, crossed)
+    if pairs:
+        regular, neck = True, narrowest(make(start), pairs)
+    for value in steps(start, end, scale):
+        value = float(value)
+        if _margin(make, value) <= CUSP:
+            before, regular, neck = value, False, None
+            continue
+        if not regular:
+            limit = root(lambda x: _margin(make, x), before, value)
+            before = limit + away * min(BEYOND * scale, abs(value - limit))
+            pairs = _pairs(make, before, crossed)
+            if pairs == ():
+                return limit
+            regular, neck = True, narrowest(make(before), pairs) if pairs else None
+        following = None if neck is None else followed(make(value), neck)
+        if following is not None and following.clearance <= 0.0:
+            before, neck = value, following  # it crosses, no need to look
+            continue
+        pairs = _pairs(make, value, crossed)
+        if pairs == ():
+            return _last_crossing(make, before, value, scale, neck, crossed)
+        before, neck = value, narrowest(make(value), pairs) if pairs else None
+    return None
+
+
+def _last_crossing(
+    make: Make, bad: float, good: float, scale: float, neck: Neck | None, crossed: Crossed
+) -> float:
+    """The limit of global undercut between a value that has it and a sound one."""
+
+    def clearance(value: float) -> float:
+        here = None if neck is None else followed(make(value), neck)
+        return -1.0 if here is None else here.clearance
+
+    def sound(value: float) -> bool:
+        return _pairs(make, value, crossed) == ()
+
+    if neck is not None and clearance(bad) < 0.0 < clearance(good):
+        limit = root(clearance, bad, good)
+        if sound(limit + np.sign(good - bad) * min(BEYOND * scale, abs(good - limit))):
+            return limit
+    while abs(bad - good) > NARROW * scale:
+        middle = 0.5 * (good + bad)
+        if sound(middle):
+            good = middle
+        else:
+            bad = middle
+    return good
+
+
+def steps(start: float, end: float, scale: float) -> FloatArray:
+    """Values from `start` (left out) to `end`, at distances that grow geometrically."""
+    reach = abs(end - start)
+    if reach == 0.0:
+        return np.empty(0)
+    first = min(FIRST * scale, reach)
+    count = int(np.ceil(np.log(reach / first) / np.log(GROWTH))) + 1
+    values: FloatArray = start + np.geomspace(first, reach, count) * np.sign(end - start)
+    values[-1] = end
+    return values
+
+
+def root(function: Callable[[float], float], low: float, high: float) -> float:
+    """Where `function` passes zero between `low` and `high`, at which it has opposite signs."""
+
+    def values(x: FloatArray) -> FloatArray:
+        return np.array([function(float(each)) for each in x])
+
+    return float(bracketed_roots(values, np.array([low]), np.array([high]))[0])
+
+
+def _margin(make: Make, value: float) -> float:
+    """The margin; -1 where there is no mechanism, as there is none that is good."""
+    try:
+        least = margin(make(value))
+    except GeometryError:
+        return -1.0
+    return -1.0 if least is None else least
+
+
+def _pairs(make: Make, value: float, crossed: Crossed) -> Pairs | None:
+    """See `crossings_of`; None also where there is no mechanism."""
+    try:
+        return crossings_of(make(value), crossed)
+    except GeometryError:
+        return None

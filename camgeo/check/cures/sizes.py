@@ -1,0 +1,89 @@
+"""Cures by a dimension of the follower: base radius, roller radius, offset, arm."""
+
+from __future__ import annotations
+
+from camgeo.check.cures.cam import Cam, Crossed, Pairs, bends_of, is_sound
+from camgeo.check.cures.cure import Cure, length_cure, no_cure
+from camgeo.check.cures.search import BEYOND, Make, nearest_cure
+from camgeo.mechanism.oscillating_roller import OscillatingRoller
+
+MOST = 100.0
+"""Times the present base radius up to which a larger one is looked for."""
+
+INSIDE = 1e-6
+"""Share of the base radius by which an offset, arm or base radius stays off the value at which the
+mechanism locks or lies stretched out."""
+
+
+def base_radius(cam: Cam, _: Pairs, crossed: Crossed) -> Cure:
+    """A larger base circle; an oscillating follower keeps pivot and arm."""
+    key, old = "follower.base_radius", cam.follower.base_radius
+    end, why = MOST * old, f"up to {MOST:g} times the present one"
+    if isinstance(cam.follower, OscillatingRoller):
+        stretched = cam.follower.centre_distance + cam.follower.arm
+        if stretched * (1.0 - INSIDE) < end:
+            end = max(stretched * (1.0 - INSIDE), old)
+            why = f"up to {stretched:g} mm, where the rocker lies stretched out,"
+    limit = nearest_cure(lambda r: cam.sized(base_radius=r), old, end, old, crossed)
+    if limit is None:
+        return no_cure("base radius", key, old, "mm", f"no larger base radius {why} cures it")
+    return length_cure("base radius", key, old, limit, old, upward=True)
+
+
+def roller_radius(cam: Cam, _: Pairs, crossed: Crossed) -> Cure:
+    """A smaller roller: at most the smallest r_K that matters, in closed form (Wirsig eq. 3.36).
+
+    Smaller still, by bisection, where the flank of that roller crosses itself.
+    """
+    key, old = "follower.roller_radius", cam.follower.roller_radius
+    bends = bends_of(cam)
+    assert bends is not None  # there is something to cure
+    convex, concave = bends.largest()[0], -bends.smallest()[0]
+    kappas = {"inner": (convex,), "outer": (concave,), "groove": (convex, concave)}[cam.contact]
+    kappa = max(kappas)
+    regular = min(old, 1.0 / kappa) if kappa > 0.0 else old
+    limit: float | None = regular
+    near = regular * (1.0 - BEYOND)
+    if not is_sound(cam.sized(roller_radius=near), crossed):
+        limit = nearest_cure(lambda r: cam.sized(roller_radius=r), near, BEYOND * old, old, crossed)
+    if limit is None:
+        return no_cure("roller radius", key, old, "mm", "no smaller roller radius cures it")
+    return length_cure("roller radius", key, old, limit, old, upward=False)
+
+
+def offset_or_arm(cam: Cam, _: Pairs, crossed: Crossed) -> Cure:
+    """Another offset |e| < r_G of a guide, another arm of a rocker with the same pivot and r_G.
+
+    The nearer one of the two directions in which it can be changed.
+    """
+    follower = cam.follower
+    base = follower.base_radius
+    if isinstance(follower, OscillatingRoller):
+        distance, old = follower.centre_distance, follower.arm
+        low, high = abs(distance - base) + INSIDE * base, (distance + base) - INSIDE * base
+        found = _either_way(lambda arm: cam.sized(arm=arm), old, low, high, old, crossed)
+        knob, key, scale, article = "arm", "follower.arm", old, "no other arm"
+    else:
+        old = follower.offset
+        high = (1.0 - INSIDE) * base
+        found = _either_way(lambda e: cam.sized(offset=e), old, -high, high, base, crossed)
+        knob, key, scale, article = "offset", "follower.offset", base, "no other offset"
+        low = -high
+    if found is None:
+        reason = f"{article} between {low:g} and {high:g} mm cures it"
+        return no_cure(knob, key, old, "mm", reason)
+    limit, upward = found
+    return length_cure(knob, key, old, limit, scale, upward=upward)
+
+
+def _either_way(
+    make: Make, old: float, low: float, high: float, scale: float, crossed: Crossed
+) -> tuple[float, bool] | None:
+    """The nearer of the limits in both directions within [low, high]; True if it is above."""
+    up = nearest_cure(make, old, max(high, old), scale, crossed)
+    if up is not None:
+        low = max(low, old - (up - old))
+    down = nearest_cure(make, old, min(low, old), scale, crossed)
+    if down is not None:
+        return down, False
+    return None if up is None else (up, True)

@@ -1,0 +1,39 @@
+"""All cures of a cam's undercut."""
+
+from __future__ import annotations
+
+import math
+
+from camgeo.check.cures.cam import Cam, Crossed, crossings, margin
+from camgeo.check.cures.cure import Cure
+from camgeo.check.cures.laws import other_law
+from camgeo.check.cures.sizes import base_radius, offset_or_arm, roller_radius
+from camgeo.check.cures.spans import longer_segment
+from camgeo.outline.cusps import CUSP
+
+KNOBS = (base_radius, roller_radius, offset_or_arm, longer_segment, other_law)
+
+
+def cures(cam: Cam, crossed: Crossed = crossings) -> tuple[Cure, ...]:
+    """The smallest cure by each knob, all others left alone; the cheapest first.
+
+    Knobs that have no cure come last and say why. Empty if there is nothing to cure, or if there is
+    no mechanism whose undercut could be told.
+
+    Parameters
+    ----------
+    crossed : finds the crossings of the flanks in use; asked only where they are regular.
+
+    Raises
+    ------
+    GeometryError
+        If the flanks are regular and it cannot be decided whether they cross.
+    """
+    least = margin(cam)
+    if least is None:
+        return ()
+    pairs = crossed(cam.flanks()) if least > CUSP else ()
+    if least > CUSP and not pairs:
+        return ()
+    found = [knob(cam, pairs, crossed) for knob in KNOBS]
+    return tuple(sorted(found, key=lambda cure: math.inf if cure.cost is None else cure.cost))

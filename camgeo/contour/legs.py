@@ -1,0 +1,250 @@
+"""The legs of a path: what lies between its corners, each fitted and proved on its own.
+
+A leg is a stretch of a parallel over the cam angle, or the arc of a turn about a point over the
+angle turned. Both look alike to fit and proof: a curve Z over a parameter with bounds of its
+derivatives, and a signed distance at which the path is its parallel; an arc is its own Z.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from camgeo.curve.pieces import Piece, smooth_pieces
+from camgeo.curve.working_curve import WorkingCurve
+from camgeo.errors import GeometryError, UndercutError
+from camgeo.motion.motion import Side
+from camgeo.numeric.arrays import ComplexArray, FloatArray
+from camgeo.outline.path import Path, Pivot, Stretch
+from camgeo.units import TURN
+
+SNAP = 8.0 * math.ulp(TURN)
+"""Two cam angles [rad] closer than this are the same, rounded differently."""
+
+ROUNDING = 2.0**-52 * 32.0
+"""Rounding of a point, as a share of the lengths that it is made of."""
+
+
+class Leg(Protocol):
+    """A leg over its parameter t [rad].
+
+    Attributes
+    ----------
+    start, end : range of t, start < end.
+    closed : True if it is a whole path that closes without a corner; it may then begin anywhere.
+    first : where it begins [mm], shared with the leg before it; None where its own point counts.
+    distance : d [mm], of the leg from its Z.
+    rotation : sigma; the outward normal is i sigma Z'/|Z'|.
+    borders : (k,) t at which the formula of Z changes, in [0, end] at least.
+    """
+
+    @property
+    def start(self) -> float: ...
+
+    @property
+    def end(self) -> float: ...
+
+    @property
+    def closed(self) -> bool: ...
+
+    @property
+    def first(self) -> complex | None: ...
+
+    @property
+    def distance(self) -> float: ...
+
+    @property
+    def rotation(self) -> int: ...
+
+    @property
+    def borders(self) -> FloatArray: ...
+
+    def point(self, t: FloatArray, side: Side = "right") -> ComplexArray:
+        """(n,) complex [mm] points at `t` (n,)."""
+
+    def tangent(self, t: FloatArray, side: Side = "right") -> ComplexArray:
+        """(n,) complex unit tangents, those of Z."""
+
+    def pace(self, t: FloatArray) -> FloatArray:
+        """(n,) ds/dt [mm/rad] along the leg, negative where it runs against its tangent."""
+
+    def jet(self, t: FloatArray) -> ComplexArray:
+        """(3 or more, n) complex [mm/rad^k]: Z, Z', Z''."""
+
+    def speed_bounds(self, low: FloatArray, high: FloatArray) -> FloatArray:
+        """(3, n) upper bounds of |Z'|, |Z''|, |Z'''| over cells [low, high] without a border."""
+
+
+@dataclass(frozen=True, slots=True)
+class StretchLeg:
+    """A stretch of a parallel as a leg; t is the cam angle."""
+
+    curve: WorkingCurve
+    start: float
+    end: float
+    closed: bool
+    first: complex | None
+
+    @property
+    def distance(self) -> float:
+        """See `Leg`."""
+        return self.curve.distance
+
+    @property
+    def rotation(self) -> int:
+        """See `Leg`."""
+        return self.curve.pitch.rotation
+
+    @property
+    def borders(self) -> FloatArray:
+        """See `Leg`."""
+        return np.concatenate((self.curve.borders, self.curve.borders + TURN))
+
+    @property
+    def pieces(self) -> tuple[Piece, ...]:
+        """Its smooth pieces, in order."""
+        if self.closed:
+            return smooth_pieces(self.curve)
+        found = []
+        for turn in (-TURN, 0.0, TURN):
+            for piece in smooth_pieces(self.curve):
+                start, end = piece.start + turn, piece.end + turn
+                if min(end, self.end) - max(start, self.start) <= SNAP:
+                    continue
+                start = self.start if start < self.start + SNAP else start
+                end = self.end if end > self.end - SNAP else end
+                found.append(Piece(start, end, piece.dwell))
+        return tuple(found)
+
+    def point(self, t: FloatArray, side: Side = "right") -> ComplexArray:
+        """See `Leg`."""
+        return self.curve.point(t, side)
+
+    def tangent(self, t: FloatArray, side: Side = "right") -> ComplexArray:
+        """See `Leg`."""
+        return self.curve.tangent(t, side)
+
+    def pace(self, t: FloatArray) -> FloatArray:
+        """See `Leg`."""
+        return self.curve.pace(t)
+
+    def jet(self, t: FloatArray) -> ComplexArray:
+        """See `Leg`."""
+        return self.curve.pitch.jet(t)
+
+    def speed_bounds(self, low: FloatArray, high: FloatArray) -> FloatArray:
+        """See `Leg`; cam angle 0 is a border, so no cell reaches across."""
+        turns = TURN * np.floor(0.5 * (low + high) / TURN)
+        return self.curve.pitch.speed_bounds(
+            np.maximum(low - turns, 0.0), np.minimum(high - turns, TURN)
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class TurnLeg:
+    """The arc of a pivot as a leg; t is the angle turned.
+
+    Attributes
+    ----------
+    centre, first, last : centre, start and end of the arc [mm].
+    sweep : angle of the arc [rad], counter-clockwise positive.
+    """
+
+    centre: complex
+    first: complex
+    last: complex
+    sweep: float
+    start: float = 0.0
+    closed: bool = False
+    distance: float = 0.0
+    rotation: int = 1
+
+    @property
+    def end(self) -> float:
+        """See `Leg`."""
+        return abs(self.sweep)
+
+    @property
+    def radius(self) -> float:
+        """Radius of the arc [mm]."""
+        return abs(self.first - self.centre)
+
+    @property
+    def length(self) -> float:
+        """Length of the arc [mm]."""
+        return self.radius * self.end
+
+    @property
+    def borders(self) -> FloatArray:
+        """See `Leg`."""
+        return np.empty(0)
+
+    def point(self, t: FloatArray, side: Side = "right") -> ComplexArray:
+        """See `Leg`."""
+        return self.centre + self._arm(t)
+
+    def tangent(self, t: FloatArray, side: Side = "right") -> ComplexArray:
+        """See `Leg`."""
+        return 1j * math.copysign(1.0, self.sweep) * self._arm(t) / self.radius
+
+    def pace(self, t: FloatArray) -> FloatArray:
+        """See `Leg`."""
+        return np.full(len(t), self.radius)
+
+    def jet(self, t: FloatArray) -> ComplexArray:
+        """See `Leg`."""
+        arm = self._arm(t)
+        return np.stack((self.centre + arm, 1j * math.copysign(1.0, self.sweep) * arm, -arm))
+
+    def speed_bounds(self, low: FloatArray, high: FloatArray) -> FloatArray:
+        """See `Leg`."""
+        return np.full((3, len(low)), self.radius)
+
+    def _arm(self, t: FloatArray) -> ComplexArray:
+        turned: ComplexArray = np.exp(1j * math.copysign(1.0, self.sweep) * t)
+        turned *= self.first - self.centre
+        return turned
+
+
+def legs_of(path: Path) -> tuple[StretchLeg | TurnLeg, ...]:
+    """The legs of a path, in order; corners are where they meet.
+
+    Raises
+    ------
+    GeometryError
+        If the path has no stretch.
+    UndercutError
+        If an arc has turned inside out: a parallel lies beyond what a concave part of the path
+        allows.
+    """
+    if not path.stretches:
+        raise GeometryError("a path needs a stretch of the curve")
+    legs: list[StretchLeg | TurnLeg] = []
+    before = path.elements[-1]
+    for element in path.elements:
+        if isinstance(element, Stretch):
+            if element.end - element.start <= SNAP:
+                continue
+            start = before.end if isinstance(before, Pivot) else None
+            legs.append(StretchLeg(element.curve, element.start, element.end, path.is_whole, start))
+        else:
+            legs += _turn(element, path.stretches[0].curve.pitch.rotation)
+        before = element
+    return tuple(legs)
+
+
+def _turn(pivot: Pivot, rotation: int) -> list[TurnLeg]:
+    """The arc of a pivot, or nothing if it is a corner."""
+    size = abs(pivot.centre) + abs(pivot.distance)
+    if abs(pivot.distance * pivot.sweep) <= ROUNDING * size:
+        return []
+    # The way on is t = n/(i sigma); along the arc it is i distance n, in the sense of the sweep.
+    if pivot.distance * pivot.sweep * rotation > 0.0:
+        raise UndercutError(
+            f"the arc about a corner at cam angle {math.degrees(pivot.before):.6g} degrees has"
+            " turned inside out: the parallel is too far on the concave side"
+        )
+    return [TurnLeg(pivot.centre, pivot.start, pivot.end, pivot.sweep)]

@@ -1,0 +1,393 @@
+"""The path on which a follower holds its roller, seen from the cam: where it meets a curve.
+
+At the cam angle phi the follower lets the roller centre run on one path only: a straight guide, or
+a circle about the rocker's pivot. A coordinate q along it grows outward: the height h over the cam
+axis of a guide, or the angle psi_t between line pivot -> cam axis and arm. It is linear in the
+lift. As long as the follower stays on its own side (h > 0; psi_t in (0, pi)), the distance from the
+cam axis gives q and the polar angle gives phi: (phi, q) are coordinates of the plane, and a curve
+of roller centres is a lift over the cam angle.
+
+Behind a linkage the follower is the rocker, and its lift the rocker's angle.
+"""
+
+from __future__ import annotations
+
+import cmath
+import math
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from camgeo.errors import GeometryError
+from camgeo.mechanism.follower import Follower
+from camgeo.mechanism.oscillating_roller import OscillatingRoller
+from camgeo.mechanism.translating_roller import TranslatingRoller
+from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, IntArray
+from camgeo.units import TURN
+
+ROUNDING = 1e-9
+"""By so much may the square of a cosine be negative: two curves that touch within this share of
+their size touch."""
+
+PLACE = 2.0**-46
+"""Share by which a point is known, 64 ulps: what is lost in the sums here."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Bows:
+    """Lines and circles, each known by one of its points: well conditioned however flat it is.
+
+    A point Z lies on it if Re(conj(n) d) + kappa |d|^2 / 2 = 0, d = Z - A; its normal there is
+    n + kappa d.
+
+    Attributes
+    ----------
+    points : (n,) A, complex [mm].
+    normals : (n,) n, complex unit normals at A.
+    curvatures : (n,) kappa [1/mm], positive where the normal points away from the centre, 0 of a
+        line.
+    """
+
+    points: ComplexArray
+    normals: ComplexArray
+    curvatures: FloatArray
+
+    def __len__(self) -> int:
+        return len(self.points)
+
+    def take(self, index: IntArray) -> Bows:
+        """Those of the numbers `index` (k,)."""
+        return Bows(self.points[index], self.normals[index], self.curvatures[index])
+
+    def at(self, t: FloatArray) -> ComplexArray:
+        """(n,) [mm] the points at the parameters t (n,) [mm]: 2 tan(beta/2) / kappa.
+
+        beta is the angle turned from A on; on a line t is the way from A, in the direction i n.
+        """
+        return self.points + 1j * self.normals * t / (1.0 - 0.5j * self.curvatures * t)
+
+    def normal_at(self, points: ComplexArray) -> ComplexArray:
+        """(n,) unit normals at `points` (n,) [mm], which lie on them."""
+        return self.normals + self.curvatures * (points - self.points)
+
+    def crossings(self, others: Bows) -> FloatArray:
+        """(2, n) parameters at which each meets its partner of `others`; infinite where it none."""
+        return _roots(*self._against(others))
+
+    def crossing(self, others: Bows, rising: FloatArray) -> FloatArray:
+        """(n,) the one of the two parameters at which each comes out of (`rising` = 1), or goes
+        into (-1), the side of its partner that the partner's normal points to.
+
+        Raises GeometryError where they do not meet.
+        """
+        square, linear, value = self._against(others)
+        radicand = linear * linear - 4.0 * square * value
+        # A small circle is known to the rounding of its place.
+        lost = ROUNDING + PLACE * np.abs(others.curvatures * others.points)
+        _require_meeting(radicand >= -lost)
+        root = rising * np.sqrt(np.maximum(radicand, 0.0))
+        # Of the two forms of one root, the one in which nothing cancels.
+        alike = rising * linear >= 0.0
+        top = np.where(alike, -2.0 * value, root - linear)
+        bottom = np.where(alike, linear + root, 2.0 * square)
+        _require_meeting((bottom != 0.0) | (top == 0.0))
+        return np.divide(top, bottom, out=np.zeros_like(top), where=bottom != 0.0)
+
+    def _against(self, others: Bows) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """What the parameter of a point solves that lies on a partner: square, linear, constant."""
+        apart = others.points - self.points
+        turned = others.normals - others.curvatures * apart
+        value = 0.5 * others.curvatures * _square(apart) - _dot(others.normals, apart)
+        kappa = self.curvatures
+        square = 0.5 * (others.curvatures - kappa * _dot(turned, self.normals))
+        square += 0.25 * value * kappa * kappa
+        return square, _dot(turned, 1j * self.normals), value
+
+    def at_distance(self, radius: float, shift: float = 0.0) -> FloatArray:
+        """(2, n) parameters at which the parallel at -`shift` is `radius` from the cam axis [mm].
+
+        Infinite where there is no such place.
+        """
+        kappa = self.curvatures
+        a = self.points - shift * self.normals
+        b = 1j * (self.normals - 0.5 * kappa * (self.points + shift * self.normals))
+        return _roots(
+            _square(b) - (0.5 * radius * kappa) ** 2,
+            2.0 * _dot(a, b),
+            (np.abs(a) - radius) * (np.abs(a) + radius),
+        )
+
+
+class FollowerPath(Protocol):
+    """The path of the roller centre at each cam angle, in cam coordinates.
+
+    Attributes
+    ----------
+    rotation : sigma, +1 if the cam turns counter-clockwise, -1 clockwise.
+    start : q at lift 0 [mm or rad].
+    outward : +1 if a positive lift moves the roller outward, else -1; q = start + outward * lift.
+    reach : smallest and largest distance from the cam axis [mm] that the roller centre can have.
+    """
+
+    @property
+    def rotation(self) -> int: ...
+
+    @property
+    def start(self) -> float: ...
+
+    @property
+    def outward(self) -> int: ...
+
+    @property
+    def reach(self) -> tuple[float, float]: ...
+
+    def coordinate(self, distance: FloatArray) -> FloatArray:
+        """(n,) q where the roller centre is `distance` (n,) [mm] from the cam axis.
+
+        Beyond the reach, q at its end.
+        """
+
+    def cam_angle_of(self, points: ComplexArray) -> tuple[FloatArray, FloatArray]:
+        """Cam angle (n,) [rad] in [0, 2 pi) and q (n,) of roller centres at `points` (n,) [mm].
+
+        Raises GeometryError for a point beyond the reach.
+        """
+
+    def point(self, phi: FloatArray, q: FloatArray) -> ComplexArray:
+        """(n,) complex [mm] Z."""
+
+    def along(self, phi: FloatArray, q: FloatArray) -> tuple[ComplexArray, ComplexArray]:
+        """(n,), (n,) dZ/dq and d^2Z/dq^2 [mm, or mm/rad^k for a rocker]."""
+
+    def meet(self, phi: FloatArray, bows: Bows, facing: FloatArray) -> FloatArray:
+        """(n,) q at which the path at `phi` (n,) [rad] meets each of `bows`.
+
+        Of two such places the one where the bow's normal has a part along the path outward
+        (`facing` = 1) or inward (-1). Raises GeometryError where they do not meet.
+        """
+
+    def touching(self, bows: Bows) -> FloatArray:
+        """(4, n) parameters of `bows` where a path is tangent to them; infinite where there is
+        none.
+
+        Those too at which the rest of a path is tangent, on the side where the follower never is.
+        """
+
+
+def path_of(follower: Follower, rotation: int) -> FollowerPath:
+    """The path of `follower` on a cam that turns in the sense `rotation`, +1 counter-clockwise.
+
+    Raises GeometryError if it is no roller follower of this package.
+    """
+    if isinstance(follower, TranslatingRoller):
+        return GuidePath(follower, rotation)
+    if isinstance(follower, OscillatingRoller):
+        return SwingPath(follower, rotation)
+    raise GeometryError(f"the path of a {type(follower).__name__} is not known")
+
+
+@dataclass(frozen=True, slots=True)
+class GuidePath:
+    """The guide of a translating follower: Z = u (e + i h), u = exp(i (axis - sigma phi))."""
+
+    follower: TranslatingRoller
+    rotation: int
+
+    @property
+    def start(self) -> float:
+        return self.follower.start_height
+
+    @property
+    def outward(self) -> int:
+        return self.follower.direction
+
+    @property
+    def reach(self) -> tuple[float, float]:
+        return abs(self.follower.offset), math.inf
+
+    def _frame(self, phi: FloatArray) -> ComplexArray:
+        axis = self.follower.guide_angle - math.pi / 2.0
+        frame: ComplexArray = np.exp(1j * (axis - self.rotation * phi))
+        return frame
+
+    def coordinate(self, distance: FloatArray) -> FloatArray:
+        e = abs(self.follower.offset)
+        height: FloatArray = np.sqrt(np.maximum(distance - e, 0.0) * (distance + e))
+        return height
+
+    def cam_angle_of(self, points: ComplexArray) -> tuple[FloatArray, FloatArray]:
+        distance = np.abs(points)
+        _require_reach(distance, self.reach)
+        height = self.coordinate(distance)
+        axis = self.follower.guide_angle - math.pi / 2.0
+        angle = axis + np.arctan2(height, self.follower.offset) - np.angle(points)
+        return _in_turn(self.rotation * angle), height
+
+    def point(self, phi: FloatArray, q: FloatArray) -> ComplexArray:
+        return self._frame(phi) * (self.follower.offset + 1j * q)
+
+    def along(self, phi: FloatArray, q: FloatArray) -> tuple[ComplexArray, ComplexArray]:
+        direction = 1j * self._frame(phi)
+        return direction, np.zeros_like(direction)
+
+    def meet(self, phi: FloatArray, bows: Bows, facing: FloatArray) -> FloatArray:
+        frame = self._frame(phi)
+        beside = (frame.conj() * bows.points).imag
+        guide = Bows(frame * (self.follower.offset + 1j * beside), frame, np.zeros(len(phi)))
+        height: FloatArray = beside + guide.crossing(bows, facing)
+        return height
+
+    def touching(self, bows: Bows) -> FloatArray:
+        turned = bows.normals.conj() * bows.points
+        kappa, e = bows.curvatures, self.follower.offset
+        return np.concatenate(
+            [
+                _roots(
+                    0.5 * kappa - 0.25 * kappa * kappa * (turned.real + side),
+                    kappa * turned.imag,
+                    turned.real - side,
+                )
+                for side in (e, -e)
+            ]
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class SwingPath:
+    """The circle of a rocker's tip: Z = u (l_3 exp(i chi) - l_1), u = exp(i (alpha - sigma phi)).
+
+    chi = h psi_t, h the arm's side.
+    """
+
+    follower: OscillatingRoller
+    rotation: int
+
+    @property
+    def start(self) -> float:
+        return self.follower.start_angle
+
+    @property
+    def outward(self) -> int:
+        return self.follower.arm_side * self.follower.swing_sense
+
+    @property
+    def reach(self) -> tuple[float, float]:
+        l1, l3 = self.follower.centre_distance, self.follower.arm
+        return abs(l1 - l3), l1 + l3
+
+    def _frame(self, phi: FloatArray) -> ComplexArray:
+        axis = cmath.phase(-self.follower.pivot)
+        frame: ComplexArray = np.exp(1j * (axis - self.rotation * phi))
+        return frame
+
+    def coordinate(self, distance: FloatArray) -> FloatArray:
+        low, high = self.reach
+        near = np.maximum(distance - low, 0.0) * (distance + low)
+        far = np.maximum(high - distance, 0.0) * (high + distance)
+        angle: FloatArray = 2.0 * np.arctan2(np.sqrt(near), np.sqrt(far))
+        return angle
+
+    def cam_angle_of(self, points: ComplexArray) -> tuple[FloatArray, FloatArray]:
+        distance = np.abs(points)
+        _require_reach(distance, self.reach)
+        psi = self.coordinate(distance)
+        follower = self.follower
+        tip = follower.arm * np.exp(1j * follower.arm_side * psi) - follower.centre_distance
+        angle = cmath.phase(-follower.pivot) + np.angle(tip) - np.angle(points)
+        return _in_turn(self.rotation * angle), psi
+
+    def _tip(self, phi: FloatArray, q: FloatArray) -> ComplexArray:
+        follower = self.follower
+        tip: ComplexArray = self._frame(phi) * np.exp(1j * follower.arm_side * q)
+        tip *= follower.arm
+        return tip
+
+    def point(self, phi: FloatArray, q: FloatArray) -> ComplexArray:
+        return self._tip(phi, q) - self.follower.centre_distance * self._frame(phi)
+
+    def along(self, phi: FloatArray, q: FloatArray) -> tuple[ComplexArray, ComplexArray]:
+        tip = self._tip(phi, q)
+        return 1j * self.follower.arm_side * tip, -tip
+
+    def meet(self, phi: FloatArray, bows: Bows, facing: FloatArray) -> FloatArray:
+        arm, side, frame = self.follower.arm, self.follower.arm_side, self._frame(phi)
+        pivot = -self.follower.centre_distance * frame
+        apart = bows.points - pivot
+        size = np.abs(apart)
+        towards = np.divide(apart, size, out=frame.copy(), where=size > 0.0)
+        circle = Bows(pivot + arm * towards, towards, np.full(len(phi), 1.0 / arm))
+        turn = 2.0 * np.arctan(0.5 * circle.crossing(bows, facing * side) / arm)
+        psi = side * (np.angle(towards * frame.conj()) + turn)
+        wrapped: FloatArray = np.remainder(psi + math.pi, TURN) - math.pi
+        return wrapped
+
+    def touching(self, bows: Bows) -> FloatArray:
+        arm, distance = self.follower.arm, self.follower.centre_distance
+        return np.concatenate([bows.at_distance(distance, side) for side in (arm, -arm)])
+
+
+def lift_jet(path: FollowerPath, phi: FloatArray, q: FloatArray, bows: Bows) -> FloatArray:
+    """(3, n) lift with two derivatives [mm or rad per rad^k] where the path meets `bows` at q.
+
+    By implicit differentiation of F(phi, q) = 0: q' = -F_phi / F_q, and once more.
+
+    Raises
+    ------
+    GeometryError
+        Where the path is tangent to the bow: the lift has no velocity there.
+    """
+    point = path.point(phi, q)
+    along, bend = path.along(phi, q)
+    normal = bows.normal_at(point)
+    turn = -1j * path.rotation
+    steep = _dot(normal, along)
+    if np.any(steep == 0.0):
+        raise GeometryError("the contour runs along the follower's own path: it has no velocity")
+    first = -_dot(normal, turn * point) / steep
+    speed = turn * point + along * first
+    rest = -point + 2.0 * turn * along * first + bend * first * first
+    second = -(bows.curvatures * _square(speed) + _dot(normal, rest)) / steep
+    return path.outward * np.stack((q - path.start, first, second))
+
+
+def _dot(a: ComplexArray, b: ComplexArray) -> FloatArray:
+    """(n,) scalar products of plane vectors."""
+    return a.real * b.real + a.imag * b.imag
+
+
+def _square(a: ComplexArray) -> FloatArray:
+    return a.real * a.real + a.imag * a.imag
+
+
+def _in_turn(angle: FloatArray) -> FloatArray:
+    """(n,) in [0, 2 pi): the remainder of a tiny negative angle would round to a full turn."""
+    turned = np.remainder(angle, TURN)
+    return np.where(turned < TURN, turned, 0.0)
+
+
+def _roots(square: FloatArray, linear: FloatArray, constant: FloatArray) -> FloatArray:
+    """(2, n) real roots of square t^2 + linear t + constant; infinite where there is none."""
+    radicand = linear * linear - 4.0 * square * constant
+    root = np.sqrt(np.maximum(radicand, 0.0))
+    half = -0.5 * (linear + np.where(linear < 0.0, -root, root))
+    out = np.full((2, len(square)), np.inf)
+    real = radicand >= 0.0
+    np.divide(half, square, out=out[0], where=real & (square != 0.0))
+    np.divide(constant, half, out=out[1], where=real & (half != 0.0))
+    return out
+
+
+def _require_meeting(good: BoolArray) -> None:
+    if not np.all(good):
+        raise GeometryError("the follower's path does not meet the contour there")
+
+
+def _require_reach(distance: FloatArray, reach: tuple[float, float]) -> None:
+    low, high = reach
+    slack = ROUNDING * (low if math.isinf(high) else high)
+    if not np.all((distance >= low - slack) & (distance <= high + slack)):
+        raise GeometryError(
+            "the follower cannot hold its roller there: the centre must lie"
+            f" {low:.6g} mm to {high:.6g} mm from the cam axis"
+        )

@@ -1,0 +1,73 @@
+"""Whether a point of a flank is clear of the roller all through the turn."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from camgeo.curve.extremes import extremes
+from camgeo.curve.pitch_curve import PitchCurve
+from camgeo.motion.motion import Side
+from camgeo.numeric.arrays import FloatArray, ascending
+from camgeo.units import TURN
+
+WIDEST = np.pi / 32.0
+"""Longest cell of cam angle to begin with [rad]."""
+
+HALVINGS = 50
+"""Rounds of halving at most."""
+
+CLOSE = 1e-9
+"""A point nearer than the roller's radius by this share of it is covered; one nearer to the radius
+than this is touched."""
+
+
+def is_clear(pitch: PitchCurve, point: complex, radius: float, own: tuple[float, float]) -> bool:
+    """True if no roller of `radius` [mm] on the pitch curve covers `point`.
+
+    Surely: what a cell of cam angle cannot exclude is halved.
+
+    Parameters
+    ----------
+    own : cam angles [rad], start in [0, 2 pi) and end above it, that are not looked at: the point
+        is touched there, and its neighbours are known to be regular.
+    """
+    low, high = _cells(pitch, own)
+    for _ in range(HALVINGS):
+        middle, half = 0.5 * (low + high), 0.5 * (high - low)
+        distance = np.abs(pitch.point(middle) - point)
+        if len(distance) and float(np.min(distance)) < (1.0 - CLOSE) * radius:
+            return False
+        reach = half * pitch.speed_bounds(low, high)[0]
+        near = distance - reach < (1.0 - CLOSE) * radius
+        if not np.any(near):
+            return True
+        low, middle, high = low[near], middle[near], high[near]
+        low, high = np.concatenate((low, middle)), np.concatenate((middle, high))
+    return True  # touched, to rounding
+
+
+def _cells(pitch: PitchCurve, own: tuple[float, float]) -> tuple[FloatArray, FloatArray]:
+    """Cells of one turn without `own`, none across a border or cam angle 0."""
+    start, end = own
+    grid = np.linspace(0.0, TURN, int(np.ceil(TURN / WIDEST)) + 1)
+    marks = ascending(np.concatenate((grid, pitch.borders, [start, end % TURN])))
+    low, high = marks[:-1], marks[1:]
+    middle = 0.5 * (low + high)
+    outside = (middle - start) % TURN > end - start
+    return low[outside], high[outside]
+
+
+def nearest_to_axis(pitch: PitchCurve) -> tuple[float, float]:
+    """Smallest distance of the roller centre from the cam axis [mm] and its cam angle [rad]."""
+
+    def square(phi: FloatArray, side: Side) -> FloatArray:
+        relative = pitch.relative_jet(phi, side, order=1)
+        return np.asarray(relative.along[0] ** 2 + relative.across[0] ** 2)
+
+    def slope(phi: FloatArray, side: Side) -> FloatArray:
+        relative = pitch.relative_jet(phi, side, order=1)
+        (a0, a1), (b0, b1) = relative.along[:2], relative.across[:2]
+        return np.asarray(a0 * a1 + b0 * b1)
+
+    smallest, phi = extremes(pitch, square, slope).smallest()
+    return float(np.sqrt(smallest)), phi

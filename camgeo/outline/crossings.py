@@ -1,0 +1,234 @@
+"""Where a flank crosses itself, found surely: boxes of cells exclude, halving decides, Newton ends.
+
+See `camgeo.outline.division` for what is sure of neighbouring cells. Cells that lie apart are
+excluded by their boxes or halved; where the tangents of two cells surely differ they cross at most
+once, and Newton's method finds whether they do. So does `camgeo.outline.swallow_tail` for the one
+crossing of a swallow tail, far below the size at which points of the flank could be told apart.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from camgeo.curve.extremes import Extremes
+from camgeo.curve.working_curve import WorkingCurve
+from camgeo.errors import GeometryError
+from camgeo.numeric.arrays import BoolArray, FloatArray, IntArray
+from camgeo.outline.cells import ROUNDING, Cells, halved
+from camgeo.outline.cusps import backward_ranges
+from camgeo.outline.division import Division, divide
+from camgeo.outline.envelope import Envelope
+from camgeo.outline.pairs import cross_once, meet, overlapping
+from camgeo.outline.swallow_tail import SwallowTail, swallow_tails
+
+HALVINGS = 60
+"""Rounds of halving at most."""
+
+MOST = 20_000
+"""Pairs of cells in a round at most; more is a flank that lies on itself along a stretch."""
+
+NEWTON = 8
+"""Newton steps; from a cell in which the tangents surely differ they converge at once."""
+
+OUTSIDE = 0.05
+"""How far outside its cell a crossing may be found and still count for it, as a share of the cell;
+neighbours that both find it count once."""
+
+SAME = 1e-9
+"""Crossings whose path parameters differ by less are one."""
+
+
+@dataclass(frozen=True, slots=True)
+class Crossing:
+    """A point that a flank passes twice.
+
+    Attributes
+    ----------
+    first, second : cam angles [rad] in [0, 2 pi), first < second.
+    point : where [mm].
+    """
+
+    first: float
+    second: float
+    point: complex
+
+
+@dataclass(frozen=True, slots=True)
+class Node:
+    """A crossing by its path parameters in [0, total), first < second.
+
+    `touching` if the flank only touches itself there, to rounding.
+    """
+
+    first: float
+    second: float
+    point: complex
+    touching: bool = False
+
+
+def find_crossings(curve: WorkingCurve, bends: Extremes | None = None) -> tuple[Crossing, ...]:
+    """All crossings of the parallel `curve` with itself, by the first cam angle.
+
+    Mere contacts are none. `bends` are the extremes of the pitch curve's curvature, if known.
+
+    Raises
+    ------
+    GeometryError
+        If it cannot be decided, e.g. where the flank lies on itself along a stretch.
+    """
+    envelope = Envelope(curve)
+    nodes = find_nodes(envelope, backward_ranges(envelope, bends))
+    found = [
+        (envelope.angle_at(node.first), envelope.angle_at(node.second), node.point)
+        for node in nodes
+        if not node.touching
+    ]
+    return tuple(Crossing(*each) for each in sorted(found, key=lambda each: each[:2]))
+
+
+def find_nodes(envelope: Envelope, backward: list[tuple[float, float]]) -> tuple[Node, ...]:
+    """All crossings and contacts of `envelope`, given the ranges in which it runs back."""
+    ends = np.array([place for span in backward for place in span])
+    division = divide(envelope, envelope.within(ends) if len(ends) else ends)
+    tails = swallow_tails(division, backward)
+    pairs = _apart(division, tails)
+    nodes = [_node(tail.first, tail.second, tail.point) for tail in tails]
+    return _distinct(nodes + _decide(envelope, division.cells, pairs), envelope.total)
+
+
+def _apart(division: Division, tails: tuple[SwallowTail, ...]) -> tuple[IntArray, IntArray]:
+    """Pairs of cells that may cross and do not belong to a run that is known."""
+    first, second = overlapping(division.cells)
+    count = len(division.cells)
+    plain = division.is_plain(first, second) | division.is_plain(second, first + count)
+    for tail in tails:
+        # Positions counted from the beginning of the run; both inside it is what is known.
+        places = (np.stack((first, second)) - tail.start) % count
+        plain |= np.max(places, axis=0) < tail.cells
+    first, second = first[~plain], second[~plain]
+    both = meet(division.cells.some(first), division.cells.some(second))
+    return first[both], second[both]
+
+
+def _decide(envelope: Envelope, cells: Cells, pairs: tuple[IntArray, IntArray]) -> list[Node]:
+    """Halve until each pair is apart, crosses once, or is too small to be halved."""
+    found: list[Node] = []
+    first, second = pairs
+    for _ in range(HALVINGS):
+        if not len(first):
+            return found
+        if len(first) > MOST:
+            break
+        one, other = cells.some(first), cells.some(second)
+        once = cross_once(one, other)
+        done = np.zeros(len(first), dtype=np.bool_)
+        if np.any(once):
+            known, nodes = _newton(envelope, one.some(once), other.some(once))
+            done[once] = known
+            found += nodes
+        small = ~done & _tiny(envelope, one) & _tiny(envelope, other)
+        for k in np.flatnonzero(small):
+            point = complex(one.middle[k])
+            found.append(_node(float(one.low[k]), float(other.low[k]), point, touching=True))
+        done |= small
+        cells, first, second = _refined(envelope, cells, first[~done], second[~done])
+    if not len(first):
+        return found
+    raise GeometryError(
+        "the flank lies on itself along a stretch: it cannot be decided what is left of it"
+    )
+
+
+def _tiny(envelope: Envelope, cells: Cells) -> BoolArray:
+    """Cells no longer than rounding, on the curve or in the path parameter."""
+    size = np.abs(cells.middle) + abs(envelope.curve.distance)
+    tiny: BoolArray = cells.along <= 4.0 * ROUNDING * size
+    tiny |= cells.high - cells.low <= 4.0 * np.spacing(cells.high)
+    return tiny
+
+
+def _refined(
+    envelope: Envelope, cells: Cells, first: IntArray, second: IntArray
+) -> tuple[Cells, IntArray, IntArray]:
+    """The pairs of the halves of each pair whose boxes still meet."""
+    if not len(first):
+        return cells, first, second
+    used, place = np.unique_inverse(np.concatenate((first, second)))
+    fine = halved(envelope, cells.some(used))
+    one, other = 2 * place[: len(first)], 2 * place[len(first) :]
+    one = np.concatenate((one, one, one + 1, one + 1))
+    other = np.concatenate((other, other + 1, other, other + 1))
+    both = meet(fine.some(one), fine.some(other))
+    return fine, one[both], other[both]
+
+
+def _newton(envelope: Envelope, one: Cells, other: Cells) -> tuple[BoolArray, list[Node]]:
+    """(k,) True where a pair of cells that cross at most once does so, and these crossings."""
+    x, y = 0.5 * (one.low + one.high), 0.5 * (other.low + other.high)
+    wide_x, wide_y = one.high - one.low, other.high - other.low
+    points = one.middle
+    inside = np.ones(len(x), dtype=np.bool_)
+    for _ in range(NEWTON):
+        at_x, at_y = envelope.course(x), envelope.course(y)
+        gap = at_y.points - at_x.points
+        points = 0.5 * (at_x.points + at_y.points)
+        # a_x t_x dx - a_y t_y dy = gap
+        sine = (np.conj(at_x.tangents) * at_y.tangents).imag
+        with np.errstate(divide="ignore", invalid="ignore"):
+            dx = (np.conj(at_y.tangents) * gap).imag / (-sine * at_x.pace)
+            dy = (np.conj(at_x.tangents) * gap).imag / (-sine * at_y.pace)
+        inside &= np.isfinite(dx) & np.isfinite(dy)
+        x = np.where(inside, x + np.clip(dx, -wide_x, wide_x), x)
+        y = np.where(inside, y + np.clip(dy, -wide_y, wide_y), y)
+        inside &= _beside(x, one, 1.0) & _beside(y, other, 1.0)
+    size = np.abs(points) + abs(envelope.curve.distance)
+    inside &= _beside(x, one, OUTSIDE) & _beside(y, other, OUTSIDE)
+    inside &= np.abs(gap) <= 64.0 * ROUNDING * size
+    # Where the branches are too nearly parallel for the digits of the points, nothing is known.
+    with np.errstate(divide="ignore", invalid="ignore"):
+        blur = ROUNDING * size / np.abs(sine)
+        inside &= (blur < OUTSIDE * np.abs(at_x.pace) * wide_x) & (
+            blur < OUTSIDE * np.abs(at_y.pace) * wide_y
+        )
+    nodes = []
+    for k in np.flatnonzero(inside):
+        places = envelope.within(np.array([x[k], y[k]]))
+        nodes.append(_node(float(places[0]), float(places[1]), complex(points[k])))
+    return inside, nodes
+
+
+def _node(one: float, other: float, point: complex, *, touching: bool = False) -> Node:
+    return Node(min(one, other), max(one, other), point, touching)
+
+
+def _beside(places: FloatArray, cells: Cells, share: float) -> BoolArray:
+    room = share * (cells.high - cells.low)
+    beside: BoolArray = (places >= cells.low - room) & (places <= cells.high + room)
+    return beside
+
+
+def _distinct(nodes: list[Node], total: float) -> tuple[Node, ...]:
+    """Each node once; of a crossing and a contact beside it the crossing."""
+    kept: list[Node] = []
+    for node in sorted(nodes, key=lambda node: (node.touching, node.first, node.second)):
+        if not any(_same(node, other, total) for other in kept):
+            kept.append(node)
+    return tuple(sorted(kept, key=lambda node: (node.first, node.second)))
+
+
+def _same(one: Node, other: Node, total: float) -> bool:
+    near = SAME if not one.touching else 1e-5
+    straight = _near(one.first, other.first, near, total) and _near(
+        one.second, other.second, near, total
+    )
+    crossed = _near(one.first, other.second, near, total) and _near(
+        one.second, other.first, near, total
+    )
+    return straight or crossed
+
+
+def _near(one: float, other: float, limit: float, total: float) -> bool:
+    apart = abs(one - other)
+    return min(apart, total - apart) < limit

@@ -1,0 +1,101 @@
+"""Where a flank undercuts: cusps, and the ranges between them in which the envelope runs back.
+
+One scalar decides: 1 + d kappa of the parallel at d, or the pace that has its sign. Between
+neighbouring extremes of the curvature it is monotone, so that no range escapes, however narrow.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from camgeo.curve.curvature import curvature_extremes
+from camgeo.curve.extremes import Extremes
+from camgeo.curve.working_curve import WorkingCurve
+from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.roots import bracketed_roots
+from camgeo.outline.envelope import Envelope
+from camgeo.outline.path import Pivot
+from camgeo.units import TURN
+
+CUSP = 1e-12
+"""1 + d kappa within this of zero is a cusp: twenty times the rounding of the curvature."""
+
+INSIDE = 1e-13
+"""This far from a break [rad] a cam angle is not taken for the break itself; 6e-12 degrees."""
+
+
+def undercut_ranges(flank: WorkingCurve, bends: Extremes) -> list[tuple[float, float]]:
+    """Ranges of cam angle (start, end) [rad] with 1 + d kappa < 0, ends in [0, 2 pi).
+
+    `bends` are the extremes of the pitch curve's curvature. The whole turn is (0, 2 pi).
+    """
+    phi = np.append(bends.phi, bends.phi[0] + TURN)
+    values = 1.0 + flank.distance * np.append(bends.values, bends.values[0])
+    if np.all(values < 0.0):
+        return [(0.0, TURN)]
+    crossing = (values[:-1] < 0.0) != (values[1:] < 0.0)
+    # Two entries at one cam angle are the two sides of a break: a jump, not a root.
+    jump = crossing & (phi[1:] == phi[:-1])
+    smooth = np.flatnonzero(crossing & ~jump)
+    angles = np.where(jump, phi[:-1], 0.0)
+    angles[smooth] = _crossings(flank, phi[smooth], phi[smooth + 1])
+    places = np.flatnonzero(crossing)
+    marks = [(float(angles[k]), bool(values[k + 1] < 0.0)) for k in places]
+    if marks and not marks[0][1]:
+        marks = [*marks[1:], marks[0]]
+    starts = [angle for angle, begins in marks if begins]
+    ends = [angle for angle, begins in marks if not begins]
+    return [(start % TURN, end % TURN) for start, end in zip(starts, ends, strict=True)]
+
+
+def _crossings(flank: WorkingCurve, low: FloatArray, high: FloatArray) -> FloatArray:
+    """Where 1 + d kappa passes zero in each smooth stretch [low, high] (n,) [rad].
+
+    Its ends may be breaks, at which the value from the other side counts for nothing here.
+    """
+    low, high = low + INSIDE, high - INSIDE
+    at_low, at_high = flank.regularity(low), flank.regularity(high)
+    roots = np.where(np.abs(at_low) < np.abs(at_high), low, high)
+    within = np.flatnonzero((at_low < 0.0) != (at_high < 0.0))
+    roots[within] = bracketed_roots(flank.regularity, low[within], high[within])
+    return roots
+
+
+def backward_ranges(envelope: Envelope, bends: Extremes | None = None) -> list[tuple[float, float]]:
+    """Ranges of the path parameter (start, end) in which the envelope runs back.
+
+    start in [0, total), end above start, perhaps beyond the total. Those of a curvature that only
+    touches its limit, to rounding, are none. The whole turn is (0, total).
+    """
+    flank = envelope.curve
+    bends = curvature_extremes(flank.pitch) if bends is None else bends
+    margins = 1.0 + flank.distance * bends.values
+    found: list[tuple[float, float]] = []
+    if np.min(margins) < -CUSP:
+        for start, end in undercut_ranges(flank, bends):
+            if (start, end) == (0.0, TURN):
+                return [(0.0, envelope.total)]
+            span = (end - start) % TURN
+            inside = (bends.phi - start + INSIDE) % TURN <= span + 2.0 * INSIDE
+            if np.min(margins[inside]) < -CUSP:
+                found.append((envelope.place_of(start), envelope.place_before(end)))
+    rotation = flank.pitch.rotation
+    for start, each in zip(envelope.starts, envelope.elements, strict=True):
+        if isinstance(each, Pivot) and rotation * each.distance * each.sweep > 0.0:
+            found.append((float(start), float(start) + abs(each.sweep)))
+    return _joined(found, envelope.total)
+
+
+def _joined(ranges: list[tuple[float, float]], total: float) -> list[tuple[float, float]]:
+    """Ranges that meet made one, in order; those of a whole turn need no joining."""
+    ordered = sorted((start, end if end > start else end + total) for start, end in ranges)
+    joined: list[tuple[float, float]] = []
+    for start, end in ordered:
+        if joined and start <= joined[-1][1] + INSIDE:
+            joined[-1] = (joined[-1][0], max(end, joined[-1][1]))
+        else:
+            joined.append((start, end))
+    if len(joined) > 1 and joined[-1][1] >= total + joined[0][0] - INSIDE:
+        first = joined.pop(0)
+        joined[-1] = (joined[-1][0], max(joined[-1][1], first[1] + total))
+    return joined

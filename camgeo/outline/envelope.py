@@ -1,0 +1,218 @@
+"""Envelope of the roller on one flank: the working curve, and the turns where its tangent jumps.
+
+Where the follower's velocity jumps the roller centre has a corner, and the roller turns about it:
+the flank goes on along an arc of the roller's radius. A path parameter runs through both: the cam
+angle along the curve, the angle turned along such an arc.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from camgeo.curve.closure import joints
+from camgeo.curve.working_curve import WorkingCurve
+from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, IntArray, ascending, frozen
+from camgeo.outline.path import Element, Pivot, Stretch
+from camgeo.units import TURN
+
+KINK = 1e-9
+"""A smaller angle between the tangents at a joint [rad] is the rounding of a smooth one."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Course:
+    """The envelope at n places.
+
+    Attributes
+    ----------
+    points : (n,) complex [mm].
+    tangents : (n,) complex, unit, in the direction of growing cam angle.
+    pace : (n,) signed length passed per unit of the path parameter; negative in undercut.
+    """
+
+    points: ComplexArray
+    tangents: ComplexArray
+    pace: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class Envelope:
+    """The closed envelope at the signed distance of `curve`.
+
+    Attributes
+    ----------
+    curve : the parallel of the pitch curve; Z' must not vanish.
+    """
+
+    curve: WorkingCurve
+
+    @cached_property
+    def elements(self) -> tuple[Element, ...]:
+        """One stretch, or turn and stretch for each corner of the pitch curve, in turn."""
+        curve = self.curve
+        met = joints(curve.pitch)
+        angles = met.phi[met.turns > KINK]
+        if not len(angles):
+            return (Stretch(curve, 0.0, TURN),)
+        before, after = (curve.tangent(angles, side) for side in ("left", "right"))
+        sweeps = np.angle(after * np.conj(before))
+        centres = curve.pitch.point(angles)
+        found: list[Element] = []
+        ends = np.append(angles[1:], angles[0] + TURN)
+        for k, (start, end) in enumerate(zip(map(float, angles), map(float, ends), strict=True)):
+            normal = 1j * curve.pitch.rotation * complex(before[k])
+            found.append(
+                Pivot(
+                    complex(centres[k]),
+                    curve.distance,
+                    normal,
+                    float(sweeps[k]),
+                    before=start if start > 0.0 else TURN,
+                    after=start,
+                )
+            )
+            found.append(Stretch(curve, start, end))
+        return tuple(found)
+
+    @cached_property
+    def starts(self) -> FloatArray:
+        """(m,) path parameter at which each element begins, from 0 on."""
+        return frozen(np.concatenate(([0.0], np.cumsum(self._spans)[:-1])), np.float64)
+
+    @cached_property
+    def total(self) -> float:
+        """Path parameter after one turn; 2 pi if there is no corner."""
+        return float(np.sum(self._spans)) if len(self.elements) > 1 else TURN
+
+    @cached_property
+    def is_pivot(self) -> BoolArray:
+        """(m,) whether each element is a turn about a corner of the pitch curve."""
+        return frozen([isinstance(each, Pivot) for each in self.elements], np.bool_)
+
+    @cached_property
+    def angle_offsets(self) -> FloatArray:
+        """(m,) cam angle less path parameter along each element; 0 for turns."""
+        pairs = zip(self.starts, self.elements, strict=True)
+        offsets = [
+            each.start - start if isinstance(each, Stretch) else 0.0 for start, each in pairs
+        ]
+        return frozen(offsets, np.float64)
+
+    @cached_property
+    def _spans(self) -> FloatArray:
+        return np.array([_span(each) for each in self.elements])
+
+    @cached_property
+    def borders(self) -> FloatArray:
+        """(k,) path parameters where the formula changes, from 0 on."""
+        return self._places(self.curve.borders)
+
+    @cached_property
+    def breaks(self) -> FloatArray:
+        """(k,) path parameters where the curvature may jump, from 0 on."""
+        return self._places(self.curve.breaks)
+
+    def _places(self, angles: FloatArray) -> FloatArray:
+        """Path parameters of the cam angles `angles` in [0, 2 pi) and of all ends of elements."""
+        angles = np.concatenate((angles, angles + TURN))
+        found = [self.starts]
+        for start, each in zip(self.starts, self.elements, strict=True):
+            if isinstance(each, Stretch):
+                within = angles[(angles > each.start) & (angles < each.end)]
+                found.append(start + (within - each.start))
+        return frozen(ascending(np.concatenate(found)), np.float64)
+
+    def element_at(self, places: FloatArray) -> IntArray:
+        """(n,) index of the element at each of `places` (n,) in [0, total)."""
+        return np.asarray(np.searchsorted(self.starts, places, side="right") - 1)
+
+    def within(self, places: FloatArray) -> FloatArray:
+        """(n,) `places` reduced to [0, total)."""
+        reduced = places - self.total * np.floor(places / self.total)
+        return np.asarray(np.where(reduced >= self.total, 0.0, reduced))
+
+    def angle_at(self, place: float) -> float:
+        """Cam angle [rad] in [0, 2 pi) at a path parameter in [0, total)."""
+        index = int(self.element_at(np.array([place]))[0])
+        each = self.elements[index]
+        if isinstance(each, Pivot):
+            return each.after
+        angle = each.start + (place - float(self.starts[index]))
+        return angle - TURN if angle >= TURN else angle
+
+    def place_of(self, angle: float) -> float:
+        """Path parameter of a cam angle [rad] in [0, 2 pi), after a turn that is there."""
+        for start, each in zip(self.starts, self.elements, strict=True):
+            if isinstance(each, Stretch):
+                beyond = angle if angle >= each.start else angle + TURN
+                if beyond < each.end:
+                    return float(start) + (beyond - each.start)
+        raise AssertionError("the stretches fill the turn")
+
+    def place_before(self, angle: float) -> float:
+        """Path parameter of a cam angle [rad] in [0, 2 pi), before a turn that is there."""
+        for start, each in zip(self.starts, self.elements, strict=True):
+            if isinstance(each, Stretch):
+                beyond = angle if angle > each.start else angle + TURN
+                if beyond <= each.end:
+                    return float(start) + (beyond - each.start)
+        raise AssertionError("the stretches fill the turn")
+
+    def course(self, places: FloatArray) -> Course:
+        """Points, tangents and pace at the path parameters `places` (n,), any number of turns."""
+        places = self.within(np.asarray(places, dtype=np.float64))
+        if len(self.elements) == 1:
+            return self._along(places)
+        index = self.element_at(places)
+        points, tangents = np.empty((2, len(places)), dtype=np.complex128)
+        pace = np.empty(len(places))
+        on_curve = ~self.is_pivot[index]
+        part = self._along(places[on_curve] + self.angle_offsets[index[on_curve]])
+        points[on_curve], tangents[on_curve], pace[on_curve] = (
+            part.points,
+            part.tangents,
+            part.pace,
+        )
+        for k in np.flatnonzero(self.is_pivot):
+            here = index == k
+            if np.any(here):
+                pivot = self.elements[k]
+                assert isinstance(pivot, Pivot)  # not a stretch
+                turned = self.course_of_pivot(pivot, places[here] - self.starts[k])
+                points[here], tangents[here], pace[here] = (
+                    turned.points,
+                    turned.tangents,
+                    turned.pace,
+                )
+        return Course(points, tangents, pace)
+
+    def course_of_pivot(self, pivot: Pivot, turned: FloatArray) -> Course:
+        """The arc about a corner of the pitch curve, `turned` (n,) [rad] from its start."""
+        sense = 1.0 if pivot.sweep >= 0.0 else -1.0
+        normal = pivot.normal * np.exp(1j * sense * turned)
+        rotation = self.curve.pitch.rotation
+        return Course(
+            pivot.centre + pivot.distance * normal,
+            -1j * rotation * normal,
+            np.full(len(turned), -rotation * pivot.distance * sense),
+        )
+
+    def _along(self, angles: FloatArray) -> Course:
+        """The parallel at cam angles, from the right."""
+        pitch, distance = self.curve.pitch, self.curve.distance
+        jet = pitch.jet(angles)
+        z1, z2 = jet[1], jet[2]
+        speed = np.abs(z1)
+        tangents = z1 / speed
+        turning = (z1.real * z2.imag - z1.imag * z2.real) / (speed * speed)
+        normal = 1j * pitch.rotation * tangents
+        return Course(
+            jet[0] + distance * normal, tangents, speed - pitch.rotation * distance * turning
+        )
+
+
+def _span(element: Element) -> float:
+    return abs(element.sweep) if isinstance(element, Pivot) else element.end - element.start

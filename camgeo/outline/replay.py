@@ -1,0 +1,207 @@
+"""Replay: the roller pressed against a real outline, or against any contour, and rolled through.
+
+What the follower does then, instead of what is demanded of it: lift, velocity and acceleration
+over the cam angle, lost stroke, shocks. The lift is that of the follower itself; behind a linkage
+that is the rocker's angle.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import Final, Literal
+
+import numpy as np
+
+from camgeo.curve.extremes import Quantity, extremes
+from camgeo.curve.pitch_curve import PitchCurve
+from camgeo.errors import GeometryError
+from camgeo.mechanism.follower_path import FollowerPath, path_of
+from camgeo.mechanism.translating_roller import TranslatingRoller
+from camgeo.motion.motion import Motion, Side
+from camgeo.numeric.arrays import FloatArray, IntArray, ascending
+from camgeo.numeric.extremes import Extreme
+from camgeo.outline.path import Path, Stretch
+from camgeo.outline.replay_course import AS_DEMANDED, Course, pressed
+from camgeo.outline.replay_result import AS_DEMANDED_ELEMENT, Jumps, Replay
+from camgeo.outline.roller_path import LinesAndArcs, branches, circles, parallel
+from camgeo.units import TURN
+
+Contact = Literal["inner", "outer"]
+
+SIDES: Final[tuple[Side, Side]] = ("left", "right")
+
+STEP = math.radians(0.1)
+"""Step of the cam angle between the samples; the ends of all pieces are looked at besides."""
+
+CORNER = 1e-7
+"""Corners up to this [rad] count as none: the directions of two pieces at their common end are
+known to the rounding of its coordinates over their length, 1e-14 mm over 1e-7 mm at worst."""
+
+DROP = 1e-9
+"""Jumps of the lift up to this share of the base radius (of 1 rad for a rocker) are rounding."""
+
+
+def replay_contour(
+    pitch: PitchCurve,
+    contour: LinesAndArcs,
+    contact: Contact = "inner",
+    *,
+    step: float = STEP,
+    corner: float = CORNER,
+) -> Replay:
+    """The roller of `pitch` on any closed contour of lines and arcs.
+
+    Parameters
+    ----------
+    contour : in cam coordinates, counter-clockwise round the cam axis: the boundary of the disc for
+        contact "inner", that of the hole for "outer", into which the roller is pressed outward.
+    step : of the samples [rad].
+    corner : corners up to this angle [rad] count as none, neither as shocks nor as ripple.
+
+    Raises
+    ------
+    GeometryError
+        If the contour does not run counter-clockwise, or not round the cam axis within the
+        follower's reach.
+    """
+    press = -1 if contact == "inner" else 1
+    path = path_of(pitch.follower, pitch.rotation)
+    found = branches(parallel(contour, -press * pitch.follower.roller_radius), path)
+    whole = (np.zeros(1), np.full(1, TURN))
+    borders, numbers = pressed(found, path, press, whole)
+    course = Course(path, pitch.motion, found, borders, numbers)
+    return _replay(pitch, course, press, step, corner)
+
+
+def replay_outline(
+    pitch: PitchCurve, outline: Path, *, step: float = STEP, corner: float = CORNER
+) -> Replay:
+    """The roller of `pitch` on a real outline, exactly.
+
+    On a stretch of the working curve the roller is where it should be. Where a stretch is missing,
+    it runs over the outline's corners: it cannot touch another stretch there, for the roller that
+    touches a stretch has its own cam angle.
+
+    Raises
+    ------
+    GeometryError
+        If the outline has no stretches, or the roller finds no corner where one is missing.
+    """
+    stretches = outline.stretches
+    if not stretches:
+        raise GeometryError("an outline without any stretch of the working curve holds no roller")
+    distance = stretches[0].curve.distance
+    press = -1 if distance < 0.0 else 1
+    radius = abs(distance)
+    # A pivot at no distance from the roller centre is the roller's turn about its own centre.
+    pivots = [each for each in outline.offset(-distance).pivots if each.distance != 0.0]
+    if any(abs(abs(each.distance) - radius) > DROP * radius for each in pivots):
+        raise GeometryError("the outline has an arc where the roller must find a corner")
+    path = path_of(pitch.follower, pitch.rotation)
+    centres = np.array([each.centre for each in pivots], dtype=np.complex128)
+    found = branches(circles(centres, radius), path)
+    starts, ends = _gaps(stretches)
+    borders, numbers = np.zeros(1), np.full(1, AS_DEMANDED)
+    if len(starts):
+        borders, numbers = pressed(found, path, press, (starts, ends))
+    course = Course(path, pitch.motion, found, borders, numbers)
+    return _replay(pitch, course, press, step, corner)
+
+
+def _gaps(stretches: tuple[Stretch, ...]) -> tuple[FloatArray, FloatArray]:
+    """Starts and ends (k,), (k,) [rad] of the ranges between neighbouring stretches."""
+    starts = np.array([each.end % TURN for each in stretches])
+    ends = np.roll([each.start for each in stretches], -1)
+    widths = np.remainder(ends - starts, TURN)
+    if len(stretches) == 1 and stretches[0].end - stretches[0].start >= TURN:
+        widths[:] = 0.0
+    gaps = np.flatnonzero(widths > 0.0)
+    return starts[gaps], starts[gaps] + widths[gaps]
+
+
+def _replay(pitch: PitchCurve, course: Course, press: int, step: float, corner: float) -> Replay:
+    motion, path = pitch.motion, course.path
+    peaks = [_peak(motion, order) for order in (1, 2)]
+    count = math.ceil(TURN / step)
+    grid = np.arange(count, dtype=np.float64) * (TURN / count)
+    grid = ascending(np.concatenate((grid, [peak.place for peak in peaks])))
+    special = ascending(np.concatenate((course.borders, motion.breaks)))
+    lifts = [course.lift(special, side) for side in SIDES]
+    dropped = np.abs(lifts[1] - lifts[0]) > DROP * _size(pitch)
+    drops = Jumps(special[dropped], lifts[0][dropped], lifts[1][dropped])
+    special = special[~dropped]
+    grid = grid[~np.isin(grid, np.concatenate((special, drops.phi)))]
+    left, right = (_Samples.of(course, special, side) for side in SIDES)
+    shocks = _shocks(path, left, right, corner)
+    # The left side of cam angle 0 is the end of the turn.
+    left = replace(left, phi=np.where(left.phi == 0.0, TURN, left.phi))
+    parts = (left, _Samples.of(course, grid, "right"), right)
+    phi = np.concatenate([part.phi for part in parts])
+    order = np.argsort(phi, kind="stable")
+    numbers = np.concatenate([part.numbers for part in parts])[order]
+    held = numbers != AS_DEMANDED
+    element = np.full(len(numbers), AS_DEMANDED_ELEMENT)
+    element[held] = course.branches.elements[numbers[held]]
+    smooth = np.ones(len(numbers), dtype=np.bool_)
+    smooth[held] = course.branches.corners[numbers[held]] > corner
+    return Replay(
+        course=course,
+        press=press,
+        phi=phi[order],
+        demanded=np.concatenate([part.demanded for part in parts], axis=1)[:, order],
+        actual=np.concatenate([part.actual for part in parts], axis=1)[:, order],
+        element=element,
+        smooth=smooth,
+        shocks=shocks,
+        drops=drops,
+        demanded_velocity=peaks[0].value,
+        demanded_acceleration=peaks[1].value,
+    )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Samples:
+    """Cam angles (n,) [rad], the branches (n,) there, demanded and actual jets (3, n)."""
+
+    phi: FloatArray
+    numbers: IntArray
+    demanded: FloatArray
+    actual: FloatArray
+
+    @classmethod
+    def of(cls, course: Course, phi: FloatArray, side: Side) -> _Samples:
+        return cls(
+            phi,
+            course.number(phi, side),
+            course.motion.jet(phi, side, 2)[:3],
+            course.jet(phi, side),
+        )
+
+
+def _shocks(path: FollowerPath, left: _Samples, right: _Samples, corner: float) -> Jumps:
+    """Where the direction in which the roller centre runs turns by more than `corner`."""
+    q = path.start + path.outward * right.actual[0]
+    turn = -1j * path.rotation * path.point(right.phi, q)
+    along, _ = path.along(right.phi, q)
+    before, after = (turn + along * path.outward * side.actual[1] for side in (left, right))
+    turned = np.abs(np.angle(after * before.conj()))
+    found = turned > corner
+    return Jumps(right.phi[found], left.actual[1][found], right.actual[1][found])
+
+
+def _size(pitch: PitchCurve) -> float:
+    """The scale of the lift [mm or rad]."""
+    return pitch.follower.base_radius if isinstance(pitch.follower, TranslatingRoller) else 1.0
+
+
+def _peak(motion: Motion, order: int) -> Extreme:
+    """Largest magnitude of a derivative of the demanded lift, exactly."""
+
+    def derivative(order: int) -> Quantity:
+        return lambda phi, side: motion.jet(phi, side)[order]
+
+    found = extremes(motion, derivative(order), derivative(order + 1))
+    sides = (found.smallest(), found.largest())
+    value, place = max(sides, key=lambda side: abs(side[0]))
+    return Extreme(abs(value), place)

@@ -1,0 +1,249 @@
+"""Which part of the disc holds the roller at each cam angle, and the lift that follows from it.
+
+The roller is pressed along the follower's path until it touches: of all branches that the path
+meets, the outermost holds a roller that is pressed inward, the innermost one that is pressed
+outward. Which one that is changes at the ends of branches and where two of them cross, at no other
+place; so it is known for all cam angles, not for sampled ones.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from camgeo.errors import GeometryError
+from camgeo.mechanism.follower_path import FollowerPath, lift_jet
+from camgeo.motion.motion import Motion, Side
+from camgeo.numeric.arrays import BoolArray, FloatArray, IntArray, ascending
+from camgeo.outline.roller_path import Branches
+from camgeo.units import TURN
+
+AS_DEMANDED = -1
+"""Number of the branch that is the demanded motion itself."""
+
+SEAM = 1e-9
+"""Width [rad] up to which a range without any branch is a seam: two branches meet there, and their
+ends differ by rounding."""
+
+MOST_PAIRS = 2_000_000
+"""Of a branch and a cell between the ends of branches: 25 layers of a contour of 20,000 pieces. A
+contour that is smooth but for a few corners has one."""
+
+HALF_ARC = 0.52
+"""Half an arc of at most an eighth of a turn in times of its chord, at most: pi/16 / sin(pi/8)."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Course:
+    """The lift of a roller that is pressed against a disc, over the cam angle.
+
+    Attributes
+    ----------
+    path : of the follower.
+    motion : the demanded lift.
+    branches : what the roller may run on.
+    borders : (k,) cam angles [rad] in [0, 2 pi), ascending, at which the branch changes.
+    numbers : (k,) branch from each border to the next, or AS_DEMANDED.
+    """
+
+    path: FollowerPath
+    motion: Motion
+    branches: Branches
+    borders: FloatArray
+    numbers: IntArray
+
+    def number(self, phi: FloatArray, side: Side = "right") -> IntArray:
+        """(n,) the branch at `phi` (n,) [rad]."""
+        turned = np.remainder(phi, TURN)
+        place = np.searchsorted(self.borders, turned, "right" if side == "right" else "left")
+        found: IntArray = self.numbers[place - 1]
+        return found
+
+    def lift(self, phi: FloatArray, side: Side = "right") -> FloatArray:
+        """(n,) lift [mm or rad] at `phi` (n,) [rad]."""
+        number = self.number(phi, side)
+        out = np.empty(len(phi))
+        demanded = number == AS_DEMANDED
+        if np.any(demanded):
+            out[demanded] = self.motion.jet(phi[demanded], side, 1)[0]
+        held = ~demanded
+        if np.any(held):
+            index = number[held]
+            bows, facing = self.branches.bows.take(index), self.branches.facing[index]
+            q = self.path.meet(phi[held], bows, facing)
+            out[held] = self.path.outward * (q - self.path.start)
+        return out
+
+    def jet(self, phi: FloatArray, side: Side = "right") -> FloatArray:
+        """(3, n) lift with two derivatives [mm or rad per rad^k] at `phi` (n,) [rad].
+
+        Raises
+        ------
+        GeometryError
+            Where the lift jumps, for its velocity has no bound there.
+        """
+        number = self.number(phi, side)
+        out = np.empty((3, len(phi)))
+        demanded = number == AS_DEMANDED
+        if np.any(demanded):
+            out[:, demanded] = self.motion.jet(phi[demanded], side, 2)[:3]
+        held = ~demanded
+        if np.any(held):
+            angles, index = phi[held], number[held]
+            bows = self.branches.bows.take(index)
+            q = self.path.meet(angles, bows, self.branches.facing[index])
+            out[:, held] = lift_jet(self.path, angles, q, bows)
+        return out
+
+
+def pressed(
+    branches: Branches, path: FollowerPath, press: int, ranges: tuple[FloatArray, FloatArray]
+) -> tuple[FloatArray, IntArray]:
+    """Borders (k,) [rad] and the branch (k,) that holds the roller from each of them on.
+
+    Parameters
+    ----------
+    press : -1 if the roller is pressed inward and the outermost branch holds it, +1 if outward.
+    ranges : starts (r,) in [0, 2 pi) and ends (r,) [rad] of the ranges of cam angle to look at, at
+        most a turn each, without overlap.
+
+    Raises
+    ------
+    GeometryError
+        If no branch covers some cam angle of them.
+    """
+    starts, ends = ranges
+    nodes = ascending(np.concatenate((branches.lows, branches.highs, starts, ends % TURN)))
+    wanted = _wanted(nodes, starts, ends)
+    cells = _Cells(nodes, np.append(nodes[1:], nodes[0] + TURN))
+    cell, branch = _cover(branches, nodes)
+    used = wanted[cell]
+    cell, branch = cell[used], branch[used]
+    _require_cover(cells, wanted, cell)
+    cell, branch = _without_hidden(cells, cell, branch, branches, path, press)
+    inner = _crossings(cells, cell, branch, branches, path)
+    grid = ascending(np.concatenate((nodes, inner)))
+    # Before the first node it is still the last cell, which reaches across cam angle 0.
+    parent = np.remainder(np.searchsorted(nodes, grid, "right") - 1, len(nodes))
+    # Each cell of the finer grid takes over what covers its parent.
+    first = np.searchsorted(cell, parent, "left")
+    count = np.searchsorted(cell, parent, "right") - first
+    fine = np.repeat(np.arange(len(grid)), count)
+    rank = np.arange(len(fine)) - np.repeat(np.cumsum(count) - count, count)
+    candidate = branch[first[fine] + rank]
+    several = count[fine] > 1
+    middle = 0.5 * (grid + np.append(grid[1:], grid[0] + TURN))
+    height = np.zeros(len(fine))
+    chosen = candidate[several]
+    height[several] = -press * path.meet(
+        middle[fine[several]], branches.bows.take(chosen), branches.facing[chosen]
+    )
+    order = np.lexsort((height, fine))
+    fine, candidate = fine[order], candidate[order]
+    top = np.flatnonzero(np.append(fine[1:] != fine[:-1], True)) if len(fine) else fine
+    held = np.full(len(grid), AS_DEMANDED)
+    held[fine[top]] = candidate[top]
+    seam = np.flatnonzero(wanted[parent] & (held == AS_DEMANDED))
+    for number in seam:
+        held[number] = held[number - 1]
+    changed = held != np.roll(held, 1)
+    changed[0] |= not np.any(changed)
+    return grid[changed], held[changed]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Cells:
+    """Ranges of cam angle [rad] between neighbouring ends of branches; the last crosses 0."""
+
+    low: FloatArray
+    high: FloatArray
+
+
+def _wanted(nodes: FloatArray, starts: FloatArray, ends: FloatArray) -> BoolArray:
+    """(m,) whether the cell from each node on is in one of the ranges, whose ends are nodes."""
+    cell = np.arange(len(nodes))
+    wanted = np.zeros(len(nodes), dtype=np.bool_)
+    for start, end in zip(starts, ends, strict=True):
+        first, last = np.searchsorted(nodes, (start, end % TURN))
+        count = (last - first) % len(nodes) if end - start < TURN else len(nodes)
+        wanted |= np.remainder(cell - first, len(nodes)) < count
+    return wanted
+
+
+def _cover(branches: Branches, nodes: FloatArray) -> tuple[IntArray, IntArray]:
+    """Pairs (p,), (p,) of a cell and a branch that covers it, by ascending cell."""
+    first = np.searchsorted(nodes, branches.lows)
+    count = np.remainder(np.searchsorted(nodes, branches.highs) - first, len(nodes))
+    if np.sum(count) > MOST_PAIRS:
+        raise GeometryError(
+            "the contour is too rough to be replayed: its parallel at the roller radius lies in"
+            f" {np.sum(count) / len(nodes):.0f} layers; smooth it first"
+        )
+    branch = np.repeat(np.arange(len(first)), count)
+    rank = np.arange(len(branch)) - np.repeat(np.cumsum(count) - count, count)
+    cell = np.remainder(first[branch] + rank, len(nodes))
+    order = np.argsort(cell, kind="stable")
+    return cell[order], branch[order]
+
+
+def _without_hidden(
+    cells: _Cells,
+    cell: IntArray,
+    branch: IntArray,
+    branches: Branches,
+    path: FollowerPath,
+    press: int,
+) -> tuple[IntArray, IntArray]:
+    """The pairs without those of a branch that lies behind another one all along their cell."""
+    several = np.bincount(cell, minlength=len(cells.low))[cell] > 1
+    inner, held = cell[several], branch[several]
+    if not len(inner):
+        return cell, branch
+    bows, facing = branches.bows.take(held), branches.facing[held]
+    ends = []
+    for angles in (cells.low[inner], cells.high[inner]):
+        ends.append(path.point(angles, path.meet(angles, bows, facing)))
+    middle = 0.5 * (np.abs(ends[0]) + np.abs(ends[1]))
+    half = HALF_ARC * np.abs(ends[1] - ends[0])
+    near, far = path.coordinate(np.maximum(middle - half, 0.0)), path.coordinate(middle + half)
+    low, high = (near, far) if press < 0 else (-far, -near)
+    least = np.full(len(cells.low), -np.inf)
+    np.maximum.at(least, inner, low)
+    seen = np.ones(len(cell), dtype=np.bool_)
+    seen[several] = high >= least[inner]
+    return cell[seen], branch[seen]
+
+
+def _require_cover(cells: _Cells, wanted: BoolArray, cell: IntArray) -> None:
+    bare = wanted & (np.bincount(cell, minlength=len(wanted)) == 0)
+    bare &= cells.high - cells.low > SEAM
+    if np.any(bare):
+        place = np.degrees(cells.low[np.flatnonzero(bare)[0]])
+        raise GeometryError(
+            f"at cam angle {place:.6g} degrees the follower's path does not meet the contour; it"
+            " must run once round the cam axis, within the follower's reach"
+        )
+
+
+def _crossings(
+    cells: _Cells, cell: IntArray, branch: IntArray, branches: Branches, path: FollowerPath
+) -> FloatArray:
+    """Cam angles (k,) [rad] inside cells at which two branches that cover them cross."""
+    low, high = path.reach
+    found = [np.empty(0)]
+    step = 1
+    while np.any(pairs := cell[step:] == cell[:-step]):
+        index = np.flatnonzero(pairs)
+        one, other = branches.bows.take(branch[index]), branches.bows.take(branch[index + step])
+        for places in one.crossings(other):
+            real = np.flatnonzero(np.isfinite(places))
+            points = one.take(real).at(places[real])
+            reached = np.flatnonzero((np.abs(points) > low) & (np.abs(points) < high))
+            phi, _ = path.cam_angle_of(points[reached])
+            inside = cell[index[real[reached]]]
+            wide = cells.high[inside] - cells.low[inside]
+            offset = np.remainder(phi - cells.low[inside], TURN)
+            found.append(phi[(offset > 0.0) & (offset < wide)])
+        step += 1
+    return np.concatenate(found)

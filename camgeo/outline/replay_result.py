@@ -1,0 +1,205 @@
+"""What a replay tells: the follower's motion on a disc beside the demanded one."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from camgeo.motion.motion import Motion
+from camgeo.numeric.arrays import BoolArray, FloatArray, IntArray, frozen
+from camgeo.numeric.extremes import Extreme
+from camgeo.numeric.roots import bracketed_roots
+from camgeo.outline.replay_course import Course
+from camgeo.units import TURN
+
+AS_DEMANDED_ELEMENT = np.iinfo(np.intp).min
+"""Number of the element that is the demanded motion itself: that of no piece and no vertex."""
+
+SHIFT = 4.0
+"""A joint of the demanded motion lies on the disc within the disc's position error of its place; so
+many times the error of the lift around it holds it surely."""
+
+AROUND = 0.02
+"""Range [rad] on both sides of a joint from which the error of the lift around it is taken."""
+
+SEAM = 1e-9
+"""Least distance [rad] within which a joint is looked for: rounding of cam angles."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Jumps:
+    """Places at which the roller leaves one part of the disc for another with a jump.
+
+    Attributes
+    ----------
+    phi : (k,) cam angles [rad] in [0, 2 pi), ascending.
+    before, after : (k,) the value on both sides.
+    """
+
+    phi: FloatArray
+    before: FloatArray
+    after: FloatArray
+
+    def __len__(self) -> int:
+        return len(self.phi)
+
+    def largest(self) -> Extreme | None:
+        """The largest jump (after - before) with its cam angle; None if there is none."""
+        if not len(self):
+            return None
+        index = int(np.argmax(np.abs(self.after - self.before)))
+        return Extreme(float((self.after - self.before)[index]), float(self.phi[index]))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Replay:
+    """What the follower does on a disc, beside what is demanded.
+
+    Samples lie on a regular grid and at both sides of every place where the formula of the actual
+    or of the demanded motion changes; such a place stands twice in `phi`, its left side first.
+
+    Attributes
+    ----------
+    course : the actual lift as a function of the cam angle.
+    press : -1 if the roller is pressed inward, onto a disc, +1 if outward, into a ring.
+    phi : (n,) cam angles [rad] from 0 to 2 pi, ascending.
+    demanded, actual : (3, n) lift with two derivatives [mm or rad per rad^k].
+    element : (n,) number of the contour's piece that holds the roller, -1 - k at its vertex k, or
+        of the outline's corner k; `AS_DEMANDED_ELEMENT` where the roller is where it should be.
+    smooth : (n,) False at corners that count as none, where the acceleration tells nothing.
+    shocks : jumps of the velocity [mm or rad per rad], those that are demanded among them.
+    drops : jumps of the lift itself: the roller falls off an edge.
+    demanded_velocity, demanded_acceleration : largest magnitudes [mm or rad per rad^k].
+    """
+
+    course: Course
+    press: int
+    phi: FloatArray
+    demanded: FloatArray
+    actual: FloatArray
+    element: IntArray
+    smooth: BoolArray
+    shocks: Jumps
+    drops: Jumps
+    demanded_velocity: float
+    demanded_acceleration: float
+
+    def __post_init__(self) -> None:
+        for name in ("phi", "demanded", "actual"):
+            object.__setattr__(self, name, frozen(getattr(self, name), np.float64))
+        object.__setattr__(self, "element", frozen(self.element, np.intp))
+        object.__setattr__(self, "smooth", frozen(self.smooth, np.bool_))
+
+    @property
+    def lost(self) -> FloatArray:
+        """(n,) lost stroke [mm or rad]: how far the roller gets beyond where it should be, into the
+        disc. Negative where the disc holds it off.
+        """
+        difference: FloatArray = self.actual[0] - self.demanded[0]
+        return self.press * self.course.path.outward * difference
+
+    @property
+    def largest_loss(self) -> Extreme:
+        """Largest lost stroke with its cam angle; 0 if there is none.
+
+        Between samples it lies where both velocities are equal.
+        """
+        lost = self.lost
+        index = int(np.argmax(lost))
+        if lost[index] <= 0.0:
+            return Extreme(0.0, self._place(index))
+        before = np.flatnonzero(self.phi < self.phi[index])[-1:]
+        after = np.flatnonzero(self.phi > self.phi[index])[:1]
+        for low, high in ((before, [index]), ([index], after)):
+            ends = self.phi[low], self.phi[high]
+            slopes = [self._loss_velocity(end)[:1] for end in ends if len(end)]
+            if len(slopes) == 2 and slopes[0] * slopes[1] < 0.0:
+                phi = bracketed_roots(self._loss_velocity, *ends)
+                lift = self.course.lift(phi) - self.course.motion.jet(phi, "right", 1)[0]
+                value = self.press * self.course.path.outward * float(lift[0])
+                if value > lost[index]:
+                    return Extreme(value, float(phi[0]) % TURN)
+        return Extreme(float(lost[index]), self._place(index))
+
+    def _loss_velocity(self, phi: FloatArray) -> FloatArray:
+        """(n,) actual - demanded velocity at `phi` (n,) [rad]."""
+        actual = self.course.jet(phi)[1]
+        return np.asarray(actual - self.course.motion.jet(phi, "right", 2)[1])
+
+    @property
+    def largest_error(self) -> Extreme:
+        """Difference actual - demanded lift of the largest magnitude, with its cam angle."""
+        return self._largest(self.actual[0] - self.demanded[0])
+
+    @property
+    def velocity(self) -> Extreme:
+        """Actual velocity of the largest magnitude, with its cam angle."""
+        return self._largest(self.actual[1])
+
+    @property
+    def acceleration(self) -> Extreme:
+        """Actual acceleration of the largest magnitude, with its cam angle."""
+        return self._largest(np.where(self.smooth, self.actual[2], 0.0))
+
+    @property
+    def acceleration_error(self) -> FloatArray:
+        """(n,) actual - demanded acceleration; 0 where `smooth` is False.
+
+        A joint where the demanded acceleration jumps lies on the disc only within the disc's
+        position error; so near to one, what is between the values of its two sides is no error.
+        """
+        return np.where(self.smooth, self._beyond_joints(), 0.0)
+
+    @property
+    def largest_acceleration_error(self) -> Extreme:
+        """Of the largest magnitude, with its cam angle."""
+        return self._largest(self.acceleration_error)
+
+    @property
+    def ripple(self) -> float | None:
+        """Largest error of the acceleration as a share of its demanded peak; None if that is 0."""
+        if self.demanded_acceleration == 0.0:
+            return None
+        return abs(self.largest_acceleration_error.value) / self.demanded_acceleration
+
+    @property
+    def largest_shock(self) -> float | None:
+        """Largest jump of the velocity as a share of its demanded peak; None if that is 0."""
+        if self.demanded_velocity == 0.0:
+            return None
+        jump = self.shocks.largest()
+        return 0.0 if jump is None else abs(jump.value) / self.demanded_velocity
+
+    def _beyond_joints(self) -> FloatArray:
+        """(n,) acceleration error, between the two values of a joint 0."""
+        path, motion = self.course.path, self.course.motion
+        error = self.actual[2] - self.demanded[2]
+        lift_error = np.abs(self.actual[0] - self.demanded[0])
+        left, right = _accelerations(motion)
+        at_start = np.zeros(1), np.full(1, path.start)
+        scale = abs(complex(path.along(*at_start)[0][0]) / complex(path.point(*at_start)[0]))
+        for joint, before, after in zip(motion.breaks, left, right, strict=True):
+            if before == after:
+                continue
+            away = np.abs(np.remainder(self.phi - joint + 0.5 * TURN, TURN) - 0.5 * TURN)
+            reach = SEAM + SHIFT * scale * float(np.max(lift_error[away < AROUND], initial=0.0))
+            near = away < reach
+            low, high = min(before, after), max(before, after)
+            actual = self.actual[2][near]
+            error[near] = actual - np.clip(actual, low, high)
+        return np.asarray(error)
+
+    def _largest(self, values: FloatArray) -> Extreme:
+        index = int(np.argmax(np.abs(values)))
+        return Extreme(float(values[index]), self._place(index))
+
+    def _place(self, index: int) -> float:
+        return float(self.phi[index]) % TURN
+
+
+def _accelerations(motion: Motion) -> tuple[FloatArray, FloatArray]:
+    """(m,), (m,) demanded acceleration before and after each break."""
+    if not len(motion.breaks):
+        return np.empty(0), np.empty(0)
+    return motion.jet(motion.breaks, "left", 2)[2], motion.jet(motion.breaks, "right", 2)[2]

@@ -1,0 +1,456 @@
+"""The smallest cures: at each limit the finding is about to go; nothing is turned farther."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from decimal import Decimal
+from pathlib import Path
+from typing import Any
+
+import mpmath
+import numpy as np
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+import camgeo
+from camgeo.check.cures import Cam, Change, Cure, cures, margin
+from camgeo.check.cures.cam import Flanks, Pairs, is_sound
+from camgeo.check.cures.cure import digits_for, told_beyond
+from camgeo.check.cures.laws import offers_for
+from camgeo.check.cures.search import NARROW
+from camgeo.check.cures.spans import STEP, longer_plan
+from camgeo.check.curvature import check_undercut
+from camgeo.check.standstill import check_standstill
+from camgeo.curve.curvature import curvature_extremes
+from camgeo.curve.pitch_curve import PitchCurve
+from camgeo.errors import GeometryError
+from camgeo.mechanism.linkage import LinkedMotion
+from camgeo.mechanism.oscillating_roller import OscillatingRoller
+from camgeo.mechanism.translating_roller import TranslatingRoller
+from camgeo.motion.laws import LAWS, make_law
+from camgeo.motion.plan import Dwell, MotionPlan, Move
+from camgeo.outline.crossings import find_crossings
+from tests.reference import hard_case, pitch_curve_of, stroke_of, thesis_params
+from tests.strategies import SMOOTH, attack, pitch_curves
+
+SCENES = Path(__file__).parents[2] / "fixtures" / "scenes"
+
+NEAR = 1e-6
+"""Share of the scale by which a limit is missed on purpose: ten times what is looked beyond it."""
+
+ROUNDING = 1e-11
+"""Of 1 + d kappa: that of the curvature, and that of the knob times its effect."""
+
+LENGTHS = ("base radius", "roller radius", "offset", "arm")
+
+
+def cam_of(curve: PitchCurve, contact: Any = "inner") -> Cam:
+    follower, linkage = curve.follower, None
+    assert isinstance(follower, TranslatingRoller | OscillatingRoller)
+    if isinstance(curve.motion, LinkedMotion):
+        linkage = curve.motion.linkage
+    plan = stroke_of(curve)
+    assert isinstance(plan, MotionPlan)
+    return Cam(plan, linkage, follower, curve.rotation, contact)
+
+
+def hard(name: str, contact: str = "inner", **changes: float) -> Cam:
+    params, _ = hard_case(name)
+    return cam_of(pitch_curve_of({**params, **changes}), contact)
+
+
+def enlarged(cam: Cam, by: float) -> Cam:
+    """The cam with the largest roller that fits by its curvature, times `by`."""
+    least = margin(cam)
+    assert least is not None
+    return cam.sized(roller_radius=cam.follower.roller_radius / (1.0 - least) * by)
+
+
+def setzhub() -> Cam:
+    return enlarged(cam_of(pitch_curve_of(thesis_params("T6_setzhub", -1))), 1.1)
+
+
+def rocker(contact: Any = "inner") -> Cam:
+    law = LAWS["modified-sine"]
+    plan = MotionPlan(
+        (
+            Dwell(Decimal(40)),
+            Move(Decimal(50), 0.4, law),
+            Dwell(Decimal(80)),
+            Move(Decimal(70), 0.0, law),
+            Dwell(Decimal(120)),
+        )
+    )
+    return enlarged(Cam(plan, None, OscillatingRoller(-80 - 40j, 70.0, 50.0, 5.0), 1, contact), 1.2)
+
+
+CASES: dict[str, Cam] = {
+    "translating": hard("HC21c"),
+    "barely": hard("HC21b"),
+    "large roller": hard("HC20b", r_R=18),
+    "ring": hard("HC20b", "outer", r_R=13),
+    "groove": hard("HC20b", "groove", r_R=15),
+    "rocker": rocker(),
+    "rocker in a ring": rocker("outer"),
+    "rocker in a groove": rocker("groove"),
+    "linkage": setzhub(),
+    "neck": hard("HC22"),
+    "neck of a wide curve": hard("HC22b"),
+}
+
+FOUND = {name: cures(cam) for name, cam in CASES.items()}
+
+each_case = pytest.mark.parametrize("name", CASES)
+
+
+def is_good(cam: Cam) -> bool:
+    """What the checks say, without the code under test; no mechanism is not good."""
+    try:
+        curve = cam.pitch_curve()
+        bends = curvature_extremes(curve)
+    except GeometryError:
+        return False
+    found = [each for flank in cam.flanks() for each in check_undercut(flank, "any", bends)]
+    if check_standstill(curve) or any(finding.severity != "ok" for finding in found):
+        return False
+    return not any(find_crossings(flank) for flank in cam.flanks())
+
+
+def turned(cam: Cam, cure: Cure, value: float) -> Cam:
+    return cam.sized(**{cure.key.removeprefix("follower."): value})
+
+
+def applied(cam: Cam, cure: Cure) -> Cam:
+    """The cam with the changes of the motion that a cure names, and with no others."""
+    assert cure.value_to is not None
+    segments = list(cam.plan.segments)
+    for change in (Change(cure.key, cure.value_from, cure.value_to), *cure.also):
+        number = int(change.key.partition("[")[2].partition("]")[0]) - 1
+        segment = segments[number]
+        what = change.key.rpartition(".")[2]
+        assert (what == "dwell") == isinstance(segment, Dwell)
+        if what == "law":
+            assert isinstance(segment, Move)
+            assert segment.law.name == change.value_from
+            law = make_law(str(change.value_to), "R-R")
+            segments[number] = replace(segment, law=law)
+        else:
+            assert segment.span == change.value_from
+            assert isinstance(change.value_to, Decimal)
+            segments[number] = replace(segment, span=change.value_to)
+    return cam.moved(MotionPlan(tuple(segments)))
+
+
+def by_knob(found: tuple[Cure, ...]) -> dict[str, Cure]:
+    return {cure.knob: cure for cure in found}
+
+
+def check_lengths(cam: Cam, found: tuple[Cure, ...]) -> None:
+    """Every length is at its limit: beyond it the finding is gone, before it it is there."""
+    for cure in found:
+        if cure.knob not in LENGTHS or cure.value_to is None:
+            continue
+        old, limit = cure.value_from, cure.value_to
+        assert isinstance(old, float)
+        assert isinstance(limit, float)
+        scale = cam.follower.base_radius if cure.knob == "offset" else old
+        assert cure.cost == pytest.approx(abs(limit - old) / scale, rel=1e-12)
+        step = math.copysign(NEAR * scale, limit - old)
+        assert is_good(turned(cam, cure, limit + step)), cure
+        if abs(limit - old) > 2.0 * abs(step):
+            assert not is_good(turned(cam, cure, limit - step)), cure
+
+
+@each_case
+def test_each_length_is_at_its_limit(name: str) -> None:
+    check_lengths(CASES[name], FOUND[name])
+
+
+@each_case
+def test_the_margin_is_zero_at_a_limit_of_local_undercut(name: str) -> None:
+    cam = CASES[name]
+    least = margin(cam)
+    assert least is not None
+    zeros = []
+    for cure in FOUND[name]:
+        if cure.knob in LENGTHS and isinstance(cure.value_to, float):
+            zeros.append(margin(turned(cam, cure, cure.value_to)))
+    assert zeros
+    if least < 0.0:
+        assert zeros == pytest.approx(np.zeros(len(zeros)), abs=ROUNDING)
+    else:
+        assert min(value for value in zeros if value is not None) > 0.1, "no cusp at a neck"
+
+
+@each_case
+def test_a_longer_segment_is_the_shortest_that_cures(name: str) -> None:
+    cam = CASES[name]
+    cure = by_knob(FOUND[name])["longer segment"]
+    assert cure.works, cure.sentence
+    assert isinstance(cure.value_to, Decimal)
+    longer = applied(cam, cure)
+    assert is_good(longer)
+    # One step less of all the moves, and of the dwells what is left over.
+    shorter = {
+        number: after.span - 2 * STEP
+        for number, (before, after) in enumerate(
+            zip(cam.plan.segments, longer.plan.segments, strict=True)
+        )
+        if after.span > before.span
+    }
+    plan = longer_plan(cam.plan, shorter)
+    assert plan is not None
+    assert not is_good(cam.moved(plan))
+    assert cure.value_from in [cam.plan.segments[number].span for number in shorter]
+
+
+@each_case
+def test_another_law_cures_and_none_does_it_for_less(name: str) -> None:
+    cam = CASES[name]
+    cure = by_knob(FOUND[name])["other law"]
+    if cure.works:
+        assert is_good(applied(cam, cure))
+    number = int(cure.key.partition("[")[2].partition("]")[0]) - 1
+    move = cam.plan.segments[number]
+    assert isinstance(move, Move)
+    assert move.law.name == cure.value_from
+    changed = [change.key for change in cure.also]
+    for offer in offers_for(cam.plan, number):
+        if changed or (cure.cost is not None and offer.growth >= cure.cost):
+            continue  # several moves at once are another matter
+        segments = list(cam.plan.segments)
+        segments[number] = replace(move, law=offer.law)
+        assert not is_good(cam.moved(MotionPlan(tuple(segments)))), offer.law.name
+
+
+def test_laws_offered_keep_the_joints_and_make_no_jerk() -> None:
+    offers = offers_for(CASES["translating"].plan, 1)
+    assert len(offers) > 3
+    assert [offer.growth for offer in offers] == sorted(offer.growth for offer in offers)
+    for offer in offers:
+        for end in (offer.law.start, offer.law.end):
+            assert (end.velocity, end.acceleration) == (0.0, 0.0), offer.law.name
+
+
+@each_case
+def test_the_cheapest_comes_first_and_what_does_not_work_last(name: str) -> None:
+    costs = [math.inf if cure.cost is None else cure.cost for cure in FOUND[name]]
+    assert costs == sorted(costs)
+    assert min(costs) >= 0.0
+    for cure in FOUND[name]:
+        assert cure.works == (cure.cost is not None) == (cure.value_to is not None)
+        assert cure.sentence
+        assert cure.works or not cure.also
+    assert len(by_knob(FOUND[name])) == 5
+
+
+def test_the_roller_is_that_of_the_reference() -> None:
+    _, expected = hard_case("HC21a")
+    cure = by_knob(FOUND["translating"])["roller radius"]
+    assert cure.value_to == pytest.approx(float(expected["rho_min"]), rel=1e-12)
+    assert "below 14.1365 mm instead of 14.8433 mm" in cure.sentence
+
+
+@pytest.mark.parametrize(("name", "axis"), [("neck", 50), ("neck of a wide curve", 51)])
+def test_the_roller_of_a_neck_is_half_its_width(name: str, axis: int) -> None:
+    """Both cams are mirror images of themselves, so that half a neck is a distance from an axis."""
+    plan, base = CASES[name].plan, CASES[name].follower.base_radius
+    rise = plan.segments[1]
+    assert isinstance(rise, Move)
+    with mpmath.workdps(30):
+
+        def half_width(phi: Any) -> Any:
+            z = (phi - 10) / 40
+            lift = rise.to * z**3 * (10 - 15 * z + 6 * z**2)
+            return (base + lift) * mpmath.sin(mpmath.radians(axis - phi))
+
+        flat = mpmath.findroot(lambda phi: mpmath.diff(half_width, phi), 14)
+        narrow = half_width(flat)
+        assert mpmath.diff(half_width, flat, 2) > 0
+    cure = by_knob(FOUND[name])["roller radius"]
+    assert cure.value_to == pytest.approx(float(narrow), rel=1e-12)
+
+
+def test_several_moves_grow_together() -> None:
+    cure = by_knob(FOUND["neck"])["longer segment"]
+    spans = {change.key: change for change in cure.also} | {
+        cure.key: Change(cure.key, cure.value_from, cure.value_to or "")
+    }
+    assert spans["motion[2].span"].value_to == spans["motion[4].span"].value_to
+    # Both take from one rest, the one that passes cam angle 0, in proportion.
+    assert set(spans) == {"motion[2].span", "motion[4].span", "motion[1].dwell", "motion[5].dwell"}
+    for key, length in (("motion[1].dwell", 10), ("motion[5].dwell", 270)):
+        rest = spans[key].value_to
+        assert isinstance(rest, Decimal)
+        assert float(rest) / length == pytest.approx(0.93548, abs=1e-4)
+
+
+def test_a_cusp_is_cured_by_no_change_at_all() -> None:
+    cam = hard("HC21a")
+    found = by_knob(cures(cam))
+    for knob, upward in (("base radius", True), ("roller radius", False)):
+        cure = found[knob]
+        assert isinstance(cure.value_to, float)
+        assert cure.cost is not None
+        assert cure.cost < 1e-9
+        assert (" above " if upward else " below ") in cure.sentence
+        step = NEAR * cure.value_to
+        assert is_good(turned(cam, cure, cure.value_to + (step if upward else -step)))
+
+
+def test_nothing_to_cure_of_a_healthy_cam() -> None:
+    for scene in sorted(SCENES.glob("*.toml")):
+        spec = camgeo.load(scene).specification
+        cam = Cam(spec.plan, spec.linkage, spec.follower, spec.rotation, spec.contact)
+        assert is_good(cam)
+        assert cures(cam) == (), scene.name
+
+
+def test_no_mechanism_has_no_cure() -> None:
+    assert margin(hard("HC20b", r_R=26)) is None, "the roller covers the cam axis"
+    assert cures(hard("HC20b", r_R=26)) == ()
+    plan = CASES["translating"].plan
+    locked = Cam(plan, None, TranslatingRoller(25.0, 15.0, offset=25.0), 1, "inner")
+    assert margin(locked) is None
+    with pytest.raises(GeometryError, match="offset must not exceed"):
+        CASES["translating"].sized(offset=26.0)
+
+
+def test_a_limit_that_is_no_root_is_enclosed() -> None:
+    """Crossings as an outside predicate tells them: the roller is too large beyond 7.123 mm."""
+
+    def crossed(flanks: Flanks) -> Pairs:
+        return ((1.0, 2.0),) if abs(flanks[0].distance) > 7.123 else ()
+
+    cam = hard("HC20b", r_R=10)
+    cure = by_knob(cures(cam, crossed))["roller radius"]
+    assert isinstance(cure.value_to, float)
+    assert 7.123 - NARROW * 10.0 <= cure.value_to <= 7.123
+    assert not cures(cam.sized(roller_radius=7.0), crossed)
+
+
+def test_what_cannot_be_cured_says_so() -> None:
+    def crossed(_: Flanks) -> Pairs:
+        return ((1.0, 2.0),)
+
+    found = cures(hard("HC20b", r_R=10), crossed)
+    assert [cure.works for cure in found] == [False] * 5
+    said = {cure.knob: cure.sentence for cure in found}
+    assert "up to 100 times" in said["base radius"]
+    assert "no smaller roller" in said["roller radius"]
+    assert "between -25 and 25 mm" in said["offset"]
+    assert "too little room" in said["longer segment"]
+    assert "no other motion[2].law" in said["other law"]
+
+
+def test_what_cannot_be_decided_is_told() -> None:
+    def crossed(_: Flanks) -> Pairs:
+        raise GeometryError("lies on itself")
+
+    with pytest.raises(GeometryError, match="lies on itself"):
+        cures(hard("HC20b", r_R=10), crossed)
+    # Where curvature alone is at fault nothing is asked; what is not sure to cure is no cure.
+    assert not any(cure.works for cure in cures(hard("HC21c"), crossed))
+    assert not is_sound(hard("HC20b", r_R=10), crossed)
+
+
+def test_a_move_without_dwells_beside_it_cannot_grow() -> None:
+    law = LAWS["polynomial-345"]
+    plan = MotionPlan((Move(Decimal(60), 20.0, law), Move(Decimal(300), 0.0, law)))
+    cam = enlarged(Cam(plan, None, TranslatingRoller(25.0, 5.0), 1, "inner"), 1.05)
+    cure = by_knob(cures(cam))["longer segment"]
+    assert not cure.works
+    assert "too little room" in cure.sentence
+
+
+def test_undercut_in_a_rest_or_in_a_turn_is_no_matter_of_span_or_law() -> None:
+    dwell = MotionPlan(
+        (
+            Dwell(Decimal(60)),
+            Move(Decimal(120), -20.0, LAWS["polynomial-345"]),
+            Dwell(Decimal(60)),
+            Move(Decimal(120), 0.0, LAWS["polynomial-345"]),
+        )
+    )
+    cam = Cam(dwell, None, TranslatingRoller(50.0, 32.0), 1, "inner")
+    found = by_knob(cures(cam))
+    assert found["roller radius"].value_to == pytest.approx(30.0, rel=1e-12), "the rest's radius"
+    for knob in ("longer segment", "other law"):
+        assert not found[knob].works
+        assert "from rest to rest" in found[knob].sentence
+        assert "motion[3]" in found[knob].sentence
+
+
+def test_a_straight_line_between_rests_is_cured_by_another_law() -> None:
+    """At a shock the pitch curve has a corner, which no roller follows; its own law has no peak."""
+    line = LAWS["straight-line"]
+    segments = list(CASES["translating"].plan.segments)
+    for number in (1, 3):
+        move = segments[number]
+        assert isinstance(move, Move)
+        segments[number] = replace(move, law=line)
+    cam = Cam(MotionPlan(tuple(segments)), None, TranslatingRoller(40.0, 8.0), 1, "inner")
+    least = margin(cam)
+    assert least is not None
+    assert least > 0.0
+    found = by_knob(cures(cam))
+    assert [knob for knob, cure in found.items() if cure.works] == ["other law"]
+    assert found["other law"].cost == 0.0
+    assert {change.value_from for change in found["other law"].also} == {"straight-line"}
+    assert is_good(applied(cam, found["other law"]))
+
+
+@pytest.mark.parametrize(
+    ("value", "digits", "upward", "told"),
+    [
+        (28.30001, 6, True, "28.3001"),
+        (28.39999, 6, False, "28.3999"),
+        (-4.3503841, 6, False, "-4.35039"),
+        (-4.3503841, 6, True, "-4.35038"),
+        (999999.5, 6, True, "1000000"),
+        (25.0, 6, True, "25"),
+        (0.0, 6, True, "0"),
+    ],
+)
+def test_lengths_are_rounded_to_the_safe_side(
+    value: float, digits: int, upward: bool, told: str
+) -> None:
+    assert told_beyond(value, digits, upward=upward) == told
+
+
+@given(old=st.floats(1e-3, 1e3), change=st.floats(1e-9, 10.0), upward=st.booleans())
+def test_the_rounded_length_is_beyond_the_limit_by_little(
+    old: float, change: float, upward: bool
+) -> None:
+    limit = old * (1.0 + change) if upward else old / (1.0 + change)
+    assume(limit != old)
+    told = float(told_beyond(limit, digits_for(old, limit), upward=upward))
+    beyond = told - limit if upward else limit - told
+    # To the last digit told, a hundredth of the change; the text itself is rounded once more.
+    assert -math.ulp(limit) <= beyond <= 0.011 * abs(limit - old) + 1e-15 * old
+
+
+@settings(attack, max_examples=12)
+@given(
+    curve=pitch_curves(SMOOTH),
+    contact=st.sampled_from(["inner", "outer", "groove"]),
+    beyond=st.floats(-5.0, -0.4).map(lambda exponent: 10.0**exponent),
+)
+def test_any_undercut_cam_is_cured(curve: PitchCurve, contact: Any, beyond: float) -> None:
+    cam = cam_of(curve, contact)
+    least = margin(cam)
+    assume(least is not None and least < 1.0 - 1e-3)  # else no roller undercuts
+    assert least is not None
+    roller = cam.follower.roller_radius / (1.0 - least)
+    cam = cam.sized(roller_radius=roller * (1.0 + beyond))
+    assume(margin(cam) is not None)  # the roller does not cover the axis
+    found = cures(cam)
+    check_lengths(cam, found)
+    cure = by_knob(found)["roller radius"]
+    assert isinstance(cure.value_to, float)
+    assert cure.value_to <= roller * (1.0 + 1e-12)
+    for knob in ("longer segment", "other law"):
+        if by_knob(found)[knob].works:
+            assert is_good(applied(cam, by_knob(found)[knob]))

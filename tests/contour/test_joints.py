@@ -1,0 +1,59 @@
+"""Joints beside a cusp: kept apart, and what is a cusp in one point told from undercut."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from camgeo.contour.joints import APART, joints_apart, require_regular
+from camgeo.curve.pieces import Piece
+from camgeo.curve.working_curve import WorkingCurve
+from camgeo.errors import UndercutError
+from tests.contour.cams import dwell, move, translating
+from tests.contour.paths import hard_curve
+
+CUSP = math.radians(78.9790897521664912236687251744)
+
+
+def test_a_cusp_in_one_point_is_regular_and_beyond_is_not() -> None:
+    """The samples' own middle falls on the cusp of HC21a."""
+    piece = Piece(CUSP - 0.1, CUSP + 0.1, dwell=False)
+    curve = hard_curve("HC21a")
+    assert abs(curve.regularity(np.array([CUSP]))[0]) < 1e-13
+    require_regular(curve, piece)
+    with pytest.raises(UndercutError, match=r"between cam angles 73\.2495 and 84\.7087 degrees"):
+        require_regular(WorkingCurve(curve.pitch, curve.distance * (1.0 + 1e-11)), piece)
+
+
+@pytest.mark.parametrize(("roller", "regular"), [(39.999, True), (40.0, False), (40.001, False)])
+def test_dwell_needs_a_radius(roller: float, regular: bool) -> None:
+    pitch = translating(dwell(180), move(100, 1.0), move(80, 0.0)).pitch
+    curve, piece = WorkingCurve(pitch, -roller), Piece(0.0, math.pi, dwell=True)
+    if regular:
+        require_regular(curve, piece)
+        return
+    with pytest.raises(UndercutError):
+        require_regular(curve, piece)
+
+
+def test_joints_beside_a_cusp_are_kept_apart() -> None:
+    curve = hard_curve("HC21a")
+    near = np.geomspace(1e-7, 0.05, 200)
+    joints = np.concatenate((CUSP - near[::-1], [CUSP], CUSP + near))
+    points = curve.point(joints)
+    least = APART * np.max(np.abs(points))
+    assert np.min(np.abs(np.diff(points))) < 1e-3 * least
+    kept = joints_apart(curve, joints)
+    assert (kept[0], kept[-1]) == (joints[0], joints[-1])
+    assert np.all(np.isin(kept, joints))
+    assert np.min(np.abs(np.diff(curve.point(kept)))) >= least
+    # Those that are far enough from each other all stay.
+    assert len(kept) >= np.count_nonzero(np.abs(np.diff(points)) >= least)
+
+
+def test_joints_of_a_regular_curve_all_stay() -> None:
+    curve = translating(dwell(60), move(120, 15.0), dwell(60), move(120, 0.0))
+    joints = np.linspace(1.1, 3.1, 100_000)
+    assert joints_apart(curve, joints) is joints

@@ -1,0 +1,177 @@
+"""The path of the roller centre: coordinates of the plane, and where it meets lines and circles."""
+
+from __future__ import annotations
+
+import cmath
+import math
+
+import mpmath
+import numpy as np
+import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
+
+from camgeo.curve.pitch_curve import PitchCurve
+from camgeo.errors import GeometryError
+from camgeo.mechanism.follower_path import Bows, FollowerPath, lift_jet, path_of
+from camgeo.mechanism.oscillating_roller import OscillatingRoller
+from camgeo.mechanism.translating_roller import TranslatingRoller
+from tests.strategies import attack, oscillating_rollers, pitch_curves, signs, translating_rollers
+
+FOLLOWERS = (
+    TranslatingRoller(40.0, 6.0, offset=9.0),
+    TranslatingRoller(40.0, 6.0, offset=-9.0, guide_angle=0.4, direction=-1),
+    OscillatingRoller(complex(-90.0, -30.0), 70.0, 50.0, 6.0),
+    OscillatingRoller(complex(60.0, 70.0), 60.0, 50.0, 6.0, arm_side=-1, direction=-1),
+)
+
+PHI = np.linspace(0.0, 2.0 * math.pi, 37, endpoint=False)
+
+
+def one(value: complex) -> np.ndarray[tuple[int], np.dtype[np.complex128]]:
+    return np.array([value], dtype=np.complex128)
+
+
+@attack
+@given(pitch_curves(), st.integers(0, 10**9))
+def test_the_pitch_curve_has_its_own_coordinates(curve: PitchCurve, seed: int) -> None:
+    # A point is known to 1e-16 of itself; near h = 0 or psi = 0, pi that is worth more in q. The
+    # strategies keep off those by a tenth of the base radius and more.
+    path = path_of(curve.follower, curve.rotation)
+    phi = np.random.default_rng(seed).uniform(0.0, 2.0 * math.pi, 20)
+    found, q = path.cam_angle_of(curve.point(phi))
+    assert np.max(np.abs(np.exp(1j * (found - phi)) - 1.0)) < 1e-13
+    lift = path.outward * (q - path.start)
+    assert lift == pytest.approx(curve.motion.jet(phi)[0], abs=1e-12)
+    assert np.max(np.abs(path.point(found, q) - curve.point(phi))) < 1e-11
+
+
+@pytest.mark.parametrize("follower", FOLLOWERS)
+@pytest.mark.parametrize("sigma", [1, -1])
+def test_q_grows_outward_along_the_path(
+    follower: TranslatingRoller | OscillatingRoller, sigma: int
+) -> None:
+    path = path_of(follower, sigma)
+    q = np.full(len(PHI), path.start)
+    step = 1e-6
+    along, bend = path.along(PHI, q)
+    ahead, behind = path.point(PHI, q + step), path.point(PHI, q - step)
+    assert np.all(np.abs(ahead) > np.abs(behind))
+    # Central differences: error step^2/6 and rounding 1e-14/step.
+    assert np.max(np.abs((ahead - behind) / (2.0 * step) - along)) < 1e-7
+    forth, back = path.along(PHI, q + step)[0], path.along(PHI, q - step)[0]
+    assert np.max(np.abs((forth - back) / (2.0 * step) - bend)) < 1e-7
+
+
+@st.composite
+def meetings(draw: st.DrawFn) -> tuple[FollowerPath, float, float, Bows]:
+    """A path, a cam angle and q on it, and a bow through that point, across the path."""
+    follower: TranslatingRoller | OscillatingRoller
+    if draw(st.booleans()):
+        follower = draw(translating_rollers(0.0))
+    else:
+        follower = draw(oscillating_rollers(0.0))
+    path = path_of(follower, draw(signs()))
+    phi = draw(st.floats(0.0, 6.28))
+    at = np.array([phi]), np.array([path.start])
+    point, along = path.point(*at), path.along(*at)[0]
+    tilt = draw(st.floats(-1.2, 1.2)) + (math.pi if draw(st.booleans()) else 0.0)
+    normal = along / np.abs(along) * cmath.exp(1j * tilt)
+    kappa = draw(st.sampled_from([0.0, 1e-9, 1e-3, 0.05, 1.0]) | st.floats(-0.2, 0.2))
+    # Known at another of its points, up to 0.3 rad or 5 mm away.
+    away = draw(st.floats(-1.0, 1.0)) * min(5.0, 0.3 / max(abs(kappa), 1e-12))
+    turn = kappa * away
+    chord = away * float(np.sinc(0.5 * turn / math.pi))
+    other = point + normal * 1j * chord * cmath.exp(0.5j * turn)
+    return path, phi, path.start, Bows(other, normal * cmath.exp(1j * turn), np.array([kappa]))
+
+
+@attack
+@given(meetings())
+def test_the_path_meets_what_passes_through_its_point(
+    meeting: tuple[FollowerPath, float, float, Bows],
+) -> None:
+    path, phi, q, bows = meeting
+    at = np.array([phi]), np.array([q])
+    facing = np.sign((bows.normal_at(path.point(*at)).conj() * path.along(*at)[0]).real)
+    found = path.meet(at[0], bows, facing)
+    # The point is known to 1e-14 mm or so; the tilt of 1.2 rad makes 1/cos = 3 of it.
+    assert found[0] == pytest.approx(q, abs=1e-11)
+
+
+@attack
+@given(meetings())
+def test_derivatives_by_mpmath(meeting: tuple[FollowerPath, float, float, Bows]) -> None:
+    """Against the contact condition solved with 40 digits by a root finder, and differentiated."""
+    path, phi, q, bows = meeting
+    at = np.array([phi])
+    facing = np.sign(
+        (bows.normal_at(path.point(at, np.array([q]))).conj() * path.along(at, np.array([q]))[0]
+    ).real)  # fmt: skip
+    jet = lift_jet(path, at, path.meet(at, bows, facing), bows)
+    follower = path.follower  # type: ignore[attr-defined]
+    a, n = mpmath.mpmathify(complex(bows.points[0])), mpmath.mpmathify(complex(bows.normals[0]))
+    kappa = mpmath.mpf(float(bows.curvatures[0]))
+
+    def centre(angle: mpmath.mpf, lift: mpmath.mpf) -> mpmath.mpc:
+        turn = mpmath.expj(-path.rotation * angle)
+        if isinstance(follower, TranslatingRoller):
+            base, e = mpmath.mpf(follower.base_radius), mpmath.mpf(follower.offset)
+            height = mpmath.sqrt(base**2 - e**2) + follower.direction * lift
+            return mpmath.mpc(e, height) * mpmath.expj(follower.guide_angle) / 1j * turn
+        l1, l3 = abs(mpmath.mpmathify(follower.pivot)), mpmath.mpf(follower.arm)
+        start = mpmath.acos((l1**2 + l3**2 - mpmath.mpf(follower.base_radius) ** 2) / (2 * l1 * l3))
+        chi = follower.arm_side * start + follower.swing_sense * lift
+        pivot = mpmath.mpmathify(follower.pivot)
+        return (pivot - pivot / l1 * l3 * mpmath.expj(chi)) * turn
+
+    def lift_at(angle: mpmath.mpf) -> mpmath.mpf:
+        def contact(lift: mpmath.mpf) -> mpmath.mpf:
+            d = centre(angle, lift) - a
+            return mpmath.re(mpmath.conj(n) * d) + kappa * abs(d) ** 2 / 2
+
+        near = mpmath.mpf(float(jet[0, 0]))
+        return mpmath.findroot(contact, (near, near + mpmath.mpf("1e-6")))
+
+    with mpmath.workdps(40):
+        middle = mpmath.mpf(phi)
+        step = mpmath.mpf("1e-8")
+        low, here, high = (lift_at(middle + k * step) for k in (-1, 0, 1))
+        velocity = (high - low) / (2 * step)
+        acceleration = (high - 2 * here + low) / step**2
+    # The differences leave step^2 of higher derivatives, which grow with 1/cos^4 of the tilt.
+    assume(abs(float(acceleration)) < 1e5)
+    scale = 1.0 + abs(float(velocity)) + abs(float(acceleration))
+    assert jet[0, 0] == pytest.approx(float(here), abs=1e-11)
+    assert jet[1, 0] == pytest.approx(float(velocity), abs=1e-10 * scale)
+    assert jet[2, 0] == pytest.approx(float(acceleration), abs=1e-9 * scale)
+
+
+@pytest.mark.parametrize("follower", FOLLOWERS)
+def test_a_touched_circle_is_touched(follower: TranslatingRoller | OscillatingRoller) -> None:
+    """All places at which the path is tangent are named; others are tangent to the path's rest."""
+    path = path_of(follower, 1)
+    centre, radius = complex(45.0, 10.0), 8.0
+    normal = one(cmath.exp(0.3j))
+    bows = Bows(centre + radius * normal, normal, np.array([1.0 / radius]))
+    places = path.touching(bows)[:, 0]
+    places = places[np.isfinite(places)]
+    points = np.concatenate([bows.at(np.array([place])) for place in places])
+    phi, q = path.cam_angle_of(points)
+    across = ((points - centre) / radius).conj() * path.along(phi, q)[0]
+    named = np.count_nonzero(np.abs(across.real) < 1e-10 * np.abs(across))
+    # Where the cam angle turns back along the circle, found by dense points.
+    ring = centre + radius * np.exp(1j * np.linspace(0.0, 2.0 * math.pi, 20001))
+    turning = np.unwrap(path.cam_angle_of(ring)[0])
+    turns = np.count_nonzero(np.diff(np.sign(np.diff(turning))))
+    assert turns == named == 2
+    assert len(places) == 4
+
+
+def test_no_meeting_is_an_error() -> None:
+    path = path_of(FOLLOWERS[0], 1)
+    away = Bows(one(1000.0), one(1.0), np.array([1.0]))
+    with pytest.raises(GeometryError, match="does not meet"):
+        path.meet(np.zeros(1), away, np.ones(1))
+    with pytest.raises(GeometryError, match="must lie 9 mm to inf mm from the cam axis"):
+        path.cam_angle_of(one(1.0))

@@ -1,0 +1,87 @@
+"""Boxes of cells hold the flank, all of it, and are not much too large."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from camgeo.curve.pitch_curve import PitchCurve
+from camgeo.curve.working_curve import WorkingCurve
+from camgeo.errors import GeometryError
+from camgeo.outline.cells import Cells, enclose, halved
+from camgeo.outline.envelope import Envelope
+from tests.strategies import attack, signs, wild_pitch_curves
+
+
+def cells_of(envelope: Envelope, parts: int) -> Cells:
+    marks = np.append(envelope.borders, envelope.total)
+    cuts = [np.linspace(a, b, parts + 1) for a, b in pairwise(marks)]
+    low = np.concatenate([cut[:-1] for cut in cuts])
+    high = np.concatenate([cut[1:] for cut in cuts])
+    return enclose(envelope, low, high, np.arange(len(low)))
+
+
+def envelope_of(pitch: PitchCurve, side: int) -> Envelope:
+    return Envelope(WorkingCurve(pitch, side * pitch.follower.roller_radius))
+
+
+@attack
+@given(wild_pitch_curves(), signs(), st.integers(1, 40))
+def test_a_box_holds_all_of_its_cell(pitch: PitchCurve, side: int, parts: int) -> None:
+    envelope = envelope_of(pitch, side)
+    try:
+        cells = cells_of(envelope, parts)
+    except GeometryError:  # Z' = 0
+        return
+    shares = np.linspace(0.0, 1.0, 25)[1:-1]
+    places = cells.low[:, None] + (cells.high - cells.low)[:, None] * shares
+    course = envelope.course(places.ravel())
+    local = course.points.reshape(places.shape) - cells.middle[:, None]
+    local = local * np.conj(cells.tangent)[:, None]
+    assert np.all(np.abs(local.real) <= cells.along[:, None])
+    assert np.all(np.abs(local.imag) <= cells.across[:, None])
+    tangents = course.tangents.reshape(places.shape) * np.conj(cells.tangent)[:, None]
+    assert np.all(np.abs(np.angle(tangents)) <= cells.turn[:, None] + 1e-15)
+    # What is said to be sure is so: the pace keeps its sign, the tangent turns one way.
+    pace = course.pace.reshape(places.shape)
+    sure = cells.sign != 0.0
+    assert np.all(np.sign(pace[sure]) == cells.sign[sure, None])
+    turned = np.angle(tangents[:, 1:] * np.conj(tangents[:, :-1]))
+    sure = cells.bend != 0.0
+    assert np.all(turned[sure] * cells.bend[sure, None] >= -1e-13)
+
+
+@attack
+@given(wild_pitch_curves(), signs())
+def test_boxes_of_halves_are_a_quarter_as_wide(pitch: PitchCurve, side: int) -> None:
+    """They shrink with the square of the cell, which is what makes the search end soon."""
+    envelope = envelope_of(pitch, side)
+    try:
+        coarse = cells_of(envelope, 64)
+        fine = halved(envelope, coarse)
+    except GeometryError:
+        return
+    assert np.array_equal(fine.low[0::2], coarse.low)
+    assert np.array_equal(fine.high[1::2], coarse.high)
+    for half in (fine.across[0::2], fine.across[1::2]):
+        known = coarse.turn < 0.05
+        # A quarter, but for what the bounds of the derivatives gain, which is only for the better.
+        assert np.all(half[known] <= 0.3 * coarse.across[known] + 1e-12)
+
+
+def test_a_box_that_is_too_small_is_seen() -> None:
+    """The check above can fail: half the box does not hold the cell."""
+    from camgeo.mechanism.translating_roller import TranslatingRoller
+    from tests.reference import plan_of
+
+    plan = plan_of({"phi_H": [30, 60, 40, 80, 150]}, 20.0)
+    envelope = Envelope(WorkingCurve(PitchCurve(plan, TranslatingRoller(25.0, 8.0), 1), -8.0))
+    cells = cells_of(envelope, 8)
+    ends = envelope.course(cells.low + 1e-9).points
+    local = (ends - cells.middle) * np.conj(cells.tangent)
+    with pytest.raises(AssertionError):
+        assert np.all(np.abs(local.real) <= 0.5 * cells.along)
