@@ -32,6 +32,7 @@ STAGES: tuple[tuple[str, ...], ...] = (
     ("specification", "design"),
     ("scene",),
     ("sweep",),
+    ("stability",),
     ("cli",),
     ("__init__", "__main__"),
 )
@@ -41,7 +42,7 @@ row and from the rows before it. A stage may stand here before its first module 
 ENGINE_LIBRARIES = {"jsonschema_rs", "numpy", "shapely"}
 """What the engine may import besides the standard library and itself."""
 
-LAZY_LIBRARIES = {"scipy"}
+LAZY_LIBRARIES = {"mpmath", "scipy"}
 """What it may import inside a function only."""
 
 FORMAT_LIBRARIES = {"ezdxf", "lxml", "manifold3d", "matplotlib", "networkx", "trimesh"}

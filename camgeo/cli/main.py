@@ -15,7 +15,7 @@ from camgeo.errors import CamgeoError, GeometryError, UndercutError
 INTERRUPTED = 130
 """Exit code after Ctrl-C, as shells count it."""
 
-COMMANDS = ("new", "check", "build", "table", "plot", "laws")
+COMMANDS = ("new", "check", "build", "table", "plot", "replay", "laws", "stability")
 """Modules of `camgeo.cli`, in the order of the help."""
 
 

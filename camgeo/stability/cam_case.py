@@ -1,0 +1,189 @@
+"""A cam of the suite, and the cases of its moves: every quantity from the lift to the curvature."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from decimal import Decimal
+from typing import Final
+
+import numpy as np
+
+from camgeo.curve.pitch_curve import PitchCurve
+from camgeo.curve.working_curve import WorkingCurve
+from camgeo.mechanism.linkage import LinkedMotion
+from camgeo.mechanism.oscillating_roller import OscillatingRoller
+from camgeo.mechanism.slider_crank import SliderCrank
+from camgeo.mechanism.translating_roller import TranslatingRoller
+from camgeo.motion.laws import make_law
+from camgeo.motion.motion import Motion
+from camgeo.motion.plan import Dwell, MotionPlan, Move
+from camgeo.numeric.arrays import ComplexArray, FloatArray
+from camgeo.stability.case import Case, Found
+from camgeo.stability.exact_cam import Stage
+from camgeo.stability.high_precision import Number, multiprecision
+
+CAMS: Final = "cams"
+
+LINKAGES: Final = "linkages"
+
+
+LIFTS: Final = ("lift s", "s'", "s''", "s'''")
+
+CURVES: Final = (
+    "pitch curve Z",
+    "Z'",
+    "Z''",
+    "Z'''",
+    "inner working curve",
+    "outer working curve",
+    "curvature",
+    "curvature slope",
+    "1 - r_R kappa",
+    "transmission angle",
+    "pressure angle",
+)
+
+CRANKS: Final = ("crank angle theta", "psi'", "psi''", "psi'''")
+
+SHARES: Final = (1e-9, 0.07, 0.21, 0.4, 0.5, 0.66, 0.83, 0.97)
+"""Places inside a move as shares of it."""
+
+
+@dataclass(frozen=True, slots=True)
+class CamSpec:
+    """A cam of the suite: a rise and a return from rest to rest.
+
+    Attributes
+    ----------
+    name : what is hard about it.
+    spans : of the rest, rise, rest, return, rest in degrees, as written.
+    stroke : [mm or rad].
+    follower, linkage, rotation : the mechanism.
+    law, inflection : of both moves.
+    rise, back : places in the rise and in the return, shares of their spans.
+    """
+
+    name: str
+    spans: tuple[str, str, str, str, str]
+    stroke: float
+    follower: TranslatingRoller | OscillatingRoller
+    linkage: SliderCrank | None = None
+    rotation: int = 1
+    law: str = "polynomial-345"
+    inflection: float = 0.5
+    rise: tuple[float, ...] = SHARES
+    back: tuple[float, ...] = ()
+
+    @property
+    def plan(self) -> MotionPlan:
+        """The demanded motion."""
+        law = make_law(self.law, "R-R", inflection=self.inflection)
+        first, up, high, down, last = (Decimal(span) for span in self.spans)
+        return MotionPlan(
+            (
+                Dwell(first),
+                Move(up, self.stroke, law),
+                Dwell(high),
+                Move(down, 0.0, law),
+                Dwell(last),
+            )
+        )
+
+    @property
+    def curve(self) -> PitchCurve:
+        """The pitch curve, as the engine makes it."""
+        plan = self.plan
+        motion: Motion = plan if self.linkage is None else LinkedMotion(plan, self.linkage)
+        return PitchCurve(motion, self.follower, self.rotation)
+
+    @property
+    def stage(self) -> Stage:
+        """The exact cam."""
+        return Stage(self.law, self.follower, self.linkage, self.rotation)
+
+    def joints(self, *, back: bool) -> tuple[float, float]:
+        """Cam angles [rad] of both ends of a move, as the engine takes them."""
+        number = 3 if back else 1
+        first = sum(map(Decimal, self.spans[:number]), Decimal(0))
+        last = first + Decimal(self.spans[number])
+        return math.radians(float(first)), math.radians(float(last))
+
+    def parameters(self, *, back: bool) -> tuple[float, ...]:
+        """The inputs of a move for the exact cam."""
+        low, high = (self.stroke, 0.0) if back else (0.0, self.stroke)
+        return self.stage.parameters(*self.joints(back=back), low, high, self.inflection)
+
+
+def cases_of(spec: CamSpec) -> list[Case]:
+    """The cases of one cam, one for each of its moves that has places."""
+    curve = spec.curve
+    stage = spec.stage
+    names = (*(LIFTS if spec.linkage is None else CRANKS), *CURVES)
+
+    def exact(phi: Number, *parameters: Number) -> tuple[Number, ...]:
+        return quantities(stage, phi, parameters)
+
+    found = []
+    for back, shares, word in ((False, spec.rise, "rise"), (True, spec.back, "return")):
+        if shares:
+            start, end = spec.joints(back=back)
+            places = tuple(start + share * (end - start) for share in shares)
+            found.append(
+                Case(
+                    CAMS if spec.linkage is None else LINKAGES,
+                    f"{spec.name}, {word}",
+                    names,
+                    places,
+                    spec.parameters(back=back),
+                    computed(curve),
+                    exact,
+                )
+            )
+    return found
+
+
+def computed(curve: PitchCurve) -> Found:
+    """What the engine gives for the quantities of a cam."""
+    inner = WorkingCurve(curve, -curve.follower.roller_radius)
+    outer = WorkingCurve(curve, curve.follower.roller_radius)
+
+    def found(phi: FloatArray) -> tuple[FloatArray | ComplexArray, ...]:
+        motion = curve.motion
+        lifts = motion.jet(phi)[:4]
+        if isinstance(motion, LinkedMotion):
+            # psi is a difference of such angles; only psi_G + psi goes into the curve.
+            angle = motion.linkage.crank_angle(motion.slider.jet(phi)[0])
+            lifts = np.concatenate((angle[np.newaxis], lifts[1:]))
+        return (
+            *lifts,
+            *curve.jet(phi),
+            inner.point(phi),
+            outer.point(phi),
+            curve.curvature(phi),
+            curve.curvature_slope(phi),
+            inner.regularity(phi),
+            curve.transmission_angle(phi),
+            curve.pressure_angle(phi),
+        )
+
+    return found
+
+
+def quantities(stage: Stage, phi: Number, parameters: Sequence[Number]) -> tuple[Number, ...]:
+    """The same, exactly."""
+    jet = stage.jet(phi, parameters)
+    bend = jet.bend
+    angle = jet.transmission_angle
+    return (
+        *(jet.lift.derivative(order) for order in range(4)),
+        *(jet.centre.derivative(order) for order in range(4)),
+        jet.parallel(-jet.roller),
+        jet.parallel(jet.roller),
+        bend.terms[0],
+        bend.terms[1],
+        1 - jet.roller * bend.terms[0],
+        angle,
+        multiprecision().pi / 2 - angle,
+    )

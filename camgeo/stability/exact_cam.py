@@ -1,0 +1,157 @@
+"""A cam by its definition, in series of the cam angle: Z = W exp(-i sigma phi).
+
+Nothing here is shared with the engine: W is where the follower carries the roller centre, its
+derivatives are those of its series, and curvature and angles come from the tangent.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from camgeo.errors import GeometryError
+from camgeo.mechanism.oscillating_roller import OscillatingRoller
+from camgeo.mechanism.slider_crank import SliderCrank
+from camgeo.mechanism.translating_roller import TranslatingRoller
+from camgeo.stability.high_precision import Number, multiprecision
+from camgeo.stability.lifts import lift
+from camgeo.stability.linkage import ExactSliderCrank
+from camgeo.stability.series import Series, direction, logarithm, root, variable
+
+TERMS = 4
+"""Z to Z'''."""
+
+
+@dataclass(frozen=True, slots=True)
+class Stage:
+    """A move of a cam, as far as it is no number: what the numbers of `parameters` are for.
+
+    Attributes
+    ----------
+    law : of the move, from rest to rest.
+    follower, linkage : their discrete choices count; their numbers come with the parameters.
+    rotation : sigma.
+    """
+
+    law: str
+    follower: TranslatingRoller | OscillatingRoller
+    linkage: SliderCrank | None
+    rotation: int
+
+    def parameters(
+        self, start: float, end: float, low: float, high: float, inflection: float
+    ) -> tuple[float, ...]:
+        """The inputs of `jet` behind the cam angle.
+
+        start, end are the joints of the move [rad], degrees turned to radians and rounded once as
+        the engine does; low, high the lifts there [mm or rad]; then lambda, and the numbers of the
+        follower and of the linkage.
+        """
+        follower, linkage = self.follower, self.linkage
+        found = [start, end, low, high, inflection, follower.roller_radius, follower.base_radius]
+        if isinstance(follower, TranslatingRoller):
+            found += [follower.offset, follower.guide_angle]
+        else:
+            found += [follower.pivot.real, follower.pivot.imag, follower.arm]
+        if linkage is not None:
+            found += [linkage.crank, linkage.coupler, linkage.deflection]
+        return tuple(found)
+
+    def jet(self, phi: Number, parameters: Sequence[Number], terms: int = TERMS) -> CamJet:
+        """The cam at the cam angle `phi` [rad]."""
+        start, end, low, high, inflection, roller, *rest = parameters
+        span = end - start
+        z = variable((phi - start) / span, 1 / span, terms)
+        w = variable((end - phi) / span, -1 / span, terms)
+        up, down = lift(self.law, z, w, inflection)
+        # From the nearer end, so that a lift of next to nothing keeps its digits.
+        s = low + (high - low) * up if z.terms[0] <= 0.5 else high - (high - low) * down
+        own, counted = s, s
+        if self.linkage is not None:
+            *rest, crank, coupler, deflection = rest
+            linkage = ExactSliderCrank(crank, coupler, deflection, self.linkage)
+            own, counted = linkage.swing(s), linkage.crank_angle(s)
+        if isinstance(self.follower, TranslatingRoller):
+            centre, path = _on_guide(self.follower, own, *rest)
+        else:
+            centre, path = _on_rocker(self.follower, own, *rest)
+        turn = direction(variable(-self.rotation * phi, -self.rotation, terms))
+        return CamJet(counted, centre * turn, path * turn, roller, self.rotation)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CamJet:
+    """A cam at one cam angle.
+
+    Attributes
+    ----------
+    lift : the lift, or the angle of the crank if there is a linkage [mm or rad].
+    centre : Z [mm].
+    path : direction in which the follower moves the roller centre, seen from the cam.
+    roller, rotation : r_R [mm] and sigma.
+    """
+
+    lift: Series
+    centre: Series
+    path: Series
+    roller: Number
+    rotation: int
+
+    @property
+    def bend(self) -> Series:
+        """The curvature kappa [1/mm], two terms shorter than Z; positive where convex."""
+        x1, y1 = self.centre.real.slope(), self.centre.imag.slope()
+        x2, y2 = x1.slope(), y1.slope()
+        x1, y1 = Series(x1.terms[:-1]), Series(y1.terms[:-1])
+        return -self.rotation * (x1 * y2 - y1 * x2) / root(x1 * x1 + y1 * y1) ** 3
+
+    @property
+    def tilt(self) -> Series:
+        """Angle from the follower's path to the tangent [rad], a term shorter than Z."""
+        path = Series(tuple(multiprecision().conj(term) for term in self.path.terms[:-1]))
+        return logarithm(self.centre.slope() * path).imag
+
+    @property
+    def transmission_angle(self) -> Number:
+        """Acute angle between the tangent and the follower's path [rad].
+
+        The normals of both are the curve's normal and the rocker, or the normal of the guide.
+        """
+        mp = multiprecision()
+        turned = self.centre.terms[1] * mp.conj(self.path.terms[0])
+        return mp.atan2(abs(mp.im(turned)), abs(mp.re(turned)))
+
+    def parallel(self, distance: Number) -> Number:
+        """The point at `distance` [mm] outward of Z."""
+        tangent = self.centre.terms[1] / abs(self.centre.terms[1])
+        return (
+            self.centre.terms[0] + distance * self.rotation * multiprecision().mpc(0, 1) * tangent
+        )
+
+
+def _on_guide(
+    follower: TranslatingRoller, s: Series, base: Number, offset: Number, guide: Number
+) -> tuple[Series, Series]:
+    """W and the direction of the guide."""
+    mp = multiprecision()
+    if abs(offset) > base:
+        raise GeometryError("the roller cannot lie on the base circle", key="follower.offset")
+    along = mp.expj(guide)
+    height = mp.sqrt(base**2 - offset**2) + follower.direction * s
+    centre = height * along + offset * along / mp.mpc(0, 1)
+    return centre, variable(along, 0, len(s.terms))
+
+
+def _on_rocker(
+    follower: OscillatingRoller, s: Series, base: Number, x: Number, y: Number, arm: Number
+) -> tuple[Series, Series]:
+    """W and the direction across the rocker."""
+    mp = multiprecision()
+    pivot = mp.mpc(x, y)
+    distance = abs(pivot)
+    if not abs(distance - arm) < base < distance + arm:
+        raise GeometryError("pivot, cam axis and roller form no triangle", key="follower")
+    corner = mp.acos((distance**2 + arm**2 - base**2) / (2 * distance * arm))
+    sense = 1 if follower.direction is None else follower.direction * follower.arm_side
+    rocker = direction(sense * s + (follower.arm_side * corner + mp.arg(-pivot)))
+    return arm * rocker + pivot, mp.mpc(0, 1) * rocker

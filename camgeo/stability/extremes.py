@@ -1,0 +1,171 @@
+"""Cases of places that are roots: extremes of curvature and transmission angle, cusps."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
+from typing import Final
+
+import numpy as np
+
+from camgeo.check.transmission_angle import transmission_angle_extremes
+from camgeo.curve.curvature import curvature_extremes
+from camgeo.curve.extremes import Extremes
+from camgeo.curve.pitch_curve import PitchCurve
+from camgeo.curve.working_curve import WorkingCurve
+from camgeo.mechanism.translating_roller import TranslatingRoller
+from camgeo.numeric.arrays import FloatArray
+from camgeo.outline.cusps import undercut_ranges
+from camgeo.stability import cams, linkages
+from camgeo.stability.cam_case import CamSpec
+from camgeo.stability.case import Case
+from camgeo.stability.exact_cam import CamJet, Stage
+from camgeo.stability.high_precision import Number, multiprecision
+
+GROUP: Final = "extremes"
+
+CURVATURE: Final = ("extreme curvature", "place of extreme curvature")
+
+TRANSMISSION: Final = ("extreme transmission angle", "place of extreme transmission")
+
+CUSP: Final = ("place of a cusp",)
+
+CAMS: Final = (
+    "offset guide",
+    "rocker",
+    "tiny stroke, offset",
+    "HC12 huge base circle",
+    "HC20b inflections",
+    "HC23 runs back",
+    "tiny swing",
+    "scale 1e-06 mm",
+    "Setzhub",
+)
+"""Cams whose extremes are measured."""
+
+EXCESS: Final = (1e-3, 1e-4, 1e-5, 1e-6)
+"""How much the roller is larger than the smallest radius of curvature, as a share of it."""
+
+GUESS: Final = 7
+"""Decimals of a cam angle [rad] at which an exact root is looked for: the pairs of cusps with an
+excess of 1e-6 are 5e-4 apart, and Newton's steps double the digits from there."""
+
+TERMS: Final = 5
+"""Z to Z'''', for kappa''."""
+
+STEPS: Final = 12
+"""Newton's steps at most: seven decimals become 28 in two."""
+
+ENOUGH: Final = 12
+"""Decimals behind which a step is the last one: it leaves an error of about its square, 1e-24, and
+half an ulp of the inputs moves a place by 1e-17 and more."""
+
+RIGHT: Final = 1e-6
+"""A transmission angle this near to 0 or 90 degrees [rad] is no smooth extreme: the acute angle has
+a bend there, and the place is a root of one part of Z'."""
+
+
+def cases() -> tuple[Case, ...]:
+    """All cases of this module."""
+    specs = {spec.name: spec for spec in (*cams.specs(), *linkages.specs())}
+    found: list[Case] = []
+    for name in CAMS:
+        curve = specs[name].curve
+        found += _extremes(specs[name], CURVATURE, curvature_extremes(curve), _bend)
+        found += _extremes(specs[name], TRANSMISSION, _smooth_transmission(curve), _tilt)
+    return (*found, *(_cusps(specs["HC20b inflections"], excess) for excess in EXCESS))
+
+
+def _extremes(
+    spec: CamSpec,
+    quantities: tuple[str, ...],
+    engine: Extremes,
+    slopes: Callable[[CamJet], tuple[Number, Number, Number]],
+) -> Iterator[Case]:
+    """Extremes inside the moves, not those at their ends."""
+
+    def found(guesses: FloatArray) -> tuple[FloatArray, ...]:
+        nearest = [int(np.argmin(np.abs(engine.phi - guess))) for guess in guesses]
+        return engine.values[nearest], engine.phi[nearest]
+
+    def exact(guess: Number, *parameters: Number) -> tuple[Number, ...]:
+        place = _root(spec.stage, guess, parameters, lambda jet: slopes(jet)[1:])
+        return slopes(spec.stage.jet(place, parameters, TERMS))[0], place
+
+    for back, word in ((False, "rise"), (True, "return")):
+        start, end = spec.joints(back=back)
+        edge = 1e-5 * (end - start)
+        inside = engine.phi[(engine.phi > start + edge) & (engine.phi < end - edge)]
+        breaks = spec.curve.breaks
+        places = [phi for phi in inside if np.min(np.abs(breaks - phi)) > edge]
+        if places:
+            yield Case(
+                GROUP, f"{spec.name}, {word}", quantities,
+                tuple(round(float(phi), GUESS) for phi in places),
+                spec.parameters(back=back), found, exact,
+            )  # fmt: skip
+
+
+def _smooth_transmission(curve: PitchCurve) -> Extremes:
+    engine = transmission_angle_extremes(curve)
+    smooth = (engine.values > RIGHT) & (engine.values < 0.5 * math.pi - RIGHT)
+    return Extremes(engine.phi[smooth], engine.values[smooth])
+
+
+def _cusps(spec: CamSpec, excess: float) -> Case:
+    """Both ends of the undercut in the rise, with a roller that is too large by `excess`."""
+    smallest = 1.0 / curvature_extremes(spec.curve).largest()[0]
+    assert isinstance(spec.follower, TranslatingRoller)
+    follower = replace(spec.follower, roller_radius=smallest * (1.0 + excess))
+    large = replace(spec, follower=follower)
+    ends = _undercut_ends(large.curve)
+
+    def found(guesses: FloatArray) -> tuple[FloatArray, ...]:
+        return (np.array([min(ends, key=lambda end: abs(end - guess)) for guess in guesses]),)
+
+    def exact(guess: Number, *parameters: Number) -> tuple[Number, ...]:
+        def margin(jet: CamJet) -> tuple[Number, Number]:
+            bend = jet.bend
+            return 1 - jet.roller * bend.terms[0], -jet.roller * bend.terms[1]
+
+        return (_root(large.stage, guess, parameters, margin),)
+
+    return Case(
+        GROUP, f"roller {excess:.0e} too large", CUSP,
+        tuple(round(end, GUESS) for end in ends), large.parameters(back=False), found, exact,
+    )  # fmt: skip
+
+
+def _undercut_ends(curve: PitchCurve) -> tuple[float, ...]:
+    flank = WorkingCurve(curve, -curve.follower.roller_radius)
+    return tuple(end for pair in undercut_ranges(flank, curvature_extremes(curve)) for end in pair)
+
+
+def _bend(jet: CamJet) -> tuple[Number, Number, Number]:
+    """kappa, kappa', kappa''."""
+    bend = jet.bend
+    return bend.terms[0], bend.terms[1], bend.derivative(2)
+
+
+def _tilt(jet: CamJet) -> tuple[Number, Number, Number]:
+    """The transmission angle, and two derivatives of the angle that it is the acute one of."""
+    tilt = jet.tilt
+    return jet.transmission_angle, tilt.terms[1], tilt.derivative(2)
+
+
+def _root(
+    stage: Stage,
+    guess: Number,
+    parameters: Sequence[Number],
+    value_and_slope: Callable[[CamJet], Sequence[Number]],
+) -> Number:
+    """The cam angle [rad] near `guess` at which a value is zero, by Newton's steps."""
+    place, enough = guess, multiprecision().mpf(10) ** -ENOUGH
+    for _ in range(STEPS):
+        value, slope = value_and_slope(stage.jet(place, parameters, TERMS))
+        step = value / slope
+        place = place - step
+        if abs(step) < enough:
+            break
+    return place

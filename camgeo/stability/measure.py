@@ -1,0 +1,108 @@
+"""Error of a value in ulp, its conditioning in ulp, and the ratio of the two."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from camgeo.errors import GeometryError
+from camgeo.numeric.arrays import ComplexArray, FloatArray
+from camgeo.stability.case import Case
+from camgeo.stability.high_precision import DIGITS, Number, multiprecision
+
+
+@dataclass(frozen=True, slots=True)
+class Reading:
+    """One quantity at one place.
+
+    Attributes
+    ----------
+    quantity, group, case : what was computed, see `Case`.
+    place : the place, z or cam angle [rad].
+    value : the exact value, rounded; the length of a vector.
+    error : distance of camgeo's value from it [ulp]; infinite if camgeo gave none.
+    conditioning : how far the exact value moves [ulp] if each input moves by half an ulp of its
+        own: the sum of what the inputs do one by one.
+    """
+
+    quantity: str
+    group: str
+    case: str
+    place: float
+    value: float
+    error: float
+    conditioning: float
+
+    @property
+    def ratio(self) -> float:
+        """Error over conditioning, or over 1 ulp where the inputs do less."""
+        return self.error / max(1.0, self.conditioning)
+
+
+def measure(case: Case) -> tuple[Reading, ...]:
+    """The readings of all quantities of a case, place by place.
+
+    An ulp is that of the exact value, for a vector of its length. Where the inputs leave no digit
+    of a value certain, because it passes 0 there, it is that of what half an ulp of the inputs
+    makes of it.
+    """
+    found = _found(case)
+    mp = multiprecision()
+    readings: list[Reading] = []
+    with mp.workdps(DIGITS):
+        for number, place in enumerate(case.places):
+            inputs = [mp.mpf(value) for value in (place, *case.parameters)]
+            exact = case.exact(*inputs)
+            moved = [mp.mpf(0)] * len(exact)
+            for index, value in enumerate((place, *case.parameters)):
+                for total, change in enumerate(_changes(case, inputs, index, value, exact)):
+                    moved[total] += change
+            readings += [
+                _reading(case, quantity, place, column[number], true, change)
+                for quantity, column, true, change in zip(
+                    case.quantities, found, exact, moved, strict=True
+                )
+            ]
+    return tuple(readings)
+
+
+def _found(case: Case) -> tuple[FloatArray | ComplexArray, ...]:
+    """What camgeo computes; NaN for all of it if it refuses the case."""
+    try:
+        return case.found(np.array(case.places))
+    except GeometryError:
+        return (np.full(len(case.places), math.nan),) * len(case.quantities)
+
+
+def _changes(
+    case: Case, inputs: list[Number], index: int, value: float, exact: tuple[Number, ...]
+) -> list[Number]:
+    """How far half an ulp of one input moves each quantity.
+
+    At an end of its range, where one direction leads to no mechanism at all, the other one counts.
+    """
+    mp = multiprecision()
+    half = mp.mpf(math.ulp(value)) / 2
+    for step in (half, -half):
+        changed = [*inputs]
+        changed[index] += step
+        try:
+            moved = case.exact(*changed)
+        except GeometryError:
+            continue
+        return [abs(new - old) for new, old in zip(moved, exact, strict=True)]
+    raise GeometryError(f"{case.name}: no value of input {index} near {value!r} has a mechanism")
+
+
+def _reading(
+    case: Case, quantity: str, place: float, found: complex, true: Number, moved: Number
+) -> Reading:
+    mp = multiprecision()
+    size = float(abs(true))
+    ulp = mp.mpf(math.ulp(max(size, float(moved))))
+    reading = Reading(quantity, case.group, case.name, place, size, math.inf, float(moved / ulp))
+    if not np.isfinite(found):
+        return reading
+    return replace(reading, error=float(abs(mp.mpmathify(found) - true) / ulp))

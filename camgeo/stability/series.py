@@ -1,0 +1,133 @@
+"""Taylor series of a few terms in exact arithmetic: derivatives without differences.
+
+A function of t is the tuple of its Taylor coefficients c_0, c_1, ... at t = 0, in numbers of
+mpmath, real or complex. Sums, products and powers of series are exact to the digits of mpmath; the
+k-th derivative is k! c_k.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from camgeo.stability.high_precision import Number, multiprecision
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Series:
+    """A Taylor series cut off behind its last term; operands have equally many terms."""
+
+    terms: tuple[Number, ...]
+
+    def __add__(self, other: Any) -> Series:
+        if isinstance(other, Series):
+            return Series(tuple(a + b for a, b in zip(self.terms, other.terms, strict=True)))
+        return Series((self.terms[0] + other, *self.terms[1:]))
+
+    __radd__ = __add__
+
+    def __neg__(self) -> Series:
+        return Series(tuple(-a for a in self.terms))
+
+    def __sub__(self, other: Any) -> Series:
+        difference: Series = self + (-other)
+        return difference
+
+    def __rsub__(self, other: Any) -> Series:
+        difference: Series = -self + other
+        return difference
+
+    def __mul__(self, other: Any) -> Series:
+        if not isinstance(other, Series):
+            return Series(tuple(a * other for a in self.terms))
+        a, b = self.terms, other.terms
+        return Series(tuple(_fold(a, b, k) for k in range(len(a))))
+
+    __rmul__ = __mul__
+
+    def __truediv__(self, other: Any) -> Series:
+        if not isinstance(other, Series):
+            return Series(tuple(a / other for a in self.terms))
+        quotient: list[Number] = []
+        for k, term in enumerate(self.terms):
+            known = sum(quotient[i] * other.terms[k - i] for i in range(k))
+            quotient.append((term - known) / other.terms[0])
+        return Series(tuple(quotient))
+
+    def __pow__(self, power: int) -> Series:
+        result = self
+        for _ in range(power - 1):
+            result = result * self
+        return result
+
+    @property
+    def real(self) -> Series:
+        """The series of the real part, for a real t."""
+        return Series(tuple(multiprecision().re(a) for a in self.terms))
+
+    @property
+    def imag(self) -> Series:
+        """The series of the imaginary part, for a real t."""
+        return Series(tuple(multiprecision().im(a) for a in self.terms))
+
+    def derivative(self, order: int) -> Number:
+        """The derivative of that order at t = 0."""
+        return self.terms[order] * multiprecision().factorial(order)
+
+    def slope(self) -> Series:
+        """The series of the derivative, a term shorter."""
+        return Series(tuple(k * a for k, a in enumerate(self.terms))[1:])
+
+
+def variable(value: Number, rate: Number, terms: int) -> Series:
+    """value + rate t."""
+    mp = multiprecision()
+    return Series((value, rate, *(mp.mpf(0),) * (terms - 2)))
+
+
+def exponential(x: Series) -> Series:
+    """exp(x): y' = x' y."""
+    a = x.terms
+    y = [multiprecision().exp(a[0])]
+    for k in range(1, len(a)):
+        y.append(sum(i * a[i] * y[k - i] for i in range(1, k + 1)) / k)
+    return Series(tuple(y))
+
+
+def logarithm(x: Series) -> Series:
+    """log(x), its main branch at t = 0: x y' = x'."""
+    a = x.terms
+    y = [multiprecision().log(a[0])]
+    for k in range(1, len(a)):
+        known = sum(i * y[i] * a[k - i] for i in range(1, k))
+        y.append((k * a[k] - known) / (k * a[0]))
+    return Series(tuple(y))
+
+
+def root(x: Series) -> Series:
+    """sqrt(x): y y = x."""
+    a = x.terms
+    y = [multiprecision().sqrt(a[0])]
+    for k in range(1, len(a)):
+        known = sum(y[i] * y[k - i] for i in range(1, k))
+        y.append((a[k] - known) / (2 * y[0]))
+    return Series(tuple(y))
+
+
+def direction(angle: Series) -> Series:
+    """exp(i angle), complex."""
+    return exponential(angle * multiprecision().mpc(0, 1))
+
+
+def sine(angle: Series) -> Series:
+    """sin(angle) for a real angle."""
+    return direction(angle).imag
+
+
+def cosine(angle: Series) -> Series:
+    """cos(angle) for a real angle."""
+    return direction(angle).real
+
+
+def _fold(a: tuple[Number, ...], b: tuple[Number, ...], k: int) -> Number:
+    return sum(a[i] * b[k - i] for i in range(k + 1))

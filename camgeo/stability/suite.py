@@ -1,0 +1,128 @@
+"""The suite: all cases by their groups, what is run of them, and the table of what was found."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Collection, Iterable, Mapping
+from dataclasses import dataclass, replace
+from typing import Final
+
+from camgeo.stability import cams, extremes, laws, linkages
+from camgeo.stability.case import Case
+from camgeo.stability.measure import Reading, measure
+
+GROUPS: Final[Mapping[str, Callable[[], tuple[Case, ...]]]] = {
+    laws.GROUP: laws.cases,
+    "cams": cams.cases,
+    "linkages": linkages.cases,
+    extremes.GROUP: extremes.cases,
+}
+"""The cases of each part of the suite; what is listed here is run, tested and drawn."""
+
+LIMIT: Final = 64.0
+"""Largest ratio of error to conditioning that is let pass. Fewer than 128 operations lie between
+the cam angle and any quantity, those of the law among them, each rounded by half an ulp at most. If
+none of them does more harm than half an ulp of an input, all together do less than 64 times what
+the inputs do. Beyond it there is one that loses digits that the inputs still have."""
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """What was found of one quantity.
+
+    Attributes
+    ----------
+    quantity : its name.
+    count : how many values of it were compared.
+    largest_error, largest_ratio : the readings that are worst in these.
+    """
+
+    quantity: str
+    count: int
+    largest_error: Reading
+    largest_ratio: Reading
+
+    @property
+    def sound(self) -> bool:
+        """True if no ratio is beyond the limit."""
+        return self.largest_ratio.ratio <= LIMIT
+
+
+def all_cases() -> tuple[Case, ...]:
+    """Every case, group by group."""
+    return tuple(case for make in GROUPS.values() for case in make())
+
+
+def names(cases: Iterable[Case]) -> tuple[str, ...]:
+    """What `run` can be asked for: groups, quantities, cases, each once, in this order."""
+    cases = tuple(cases)
+    found = [case.group for case in cases]
+    found += [quantity for case in cases for quantity in case.quantities]
+    found += [case.name for case in cases]
+    return tuple(dict.fromkeys(found))
+
+
+def run(
+    cases: Iterable[Case],
+    only: Collection[str] = (),
+    *,
+    quick: bool = False,
+    tell: Callable[[str], None] = lambda _: None,
+) -> tuple[Reading, ...]:
+    """The readings of the cases.
+
+    Parameters
+    ----------
+    cases : what to run.
+    only : names of groups, quantities and cases; readings of others are left out. Empty: all.
+    quick : two places of each case only.
+    tell : told the case at hand.
+    """
+    readings: list[Reading] = []
+    for case in cases:
+        whole = not only or case.group in only or case.name in only
+        if not whole and not set(case.quantities) & set(only):
+            continue
+        tell(f"{case.group}: {case.name}")
+        found = measure(replace(case, places=_two_of(case.places)) if quick else case)
+        readings += [each for each in found if whole or each.quantity in only]
+    return tuple(readings)
+
+
+def table(readings: Iterable[Reading]) -> tuple[Row, ...]:
+    """A row for each quantity, the largest ratio first."""
+    by_quantity: dict[str, list[Reading]] = {}
+    for reading in readings:
+        by_quantity.setdefault(reading.quantity, []).append(reading)
+    rows = [
+        Row(
+            quantity,
+            len(found),
+            max(found, key=lambda each: each.error),
+            max(found, key=lambda each: each.ratio),
+        )
+        for quantity, found in by_quantity.items()
+    ]
+    return tuple(sorted(rows, key=lambda row: (-row.largest_ratio.ratio, row.quantity)))
+
+
+def worst_of_cases(readings: Iterable[Reading]) -> tuple[Reading, ...]:
+    """For a picture, the largest error and the largest ratio of each quantity of each case.
+
+    All of them would lie on each other. Where camgeo gave no value there is no point.
+    """
+    by_case: dict[tuple[str, str, str], list[Reading]] = {}
+    for reading in readings:
+        if math.isfinite(reading.error):
+            key = (reading.quantity, reading.group, reading.case)
+            by_case.setdefault(key, []).append(reading)
+    worst: list[Reading] = []
+    for found in by_case.values():
+        worst.append(max(found, key=lambda each: each.error))
+        worst.append(max(found, key=lambda each: each.ratio))
+    return tuple(dict.fromkeys(worst))
+
+
+def _two_of(places: tuple[float, ...]) -> tuple[float, ...]:
+    """The first place, which is the one nearest to the start of a move, and the middle one."""
+    return tuple(dict.fromkeys((places[0], places[len(places) // 2])))

@@ -1,0 +1,93 @@
+"""CSV of a contour: x, y and, if there are arcs, bulge; one vertex a row.
+
+The bulge is tan(sweep/4) of the piece that starts at the row, positive counter-clockwise, as in
+DXF. The last piece leads back to the first row. A header and lines that begin with # are allowed.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from camgeo.contour.contour import Contour
+from camgeo.units import MM_PER, LengthUnit
+from camgeo_export.chain import chain
+from camgeo_export.errors import FileError
+
+HEADERS = (("x", "y"), ("x", "y", "bulge"))
+
+FEWEST = 2
+"""Two rows with bulges are a lens or a circle."""
+
+
+class ContourCsvReader:
+    """Reads a contour from CSV."""
+
+    suffixes = (".csv",)
+
+    def read(
+        self, data: bytes, name: str, *, layer: str | None, unit: LengthUnit | None, gap: float
+    ) -> tuple[Contour, ...]:
+        """The one contour [mm], counter-clockwise; `unit` is that of the file, mm if None.
+
+        Raises FileError, with `name` and line, for anything that is not allowed.
+        """
+        if layer is not None:
+            raise FileError(f"{name}: a CSV file has no layers; leave out the layer {layer!r}")
+        rows = _rows(data, name)
+        x, y, bulge = np.array([row for _, row in rows]).T
+        vertices = (x + 1j * y) * MM_PER[unit or "mm"]
+        apart = vertices != np.roll(vertices, -1)
+        if not apart[-1]:  # the first point again at the end closes the contour
+            vertices, bulge, apart = vertices[:-1], bulge[:-1], apart[:-1]
+        if not np.all(apart):
+            line = rows[int(np.flatnonzero(~apart)[0]) + 1][0]
+            raise FileError(f"{name}, line {line}: the same point as in the row before")
+        if len(vertices) < FEWEST or (len(vertices) == FEWEST and not np.any(bulge)):
+            raise FileError(f"{name}: {len(vertices)} points enclose nothing; give three or more")
+        contour = chain(vertices, 4.0 * np.arctan(bulge))
+        if contour.area == 0.0:
+            raise FileError(f"{name}: the points enclose no area")
+        return (contour.counter_clockwise(),)
+
+
+def _rows(data: bytes, name: str) -> list[tuple[int, list[float]]]:
+    """Line numbers and x, y, bulge of the rows."""
+    try:
+        text = data.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        raise FileError(f"{name}: is no text in UTF-8") from None
+    rows: list[tuple[int, list[float]]] = []
+    width = 0
+    for line, written in enumerate(text.splitlines(), start=1):
+        if not written.strip() or written.lstrip().startswith("#"):
+            continue
+        cells = [cell.strip() for cell in written.split(",")]
+        if not width:
+            width = len(cells)
+            if width not in (2, 3):
+                raise FileError(
+                    f"{name}, line {line}: {width} columns; allowed are x, y and x, y, bulge"
+                )
+            if tuple(cell.lower() for cell in cells) in HEADERS:
+                continue
+        if len(cells) != width:
+            raise FileError(f"{name}, line {line}: {len(cells)} values where {width} are expected")
+        rows.append((line, [_number(cell, name, line) for cell in cells] + [0.0] * (3 - width)))
+    if not rows:
+        raise FileError(f"{name}: holds no points; allowed are rows x, y and x, y, bulge")
+    return rows
+
+
+def _number(text: str, name: str, line: int) -> float:
+    try:
+        number = float(text)
+    except ValueError:
+        raise FileError(f"{name}, line {line}: {text[:40]!r} is no number") from None
+    if not math.isfinite(number):
+        raise FileError(f"{name}, line {line}: {text!r} is not a finite number")
+    return number
+
+
+READER = ContourCsvReader()

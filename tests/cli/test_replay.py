@@ -1,0 +1,169 @@
+"""`camgeo replay`: on the real outline, on a drawing, on a table of vertices."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import camgeo
+from camgeo.cli.main import parser
+from camgeo.errors import CamgeoError, OutputError, SceneError
+
+SCENES = Path(__file__).parents[2] / "fixtures" / "scenes"
+
+SETZHUB = str(SCENES / "setzhub.toml")
+
+PLATE = str(SCENES / "plate_translating.toml")
+
+Capture = pytest.CaptureFixture[str]
+
+
+def replay(*words: str) -> int:
+    arguments = parser(("replay",)).parse_args(["replay", *words])
+    code: int = arguments.run(arguments)
+    return code
+
+
+def told(capsys: Capture, *words: str) -> dict[str, Any]:
+    assert replay(*words, "--json") == 0
+    record: dict[str, Any] = json.loads(capsys.readouterr().out)
+    return record
+
+
+@pytest.fixture(scope="module")
+def drawings(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("drawings")
+    for scene in ("plate_translating", "groove"):
+        camgeo.load(SCENES / f"{scene}.toml").write(folder, formats=["dxf"], force=True)
+    return folder
+
+
+def test_the_real_outline_makes_the_demanded_motion(capsys: Capture) -> None:
+    record = told(capsys, SETZHUB)
+    assert record["contour"] == "the real outline"
+    assert record["of"] == "rocker"
+    assert record["unit"] == "deg"
+    assert record["lost_stroke"]["value"] == record["ripple"] == 0.0
+    assert record["shocks"] == {"count": 0, "largest": None, "share_of_velocity": 0.0}
+    assert abs(record["velocity"]["value"]) == pytest.approx(
+        record["velocity"]["demanded"], rel=1e-12
+    )
+    # 90 rev/min: velocities are 3 pi 1/s times those per rad.
+    timed = record["in_time"]["actual_velocity"]
+    assert timed == pytest.approx(3.0 * math.pi * record["velocity"]["demanded"], rel=1e-12)
+
+
+def test_a_drawing(drawings: Path, capsys: Capture) -> None:
+    record = told(capsys, PLATE, str(drawings / "plate_translating.dxf"))
+    # The scene's tolerance is 1 um across the flank; its steepest place makes less than 2 of it.
+    assert 0.0 < abs(record["lift_error"]["value"]) < 2e-3
+    assert 0.01 < record["ripple"] < 0.5
+    assert record["shocks"]["count"] == 0
+
+
+def test_text_names_the_contour_and_the_ripple(drawings: Path, capsys: Capture) -> None:
+    assert replay(PLATE, str(drawings / "plate_translating.dxf")) == 0
+    captured = capsys.readouterr()
+    assert "2 contours, taken is that of 7371.2" in captured.err
+    lines = captured.out.splitlines()
+    assert lines[0] == "plate_translating: the roller on plate_translating.dxf, inner flank"
+    (ripple,) = [line for line in lines if line.startswith("ripple")]
+    assert " % of the demanded peak acceleration, at cam angle " in ripple
+    assert "shocks                none" in lines
+
+
+@pytest.mark.parametrize("side", ["inner", "outer"])
+def test_both_flanks_of_a_groove(drawings: Path, capsys: Capture, side: str) -> None:
+    groove = str(SCENES / "groove.toml")
+    record = told(capsys, groove, str(drawings / "groove.dxf"), "--flank", side)
+    assert record["flank"] == side
+    # The flank's own contour, not rim, bore or the other flank: 1 um over an arm of 80 mm.
+    assert abs(record["lift_error"]["value"]) < 2e-3
+    # It is drawn by straight pieces, so it rattles.
+    assert record["ripple"] > 1.0
+
+
+def points_of(scene: str, count: int) -> str:
+    phi = np.linspace(0.0, 2.0 * math.pi, count, endpoint=False)
+    rows = camgeo.load(scene).inner(phi).tolist()
+    return "x,y\n" + "".join(f"{x!r},{y!r}\n" for x, y in rows)
+
+
+def test_points_from_a_table(tmp_path: Path, capsys: Capture) -> None:
+    file = tmp_path / "points.csv"
+    file.write_text(points_of(PLATE, 720))
+    record = told(capsys, PLATE, str(file))
+    # The chord's sagitta, 60 mm (pi/720)^2/2 = 0.6 um, and no tolerance would cure the ripple.
+    assert abs(record["lift_error"]["value"]) < 2e-3
+    assert record["ripple"] > 5.0
+    inch = told(capsys, PLATE, str(file), "--unit", "inch", "--step", "5")
+    assert inch["lift_error"]["value"] > 1000.0
+
+
+def test_undercut_loses_stroke(tmp_path: Path, capsys: Capture) -> None:
+    scene = tmp_path / "sharp.toml"
+    text = Path(PLATE).read_text()
+    assert text.count("roller_radius = 10\n") == 1
+    scene.write_text(text.replace("roller_radius = 10\n", "roller_radius = 45\n"))
+    record = told(capsys, str(scene))
+    assert record["lost_stroke"]["value"] > 1e-3
+    assert record["lift_error"]["value"] < 0.0
+
+
+def test_the_table(tmp_path: Path) -> None:
+    target = tmp_path / "replay.csv"
+    assert replay(PLATE, "-o", str(target), "--step", "1.5") == 0
+    rows = list(csv.reader(io.StringIO(target.read_text())))
+    assert rows[0][:4] == ["phi [deg]", "s demanded [mm]", "s [mm]", "difference [mm]"]
+    values = np.array(rows[1:], dtype=np.float64)
+    assert values.shape == (240, 8)
+    lift = camgeo.load(PLATE).lift(np.radians(values[:, 0]))
+    assert values[:, 2] == pytest.approx(lift[0], abs=1e-12)
+    assert np.all(values[:, 3] == 0.0)
+    with pytest.raises(OutputError, match="written over"):
+        replay(PLATE, "-o", str(target))
+
+
+@pytest.mark.parametrize(("suffix", "start"), [(".png", b"\x89PNG"), (".svg", b"<?xml")])
+def test_the_picture(drawings: Path, tmp_path: Path, suffix: str, start: bytes) -> None:
+    words = (PLATE, str(drawings / "plate_translating.dxf"), "-o")
+    first, second = tmp_path / f"a{suffix}", tmp_path / f"b{suffix}"
+    assert replay(*words, str(first)) == replay(*words, str(second)) == 0
+    assert first.read_bytes().startswith(start)
+    assert first.read_bytes() == second.read_bytes()
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("--step", "x"), ("--step", "0"), ("--step", "nan"), ("-o", "a.txt"), ("--gap", "-1"),
+        ("--corner", "nan"), ("--unit", "cm"), ("--flank", "left"),
+    ],
+)  # fmt: skip
+def test_wrong_calls(words: tuple[str, ...], capsys: Capture) -> None:
+    with pytest.raises(SystemExit) as stopped:
+        replay(PLATE, *words)
+    assert stopped.value.code == 2
+    assert "usage: camgeo" in capsys.readouterr().err
+
+
+def test_wrong_files(tmp_path: Path) -> None:
+    with pytest.raises(SceneError, match=r"the name must end in one of \.csv, \.dxf"):
+        replay(PLATE, "outline.step")
+    with pytest.raises(SceneError, match="cannot be read"):
+        replay(PLATE, str(tmp_path / "none.csv"))
+    broken = tmp_path / "broken.csv"
+    broken.write_text("0,0\n1,a\n")
+    with pytest.raises(CamgeoError, match=r"broken.csv, line 2: 'a' is no number"):
+        replay(PLATE, str(broken))
+    aside = tmp_path / "aside.csv"
+    aside.write_text("100,100\n110,100\n110,110\n")
+    with pytest.raises(CamgeoError, match="must run once round the cam axis"):
+        replay(PLATE, str(aside))

@@ -1,0 +1,186 @@
+"""`camgeo stability`: table, JSON, picture and exit code."""
+
+from __future__ import annotations
+
+import importlib.metadata
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from camgeo.cli.main import COMMANDS, main, parser
+from camgeo.cli.plot import RENDERERS
+from camgeo.cli.stability import RENDERER
+from camgeo.stability import suite
+from camgeo.stability.measure import Reading
+from camgeo_export.plots.stability import render
+
+Capture = pytest.CaptureFixture[str]
+
+FEW = ["--only", "scca, b 0.3, d 0.2", "place of a cusp", "--quick"]
+"""A law and the cusps: what is quick to run, with places of both kinds."""
+
+
+def call(*words: str) -> int:
+    arguments = parser(("stability",)).parse_args(["stability", *words])
+    code: int = arguments.run(arguments)
+    return code
+
+
+def reading(error: float, conditioning: float = 1.0, quantity: str = "curvature") -> Reading:
+    return Reading(quantity, "cams", "made up", math.pi, 0.25, error, conditioning)
+
+
+@pytest.fixture
+def found(monkeypatch: pytest.MonkeyPatch) -> list[Reading]:
+    """What the suite finds in a test that runs none of it; to be filled."""
+    readings: list[Reading] = []
+    monkeypatch.setattr(suite, "run", lambda *_, **__: tuple(readings))
+    monkeypatch.setattr(suite, "all_cases", tuple)
+    return readings
+
+
+def test_it_is_a_command_with_a_renderer() -> None:
+    assert "stability" in COMMANDS
+    assert importlib.metadata.entry_points(group=RENDERERS)[RENDERER].load() is render
+
+
+def test_the_table(capsys: Capture) -> None:
+    assert call(*FEW) == 0
+    captured = capsys.readouterr()
+    assert captured.err == ""
+    lines = captured.out.splitlines()
+    assert lines[0].split() == ["quantity", "values", "error", "conditioning", "at", "ratio"]
+    quantities = {line.split("  ")[0] for line in lines[1 : lines.index("")]}
+    assert quantities == {"f", "1 - f", "f'", "f''", "f'''", "place of a cusp"}
+    for column in ("values", "error", "conditioning", "at", "ratio"):
+        assert any(line.startswith(f"{column}: ") for line in lines)
+    assert lines[-1] == "limit of the ratio 64: kept"
+    cusp = next(line for line in lines if line.startswith("place of a cusp"))
+    assert "too large" in cusp
+    assert " deg " in cusp
+
+
+def test_the_rows_are_sorted_by_the_ratio(capsys: Capture) -> None:
+    call(*FEW)
+    lines = capsys.readouterr().out.splitlines()
+    ratios = [float(line.split()[-1]) for line in lines[1 : lines.index("")]]
+    assert ratios == sorted(ratios, reverse=True)
+
+
+def test_json_has_the_same(capsys: Capture) -> None:
+    assert call(*FEW, "--json") == 0
+    document: dict[str, Any] = json.loads(capsys.readouterr().out, parse_constant=pytest.fail)
+    assert document["kept"] is True
+    assert document["quick"] is True
+    assert document["limit"] == suite.LIMIT
+    by_name = {row["quantity"]: row for row in document["quantities"]}
+    assert by_name["f"]["values"] == 2
+    assert by_name["f"]["largest_error"]["case"] == "scca, b 0.3, d 0.2"
+    assert 0.0 < by_name["f"]["largest_error"]["z"] < 1.0
+    assert by_name["place of a cusp"]["largest_ratio"]["cam_angle_deg"] == pytest.approx(
+        79.0, abs=1.0
+    )
+
+
+def test_a_broken_limit_is_told(found: list[Reading], capsys: Capture) -> None:
+    found += [reading(65.0), reading(100.0, 2.0), reading(3.0, quantity="pitch curve Z")]
+    assert call() == 1
+    out = capsys.readouterr().out
+    assert "limit of the ratio 64: broken" in out
+    assert "  curvature: ratio 65 at made up, 180 deg, error 65, conditioning 1" in out
+
+
+def test_a_value_that_is_missing_is_null(found: list[Reading], capsys: Capture) -> None:
+    found += [reading(math.inf), reading(2.0)]
+    assert call("--json") == 1
+    document = json.loads(capsys.readouterr().out, parse_constant=pytest.fail)
+    assert document["kept"] is False
+    assert document["quantities"][0]["largest_error"]["error_ulp"] is None
+    assert call() == 1
+    assert "no value" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("name", ["HC14", "curvature", "extremes"])
+def test_names_and_beginnings_of_cases(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[frozenset[str]] = []
+
+    def run(_: object, only: frozenset[str], **__: object) -> tuple[Reading, ...]:
+        asked.append(only)
+        return (reading(1.0),)
+
+    monkeypatch.setattr(suite, "run", run)
+    assert call("--only", name) == 0
+    if name == "HC14":
+        assert asked[0] == {
+            "HC14 return in 1e-6 degrees, rise",
+            "HC14 return in 1e-6 degrees, return",
+        }
+    else:
+        assert asked[0] == {name}
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["--only", "curvatur e"], "there is no 'curvatur e'; did you mean \"curvature\"?"),
+        (["-o", "stability.bmp"], "'stability.bmp' must end in one of .png, .svg, .pdf"),
+    ],
+)
+def test_wrong_words(words: list[str], message: str, capsys: Capture) -> None:
+    with pytest.raises(SystemExit) as end:
+        call(*words)
+    assert end.value.code == 2
+    assert message in capsys.readouterr().err
+
+
+def test_ctrl_c_ends_it(monkeypatch: pytest.MonkeyPatch, capsys: Capture) -> None:
+    def interrupted(*_: object, **__: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(suite, "run", interrupted)
+    assert main(["stability"]) == 130
+    assert "interrupted" in capsys.readouterr().err
+
+
+# The picture --------------------------------------------------------------------------------------
+
+READINGS = (
+    reading(0.0, 0.0),
+    reading(3.0, 0.5),
+    reading(2e15, 8e15, "curvature slope"),
+    reading(70.0, 1.0, "pitch curve Z"),
+)
+
+
+@pytest.mark.parametrize(
+    ("suffix", "start"), [(".png", b"\x89PNG"), (".svg", b"<?xml"), (".pdf", b"%PDF")]
+)
+def test_the_same_picture_each_time(suffix: str, start: bytes) -> None:
+    first = render(READINGS, suite.LIMIT, suffix)
+    assert first.startswith(start)
+    assert render(READINGS, suite.LIMIT, suffix) == first
+    assert render(READINGS[:-1], suite.LIMIT, suffix) != first
+
+
+def test_a_picture_of_nothing() -> None:
+    assert render((), suite.LIMIT, ".png").startswith(b"\x89PNG")
+
+
+def test_no_other_pictures() -> None:
+    with pytest.raises(ValueError, match=r"no figures of kind \.bmp"):
+        render(READINGS, suite.LIMIT, ".bmp")
+
+
+def test_the_picture_is_written_beside_the_table(
+    found: list[Reading], tmp_path: Path, capsys: Capture
+) -> None:
+    found += [*READINGS[:3], reading(math.inf, 1.0, "Z'")]
+    target = tmp_path / "stability.svg"
+    assert call("-o", str(target)) == 1
+    captured = capsys.readouterr()
+    assert captured.out.startswith("quantity")
+    assert captured.err == f"{target}: 2 points\n"
+    assert target.read_bytes().startswith(b"<?xml")

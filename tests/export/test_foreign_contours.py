@@ -1,0 +1,242 @@
+"""Readers of foreign contours: what ezdxf draws and what a table of vertices holds."""
+
+from __future__ import annotations
+
+import io
+import math
+from collections.abc import Callable
+
+import ezdxf
+import numpy as np
+import pytest
+from ezdxf.layouts.layout import Modelspace
+
+from camgeo.contour.contour import Contour
+from camgeo.units import LengthUnit
+from camgeo_export.contour_csv.reader import READER as CSV
+from camgeo_export.dxf.foreign import READER as DXF
+from camgeo_export.dxf.writer import WRITER
+from camgeo_export.errors import FileError
+from tests.export.stub_product import StubProduct
+
+Drawing = Callable[[Modelspace], object]
+
+GAP = 1e-3
+
+
+def drawn(draw: Drawing, version: str = "R2010", units: int = 4) -> bytes:
+    """A drawing as another program writes it."""
+    document = ezdxf.new(version, units=units)  # type: ignore[attr-defined]
+    draw(document.modelspace())
+    stream = io.StringIO()
+    document.write(stream)
+    return stream.getvalue().encode()
+
+
+def read_dxf(
+    data: bytes, layer: str | None = None, unit: LengthUnit | None = None, gap: float = GAP
+) -> tuple[Contour, ...]:
+    return DXF.read(data, "a.dxf", layer=layer, unit=unit, gap=gap)
+
+
+def read_csv(text: str, unit: LengthUnit | None = None, layer: str | None = None) -> Contour:
+    (contour,) = CSV.read(text.encode(), "a.csv", layer=layer, unit=unit, gap=GAP)
+    return contour
+
+
+def stadium(space: Modelspace) -> None:
+    """Two lines and two half circles, in no order, each its own way."""
+    space.add_line((10.0, -5.0), (-10.0, -5.0))
+    space.add_arc((10.0, 0.0), 5.0, -90.0, 90.0)
+    space.add_arc((-10.0, 0.0), 5.0, 90.0, 270.0)
+    space.add_line((10.0, 5.0), (-10.0, 5.0))
+
+
+STADIUM = 20.0 * 10.0 + math.pi * 25.0
+
+
+@pytest.mark.parametrize("version", ["R12", "R2000", "R2010", "R2018"])
+def test_lines_and_arcs_are_chained(version: str) -> None:
+    (contour,) = read_dxf(drawn(stadium, version), unit="mm" if version == "R12" else None)
+    assert contour.area == pytest.approx(STADIUM, rel=1e-12)
+    assert contour.arc_count == 2
+    assert contour.radii[contour.sweeps != 0.0] == pytest.approx([5.0, 5.0], rel=1e-12)
+
+
+@pytest.mark.parametrize(("units", "scale"), [(1, 25.4), (4, 1.0), (5, 10.0), (6, 1000.0)])
+def test_units(units: int, scale: float) -> None:
+    (contour,) = read_dxf(drawn(stadium, units=units))
+    assert contour.area == pytest.approx(STADIUM * scale**2, rel=1e-12)
+
+
+def test_the_unit_must_be_known_and_agree() -> None:
+    silent = drawn(stadium, units=0)
+    with pytest.raises(FileError, match=r"a.dxf: does not say its unit .* say mm or inch"):
+        read_dxf(silent)
+    (contour,) = read_dxf(silent, unit="inch")
+    assert contour.area == pytest.approx(STADIUM * 25.4**2, rel=1e-12)
+    with pytest.raises(FileError, match="which is not inch"):
+        read_dxf(drawn(stadium, units=4), unit="inch")
+    with pytest.raises(FileError, match=r"INSUNITS is 13; read are inch"):
+        read_dxf(drawn(stadium, units=13))
+
+
+BULGED = [(10.0, 0.0, 0.0), (10.0, 10.0, 1.0), (0.0, 10.0, 0.0), (0.0, 0.0, -0.5)]
+
+
+def bulged_area() -> float:
+    """A square of 10 with a half circle added above and a segment cut in below."""
+    sweep = 4.0 * math.atan(0.5)
+    radius = 5.0 / math.sin(0.5 * sweep)
+    return 100.0 + 0.5 * math.pi * 25.0 - 0.5 * radius**2 * (sweep - math.sin(sweep))
+
+
+@pytest.mark.parametrize("kind", ["lwpolyline", "polyline"])
+@pytest.mark.parametrize("closed", [True, False])
+def test_polylines_with_bulges(kind: str, closed: bool) -> None:
+    points = BULGED if closed else [*BULGED, (10.0, 0.0, 0.0)]
+
+    def draw(space: Modelspace) -> None:
+        if kind == "lwpolyline":
+            space.add_lwpolyline(points, format="xyb", close=closed)
+        else:
+            space.add_polyline2d(points, format="xyb", close=closed)
+
+    (contour,) = read_dxf(drawn(draw))
+    assert contour.area == pytest.approx(bulged_area(), rel=1e-12)
+    assert len(contour) == 4
+
+
+def test_mirrored_entities() -> None:
+    def draw(space: Modelspace) -> None:
+        down = {"extrusion": (0.0, 0.0, -1.0)}
+        space.add_lwpolyline(BULGED, format="xyb", close=True, dxfattribs=down)
+
+    (contour,) = read_dxf(drawn(draw))
+    assert contour.area == pytest.approx(bulged_area(), rel=1e-12)
+    assert float(np.max(contour.vertices.real)) == 0.0
+
+
+def test_the_largest_first_and_layers() -> None:
+    def draw(space: Modelspace) -> None:
+        space.add_circle((0.0, 0.0), 3.0)
+        space.add_circle((1.0, 0.0), 9.0, dxfattribs={"layer": "FRAME"})
+        space.add_circle((0.0, 0.0), 5.0, dxfattribs={"layer": "FRAME"})
+
+    everything = read_dxf(drawn(draw))
+    assert [round(math.sqrt(each.area / math.pi), 9) for each in everything] == [9.0, 5.0, 3.0]
+    assert len(read_dxf(drawn(draw), layer="FRAME")) == 2
+    with pytest.raises(FileError, match=r"has no layer 'CUTS'; there are 0, FRAME"):
+        read_dxf(drawn(draw), layer="CUTS")
+
+
+def test_our_own_drawings() -> None:
+    """Only layer CUT of them: outline and bore."""
+    product = StubProduct()
+    found = read_dxf(WRITER.write(product, 1e-3).data)
+    assert [math.sqrt(each.area / math.pi) for each in found] == pytest.approx(
+        [32.0, 10.0], abs=2e-3
+    )
+
+
+def test_gaps_up_to_the_limit_are_closed() -> None:
+    def draw(space: Modelspace) -> None:
+        space.add_line((0.0, 0.0), (10.0, 0.0))
+        space.add_line((10.0, 0.01), (0.0, 10.0))
+        space.add_line((0.0, 10.0), (0.0, 0.0))
+
+    (contour,) = read_dxf(drawn(draw), gap=0.02)
+    assert contour.area == pytest.approx(50.0, abs=0.1)
+    with pytest.raises(FileError, match=r"a.dxf, line \d+: LINE ends free at \(10, 0\) mm"):
+        read_dxf(drawn(draw))
+
+
+def test_a_branch_is_refused() -> None:
+    def draw(space: Modelspace) -> None:
+        stadium(space)
+        space.add_line((10.0, 5.0), (30.0, 5.0))
+
+    with pytest.raises(FileError, match="meets more than one other piece"):
+        read_dxf(drawn(draw))
+
+
+@pytest.mark.parametrize("kind", ["SPLINE", "ELLIPSE"])
+def test_curves_are_refused(kind: str) -> None:
+    def draw(space: Modelspace) -> None:
+        stadium(space)
+        if kind == "SPLINE":
+            space.add_spline([(0, 0), (1, 1), (2, 0), (3, 1)])
+        else:
+            space.add_ellipse((0.0, 0.0), (5.0, 0.0), 0.5)
+
+    with pytest.raises(FileError, match=rf"line \d+: {kind} is no line or arc; read are LINE, ARC"):
+        read_dxf(drawn(draw))
+
+
+def test_the_line_that_is_told_is_the_entity() -> None:
+    data = drawn(lambda space: space.add_line((0.0, 0.0), (1.0, 0.0)))
+    with pytest.raises(FileError) as told:
+        read_dxf(data)
+    line = int(str(told.value).split("line ")[1].split(":")[0])
+    assert data.decode().splitlines()[line - 1].strip() == "LINE"
+
+
+@pytest.mark.parametrize(
+    ("data", "message"),
+    [
+        (b"", "no EOF at its end"),
+        (b"hello\nworld\n", "line 1: 'hello' is no group code"),
+        (b"AutoCAD Binary DXF\r\n\x1a\x00", "is a binary DXF"),
+    ],
+)
+def test_what_is_no_dxf(data: bytes, message: str) -> None:
+    with pytest.raises(FileError, match=message):
+        read_dxf(data)
+
+
+def test_numbers_that_are_none() -> None:
+    broken = drawn(stadium).replace(b"\n-10.0\n", b"\nnan\n", 1)
+    with pytest.raises(FileError, match=r"line \d+: 'nan' is no finite number"):
+        read_dxf(broken)
+
+
+# CSV --------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("head", ["", "x,y,bulge\n", "# by hand\n\nX, Y, Bulge\n", "\ufeff"])
+def test_csv_with_bulges(head: str) -> None:
+    contour = read_csv(head + "".join(f"{x},{y},{b}\n" for x, y, b in BULGED))
+    assert contour.area == pytest.approx(bulged_area(), rel=1e-12)
+    assert len(contour) == 4
+
+
+def test_csv_of_points_run_clockwise_and_closed_twice_over() -> None:
+    contour = read_csv("0,0\n0,1\n1,1\n1,0\n0,0\n", unit="inch")
+    assert contour.area == pytest.approx(25.4**2, rel=1e-14)
+    assert len(contour) == 4
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("", "a.csv: holds no points"),
+        ("x,y\n", "a.csv: holds no points"),
+        ("1,2,3,4\n", r"a.csv, line 1: 4 columns; allowed are x, y and x, y, bulge"),
+        ("0,0\n1,0\n1\n", r"a.csv, line 3: 1 values where 2 are expected"),
+        ("0,0\n1,zero\n", r"a.csv, line 2: 'zero' is no number"),
+        ("# c\n0,0\n1,inf\n", r"a.csv, line 3: 'inf' is not a finite number"),
+        ("0,0\n1,0\n", "2 points enclose nothing"),
+        ("0,0\n0,0\n1,0\n1,1\n", "a.csv, line 2: the same point as in the row before"),
+        ("0,0\n1,0\n2,0\n", "enclose no area"),
+    ],
+)
+def test_csv_faults(text: str, message: str) -> None:
+    with pytest.raises(FileError, match=message):
+        read_csv(text)
+
+
+def test_csv_has_no_layers_and_is_text() -> None:
+    with pytest.raises(FileError, match="has no layers; leave out the layer 'CUT'"):
+        read_csv("0,0\n1,0\n1,1\n", layer="CUT")
+    with pytest.raises(FileError, match="is no text in UTF-8"):
+        CSV.read(b"\xff\xfe0", "a.csv", layer=None, unit=None, gap=GAP)

@@ -1,0 +1,59 @@
+"""Cams that the suite does not know: no digits are lost there either."""
+
+from __future__ import annotations
+
+import numpy as np
+from hypothesis import assume, given
+from hypothesis import strategies as st
+
+from camgeo.motion.laws import make_law
+from camgeo.stability.cam_case import CamSpec, cases_of
+from camgeo.stability.lifts import HALVES
+from camgeo.stability.measure import measure
+from camgeo.stability.suite import LIMIT
+from tests.strategies import attack, oscillating_rollers, signs, translating_rollers
+
+SPANS = (
+    ("30", "100", "40", "120", "70"),
+    ("0", "20", "0", "330", "10"),
+    ("90", "90", "1", "1", "178"),
+)
+
+
+@st.composite
+def specs(draw: st.DrawFn) -> CamSpec:
+    """A cam with a stroke from next to nothing to 20 mm or 0.3 rad, and two places in each move."""
+    share = 10.0 ** -draw(st.floats(0.0, 8.0))
+    sliding = draw(st.booleans())
+    name = draw(st.sampled_from(tuple(HALVES)))
+    # Behind lambda the lift is the stroke less what is left: it keeps the stroke's digits only.
+    inflection = draw(st.floats(0.1, 0.9))
+    borders = np.array([inflection, *make_law(name, "R-R", inflection=inflection).borders])
+    shares = [draw(places()) for _ in range(4)]
+    # At a border itself a rounded place may lie on either side of the jump.
+    assume(all(np.min(np.abs(borders - share)) > 1e-9 for share in shares))
+    return CamSpec(
+        name="random",
+        spans=draw(st.sampled_from(SPANS)),
+        stroke=share * (20.0 if sliding else 0.3),
+        follower=draw(translating_rollers(20.0)) if sliding else draw(oscillating_rollers(0.3)),
+        rotation=draw(signs()),
+        law=name,
+        inflection=inflection,
+        rise=tuple(shares[:2]),
+        back=tuple(shares[2:]),
+    )
+
+
+def places() -> st.SearchStrategy[float]:
+    """A share of a move; 1e-6 rad off its ends at least."""
+    near = st.floats(1.0, 5.0).map(lambda exponent: 10.0**-exponent)
+    return st.one_of(st.floats(0.01, 0.99), near, near.map(lambda share: 1.0 - share))
+
+
+@attack
+@given(spec=specs())
+def test_random_cams_are_as_good_as_doubles_allow(spec: CamSpec) -> None:
+    for case in cases_of(spec):
+        poor = [each for each in measure(case) if each.ratio > LIMIT]
+        assert poor == []

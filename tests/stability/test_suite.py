@@ -1,0 +1,189 @@
+"""The suite: every case is as good as doubles allow, and a bad algorithm is seen."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from camgeo.curve.pitch_curve import PitchCurve
+from camgeo.numeric.arrays import ComplexArray, FloatArray
+from camgeo.stability import cams
+from camgeo.stability.cam_case import CamSpec, cases_of
+from camgeo.stability.case import Case
+from camgeo.stability.measure import Reading, measure
+from camgeo.stability.suite import (
+    GROUPS,
+    LIMIT,
+    all_cases,
+    names,
+    run,
+    table,
+    worst_of_cases,
+)
+from tests.reference import reference
+
+CASES = all_cases()
+
+
+def spec(name: str) -> CamSpec:
+    return next(each for each in cams.specs() if each.name == name)
+
+
+@pytest.mark.parametrize("group", GROUPS)
+def test_no_digits_are_lost_that_the_inputs_have(group: str) -> None:
+    readings = run(CASES, [group], quick=True)
+    assert readings
+    poor = [each for each in readings if each.ratio > LIMIT]
+    assert poor == []
+
+
+def test_cases_are_told_apart_by_their_names() -> None:
+    twice = [key for key, count in Counter((c.group, c.name, c.quantities) for c in CASES).items()
+             if count > 1]  # fmt: skip
+    assert twice == []
+    assert {case.group for case in CASES} == set(GROUPS)
+
+
+@pytest.mark.parametrize("case", [pytest.param(c, id=f"{c.group}-{c.name}") for c in CASES])
+def test_a_case_gives_what_it_names(case: Case) -> None:
+    assert case.places
+    found = case.found(np.array(case.places))
+    assert len(found) == len(case.quantities)
+    assert all(len(column) == len(case.places) for column in found)
+
+
+@pytest.mark.parametrize("name", ["HC05", "HC06", "HC11", "HC12", "HC13", "HC14", "HC15", "HC17",
+                                  "HC18", "HC19", "HC20b", "HC21b", "HC22", "HC23", "HC26", "HC27",
+                                  "HC28"])  # fmt: skip
+def test_the_hard_cases_are_among_them(name: str) -> None:
+    assert any(case.name.startswith(name) for case in CASES)
+    assert name in {case["id"] for case in reference("hard_cases.json")}
+
+
+# A bad algorithm is seen --------------------------------------------------------------------------
+
+
+def worsened(name: str, quantity: str, bad: FloatArray | ComplexArray) -> list[Reading]:
+    """Readings of a quantity of a cam's rise with other values for it."""
+    (case, *_) = cases_of(spec(name))
+    index = case.quantities.index(quantity)
+
+    def found(phi: FloatArray) -> tuple[FloatArray | ComplexArray, ...]:
+        columns = list(case.found(phi))
+        columns[index] = bad
+        return tuple(columns)
+
+    return [each for each in measure(replace(case, found=found)) if each.quantity == quantity]
+
+
+def places(name: str) -> tuple[PitchCurve, FloatArray]:
+    cam = spec(name)
+    (case, *_) = cases_of(cam)
+    return cam.curve, np.array(case.places)
+
+
+def ratio(readings: list[Reading]) -> float:
+    (row,) = table(readings)
+    return row.largest_ratio.ratio
+
+
+def test_an_angle_by_its_cosine_is_seen() -> None:
+    """HC12: acos of the scalar product is off by 1e-8 near 90 degrees less mu = 0."""
+    name = "HC12 huge base circle"
+    curve, phi = places(name)
+    relative = curve.relative_jet(phi, order=1)
+    bad = np.arccos(np.minimum(np.abs(relative.u) / curve.speed(relative), 1.0))
+    assert ratio(worsened(name, "pressure angle", curve.pressure_angle(phi))) <= LIMIT
+    assert ratio(worsened(name, "pressure angle", bad)) > 1e3 * LIMIT
+
+
+def test_curvature_by_differences_is_seen() -> None:
+    """The best step leaves the cube root of the rounding, a third of the digits."""
+    name = "offset guide"
+    curve, phi = places(name)
+    step = np.finfo(float).eps ** 0.25
+    phi = np.maximum(phi, phi[1])
+    before, here, after = (curve.point(phi + shift) for shift in (-step, 0.0, step))
+    first, second = (after - before) / (2.0 * step), (after - 2.0 * here + before) / step**2
+    bad = -np.imag(np.conj(first) * second) / np.abs(first) ** 3
+    assert ratio(worsened(name, "curvature", curve.curvature(phi))[1:]) <= LIMIT
+    assert ratio(worsened(name, "curvature", bad)[1:]) > 1e3 * LIMIT
+
+
+def test_a_slope_that_cancels_is_seen() -> None:
+    """kappa' from Z', Z'', Z''': with a tiny stroke large terms leave a tiny one."""
+    name = "tiny stroke, offset"
+    curve, phi = places(name)
+    _, z1, z2, z3 = curve.jet(phi)
+    square = np.abs(z1) ** 2
+    cross, cross_slope = np.imag(np.conj(z1) * z2), np.imag(np.conj(z1) * z3)
+    dot = np.real(np.conj(z1) * z2)
+    bad = -(cross_slope - 3.0 * cross * dot / square) / square**1.5
+    assert ratio(worsened(name, "curvature slope", curve.curvature_slope(phi))) <= LIMIT
+    assert ratio(worsened(name, "curvature slope", bad)) > 1e3 * LIMIT
+
+
+def test_a_wrong_formula_is_seen() -> None:
+    """One ulp in a million of the base radius."""
+    name = "offset guide"
+    curve, phi = places(name)
+    assert ratio(worsened(name, "pitch curve Z", curve.point(phi) * (1.0 + 1e-10))) > LIMIT
+
+
+def test_a_mirrored_disc_is_seen() -> None:
+    name = "offset guide"
+    curve, phi = places(name)
+    assert ratio(worsened(name, "curvature", -curve.curvature(phi))) > 1e12
+
+
+# What is run and told -----------------------------------------------------------------------------
+
+
+def made_up(quantity: str, case: str, error: float, conditioning: float) -> Reading:
+    return Reading(quantity, "cams", case, 1.0, 1.0, error, conditioning)
+
+
+def test_the_table_has_the_largest_ratio_first() -> None:
+    readings = [
+        made_up("a", "x", 100.0, 200.0),
+        made_up("a", "y", 3.0, 0.1),
+        made_up("b", "x", math.inf, 1.0),
+        made_up("c", "x", 0.0, 0.0),
+    ]
+    b, a, c = table(readings)
+    assert (b.quantity, b.sound) == ("b", False)
+    assert (a.largest_error.case, a.largest_ratio.case) == ("x", "y")
+    assert (a.count, a.sound) == (2, True)
+    assert c.largest_ratio.ratio == 0.0
+
+
+def test_points_of_a_picture() -> None:
+    readings = [
+        made_up("a", "x", 2.0, 1.0),
+        made_up("a", "x", 5.0, 1.0),
+        made_up("a", "x", 7.0, 70.0),
+        made_up("a", "y", 3.0, 1.0),
+        made_up("a", "z", math.inf, 1.0),
+    ]
+    assert worst_of_cases(readings) == (readings[2], readings[1], readings[3])
+
+
+def test_only_what_is_asked_for_is_run() -> None:
+    told: list[str] = []
+    readings = run(CASES, ["place of a cusp"], quick=True, tell=told.append)
+    assert {each.quantity for each in readings} == {"place of a cusp"}
+    assert told == [f"extremes: {name}" for name in dict.fromkeys(each.case for each in readings)]
+    whole = run(CASES, ["scca, b 0.3, d 0.2"], quick=True)
+    assert {each.case for each in whole} == {"scca, b 0.3, d 0.2"}
+    assert len(whole) == 2 * 5
+
+
+def test_names_are_groups_quantities_and_cases() -> None:
+    known = names(CASES)
+    assert len(known) == len(set(known))
+    assert set(GROUPS) <= set(known)
+    assert {"curvature", "f'''", "HC11 tiny stroke, rise"} <= set(known)
