@@ -1,0 +1,234 @@
+"""Oscillating and rotating crank-slide: a crank's pin moves in a slide that turns about an axis.
+
+The crank of radius R turns about A_0, the slide about C at the distance a, beta = a/R. theta is the
+crank's angle from the direction A_0 -> C; phi is the slide's angle, that of the line C -> pin from
+the direction C -> A_0, counted the other way round: clockwise where theta is counter-clockwise.
+With s = sin(theta/2), shares p = R/(a + R), q = a/(a + R) and d = (a - R)/(a + R) = q - p
+
+    phi   = atan2(p sin theta, q - p cos theta)
+    phi'  = p (q cos theta - p)/N,    N = d^2 + 4 p q s^2
+    phi'' = -p q d sin theta/N^2,
+
+which are the equations (1) to (3) of the SAM exercise on the crank-slide divided by the crank's
+speed. Of two nearly equal lengths a - R is exact, and near theta = 0 so are the differences
+q cos theta - p = d - 2 q s^2 and q - p cos theta = d + 2 p s^2: nothing else is lost there.
+
+a > R: the slide swings. a < R: it turns with the crank. a = R: phi = pi/2 - theta/2, and at theta =
+0 the pin lies in the slide's axis, where phi has no value.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from camgeo.errors import GeometryError
+from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.extremes import Extreme, Extremes
+
+NEAR = 0.5
+"""Above this cosine the differences are taken by the half angle, below as they stand: either way
+no term is more than twice the result where a and R are nearly equal, or far apart."""
+
+
+@dataclass(frozen=True, slots=True)
+class CrankSlide:
+    """A crank-slide, seen from the crank at any number of turns.
+
+    Attributes
+    ----------
+    crank : R, radius of the crank [mm].
+    distance : a, from the crank's axis A_0 to the slide's axis C [mm].
+
+    Raises
+    ------
+    GeometryError
+        With key "crank" or "distance", if a length is not a positive number.
+    """
+
+    crank: float
+    distance: float
+
+    def __post_init__(self) -> None:
+        for name, length in (("crank", self.crank), ("distance", self.distance)):
+            if not (length > 0.0 and math.isfinite(length)):
+                raise GeometryError(
+                    f"the {name} of a crank-slide must be a positive length",
+                    key=name,
+                    value=f"{length:g}",
+                )
+
+    @property
+    def ratio(self) -> float:
+        """beta = a/R."""
+        return self.distance / self.crank
+
+    @property
+    def swings(self) -> bool:
+        """True if the slide swings to and fro, a > R; False if it turns round, a <= R."""
+        return self.distance > self.crank
+
+    def angle(self, theta: FloatArray) -> FloatArray:
+        """phi (n,) [rad] at the crank angles `theta` (n,) [rad], without jumps over any turns.
+
+        In (-pi/2, pi/2) for a slide that swings. A slide that turns loses a turn with every one of
+        the crank, and half a turn if a = R; over the first it runs from pi (pi/2) to -pi (-pi/2).
+
+        Raises
+        ------
+        GeometryError
+            Where the pin lies in the slide's axis (a = R, theta a multiple of 2 pi), or a crank
+            angle is no number.
+        """
+        theta, half = self._angles(theta)
+        p, q, d = self._shares()
+        sine, cosine = np.sin(theta) + 0.0, np.cos(theta)  # no -0, which is on the other side
+        if d == 0.0:
+            # Between 0 and 2 pi the arc cotangent is the angle; past them it is the same line's.
+            line = np.arctan(np.cos(0.5 * theta) / half)
+            line += math.pi * np.rint((0.5 * (math.pi - theta) - line) / math.pi)
+            return np.asarray(line)
+        along = np.where(cosine > NEAR, d + 2.0 * p * half * half, q - p * cosine)
+        phi = np.arctan2(p * sine, along)
+        if d < 0.0:
+            # pi - theta - phi is the angle of the slide with a and R exchanged, within +-pi/2.
+            phi += 2.0 * math.pi * np.rint((math.pi - theta - phi) / (2.0 * math.pi))
+        return np.asarray(phi)
+
+    def velocity(self, theta: FloatArray) -> FloatArray:
+        """phi' = omega_2/omega_0 (n,) [rad/rad] at `theta` (n,) [rad]; raises as `angle` does."""
+        theta, half = self._angles(theta)
+        p, q, d = self._shares()
+        if d == 0.0:
+            return np.full_like(theta, -0.5)
+        cosine = np.cos(theta)
+        lead = np.where(cosine > NEAR, d - 2.0 * q * half * half, q * cosine - p)
+        return np.asarray(p * lead / self._square(half))
+
+    def acceleration(self, theta: FloatArray) -> FloatArray:
+        """phi'' = eps_2/omega_0^2 (n,) [rad/rad^2] for a crank that turns evenly.
+
+        `theta` (n,) [rad]; raises as `angle` does.
+        """
+        theta, half = self._angles(theta)
+        p, q, d = self._shares()
+        if d == 0.0:
+            return np.zeros_like(theta)
+        square = self._square(half)
+        return np.asarray(-p * q * d * np.sin(theta) / (square * square))
+
+    def in_time(self, theta: FloatArray, speed: float) -> FloatArray:
+        """(3, n): phi [rad], omega_2 [rad/s], eps_2 [rad/s^2] for a crank of even `speed` [rad/s].
+
+        `theta` (n,) [rad]; raises as `angle` does.
+        """
+        return np.stack(
+            (
+                self.angle(theta),
+                speed * self.velocity(theta),
+                speed * speed * self.acceleration(theta),
+            )
+        )
+
+    @property
+    def largest_angle(self) -> Extreme:
+        """phi_max = arcsin(R/a) [rad] at theta = arccos(R/a) [rad]; -phi_max lies at -theta.
+
+        Raises
+        ------
+        GeometryError
+            If the slide turns round, a <= R.
+        """
+        self._must_swing("no largest angle")
+        root = math.sqrt(self.distance - self.crank) * math.sqrt(self.distance + self.crank)
+        return Extreme(math.atan2(self.crank, root), math.atan2(root, self.crank))
+
+    @property
+    def velocity_extremes(self) -> Extremes:
+        """Smallest and largest phi' [rad/rad]: at theta = pi -1/(beta + 1), at 0 1/(beta - 1).
+
+        The one at 0 is the smallest of all for a slide that turns. All alike for a = R.
+        """
+        difference = self.distance - self.crank
+        far = Extreme(-self.crank / (self.distance + self.crank), math.pi)
+        if difference == 0.0:
+            return Extremes(far, far)
+        near = Extreme(self.crank / difference, 0.0)
+        return Extremes(far, near) if self.swings else Extremes(near, far)
+
+    @property
+    def largest_acceleration(self) -> Extreme:
+        """phi'' [rad/rad^2] of the largest magnitude, with theta in (0, pi] [rad].
+
+        Negative for a slide that swings, positive for one that turns; at -theta it has the other
+        sign. 0 for a = R.
+
+        cos theta is the root of 2 beta c^2 + (beta^2 + 1) c - 4 beta; written for s^2, the same
+        root is d^2/(B + 4 p q + sqrt(B^2 + 32 p^2 q^2)), B = p^2 + q^2, in which nothing cancels.
+        """
+        p, q, d = self._shares()
+        if d == 0.0:
+            return Extreme(0.0, math.pi)
+        squares, product = p * p + q * q, p * q
+        half = abs(d) / math.sqrt(
+            squares + 4.0 * product + math.hypot(squares, math.sqrt(32.0) * product)
+        )
+        theta = 2.0 * math.asin(half)
+        square = d * d + 4.0 * product * half * half
+        # By the sine of the half angle itself, so that no digit of a tiny theta is lost.
+        sine = 2.0 * half * math.sqrt((1.0 - half) * (1.0 + half))
+        return Extreme(-product * d * sine / (square * square), theta)
+
+    @property
+    def time_ratio(self) -> float:
+        """Duration of the slow stroke over that of the quick one, arccos(-1/beta)/arccos(1/beta).
+
+        Raises
+        ------
+        GeometryError
+            If the slide turns round, a <= R: there are no strokes.
+        """
+        self._must_swing("no strokes")
+        quick = self.largest_angle.place
+        return (math.pi - quick) / quick
+
+    def _shares(self) -> tuple[float, float, float]:
+        """p, q, d, see the module."""
+        total = 0.5 * self.distance + 0.5 * self.crank  # half of it: no overflow
+        return (
+            0.5 * self.crank / total,
+            0.5 * self.distance / total,
+            0.5 * (self.distance - self.crank) / total,
+        )
+
+    def _square(self, half: FloatArray) -> FloatArray:
+        """N (n,): square of the distance from C to the pin over (a + R)^2."""
+        p, q, d = self._shares()
+        return np.asarray(d * d + 4.0 * p * q * half * half)
+
+    def _angles(self, theta: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """`theta` as an array, and sin(theta/2); never where phi has no value."""
+        theta = np.atleast_1d(np.asarray(theta, dtype=np.float64))
+        if not np.all(np.isfinite(theta)):
+            raise GeometryError("crank angles must be finite numbers")
+        half = np.sin(0.5 * theta)
+        # A multiple of 2 pi comes rounded, from degrees twice: by two spacings at most.
+        if self.distance == self.crank and np.any(np.abs(half) <= np.spacing(np.abs(theta))):
+            raise GeometryError(
+                "the crank is as long as the distance of the axes, and at a crank angle of 0 its"
+                " pin lies in the axis of the slide: the slide's angle is undefined there",
+                key="distance",
+                value=f"{self.distance:g}",
+            )
+        return theta, half
+
+    def _must_swing(self, what: str) -> None:
+        if not self.swings:
+            raise GeometryError(
+                f"there is {what}: the slide turns round, for the distance of the axes,"
+                f" {self.distance:g} mm, does not exceed the crank, {self.crank:g} mm",
+                key="distance",
+                value=f"{self.distance:g}",
+            )
