@@ -22,7 +22,6 @@ from camgeo.check.follower import check_follower
 from camgeo.check.limits import default_transmission_angle
 from camgeo.check.linkage import check_linkage
 from camgeo.check.motion import check_motion
-from camgeo.check.outline import check_lost_stroke, check_outline, no_outline
 from camgeo.check.speed import check_speed
 from camgeo.check.standstill import check_standstill
 from camgeo.check.transmission_angle import check_transmission_angle
@@ -36,10 +35,6 @@ from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.motion.motion import Jet, Motion, Side
 from camgeo.numeric.arrays import ComplexArray, FloatArray
-from camgeo.outline.cusps import undercut_ranges
-from camgeo.outline.envelope import Envelope
-from camgeo.outline.outline import Outline, real_outline
-from camgeo.outline.path import Path, whole
 from camgeo.part.spec import Contact, PartSpec
 from camgeo.specification import Specification
 from camgeo.units import MM_PER, LengthUnit
@@ -56,6 +51,8 @@ if TYPE_CHECKING:
     from camgeo.files.table import Table
     from camgeo.files.write import Report
     from camgeo.motion.time_course import TimeCourse
+    from camgeo.outline.outline import Outline
+    from camgeo.outline.path import Path
     from camgeo.outline.replay_result import Replay
     from camgeo.part.part import Part
     from camgeo.toolpath.moves import Toolpath
@@ -162,17 +159,29 @@ class Design:
 
     @cached_property
     def bends(self) -> Extremes:
-        """The extremes of the pitch curve's curvature; GeometryError where it stands still."""
-        return curvature_extremes(self.pitch_curve)
+        """The extremes of the pitch curve's curvature; GeometryError where it stands still.
+
+        All of them that undercut on a flank in use could hide behind, surely.
+        """
+        from camgeo.outline.sure_bends import sure_bends
+
+        bends = curvature_extremes(self.pitch_curve)
+        for _, flank in self.flanks:
+            bends = sure_bends(flank, bends)
+        return bends
 
     @cached_property
     def inner_outline(self) -> Outline:
         """What is left of the inner flank, see `camgeo.outline.outline.real_outline`."""
+        from camgeo.outline.outline import real_outline
+
         return real_outline(self.inner_curve, self.bends)
 
     @cached_property
     def outer_outline(self) -> Outline:
         """What is left of the outer flank, see `camgeo.outline.outline.real_outline`."""
+        from camgeo.outline.outline import real_outline
+
         return real_outline(self.outer_curve, self.bends)
 
     def outline(self, flank: str) -> Outline:
@@ -307,6 +316,9 @@ class Design:
 
     def _outline_findings(self, name: str, flank: WorkingCurve) -> list[Finding]:
         """What is left of a flank, and what the follower does on it."""
+        from camgeo.check.outline import check_lost_stroke, check_outline, no_outline
+        from camgeo.outline.cusps import undercut_ranges
+
         try:
             outline = self.outline(name)
             replay = self.replay(name) if outline.is_trimmed else None
@@ -352,6 +364,8 @@ class Design:
     @property
     def _flank_paths(self) -> tuple[Path, Path]:
         """Inner and outer outline; the whole curve for the flank on which no roller runs."""
+        from camgeo.outline.path import whole
+
         used = [name for name, _ in self.flanks]
         inner, outer = (
             self.outline(name).path if name in used else whole(curve)
@@ -362,6 +376,9 @@ class Design:
     @property
     def _pitch_path(self) -> Path:
         """The pitch curve, with its corners where the velocity jumps."""
+        from camgeo.outline.envelope import Envelope
+        from camgeo.outline.path import Path
+
         return Path(Envelope(WorkingCurve(self.pitch_curve, 0.0)).elements)
 
     def _require_outline(self) -> None:

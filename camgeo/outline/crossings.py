@@ -137,7 +137,8 @@ def _decide(envelope: Envelope, cells: Cells, pairs: tuple[IntArray, IntArray]) 
     if not len(first):
         return found
     raise GeometryError(
-        "the flank lies on itself along a stretch: it cannot be decided what is left of it"
+        "two stretches of the flank lie on each other, to rounding: it cannot be decided what is"
+        " left of it"
     )
 
 

@@ -93,14 +93,7 @@ def divide(envelope: Envelope, cusps: FloatArray) -> Division:
     GeometryError
         If cells grow shorter than doubles tell: a curvature beyond arithmetic.
     """
-    marks = ascending(np.concatenate((envelope.borders, cusps, [envelope.total])))
-    spans = np.diff(marks)
-    parts = np.maximum(1, np.ceil(spans / WIDEST)).astype(np.intp)
-    index = np.repeat(np.arange(len(spans)), parts)
-    step = np.arange(len(index)) - np.repeat(np.cumsum(parts) - parts, parts)
-    low = marks[index] + spans[index] * step / parts[index]
-    high = np.append(low[1:], envelope.total)
-    cells = enclose(envelope, low, high, np.arange(len(low)))
+    cells = first_cells(envelope, cusps)
     for _ in range(HALVINGS):
         coarse = (cells.turn > STEEPEST) | (_touches(cells, cusps) & (cells.bend == 0.0))
         coarse &= cells.high - cells.low > 4.0 * np.spacing(cells.high)
@@ -121,6 +114,18 @@ def divide(envelope: Envelope, cusps: FloatArray) -> Division:
         _counts(cells.bend != np.roll(cells.bend, -1)),
         _counts(cells.bend == 0.0),
     )
+
+
+def first_cells(envelope: Envelope, cusps: FloatArray) -> Cells:
+    """Cells of at most `WIDEST`, none across a border of `envelope` or one of `cusps` (k,)."""
+    marks = ascending(np.concatenate((envelope.borders, cusps, [envelope.total])))
+    spans = np.diff(marks)
+    parts = np.maximum(1, np.ceil(spans / WIDEST)).astype(np.intp)
+    index = np.repeat(np.arange(len(spans)), parts)
+    step = np.arange(len(index)) - np.repeat(np.cumsum(parts) - parts, parts)
+    low = marks[index] + spans[index] * step / parts[index]
+    high = np.append(low[1:], envelope.total)
+    return enclose(envelope, low, high, np.arange(len(low)))
 
 
 def _touches(cells: Cells, cusps: FloatArray) -> BoolArray:
