@@ -155,8 +155,17 @@ class PitchCurve:
 
     def speed_bounds(self, low: FloatArray, high: FloatArray) -> FloatArray:
         """(3, n) upper bounds of |Z'|, |Z''|, |Z'''| over cells [low, high] (n,) [rad]."""
-        middle = self.motion.jet(0.5 * (low + high))
-        return self.follower.speed_bounds(middle, self.motion.jet_bounds(low, high))
+        return self.follower.speed_bounds(*self.motion.jet_and_bounds(low, high))
+
+    def jet_and_bounds(self, low: FloatArray, high: FloatArray) -> tuple[ComplexArray, FloatArray]:
+        """(4, n) Z to Z''' in the middle of the cells [low, high] (n,) [rad], and `speed_bounds`.
+
+        The motion, which is most of the work, is evaluated once for both.
+        """
+        middle, bounds = self.motion.jet_and_bounds(low, high)
+        relative = self.follower.relative_jet(middle, self.rotation)
+        jet = self.in_cam(relative, 0.5 * (low + high), relative.along, relative.across)
+        return jet, self.follower.speed_bounds(middle, bounds)
 
 
 def transmission_angle(relative: RelativeJet) -> FloatArray:

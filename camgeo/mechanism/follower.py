@@ -95,5 +95,5 @@ class Follower(Protocol):
     def speed_bounds(self, jet: Jet, bounds: Jet) -> FloatArray:
         """(3, n) upper bounds of |Z'|, |Z''|, |Z'''| [mm/rad^k] over cells of cam angle.
 
-        `jet` is the lift in the middle of the cells, `bounds` as of `Motion.jet_bounds`.
+        `jet` is the lift in the middle of the cells, `bounds` as of `Motion.jet_and_bounds`.
         """

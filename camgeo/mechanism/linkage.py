@@ -104,7 +104,8 @@ class LinkedMotion:
         """(order + 1, n) rocker angle and derivatives, see `Motion.jet`."""
         return self.linkage.transform(self.slider.jet(phi, side, order), order)
 
-    def jet_bounds(self, low: FloatArray, high: FloatArray) -> Jet:
-        """See `Motion.jet_bounds`."""
-        middle = self.slider.jet(0.5 * (low + high))
-        return self.linkage.transform_bounds(middle, self.slider.jet_bounds(low, high))
+    def jet_and_bounds(self, low: FloatArray, high: FloatArray) -> tuple[Jet, Jet]:
+        """See `Motion.jet_and_bounds`."""
+        middle, bounds = self.slider.jet_and_bounds(low, high)
+        linkage = self.linkage
+        return linkage.transform(middle, FULL_ORDER), linkage.transform_bounds(middle, bounds)

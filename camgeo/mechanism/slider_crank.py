@@ -223,7 +223,7 @@ class SliderCrank:
         return np.negative(out, out=out) if self.mirrored else out
 
     def transform_bounds(self, jet: Jet, bounds: Jet) -> Jet:
-        """(4, n) bounds for psi of what `Motion.jet_bounds` bounds for the stroke.
+        """(4, n) bounds for psi of what `Motion.jet_and_bounds` bounds for the stroke.
 
         `jet` is the stroke in the middle of each cell. Infinite where a cell may touch a dead
         centre. The triangle inequality over the formulas of `transform`, with |sin(v - theta)|

@@ -59,8 +59,10 @@ class Motion(Protocol):
         A motion may return more orders than it is asked for, never fewer.
         """
 
-    def jet_bounds(self, low: FloatArray, high: FloatArray) -> Jet:
-        """(4, n) upper bounds of |s - s(middle)|, |s'|, |s''|, |s'''| over the cells [low, high].
+    def jet_and_bounds(self, low: FloatArray, high: FloatArray) -> tuple[Jet, Jet]:
+        """The lift (4, n) in the middle of the cells [low, high], and bounds over them.
+
+        These are upper bounds (4, n) of |s - s(middle)|, |s'|, |s''|, |s'''|.
 
         `low`, `high` (n,) [rad] in [0, 2 pi]; no cell reaches across a border.
         """

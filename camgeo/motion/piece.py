@@ -66,7 +66,7 @@ class Piece:
         return angles
 
     def spline_bounds(self, low: FloatArray, high: FloatArray) -> Jet:
-        """(4, n) what `MotionPlan.jet_bounds` gives, for cells of a piece that has a spline."""
+        """(4, n) what `MotionPlan.jet_and_bounds` gives, for cells of a piece that has a spline."""
         assert self.spline is not None  # called for those only
         shares = [np.clip((a - self.segment_start) / self.length, 0.0, 1.0) for a in (low, high)]
         bounds = self.spline.cell_bounds(*shares)

@@ -250,14 +250,17 @@ class MotionPlan:
                     out[:, places] = values
         return out
 
-    def jet_bounds(self, low: FloatArray, high: FloatArray) -> Jet:
-        """(4, n) bounds of |s - s(middle)|, |s'|, |s''|, |s'''| over cells [low, high] [rad].
+    def jet_and_bounds(self, low: FloatArray, high: FloatArray) -> tuple[Jet, Jet]:
+        """The lift (4, n) in the middle of the cells [low, high] [rad], and bounds over them.
+
+        These are bounds (4, n) of |s - s(middle)|, |s'|, |s''|, |s'''|.
 
         Taylor's theorem from the middle of each cell with the law's bound of |f'''|.
         """
         middle = 0.5 * (low + high)
         half = 0.5 * (high - low)
-        out = np.abs(self.jet(middle))
+        values = self.jet(middle)
+        out = np.abs(values)
         jerk = out[3]
         splines = []
         for piece, index in self._by_piece(middle, "right"):
@@ -269,7 +272,7 @@ class MotionPlan:
         out[2] += half * jerk
         for piece, index in splines:
             out[:, index] = piece.spline_bounds(low[index], high[index])
-        return out
+        return values, out
 
     def _by_piece(self, angle: FloatArray, side: Side) -> list[tuple[Piece, slice | IntArray]]:
         """Each piece with the places in `angle` that lie in it; a slice where they are in order."""

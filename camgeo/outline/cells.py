@@ -97,10 +97,9 @@ def _of_stretch(envelope: Envelope, low: FloatArray, high: FloatArray, index: In
     half = 0.5 * (high - low)
     shift = envelope.angle_offsets[index]
     middle = 0.5 * (low + high) + shift
-    jet = pitch.jet(middle)
     turns = np.where(middle >= TURN, TURN, 0.0)
     ends = np.maximum(low + shift - turns, 0.0), np.minimum(high + shift - turns, TURN)
-    third = pitch.speed_bounds(*ends)[2]
+    jet, (_, _, third) = pitch.jet_and_bounds(*ends)
     z1, z2 = jet[1], jet[2]
     speed, size = np.abs(z1), np.abs(z2)
     tangent = z1 / speed

@@ -9,6 +9,7 @@ crossing of a swallow tail, far below the size at which points of the flank coul
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -21,7 +22,9 @@ from camgeo.outline.cusps import backward_ranges
 from camgeo.outline.division import Division, divide
 from camgeo.outline.envelope import Envelope
 from camgeo.outline.pairs import cross_once, meet, overlapping
-from camgeo.outline.swallow_tail import SwallowTail, swallow_tails
+
+if TYPE_CHECKING:
+    from camgeo.outline.swallow_tail import SwallowTail
 
 HALVINGS = 60
 """Rounds of halving at most."""
@@ -92,7 +95,11 @@ def find_nodes(envelope: Envelope, backward: list[tuple[float, float]]) -> tuple
     """All crossings and contacts of `envelope`, given the ranges in which it runs back."""
     ends = np.array([place for span in backward for place in span])
     division = divide(envelope, envelope.within(ends) if len(ends) else ends)
-    tails = swallow_tails(division, backward)
+    tails: tuple[SwallowTail, ...] = ()
+    if backward:
+        from camgeo.outline.swallow_tail import swallow_tails  # few cams have one
+
+        tails = swallow_tails(division, backward)
     pairs = _apart(division, tails)
     nodes = [_node(tail.first, tail.second, tail.point) for tail in tails]
     return _distinct(nodes + _decide(envelope, division.cells, pairs), envelope.total)

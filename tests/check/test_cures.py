@@ -303,6 +303,8 @@ def test_a_cusp_is_cured_by_no_change_at_all() -> None:
 def test_nothing_to_cure_of_a_healthy_cam() -> None:
     for scene in sorted(SCENES.glob("*.toml")):
         spec = camgeo.load(scene).specification
+        if spec.limits.undercut == "trim":
+            continue
         cam = Cam(spec.plan, spec.linkage, spec.follower, spec.rotation, spec.contact)
         assert is_good(cam)
         assert cures(cam) == (), scene.name

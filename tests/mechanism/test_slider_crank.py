@@ -123,7 +123,7 @@ def test_bounds_hold_all_over_their_cells(
 ) -> None:
     motion = LinkedMotion(plan, linkage)
     low, high = cells(plan.borders, count)
-    bounds = motion.jet_bounds(low, high)
+    bounds = motion.jet_and_bounds(low, high)[1]
     middle = motion.jet(0.5 * (low + high))[0]
     sizes = np.max(np.abs(motion.jet(np.linspace(0.0, TURN, 241))), axis=1)[:, np.newaxis]
     for share in np.linspace(0.0, 1.0, 25):
@@ -140,7 +140,8 @@ def test_bounds_are_finite_on_small_cells_and_close_on_the_swing(
 ) -> None:
     motion = LinkedMotion(plan, linkage)
     coarse, fine = (
-        float(np.max(motion.jet_bounds(*cells(plan.borders, count))[0])) for count in (64, 128)
+        float(np.max(motion.jet_and_bounds(*cells(plan.borders, count))[1][0]))
+        for count in (64, 128)
     )
     assert math.isfinite(coarse)
     assert fine <= 0.7 * coarse + 1e-15

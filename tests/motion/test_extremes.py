@@ -27,8 +27,8 @@ class Wave:
         x = phi - 1.0
         return 3.0 * np.stack((np.sin(x), np.cos(x), -np.sin(x), -np.cos(x)))
 
-    def jet_bounds(self, low: FloatArray, high: FloatArray) -> Jet:
-        return np.full((4, len(low)), 6.0)
+    def jet_and_bounds(self, low: FloatArray, high: FloatArray) -> tuple[Jet, Jet]:
+        return self.jet(0.5 * (low + high)), np.full((4, len(low)), 6.0)
 
 
 @attack

@@ -341,7 +341,7 @@ def test_bounds_hold_all_over_their_cells(plan: MotionPlan, count: int) -> None:
     if all(isinstance(segment, Dwell) for segment in plan.segments):
         return
     low, high = cells(plan, count)
-    bounds = plan.jet_bounds(low, high)
+    bounds = plan.jet_and_bounds(low, high)[1]
     sizes = np.max(np.abs(plan.jet(np.linspace(0.0, TURN, 721))), axis=1)
     limit = np.max(rounding(plan, 2.0 * ULP)[:, 0] / np.maximum(sizes, 1e-300))
     assert overshoot(plan, low, high, bounds) <= limit
@@ -352,7 +352,7 @@ def test_bounds_hold_all_over_their_cells(plan: MotionPlan, count: int) -> None:
 def test_bounds_close_on_small_cells(plan: MotionPlan, count: int) -> None:
     """Half the width, at least half the excess over the values in the middle."""
     low, high = cells(plan, 8 * count)
-    bounds = plan.jet_bounds(low, high)
+    bounds = plan.jet_and_bounds(low, high)[1]
     values = np.abs(plan.jet(0.5 * (low + high)))
     jerk = bounds[3]
     half = 0.5 * (high - low)
@@ -363,7 +363,7 @@ def test_bounds_close_on_small_cells(plan: MotionPlan, count: int) -> None:
 def test_bounds_that_are_too_small_are_seen() -> None:
     plan = rise_and_return()
     low, high = cells(plan, 5)
-    bounds = plan.jet_bounds(low, high)
+    bounds = plan.jet_and_bounds(low, high)[1]
     for order in range(4):
         wrong = bounds.copy()
         wrong[order] *= 0.7  # the loosest of the true bounds has a third to spare somewhere

@@ -58,8 +58,8 @@ class Power:
     def jet(self, phi: FloatArray, side: Side = "right", order: int = 3) -> Jet:
         return power_jet(phi)
 
-    def jet_bounds(self, low: FloatArray, high: FloatArray) -> Jet:
-        return np.full((4, len(low)), LIFT * POWER**3)
+    def jet_and_bounds(self, low: FloatArray, high: FloatArray) -> tuple[Jet, Jet]:
+        return self.jet(0.5 * (low + high)), np.full((4, len(low)), LIFT * POWER**3)
 
 
 @dataclass(frozen=True)
