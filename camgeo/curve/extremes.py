@@ -58,21 +58,27 @@ def extremes(curve: HasBreaks, value: Quantity, *slopes: Quantity) -> Extremes:
     slopes : functions whose zeros inside the pieces are the places to look at, besides the ends
         of the pieces from inside.
     """
-    places: list[FloatArray] = []
-    values: list[FloatArray] = []
-    for piece in smooth_pieces(curve):
-        start, end = np.array([piece.start]), np.array([piece.end])
-        inner: list[FloatArray] = []
-        if not piece.dwell:
-            grid = np.linspace(piece.start, piece.end, SAMPLES)
-            inside = INSIDE * (piece.end - piece.start)
-            grid[[0, -1]] += (inside, -inside)  # from inside, where a slope may jump
-            inner = [roots_on_grid(_right(slope), grid) for slope in slopes]
-        middle = np.sort(np.concatenate([*inner, np.empty(0)]))
-        places += [start, middle, end]
-        values += [value(start, "right"), value(middle, "right"), value(end, "left")]
+    pieces = smooth_pieces(curve)
+    starts = np.array([piece.start for piece in pieces])
+    ends = np.array([piece.end for piece in pieces])
+    moving = np.array([not piece.dwell for piece in pieces])
+    found = [np.empty(0)]
+    if np.any(moving):
+        grid = np.linspace(starts[moving], ends[moving], SAMPLES, axis=1)
+        inside = INSIDE * (ends - starts)[moving]
+        grid[:, 0] += inside  # from inside, where a slope may jump
+        grid[:, -1] -= inside
+        found += [roots_on_grid(_right(slope), grid) for slope in slopes]
+    middle = np.sort(np.concatenate(found))
+    phi = np.concatenate((starts, middle, ends))
+    values = [value(starts, "right"), value(middle, "right"), value(ends, "left")]
+    # At a break the end of one piece comes before the start of the next.
+    owner = np.searchsorted(starts, middle, side="right") - 1
+    each = np.arange(len(pieces))
+    rank = np.repeat([0, 1, 2], [len(starts), len(middle), len(ends)])
+    order = np.lexsort((phi, rank, np.concatenate((each, owner, each))))
     return Extremes(
-        frozen(np.concatenate(places), np.float64), frozen(np.concatenate(values), np.float64)
+        frozen(phi[order], np.float64), frozen(np.concatenate(values)[order], np.float64)
     )
 
 

@@ -24,11 +24,11 @@ def pieces(motion: Motion) -> list[tuple[float, float]]:
 
 def lift_range(motion: Motion) -> tuple[float, float]:
     """Smallest and largest lift [mm or rad] over a turn."""
-    places = [motion.borders, np.array([0.0])]
-    for start, end in pieces(motion):
-        grid = np.linspace(start, end, SAMPLES)[1:-1]
-        if np.any(motion.jet(grid)[1]):
-            places.append(roots_on_grid(lambda phi: _velocity(motion, phi), grid))
+    starts, ends = np.array(pieces(motion)).T
+    grid = np.linspace(starts, ends, SAMPLES, axis=1)[:, 1:-1]
+    moving = np.any(motion.jet(grid.ravel())[1].reshape(grid.shape), axis=1)
+    turning = roots_on_grid(lambda phi: _velocity(motion, phi), grid[moving])
+    places = (motion.borders, np.zeros(1), turning)
     lift = motion.jet(np.concatenate(places))[0]
     return float(np.min(lift)), float(np.max(lift))
 

@@ -88,16 +88,20 @@ def _next_step(
 def sign_changes(grid: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return the ends (k,), (k,) of the grid cells over which `values` changes sign.
 
-    A grid point that is a root itself makes one cell, to its right (to its left for the last).
+    `grid` and `values` are (..., m), each row a grid of its own; the cells come row by row. A grid
+    point that is a root itself makes one cell, to its right (to its left for the last of a row).
     """
     sign = np.sign(values)
-    change = sign[:-1] * sign[1:] < 0.0
-    change |= (sign[:-1] == 0.0) & (sign[1:] != 0.0)
-    change[-1] |= bool(sign[-1] == 0.0 and sign[-2] != 0.0)
-    cell = np.flatnonzero(change)
-    return grid[cell], grid[cell + 1]
+    change = sign[..., :-1] * sign[..., 1:] < 0.0
+    change |= (sign[..., :-1] == 0.0) & (sign[..., 1:] != 0.0)
+    change[..., -1] |= (sign[..., -1] == 0.0) & (sign[..., -2] != 0.0)
+    return grid[..., :-1][change], grid[..., 1:][change]
 
 
 def roots_on_grid(function: Function, grid: FloatArray) -> FloatArray:
-    """Roots of `function` that a sign change on `grid` (m,) shows, ascending."""
-    return bracketed_roots(function, *sign_changes(grid, function(grid)))
+    """Roots of `function` that a sign change on a row of `grid` (..., m) shows, row by row.
+
+    One call of the function evaluates all rows, however many there are.
+    """
+    values = function(grid.ravel()).reshape(grid.shape)
+    return bracketed_roots(function, *sign_changes(grid, values))
