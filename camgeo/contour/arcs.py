@@ -29,8 +29,9 @@ AIM = 0.98
 PROBES = 8
 """Points an arc at which its distance is sampled while the number of arcs is sought."""
 
-FLAT = 1e-10
-"""An arc with a smaller sagitta [mm] is a line: its centre has no digits left to be known by."""
+FLAT = 2e-12
+"""An arc with a sagitta of a smaller share of the largest distance from the cam axis is a line: its
+centre has no digits left to be known by."""
 
 HALVINGS = 8
 """Rounds of halving at most."""
@@ -149,7 +150,7 @@ def arcs_from_tangents(
     """Sweeps and centres of the arcs that leave `starts` along `tangents` and reach `ends`."""
     chords = ends - starts
     half = np.angle(chords * np.conj(tangents))
-    flat = np.abs(chords) * np.abs(half) < 4.0 * FLAT
+    flat = np.abs(chords) * np.abs(half) <= 4.0 * FLAT * np.max(np.abs(starts), initial=0.0)
     safe = np.where(flat, 1.0, half)
     radii = np.abs(chords) / (2.0 * np.sin(safe))
     centres = np.where(flat, 0.0, starts + 1j * tangents * radii)
