@@ -6,6 +6,9 @@ import numpy as np
 
 from camgeo.curve.extremes import extremes
 from camgeo.curve.pitch_curve import PitchCurve
+from camgeo.mechanism.oscillating_roller import OscillatingRoller
+from camgeo.mechanism.translating_roller import TranslatingRoller
+from camgeo.motion.extremes import lift_range
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray, ascending
 from camgeo.units import TURN
@@ -71,3 +74,17 @@ def nearest_to_axis(pitch: PitchCurve) -> tuple[float, float]:
 
     smallest, phi = extremes(pitch, square, slope).smallest()
     return float(np.sqrt(smallest)), phi
+
+
+def stays_on_one_side(pitch: PitchCurve) -> bool:
+    """True if the roller centre never passes the foot of the guide, or the line of centres.
+
+    There the transmission angle is 0, and the same distance from the cam axis comes again.
+    """
+    follower = pitch.follower
+    lifts = np.array(lift_range(pitch.motion))
+    if isinstance(follower, TranslatingRoller):
+        return bool(np.all(follower.start_height + follower.direction * lifts > 0.0))
+    assert isinstance(follower, OscillatingRoller)  # the other one there is
+    rocker = follower.rocker_angle(lifts)
+    return bool(np.all((rocker > 0.0) & (rocker < np.pi)))

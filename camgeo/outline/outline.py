@@ -3,6 +3,10 @@
 The roller stands for the cutter. Where the flank crosses itself, the way on is along the branch
 that the other one does not cover; what runs back, and what another roller covers, is dropped. So
 the outline consists of stretches of the working curve itself with exact corners between them.
+
+Only crossings of the flank with itself matter, and not those with the other flank: a pitch curve
+that does not cross itself has an inside and an outside, and no point is inside of one part and
+outside of another unless a third part runs between, whose roller covers it.
 """
 
 from __future__ import annotations
@@ -13,10 +17,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from camgeo.curve.extremes import Extremes
+from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import GeometryError, UndercutError
-from camgeo.outline.clearance import is_clear, nearest_to_axis
-from camgeo.outline.crossings import Node, find_nodes
+from camgeo.outline.clearance import is_clear, nearest_to_axis, stays_on_one_side
+from camgeo.outline.crossings import Node, find_crossings, find_nodes
 from camgeo.outline.cusps import backward_ranges
 from camgeo.outline.envelope import Envelope
 from camgeo.outline.path import Element, Path, Pivot, Stretch
@@ -72,6 +77,7 @@ def real_outline(flank: WorkingCurve, bends: Extremes | None = None) -> Outline:
     """
     if flank.distance < 0.0:
         _require_axis(flank)
+    _require_simple(flank.pitch)
     envelope = Envelope(flank)
     backward = backward_ranges(envelope, bends)
     nodes = tuple(n for n in find_nodes(envelope, backward) if not n.touching)
@@ -109,6 +115,23 @@ def _require_axis(flank: WorkingCurve) -> None:
         raise UndercutError(
             f"the roller reaches over the cam axis at cam angle {math.degrees(phi):.6g} deg"
             f" (its centre comes as near as {nearest:.6g} mm): no disc is left"
+        )
+
+
+def _require_simple(pitch: PitchCurve) -> None:
+    """Raise GeometryError if the pitch curve crosses itself.
+
+    It cannot where the follower stays on one side of the cam axis: then its lift tells the distance
+    of the roller centre from the axis, and the cam angle the direction, one by one.
+    """
+    if stays_on_one_side(pitch):
+        return
+    crossings = find_crossings(WorkingCurve(pitch, 0.0))
+    if crossings:
+        angles = [math.degrees(angle) for angle in (crossings[0].first, crossings[0].second)]
+        raise GeometryError(
+            f"the pitch curve crosses itself at cam angles {angles[0]:.6f} and {angles[1]:.6f} deg:"
+            " the roller would run through the flank that is to guide it"
         )
 
 

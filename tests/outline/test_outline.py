@@ -23,13 +23,15 @@ from camgeo.motion.laws import LAWS
 from camgeo.motion.plan import Dwell, MotionPlan, Move
 from camgeo.numeric.arrays import FloatArray
 from camgeo.outline.area import area
+from camgeo.outline.clearance import stays_on_one_side
 from camgeo.outline.crossings import find_crossings
+from camgeo.outline.envelope import KINK
 from camgeo.outline.outline import Outline, real_outline
 from camgeo.outline.path import Path, Pivot, Stretch
 from camgeo.units import TURN
 from tests.measuring import polygon
 from tests.outline.clearing import corners, dense, distances
-from tests.reference import hard_case, inner_of, number, pitch_curve_of
+from tests.reference import hard_case, inner_of, number, pitch_curve_of, plan_of
 from tests.strategies import attack, pitch_curves, signs, wild_pitch_curves
 
 ROUNDING = 2.0**-52 * 64.0
@@ -108,7 +110,9 @@ def test_the_path_is_closed_and_simple(pitch: PitchCurve, side: int) -> None:
         for (_, end), (start, _) in zip(ends, [*ends[1:], ends[0]], strict=True):
             # A crossing of branches that differ by an angle is known to rounding over its sine.
             sharpest = min([abs(math.sin(p.sweep)) for p in corners(path)], default=1.0)
-            assert abs(end - start) <= 16.0 * ROUNDING * size_of(pitch) / max(sharpest, 1e-3)
+            known = 16.0 * ROUNDING * size_of(pitch) / max(sharpest, 1e-3)
+            # Corners of the pitch curve of less than KINK are taken for rounding.
+            assert abs(end - start) <= known + KINK * pitch.follower.roller_radius
         for pivot in corners(path):
             # Material ends in a point there: the path turns on the way it goes round.
             assert pivot.sweep * -pitch.rotation * -side > 0.0
@@ -258,6 +262,40 @@ def test_a_roller_over_the_axis_leaves_nothing() -> None:
     params, _ = hard_case("HC17")
     with pytest.raises(UndercutError, match="over the cam axis"):
         real_outline(inner_of(pitch_curve_of({"kappa": 1, **params})))
+
+
+def test_a_pitch_curve_that_crosses_itself_is_refused() -> None:
+    """The roller centre passes the foot of its guide: the same places in the cam come again."""
+    plan = plan_of({"phi_H": [30, 60, 40, 80, 150]}, 60.0)
+    pitch = PitchCurve(plan, TranslatingRoller(30.0, 2.0, 10.0, direction=-1), 1)
+    assert not stays_on_one_side(pitch)
+    for side in (-1, 1):
+        with pytest.raises(GeometryError, match="crosses itself at cam angles") as raised:
+            real_outline(flank_of(pitch, side))
+        words = raised.value.message.split()
+        place = words.index("angles")
+        angles = np.radians([float(words[place + 1]), float(words[place + 3])])
+        one, two = pitch.point(angles)
+        # The message gives six decimals of a degree.
+        assert abs(one - two) < 2.0 * np.radians(1e-6) * float(np.max(np.abs(pitch.jet(angles)[1])))
+
+
+def test_a_rocker_that_passes_the_line_of_centres_may_leave_a_simple_curve() -> None:
+    params, _ = hard_case("HC27")
+    pitch = pitch_curve_of(params | {"r_R": 5.0})
+    assert not stays_on_one_side(pitch)
+    assert real_outline(inner_of(pitch)).path.is_whole
+
+
+@attack
+@given(wild_pitch_curves())
+def test_on_one_side_of_the_axis_no_pitch_curve_crosses_itself(pitch: PitchCurve) -> None:
+    try:
+        if stays_on_one_side(pitch):
+            assert find_crossings(WorkingCurve(pitch, 0.0)) == ()
+    except GeometryError as error:
+        if "stands still" not in error.message:
+            raise
 
 
 def test_a_corner_of_the_pitch_curve_is_rounded_by_the_roller() -> None:
