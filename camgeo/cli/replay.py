@@ -168,6 +168,8 @@ def _contour(design: Design, flank: Contact, arguments: argparse.Namespace) -> C
     """The contour of the file whose area is nearest to that of the flank."""
     from importlib.metadata import entry_points
 
+    from camgeo.contour.simple import crossing
+
     file = Path(arguments.contour)
     names = sorted(entry_points(group=READERS).names)
     kind = file.suffix.removeprefix(".").lower()
@@ -190,6 +192,10 @@ def _contour(design: Design, flank: Contact, arguments: argparse.Namespace) -> C
     chosen = min(found, key=lambda contour: abs(contour.area - area))
     if len(found) > 1:
         tell(f"{file.name}: {len(found)} contours, taken is that of {chosen.area:.6g} mm^2")
+    place = crossing(chosen)
+    if place is not None:
+        message = f"crosses itself ({place}): no disc has this outline"
+        raise SceneError([Fault("CONTOUR", str(file), message)])
     return chosen
 
 

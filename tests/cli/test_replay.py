@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 import camgeo
-from camgeo.cli.main import parser
+from camgeo.cli.main import main, parser
 from camgeo.errors import CamgeoError, OutputError, SceneError
 
 SCENES = Path(__file__).parents[2] / "fixtures" / "scenes"
@@ -167,3 +167,10 @@ def test_wrong_files(tmp_path: Path) -> None:
     aside.write_text("100,100\n110,100\n110,110\n")
     with pytest.raises(CamgeoError, match="must run once round the cam axis"):
         replay(PLATE, str(aside))
+
+
+def test_a_contour_that_crosses_itself_is_refused(tmp_path: Path, capsys: Capture) -> None:
+    eight = tmp_path / "eight.csv"
+    eight.write_text("x,y\n60,-30\n60,30\n-60,-30\n-60,30\n", encoding="utf-8")
+    assert main(["replay", SETZHUB, str(eight)]) == 2
+    assert "crosses itself" in capsys.readouterr().err
