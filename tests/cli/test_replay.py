@@ -171,6 +171,6 @@ def test_wrong_files(tmp_path: Path) -> None:
 
 def test_a_contour_that_crosses_itself_is_refused(tmp_path: Path, capsys: Capture) -> None:
     eight = tmp_path / "eight.csv"
-    eight.write_text("x,y\n60,-30\n60,30\n-60,-30\n-60,30\n", encoding="utf-8")
+    eight.write_text("x,y\n60,-50\n60,50\n-40,-30\n-60,30\n", encoding="utf-8")
     assert main(["replay", SETZHUB, str(eight)]) == 2
     assert "crosses itself" in capsys.readouterr().err
