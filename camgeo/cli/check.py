@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import math
 from decimal import Decimal
 from typing import TYPE_CHECKING, Any
 
@@ -17,6 +18,7 @@ from camgeo.cli.command import (
     print_json,
 )
 from camgeo.design import Design
+from camgeo.errors import GeometryError
 from camgeo.scene.load import load_scene
 
 if TYPE_CHECKING:
@@ -44,7 +46,9 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.json:
         records = [finding_record(finding) for finding in findings]
         document = {**identity(design), "motion": motion_record(design), "findings": records}
-        print_json(document | {"cures": [cure_record(cure) for cure in design.cures]})
+        document["outlines"] = {name: outline_record(design, name) for name, _ in design.flanks}
+        document["cures"] = [cure_record(cure) for cure in design.cures]
+        print_json(document)
     else:
         print("\n".join(finding_lines(findings)))
         print_cures(design.cures)
@@ -58,6 +62,31 @@ def print_cures(cures: tuple[Cure, ...]) -> None:
     print("\nAny one of these cures the undercut; it may break another limit, so check again:")
     for cure in cures:
         print(f"  {cure.sentence}" if cure.works else f"  no cure: {cure.sentence}")
+
+
+def outline_record(design: Design, flank: str) -> dict[str, Any] | None:
+    """What is left of a flank, for JSON; None if nothing is, or it cannot be told."""
+    from camgeo.outline.area import area
+
+    try:
+        outline = design.outline(flank)
+    except GeometryError:
+        return None
+    corners = [pivot for pivot in outline.path.pivots if pivot.distance == 0.0]
+    return {
+        "area_mm2": abs(area(outline.path)),
+        "left_out_deg": [[math.degrees(angle) for angle in span] for span in outline.dropped],
+        "corners": [
+            {
+                "point_mm": [corner.centre.real, corner.centre.imag],
+                "from_deg": math.degrees(corner.before),
+                "to_deg": math.degrees(corner.after),
+                "turn_deg": math.degrees(corner.sweep),
+            }
+            for corner in corners
+        ],
+        "lobes_mm2": [abs(area(lobe)) for lobe in outline.lobes],
+    }
 
 
 def cure_record(cure: Cure) -> dict[str, Any]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import json
+import math
 import re
 import subprocess
 import sys
@@ -19,6 +20,7 @@ from camgeo.cli.progress import Progress
 from camgeo.files import transaction
 from camgeo.scene.new import KINDS
 from camgeo.units import MM_PER
+from tests.reference import hard_case
 
 SCENES = Path(__file__).parents[2] / "fixtures" / "scenes"
 
@@ -232,6 +234,33 @@ def test_reader_that_has_had_enough() -> None:
     run = subprocess.run(["sh", "-c", command], capture_output=True, text=True, check=True)
     assert run.stdout.startswith("phi [deg],")
     assert run.stderr == ""
+
+
+def test_check_tells_outline_and_cures_as_json(capsys: Capture) -> None:
+    scene = str(SCENES.parent / "refused" / "global_undercut.toml")
+    assert main(["check", scene, "--json"]) == 1
+    told = json.loads(capsys.readouterr().out)
+    outline = told["outlines"]["inner"]
+    _, expected = hard_case("HC22")
+    ((start, end),) = outline["left_out_deg"]
+    assert start == pytest.approx(
+        float(expected["self_intersections_on_axis_phi_deg"][0]), abs=1e-9
+    )
+    assert end == pytest.approx(float(expected["mirror_phi_deg"][0]), abs=1e-9)
+    (corner,) = outline["corners"]
+    radial = float(expected["radial_position_mm"][0])
+    assert math.hypot(*corner["point_mm"]) == pytest.approx(radial, rel=1e-12)
+    assert len(outline["lobes_mm2"]) == 1
+    costs = [cure["cost"] for cure in told["cures"] if cure["to"] is not None]
+    assert costs == sorted(costs)
+    assert {cure["key"] for cure in told["cures"][:2]} == {
+        "follower.roller_radius",
+        "follower.base_radius",
+    }
+    assert main(["check", SETZHUB, "--json"]) == 0
+    healthy = json.loads(capsys.readouterr().out)
+    assert healthy["cures"] == []
+    assert healthy["outlines"]["inner"]["left_out_deg"] == []
 
 
 def test_an_outline_that_crosses_itself_is_refused(tmp_path: Path, capsys: Capture) -> None:
