@@ -131,11 +131,12 @@ def _decide(envelope: Envelope, cells: Cells, pairs: tuple[IntArray, IntArray]) 
         one, other = cells.some(first), cells.some(second)
         once = cross_once(one, other)
         done = np.zeros(len(first), dtype=np.bool_)
+        small = ~once & _slim(envelope, one) & _slim(envelope, other)
         if np.any(once):
-            known, nodes = _newton(envelope, one.some(once), other.some(once))
-            done[once] = known
+            known, blurred, nodes = _newton(envelope, one.some(once), other.some(once))
+            done[once], small[once] = known, blurred
             found += nodes
-        small = ~done & _tiny(envelope, one) & _tiny(envelope, other)
+        small |= ~done & _tiny(envelope, one) & _tiny(envelope, other)
         for k in np.flatnonzero(small):
             point = complex(one.middle[k])
             found.append(_node(float(one.low[k]), float(other.low[k]), point, touching=True))
@@ -147,6 +148,13 @@ def _decide(envelope: Envelope, cells: Cells, pairs: tuple[IntArray, IntArray]) 
         "two stretches of the flank lie on each other, to rounding: it cannot be decided what is"
         " left of it"
     )
+
+
+def _slim(envelope: Envelope, cells: Cells) -> BoolArray:
+    """Cells that bend by no more than rounding: what lies beside them there touches them."""
+    size = np.abs(cells.middle) + abs(envelope.curve.distance)
+    slim: BoolArray = cells.across <= 2.0 * ROUNDING * size
+    return slim
 
 
 def _tiny(envelope: Envelope, cells: Cells) -> BoolArray:
@@ -172,8 +180,14 @@ def _refined(
     return fine, one[both], other[both]
 
 
-def _newton(envelope: Envelope, one: Cells, other: Cells) -> tuple[BoolArray, list[Node]]:
-    """(k,) True where a pair of cells that cross at most once does so, and these crossings."""
+def _newton(
+    envelope: Envelope, one: Cells, other: Cells
+) -> tuple[BoolArray, BoolArray, list[Node]]:
+    """Where pairs of cells that cross at most once do so.
+
+    (k,) True where a pair crosses; (k,) True where both are too nearly parallel for the digits of
+    their points to tell; and the crossings.
+    """
     x, y = 0.5 * (one.low + one.high), 0.5 * (other.low + other.high)
     wide_x, wide_y = one.high - one.low, other.high - other.low
     points = one.middle
@@ -193,18 +207,18 @@ def _newton(envelope: Envelope, one: Cells, other: Cells) -> tuple[BoolArray, li
         inside &= _beside(x, one, 1.0) & _beside(y, other, 1.0)
     size = np.abs(points) + abs(envelope.curve.distance)
     inside &= _beside(x, one, OUTSIDE) & _beside(y, other, OUTSIDE)
-    inside &= np.abs(gap) <= 64.0 * ROUNDING * size
-    # Where the branches are too nearly parallel for the digits of the points, nothing is known.
+    inside &= np.abs(gap) <= 4.0 * ROUNDING * size
     with np.errstate(divide="ignore", invalid="ignore"):
         blur = ROUNDING * size / np.abs(sine)
-        inside &= (blur < OUTSIDE * np.abs(at_x.pace) * wide_x) & (
-            blur < OUTSIDE * np.abs(at_y.pace) * wide_y
-        )
+        clear = blur < OUTSIDE * np.abs(at_x.pace) * wide_x
+        clear &= blur < OUTSIDE * np.abs(at_y.pace) * wide_y
+    blurred = ~clear & _slim(envelope, one) & _slim(envelope, other)
+    inside &= clear
     nodes = []
     for k in np.flatnonzero(inside):
         places = envelope.within(np.array([x[k], y[k]]))
         nodes.append(_node(float(places[0]), float(places[1]), complex(points[k])))
-    return inside, nodes
+    return inside, blurred, nodes
 
 
 def _node(one: float, other: float, point: complex, *, touching: bool = False) -> Node:

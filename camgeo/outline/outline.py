@@ -100,10 +100,9 @@ def real_outline(flank: WorkingCurve, bends: Extremes | None = None) -> Outline:
     windings = [_winding(envelope, loop) for loop in loops]
     main = [k for k, winding in enumerate(windings) if winding != 0]
     if len(main) != 1:
-        raise UndercutError(
-            "nothing is left of the disc about the cam axis"
-            if not main
-            else "it cannot be decided what is left of the flank: it goes round the axis twice"
+        # Wherever the axis is free there is a disc about it, and around all rollers the rest.
+        raise GeometryError(
+            "it cannot be decided what is left of the flank: its sides touch to rounding"
         )
     lobes = tuple(path for k, path in enumerate(paths) if k != main[0])
     return Outline(paths[main[0]], lobes, _dropped(paths[main[0]]))

@@ -247,6 +247,24 @@ def test_lobe_of_hc22_is_cut_off() -> None:
     assert abs(area(lobe)) > 2000.0
 
 
+def test_a_neck_that_all_but_closes_is_told_open_or_closed() -> None:
+    """Half the width of HC22's neck is the roller radius at which its lobe is cut off."""
+    params, _ = hard_case("HC22")
+    limit = 13.53091360897672  # half the chord that is square to the pitch curve at both ends
+    for share in (1e-3, 1e-6, 1e-9, 1e-12):
+        for sign in (-1.0, 1.0):
+            changed = params | {"kappa": 1, "r_R": limit * (1.0 + sign * share)}
+            outline = real_outline(inner_of(pitch_curve_of(changed)))
+            assert len(outline.lobes) == (1 if sign > 0.0 else 0)
+            assert outline.is_trimmed == (sign > 0.0)
+            if sign > 0.0:
+                ((start, end),) = outline.dropped
+                # The flanks cross as far from the neck as the root of what they overlap.
+                assert end - start == pytest.approx(
+                    math.radians(73.608617661), abs=4.0 * math.sqrt(share)
+                )
+
+
 def test_swallow_tail_of_hc21c_is_cut_off() -> None:
     params, expected = hard_case("HC21c")
     outline = real_outline(inner_of(pitch_curve_of({"kappa": 1, **params})))
