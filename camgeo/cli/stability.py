@@ -27,7 +27,7 @@ error: largest distance from the exact value, in units in its last place (ulp), 
     for a vector; where the inputs leave no digit of it certain, those of what they make of it
 conditioning: by how many ulp the exact value moves there if each input moves by half an ulp of its
     own; the joints are inputs too, degrees turned to radians and rounded once
-at: case and place of that error, z of a law or cam angle
+at: case and place of that error, z of a law, cam angle or crank angle
 ratio: largest error / max(1, conditioning); near 1 there is no better algorithm in doubles"""
 """What stands in the table, explained below it."""
 
@@ -50,7 +50,8 @@ def register(subparsers: Subparsers[argparse.ArgumentParser]) -> None:
         metavar="NAME",
         nargs="+",
         default=[],
-        help="groups (laws, cams, linkages, extremes), quantities, or beginnings of case names",
+        help="groups (laws, tables, cams, linkages, crank-slides, extremes, outlines), quantities,"
+        " or beginnings of case names",
     )
     parser.add_argument("--quick", action="store_true", help="two places of each case only")
     parser.add_argument("--json", action="store_true", help="print JSON")
@@ -152,6 +153,8 @@ def _place(reading: Reading) -> str:
 def _coordinate(reading: Reading) -> tuple[str, float]:
     if reading.group == "laws":
         return "z", reading.place
+    if reading.group == "crank-slides":
+        return "crank_angle_deg", math.degrees(reading.place)
     return "cam_angle_deg", math.degrees(reading.place)
 
 

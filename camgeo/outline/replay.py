@@ -34,6 +34,10 @@ SIDES: Final[tuple[Side, Side]] = ("left", "right")
 STEP = math.radians(0.1)
 """Step of the cam angle between the samples; the ends of all pieces are looked at besides."""
 
+INNER_SAMPLES = 15
+"""Samples inside each range in which a stretch of an outline is missing, however narrow: what is
+lost there has one top, and a bracket about it."""
+
 CORNER = 1e-7
 """Corners up to this [rad] count as none: the directions of two pieces at their common end are
 known to the rounding of its coordinates over their length, 1e-14 mm over 1e-7 mm at worst."""
@@ -102,11 +106,13 @@ def replay_outline(
     centres = np.array([each.centre for each in pivots], dtype=np.complex128)
     found = branches(circles(centres, radius), path)
     starts, ends = _gaps(stretches)
+    shares = np.arange(1, INNER_SAMPLES + 1) / (INNER_SAMPLES + 1.0)
+    within = (starts[:, None] + (ends - starts)[:, None] * shares).ravel() % TURN
     borders, numbers = np.zeros(1), np.full(1, AS_DEMANDED)
     if len(starts):
         borders, numbers = pressed(found, path, press, (starts, ends))
     course = Course(path, pitch.motion, found, borders, numbers)
-    return _replay(pitch, course, press, step, corner)
+    return _replay(pitch, course, press, step, corner, within)
 
 
 def _gaps(stretches: tuple[Stretch, ...]) -> tuple[FloatArray, FloatArray]:
@@ -120,12 +126,21 @@ def _gaps(stretches: tuple[Stretch, ...]) -> tuple[FloatArray, FloatArray]:
     return starts[gaps], starts[gaps] + widths[gaps]
 
 
-def _replay(pitch: PitchCurve, course: Course, press: int, step: float, corner: float) -> Replay:
+def _replay(
+    pitch: PitchCurve,
+    course: Course,
+    press: int,
+    step: float,
+    corner: float,
+    within: FloatArray | None = None,
+) -> Replay:
+    """`within` are cam angles [rad] in [0, 2 pi) at which to sample besides."""
     motion, path = pitch.motion, course.path
     peaks = [_peak(motion, order) for order in (1, 2)]
     count = math.ceil(TURN / step)
     grid = np.arange(count, dtype=np.float64) * (TURN / count)
-    grid = ascending(np.concatenate((grid, [peak.place for peak in peaks])))
+    besides = np.empty(0) if within is None else within
+    grid = ascending(np.concatenate((grid, [peak.place for peak in peaks], besides)))
     special = ascending(np.concatenate((course.borders, motion.breaks)))
     lifts = [course.lift(special, side) for side in SIDES]
     dropped = np.abs(lifts[1] - lifts[0]) > DROP * _size(pitch)

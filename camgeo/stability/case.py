@@ -14,16 +14,17 @@ Exact = Callable[..., tuple[Number, ...]]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Case:
-    """Some quantities of one law, linkage or cam, at some places.
+    """Some quantities of one law, table, linkage or cam, at some places.
 
     The inputs are doubles, each taken for exactly the number that it is.
 
     Attributes
     ----------
-    group : what part of the suite it belongs to, "laws", "linkages", "cams" or "extremes".
+    group : what part of the suite it belongs to, see `camgeo.stability.suite.GROUPS`.
     name : what is hard about it, one word or a few.
     quantities : names of what is computed.
-    places : (n,) the first input: z of a law, or the cam angle [rad]; of a root, a guess.
+    places : (n,) the first input: z of a law, else the cam angle or the crank angle [rad]; of a
+        root, a guess.
     parameters : the other inputs, in the order in which `exact` takes them.
     found : places (n,) -> an array (n,) for each quantity: what camgeo computes, real or complex.
     exact : place, parameters -> the quantities by formulas of their own, numbers of mpmath. Called

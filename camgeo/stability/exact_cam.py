@@ -121,6 +121,14 @@ class CamJet:
         turned = self.centre.terms[1] * mp.conj(self.path.terms[0])
         return mp.atan2(abs(mp.im(turned)), abs(mp.re(turned)))
 
+    def flank(self, distance: Number) -> Series:
+        """The parallel at `distance` [mm], outward positive; a term shorter than Z."""
+        x1, y1 = self.centre.real.slope(), self.centre.imag.slope()
+        tangent = self.centre.slope() / root(x1 * x1 + y1 * y1)
+        turn = self.rotation * multiprecision().mpc(0, 1)
+        flank: Series = Series(self.centre.terms[:-1]) + tangent * (distance * turn)
+        return flank
+
     def parallel(self, distance: Number) -> Number:
         """The point at `distance` [mm] outward of Z."""
         tangent = self.centre.terms[1] / abs(self.centre.terms[1])

@@ -22,6 +22,7 @@ from camgeo.stability.cam_case import CamSpec
 from camgeo.stability.case import Case
 from camgeo.stability.exact_cam import CamJet, Stage
 from camgeo.stability.high_precision import Number, multiprecision
+from camgeo.stability.roots import Roots
 
 GROUP: Final = "extremes"
 
@@ -89,8 +90,11 @@ def _extremes(
         nearest = [int(np.argmin(np.abs(engine.phi - guess))) for guess in guesses]
         return engine.values[nearest], engine.phi[nearest]
 
+    roots = Roots(GUESS)
+
     def exact(guess: Number, *parameters: Number) -> tuple[Number, ...]:
-        place = _root(spec.stage, guess, parameters, lambda jet: slopes(jet)[1:])
+        place = _root(spec.stage, roots.near(guess), parameters, lambda jet: slopes(jet)[1:])
+        roots.keep(guess, place)
         return slopes(spec.stage.jet(place, parameters, TERMS))[0], place
 
     for back, word in ((False, "rise"), (True, "return")):
@@ -124,12 +128,16 @@ def _cusps(spec: CamSpec, excess: float) -> Case:
     def found(guesses: FloatArray) -> tuple[FloatArray, ...]:
         return (np.array([min(ends, key=lambda end: abs(end - guess)) for guess in guesses]),)
 
+    roots = Roots(GUESS)
+
     def exact(guess: Number, *parameters: Number) -> tuple[Number, ...]:
         def margin(jet: CamJet) -> tuple[Number, Number]:
             bend = jet.bend
             return 1 - jet.roller * bend.terms[0], -jet.roller * bend.terms[1]
 
-        return (_root(large.stage, guess, parameters, margin),)
+        place = _root(large.stage, roots.near(guess), parameters, margin)
+        roots.keep(guess, place)
+        return (place,)
 
     return Case(
         GROUP, f"roller {excess:.0e} too large", CUSP,

@@ -1,4 +1,4 @@
-"""Cases of the motion laws from rest to rest: everywhere, near their ends, strongly shifted."""
+"""Cases of the motion laws: everywhere, near their ends, strongly shifted, of several tasks."""
 
 from __future__ import annotations
 
@@ -9,7 +9,14 @@ from camgeo.motion.laws.law import Law
 from camgeo.numeric.arrays import FloatArray
 from camgeo.stability.case import Case, Found
 from camgeo.stability.high_precision import Number
-from camgeo.stability.lifts import HALVES, lift, scca_lift, septic_lift
+from camgeo.stability.lifts import (
+    HALVES,
+    boundary_lift,
+    double_harmonic_lift,
+    lift,
+    scca_lift,
+    septic_lift,
+)
 from camgeo.stability.series import Series, variable
 
 GROUP: Final = "laws"
@@ -27,12 +34,29 @@ SHARES: Final = (NEAR, 0.07, 0.19, 0.42, 0.63, 0.91, 1.0 - NEAR)
 
 TERMS: Final = 4
 
+BOUNDARIES: Final[tuple[tuple[str, str, dict[str, float]], ...]] = (
+    ("polynomial-5", "R-U", {"a1": -4.0}),
+    ("polynomial-5", "G-G", {"v0": 0.5, "v1": 1.75}),
+    ("polynomial-5", "B-B", {"v0": -0.25, "a0": 3.0, "v1": 1.5, "a1": -2.0}),
+    ("polynomial-7", "G-B", {"v0": 1.25, "j0": 10.0, "v1": 0.5, "a1": 4.0, "j1": -20.0}),
+    ("polynomial", "B-B", {"v0": 0.75, "a1": -3.0}),
+)
+"""Polynomials by name, motion task and boundary values."""
+
+ORDERS: Final = {"v": 1, "a": 2, "j": 3}
+
+MET: Final = {"polynomial-5": "va", "polynomial-7": "vaj", "polynomial": ""}
+"""Values that a polynomial has at both ends, zero where none is given."""
+
 
 def cases() -> tuple[Case, ...]:
     """All cases of this module."""
     shifted = [_shifted(name, inflection) for name in HALVES for inflection in SHIFTS]
     shared = [_scca(0.3, 0.2), _scca(0.25, 0.75)]
-    return (*shifted, *shared, _septic(20.0, -30.0), _septic(-50.0, 0.0))
+    met = [_boundary(*each) for each in BOUNDARIES]
+    return (
+        *shifted, *shared, _septic(20.0, -30.0), _septic(-50.0, 0.0), *met, _double_harmonic(),
+    )  # fmt: skip
 
 
 def _shifted(name: str, inflection: float) -> Case:
@@ -67,6 +91,32 @@ def _septic(j0: float, j1: float) -> Case:
     law = make_law("polynomial-7", "R-R", j0=j0, j1=j1)
     name = f"polynomial-7, j0 {j0:g}, j1 {j1:g}"
     return Case(GROUP, name, QUANTITIES, SHARES, (j0, j1), _found(law), exact)
+
+
+def _boundary(name: str, task: str, given: dict[str, float]) -> Case:
+    keys = {key + end for key in MET[name] for end in "01"} | set(given)
+
+    def exact(z: Number, *values: Number) -> tuple[Number, ...]:
+        known = dict(zip(given, values, strict=True))
+        ends = [
+            {ORDERS[key[0]]: known.get(key, 0) for key in sorted(keys) if key[1] == end}
+            for end in "01"
+        ]
+        f = boundary_lift(_both(z)[0], *ends)
+        return _values(f, 1 - f)
+
+    law = make_law(name, task, **given)
+    label = ", ".join((f"{name} {task}", *(f"{key} {value:g}" for key, value in given.items())))
+    return Case(GROUP, label, QUANTITIES, SHARES, tuple(given.values()), _found(law), exact)
+
+
+def _double_harmonic() -> Case:
+    def exact(z: Number) -> tuple[Number, ...]:
+        f = double_harmonic_lift(_both(z)[0])
+        return _values(f, 1 - f)
+
+    law = make_law("double-harmonic", "R-U")
+    return Case(GROUP, "double-harmonic R-U", QUANTITIES, SHARES, (), _found(law), exact)
 
 
 def _both(z: Number) -> tuple[Series, Series]:

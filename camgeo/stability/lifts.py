@@ -134,3 +134,33 @@ def septic_lift(z: Series, rest: Series, jerk_start: Number, jerk_end: Number) -
     first, last = z**3 * rest**4 / 6, z**4 * rest**3 / -6
     f: Series = _polynomial_4567(z) + jerk_start * first + jerk_end * last
     return f
+
+
+def boundary_lift(z: Series, start: Mapping[int, Number], end: Mapping[int, Number]) -> Series:
+    """f of the polynomial of least degree from 0 to 1 with these derivatives at its ends.
+
+    `start`, `end`: the values by their orders, 1 to 3. The coefficients solve the equations that
+    say so (VDI 2143-1, section 6.4).
+    """
+    mp = multiprecision()
+    wanted = [(0, 0, mp.mpf(0)), (1, 0, mp.mpf(1))]
+    wanted += [(0, order, value) for order, value in start.items()]
+    wanted += [(1, order, value) for order, value in end.items()]
+    size = len(wanted)
+    rows = mp.matrix(size, size)
+    for row, (place, order, _) in enumerate(wanted):
+        for power in range(order, size):
+            if place == 1 or power == order:
+                rows[row, power] = mp.factorial(power) / mp.factorial(power - order)
+    coefficients = mp.lu_solve(rows, mp.matrix([value for _, _, value in wanted]))
+    f: Series = z * 0
+    for power in reversed(range(size)):
+        f = f * z + coefficients[power]
+    return f
+
+
+def double_harmonic_lift(z: Series) -> Series:
+    """f from rest to turn and back (Rothbart): (1 - cos pi z)/2 - (1 - cos 2 pi z)/8."""
+    pi = +multiprecision().pi
+    f: Series = (1 - cosine(pi * z)) / 2 - (1 - cosine(2 * pi * z)) / 8
+    return f

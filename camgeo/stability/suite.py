@@ -7,15 +7,26 @@ from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import Final
 
-from camgeo.stability import cams, extremes, laws, linkages
+from camgeo.stability import (
+    cams,
+    crank_slides,
+    extremes,
+    laws,
+    linkages,
+    outlines,
+    tables,
+)
 from camgeo.stability.case import Case
 from camgeo.stability.measure import Reading, measure
 
 GROUPS: Final[Mapping[str, Callable[[], tuple[Case, ...]]]] = {
     laws.GROUP: laws.cases,
+    tables.GROUP: tables.cases,
     "cams": cams.cases,
     "linkages": linkages.cases,
+    crank_slides.GROUP: crank_slides.cases,
     extremes.GROUP: extremes.cases,
+    outlines.GROUP: outlines.cases,
 }
 """The cases of each part of the suite; what is listed here is run, tested and drawn."""
 

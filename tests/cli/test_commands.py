@@ -72,8 +72,10 @@ def test_fixtures_keep_their_limits(scene: Path, capsys: Capture) -> None:
     # What a trimmed cam breaks is that it undercuts, and what comes with it.
     broken = [line.split()[1] for line in captured.out.splitlines() if line.startswith("BROKEN")]
     assert bool(broken) == trimmed
-    told = ("undercut-", "global-undercut-", "lobe-", "lost-stroke-", "radius-ratio-")
-    told += ("tangent-closure", "shock")
+    told = (
+        *("undercut-", "global-undercut-", "lobe-", "lost-stroke-", "radius-ratio-"),
+        *("tangent-closure", "shock"),
+    )
     assert all(name.startswith(told) for name in broken)
     assert "FATAL" not in captured.out
     assert captured.err == ""

@@ -21,6 +21,7 @@ from camgeo.mechanism.follower_path import path_of
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.numeric.arrays import ComplexArray, FloatArray
+from camgeo.outline.outline import real_outline
 from camgeo.outline.path import Path, Pivot, Stretch, whole
 from camgeo.outline.replay import replay_contour, replay_outline
 from camgeo.outline.replay_result import AS_DEMANDED_ELEMENT, Replay
@@ -407,3 +408,16 @@ def test_many_pieces(count: int) -> None:
     assert outline(polyline(points)).distances(
         centres(found, found.phi[::5000], found.actual[0, ::5000])
     ) == pytest.approx(8.0, abs=1e-11)
+
+
+@pytest.mark.parametrize(("share", "loss"), [(1e-4, 7.28e-8), (1e-5, 7.304e-10), (1e-6, 7.308e-12)])
+def test_what_a_narrow_tail_loses_is_found_between_the_samples(share: float, loss: float) -> None:
+    """HC21 with the roller by a share above the limit: a range of 0.05 degrees for 1e-6.
+
+    The loss falls with the square of the share; that for 1e-6 was found with 60 digits.
+    """
+    params, _ = hard_case("HC21a")
+    roller = float(params["r_R"]) * (1.0 + share)
+    flank = inner_of(pitch_curve_of(params | {"kappa": 1, "r_R": roller}))
+    found = replay_outline(flank.pitch, real_outline(flank).path).largest_loss
+    assert found.value == pytest.approx(loss, rel=2e-2)

@@ -7,7 +7,14 @@ from typing import Any
 import pytest
 from mpmath import mp, mpf
 
-from camgeo.stability.lifts import HALVES, lift, scca_lift, septic_lift
+from camgeo.stability.lifts import (
+    HALVES,
+    boundary_lift,
+    double_harmonic_lift,
+    lift,
+    scca_lift,
+    septic_lift,
+)
 from camgeo.stability.series import Series, variable
 from tests.motion import oracle
 
@@ -59,3 +66,31 @@ def test_the_septic() -> None:
             z = mpf(place)
             f = septic_lift(*both(z), mpf(20), mpf(-30))
             assert max(differences(f, oracle.exact("polynomial-7", "R-R", given, z))) < ENOUGH
+
+
+def test_polynomials_of_boundary_values() -> None:
+    """The oracle solves for the same polynomial in Bernstein form or by its own equations."""
+    given = {"v0": -0.25, "a0": 3.0, "v1": 1.5, "a1": -2.0}
+    start, end = {1: mpf(-0.25), 2: mpf(3)}, {1: mpf(1.5), 2: mpf(-2)}
+    with mp.workdps(DIGITS):
+        for place in PLACES:
+            z = mpf(place)
+            f = boundary_lift(both(z)[0], start, end)
+            assert max(differences(f, oracle.exact("polynomial-5", "B-B", given, z))) < ENOUGH
+
+
+def test_a_polynomial_meets_its_boundary_values() -> None:
+    start, end = {1: mpf(2), 3: mpf(-7)}, {2: mpf(5)}
+    with mp.workdps(DIGITS):
+        for place, known, lifted in ((0, start, 0), (1, end, 1)):
+            f = boundary_lift(both(mpf(place))[0], start, end)
+            assert abs(f.terms[0] - lifted) < ENOUGH
+            assert all(abs(f.derivative(k) - value) < ENOUGH for k, value in known.items())
+
+
+def test_the_double_harmonic() -> None:
+    with mp.workdps(DIGITS):
+        for place in PLACES:
+            z = mpf(place)
+            f = double_harmonic_lift(both(z)[0])
+            assert max(differences(f, oracle.exact("double-harmonic", "R-U", {}, z))) < ENOUGH

@@ -4,16 +4,19 @@ from __future__ import annotations
 
 import math
 from collections import Counter
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from camgeo.curve.pitch_curve import PitchCurve
+from camgeo.curve.working_curve import WorkingCurve
 from camgeo.numeric.arrays import ComplexArray, FloatArray
-from camgeo.stability import cams
+from camgeo.outline.outline import real_outline
+from camgeo.stability import cams, crank_slides, outlines
 from camgeo.stability.cam_case import CamSpec, cases_of
-from camgeo.stability.case import Case
+from camgeo.stability.case import Case, Found
 from camgeo.stability.measure import Reading, measure
 from camgeo.stability.suite import (
     GROUPS,
@@ -24,6 +27,7 @@ from camgeo.stability.suite import (
     table,
     worst_of_cases,
 )
+from camgeo.units import TURN
 from tests.reference import reference
 
 CASES = all_cases()
@@ -56,8 +60,9 @@ def test_a_case_gives_what_it_names(case: Case) -> None:
     assert all(len(column) == len(case.places) for column in found)
 
 
-@pytest.mark.parametrize("name", ["HC05", "HC06", "HC11", "HC12", "HC13", "HC14", "HC15", "HC17",
-                                  "HC18", "HC19", "HC20b", "HC21b", "HC22", "HC23", "HC26", "HC27",
+@pytest.mark.parametrize("name", ["HC01", "HC02", "HC03", "HC04", "HC05", "HC06", "HC11", "HC12",
+                                  "HC13", "HC14", "HC15", "HC17", "HC18", "HC19", "HC20b", "HC21b",
+                                  "HC21c", "HC22", "HC22b", "HC23", "HC26", "HC27",
                                   "HC28"])  # fmt: skip
 def test_the_hard_cases_are_among_them(name: str) -> None:
     assert any(case.name.startswith(name) for case in CASES)
@@ -138,6 +143,81 @@ def test_a_mirrored_disc_is_seen() -> None:
     name = "offset guide"
     curve, phi = places(name)
     assert ratio(worsened(name, "curvature", -curve.curvature(phi))) > 1e12
+
+
+def changed(cases: Sequence[Case], name: str, quantity: str, bad: Found) -> tuple[float, float]:
+    """Ratios of a quantity of a case, by camgeo and by a function of the places instead."""
+    case = next(c for c in cases if c.name == name and quantity in c.quantities)
+    index = case.quantities.index(quantity)
+
+    def found(places: FloatArray) -> tuple[FloatArray | ComplexArray, ...]:
+        columns = list(case.found(places))
+        (columns[index],) = bad(places)
+        return tuple(columns)
+
+    def worst(case: Case) -> float:
+        return max(each.ratio for each in measure(case) if each.quantity == quantity)
+
+    return worst(case), worst(replace(case, found=found))
+
+
+def test_a_crossing_by_points_is_seen() -> None:
+    """Points of a tail 1e-13 mm wide differ by their rounding only: 1e-7 of its width is left."""
+    excess = 1e-9
+    name = f"roller {excess:.0e} too large"
+    case = next(c for c in CASES if c.name == name and "crossing point" in c.quantities)
+    first, second, _ = (float(np.real(column[0])) for column in case.found(np.array(case.places)))
+
+    def bad(places: FloatArray) -> tuple[FloatArray]:
+        return (np.full(len(places), first + 1e-7 * (second - first)),)
+
+    good, poor = changed([case], name, "crossing, first cam angle", bad)
+    assert good <= LIMIT
+    # 3e-12 rad of 2e-16 rad an ulp, and a conditioning of 1e4 ulp.
+    assert poor > 1.0
+
+    def worse(places: FloatArray) -> tuple[FloatArray]:
+        return (np.full(len(places), first + 1e-4 * (second - first)),)
+
+    assert changed([case], name, "crossing, first cam angle", worse)[1] > LIMIT
+
+
+def test_a_slide_by_the_ratio_of_its_lengths_is_seen() -> None:
+    """Equation (2) of the exercise as printed, at theta = 1e-7.
+
+    Its denominator of 1e-14 is a difference of terms of 1, known to 1e-16: a hundredth. Half an ulp
+    of the lengths changes their difference, a share of 1e-9 of them, by 1e-7 of it.
+    """
+    name = "HC02 beta 1 + 1e-9"
+    crank, distance = crank_slides.SLIDES[name]
+    beta = distance / crank
+
+    def printed(theta: FloatArray) -> tuple[FloatArray]:
+        cosine = np.cos(theta)
+        return ((beta * cosine - 1.0) / (1.0 + beta**2 - 2.0 * beta * cosine),)
+
+    case = next(c for c in CASES if c.name == name and "slide velocity" in c.quantities)
+    near = replace(case, places=(1e-7,))
+    good, poor = changed([near], name, "slide velocity", printed)
+    assert good <= LIMIT
+    assert poor > 10.0 * LIMIT
+
+
+def test_an_area_of_a_polygon_is_seen() -> None:
+    """Of 100,000 corners: the share of 1e-9 that lies beside its sides is 1e6 ulp."""
+    name = "HC21c swallow tail"
+
+    def polygon(places: FloatArray) -> tuple[FloatArray]:
+        spec, side = next(each for each in outlines.flanks() if each[0].name == name)
+        flank = WorkingCurve(spec.curve, side * spec.follower.roller_radius)
+        (stretch,) = real_outline(flank).path.stretches
+        corners = flank.point(np.linspace(stretch.start, stretch.end, 100_001)[:-1] % TURN)
+        across = np.conj(corners) * np.roll(corners, -1)
+        return (np.full(len(places), abs(0.5 * float(np.sum(across.imag)))),)
+
+    good, poor = changed(CASES, name, "area of the disc", polygon)
+    assert good <= LIMIT
+    assert poor > 1e3 * LIMIT
 
 
 # What is run and told -----------------------------------------------------------------------------

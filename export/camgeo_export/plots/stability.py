@@ -21,7 +21,7 @@ from camgeo.stability.measure import Reading
 from camgeo_export.plots.render import METADATA, RESOLUTION
 from camgeo_export.plots.style import AUXILIARY, LIMIT, RC
 
-WIDTH, HEIGHT = 9.6, 6.2
+WIDTH, HEIGHT = 9.6, 7.8
 LEFT, RIGHT, TOP, BOTTOM = 0.75, 2.75, 0.5, 0.6
 """Sizes [inch]; the legend stands in the right margin."""
 
@@ -33,7 +33,7 @@ ROOM: Final = 3.0
 
 COLOURS: Final = ("#12365c", "#c05a00", "#2e7d32", "#8e24aa", "#6d4c41", "#0097a7", "#9e9d24")
 
-MARKERS: Final = ("o", "s", "^", "D", "v")
+MARKERS: Final = ("o", "s", "^", "D", "v", "P", "X", "<")
 """Every quantity has a colour and a marker of its own; they differ in shape for prints in grey."""
 
 

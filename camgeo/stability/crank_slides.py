@@ -1,0 +1,127 @@
+"""Cases of the crank-slide: nearly equal lengths, the pin in the slide's axis, many turns."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import Final
+
+import numpy as np
+
+from camgeo.mechanism.crank_slide import CrankSlide
+from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.extremes import Extreme
+from camgeo.stability.case import Case
+from camgeo.stability.high_precision import Number, multiprecision
+from camgeo.stability.series import Series, direction, logarithm, variable
+from camgeo.units import TURN
+
+GROUP: Final = "crank-slides"
+
+MOTION: Final = ("slide angle", "slide velocity", "slide acceleration")
+
+VELOCITIES: Final = ("extreme slide velocity",)
+
+ANGLE: Final = ("largest slide angle", "place of largest slide angle")
+
+ACCELERATION: Final = ("largest slide acceleration", "place of largest slide acceleration")
+
+THETAS: Final = (1e-8, 0.3, 1.4, 3.1, 5.0, 6.283, 20.0, -4.0)
+"""Crank angles [rad]: next to where the pin is nearest, in the first turn, and in others. The
+others not for a = R: whether half a turn is lost there or a whole one or none, half an ulp of a
+length decides."""
+
+SLIDES: Final = {
+    "beta 2.4": (25.0, 60.0),
+    "HC03 turning slide": (10.0, 5.0),
+    "HC01 a = R": (75.0, 75.0),
+    "HC02 beta 1 + 1e-9": (1e9, 1e9 + 1.0),
+    "beta 1 - 1e-9": (1e9, 1e9 - 1.0),
+    "beta 1 + 1 ulp": (1.0, 1.0 + 2.0**-52),
+    "HC04 beta 1e8": (1e-6, 100.0),
+    "beta 1e-8": (1e6, 1e-2),
+}
+"""Crank and distance of the axes [mm]."""
+
+GUESS: Final = 7
+"""Digits of a crank angle at which an exact root is looked for: an extreme lies as near to 0 as the
+lengths are to each other."""
+
+STEPS: Final = 20
+"""Newton's steps at most; from seven digits four do."""
+
+ENOUGH: Final = 30
+"""Decimals behind which a step is the last one; it leaves its square over the angle itself, which
+is 1e-16 at least."""
+
+
+def cases() -> tuple[Case, ...]:
+    """All cases of this module."""
+    return tuple(case for name in SLIDES for case in _of_slide(name))
+
+
+def _of_slide(name: str) -> Iterator[Case]:
+    slide = CrankSlide(*SLIDES[name])
+    lengths = (slide.crank, slide.distance)
+
+    def found(theta: FloatArray) -> tuple[FloatArray, ...]:
+        return slide.angle(theta), slide.velocity(theta), slide.acceleration(theta)
+
+    def exact(theta: Number, crank: Number, distance: Number) -> tuple[Number, ...]:
+        phi = exact_angle(theta, crank, distance, 3)
+        return tuple(phi.derivative(order) for order in range(3))
+
+    def velocities(theta: FloatArray) -> tuple[FloatArray, ...]:
+        ends = slide.velocity_extremes
+        near = {each.place: each.value for each in (ends.lowest, ends.highest)}
+        return (np.array([near[place] for place in theta]),)
+
+    def exact_velocity(theta: Number, crank: Number, distance: Number) -> tuple[Number, ...]:
+        at = multiprecision().pi * (theta > 1)
+        return (exact_angle(at, crank, distance, 2).terms[1],)
+
+    equal = slide.distance == slide.crank
+    thetas = tuple(theta for theta in THETAS if 0.0 < theta < TURN or not equal)
+    yield Case(GROUP, name, MOTION, thetas, lengths, found, exact)
+    if not equal:
+        yield Case(GROUP, name, VELOCITIES, (0.0, math.pi), lengths, velocities, exact_velocity)
+        yield _extreme(name, slide, ACCELERATION, 2, slide.largest_acceleration)
+    if slide.swings:
+        yield _extreme(name, slide, ANGLE, 0, slide.largest_angle)
+
+
+def _extreme(
+    name: str, slide: CrankSlide, quantities: tuple[str, ...], order: int, engine: Extreme
+) -> Case:
+    """The extreme of a derivative of phi, where the next one is 0."""
+
+    def found(guesses: FloatArray) -> tuple[FloatArray, ...]:
+        return np.full(len(guesses), engine.value), np.full(len(guesses), engine.place)
+
+    def exact(guess: Number, crank: Number, distance: Number) -> tuple[Number, ...]:
+        theta, enough = guess, multiprecision().mpf(10) ** -ENOUGH
+        for _ in range(STEPS):
+            phi = exact_angle(theta, crank, distance, order + 3)
+            step = phi.derivative(order + 1) / phi.derivative(order + 2)
+            theta = theta - step
+            if abs(step) < enough * abs(theta):
+                break
+        return exact_angle(theta, crank, distance, order + 1).derivative(order), theta
+
+    guess = float(f"{engine.place:.{GUESS}g}")
+    lengths = (slide.crank, slide.distance)
+    return Case(GROUP, name, quantities, (guess,), lengths, found, exact)
+
+
+def exact_angle(theta: Number, crank: Number, distance: Number, terms: int) -> Series:
+    """phi [rad] by the complex vector from the slide's axis to the pin, over any number of turns.
+
+    phi = Im log(a - R exp(-i theta)) in the crank's first turn; with every other one the slide has
+    lost what it lost over the first: a turn if a < R, half a turn if a = R.
+    """
+    mp = multiprecision()
+    slot = distance - crank * direction(variable(-theta, -1, terms))
+    phi: Series = logarithm(slot).imag
+    lost = mp.pi * (1 + mp.sign(crank - distance))
+    angle: Series = phi - lost * mp.floor(theta / (2 * mp.pi))
+    return angle

@@ -1,0 +1,169 @@
+"""Writes docs/stability.md and its picture: `python docs/stability_page.py`.
+
+Runs the whole suite of `camgeo stability`. A test holds the page to a quick run.
+"""
+
+from __future__ import annotations
+
+import math
+import textwrap
+from collections.abc import Iterable
+from pathlib import Path
+
+from camgeo.stability import suite
+from camgeo.stability.case import Case
+from camgeo.stability.measure import Reading
+from camgeo.stability.suite import Row
+from camgeo_export.plots.stability import render
+
+PAGE = Path(__file__).with_name("stability.md")
+PICTURE = Path(__file__).with_name("images") / "stability.png"
+
+HEAD = """# Stability
+
+<!-- Made by docs/stability_page.py; change it there. -->
+
+How many digits does camgeo lose by computing in doubles? `camgeo stability` measures it: it
+computes every quantity of its suite twice, as camgeo does and with 80 digits by formulas of its
+own, and compares. It takes {seconds} seconds or so and needs `mpmath`; `--quick` looks at two
+places of each case, `--only NAME` at a group, a quantity or a case, `-o stability.png` draws the
+picture below, `--json` prints the readings for programs. Exit code 0 means that the limit is kept.
+
+## What is measured
+
+The inputs of a case are doubles: cam angle, lengths, joints, boundary values. Each is taken for
+exactly the number that it is. Two things are told of each value, both in units in its last place
+(ulp), for a vector those of its length.
+
+- **error**: the distance of camgeo's value from the exact one.
+- **conditioning**: how far the exact value moves if each input moves by half an ulp of its own, the
+  sum over all inputs. No algorithm can do better than that, for the inputs are rounded themselves.
+  Joints are inputs too: degrees turned to radians and rounded once.
+
+Their **ratio**, error / max(1, conditioning), judges the algorithm, not the problem: near 1
+there is no better one in doubles; a large one has lost digits that the inputs still have. The
+limit is {limit:g}: fewer than 128 operations lie between the inputs and any quantity, each
+rounded by half an ulp at most.
+
+Large errors beside small ratios are hard problems, not bad algorithms. Where a value passes 0,
+at an inflection or a cusp or in a dead centre, its inputs leave it no digit; there an ulp is
+that of what half an ulp of the inputs makes of it, and errors of 1e15 are the roundings of the
+inputs.
+
+## The exact values
+
+Nothing is shared with the engine but the inputs and a first guess of roots. A law is its lift
+as the guideline prints it; derivatives are those of Taylor series with 80 digits, never
+differences. A cam is Z = W exp(-i sigma phi) with W from the followers' geometry. Extremes,
+cusps and crossings are roots by Newton's method: a crossing solves W(x) = W(y) on the exact
+flank. The area of a disc is Green's integral by Gauss-Legendre quadrature, the roller on a
+corner is Pythagoras or the law of cosines, the slide's angle is that of a complex number, a
+spline solves the equations that define it. `tests/stability` compares these with the hard cases
+and with formulas written elsewhere.
+"""
+
+TABLE = """
+## What is found
+
+Error, conditioning at that error, and ratio are the worst of all values: twice what was measured on
+one machine (x86-64), rounded up to one digit, and never less than 2 ulp or a ratio of 1, for other
+processors and libraries round sines otherwise. Error and ratio may belong to different places.
+
+| quantity | values | error [ulp] | conditioning [ulp] | ratio | largest error at |
+|---|---|---|---|---|---|
+"""
+
+PICTURED = """
+![Error against conditioning, with the lines of ratio 1 and of the limit](images/stability.png)
+
+*Each point is the worst value of one quantity in one case. On the line of ratio 1 an error is what
+half an ulp of the inputs does.*
+"""
+
+CASES = """
+## The cases
+
+Those with a name such as HC21c are [hard cases](hard-cases.md).
+"""
+
+MISSING = """
+## What is not in the suite
+
+- Laws of other tasks than from rest to rest are represented by the polynomials of boundary values
+  and the double harmonic; `tests/motion` holds every law of every task against 100 digits.
+- Splines that smooth a table. A spline's values come from a system of equations, so that its third
+  derivative has the digits of its largest value, also where it passes 0, as at a free end.
+- Lost stroke below a thousandth of the lift. It is the difference of what the follower does and of
+  what it should do, and known to the rounding of these: 1e-15 of the lift. The lift on the outline
+  is measured near the ends of what is missing too.
+- Linkages on undercut cams, corners of pitch curves, replay on contours of lines and arcs, fits,
+  files. Contours carry a proved bound instead, see [architecture.md](architecture.md).
+"""
+
+SECONDS = 15
+"""What a run takes, about."""
+
+LEAST_ERROR, LEAST_RATIO = 2.0, 1.0
+
+MARGIN = 2.0
+"""Times what was measured is claimed."""
+
+
+def rounded_up(value: float) -> float:
+    """To one digit, upwards."""
+    if value == 0.0:
+        return 0.0
+    size = math.floor(math.log10(value))
+    digit = math.ceil(value / 10.0**size * (1.0 - 1e-12))
+    return float(f"{digit}e{size}")
+
+
+def claimed_error(row: Row) -> float:
+    """What the page tells of the error [ulp]."""
+    return rounded_up(max(MARGIN * row.largest_error.error, LEAST_ERROR))
+
+
+def claimed_ratio(row: Row) -> float:
+    """What the page tells of the ratio, at most the limit."""
+    return min(rounded_up(max(MARGIN * row.largest_ratio.ratio, LEAST_RATIO)), suite.LIMIT)
+
+
+def number(value: float) -> str:
+    """In full up to 1000, else as a power of ten."""
+    return f"{value:g}" if value < 1e3 else f"{value:.0e}".replace("e+0", "e").replace("e+", "e")
+
+
+def told(row: Row) -> str:
+    """The line of a quantity."""
+    worst = row.largest_error
+    cells = (
+        f"`{row.quantity}`",
+        str(row.count),
+        f"<= {number(claimed_error(row))}",
+        number(rounded_up(worst.conditioning)),
+        f"<= {number(claimed_ratio(row))}",
+        worst.case,
+    )
+    return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |\n"
+
+
+def page(cases: Iterable[Case], readings: Iterable[Reading]) -> str:
+    """The page's text from the cases of the suite and what was found of them."""
+    cases = tuple(cases)
+    rows = {row.quantity: row for row in suite.table(readings)}
+    quantities = dict.fromkeys(quantity for case in cases for quantity in case.quantities)
+    parts = [HEAD.format(seconds=SECONDS, limit=suite.LIMIT), TABLE]
+    parts += [told(rows[quantity]) for quantity in quantities]
+    parts += [PICTURED, CASES]
+    for group in suite.GROUPS:
+        named = dict.fromkeys(case.name for case in cases if case.group == group)
+        line = f"**{group}**: {'; '.join(named)}."
+        parts.append(f"\n{textwrap.fill(line, 100, break_on_hyphens=False)}\n")
+    return "".join((*parts, MISSING))
+
+
+if __name__ == "__main__":
+    everything = suite.all_cases()
+    found = suite.run(everything)
+    PAGE.write_text(page(everything, found), encoding="utf-8")
+    PICTURE.write_bytes(render(suite.worst_of_cases(found), suite.LIMIT, PICTURE.suffix))

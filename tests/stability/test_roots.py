@@ -1,0 +1,26 @@
+"""Exact roots are kept by their guesses."""
+
+from __future__ import annotations
+
+import math
+
+from mpmath import mpf
+
+from camgeo.stability.roots import Roots
+
+
+def test_the_first_root_of_a_guess_is_kept() -> None:
+    roots = Roots(7)
+    guess = mpf(1.2345678)
+    assert roots.near(guess) is guess
+    roots.keep(guess, mpf("1.23456779"))
+    roots.keep(guess, mpf("9"))
+    assert roots.near(guess) == mpf("1.23456779")
+
+
+def test_half_an_ulp_is_no_other_guess_but_another_decimal_is() -> None:
+    roots = Roots(7)
+    roots.keep(mpf(1.2345678), mpf(2))
+    assert roots.near(mpf(1.2345678) + mpf(math.ulp(1.2)) / 2) == 2
+    other = mpf(1.2345679)
+    assert roots.near(other) is other
