@@ -46,7 +46,7 @@ if TYPE_CHECKING:
     from camgeo.check.cures import Cure
     from camgeo.contour.contour import Contour
     from camgeo.contour.fit import Fit
-    from camgeo.files.product import FollowerSketch, PlanSketch
+    from camgeo.files.product import CutOff, FollowerSketch, PlanSketch
     from camgeo.files.specs import DxfSpec
     from camgeo.files.table import Table
     from camgeo.files.write import Report
@@ -472,6 +472,20 @@ class Design:
         return FollowerSketch(
             "guide", foot + out * (follower.start_height + 2.0 * self.base_radius)
         )
+
+    @property
+    def cut_off(self) -> tuple[CutOff, ...]:
+        """Where the flanks in use are cut off, for a picture."""
+        from camgeo.files.sketch import cut_off_sketches
+
+        found: list[CutOff] = []
+        for name, curve in self.flanks:
+            try:
+                outline = self.outline(name)
+            except GeometryError:  # which the findings tell
+                continue
+            found += cut_off_sketches(curve, outline, name)
+        return tuple(found)
 
     @property
     def plan_sketch(self) -> PlanSketch:

@@ -15,8 +15,9 @@ from camgeo.contour.fit import Fit
 from camgeo.files.specs import DxfSpec
 from camgeo.files.table import Table
 from camgeo.motion.joints import Joint
-from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.part.part import Part
+from camgeo.part.spec import Contact
 from camgeo.toolpath.moves import Toolpath
 from camgeo.toolpath.spec import GcodeSpec
 from camgeo.units import LengthUnit
@@ -84,6 +85,29 @@ class PlanSketch:
     speed: float | None = None
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class CutOff:
+    """What a picture shows of a flank where the disc has a corner.
+
+    Attributes
+    ----------
+    flank : "inner" or "outer".
+    start, end : cam angles [rad] of the flank at the corner, start in [0, 2 pi), end above it.
+    course : (n,) complex [mm], the flank between them, which is not on the disc; it begins and ends
+        in the corner.
+    """
+
+    flank: str
+    start: float
+    end: float
+    course: ComplexArray
+
+    @property
+    def corner(self) -> complex:
+        """The corner [mm]."""
+        return complex(self.course[0])
+
+
 class Product(Protocol):
     """A design as its writers see it; `camgeo.design.Design` is one."""
 
@@ -114,6 +138,10 @@ class Product(Protocol):
     def gcode(self) -> GcodeSpec | None: ...
 
     @property
+    def contact(self) -> Contact:
+        """The flank on which the roller runs."""
+
+    @property
     def part(self) -> Part: ...
 
     @property
@@ -136,6 +164,10 @@ class Product(Protocol):
 
     @property
     def plan_sketch(self) -> PlanSketch: ...
+
+    @property
+    def cut_off(self) -> tuple[CutOff, ...]:
+        """Where the flanks in use are cut off; empty also if it cannot be told what is left."""
 
     @property
     def joints(self) -> tuple[float, ...]:

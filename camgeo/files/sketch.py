@@ -1,4 +1,4 @@
-"""The motion plan as pictures show it: its joints, and its segments with their laws' names."""
+"""What pictures show: the motion plan with its joints and laws, and where a flank is cut off."""
 
 from __future__ import annotations
 
@@ -7,13 +7,19 @@ from typing import Literal
 
 import numpy as np
 
-from camgeo.files.product import DWELL, PlanSegment, PlanSketch
+from camgeo.curve.working_curve import WorkingCurve
+from camgeo.files.product import DWELL, CutOff, PlanSegment, PlanSketch
 from camgeo.motion.joints import breaks, joints
 from camgeo.motion.plan import Dwell, MotionPlan, Move, Segment
 from camgeo.numeric.arrays import frozen
+from camgeo.outline.envelope import Envelope
+from camgeo.outline.outline import Outline
+from camgeo.outline.path import Pivot
+from camgeo.units import TURN
 
 SAMPLES = 721
-"""Points of a motion by data: half a degree, finer than a printed line."""
+"""Points of a motion by data: half a degree, finer than a printed line. As many of what is cut off
+from a flank."""
 
 DATA = "data"
 """What a segment is called whose motion is given by data."""
@@ -34,6 +40,26 @@ def plan_sketch(
         if segment.span > 0
     )
     return PlanSketch(of, unit, joints(plan), breaks(plan), segments, speed)
+
+
+def cut_off_sketches(curve: WorkingCurve, outline: Outline, flank: str) -> tuple[CutOff, ...]:
+    """What a picture shows of the corners of `outline`, the real one of the flank `curve`."""
+    envelope, pivots = Envelope(curve), outline.path.pivots
+    return tuple(_cut_off(envelope, each, flank) for each in pivots if each.distance == 0.0)
+
+
+def _cut_off(envelope: Envelope, corner: Pivot, flank: str) -> CutOff:
+    start = corner.before % TURN
+    first, last = envelope.place_before(start), envelope.place_of(corner.after % TURN)
+    last += envelope.total if last < first else 0.0
+    # Both sides of the roller's turns, so that the ends of their arcs are drawn.
+    turns = [*envelope.starts, *(envelope.starts + envelope.total)]
+    inside = [place for place in turns if first < place < last]
+    places = np.unique(np.append(np.linspace(first, last, SAMPLES)[1:-1], inside))
+    points = envelope.course(places).points
+    course = np.concatenate(([corner.centre], points, [corner.centre]))
+    end = start + (corner.after - corner.before) % TURN
+    return CutOff(flank, start, end, frozen(course, np.complex128))
 
 
 def _segment(plan: MotionPlan, segment: Segment, start: float, end: float) -> PlanSegment:

@@ -25,6 +25,9 @@ from camgeo.units import TURN
 ROUNDING = 2.0**-52 * 16.0
 """Rounding of a point, as a share of the largest length that enters it."""
 
+PLACE = 2.0**-52 * 32.0
+"""Rounding of a path parameter [rad]: a few units in the last place of a turn."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Cells:
@@ -83,7 +86,7 @@ def enclose(envelope: Envelope, low: FloatArray, high: FloatArray, origin: IntAr
         boxes = tuple(np.concatenate(column)[order] for column in columns)
     middle, tangent, pace, along, across, turn, bend, sign = boxes
     rounding = ROUNDING * (np.abs(middle) + abs(envelope.curve.distance))
-    along, across = along + rounding, across + rounding
+    along, across = along + rounding + PLACE * np.abs(pace), across + rounding
     return Cells(low, high, origin, middle, tangent, pace, along, across, turn, bend, sign)
 
 

@@ -17,7 +17,7 @@ from camgeo.curve.extremes import Extremes
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import GeometryError
 from camgeo.numeric.arrays import BoolArray, FloatArray, IntArray
-from camgeo.outline.cells import ROUNDING, Cells, halved
+from camgeo.outline.cells import PLACE, ROUNDING, Cells, halved
 from camgeo.outline.cusps import backward_ranges
 from camgeo.outline.division import Division, divide
 from camgeo.outline.envelope import Envelope
@@ -207,7 +207,9 @@ def _newton(
         inside &= _beside(x, one, 1.0) & _beside(y, other, 1.0)
     size = np.abs(points) + abs(envelope.curve.distance)
     inside &= _beside(x, one, OUTSIDE) & _beside(y, other, OUTSIDE)
-    inside &= np.abs(gap) <= 4.0 * ROUNDING * size
+    # Where the flank is run through fast, the rounding of the cam angle counts as well.
+    fastest = np.maximum(np.abs(at_x.pace), np.abs(at_y.pace))
+    inside &= np.abs(gap) <= 4.0 * ROUNDING * size + PLACE * fastest
     with np.errstate(divide="ignore", invalid="ignore"):
         blur = ROUNDING * size / np.abs(sine)
         clear = blur < OUTSIDE * np.abs(at_x.pace) * wide_x

@@ -15,7 +15,8 @@ from camgeo.design import Design
 from camgeo.numeric.arrays import ComplexArray
 from camgeo.part.spec import PartSpec
 from camgeo.toolpath.spec import GcodeSpec
-from tests.end_to_end.exact import TURN, Flank, bore_area, bore_length
+from tests.end_to_end.exact import TURN, Flank, Kept, bore_area, bore_length
+from tests.end_to_end.trimmed import kept_of, pitch_of
 from tests.measuring import DensePath
 
 SCENES = sorted((Path(__file__).parents[2] / "fixtures" / "scenes").glob("*.toml"))
@@ -24,7 +25,8 @@ DENSE = 60_000
 """Points of an exact boundary."""
 
 CHORDS = 5e-6
-"""Its chords [mm] lie h^2 kappa/8 off: h < 6e-3 on curves of at most 360 mm, kappa < 1 there."""
+"""Its chords [mm] lie h^2 kappa/8 off: h < 6e-3 on curves of at most 360 mm, kappa < 1 there. Near
+a cusp kappa grows as h falls, so that h^2 kappa falls too."""
 
 
 @dataclass(frozen=True)
@@ -35,6 +37,7 @@ class Exact:
     points: ComplexArray
     area: float
     length: float
+    corners: ComplexArray
 
     @cached_property
     def path(self) -> DensePath:
@@ -80,9 +83,32 @@ class Built:
         files = {record["file"]: record for record in self.certificate["files"]}
         return float(files[self.file(suffix).name]["deviation_mm"])
 
-    def flank(self, side: int) -> Flank:
-        """Inner (-1) or outer (+1) working curve."""
-        return Flank(self.design, side * self.design.roller_radius)
+    @cached_property
+    def _kept(self) -> dict[str, Kept]:
+        wanted = {"inner": ["inner"], "outer": ["outer"], "groove": ["inner", "outer"]}
+        sides = {"inner": -1, "outer": 1}
+        return {name: kept_of(self.design, sides[name]) for name in wanted[self.design.contact]}
+
+    @property
+    def is_trimmed(self) -> bool:
+        """Whether the scene asks for a disc on which the follower does not make its motion."""
+        return self.design.specification.limits.undercut == "trim"
+
+    def flank(self, name: str, outward: float = 0.0) -> Flank:
+        """What is left of the "inner" or "outer" flank; its parallel `outward` [mm] farther out."""
+        side = -1.0 if name == "inner" else 1.0
+        distance = side * self.design.roller_radius + outward
+        return Flank(self.design, distance, self._kept[name])
+
+    @property
+    def flanks(self) -> list[Flank]:
+        """What is left of the flanks on which the roller runs."""
+        return [self.flank(name) for name in self._kept]
+
+    @cached_property
+    def pitch(self) -> Flank:
+        """The whole pitch curve."""
+        return Flank(self.design, 0.0, pitch_of(self.design))
 
     @cached_property
     def through(self) -> list[Exact]:
@@ -94,12 +120,14 @@ class Built:
             assert self.spec.rim is not None
             radius = self.spec.rim / 2.0
             circle = radius * np.exp(1j * np.linspace(0.0, TURN, DENSE, endpoint=False))
-            boundaries.append(Exact("rim", circle, math.pi * radius**2, TURN * radius))
+            area, length = math.pi * radius**2, TURN * radius
+            boundaries.append(Exact("rim", circle, area, length, np.zeros(0, complex)))
         if self.design.contact == "outer":
             boundaries.append(self._flank("outer"))
         elif self.spec.bore is not None:
             area, length = bore_area(self.spec), bore_length(self.spec)
-            boundaries.append(Exact("bore", bore_points(self.spec), area, length))
+            points, none = bore_points(self.spec), np.zeros(0, complex)
+            boundaries.append(Exact("bore", points, area, length, none))
         return boundaries
 
     @cached_property
@@ -110,10 +138,8 @@ class Built:
         return [self._flank("inner"), self._flank("outer")]
 
     def _flank(self, name: str) -> Exact:
-        phi = np.linspace(0.0, TURN, DENSE, endpoint=False)
-        columns = self.design.inner(phi) if name == "inner" else self.design.outer(phi)
-        flank = self.flank(-1 if name == "inner" else 1)
-        return Exact(name, columns[:, 0] + 1j * columns[:, 1], flank.area, flank.length)
+        flank = self.flank(name)
+        return Exact(name, flank.dense(DENSE), flank.area, flank.length, flank.corners)
 
     @property
     def volume(self) -> float:

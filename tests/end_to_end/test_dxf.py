@@ -8,13 +8,16 @@ from ezdxf.entities.lwpolyline import LWPolyline
 from ezdxf.filemanagement import readfile
 
 from tests.end_to_end.built import CHORDS, DENSE, Built
-from tests.end_to_end.exact import TURN
 from tests.measuring import DensePath, Outline
 
 UNITS = {"mm": (4, 1, 1.0), "inch": (1, 0, 25.4)}
 """$INSUNITS, $MEASUREMENT and millimetres of a unit."""
 
 POINTS = 20_000
+
+SHARP = 0.05
+"""A vertex at which the tangent turns by more [rad] is a corner: those of the scenes turn by more
+than 0.1, joints between pieces of a fit by the square root of 8 tolerance kappa at most."""
 
 ROUNDING = 1e-9
 """Of coordinates, bulges and of centres that are found again from them [mm]."""
@@ -33,6 +36,13 @@ def _outlines(built: Built, layer: str) -> list[Outline]:
         )
         found.append(outline)
     return sorted(found, key=lambda outline: -abs(outline.area))
+
+
+def _turns(outline: Outline) -> np.ndarray:
+    """(n,) angle [rad] by which the tangent jumps at the start of each piece."""
+    chords = np.angle(outline.ends - outline.starts)
+    first, last = chords - 0.5 * outline.sweeps, chords + 0.5 * outline.sweeps
+    return np.asarray(np.angle(np.exp(1j * (first - np.roll(last, 1)))))
 
 
 def test_document(built: Built) -> None:
@@ -69,11 +79,40 @@ def test_cut_layer(built: Built) -> None:
     assert built.deviation(".dxf") >= worst - CHORDS - ROUNDING
 
 
+def test_each_corner_is_a_vertex_once(built: Built) -> None:
+    """The corner itself, to the rounding of coordinates; its two pieces turn as the flank does."""
+    found = _outlines(built, "CUT")
+    wanted = sorted(built.through + built.groove, key=lambda exact: -exact.area)
+    for outline, exact in zip(found, wanted, strict=True):
+        turns = _turns(outline)
+        for corner in exact.corners:
+            near = np.flatnonzero(np.abs(outline.starts - corner) < 2.0 * built.tolerance)
+            assert len(near) == 1
+            assert abs(outline.starts[near[0]] - corner) <= ROUNDING
+        # Nowhere else is there a corner, but in the keyway.
+        sharp = outline.starts[np.abs(turns) > SHARP]
+        if exact.name != "bore":
+            assert len(sharp) == len(exact.corners)
+
+
+def test_where_the_roller_turns_the_flank_is_its_arc(built: Built) -> None:
+    """About the roller's centre at a jump of the velocity, of the roller's radius."""
+    outlines = _outlines(built, "CUT")
+    for flank in built.flanks:
+        for hinge, arm, sweep in flank.turns:
+            if hinge in flank.corners:
+                continue
+            assert abs(arm) == pytest.approx(built.design.roller_radius, abs=ROUNDING)
+            turned = 0.0
+            for outline in outlines:
+                about = (outline.sweeps != 0.0) & (np.abs(outline.centres - hinge) < ROUNDING)
+                turned += float(np.sum(np.abs(outline.sweeps[about])))
+            assert turned == pytest.approx(abs(sweep), abs=ROUNDING)
+
+
 def test_pitch_curve_and_base_circle(built: Built) -> None:
     (pitch,) = _outlines(built, "PITCH_CURVE")
-    phi = np.linspace(0.0, TURN, DENSE, endpoint=False)
-    columns = built.design.pitch(phi)
-    points = columns[:, 0] + 1j * columns[:, 1]
+    points = built.pitch.dense(DENSE)
     assert np.max(pitch.distances(points[::3])) <= built.tolerance
     assert np.max(DensePath(points).distances(pitch.dense(POINTS))) <= built.tolerance + CHORDS
     scale = UNITS[built.design.unit][2]

@@ -18,6 +18,9 @@ POINTS = 20_000
 GAP = 1e-12
 """Printed end points are the same numbers; a closed loop closes exactly [mm]."""
 
+STEP = {"mm": 1e-4, "inch": 2.54e-4}
+"""The last decimal of a program [mm]."""
+
 ARC_ERROR = 0.002
 """Strictest check of radii that was seen in a controller [mm]."""
 
@@ -29,19 +32,22 @@ def program(built: Built) -> Program:
 
 def _exact_paths(built: Built) -> dict[str, np.ndarray]:
     """Dense points of each cutter path, by the tool's radius and the sides of the material."""
-    design, tool = built.design, built.gcode.tool_diameter / 2.0
-    phi = np.linspace(0.0, TURN, DENSE, endpoint=False)
-    roller = design.roller_radius
-    outer = Flank(design, roller - tool).points(phi)
-    inner = Flank(design, tool - roller).points(phi)
-    names = {
-        "inner": {"outline": inner},
-        "outer": {"outline": outer},
-        "groove": {"inner flank": inner, "outer flank": outer},
-    }[design.contact]
-    if built.spec.bore is not None and design.contact != "outer":
-        names["bore"] = (built.spec.bore / 2.0 - tool) * np.exp(1j * phi)
+    names = {name: path.dense(DENSE) for name, path in _flank_paths(built).items()}
+    if built.spec.bore is not None and built.design.contact != "outer":
+        radius = (built.spec.bore - built.gcode.tool_diameter) / 2.0
+        names["bore"] = radius * np.exp(1j * np.linspace(0.0, TURN, DENSE, endpoint=False))
     return names
+
+
+def _flank_paths(built: Built) -> dict[str, Flank]:
+    """The cutter paths along flanks, by the names of their operations."""
+    tool = built.gcode.tool_diameter / 2.0
+    if built.design.contact == "inner":
+        return {"outline": built.flank("inner", tool)}
+    if built.design.contact == "outer":
+        return {"outline": built.flank("outer", -tool)}
+    inner, outer = built.flank("inner", tool), built.flank("outer", -tool)
+    return {"inner flank": inner, "outer flank": outer}
 
 
 def _depth(built: Built, operation: str) -> float:
@@ -108,6 +114,23 @@ def test_paths_lie_on_the_exact_offsets(built: Built, program: Program) -> None:
     assert built.deviation(".ngc") >= worst - CHORDS
 
 
+def test_the_cutter_rolls_round_corners(built: Built, program: Program) -> None:
+    """Once a pass, about the corner itself, and about the roller's centre where it turned."""
+    step = STEP[built.design.unit]
+    for name, path in _flank_paths(built).items():
+        for moves in program.passes(name):
+            arcs = [move for move in moves[1:-1] if move.code > 1]
+            for hinge, arm, sweep in path.turns:
+                # Ends rounded by half a diagonal of the last decimal tilt the chord of a short
+                # arc, and its centre swings by as much.
+                reach = step * (1.0 + 2.0 / abs(sweep))
+                about = [move for move in arcs if abs(move.centre - hinge) <= reach]
+                turned = [abs(move.sweep) for move in about]
+                assert sum(turned) == pytest.approx(abs(sweep), abs=4.0 * step / abs(arm))
+                radii = [abs(move.start - move.centre) for move in about]
+                assert radii == pytest.approx([abs(arm)] * len(about), abs=2.0 * step)
+
+
 def test_cutter_never_enters_the_part(built: Built, program: Program) -> None:
     """Leads and plunges included: all of the path keeps the tool's radius from the material."""
     tool = built.gcode.tool_diameter / 2.0
@@ -146,5 +169,4 @@ def test_leads_are_tangential(built: Built, program: Program) -> None:
                 turn = abs(np.angle(arm / other))
                 # Centres are rounded to half a diagonal of the last decimal, 0.7e-5 in, and end
                 # points too; the smaller arm turns by twice that over its length.
-                step = 1e-4 if built.design.unit == "mm" else 2.54e-4
-                assert turn <= 3.0 * step / min(abs(arm), abs(other))
+                assert turn <= 3.0 * STEP[built.design.unit] / min(abs(arm), abs(other))

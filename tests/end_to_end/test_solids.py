@@ -17,6 +17,9 @@ POINTS = 20_000
 
 SUFFIXES = (".stl", ".3mf")
 
+SINGLE = 2.0**-23
+"""Rounding of both coordinates in an STL, relative; a 3MF has seven digits and more."""
+
 SECTION = 1e-7
 """trimesh merges points of a section that agree to 8 digits of it [mm]."""
 
@@ -71,6 +74,17 @@ def test_sections_lie_on_the_curves(built: Built, suffix: str) -> None:
         worst = max(worst, _worst(above, built.through + built.groove))
     assert worst <= built.tolerance + CHORDS
     assert built.deviation(suffix) >= worst - CHORDS - SECTION
+
+
+@pytest.mark.parametrize("suffix", SUFFIXES)
+def test_each_corner_is_an_edge(built: Built, suffix: str) -> None:
+    """From face to face there are vertices at the corner, to the rounding of single precision."""
+    vertices = np.asarray(_mesh(built, suffix).vertices)
+    points = vertices[:, 0] + 1j * vertices[:, 1]
+    for exact in built.through:
+        for corner in exact.corners:
+            near = vertices[np.abs(points - corner) <= SINGLE * abs(corner)]
+            assert sorted(near[:, 2]) == pytest.approx([0.0, built.thickness], abs=built.tolerance)
 
 
 def test_3mf_says_millimetres(built: Built) -> None:

@@ -15,12 +15,13 @@ import numpy as np
 from camgeo.check.finding import Finding
 from camgeo.contour.contour import Contour
 from camgeo.contour.fit import Fit
-from camgeo.files.product import FollowerSketch, PlanSegment, PlanSketch
+from camgeo.files.product import CutOff, FollowerSketch, PlanSegment, PlanSketch
 from camgeo.files.specs import DxfSpec
 from camgeo.files.table import Table
 from camgeo.motion.joints import Joint
 from camgeo.numeric.arrays import FloatArray
 from camgeo.part.part import Part
+from camgeo.part.spec import Contact
 from camgeo.toolpath.moves import ArcFeed, Feed, Move, Operation, Rapid, Toolpath
 from camgeo.toolpath.spec import GcodeSpec
 from camgeo.units import MM_PER, LengthUnit
@@ -94,6 +95,8 @@ class StubProduct:
     rotation: int = -1
     joints: tuple[float, ...] = (0.0, math.pi)
     lift_unit: Literal["mm", "rad"] = "mm"
+    contact: Contact = "inner"
+    cut_off: tuple[CutOff, ...] = ()
     findings: tuple[Finding, ...] = field(
         default=(Finding("transmission-angle", "ok", "fine", 70.0, 60.0, "deg"),)
     )

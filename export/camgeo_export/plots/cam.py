@@ -1,4 +1,7 @@
-"""The cam: disc with bore, pitch curve, base circle, and the roller at cam angle 0."""
+"""The cam: disc with bore, pitch curve, base circle, and the roller at cam angle 0.
+
+The disc is the real one: what is cut off from an undercut flank is drawn beside it.
+"""
 
 from __future__ import annotations
 
@@ -8,23 +11,28 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
 from matplotlib.lines import Line2D
-from matplotlib.patches import Circle, FancyArrowPatch, PathPatch
+from matplotlib.patches import Circle, FancyArrowPatch
 from matplotlib.path import Path
 
 from camgeo.errors import UndercutError
 from camgeo.files.product import Product
 from camgeo.numeric.arrays import ComplexArray
+from camgeo.part.part import Part
 from camgeo.units import MM_PER
+from camgeo_export.plots import cut_off, disc, flanks
 from camgeo_export.plots.style import AUXILIARY, LINE, cam_angles, frame
 
 SAGITTA = 1e-4
 """Chords of the picture, relative to the base radius: far below a printed line."""
 
-BODY = "#e4e8ec"
-GROOVE = "#c2cad3"
-
 PITCH_STYLE: Any = {"color": AUXILIARY, "linewidth": 1.0, "dashes": (10, 3, 2, 3)}
 BASE_STYLE: Any = {"color": AUXILIARY, "linewidth": 0.8, "dashes": (5, 4)}
+
+ARROW = np.radians(np.linspace(200.0, 320.0, 61))
+"""Directions [rad] of the arrow about the axis."""
+
+BELOW = 0.452
+"""Distance of the legend from the axes [inch], room for their label and numbers."""
 
 size = (7.0, 7.0)
 
@@ -34,84 +42,80 @@ def draw(product: Product, figure: Figure | SubFigure) -> None:
     axes = figure.subplots(gridspec_kw=frame(figure, bottom=0.95))
     axes.set_aspect("equal")
     scale = 1.0 / MM_PER[product.unit]
-    rings = _draw_part(axes, product, scale)
-    pitch = product.curve("pitch", cam_angles()) * scale
-    axes.plot(pitch[:, 0], pitch[:, 1], **PITCH_STYLE)
+    part = _part(product)
+    found = product.cut_off
+    if part is None:
+        lines = flanks.draw(axes, product, found, scale)
+    else:
+        lines = disc.draw(axes, part, scale, SAGITTA * product.base_radius)
+    columns = product.curve("pitch", cam_angles()) * scale
+    pitch = columns[:, 0] + 1j * columns[:, 1]
+    axes.plot(pitch.real, pitch.imag, **PITCH_STYLE)
     base = product.base_radius * scale
     circle = base * np.exp(1j * cam_angles())
     axes.plot(circle.real, circle.imag, **BASE_STYLE)
-    start = product.curve("pitch", np.zeros(1))[0] * scale
-    roller = complex(start[0], start[1])
+    if found:
+        cut_off.draw(axes, found, scale)
+    roller = complex(pitch[0])
     end = _follower(axes, product, roller, scale)
     _rotation_arrow(axes, product.rotation, 0.45 * base)
     _centre_mark(axes, 0.1 * base)
-    drawn = [*rings, circle, pitch[:, 0] + 1j * pitch[:, 1], np.array([end])]
-    _frame(axes, drawn, roller, product.roller_radius * scale)
+    drawn = [*lines, circle, pitch, *(each.course * scale for each in found)]
+    radius = product.roller_radius * scale
+    guide = np.array([roller, end])
+    _frame(axes, [*drawn, guide], roller, radius)
+    if found:
+        size = max(float(np.ptp(line.real)) for line in lines) / scale
+        mark = 0.1 * base * np.array([-1.0, 1.0, 0.0, 1j, -1j])
+        drawn += [guide, mark, roller + radius * np.exp(1j * cam_angles())]
+        drawn += [0.45 * base * np.exp(1j * ARROW), *(flanks.note(axes) if part is None else ())]
+
+        def window(inset: Axes, middle: complex, width: float) -> None:
+            if part is None:
+                flanks.draw_near(inset, product, found, middle, width)
+            else:
+                disc.draw_near(inset, part, middle, width)
+
+        cut_off.enlarge(axes, found, drawn, size, scale, window)
     axes.set_xlabel(f"x [{product.unit}]")
     axes.set_ylabel(f"y [{product.unit}]")
     axes.set_title(product.name)
-    _legend(axes)
+    if part is None:
+        edges, marks = (
+            Line2D([], [], label="flanks", **flanks.FLANK),
+            flanks.handles(product, found),
+        )
+    else:
+        edges = Line2D([], [], color=LINE, linewidth=disc.EDGE, label="edges of the disc")
+        marks = cut_off.handles("cut off") if found else []
+    _legend(axes, figure, edges, marks)
 
 
-def _draw_part(axes: Axes, product: Product, scale: float) -> list[ComplexArray]:
-    """Draw the part and return its rings; without an outline, the working curves as they run."""
-    sagitta = SAGITTA * product.base_radius
+def _part(product: Product) -> Part | None:
+    """None if there is no disc."""
     try:
-        part = product.part
-        body = [b.arcs(sagitta).contour.points(sagitta) * scale for b in part.through]
-        groove = [b.arcs(sagitta).contour.points(sagitta) * scale for b in part.groove]
+        return product.part
     except UndercutError:
-        return _draw_working_curves(axes, product, scale)
-    axes.add_patch(_area(body, BODY))
-    if groove:
-        axes.add_patch(_area(groove, GROOVE))
-    for ring in (*body, *groove):
-        axes.add_patch(PathPatch(_outline(ring), fill=False, edgecolor=LINE, linewidth=1.6))
-    return [*body, *groove]
+        return None
 
 
-def _draw_working_curves(axes: Axes, product: Product, scale: float) -> list[ComplexArray]:
-    """Both working curves with their cusps and loops: there is no disc, but the reason shows."""
-    rings = []
-    for what in ("inner", "outer"):
-        points = product.curve(what, cam_angles()) * scale
-        axes.plot(points[:, 0], points[:, 1], color=LINE, linewidth=1.0)
-        rings.append(points[:, 0] + 1j * points[:, 1])
-    axes.text(0.02, 0.98, "no outline: undercut", transform=axes.transAxes, va="top")
-    return rings
-
-
-def _legend(axes: Axes) -> None:
+def _legend(axes: Axes, figure: Figure | SubFigure, edges: Line2D, marks: list[Line2D]) -> None:
     handles = [
-        Line2D([], [], color=LINE, linewidth=1.6, label="edges of the disc"),
+        edges,
         Line2D([], [], label="pitch curve", **PITCH_STYLE),
         Line2D([], [], label="base circle", **BASE_STYLE),
         Line2D(
             [], [], linestyle="none", marker="o", markersize=9, markerfacecolor="white",
             markeredgecolor="black", label="roller at φ = 0",
         ),
+        *marks,
     ]  # fmt: skip
+    axes.apply_aspect()
+    height = axes.get_position().height * figure.bbox.height / figure.dpi
     axes.legend(
-        handles=handles, loc="upper center", bbox_to_anchor=(0.5, -0.08), ncols=4, borderaxespad=0.0
-    )
-
-
-def _outline(ring: ComplexArray) -> Path:
-    points = np.column_stack((ring.real, ring.imag))
-    return Path(np.vstack((points, points[:1])), closed=True)
-
-
-def _area(rings: list[ComplexArray], colour: str) -> PathPatch:
-    """The area between `rings`, the first the outermost; the others are holes."""
-    outer = max(rings, key=_area_of)
-    paths = [_outline(ring if ring is outer else ring[::-1]) for ring in rings]
-    return PathPatch(
-        Path.make_compound_path(*paths), facecolor=colour, edgecolor="none", linewidth=0.0
-    )
-
-
-def _area_of(ring: ComplexArray) -> float:
-    return 0.5 * float(np.sum((ring.conj() * np.roll(ring, -1)).imag))
+        handles=handles, loc="upper center", bbox_to_anchor=(0.5, -BELOW / height), ncols=4,
+        borderaxespad=0.0,
+    )  # fmt: skip
 
 
 def _follower(axes: Axes, product: Product, roller: complex, scale: float) -> complex:
@@ -146,7 +150,7 @@ def _segment(axes: Axes, start: complex, end: complex, width: float) -> None:
 
 def _rotation_arrow(axes: Axes, rotation: int, radius: float) -> None:
     """An arc with a head around the axis, in the sense in which the disc turns."""
-    angles = np.radians(np.linspace(200.0, 320.0, 61))[:: 1 if rotation > 0 else -1]
+    angles = ARROW[:: 1 if rotation > 0 else -1]
     curve = Path(np.column_stack((radius * np.cos(angles), radius * np.sin(angles))))
     axes.add_patch(
         FancyArrowPatch(path=curve, arrowstyle="-|>", mutation_scale=12, color="black",

@@ -1,0 +1,168 @@
+"""What is cut off from a flank: dashed in a colour of its own, its corner marked, and enlarged.
+
+A swallow tail is often a thousandth of the disc wide; then an inset shows the largest one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any, Final
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
+from matplotlib.ticker import NullLocator
+
+from camgeo.files.product import CutOff
+from camgeo.numeric.arrays import BoolArray, ComplexArray
+
+CUT: Final = "#c05a00"
+"""Colour of what is not on the disc: between lines and grid also in grey."""
+
+COURSE: Any = {"color": CUT, "linewidth": 1.1, "linestyle": (0, (3.0, 1.6))}
+CORNER: Any = {
+    "color": CUT, "marker": "D", "markersize": 4.2, "markeredgecolor": "white",
+    "markeredgewidth": 0.6, "linestyle": "none",
+}  # fmt: skip
+
+SMALL: Final = 0.05
+"""What is cut off is enlarged if it is smaller than this share of the disc."""
+
+TINIEST: Final = 1e-5
+"""But not below this share: the edges beside it would need contours finer than any file's."""
+
+MARGIN: Final = 1.9
+"""Side of what the inset shows, in times of what is cut off."""
+
+SIDES: Final = (0.34, 0.28, 0.22)
+"""Sides of the inset that are tried, as shares of the picture's smaller side."""
+
+WORTH: Final = 3.0
+"""An inset may lie this much farther away for being larger by 1."""
+
+RIM: Final = 0.07
+TITLE: Final = 0.16
+"""Kept free around and above the inset, as shares of its side."""
+
+PLACES: Final = 13
+"""Of the inset that are tried, along each side."""
+
+Window = Callable[[Axes, complex, float], None]
+"""Draws what there is about a point [mm], within a square of the given side [mm]."""
+
+
+def draw(axes: Axes, found: Sequence[CutOff], scale: float) -> None:
+    """Draw what is cut off, and its corners; `scale` units in 1 mm."""
+    for each in found:
+        course = each.course * scale
+        axes.plot(course.real, course.imag, zorder=2.5, **COURSE)
+    corners = np.array([each.corner for each in found]) * scale
+    axes.plot(corners.real, corners.imag, zorder=2.6, **CORNER)
+
+
+def handles(label: str) -> list[Line2D]:
+    """For the legend; `label` says what is dashed."""
+    return [Line2D([], [], label=label, **COURSE), Line2D([], [], label="corner", **CORNER)]
+
+
+def enlarge(
+    axes: Axes,
+    found: tuple[CutOff, ...],
+    drawn: list[ComplexArray],
+    size: float,
+    scale: float,
+    window: Window,
+) -> None:
+    """Draw an inset of the largest part that is cut off, where little is drawn, if it is small.
+
+    Parameters
+    ----------
+    drawn : lines [unit of the picture] not to be covered.
+    size : of the disc [mm].
+    scale : units of the picture in 1 mm; the inset is drawn in mm.
+    window : draws what is not cut off into the inset.
+    """
+    largest = max(found, key=_extent)
+    extent = _extent(largest)
+    if not TINIEST * size < extent < SMALL * size:
+        return
+    x, y, side = _room(axes, drawn, largest.corner * scale)
+    inset = axes.inset_axes((x, y, side, side), transform=axes.transData, zorder=6)
+    middle, width = _middle(largest), MARGIN * extent
+    window(inset, middle, width)
+    draw(inset, found, 1.0)
+    inset.set_xlim(middle.real - 0.5 * width, middle.real + 0.5 * width)
+    inset.set_ylim(middle.imag - 0.5 * width, middle.imag + 0.5 * width)
+    for axis in (inset.xaxis, inset.yaxis):
+        axis.set_major_locator(NullLocator())
+    times = side / (width * scale)
+    inset.set_title(f"{float(f'{times:.2g}'):,.0f} times as large", fontsize=7.5, pad=2.5)
+    corner = middle - 0.5 * (1 + 1j) * width
+    axes.indicate_inset(
+        (corner.real * scale, corner.imag * scale, width * scale, width * scale),
+        inset, edgecolor=CUT, linewidth=0.7, alpha=1.0, zorder=5.5,
+    )  # fmt: skip
+
+
+def clipped(ring: ComplexArray, middle: complex, width: float) -> ComplexArray:
+    """The closed `ring` cut down to the square of side `width` about `middle`."""
+    for outward in (1.0, 1j, -1.0, -1j):
+        if not len(ring):
+            break
+        beyond = ((ring - middle) * np.conj(outward)).real - 0.5 * width
+        following = np.roll(beyond, -1)
+        inside = beyond <= 0.0
+        crosses = inside != (following <= 0.0)
+        share = np.divide(beyond, beyond - following, out=np.zeros_like(beyond), where=crosses)
+        between = ring + share * (np.roll(ring, -1) - ring)
+        pairs = np.column_stack((ring, between)).ravel()
+        ring = pairs[np.column_stack((inside, crosses)).ravel()]
+    return ring
+
+
+def near(line: ComplexArray, middle: complex, width: float) -> ComplexArray:
+    """The open `line`, NaN where it is outside of a square thrice as wide."""
+    away = line - middle
+    inside: BoolArray = np.maximum(np.abs(away.real), np.abs(away.imag)) < 1.5 * width
+    return np.where(inside, line, complex(np.nan, np.nan))
+
+
+def _extent(part: CutOff) -> float:
+    return float(max(np.ptp(part.course.real), np.ptp(part.course.imag)))
+
+
+def _middle(part: CutOff) -> complex:
+    course = part.course
+    x, y = ((np.max(each) + np.min(each)) / 2.0 for each in (course.real, course.imag))
+    return complex(x, y)
+
+
+def _room(axes: Axes, drawn: list[ComplexArray], towards: complex) -> tuple[float, float, float]:
+    """Lower left corner and side of a square that covers nothing; if need be room is made."""
+    (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
+    smaller = min(right - left, high - low)
+    points = np.concatenate([_evenly(line, 0.01 * smaller) for line in drawn])
+    found = []
+    for side in (share * smaller for share in SIDES):
+        rim, title = RIM * side, TITLE * side
+        for x in np.linspace(left + rim, right - side - rim, PLACES):
+            across = points[(points.real > x - rim) & (points.real < x + side + rim)].imag
+            for y in np.linspace(low + rim, high - side - title, PLACES):
+                if not np.any((across > y - rim) & (across < y + side + title)):
+                    distance = abs(complex(x, y) + 0.5 * (1 + 1j) * side - towards)
+                    found.append((distance - WORTH * side, float(x), float(y), side))
+    if found:
+        _, x, y, side = min(found)
+        return x, y, side
+    side = SIDES[0] * smaller
+    axes.set_xlim(left, right + side)
+    y = min(max(towards.imag - 0.5 * side, low + RIM * side), high - (1.0 + TITLE) * side)
+    return right - RIM * side, y, side
+
+
+def _evenly(line: ComplexArray, step: float) -> ComplexArray:
+    """Points along `line`, not farther apart than `step`."""
+    lengths = np.concatenate(([0.0], np.cumsum(np.abs(np.diff(line)))))
+    places = np.linspace(0.0, lengths[-1], max(2, int(lengths[-1] / step) + 2))
+    points: ComplexArray = np.interp(places, lengths, line)
+    return points

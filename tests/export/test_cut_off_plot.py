@@ -1,0 +1,241 @@
+"""The picture of a cam shows the real disc, and beside it what is cut off or would be."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import shapely
+from hypothesis import given
+from hypothesis import strategies as st
+from matplotlib import rc_context
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+import camgeo
+from camgeo.design import Design
+from camgeo.numeric.arrays import ComplexArray
+from camgeo.units import TURN
+from camgeo_export.plots import cam, cut_off
+from camgeo_export.plots.render import render
+from camgeo_export.plots.style import RC
+from tests.export.stub_product import StubProduct
+from tests.measuring import DensePath, polygon
+from tests.reference import hard_case
+from tests.strategies import attack
+
+SCENES = Path(__file__).parents[2] / "fixtures" / "scenes"
+
+CORNERS = {"swallow_tail": 1, "cut_lobe": 1, "trimmed_ring": 2, "straight_moves": 2}
+TRIMMED = sorted(CORNERS)
+
+ROLLER = "roller_radius = 14.8433436274128362400435660963"
+"""Of the scene with a swallow tail."""
+
+
+def altered(folder: Path, scene: str, *changes: tuple[str, str]) -> Design:
+    """The design of a scene in whose text the `changes` are made."""
+    text = (SCENES / f"{scene}.toml").read_text()
+    for old, new in changes:
+        assert text.count(old) == 1
+        text = text.replace(old, new)
+    file = folder / "altered.toml"
+    file.write_text(text)
+    return camgeo.load(file)
+
+
+def drawn(design: Any) -> Axes:
+    """The picture's axes."""
+    with rc_context(RC):
+        figure = Figure(figsize=cam.size)
+        cam.draw(design, figure)
+        FigureCanvasAgg(figure).draw()  # type: ignore[no-untyped-call]  # places the inset
+    (axes,) = figure.axes
+    return axes
+
+
+def labels(axes: Axes) -> set[str]:
+    legend = axes.get_legend()
+    assert legend is not None
+    return {text.get_text() for text in legend.get_texts()}
+
+
+def inset(axes: Axes) -> Axes | None:
+    found = [child for child in axes.child_axes if isinstance(child, Axes)]
+    assert len(found) <= 1
+    return found[0] if found else None
+
+
+def dashed(axes: Axes) -> list[ComplexArray]:
+    """What is drawn as cut off."""
+    lines = [line for line in axes.lines if line.get_color() == cut_off.CUT]
+    rows = [np.asarray(line.get_xydata()) for line in lines if line.get_marker() == "None"]
+    return [row[:, 0] + 1j * row[:, 1] for row in rows]
+
+
+@pytest.mark.parametrize("scene", TRIMMED)
+def test_what_is_cut_off_begins_and_ends_in_the_corner(scene: str) -> None:
+    design = camgeo.load(SCENES / f"{scene}.toml")
+    found = design.cut_off
+    assert len(found) == CORNERS[scene]
+    for each in found:
+        assert each.course[0] == each.course[-1] == each.corner
+        # From the corner on the flank goes on without a jump: no step is long beside the others.
+        steps = np.abs(np.diff(each.course))
+        assert np.max(steps) < 0.02 * np.sum(steps)
+        for phi in (each.start, each.end):
+            (x, y), *_ = design.curve(each.flank, np.array([phi]))
+            assert abs(complex(x, y) - each.corner) < 1e-9
+    for each in found:
+        assert 0.0 <= each.start < TURN
+        assert each.start < each.end < each.start + TURN
+
+
+def test_the_corner_is_that_of_the_hard_case() -> None:
+    (found,) = camgeo.load(SCENES / "swallow_tail.toml").cut_off
+    _, expected = hard_case("HC21c")
+    x, y = map(float, expected["crossing_point"])
+    assert abs(found.corner - complex(x, y)) < 1e-12
+    assert np.degrees(found.start) == pytest.approx(float(expected["crossing_phi1_deg"]), abs=1e-9)
+    assert np.degrees(found.end) == pytest.approx(float(expected["crossing_phi2_deg"]), abs=1e-9)
+
+
+@pytest.mark.parametrize("scene", ["swallow_tail", "trimmed_ring", "straight_moves"])
+def test_none_of_a_tail_is_farther_from_the_pitch_curve_than_the_roller(scene: str) -> None:
+    design = camgeo.load(SCENES / f"{scene}.toml")
+    rows = design.pitch(np.linspace(0.0, TURN, 100_000, endpoint=False))
+    pitch = DensePath(rows[:, 0] + 1j * rows[:, 1])
+    for each in design.cut_off:
+        away = pitch.distances(each.course) - design.roller_radius
+        # The chord that bridges a corner of the pitch curve is 7e-3 mm long, and less is it off;
+        # elsewhere chords are 1e-6 mm off.
+        assert np.max(away) < 7e-3 * (scene == "straight_moves") + 1e-6
+        assert np.min(away) < -1e-4
+
+
+@pytest.mark.parametrize("scene", TRIMMED)
+def test_the_disc_is_drawn_and_beside_it_what_is_cut_off(scene: str) -> None:
+    design = camgeo.load(SCENES / f"{scene}.toml")
+    axes = drawn(design)
+    assert {"edges of the disc", "cut off", "corner"} <= labels(axes)
+    lines = dashed(axes)
+    assert len(lines) == CORNERS[scene]
+    for line, each in zip(lines, design.cut_off, strict=True):
+        assert np.array_equal(line, each.course)
+    # The fill is the real disc: its area is that of the part, to the chords of the picture.
+    bodies = [patch for patch in axes.patches if patch.get_facecolor()[:3] != (1.0, 1.0, 1.0)]
+    rings = [np.asarray(ring) for ring in bodies[0].get_path().to_polygons()]
+    area = abs(sum(shapely.Polygon(ring).area * (-1) ** k for k, ring in enumerate(rings)))
+    exact = sum((-1) ** k * b.arcs(1e-3).contour.area for k, b in enumerate(design.part.through))
+    assert area == pytest.approx(exact, rel=1e-3)
+
+
+@pytest.mark.parametrize("scene", TRIMMED)
+@pytest.mark.parametrize("limit", ["trim", "refuse"])
+def test_what_is_small_is_enlarged_where_nothing_else_is(
+    scene: str, limit: str, tmp_path: Path
+) -> None:
+    design = altered(tmp_path, scene, ('undercut = "trim"', f'undercut = "{limit}"'))
+    axes = drawn(design)
+    small = inset(axes)
+    if scene == "cut_lobe":
+        assert small is None  # the lobe is larger than the disc
+        return
+    assert small is not None
+    largest = max(design.cut_off, key=lambda each: float(np.ptp(each.course.real)))
+    x, y = small.get_xlim(), small.get_ylim()
+    assert x[0] < largest.course.real.min() < largest.course.real.max() < x[1]
+    assert y[0] < largest.course.imag.min() < largest.course.imag.max() < y[1]
+    # An edge of the disc, or a flank, passes through the corner.
+    edges = [line for line in small.lines if line.get_color() != cut_off.CUT]
+    points = np.concatenate([np.asarray(line.get_xydata()) for line in edges])
+    gaps = np.abs(points[:, 0] + 1j * points[:, 1] - largest.corner)
+    assert np.nanmin(gaps) < 1e-3 * (x[1] - x[0])
+    # No line of the picture runs below the inset.
+    box = small.get_window_extent()
+    for line in axes.lines:
+        there = axes.transData.transform(np.asarray(line.get_xydata()))
+        assert not np.any(
+            (there[:, 0] > box.x0)
+            & (there[:, 0] < box.x1)
+            & (there[:, 1] > box.y0)
+            & (there[:, 1] < box.y1)
+        )
+    frame = axes.get_window_extent()
+    assert frame.x0 <= box.x0 < box.x1 <= frame.x1
+    assert frame.y0 <= box.y0 < box.y1 <= frame.y1
+
+
+@pytest.mark.parametrize("scene", TRIMMED)
+def test_a_refused_cam_shows_what_would_be_cut_off(scene: str, tmp_path: Path) -> None:
+    design = altered(tmp_path, scene, ('undercut = "trim"', 'undercut = "refuse"'))
+    axes = drawn(design)
+    assert {"flanks", "would be cut off", "corner"} <= labels(axes)
+    assert "edges of the disc" not in labels(axes)
+    assert "no outline: undercut" in {text.get_text() for text in axes.texts}
+    assert len(dashed(axes)) == CORNERS[scene]
+
+
+@pytest.mark.parametrize(
+    ("radius", "label"),
+    [("26", "undercut"), ("14.1365177403931773714700629489", "cusp")],
+    ids=["over-the-axis", "cusp"],
+)
+def test_undercut_of_which_nothing_can_be_cut_off(radius: str, label: str, tmp_path: Path) -> None:
+    """A roller larger than the base circle leaves no disc; a cusp has no loop."""
+    design = altered(
+        tmp_path,
+        "swallow_tail",
+        ('undercut = "trim"', 'undercut = "refuse"'),
+        (ROLLER, f"roller_radius = {radius}"),
+    )
+    assert design.cut_off == ()
+    axes = drawn(design)
+    assert label in labels(axes)
+    assert inset(axes) is None
+
+
+def test_a_tail_below_all_digits_is_only_marked(tmp_path: Path) -> None:
+    """HC21b: 1.5e-8 mm wide."""
+    radius = "14.136531876910917764647434419"
+    design = altered(tmp_path, "swallow_tail", (ROLLER, f"roller_radius = {radius}"))
+    axes = drawn(design)
+    assert "corner" in labels(axes)
+    assert inset(axes) is None
+
+
+def test_a_whole_disc_has_no_such_entries() -> None:
+    assert labels(drawn(StubProduct())) == {
+        "edges of the disc",
+        "pitch curve",
+        "base circle",
+        "roller at φ = 0",
+    }
+
+
+@pytest.mark.parametrize("suffix", [".svg", ".png"])
+def test_the_same_bytes_each_time(suffix: str) -> None:
+    first, second = (camgeo.load(SCENES / "swallow_tail.toml") for _ in range(2))
+    assert render(["cam"], first, suffix) == render(["cam"], second, suffix)
+
+
+@attack
+@given(
+    radii=st.lists(st.floats(0.2, 3.0), min_size=3, max_size=24),
+    x=st.floats(-2.0, 2.0),
+    y=st.floats(-2.0, 2.0),
+    width=st.floats(0.1, 5.0),
+)
+def test_clipping_keeps_the_area_within(
+    radii: list[float], x: float, y: float, width: float
+) -> None:
+    """Of stars, against shapely; also where the star falls apart."""
+    ring = np.array(radii) * np.exp(1j * TURN * np.arange(len(radii)) / len(radii))
+    half = 0.5 * width
+    wanted = polygon(ring).intersection(shapely.box(x - half, y - half, x + half, y + half)).area
+    found = cut_off.clipped(ring, complex(x, y), width)
+    area = 0.5 * float(np.sum((found.conj() * np.roll(found, -1)).imag)) if len(found) else 0.0
+    assert area == pytest.approx(wanted, abs=1e-12 * 30.0)
