@@ -20,7 +20,7 @@ HEAD = """# The scene file
 <!-- Made from camgeo/scene/schema.json by docs/scene_page.py; change it there. -->
 
 A scene is one TOML file that states what is wanted. `camgeo new KIND` writes one to start from,
-with a comment on every key; `fixtures/scenes` holds eight more. Lengths are in the unit of
+with a comment on every key; `fixtures/scenes` holds more. Lengths are in the unit of
 `[units]`, angles in degrees, speed in rev/min.
 
 Frame and signs: the cam axis is the origin, x points right, y up, counter-clockwise is positive;

@@ -69,8 +69,8 @@ def run(arguments: argparse.Namespace) -> int:
         print_json({**identity(design), "tolerance_mm": tolerance, "files": files})
     else:
         for path, file in zip(report.paths, report.files, strict=False):
-            print(f"{path!s:40}{_sentence(file)}")
-        print(f"{report.paths[-1]!s:40}proof of the above")
+            print(f"{path!s:39} {_sentence(file)}")
+        print(f"{report.paths[-1]!s:39} proof of the above")
     return exit_code(findings)
 
 
