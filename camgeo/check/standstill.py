@@ -9,6 +9,7 @@ import numpy as np
 from camgeo.check.finding import Finding
 from camgeo.curve.extremes import extremes
 from camgeo.curve.pitch_curve import STANDSTILL, PitchCurve
+from camgeo.curve.turn_cells import slowest
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray
 
@@ -18,6 +19,9 @@ SMALLEST = math.sqrt(STANDSTILL)
 
 def check_standstill(curve: PitchCurve) -> tuple[Finding, ...]:
     """A fatal finding where |Z'| vanishes; nothing where it does not."""
+    limit = SMALLEST * curve.follower.base_radius
+    if slowest(curve) > limit:
+        return ()
 
     def square(phi: FloatArray, side: Side) -> FloatArray:
         relative = curve.relative_jet(phi, side, order=1)
@@ -30,7 +34,6 @@ def check_standstill(curve: PitchCurve) -> tuple[Finding, ...]:
 
     smallest, phi = extremes(curve, square, slope).smallest()
     speed = math.sqrt(smallest)
-    limit = SMALLEST * curve.follower.base_radius
     if speed > limit:
         return ()
     return (

@@ -6,15 +6,13 @@ import numpy as np
 
 from camgeo.curve.extremes import extremes
 from camgeo.curve.pitch_curve import PitchCurve
+from camgeo.curve.turn_cells import turn_cells
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.motion.extremes import lift_range
 from camgeo.motion.motion import Side
-from camgeo.numeric.arrays import FloatArray, ascending
+from camgeo.numeric.arrays import FloatArray
 from camgeo.units import TURN
-
-WIDEST = np.pi / 32.0
-"""Longest cell of cam angle to begin with [rad]."""
 
 HALVINGS = 50
 """Rounds of halving at most."""
@@ -34,7 +32,10 @@ def is_clear(pitch: PitchCurve, point: complex, radius: float, own: tuple[float,
     own : cam angles [rad], start in [0, 2 pi) and end above it, that are not looked at: the point
         is touched there, and its neighbours are known to be regular.
     """
-    low, high = _cells(pitch, own)
+    start, end = own
+    low, high = turn_cells(pitch, start, end)
+    outside = (0.5 * (low + high) - start) % TURN > end - start
+    low, high = low[outside], high[outside]
     for _ in range(HALVINGS):
         middle, half = 0.5 * (low + high), 0.5 * (high - low)
         distance = np.abs(pitch.point(middle) - point)
@@ -47,17 +48,6 @@ def is_clear(pitch: PitchCurve, point: complex, radius: float, own: tuple[float,
         low, middle, high = low[near], middle[near], high[near]
         low, high = np.concatenate((low, middle)), np.concatenate((middle, high))
     return True  # touched, to rounding
-
-
-def _cells(pitch: PitchCurve, own: tuple[float, float]) -> tuple[FloatArray, FloatArray]:
-    """Cells of one turn without `own`, none across a border or cam angle 0."""
-    start, end = own
-    grid = np.linspace(0.0, TURN, int(np.ceil(TURN / WIDEST)) + 1)
-    marks = ascending(np.concatenate((grid, pitch.borders, [start, end % TURN])))
-    low, high = marks[:-1], marks[1:]
-    middle = 0.5 * (low + high)
-    outside = (middle - start) % TURN > end - start
-    return low[outside], high[outside]
 
 
 def nearest_to_axis(pitch: PitchCurve) -> tuple[float, float]:
@@ -76,13 +66,30 @@ def nearest_to_axis(pitch: PitchCurve) -> tuple[float, float]:
     return float(np.sqrt(smallest)), phi
 
 
+def surely_clear_of_axis(pitch: PitchCurve, radius: float) -> bool:
+    """True if bounds over cells show that the roller centre stays farther than `radius` [mm].
+
+    False says nothing; `nearest_to_axis` does then.
+    """
+    low, high = turn_cells(pitch)
+    jet, bounds = pitch.jet_and_bounds(low, high)
+    return bool(np.all(np.abs(jet[0]) - 0.5 * (high - low) * bounds[0] > radius))
+
+
 def stays_on_one_side(pitch: PitchCurve) -> bool:
     """True if the roller centre never passes the foot of the guide, or the line of centres.
 
     There the transmission angle is 0, and the same distance from the cam axis comes again.
     """
+    middle, bounds = pitch.motion.jet_and_bounds(*turn_cells(pitch))
+    reach = np.array([np.min(middle[0] - bounds[0]), np.max(middle[0] + bounds[0])])
+    if _on_one_side(pitch, reach):
+        return True
+    return _on_one_side(pitch, np.array(lift_range(pitch.motion)))
+
+
+def _on_one_side(pitch: PitchCurve, lifts: FloatArray) -> bool:
     follower = pitch.follower
-    lifts = np.array(lift_range(pitch.motion))
     if isinstance(follower, TranslatingRoller):
         return bool(np.all(follower.start_height + follower.direction * lifts > 0.0))
     assert isinstance(follower, OscillatingRoller)  # the other one there is

@@ -20,7 +20,12 @@ from camgeo.curve.extremes import Extremes
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import GeometryError, UndercutError
-from camgeo.outline.clearance import is_clear, nearest_to_axis, stays_on_one_side
+from camgeo.outline.clearance import (
+    is_clear,
+    nearest_to_axis,
+    stays_on_one_side,
+    surely_clear_of_axis,
+)
 from camgeo.outline.crossings import Node, find_crossings, find_nodes
 from camgeo.outline.cusps import backward_ranges
 from camgeo.outline.envelope import Envelope
@@ -109,6 +114,8 @@ def real_outline(flank: WorkingCurve, bends: Extremes | None = None) -> Outline:
 
 
 def _require_axis(flank: WorkingCurve) -> None:
+    if surely_clear_of_axis(flank.pitch, -flank.distance):
+        return
     nearest, phi = nearest_to_axis(flank.pitch)
     if nearest <= -flank.distance:
         raise UndercutError(
