@@ -4,9 +4,11 @@ See `camgeo.outline.division` for the run in which the tangent turns one way. Wh
 the cusps, as beside a corner of the pitch curve, a run is known if what runs back is short, of
 length L: along the tangent there, the parts before and after it add up to at most L for a pair of
 points that coincide. So both lie within 1.2 L of the cusps, if the tangent turns by less than half
-a radian there, and by less than a right angle farther out; and there is one such pair at most if
-the tangents of these two parts lie in cones apart, for of two pairs one would be inside the other,
-and two sums of directions from cones that lie apart are never equal.
+a radian there, and by less than a right angle farther out. Of two such pairs one would be inside
+the other, and the two sums of directions between them equal. They are not if the tangents of both
+parts lie in cones apart; nor if both parts of a pair, 1.2 L together, turn by less than the tangent
+turns back between the cusps: going from one pair to the other, the tangent of one part would be
+ahead of that of the other all the way.
 """
 
 from __future__ import annotations
@@ -76,7 +78,7 @@ def small_run(division: Division, start: float, end: float) -> Run | None:
     inside = 0.5 * (end - start)
     within = start + (end - start) * (np.arange(SAMPLES) + 0.5) / SAMPLES
     length = 2.0 * inside * float(np.max(np.abs(envelope.course(within).pace)))
-    parts = []
+    parts, rates = [], []
     for cusp, limit in ((start, run.low), (end, run.high)):
         shares = np.linspace(0.0, 1.0, SAMPLES)[1:]
         away = np.sign(limit - cusp)
@@ -86,10 +88,15 @@ def small_run(division: Division, start: float, end: float) -> Run | None:
         if np.mean(course.pace) * abs(reach - cusp) < length or np.min(course.pace) <= 0.0:
             return None
         parts.append((reach, course.tangents))
+        steps = np.abs(np.angle(course.tangents[1:] * np.conj(course.tangents[:-1])))
+        rates.append(float(np.max(steps / course.pace[1:])) * SAMPLES / abs(reach - cusp))
     (low, before), (high, after) = parts
     middle = before[0]
     angles = [np.angle(tangents * np.conj(middle)) for tangents in (before, after)]
     apart = np.max(angles[0]) < np.min(angles[1]) or np.max(angles[1]) < np.min(angles[0])
+    first, last = envelope.course(np.array([start, end])).tangents
+    back = abs(float(np.angle(last * np.conj(first))))
+    apart = apart or max(rates) * REACH * length < back
     slight = max(float(np.max(np.abs(turned))) for turned in angles) < SLIGHT
     return Run(run.first, run.cells, float(low), float(high)) if apart and slight else None
 

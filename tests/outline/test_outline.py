@@ -349,3 +349,26 @@ def test_clearance_sees_a_roller_that_covers() -> None:
     phi = np.radians(np.linspace(74.0, 83.0, 19))
     away = distances(flank.pitch, flank.point(phi))
     assert np.min(away) < -flank.distance - 1e-3
+
+
+@pytest.mark.parametrize("roller", [3.0, 7.5, 9.5])
+@pytest.mark.parametrize("stroke", [1.0, 1e-3, 1e-6, 3e-7])
+@pytest.mark.parametrize("side", [-1, 1])
+def test_the_slightest_shock_leaves_one_corner_on_each_flank(
+    roller: float, stroke: float, side: int
+) -> None:
+    """Up and down by straight lines: one shock is a corner inside, the other one outside."""
+    line = LAWS["straight-line"]
+    up, down = Move(Decimal(180), stroke, line), Move(Decimal(180), 0.0, line)
+    pitch = PitchCurve(MotionPlan((up, down)), TranslatingRoller(10.0, roller), 1)
+    outline = real_outline(flank_of(pitch, side))
+    (corner,) = corners(outline.path)
+    assert len(outline.path.elements) == 4
+    ((start, end),) = outline.dropped
+    place = math.pi if side < 0 else TURN
+    assert start < place < end
+    # The velocity jumps by 2 s/pi: the tangents turn by that over the distance from the axis.
+    jump = 2.0 * math.atan2(stroke / math.pi, 10.0 + (stroke if side < 0 else 0.0))
+    away = distances(pitch, np.array([corner.centre]))
+    assert away == pytest.approx(roller, abs=ROUNDING * size_of(pitch))
+    assert 0.5 * jump < abs(corner.sweep) < 40.0 * jump
