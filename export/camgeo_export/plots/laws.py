@@ -6,13 +6,11 @@ heights can be compared along a column.
 
 from __future__ import annotations
 
-import io
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
-from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
@@ -22,8 +20,8 @@ from camgeo.motion.laws.comparison import Entry
 from camgeo.motion.laws.law import Law
 from camgeo.motion.task import NAMES, ends_of
 from camgeo.numeric.arrays import FloatArray
-from camgeo_export.plots.render import METADATA, RESOLUTION
-from camgeo_export.plots.style import AUXILIARY, LIMIT, LINE, RC
+from camgeo_export.plots.file import figure_file
+from camgeo_export.plots.style import AUXILIARY, LIMIT, LINE
 
 SAMPLES: Final = 129
 """Points of a region of a law: finer than a printed line over the quarter of a panel it fills."""
@@ -74,14 +72,7 @@ def render(entries: Sequence[Entry], suffix: str) -> bytes:
     ValueError
         If there is no such kind of figure.
     """
-    kind = suffix.removeprefix(".")
-    if kind not in METADATA:
-        raise ValueError(f"no figures of kind {suffix}; there are .svg, .png and .pdf")
-    with rc_context({**RC, "svg.hashsalt": "camgeo"}):
-        figure = _figure(entries)
-        stream = io.BytesIO()
-        figure.savefig(stream, format=kind, dpi=RESOLUTION, metadata=METADATA[kind])
-    return stream.getvalue()
+    return figure_file(lambda: _figure(entries), suffix)
 
 
 def _figure(entries: Sequence[Entry]) -> Figure:

@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 import difflib
-import io
 from collections.abc import Sequence
 from importlib.metadata import entry_points
-from typing import Any, Protocol
+from typing import Protocol
 
-from matplotlib import rc_context
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure, SubFigure
 
 from camgeo.files.product import Product
 from camgeo_export.plots import cam, curvature, motion, transmission_angle
-from camgeo_export.plots.style import RC
+from camgeo_export.plots.file import figure_file
 
 GROUP = "camgeo.plots"
 """Entry points that add plots to those of this package."""
@@ -42,16 +40,6 @@ PLOTS: dict[str, Plot] = {
     "transmission-angle": transmission_angle,
 }
 
-RESOLUTION = 150
-"""Dots per inch of a PNG."""
-
-# No time, no version: the bytes depend on the product only.
-METADATA: dict[str, dict[str, Any]] = {
-    "svg": {"Date": None, "Creator": "camgeo"},
-    "png": {"Software": "camgeo"},
-    "pdf": {"CreationDate": None, "Creator": "camgeo", "Producer": None},
-}
-
 
 def find(name: str) -> Plot:
     """The plot of that name; raises KeyError with the names there are."""
@@ -69,18 +57,16 @@ def find(name: str) -> Plot:
 
 def render(names: Sequence[str], product: Product, suffix: str) -> bytes:
     """The plots `names` of `product` as a file of kind `suffix`: ".svg", ".png" or ".pdf"."""
-    kind = suffix.removeprefix(".")
-    if kind not in METADATA:
-        raise ValueError(f"no figures of kind {suffix}; there are .svg, .png and .pdf")
+    return figure_file(lambda: _figure(names, product), suffix)
+
+
+def _figure(names: Sequence[str], product: Product) -> Figure:
     plots = [find(name) for name in names]
-    with rc_context({**RC, "svg.hashsalt": "camgeo"}):
-        width = max(plot.size[0] for plot in plots)
-        heights = [plot.size[1] for plot in plots]
-        figure = Figure(figsize=(width, sum(heights)))
-        FigureCanvasAgg(figure)
-        rows = figure.subfigures(len(plots), 1, height_ratios=heights, hspace=0.0, squeeze=False)
-        for plot, row in zip(plots, rows[:, 0], strict=True):
-            plot.draw(product, row)
-        stream = io.BytesIO()
-        figure.savefig(stream, format=kind, dpi=RESOLUTION, metadata=METADATA[kind])
-    return stream.getvalue()
+    width = max(plot.size[0] for plot in plots)
+    heights = [plot.size[1] for plot in plots]
+    figure = Figure(figsize=(width, sum(heights)))
+    FigureCanvasAgg(figure)
+    rows = figure.subfigures(len(plots), 1, height_ratios=heights, hspace=0.0, squeeze=False)
+    for plot, row in zip(plots, rows[:, 0], strict=True):
+        plot.draw(product, row)
+    return figure

@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-import io
 from typing import Any, Final
 
 import numpy as np
-from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from camgeo.numeric.arrays import FloatArray
 from camgeo.outline.replay_result import Replay
-from camgeo_export.plots.render import METADATA, RESOLUTION
-from camgeo_export.plots.style import AUXILIARY, LIMIT, LINE, RC, frame, over_cam_angle
+from camgeo_export.plots.file import figure_file
+from camgeo_export.plots.style import AUXILIARY, LIMIT, LINE, frame, over_cam_angle
 
 SIZE: Final = (7.0, 7.8)
 
@@ -55,25 +53,25 @@ def render(
     ValueError
         If there is no such kind of figure.
     """
-    kind = suffix.removeprefix(".")
-    if kind not in METADATA:
-        raise ValueError(f"no figures of kind {suffix}; there are .svg, .png and .pdf")
+    return figure_file(lambda: _figure(title, replay, unit, scale, joints), suffix)
+
+
+def _figure(
+    title: str, replay: Replay, unit: str, scale: float, joints: tuple[float, ...]
+) -> Figure:
     unit = "°" if unit == "deg" else unit
-    with rc_context({**RC, "svg.hashsalt": "camgeo"}):
-        figure = Figure(figsize=SIZE)
-        FigureCanvasAgg(figure)
-        panels = figure.subplots(3, 1, gridspec_kw={**frame(figure, BOTTOM), "hspace": 0.12})
-        for order, axes in enumerate(panels):
-            _draw(axes, replay, order, scale, unit)
-            over_cam_angle(axes, joints, label=order == 2)
-            mark = ("ψ" if unit == "°" else "s") + ("", "′", "″")[order]
-            per = ("", "/rad", "/rad²")[order]
-            axes.set_ylabel(f"{mark} [{unit}{per}]")
-        panels[0].set_title(title, fontsize=10.0)
-        _legend(figure, panels)
-        stream = io.BytesIO()
-        figure.savefig(stream, format=kind, dpi=RESOLUTION, metadata=METADATA[kind])
-    return stream.getvalue()
+    figure = Figure(figsize=SIZE)
+    FigureCanvasAgg(figure)
+    panels = figure.subplots(3, 1, gridspec_kw={**frame(figure, BOTTOM), "hspace": 0.12})
+    for order, axes in enumerate(panels):
+        _draw(axes, replay, order, scale, unit)
+        over_cam_angle(axes, joints, label=order == 2)
+        mark = ("ψ" if unit == "°" else "s") + ("", "′", "″")[order]
+        per = ("", "/rad", "/rad²")[order]
+        axes.set_ylabel(f"{mark} [{unit}{per}]")
+    panels[0].set_title(title, fontsize=10.0)
+    _legend(figure, panels)
+    return figure
 
 
 def _draw(axes: Axes, replay: Replay, order: int, scale: float, unit: str) -> None:

@@ -6,20 +6,18 @@ left of 1 ulp the least that a double can be wrong by takes its place.
 
 from __future__ import annotations
 
-import io
 from collections.abc import Sequence
 from typing import Any, Final
 
 import numpy as np
-from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from camgeo.stability.measure import Reading
-from camgeo_export.plots.render import METADATA, RESOLUTION
-from camgeo_export.plots.style import AUXILIARY, LIMIT, RC
+from camgeo_export.plots.file import figure_file
+from camgeo_export.plots.style import AUXILIARY, LIMIT
 
 WIDTH, HEIGHT = 9.6, 7.8
 LEFT, RIGHT, TOP, BOTTOM = 0.75, 2.75, 0.5, 0.6
@@ -50,14 +48,7 @@ def render(readings: Sequence[Reading], limit: float, suffix: str) -> bytes:
     ValueError
         If there is no such kind of figure.
     """
-    kind = suffix.removeprefix(".")
-    if kind not in METADATA:
-        raise ValueError(f"no figures of kind {suffix}; there are .svg, .png and .pdf")
-    with rc_context({**RC, "svg.hashsalt": "camgeo"}):
-        figure = _figure(readings, limit)
-        stream = io.BytesIO()
-        figure.savefig(stream, format=kind, dpi=RESOLUTION, metadata=METADATA[kind])
-    return stream.getvalue()
+    return figure_file(lambda: _figure(readings, limit), suffix)
 
 
 def _figure(readings: Sequence[Reading], limit: float) -> Figure:
