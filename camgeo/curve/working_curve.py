@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from camgeo.curve.blocks import in_blocks
-from camgeo.curve.pitch_curve import PitchCurve, curvature, curvature_slope
+from camgeo.curve.pitch_curve import PitchCurve, curvature
 from camgeo.mechanism.follower import RelativeJet
 from camgeo.motion.motion import Dwell, Side
 from camgeo.numeric.arrays import ComplexArray, FloatArray
@@ -99,18 +99,3 @@ class WorkingCurve:
         speed = self.pitch.speed(relative)
         kappa = curvature(relative, speed, self.pitch.rotation)
         return speed * (1.0 + self.distance * kappa)
-
-    def arc_density(self, phi: FloatArray, side: Side = "right") -> tuple[FloatArray, FloatArray]:
-        """ds/dphi (n,) [mm/rad] and |dkappa/ds| (n,) [1/mm^2] of the offset curve.
-
-        By the chain rule: kappa_d' = kappa' / (1 + d kappa)^2 and ds/dphi = |Z'| (1 + d kappa).
-        """
-        pitch = self.pitch
-        motion = pitch.motion.jet(phi, side)
-        relative = pitch.follower.relative_jet(motion, pitch.rotation, 2)
-        speed = pitch.speed(relative)
-        kappa = curvature(relative, speed, pitch.rotation)
-        slope = curvature_slope(pitch.follower.tangent_jet(motion, pitch.rotation), pitch.rotation)
-        regular = 1.0 + self.distance * kappa
-        pace = speed * regular
-        return np.abs(pace), np.abs(slope / (regular * regular * pace))
