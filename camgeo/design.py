@@ -45,7 +45,7 @@ if TYPE_CHECKING:
 
     from camgeo.check.cures import Cure
     from camgeo.contour.contour import Contour
-    from camgeo.contour.fit import Fit
+    from camgeo.contour.fit import Effort, Fit
     from camgeo.files.product import CutOff, FollowerSketch, PlanSketch
     from camgeo.files.specs import DxfSpec
     from camgeo.files.table import Table
@@ -122,6 +122,11 @@ class Design:
     def roller_radius(self) -> float:
         """r_R [mm]."""
         return self.specification.follower.roller_radius
+
+    @property
+    def effort(self) -> Effort:
+        """How hard the fits of its contours try."""
+        return self.specification.output.fit
 
     @property
     def dxf(self) -> DxfSpec:
@@ -390,13 +395,15 @@ class Design:
 
     def pitch_contour(self, tolerance: float) -> Fit:
         """The pitch curve as lines and arcs within `tolerance` [mm], counter-clockwise."""
-        from camgeo.contour.arcs import fit_arcs
+        from camgeo.contour.arcs.fast import fit_arcs
+        from camgeo.contour.arcs.fewest import fewest_arcs
 
-        return fit_arcs(self._pitch_path, tolerance)
+        fit = fit_arcs if self.effort == "fast" else fewest_arcs
+        return fit(self._pitch_path, tolerance)
 
     def pitch_deviation(self, contour: Contour) -> float:
         """Proved bound [mm] of the distance between `contour` and the pitch curve."""
-        from camgeo.contour.deviation import deviation
+        from camgeo.contour.proof.deviation import deviation
 
         return deviation(self._pitch_path, contour)
 
@@ -417,15 +424,15 @@ class Design:
 
         paths, spec = self.cutter_paths, self.gcode
         assert spec is not None  # cutter_paths raises without it
-        return plan_toolpath(paths, spec, tolerance)
+        return plan_toolpath(paths, spec, tolerance, self.effort)
 
     def toolpath_deviation(self, operation: str, contour: Contour) -> float:
         """Proved bound [mm] of the distance between `contour` and the cutter path of `operation`.
 
         Raises KeyError if there is no such operation.
         """
-        from camgeo.contour.deviation import deviation
         from camgeo.contour.exact import distance_between
+        from camgeo.contour.proof.deviation import deviation
 
         path = {path.name: path for path in self.cutter_paths}[operation]
         if path.path is not None:

@@ -14,6 +14,7 @@ from camgeo.part.spec import Contact, PartSpec
 from camgeo.units import LengthUnit
 
 if TYPE_CHECKING:
+    from camgeo.contour.fit import Effort
     from camgeo.files.specs import DxfSpec
     from camgeo.motion.time_course import SpeedCurve
     from camgeo.toolpath.spec import GcodeSpec
@@ -29,6 +30,9 @@ class OutputRequest(Protocol):
     def tolerance(self) -> float: ...
 
     @property
+    def fit(self) -> Effort: ...
+
+    @property
     def dxf(self) -> DxfSpec: ...
 
     @property
@@ -36,6 +40,9 @@ class OutputRequest(Protocol):
 
     @property
     def table_step(self) -> Decimal: ...
+
+    @property
+    def accuracy_ripple(self) -> bool: ...
 
 
 class Source(Protocol):

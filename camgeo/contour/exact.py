@@ -6,12 +6,22 @@ import math
 
 import numpy as np
 
+from camgeo.contour.chords.arc_chords import (
+    arc_angles,
+    arc_count,
+    arc_offset,
+    circle_count,
+    circle_offset,
+)
 from camgeo.contour.contour import Contour
 from camgeo.errors import GeometryError, ToleranceError
 from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, IntArray
 
 MAX_CHORDS = 2_000_000
 """Chords at most."""
+
+WIDEST = 1.6
+"""A chord spans no more of its arc [rad], however small the arc: a circle keeps four."""
 
 ROUNDING = 2.0**-52 * 8.0
 """Rounding of a distance, as a share of the outline's size."""
@@ -28,7 +38,7 @@ def chords_of(exact: Contour, tolerance: float) -> Contour:
     with np.errstate(divide="ignore", invalid="ignore"):
         # Sagitta r (1 - cos(step/2)) = tolerance, without the cancellation of 1 - cos.
         steps = 4.0 * np.arcsin(np.sqrt(np.minimum(tolerance / (2.0 * radii), 0.5)))
-    counts = np.where(radii > 0.0, np.ceil(np.abs(exact.sweeps) / np.minimum(steps, 1.6)), 1)
+    counts = np.where(radii > 0.0, np.ceil(np.abs(exact.sweeps) / np.minimum(steps, WIDEST)), 1)
     pieces = [
         exact.vertices[k]
         if exact.sweeps[k] == 0.0
@@ -37,7 +47,55 @@ def chords_of(exact: Contour, tolerance: float) -> Contour:
         * np.exp(1j * exact.sweeps[k] * np.arange(int(counts[k])) / int(counts[k]))
         for k in range(len(exact))
     ]
-    vertices = np.concatenate([np.atleast_1d(piece) for piece in pieces])
+    return _straight(np.concatenate([np.atleast_1d(piece) for piece in pieces]))
+
+
+def fewest_chords_of(exact: Contour, tolerance: float) -> Contour:
+    """As few straight pieces as can be, within `tolerance` [mm] of `exact` on both sides of it.
+
+    Corners of `exact` are vertices; along its arcs vertices lie off them. A whole circle has no
+    corner. There are never more pieces than `chords_of` makes.
+
+    Raises
+    ------
+    ToleranceError
+        If more than `MAX_CHORDS` pieces would be needed.
+    """
+    each = np.arange(len(exact))
+    if np.all(_same_circle(exact, np.zeros_like(each), each)):
+        return _chords_of_circle(exact, tolerance)
+    found: list[ComplexArray] = []
+    for start, sweep, centre, radius in zip(
+        exact.vertices, exact.sweeps, exact.centres, exact.radii, strict=True
+    ):
+        if sweep == 0.0:
+            found.append(np.array([start]))
+            continue
+        count = _checked(arc_count(tolerance, radius, abs(sweep), WIDEST), tolerance)
+        offset = arc_offset(count, radius, abs(sweep))
+        turned = arc_angles(count, radius, abs(sweep), offset)[1:-1]
+        arm = (1.0 + offset / radius) * (start - centre)
+        found.append(np.append(start, centre + arm * np.exp(1j * np.sign(sweep) * turned)))
+    return _straight(np.concatenate(found))
+
+
+def _chords_of_circle(exact: Contour, tolerance: float) -> Contour:
+    centre, radius = complex(exact.centres[0]), float(exact.radii[0])
+    count = _checked(circle_count(tolerance, radius, WIDEST), tolerance)
+    arm = (1.0 + circle_offset(count, radius) / radius) * (complex(exact.vertices[0]) - centre)
+    step = math.copysign(2.0 * math.pi / count, float(exact.sweeps[0]))
+    return _straight(centre + arm * np.exp(1j * step * np.arange(count)))
+
+
+def _checked(count: int, tolerance: float) -> int:
+    if count > MAX_CHORDS:
+        raise ToleranceError(
+            f"more than {MAX_CHORDS:,} straight pieces needed", tolerance, math.inf
+        )
+    return count
+
+
+def _straight(vertices: ComplexArray) -> Contour:
     zero = np.zeros(len(vertices))
     return Contour(vertices, zero, zero.astype(np.complex128))
 

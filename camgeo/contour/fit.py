@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 from camgeo.contour.contour import Contour
+
+Effort = Literal["fast", "fewest"]
+"""How hard a fit tries: one pass, or the fewest pieces and then the least deviation."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

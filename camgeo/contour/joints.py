@@ -27,7 +27,12 @@ def require_regular(curve: WorkingCurve, piece: Piece) -> None:
     It may be zero in single points, at a cusp without undercut, but not for all of a dwell.
     """
     grid = np.linspace(piece.start, piece.end, 257)[1:-1]
-    smallest = float(np.min(curve.regularity(grid)))
+    check_regular(curve, piece, curve.regularity(grid))
+
+
+def check_regular(curve: WorkingCurve, piece: Piece, regularity: FloatArray) -> None:
+    """`require_regular` where `regularity` (n,), 1 + d kappa at samples, is known already."""
+    smallest = float(np.min(regularity))
     if smallest < -CUSP or (piece.dwell and smallest <= CUSP):
         raise UndercutError(
             "the offset curve has a cusp or undercut between cam angles"

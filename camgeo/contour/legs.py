@@ -17,7 +17,7 @@ from camgeo.curve.pieces import Piece, smooth_pieces
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import GeometryError, UndercutError
 from camgeo.motion.motion import Side
-from camgeo.numeric.arrays import ComplexArray, FloatArray
+from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray
 from camgeo.outline.path import Path, Pivot, Stretch
 from camgeo.units import TURN
 
@@ -39,6 +39,7 @@ class Leg(Protocol):
     distance : d [mm], of the leg from its Z.
     rotation : sigma; the outward normal is i sigma Z'/|Z'|.
     borders : (k,) t at which the formula of Z changes, in [0, end] at least.
+    pole : the point [mm] about which Z turns where it turns about one, see `turns_rigidly`.
     """
 
     @property
@@ -62,20 +63,29 @@ class Leg(Protocol):
     @property
     def borders(self) -> FloatArray: ...
 
+    @property
+    def pole(self) -> complex: ...
+
     def point(self, t: FloatArray, side: Side = "right") -> ComplexArray:
         """(n,) complex [mm] points at `t` (n,)."""
 
     def tangent(self, t: FloatArray, side: Side = "right") -> ComplexArray:
         """(n,) complex unit tangents, those of Z."""
 
-    def pace(self, t: FloatArray) -> FloatArray:
-        """(n,) ds/dt [mm/rad] along the leg, negative where it runs against its tangent."""
+    def traced(self, t: FloatArray) -> tuple[ComplexArray, ComplexArray, FloatArray]:
+        """(n,) points [mm], unit tangents of Z, and ds/dt [mm/rad] along the leg, negative where it
+        runs against its tangent.
+        """
 
-    def jet(self, t: FloatArray) -> ComplexArray:
-        """(3 or more, n) complex [mm/rad^k]: Z, Z', Z''."""
+    def jet_and_bounds(self, low: FloatArray, high: FloatArray) -> tuple[ComplexArray, FloatArray]:
+        """(3 or more, n) complex [mm/rad^k] Z, Z', Z'' in the middle of cells [low, high] (n,), and
+        (3, n) upper bounds of |Z'|, |Z''|, |Z'''| over them; no border lies inside a cell.
+        """
 
-    def speed_bounds(self, low: FloatArray, high: FloatArray) -> FloatArray:
-        """(3, n) upper bounds of |Z'|, |Z''|, |Z'''| over cells [low, high] without a border."""
+    def turns_rigidly(self, t: FloatArray) -> BoolArray:
+        """(n,) whether the stretch without a border that `t` (n,) lies in is a circle about `pole`,
+        run through with t as the angle.
+        """
 
 
 @dataclass(frozen=True, slots=True)
@@ -127,20 +137,29 @@ class StretchLeg:
         """See `Leg`."""
         return self.curve.tangent(t, side)
 
-    def pace(self, t: FloatArray) -> FloatArray:
+    def traced(self, t: FloatArray) -> tuple[ComplexArray, ComplexArray, FloatArray]:
         """See `Leg`."""
-        return self.curve.pace(t)
+        return self.curve.traced(t)
 
-    def jet(self, t: FloatArray) -> ComplexArray:
-        """See `Leg`."""
-        return self.curve.pitch.jet(t)
+    @property
+    def pole(self) -> complex:
+        """The cam axis: a rest is a circle about it."""
+        return 0j
 
-    def speed_bounds(self, low: FloatArray, high: FloatArray) -> FloatArray:
+    def jet_and_bounds(self, low: FloatArray, high: FloatArray) -> tuple[ComplexArray, FloatArray]:
         """See `Leg`; cam angle 0 is a border, so no cell reaches across."""
         turns = TURN * np.floor(0.5 * (low + high) / TURN)
-        return self.curve.pitch.speed_bounds(
+        return self.curve.pitch.jet_and_bounds(
             np.maximum(low - turns, 0.0), np.minimum(high - turns, TURN)
         )
+
+    def turns_rigidly(self, t: FloatArray) -> BoolArray:
+        """See `Leg`: in a rest."""
+        rests = np.zeros(len(t), dtype=np.bool_)
+        for rest in self.curve.dwells:
+            # Both ends of a rest are borders: what lies between its ends is clear of rounding.
+            rests |= (t - rest.start) % TURN < rest.span
+        return rests
 
 
 @dataclass(frozen=True, slots=True)
@@ -190,18 +209,24 @@ class TurnLeg:
         """See `Leg`."""
         return 1j * math.copysign(1.0, self.sweep) * self._arm(t) / self.radius
 
-    def pace(self, t: FloatArray) -> FloatArray:
+    def traced(self, t: FloatArray) -> tuple[ComplexArray, ComplexArray, FloatArray]:
         """See `Leg`."""
-        return np.full(len(t), self.radius)
+        return self.point(t), self.tangent(t), np.full(len(t), self.radius)
 
-    def jet(self, t: FloatArray) -> ComplexArray:
-        """See `Leg`."""
-        arm = self._arm(t)
-        return np.stack((self.centre + arm, 1j * math.copysign(1.0, self.sweep) * arm, -arm))
+    @property
+    def pole(self) -> complex:
+        """The arc's centre."""
+        return self.centre
 
-    def speed_bounds(self, low: FloatArray, high: FloatArray) -> FloatArray:
+    def jet_and_bounds(self, low: FloatArray, high: FloatArray) -> tuple[ComplexArray, FloatArray]:
         """See `Leg`."""
-        return np.full((3, len(low)), self.radius)
+        arm = self._arm(0.5 * (low + high))
+        jet = np.stack((self.centre + arm, 1j * math.copysign(1.0, self.sweep) * arm, -arm))
+        return jet, np.full((3, len(low)), self.radius)
+
+    def turns_rigidly(self, t: FloatArray) -> BoolArray:
+        """See `Leg`: everywhere."""
+        return np.ones(len(t), dtype=np.bool_)
 
     def _arm(self, t: FloatArray) -> ComplexArray:
         turned: ComplexArray = np.exp(1j * math.copysign(1.0, self.sweep) * t)

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
 from camgeo.contour.chain import Chain, contour_of, joined
-from camgeo.contour.deviation import proved_bound
 from camgeo.contour.fit import Fit
 from camgeo.contour.legs import Leg, StretchLeg, TurnLeg, legs_of
+from camgeo.contour.proof.deviation import proved_bound
 from camgeo.curve.pieces import Piece
-from camgeo.errors import GeometryError, ToleranceError
+from camgeo.errors import GeometryError, ToleranceError, UndercutError
 from camgeo.outline.path import Path
 
 ROUNDS = 6
@@ -29,12 +29,14 @@ SLIGHT = 0.01
 """An arc of a turn shorter than this share of the tolerance is a corner: files that round to a
 tenth of it, as programs do, could not tell its ends apart."""
 
-FitPiece = Callable[[StretchLeg, Piece, float], Chain]
+PieceOfLeg = tuple[StretchLeg, Piece]
+
+FitPieces = Callable[[Sequence[PieceOfLeg], float], Sequence[Chain]]
 FitTurn = Callable[[TurnLeg, float], Chain]
 
 
 def proved_fit(
-    path: Path, tolerance: float, aim: float, fit_piece: FitPiece, fit_turn: FitTurn
+    path: Path, tolerance: float, aim: float, fit_pieces: FitPieces, fit_turn: FitTurn
 ) -> Fit:
     """Fit each smooth piece of `path`, prove the whole, and aim lower until the proof holds.
 
@@ -42,7 +44,8 @@ def proved_fit(
     ----------
     tolerance : that the proved deviation must not exceed [mm].
     aim : deviation that the first round aims at [mm].
-    fit_piece : stretch, smooth piece of it, aim [mm] -> its chain.
+    fit_pieces : all smooth pieces, each with its stretch, aim [mm] -> a chain each. They come at
+        once so that a fit can share the cost of a call between them.
     fit_turn : arc between two stretches, aim [mm] -> its chain.
 
     Raises
@@ -52,42 +55,53 @@ def proved_fit(
     GeometryError
         If the contour cannot be compared with the path, or the path has a gap.
     """
-
-    def fit_leg(leg: StretchLeg | TurnLeg) -> list[Chain]:
-        if isinstance(leg, StretchLeg):
-            return [fit_piece(leg, piece, aim) for piece in leg.pieces]
-        return [Chain.empty() if leg.length <= SLIGHT * tolerance else fit_turn(leg, aim)]
-
     legs = legs_of(path)
-    for leg in legs:
-        _require_joined(leg, tolerance)
+    stretches = [leg for leg in legs if isinstance(leg, StretchLeg)]
+    pieces = [(leg, piece) for leg in stretches for piece in leg.pieces]
     reached, failed = 0.0, None
     for _ in range(ROUNDS):
-        parts: list[tuple[Leg, list[Chain]]] = [(leg, fit_leg(leg)) for leg in legs]
+        try:
+            chains = iter(fit_pieces(pieces, aim))
+        except (GeometryError, ToleranceError, UndercutError):
+            _require_joined(stretches, tolerance)
+            raise
+        parts: list[tuple[Leg, list[Chain]]] = []
+        for leg in legs:
+            if isinstance(leg, StretchLeg):
+                parts.append((leg, [next(chains) for _ in leg.pieces]))
+            elif leg.length <= SLIGHT * tolerance:
+                parts.append((leg, [Chain.empty()]))
+            else:
+                parts.append((leg, [fit_turn(leg, aim)]))
         runs = joined(parts)
         try:
             reached, failed = proved_bound(runs), None
         except GeometryError as error:
+            _require_joined(stretches, tolerance)
             failed = error
             aim *= FINER
             continue
         if reached <= tolerance:
             return Fit(contour_of(runs).counter_clockwise(), reached, tolerance)
+        _require_joined(stretches, tolerance)
         aim *= EASE * tolerance / reached
     if failed is not None:
         raise failed
     raise ToleranceError("the pieces of the contour cannot follow the curve", tolerance, reached)
 
 
-def _require_joined(leg: StretchLeg | TurnLeg, tolerance: float) -> None:
-    """A parallel is torn apart where the follower's velocity jumps: there it is no single leg."""
-    if isinstance(leg, TurnLeg):
-        return
-    inner = np.array([piece.start for piece in leg.pieces if leg.closed or piece.start > leg.start])
-    gaps = np.abs(leg.point(inner) - leg.point(inner, "left")) if len(inner) else inner
-    if np.any(gaps > tolerance):
-        angle = math.degrees(float(inner[int(np.argmax(gaps))]))
-        raise GeometryError(
-            f"the curve is torn apart at cam angle {angle:.6g} degrees: the velocity of the"
-            " follower jumps there"
-        )
+def _require_joined(legs: Sequence[StretchLeg], tolerance: float) -> None:
+    """A parallel is torn apart where the follower's velocity jumps: there it is no single leg.
+
+    Asked only where something else has failed, as no contour can be proved across such a gap.
+    """
+    for leg in legs:
+        starts = [piece.start for piece in leg.pieces if leg.closed or piece.start > leg.start]
+        inner = np.array(starts)
+        gaps = np.abs(leg.point(inner) - leg.point(inner, "left")) if len(inner) else inner
+        if np.any(gaps > tolerance):
+            angle = math.degrees(float(inner[int(np.argmax(gaps))]))
+            raise GeometryError(
+                f"the curve is torn apart at cam angle {angle:.6g} degrees: the velocity of the"
+                " follower jumps there"
+            )

@@ -11,7 +11,7 @@ from typing import Final, Literal, Protocol
 
 from camgeo.check.finding import Finding
 from camgeo.contour.contour import Contour
-from camgeo.contour.fit import Fit
+from camgeo.contour.fit import Effort, Fit
 from camgeo.files.specs import DxfSpec
 from camgeo.files.table import Table
 from camgeo.motion.joints import Joint
@@ -130,6 +130,10 @@ class Product(Protocol):
     @property
     def version(self) -> str:
         """Version of camgeo."""
+
+    @property
+    def effort(self) -> Effort:
+        """How hard the fits of its contours try."""
 
     @property
     def dxf(self) -> DxfSpec: ...

@@ -17,7 +17,8 @@ class DxfSpec:
 
     Attributes
     ----------
-    entity : "arcs" (lines and arcs) or "polyline" (straight pieces only).
+    entity : "arcs" (lines and arcs), "polyline" (straight pieces only) or "spline" (cubic splines;
+        dwells and turns stay arcs).
     auxiliary : whether pitch curve, base circle and centre mark are drawn too, on their own layers.
     """
 

@@ -6,13 +6,19 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from camgeo.contour.arcs import fit_arcs
+from camgeo.contour.arcs.fast import fit_arcs
+from camgeo.contour.arcs.fewest import fewest_arcs
+from camgeo.contour.chords.fast import fit_polyline
+from camgeo.contour.chords.fewest import fewest_chords
 from camgeo.contour.contour import Contour
-from camgeo.contour.deviation import deviation
-from camgeo.contour.exact import chords_of, distance_between
-from camgeo.contour.fit import Fit
-from camgeo.contour.polyline import fit_polyline
+from camgeo.contour.cubics.deviation import bound_by_arcs, spline_deviation
+from camgeo.contour.cubics.fits import fewest_cubics, fit_spline
+from camgeo.contour.cubics.lines_and_arcs import lines_and_arcs
+from camgeo.contour.exact import chords_of, distance_between, fewest_chords_of
+from camgeo.contour.fit import Effort, Fit
+from camgeo.contour.proof.deviation import deviation
 from camgeo.contour.simple import require_simple
+from camgeo.contour.spline import Arc, SplineContour, SplineFit
 from camgeo.outline.path import Path
 
 
@@ -24,20 +30,32 @@ class CurveBoundary:
     hole: bool
     path: Path
 
-    def arcs(self, tolerance: float) -> Fit:
+    def arcs(self, tolerance: float, effort: Effort = "fewest") -> Fit:
         """Lines and arcs; raises UndercutError if the path is no outline, ToleranceError."""
-        return self._simple(fit_arcs(self.path, tolerance))
+        fit = fit_arcs if effort == "fast" else fewest_arcs
+        return self._simple(fit(self.path, tolerance))
 
-    def polyline(self, tolerance: float) -> Fit:
+    def polyline(self, tolerance: float, effort: Effort = "fewest") -> Fit:
         """Straight pieces; raises as `arcs`."""
-        return self._simple(fit_polyline(self.path, tolerance))
+        fit = fit_polyline if effort == "fast" else fewest_chords
+        return self._simple(fit(self.path, tolerance))
+
+    def spline(self, tolerance: float, effort: Effort = "fewest") -> SplineFit:
+        """Cubic splines and arcs; raises as `arcs`."""
+        fit = fit_spline if effort == "fast" else fewest_cubics
+        found = fit(self.path, tolerance)
+        drawn, _ = lines_and_arcs(found.contour, tolerance)
+        require_simple(drawn, self.name)
+        return found
 
     def _simple(self, fit: Fit) -> Fit:
         require_simple(fit.contour, self.name)
         return fit
 
-    def deviation(self, contour: Contour) -> float:
-        """Proved bound [mm], see `camgeo.contour.deviation`."""
+    def deviation(self, contour: Contour | SplineContour) -> float:
+        """Proved bound [mm], see `camgeo.contour.proof.deviation`."""
+        if isinstance(contour, SplineContour):
+            return spline_deviation(self.path, contour)
         return deviation(self.path, contour)
 
 
@@ -49,17 +67,32 @@ class ExactBoundary:
     hole: bool
     exact: Contour
 
-    def arcs(self, tolerance: float) -> Fit:
-        """The outline itself."""
+    def arcs(self, tolerance: float, effort: Effort = "fewest") -> Fit:
+        """The outline itself, with either effort."""
         return Fit(self.exact.counter_clockwise(), 0.0, tolerance)
 
-    def polyline(self, tolerance: float) -> Fit:
-        """Straight pieces with their vertices on the outline."""
-        contour = chords_of(self.exact, tolerance).counter_clockwise()
+    def polyline(self, tolerance: float, effort: Effort = "fewest") -> Fit:
+        """Straight pieces with their vertices on the outline, or on both sides of it if fewest."""
+        chords = chords_of if effort == "fast" else fewest_chords_of
+        contour = chords(self.exact, tolerance).counter_clockwise()
         return Fit(contour, distance_between(self.exact, contour), tolerance)
 
-    def deviation(self, contour: Contour) -> float:
-        """Bound [mm] in closed form, see `camgeo.contour.exact`."""
+    def spline(self, tolerance: float, effort: Effort = "fewest") -> SplineFit:
+        """The outline itself, with either effort: lines and arcs are strands as they are."""
+        contour = self.exact.counter_clockwise()
+        pieces = zip(
+            contour.vertices.tolist(),
+            contour.ends.tolist(),
+            contour.sweeps.tolist(),
+            contour.centres.tolist(),
+            strict=True,
+        )
+        return SplineFit(SplineContour(tuple(Arc(*piece) for piece in pieces)), 0.0, tolerance)
+
+    def deviation(self, contour: Contour | SplineContour) -> float:
+        """Bound [mm] in closed form, see `camgeo.contour.exact`; of a spline by its arcs."""
+        if isinstance(contour, SplineContour):
+            return bound_by_arcs(lambda arcs: distance_between(self.exact, arcs), contour)
         return distance_between(self.exact, contour)
 
 

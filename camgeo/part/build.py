@@ -58,7 +58,7 @@ def build_part(
 def _rim(spec: PartSpec, flank: CurveBoundary, tolerance: float) -> ExactBoundary:
     if spec.rim is None:
         raise GeometryError("a groove or inside cam needs the diameter of its rim", key="part.rim")
-    fit = flank.arcs(tolerance)
+    fit = flank.arcs(tolerance, "fast")
     needed = 2.0 * (largest_radius(fit.contour) + fit.deviation)
     if spec.rim <= needed:
         raise GeometryError(
@@ -72,7 +72,7 @@ def _rim(spec: PartSpec, flank: CurveBoundary, tolerance: float) -> ExactBoundar
 def _bore_fits(spec: PartSpec, flank: CurveBoundary, tolerance: float) -> None:
     if spec.bore is None:
         return
-    fit = flank.arcs(tolerance)
+    fit = flank.arcs(tolerance, "fast")
     room = smallest_radius(fit.contour) - fit.deviation
     reach = bore_reach(spec.bore, spec.keyway)
     if reach >= room:

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from camgeo.contour.contour import Contour
-from camgeo.contour.fit import Fit
+from camgeo.contour.fit import Effort, Fit
+from camgeo.contour.spline import SplineContour, SplineFit
 
 
 class Boundary(Protocol):
@@ -24,13 +25,18 @@ class Boundary(Protocol):
     @property
     def hole(self) -> bool: ...
 
-    def arcs(self, tolerance: float) -> Fit:
+    def arcs(self, tolerance: float, effort: Effort = "fewest") -> Fit:
         """Lines and arcs within `tolerance` [mm] of the exact boundary, counter-clockwise."""
 
-    def polyline(self, tolerance: float) -> Fit:
+    def polyline(self, tolerance: float, effort: Effort = "fewest") -> Fit:
         """Straight pieces within `tolerance` [mm] of the exact boundary, counter-clockwise."""
 
-    def deviation(self, contour: Contour) -> float:
+    def spline(self, tolerance: float, effort: Effort = "fewest") -> SplineFit:
+        """Cubic splines and arcs within `tolerance` [mm] of the exact boundary,
+        counter-clockwise.
+        """
+
+    def deviation(self, contour: Contour | SplineContour) -> float:
         """Proved upper bound [mm] of the distance between `contour` and the exact boundary."""
 
 

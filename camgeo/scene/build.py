@@ -211,6 +211,10 @@ class Builder:
         given: dict[str, Any] = _given(table, {"tolerance": self._mm})
         if "formats" in table:
             given["formats"] = tuple(table["formats"])
+        if "fit" in table:
+            given["fit"] = table["fit"]
+        if "accuracy" in table:
+            given["accuracy_ripple"] = table["accuracy"].get("ripple", False)
         if "dxf" in table:
             given["dxf"] = DxfSpec(**table["dxf"])
         if "gcode" in table:

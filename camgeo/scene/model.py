@@ -17,6 +17,7 @@ from camgeo.toolpath.spec import GcodeSpec
 from camgeo.units import LengthUnit
 
 if TYPE_CHECKING:
+    from camgeo.contour.fit import Effort
     from camgeo.motion.time_course import SpeedCurve
 
 Follower = TranslatingRoller | OscillatingRoller
@@ -30,17 +31,21 @@ class OutputSpec:
     ----------
     formats : names of the writers, in the order of the scene.
     tolerance : largest deviation of any written contour from the exact curve [mm].
+    fit : how hard fits try, see `camgeo.contour.fit.Effort`.
     dxf : how curves are drawn.
     gcode : tool, feeds and machine; None if the scene has no `[output.gcode]`.
     table_step : step of the value table [degrees], exactly as written, so that its rows fall on the
         angles that the designer wrote.
+    accuracy_ripple : whether what accuracy costs shows the ripple of the acceleration too.
     """
 
     formats: tuple[str, ...] = ("dxf",)
     tolerance: float = 0.001
+    fit: Effort = "fewest"
     dxf: DxfSpec = field(default_factory=DxfSpec)
     gcode: GcodeSpec | None = None
     table_step: Decimal = Decimal(1)
+    accuracy_ripple: bool = False
 
 
 @dataclass(frozen=True, slots=True)

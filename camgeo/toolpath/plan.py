@@ -6,8 +6,10 @@ import math
 
 import numpy as np
 
-from camgeo.contour.arcs import fit_arcs
+from camgeo.contour.arcs.fast import fit_arcs
+from camgeo.contour.arcs.fewest import fewest_arcs
 from camgeo.contour.contour import Contour
+from camgeo.contour.fit import Effort
 from camgeo.contour.simple import require_simple
 from camgeo.errors import GeometryError, UndercutError
 from camgeo.toolpath.leads import Lead, quarter_circle_lead, start_tangent, started
@@ -19,7 +21,9 @@ HALF_TURN = math.pi
 """No arc of a program exceeds half a turn: the rules of controllers grow strict beyond it."""
 
 
-def plan_toolpath(paths: tuple[CutterPath, ...], spec: GcodeSpec, tolerance: float) -> Toolpath:
+def plan_toolpath(
+    paths: tuple[CutterPath, ...], spec: GcodeSpec, tolerance: float, effort: Effort = "fewest"
+) -> Toolpath:
     """The whole program; its arcs lie within `tolerance` [mm] of the exact cutter paths.
 
     Cut so that the cutter climbs (spindle clockwise): clockwise round the outside of material,
@@ -30,11 +34,11 @@ def plan_toolpath(paths: tuple[CutterPath, ...], spec: GcodeSpec, tolerance: flo
         tool_diameter=spec.tool_diameter,
         spindle_speed=spec.spindle_speed,
         safe_height=spec.safe_height,
-        operations=tuple(_operation(path, spec, tolerance) for path in paths),
+        operations=tuple(_operation(path, spec, tolerance, effort) for path in paths),
     )
 
 
-def path_contour(path: CutterPath, tolerance: float) -> Contour:
+def path_contour(path: CutterPath, tolerance: float, effort: Effort = "fewest") -> Contour:
     """The cutter's closed path as lines and arcs within `tolerance` [mm], counter-clockwise.
 
     Raises
@@ -46,7 +50,8 @@ def path_contour(path: CutterPath, tolerance: float) -> Contour:
         assert path.circle is not None  # a path is one or the other
         return path.circle
     try:
-        contour = fit_arcs(path.path, tolerance).contour
+        fit = fit_arcs if effort == "fast" else fewest_arcs
+        contour = fit(path.path, tolerance).contour
         require_simple(contour, f"path of the cutter along the {path.name}")
     except UndercutError as error:
         raise GeometryError(
@@ -57,8 +62,8 @@ def path_contour(path: CutterPath, tolerance: float) -> Contour:
     return contour
 
 
-def _operation(path: CutterPath, spec: GcodeSpec, tolerance: float) -> Operation:
-    contour = path_contour(path, tolerance)
+def _operation(path: CutterPath, spec: GcodeSpec, tolerance: float, effort: Effort) -> Operation:
+    contour = path_contour(path, tolerance, effort)
     if path.free_side > 0:
         contour = contour.reversed()
     longest = int(np.argmax(contour.lengths))

@@ -10,13 +10,16 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from camgeo.contour.contour import Contour
-from camgeo.contour.exact import ROUNDING, chords_of, distance_between
+from camgeo.contour.exact import ROUNDING, chords_of, distance_between, fewest_chords_of
 from camgeo.errors import GeometryError, ToleranceError
 from camgeo.part.bore import bore_outline
 from camgeo.part.spec import Keyway
 from tests.contour.cams import outline
 
 some = settings(max_examples=40, deadline=None)
+
+few = settings(max_examples=15, deadline=None)
+"""For what is measured at every size of tolerance, down to thousands of chords."""
 
 RADIUS = 8.0
 
@@ -47,7 +50,7 @@ def _caught(exact: Contour, contour: Contour) -> float:
     return bound
 
 
-@some
+@few
 @given(outlines, st.floats(-6.0, 0.0))
 def test_chords_keep_their_tolerance(exact: Contour, size: float) -> None:
     tolerance = 10.0**size
@@ -154,3 +157,49 @@ def test_twice_round_is_refused() -> None:
     twice = Contour(np.tile(PLAIN.vertices, 2), np.tile(PLAIN.sweeps, 2), np.tile(PLAIN.centres, 2))
     with pytest.raises(GeometryError, match="once round"):
         distance_between(PLAIN, twice)
+
+
+@few
+@given(outlines, st.floats(-6.0, 0.0))
+def test_fewest_chords_keep_their_tolerance(exact: Contour, size: float) -> None:
+    tolerance = 10.0**size
+    chords = fewest_chords_of(exact, tolerance)
+    assert chords.arc_count == 0
+    found = _measured(exact, chords)
+    assert found <= tolerance * (1.0 + 1e-9) + 1e-14
+    # At the vertices, which are among the samples, the distance is as large as inside the chords.
+    assert distance_between(exact, chords) <= found * (1.0 + 1e-9) + 2.0 * NOTHING
+    assert distance_between(exact, chords.reversed()) >= found - 1e-14
+    assert len(chords) <= len(chords_of(exact, tolerance))
+    if exact is SLOTTED:
+        assert all(np.any(chords.vertices == corner) for corner in exact.vertices)
+
+
+@some
+@given(outlines, st.floats(-6.0, 0.5), st.floats(0.3, 1.0))
+def test_counts_never_grow_with_the_tolerance(exact: Contour, size: float, share: float) -> None:
+    tolerance = 10.0**size
+    tighter = fewest_chords_of(exact, share * tolerance)
+    assert len(fewest_chords_of(exact, tolerance)) <= len(tighter)
+
+
+def test_fewest_chords_of_a_circle() -> None:
+    # (r - u)/(r + u) = cos(pi/n) with u = 0.001, r = 8: pi/n = 0.0223581, n = 140.5.
+    chords = fewest_chords_of(PLAIN, 0.001)
+    assert len(chords) == 141
+    radius = float(np.abs(chords.vertices[0]))
+    assert np.abs(chords.vertices) == pytest.approx(radius, rel=1e-15)
+    # Halfway along a chord it is as far inside as the vertices are outside.
+    inner = np.abs(0.5 * (chords.vertices + chords.ends))
+    assert RADIUS - inner == pytest.approx(radius - RADIUS, rel=1e-9)
+    one = fewest_chords_of(
+        Contour(np.array([8.0 + 0j]), np.array([-2.0 * np.pi]), np.zeros(1, np.complex128)), 1.0
+    )
+    assert one.area < 0.0
+    assert len(one) == len(fewest_chords_of(PLAIN, 1.0))
+
+
+@pytest.mark.parametrize("exact", [PLAIN, SLOTTED])
+def test_too_many_of_the_fewest_are_refused(exact: Contour) -> None:
+    with pytest.raises(ToleranceError, match="straight pieces needed"):
+        fewest_chords_of(exact, 1e-13)

@@ -92,14 +92,17 @@ def test_arc_as_a_leg(radius: float, size: float, back: bool, share: float) -> N
     ends = leg.point(np.array([0.0, leg.end]))
     assert np.abs(ends - np.array([pivot.start, pivot.end])).max() <= rounding
     t, step = np.array([share * size]), 1e-5
-    jet = leg.jet(t)
+    jet, bounds = leg.jet_and_bounds(t, t)
     assert abs(jet[0] - leg.point(t)) <= rounding
     # Central differences: error step^2/6 of the radius, and rounding over the step.
     allowed = radius * step**2 / 6.0 + 2.0 * rounding / step
     for order in (0, 1):
-        slope = (leg.jet(t + step)[order] - leg.jet(t - step)[order]) / (2.0 * step)
+        after, before = (leg.jet_and_bounds(at, at)[0][order] for at in (t + step, t - step))
+        slope = (after - before) / (2.0 * step)
         assert abs(slope - jet[order + 1])[0] <= allowed
-    assert leg.tangent(t) == pytest.approx(jet[1] / radius, rel=1e-12)
-    assert leg.pace(t) == pytest.approx(np.abs(jet[1]), rel=1e-12)
-    assert np.all(leg.speed_bounds(t, t) >= np.abs(jet[1]) * (1.0 - 1e-12))
+    points, tangents, pace = leg.traced(t)
+    assert points == leg.point(t)
+    assert tangents == pytest.approx(jet[1] / radius, rel=1e-12)
+    assert pace == pytest.approx(np.abs(jet[1]), rel=1e-12)
+    assert np.all(bounds >= np.abs(jet[1]) * (1.0 - 1e-12))
     assert leg.length == pytest.approx(radius * size, rel=1e-12)

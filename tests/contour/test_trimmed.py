@@ -10,10 +10,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from camgeo.contour.arcs import fit_arcs
-from camgeo.contour.deviation import deviation
+from camgeo.contour.arcs.fast import fit_arcs
+from camgeo.contour.chords.fast import fit_polyline
 from camgeo.contour.fit import Fit
-from camgeo.contour.polyline import fit_polyline
+from camgeo.contour.proof.deviation import deviation
 from camgeo.contour.simple import require_simple
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import GeometryError, UndercutError

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.curve.working_curve import WorkingCurve
+from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.units import TURN
 from tests.integrals import cells, integrals
@@ -16,6 +17,8 @@ from tests.reference import angles, hard_case, inner_of, mechanisms, outer_of, p
 from tests.strategies import SMOOTH, attack, pitch_curves
 
 PHI = np.linspace(0.0, TURN, 145)
+
+SIDES: tuple[Side, ...] = ("right", "left")
 
 by_name = pytest.mark.parametrize("name", mechanisms())
 """Cams without undercut, all of them, on either flank."""
@@ -165,3 +168,15 @@ def test_hc12_a_flank_a_kilometre_out() -> None:
     # The case states the radius of a flank with roller 10: of the pitch curve less 10 mm.
     radius = abs(WorkingCurve(curve, -10.0).point(angles(params["phi_deg"]))[0])
     assert radius == pytest.approx(float(expected["inner_radius"]), rel=1e-15)
+
+
+@by_name
+def test_traced_is_point_tangent_and_pace(name: str) -> None:
+    curve = pitch_curve_of(mechanisms()[name]["params"])
+    for flank in (inner_of(curve), WorkingCurve(curve, 0.0), outer_of(curve)):
+        for side in SIDES:
+            points, tangents, pace = flank.traced(PHI, side)
+            # The same sums in another order: some ulps of 100 mm, and of 1.
+            assert np.max(np.abs(points - flank.point(PHI, side))) <= 1e-12
+            assert np.max(np.abs(tangents - flank.tangent(PHI, side))) <= 1e-14
+            assert np.array_equal(pace, flank.pace(PHI, side))

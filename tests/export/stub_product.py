@@ -14,7 +14,8 @@ import numpy as np
 
 from camgeo.check.finding import Finding
 from camgeo.contour.contour import Contour
-from camgeo.contour.fit import Fit
+from camgeo.contour.fit import Effort, Fit
+from camgeo.contour.spline import Arc, SplineContour, SplineFit
 from camgeo.files.product import CutOff, FollowerSketch, PlanSegment, PlanSketch
 from camgeo.files.specs import DxfSpec
 from camgeo.files.table import Table
@@ -64,17 +65,23 @@ class CircleBoundary:
     radius: float
     centre: complex = 0j
 
-    def arcs(self, tolerance: float) -> Fit:
+    def arcs(self, tolerance: float, effort: Effort = "fewest") -> Fit:
         contour = bulged(self.radius, self.centre, tolerance)
         return Fit(contour, SPEND * tolerance, tolerance)
 
-    def polyline(self, tolerance: float) -> Fit:
+    def polyline(self, tolerance: float, effort: Effort = "fewest") -> Fit:
         sagitta = SPEND * tolerance
         count = math.ceil(math.pi / (2.0 * math.asin(math.sqrt(sagitta / self.radius / 2.0))))
         points = self.centre + self.radius * np.exp(2j * math.pi * np.arange(count) / count)
         return Fit(Contour(points, np.zeros(count), np.zeros_like(points)), sagitta, tolerance)
 
-    def deviation(self, contour: Contour) -> float:
+    def spline(self, tolerance: float, effort: Effort = "fewest") -> SplineFit:
+        ends = (self.centre + self.radius, self.centre - self.radius)
+        halves = (Arc(a, b, math.pi, self.centre) for a, b in (ends, ends[::-1]))
+        return SplineFit(SplineContour(tuple(halves)), 0.0, tolerance)
+
+    def deviation(self, contour: Contour | SplineContour) -> float:
+        assert isinstance(contour, Contour)
         return off_circle(contour, self.radius, self.centre)
 
 
@@ -84,6 +91,7 @@ class StubProduct:
 
     name: str = "eccentric"
     unit: LengthUnit = "mm"
+    effort: Effort = "fewest"
     groove: bool = False
     dxf: DxfSpec = field(default_factory=DxfSpec)
     gcode: GcodeSpec | None = field(default_factory=GcodeSpec)

@@ -9,11 +9,11 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from camgeo.contour.arcs import fit_arcs
+from camgeo.contour.arcs.fast import fit_arcs
+from camgeo.contour.chords.fast import fit_polyline
 from camgeo.contour.contour import Contour
-from camgeo.contour.deviation import deviation
-from camgeo.contour.locate import locate
-from camgeo.contour.polyline import fit_polyline
+from camgeo.contour.proof.deviation import deviation
+from camgeo.contour.proof.locate import locate
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import GeometryError
 from camgeo.numeric.arrays import ComplexArray, FloatArray

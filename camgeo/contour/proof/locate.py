@@ -1,8 +1,6 @@
-"""Which place of a path a vertex of a contour belongs to: its foot point on the exact curve."""
+"""Which place of a path a vertex of a contour belongs to: the one across from it on the curve."""
 
 from __future__ import annotations
-
-from typing import Protocol
 
 import numpy as np
 
@@ -10,50 +8,63 @@ from camgeo.contour.chain import Run
 from camgeo.contour.contour import Contour
 from camgeo.contour.legs import Leg, StretchLeg, legs_of
 from camgeo.errors import GeometryError
-from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import ComplexArray, FloatArray, IntArray
 from camgeo.outline.path import Path
 from camgeo.units import TURN
 
 SAMPLES = 4096
-"""Points of a leg from which the search for foot points starts."""
+"""Points of a leg from which the search for places starts."""
 
 STEPS = 30
-"""Newton steps at most; from a good start four do."""
+"""Newton steps at most; from a good start three do."""
+
+SMALL = 1e-9
+"""A step [rad] after which there is none: what is left is the square of it."""
+
+ASKEW = 0.5
+"""Least cosine of the angle between a vertex's direction and the leg for it to count."""
 
 
-class HasFeet(Protocol):
-    """A curve over a parameter: a leg, or a parallel over the cam angle."""
+def _places(leg: Leg, points: ComplexArray, ahead: ComplexArray, guess: FloatArray) -> FloatArray:
+    """Parameters (n,) [rad] of the places of `leg` beside `points` (n,), near `guess` (n,).
 
-    def point(self, t: FloatArray, side: Side = "right") -> ComplexArray: ...
-
-    def tangent(self, t: FloatArray, side: Side = "right") -> ComplexArray: ...
-
-    def pace(self, t: FloatArray) -> FloatArray: ...
-
-
-def foot_points(curve: HasFeet, points: ComplexArray, guess: FloatArray) -> FloatArray:
-    """Parameters (n,) [rad] of the feet of perpendiculars from `points` (n,) near `guess` (n,).
-
-    Where the curve does not go forwards at its present place a search stops.
+    Beside means across from the direction `ahead` (n,) of the contour there, which leaves the proof
+    no gap along it; where that is askew, at the foot of the perpendicular. Where the leg does not
+    go forwards at its present place a search stops.
     """
     t = guess
     for _ in range(STEPS):
-        tangent = curve.tangent(t)
-        ahead = points - curve.point(t)
-        along = ahead.real * tangent.real + ahead.imag * tangent.imag
-        pace = curve.pace(t)
+        at, tangent, pace = leg.traced(t)
+        cosine = ahead.real * tangent.real + ahead.imag * tangent.imag
+        along = np.where(cosine >= ASKEW, ahead, tangent)
+        apart = points - at
         forward = pace > 0.0
-        step = np.where(forward, along, 0.0) / np.where(forward, pace, 1.0)
+        way = apart.real * along.real + apart.imag * along.imag
+        rate = np.where(cosine >= ASKEW, cosine, 1.0) * pace
+        step = np.where(forward, way, 0.0) / np.where(forward, rate, 1.0)
         step = np.clip(step, -0.2, 0.2)
         t = t + step
-        if np.max(np.abs(step), initial=0.0) < 1e-15 * TURN:
+        if np.max(np.abs(step), initial=0.0) < SMALL:
             break
     return t
 
 
+def _directions(vertices: ComplexArray, contour: Contour) -> ComplexArray:
+    """(n - 1,) unit directions at the inner ones of `vertices` (n,), the ends of the pieces of an
+    open `contour`: half way between those of the two pieces.
+    """
+    chord = vertices[1:] - vertices[:-1]
+    chord = np.where(chord == 0.0, 1.0, chord)
+    turned = np.exp(0.5j * contour.sweeps)
+    arriving, leaving = (chord * turned)[:-1], (chord * np.conj(turned))[1:]
+    both = arriving / np.abs(arriving) + leaving / np.abs(leaving)
+    size = np.abs(both)
+    directions: ComplexArray = np.where(size > 0.0, both / np.where(size > 0.0, size, 1.0), 0.0)
+    return directions
+
+
 def locate(path: Path, contour: Contour) -> tuple[Run, ...]:
-    """Run `contour` the way of `path`, cut it where legs meet, and find the feet of its vertices.
+    """Run `contour` the way of `path`, cut it where legs meet, and find the places of its vertices.
 
     A vertex belongs to each corner of the path and to each end of an arc: the nearest one.
 
@@ -123,7 +134,11 @@ def _open_run(leg: Leg, points: ComplexArray, contour: Contour, start: int, stop
         place = along_contour * (along_leg[-1] / along_contour[-1])
         angles[0] = leg.start
         guess = np.interp(place[1:-1], along_leg, grid)
-        angles[1:-1] = foot_points(leg, vertices[1:-1], guess)
+        pieces = Contour(
+            contour.vertices[start:stop], contour.sweeps[start:stop], contour.centres[start:stop]
+        )
+        ahead = _directions(vertices, pieces)
+        angles[1:-1] = _places(leg, vertices[1:-1], ahead, guess)
         if np.any(np.diff(angles) <= 0.0):
             raise GeometryError("the contour does not follow the exact curve once round")
     return Run(leg, angles, vertices, contour.sweeps[start:stop], contour.centres[start:stop])
@@ -139,9 +154,16 @@ def _closed_run(leg: Leg, points: ComplexArray, contour: Contour) -> Run:
     place = along_curve[first] + share * along_curve[-1]
     turns, rest = np.divmod(place, along_curve[-1])
     guess = np.interp(rest, along_curve, grid) + TURN * turns
-    phi = foot_points(leg, contour.vertices, guess)
+    around = Contour(
+        np.append(contour.vertices[-1], contour.vertices),
+        np.append(contour.sweeps[-1], contour.sweeps),
+        np.append(contour.centres[-1], contour.centres),
+    )
+    ahead = _directions(np.append(around.vertices, contour.vertices[0]), around)
+    phi = _places(leg, contour.vertices, ahead, guess)
     if np.any(np.diff(phi) <= 0.0) or phi[-1] - phi[0] >= TURN:
         raise GeometryError("the contour does not follow the exact curve once round")
     phi = phi - TURN * np.floor(phi[0] / TURN)
+    phi = phi - TURN if phi[0] >= TURN else phi  # a tiny negative angle rounds to a full turn
     vertices = np.append(contour.vertices, contour.vertices[0])
     return Run(leg, np.append(phi, phi[0] + TURN), vertices, contour.sweeps, contour.centres)

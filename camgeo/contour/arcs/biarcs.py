@@ -1,0 +1,224 @@
+"""Biarcs between points of a curve, many at once, and their distance from it.
+
+At the ends of a smooth piece they have the curve's own tangents, between them such as leave least.
+The curve is evaluated at `PARTS` places a span, in one call for all spans. Where it crosses the
+middle of a biarc, and how far it is off between the places, follow from Hermite's cubics.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+
+from camgeo.contour.arcs.tangent_turns import tangent_turns
+from camgeo.contour.chain import Chain
+from camgeo.contour.peaks import highest
+from camgeo.curve.working_curve import WorkingCurve
+from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, IntArray
+
+PARTS = 6
+"""Places a span: beside a curve of even slope of curvature the distance is a cubic over each of the
+two arcs, and Hermite's cubics are exact."""
+
+STEPS = 4
+"""Newton steps to the middle, which lies near half way."""
+
+FLAT = 2e-12
+"""An arc with a sagitta of a smaller share of the largest distance from the cam axis is a line: its
+centre has no digits left to be known by."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Ends:
+    """Point, unit tangent and pace at the end of a smooth piece, its left-hand values there."""
+
+    point: complex
+    tangent: complex
+    pace: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Biarcs:
+    """Biarcs along smooth pieces, span by span; S spans.
+
+    Attributes
+    ----------
+    angles : (S, 2) [rad] of the start of each arc: the first joint, and where the curve crosses
+        the middle, square to both arcs.
+    vertices, tangents : (S, 2) complex [mm], starts of the arcs and unit tangents there.
+    curvatures : (S, 2) [1/mm], counter-clockwise positive; 0 is a line.
+    ends : (S,) complex [mm] ends of the second arcs.
+    distances : (S,) [mm] largest distance found from the curve.
+    least_step : (S,) [mm] smallest distance between neighbouring places.
+    """
+
+    angles: FloatArray
+    vertices: ComplexArray
+    tangents: ComplexArray
+    curvatures: FloatArray
+    ends: ComplexArray
+    distances: FloatArray
+    least_step: FloatArray
+
+    @classmethod
+    def along(
+        cls, curve: WorkingCurve, joints: FloatArray, stops: IntArray, ends: list[Ends]
+    ) -> Self:
+        """Biarcs along several chains of spans, one after the other.
+
+        Parameters
+        ----------
+        joints : (S + k,) [rad] of all k chains, each with its last one.
+        stops : (k,) places of the last joints in `joints`.
+        ends : of each chain.
+        """
+        inner = np.ones(len(joints), dtype=np.bool_)
+        inner[stops] = False
+        starts = np.flatnonzero(inner)
+        first, step = joints[starts], np.diff(joints)[inner[:-1]] / PARTS
+        phi = first[:, None] + step[:, None] * np.arange(PARTS)
+        shape = (len(starts), PARTS + 1)
+        points, tangents = np.empty((2, *shape), dtype=np.complex128)
+        slopes = np.empty(shape)
+        traced = curve.traced(phi.ravel())
+        for whole, part in zip((points, tangents, slopes), traced, strict=True):
+            whole[:, :-1] = part.reshape(phi.shape)
+            whole[:-1, -1] = whole[1:, 0]
+        last = stops - np.arange(1, len(stops) + 1)
+        points[last, -1] = [end.point for end in ends]
+        tangents[last, -1] = [end.tangent for end in ends]
+        slopes[last, -1] = [end.pace for end in ends]
+        slopes *= step[:, None]
+        outer = tangents[:, (0, -1)].T
+        plain = _Arcs.between(points, *outer)
+        lengths = np.abs(points[:, -1] - points[:, 0])
+        turns = tangent_turns(plain.near(points[:, 1:-1]), lengths, last)
+        arcs = _Arcs.between(points, *(outer * np.exp(1j * turns)))
+        angles, apart, peaks = arcs.beside(points, tangents, slopes)
+        distances = np.maximum(peaks, np.max(np.abs(apart), axis=1))
+        least = np.min(np.abs(np.diff(points, axis=1)), axis=1)
+        parts = arcs.vertices, arcs.tangents, arcs.curvatures, points[:, -1]
+        return cls(first[:, None] + step[:, None] * angles, *parts, distances, least)
+
+    def take(self, spans: slice) -> Biarcs:
+        """Those of one chain."""
+        return Biarcs(
+            self.angles[spans], self.vertices[spans], self.tangents[spans],
+            self.curvatures[spans], self.ends[spans], self.distances[spans],
+            self.least_step[spans],
+        )  # fmt: skip
+
+    def turned_over(self, curve: WorkingCurve) -> BoolArray:
+        """(S,) spans with an arc whose parallel on the pitch curve has turned inside out."""
+        bad: BoolArray = np.any(
+            -curve.pitch.rotation * curve.distance * self.curvatures >= 1.0, axis=1
+        )
+        return bad
+
+    def chain(self) -> Chain:
+        """The arcs one after the other; the flattest are lines."""
+        starts, tangents = self.vertices.ravel(), self.tangents.ravel()
+        chords = np.append(starts[1:], self.ends[-1]) - starts
+        half = np.angle(chords * np.conj(tangents))
+        lengths = np.abs(chords)
+        flat = lengths * np.abs(half) <= 4.0 * FLAT * np.max(np.abs(starts), initial=0.0)
+        radii = lengths / (2.0 * np.sin(np.where(flat, 1.0, half)))
+        centres = np.where(flat, 0.0, starts + 1j * tangents * radii)
+        return Chain(self.angles.ravel(), starts, np.where(flat, 0.0, 2.0 * half), centres)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Arcs:
+    """Vertices, tangents and curvatures (S, 2) of biarcs, as of `Biarcs`."""
+
+    vertices: ComplexArray
+    tangents: ComplexArray
+    curvatures: FloatArray
+
+    @classmethod
+    def between(cls, points: ComplexArray, t0: ComplexArray, t1: ComplexArray) -> Self:
+        """From the first to the last of `points` (S, PARTS + 1), with the unit tangents there."""
+        start, end = points[:, 0], points[:, -1]
+        chord = end - start
+        # Equal tangent lengths d at both ends: |chord - d (t0 + t1)| = 2 d.
+        both = t0 + t1
+        square = chord.real**2 + chord.imag**2
+        along = chord.real * both.real + chord.imag * both.imag
+        opening = 2.0 * (1.0 - (t0.real * t1.real + t0.imag * t1.imag))
+        length = square / (along + np.sqrt(along * along + opening * square))
+        middle = 0.5 * (start + end + length * (t0 - t1))
+        across = (chord - length * both) / (2.0 * length)
+        vertices, directions = np.stack((start, middle), 1), np.stack((t0, across), 1)
+        chords = np.stack((middle - start, end - middle), 1)
+        curvatures = 2.0 * (np.conj(directions) * chords).imag / np.abs(chords) ** 2
+        return cls(vertices, directions, curvatures)
+
+    def near(self, places: ComplexArray) -> FloatArray:
+        """How far (S, PARTS - 1) [mm] the `places` inside lie to the right of the arcs, nearly."""
+        arc = (np.arange(1, PARTS) > 0.5 * PARTS).astype(np.intp)
+        arm = places - self.vertices[:, arc]
+        bend, ahead = self.curvatures[:, arc], self.tangents[:, arc]
+        right = arm.real * ahead.imag - arm.imag * ahead.real
+        near: FloatArray = 0.5 * bend * (arm.real**2 + arm.imag**2) + right
+        return near
+
+    def beside(
+        self, points: ComplexArray, tangents: ComplexArray, slopes: FloatArray
+    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Parts of the span (S, 2) at which the arcs begin, how far (S, PARTS + 1) [mm] the places
+        lie to the right of the arcs, and the largest such distance (S,) found between places.
+
+        `slopes`: of the way along the curve over a part of a span [mm].
+        """
+        # The curve seen from the middle: its way along the common tangent, and off it.
+        middle, across = self.vertices[:, 1], self.tangents[:, 1]
+        back = np.conj(across)[:, None]
+        local, rates = back * (points - middle[:, None]), back * tangents * slopes
+        rows = np.arange(len(points))
+        before = np.sum(local[:, 1:-1].real < 0.0, axis=1)
+        t, off, turn = _crossing(local[rows, before], local[rows, before + 1],
+                                 rates[rows, before], rates[rows, before + 1])  # fmt: skip
+
+        # Beside the first arc up to the part with the middle, beside the second after it.
+        second = np.arange(PARTS + 1) > before[:, None]
+        arc = second.astype(np.intp)
+        row = rows[:, None]
+        arm = points - self.vertices[row, arc]
+        bend, ahead = self.curvatures[row, arc], 1j * self.tangents[row, arc]
+        bent = bend * (arm.real**2 + arm.imag**2) - 2.0 * (np.conj(ahead) * arm).real
+        root = np.sqrt(np.maximum(1.0 + bend * bent, 0.0))
+        apart = bent / (1.0 + root)
+        outward = (bend * arm - ahead) / root
+        growth = (np.conj(outward) * tangents).real * slopes
+        peaks = highest(apart[:, :-1], apart[:, 1:], growth[:, :-1], growth[:, 1:])
+        # Within the part with the middle the second arc takes over from the first.
+        near, far = (rows, before), (rows, before + 1)
+        sides = highest(
+            np.stack((apart[near], off)), np.stack((off, apart[far])),
+            np.stack((t * growth[near], (1.0 - t) * turn)),
+            np.stack((t * turn, (1.0 - t) * growth[far])),
+        )  # fmt: skip
+        peaks[near] = np.maximum(np.abs(off), np.max(sides, axis=0))
+        angles = np.stack((np.zeros(len(t)), before + t), 1)
+        return angles, apart, np.max(peaks, axis=1)
+
+
+def _crossing(
+    here: ComplexArray, there: ComplexArray, rate: ComplexArray, rate_there: ComplexArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Where in [0, 1] Hermite's cubic between `here` and `there` has the real part 0, and minus its
+    imaginary part and the slope of that there.
+    """
+    chord = there - here
+    square, cube = 3.0 * chord - 2.0 * rate - rate_there, rate + rate_there - 2.0 * chord
+    a, b, c, d = here.real, rate.real, square.real, cube.real
+    t = np.clip(-a / np.where(chord.real > 0.0, chord.real, 1.0), 0.0, 1.0)
+    for _ in range(STEPS):
+        slope = b + t * (2.0 * c + 3.0 * t * d)
+        value = a + t * (b + t * (c + t * d))
+        t = np.clip(t - value / np.where(slope > 0.0, slope, np.inf), 0.0, 1.0)
+    off = here.imag + t * (rate.imag + t * (square.imag + t * cube.imag))
+    turn = rate.imag + t * (2.0 * square.imag + 3.0 * t * cube.imag)
+    return t, -off, -turn

@@ -1,0 +1,147 @@
+"""Straight pieces spread so that all of them deviate alike."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from camgeo.contour.chords.bends import Bends, bends_of
+from camgeo.contour.chords.interpolation import monotone
+from camgeo.contour.chords.two_sided import Chords, Stretched, lay
+from camgeo.numeric.arrays import BoolArray, FloatArray, IntArray
+
+ROUNDS = 8
+"""Times the vertices are spread, at most."""
+
+EVEN = 1.001
+"""Deviations are even enough if the largest is this share of what was to be met."""
+
+UNEVEN, SINGLE = 1.003, 24
+"""Vertices of pieces that deviate by more than this share are placed one by one in the next rounds,
+unless there are more of them in all: squares are not least where deviations are, beside tips."""
+
+LEAST_COST = 0.05
+"""A chord that hardly deviates, on a straight stretch, may become 20 times as long in one round."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Evened:
+    """Pieces laid along a stretch.
+
+    Attributes
+    ----------
+    chords : the pieces.
+    bend : (c,) index of the bend of each piece; of a chord through an inflection that before it.
+    through : (c,) whether a piece runs through an inflection.
+    """
+
+    chords: Chords
+    bend: IntArray
+    through: BoolArray
+
+
+def evened(stretch: Stretched, tolerance: float, counts: IntArray, most_turn: float) -> Evened:
+    """Pieces that deviate by `tolerance` [mm] if they can: `counts` (b,) of them in the bends.
+
+    Vertices are spread by equal shares of the table first, then of what the pieces were found to
+    deviate. The chords through inflections are shortened where they deviate more, and what still
+    does is placed vertex by vertex.
+    """
+    shares = stretch.course.shares(tolerance, most_turn)
+    total = float(shares[-1])
+    reaches = np.ones(len(stretch.course.inflections))
+    at = costs = shares
+    best, least = None, math.inf
+    single = np.zeros(0, dtype=np.bool_)
+    for number in range(ROUNDS):
+        bends = bends_of(stretch, shares, reaches, counts)
+        places, bend, through = _places(stretch, bends, counts, at, costs)
+        full = stretch.course.sagittas(tolerance, most_turn, shares, places % total)
+        held, offsets, loose = _offsets(stretch, bends, bend, through, full)
+        single = single if len(single) else np.zeros(len(places), dtype=np.bool_)
+        loose |= single & ~held
+        chords = lay(stretch, stretch.angles(shares, places), held, offsets, loose)
+        size = len(chords.worst)
+        through = through[:size]
+        turned = float(np.max(chords.turns)) / most_turn
+        score = max(float(np.max(chords.worst)) / tolerance, turned)
+        gain = least / score
+        if gain > 1.0:
+            best, least = Evened(chords, bend[:size], through), score
+        excess = np.maximum(chords.worst[through] / tolerance, 1.0)
+        settled = number > 2 and gain < EVEN and np.max(excess, initial=0.0) <= EVEN
+        if score <= EVEN or settled:
+            break
+        single = _with_ends(single, np.flatnonzero(chords.worst > UNEVEN * tolerance))
+        size_of = 0.5 * (chords.span + chords.worst)
+        cost = np.maximum(np.sqrt(size_of / tolerance), chords.turns / most_turn)
+        at, costs = _found(places, np.maximum(cost, LEAST_COST), total, stretch.closed)
+        reaches = reaches / np.cbrt(np.roll(excess, 1) if stretch.closed else excess)
+    assert best is not None
+    return best
+
+
+def _places(
+    stretch: Stretched, bends: Bends, counts: IntArray, at: FloatArray, costs: FloatArray
+) -> tuple[FloatArray, IntArray, BoolArray]:
+    """Places (m,) of the vertices, the bend of each, and whether it is the last before an
+    inflection; `costs` over the places `at` tell what equal parts are.
+    """
+    round_and_round = stretch.closed and not len(stretch.course.inflections)
+    sizes = counts if round_and_round else counts + 1
+    bend = np.repeat(np.arange(len(counts)), sizes)
+    number = np.arange(len(bend)) - np.repeat(np.cumsum(sizes) - sizes, sizes)
+    low, high = monotone(at, costs, bends.low), monotone(at, costs, bends.high)
+    part = number / np.maximum(counts, 1)[bend]
+    places = monotone(costs, at, low[bend] + (high - low)[bend] * part)
+    places = np.where(number == 0, bends.low[bend], places)
+    places = np.where((number == counts[bend]) & (number > 0), bends.high[bend], places)
+    through = number == counts[bend]
+    if not stretch.closed:
+        through[-1] = False
+    return places, bend, through
+
+
+def _offsets(
+    stretch: Stretched, bends: Bends, bend: IntArray, through: BoolArray, full: FloatArray
+) -> tuple[BoolArray, FloatArray, BoolArray]:
+    """Which vertices are held, by how much [mm] these are off the curve, and which are loose.
+
+    The ends of a stretch are its own, and the vertices beside them as far off, by the `full` (m,)
+    of bends, as others. So are the ends of a chord through an inflection, where it reaches its full
+    length; where it does not they are loose.
+    """
+    sides = stretch.course.sides
+    if stretch.closed and len(sides) > 1:
+        sides = sides[1:]
+    ends = through | np.roll(through, 1)
+    loose = ends & bends.narrow[bend]
+    held = ends & ~loose
+    if not stretch.closed:
+        held[[1, -2]] = True
+    offsets = np.where(held, full * sides[bend], 0.0)
+    held &= offsets != 0.0
+    if not stretch.closed:
+        held[[0, -1]] = True
+        offsets[[0, -1]] = 0.0
+    return held, offsets, loose & ~held
+
+
+def _with_ends(single: BoolArray, pieces: IntArray) -> BoolArray:
+    """`single` (m,) with the vertices at both ends of `pieces`, if these are not too many."""
+    more = single.copy()
+    more[pieces] = True
+    more[(pieces + 1) % len(single)] = True
+    return more if np.count_nonzero(more) <= SINGLE else single
+
+
+def _found(
+    places: FloatArray, cost: FloatArray, total: float, closed: bool
+) -> tuple[FloatArray, FloatArray]:
+    """Places and the sum of the costs up to them; of a closed stretch a chord more at both ends."""
+    if closed:
+        places = np.concatenate((places[-1:] - total, places, places[:2] + total))
+        cost = np.concatenate((cost[-1:], cost, cost[:1]))
+    return places, np.concatenate(([0.0], np.cumsum(cost)))

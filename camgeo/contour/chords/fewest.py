@@ -1,0 +1,167 @@
+"""Fit by the fewest straight pieces: chords with the curve on both sides of them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from itertools import pairwise
+
+import numpy as np
+
+from camgeo.contour.chain import Chain
+from camgeo.contour.chords.arc_chords import arc_angles, arc_count, arc_offset
+from camgeo.contour.chords.course import course
+from camgeo.contour.chords.fast import MAX_CHORDS, fit_polyline
+from camgeo.contour.chords.ladder import MOST_TURN, Ladder
+from camgeo.contour.chords.two_sided import Chords, Stretched
+from camgeo.contour.fit import Fit
+from camgeo.contour.joints import require_regular
+from camgeo.contour.legs import StretchLeg, TurnLeg
+from camgeo.contour.proof.deviation import SHARPNESS
+from camgeo.contour.proved import PieceOfLeg, proved_fit
+from camgeo.curve.working_curve import WorkingCurve
+from camgeo.errors import GeometryError, ToleranceError
+from camgeo.numeric.arrays import ComplexArray, FloatArray
+from camgeo.outline.path import Path
+
+PROVED = 1.0 + SHARPNESS + 2e-3
+"""Bound that the proof will give, as a share of the deviation found; a little more, for the
+largest deviation lies between the samples."""
+
+FEW = 64
+"""Up to so many pieces the fit is held against chords between points of the curve: on turns of many
+radians a millimetre both are bound by the angle of a chord, not by its sagitta. Beyond, these are
+1.4 times as many."""
+
+EASE = 1.0 - 2.0**-8
+"""How much nearer the next layout must come if a proof fails. Beside tips samples miss up to one
+part in a hundred of the distance; three such steps of the six there are make up for it."""
+
+KINK = 2.0**-52 * 256.0
+"""A gap of this share of the distance from the cam axis, or as many radians between tangents, is
+more than rounding: there the curve has a corner or a small tear."""
+
+
+def fewest_chords(path: Path, tolerance: float) -> Fit:
+    """Straight pieces within `tolerance` [mm] of `path`, counter-clockwise, as few as there can be.
+
+    A chord of length h with the curve on both sides lies |kappa| h^2/16 off it, so the integral of
+    sqrt(|kappa|/(16 tolerance)) ds is their number. Vertices are off the curve, at bends on its
+    outer side; only the corners of the path, and the ends of its arcs, are vertices themselves.
+    Breaks need not be. There are never more pieces than `fit_polyline` makes.
+
+    Raises
+    ------
+    UndercutError
+        If the path is not regular.
+    ToleranceError
+        If the tolerance cannot be reached in double precision.
+    GeometryError
+        If the contour cannot be compared with the path.
+    """
+    ladders: list[list[Ladder]] = []
+    found: list[float] = []
+
+    def fit_pieces(pieces: Sequence[PieceOfLeg], aim: float) -> list[Chain]:
+        for leg, piece in pieces:
+            require_regular(leg.curve, piece)
+        starts = [k == 0 or pieces[k - 1][0] is not pieces[k][0] for k in range(len(pieces))]
+        if not ladders:
+            ladders.extend(
+                _ladders(leg) for (leg, _), new in zip(pieces, starts, strict=True) if new
+            )
+        # If a layout proves farther off than was found, one comes that is less far off. Which one
+        # that is does not depend on the tolerance, so a looser one takes no more pieces.
+        most = max(found) * EASE if found else aim
+        found.clear()
+        chains: list[Chain] = []
+        own = iter(ladders)
+        for new in starts:
+            laid = [each.fewest(most, PROVED, MAX_CHORDS) for each in next(own)] if new else []
+            found.extend(deviation for _, deviation in laid)
+            chains.append(_chain([chords for chords, _ in laid]) if new else Chain.empty())
+        return chains
+
+    def fit_turn(leg: TurnLeg, aim: float) -> Chain:
+        return _arc_chords(leg, aim / (1.0 + SHARPNESS))
+
+    try:
+        fit = proved_fit(path, tolerance, tolerance, fit_pieces, fit_turn)
+    except (ToleranceError, GeometryError):
+        return fit_polyline(path, tolerance)
+    if len(fit.contour) <= FEW:
+        plain = fit_polyline(path, tolerance)
+        if len(plain.contour) < len(fit.contour):
+            return plain
+    return fit
+
+
+def _ladders(leg: StretchLeg) -> list[Ladder]:
+    """The ladders along a whole leg, from corner to corner."""
+    cuts = _kinks(leg)
+    if leg.closed and not len(cuts):
+        return [Ladder.of(_stretched(leg, leg.start, leg.end, closed=True))]
+    ends = [*cuts, cuts[0] + leg.end - leg.start] if leg.closed else [leg.start, *cuts, leg.end]
+    parts = [_stretched(leg, low, high, closed=False) for low, high in pairwise(ends)]
+    return [Ladder.of(part) for part in parts]
+
+
+def _kinks(leg: StretchLeg) -> list[float]:
+    """Cam angles [rad] inside the leg where its pieces do not meet smoothly to rounding."""
+    inner = [piece.start for piece in leg.pieces if leg.closed or piece.start > leg.start]
+    if not inner:
+        return []
+    at = np.array(inner)
+    right, left = leg.point(at), leg.point(at, "left")
+    turned = np.abs(leg.tangent(at) - leg.tangent(at, "left"))
+    apart = np.abs(right - left) > KINK * np.abs(right)
+    return [float(angle) for angle in at[apart | (turned > KINK)]]
+
+
+def _stretched(leg: StretchLeg, start: float, end: float, *, closed: bool) -> Stretched:
+    curve = leg.curve
+
+    def place(phi: FloatArray) -> tuple[ComplexArray, ComplexArray]:
+        points, tangents = points_and_tangents(curve, phi)
+        if not closed:
+            points[-1] = curve.point(phi[-1:], "left")[0]
+            tangents[-1] = curve.tangent(phi[-1:], "left")[0]
+        return points, tangents
+
+    return Stretched(course(curve, start, end), place, curve.point, leg.rotation, closed)
+
+
+def points_and_tangents(curve: WorkingCurve, phi: FloatArray) -> tuple[ComplexArray, ComplexArray]:
+    """Points [mm] and unit tangents (n,) of `curve` at `phi` (n,) [rad], evaluated together."""
+    relative = curve.pitch.relative_jet(phi, order=1)
+    speed = curve.pitch.speed(relative)
+    along, across = curve.offset_parts(relative, speed)
+    both = curve.pitch.in_cam(
+        relative,
+        phi,
+        np.stack((along, relative.along[1] / speed)),
+        np.stack((across, relative.across[1] / speed)),
+    )
+    return both[0], both[1]
+
+
+def _chain(laid: Sequence[Chords]) -> Chain:
+    """Stretches laid one after the other; the last vertex of each is the first of the next."""
+    angles = np.concatenate([each.angles[: len(each.worst)] for each in laid])
+    vertices = np.concatenate([each.vertices[: len(each.worst)] for each in laid])
+    zero = np.zeros(len(angles))
+    return Chain(angles, vertices, zero, zero.astype(np.complex128))
+
+
+def _arc_chords(leg: TurnLeg, aim: float) -> Chain:
+    count = arc_count(aim, leg.radius, leg.end, MOST_TURN)
+    if count > MAX_CHORDS:
+        raise ToleranceError(
+            f"more than {MAX_CHORDS:,} straight pieces would be needed", aim, math.inf
+        )
+    offset = arc_offset(count, leg.radius, leg.end)
+    angles = arc_angles(count, leg.radius, leg.end, offset)[:-1]
+    vertices = leg.centre + (1.0 + offset / leg.radius) * (leg.point(angles) - leg.centre)
+    vertices[0] = leg.first
+    zero = np.zeros(count)
+    return Chain(angles, vertices, zero, zero.astype(np.complex128))

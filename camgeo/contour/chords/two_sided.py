@@ -1,0 +1,213 @@
+"""Straight pieces with the curve on both sides of them: vertices off the curve, for given angles.
+
+On a bend chord and curve lie within eps of each other if each vertex is eps off on the outer side
+and each chord as far on the inner. How far each vertex is off is settled by least squares over the
+deviations at the vertices and inside the chords.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from camgeo.contour.chords.course import Course
+from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray
+from camgeo.units import TURN
+
+COARSE, FINE, FINEST = 3, 7, 31
+"""Points inside each chord at which the deviation is taken: the more chords, the more each is a
+parabola; a few long ones may have a sharp bend near an end. Odd, for one to be in the middle."""
+
+MANY, POINTS = 1500, 2000
+"""Chords from which on `COARSE` will do; below, about so many points in all."""
+
+SWEEPS = 20
+"""Sweeps of Jacobi's iteration for the offsets: each leaves a third of the error."""
+
+MOST_CUTS = 40
+"""Steps in which the place of least deviation is closed in, at most: each leaves one line less."""
+
+ROUNDING = 1e-12
+"""Lines that lie above others by a smaller share do not."""
+
+Place = Callable[[FloatArray], tuple[ComplexArray, ComplexArray]]
+"""Points [mm] and unit tangents at ascending cam angles [rad] of one stretch."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Stretched:
+    """A stretch that straight pieces are laid along, from corner to corner or all round.
+
+    Attributes
+    ----------
+    course : its table.
+    place, points : points with tangents, and points alone, at ascending cam angles inside it.
+    rotation : sigma; the outward normal is i sigma times the tangent.
+    closed : whether it goes all round without a corner; else its ends are vertices.
+    """
+
+    course: Course
+    place: Place
+    points: Callable[[FloatArray], ComplexArray]
+    rotation: int
+    closed: bool
+
+    def angles(self, shares: FloatArray, places: FloatArray) -> FloatArray:
+        """Cam angles [rad] at which the `shares` of the course reach `places` (m,), ascending.
+
+        All round, places before the start and past the end are those of the turns beside.
+        """
+        if not self.closed:
+            return self.course.angles(shares, places)
+        turns, rest = np.divmod(places, shares[-1])
+        return self.course.angles(shares, rest) + TURN * turns
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Chords:
+    """Vertices of straight pieces along a stretch, and how far these are off.
+
+    Attributes
+    ----------
+    angles : (m,) cam angles [rad] of the vertices, ascending.
+    vertices : (m,) complex [mm].
+    worst : (c,) [mm] largest distance between each piece and the curve; c = m all round, else
+        m - 1.
+    span : (c,) [mm] half the range of the signed distance of each piece.
+    turns : (c,) [rad] angle between the tangents at the ends of each piece.
+    gap : [mm] largest distance of a vertex from its foot along its pieces.
+    """
+
+    angles: FloatArray
+    vertices: ComplexArray
+    worst: FloatArray
+    span: FloatArray
+    turns: FloatArray
+    gap: float
+
+
+def lay(
+    stretch: Stretched,
+    angles: FloatArray,
+    held: BoolArray,
+    offsets: FloatArray,
+    loose: BoolArray,
+) -> Chords:
+    """Straight pieces with vertices on the normals at `angles` (m,).
+
+    Where `held` (m,) a vertex is off the curve by its `offsets` (m,) [mm], outward positive; the
+    others are where least squares put them, and `loose` (m,) ones then where the largest deviation
+    of the vertex and the two pieces there is least.
+    """
+    last = angles[0] + TURN if stretch.closed else angles[-1]
+    count = len(angles) if stretch.closed else len(angles) - 1
+    points, tangents = stretch.place(angles)
+    normals = 1j * stretch.rotation * tangents
+    ends = np.append(angles[1:], last)[:count]
+    samples = min(max(POINTS // count | 1, FINE), FINEST) if count < MANY else COARSE
+    parts = (np.arange(samples) + 1.0) / (samples + 1.0)
+    inner = angles[:count, None] + (ends - angles[:count])[:, None] * parts
+    between = stretch.points(inner.ravel()).reshape(inner.shape)
+
+    height, share = _heights(points, between, count, stretch.rotation)
+    highest = np.argmax(np.abs(height), axis=1)[:, None]
+    off = _least_squares(
+        np.take_along_axis(height, highest, axis=1)[:, 0],
+        np.take_along_axis(share, highest, axis=1)[:, 0],
+        held,
+        offsets,
+    )
+    for number in np.flatnonzero(loose):
+        off[number] = _least_worst(int(number), off, height, share)
+    vertices = points + off * normals
+    height, _ = _heights(vertices, between, count, stretch.rotation)
+    course = np.column_stack((-off[:count], height, -np.roll(off, -1)[:count]))
+    top, bottom = np.max(course, axis=1), np.min(course, axis=1)
+    peaks = _peaks(course)
+    top = np.maximum(top, np.max(peaks, axis=1))
+    bottom = np.minimum(bottom, np.min(peaks, axis=1))
+
+    chord = (np.roll(vertices, -1) - vertices)[:count]
+    along = chord / np.abs(chord)
+    after = np.roll(tangents, -1)[:count]
+    gap = max(
+        float(np.max(np.abs(off[:count] * (np.conj(tangents[:count]) * along).imag))),
+        float(np.max(np.abs(np.roll(off, -1)[:count] * (np.conj(after) * along).imag))),
+    )
+    turns = np.abs(np.angle(after * np.conj(tangents[:count])))
+    return Chords(angles, vertices, np.maximum(top, -bottom), 0.5 * (top - bottom), turns, gap)
+
+
+def _heights(
+    vertices: ComplexArray, between: ComplexArray, count: int, rotation: int
+) -> tuple[FloatArray, FloatArray]:
+    """How far points (c, p) lie outward of their chords, and at which share of their lengths."""
+    start = vertices[:count]
+    chord = (np.roll(vertices, -1) - vertices)[:count]
+    local = (between - start[:, None]) * np.conj(chord / np.abs(chord) ** 2)[:, None]
+    return rotation * local.imag * np.abs(chord)[:, None], local.real
+
+
+def _least_squares(
+    height: FloatArray, share: FloatArray, held: BoolArray, offsets: FloatArray
+) -> FloatArray:
+    """Offsets (m,) that make the squares of themselves and of what is left of the heights least.
+
+    `height`, `share` (c,): that of the highest point over each chord between points of the curve.
+    Of a parabola half its sagitta is left on each side.
+    """
+    size, count = len(held), len(height)
+    weight = np.zeros(size)
+    part, rise = np.zeros(size), np.zeros(size)
+    weight[:count], part[:count], rise[:count] = 1.0, share, height
+    rest = 1.0 - part
+    own = 1.0 + weight * rest * rest + np.roll(weight * part * part, 1)
+    next_to = weight * rest * part
+    right = weight * rest * rise + np.roll(weight * part * rise, 1)
+    off = np.where(held, offsets, right / own)
+    for _ in range(SWEEPS):
+        around = next_to * np.roll(off, -1) + np.roll(next_to * off, 1)
+        off = np.where(held, offsets, (right - around) / own)
+    return off
+
+
+def _least_worst(number: int, off: FloatArray, height: FloatArray, share: FloatArray) -> float:
+    """Offset of one vertex for which the largest deviation there and beside its pieces is least.
+
+    The largest of straight lines over the offset falls to one lowest place; cutting planes of one
+    that falls and one that rises find it.
+    """
+    count, following = len(height), (number + 1) % len(off)
+    lines = [(0.0, 1.0)]
+    if number < count:
+        rest = height[number] - share[number] * off[following]
+        lines += zip(rest, 1.0 - share[number], strict=True)
+    before = (number - 1) % len(off)
+    if before < count:
+        rest = height[before] - (1.0 - share[before]) * off[before]
+        lines += zip(rest, share[before], strict=True)
+    base, slope = np.array(lines).T
+    height_of, rise_of = np.concatenate((base, -base)), np.concatenate((-slope, slope))
+    falling, rising = int(np.argmin(rise_of)), int(np.argmax(rise_of))
+    at = 0.0
+    for _ in range(MOST_CUTS):
+        at = (height_of[falling] - height_of[rising]) / (rise_of[rising] - rise_of[falling])
+        values = height_of + rise_of * at
+        top = int(np.argmax(values))
+        if values[top] <= values[falling] + ROUNDING * abs(values[falling]):
+            break
+        if rise_of[top] < 0.0:
+            falling = top
+        else:
+            rising = top
+    return float(at)
+
+
+def _peaks(course: FloatArray) -> FloatArray:
+    """Values at the vertices of parabolas through three neighbours each, where inside them."""
+    before, here, after = course[:, :-2], course[:, 1:-1], course[:, 2:]
+    slope, bend = 0.5 * (after - before), before - 2.0 * here + after
+    inside = np.abs(slope) < np.abs(bend)
+    return here - np.where(inside, 0.5 * slope * slope / np.where(inside, bend, 1.0), 0.0)

@@ -1,0 +1,110 @@
+"""How many parts a smooth piece needs: the least count that a trial finds good enough.
+
+Counts never grow when the tolerance is loosened: a trial depends on its count only, the search goes
+upward through counts that are the same for every tolerance, and it begins at one that does not grow
+with the tolerance either.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Generic, TypeVar
+
+import numpy as np
+
+from camgeo.contour.proved import PieceOfLeg
+from camgeo.curve.working_curve import WorkingCurve
+from camgeo.errors import ToleranceError
+from camgeo.numeric.arrays import FloatArray
+
+Made = TypeVar("Made")
+
+FINE = 200
+"""Up to so many parts each count is tried; above them counts grow by this share of themselves."""
+
+TOGETHER = 64
+"""Parts that are tried at once for one piece: a call costs as much as some hundred points."""
+
+FAR = 0.8
+"""Share of the way that is jumped where the distance found is more than twice what is aimed at."""
+
+
+class Trials(Generic[Made]):
+    """Searches of the least count for several pieces, which share their calls.
+
+    Parameters
+    ----------
+    make : [(number of the piece, count), ...] -> what was made of each, and the largest distance
+        [mm] found for it, by any rule that knows the count only.
+    order : power of the count with which the distance falls.
+    most : parts a piece at most.
+    together : parts that are tried at once for one piece, if one count alone has not more.
+    """
+
+    def __init__(
+        self,
+        make: Callable[[Sequence[tuple[int, int]]], Sequence[tuple[Made, float]]],
+        order: float,
+        most: int,
+        together: int = TOGETHER,
+    ) -> None:
+        self._make, self._order, self._most = make, order, most
+        self._together = together
+
+    def least(self, expected: FloatArray, aim: float, tolerance: float) -> list[Made]:
+        """What the least good count makes of each piece.
+
+        `expected` (n,) is the count of each for small tolerances, a real number; the search begins
+        there.
+
+        Raises
+        ------
+        ToleranceError
+            If no count comes within `aim` [mm].
+        """
+        counts = [ladder(float(value)) for value in expected]
+        done: dict[int, Made] = {}
+        while len(done) < len(counts):
+            wanted = []
+            for piece, count in enumerate(counts):
+                tried = 0
+                while piece not in done and (not tried or tried + count <= self._together):
+                    wanted.append((piece, count))
+                    tried += count
+                    count = above(count)
+            for (piece, count), (made, distance) in zip(wanted, self._make(wanted), strict=True):
+                if piece in done:
+                    continue
+                if distance <= aim:
+                    done[piece] = made
+                    continue
+                counts[piece] = above(count)
+                if not distance <= 2.0 * aim:
+                    share = (distance / aim) ** (1.0 / self._order) if aim > 0.0 else np.inf
+                    counts[piece] = max(counts[piece], ladder(FAR * min(share, 4.0) * count))
+                if counts[piece] > self._most:
+                    raise ToleranceError(
+                        "the pieces of the contour cannot follow the curve", tolerance, distance
+                    )
+        return [done[piece] for piece in range(len(counts))]
+
+
+def by_curve(pieces: Sequence[PieceOfLeg]) -> list[tuple[WorkingCurve, list[int]]]:
+    """The curves that the pieces belong to, each with the numbers of its pieces."""
+    shared: dict[tuple[int, float], list[int]] = {}
+    for number, (leg, _) in enumerate(pieces):
+        shared.setdefault((id(leg.curve.pitch), leg.curve.distance), []).append(number)
+    return [(pieces[numbers[0]][0].curve, numbers) for numbers in shared.values()]
+
+
+def above(count: int) -> int:
+    """The next count that is tried after `count`."""
+    return count + 1 + count // FINE
+
+
+def ladder(value: float) -> int:
+    """The least count that is ever tried and not below `value`."""
+    count = 1
+    while count < value:
+        count = above(count)
+    return count

@@ -1,0 +1,1 @@
+"""Contours of cubic splines: the fits, and their proof by lines and arcs."""

@@ -1,0 +1,165 @@
+"""Proof of a spline contour: by lines and arcs that are proved to lie much nearer to it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from camgeo.contour.chain import Chain, joined
+from camgeo.contour.contour import Contour
+from camgeo.contour.cubics.arc_length import ArcLength
+from camgeo.contour.cubics.lines_and_arcs import ArcsBeside, arcs_beside, lines_and_arcs
+from camgeo.contour.legs import Leg
+from camgeo.contour.proof.deviation import deviation, proved_bound
+from camgeo.contour.spline import CubicSpline, SplineContour
+from camgeo.errors import GeometryError
+from camgeo.numeric.arrays import FloatArray
+from camgeo.outline.path import Path
+
+SHARE = 0.01
+"""Distance of the arcs from the spline, as a share of the deviation: arcs become longer by the cube
+root only where they may lie farther off."""
+
+SHARPNESS = 0.015
+"""Largest share of the bound that the arcs may cost."""
+
+COARSE = 1e-6
+"""First guess of a deviation of which nothing is known, as a share of the contour's reach."""
+
+FINEST = 2.0**-52 * 64.0
+"""Share of the reach below which nearer arcs are only rounding."""
+
+ROUNDS = 8
+"""Finer arcs at most; two do where the scale is known."""
+
+ARC_CELLS = 4
+"""Cells of an arc to begin with in the proof of a fit. What is not known over a cell falls with the
+cube of its width; and these arcs are short enough for a hundredth of the distance, so that cells of
+the same width are a fifth as many an arc as where the arcs themselves make the distance."""
+
+Measure = Callable[[Contour], float]
+
+
+def spline_deviation(path: Path, contour: SplineContour, scale: float | None = None) -> float:
+    """Upper bound [mm] of the distance between `contour` and `path`, in both directions.
+
+    Parameters
+    ----------
+    path : the exact path, as for `camgeo.contour.proof.deviation.deviation`.
+    contour : once round the path, in either direction.
+    scale : deviation that is expected [mm]; it only saves time.
+
+    Raises
+    ------
+    GeometryError
+        If the contour does not follow the path once round, so that no bound can be given.
+    """
+    return bound_by_arcs(lambda arcs: deviation(path, arcs), contour, scale)
+
+
+def bound_by_arcs(measure: Measure, contour: SplineContour, scale: float | None = None) -> float:
+    """Upper bound [mm] of a distance of `contour`, if `measure` gives one of lines and arcs.
+
+    `scale` as for `spline_deviation`.
+    """
+    finest = FINEST * contour.reach
+    share = max(SHARE * (COARSE * contour.reach if scale is None else scale), finest)
+    found = 0.0
+    for _ in range(ROUNDS):
+        arcs, apart = lines_and_arcs(contour, share)
+        reached = measure(arcs)
+        found = min(found, reached + apart) if found else reached + apart
+        if apart <= SHARPNESS * reached or share <= finest:
+            break
+        share = max(min(0.25 * share, SHARE * reached), finest)
+    return found
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Placed:
+    """Where on the path a strand of a fit lies.
+
+    Attributes
+    ----------
+    leg : number of the leg.
+    start : its parameter [rad] where the strand begins.
+    course, piece : for a spline, the arc length that its knots count, from the start of the piece
+        of that number.
+    """
+
+    leg: int
+    start: float
+    course: ArcLength | None = None
+    piece: int = 0
+
+
+def fitted_deviation(
+    legs: Sequence[Leg], placed: Sequence[Placed], contour: SplineContour, scale: float
+) -> float:
+    """As `spline_deviation`, for a contour of which is known where it lies.
+
+    Parameters
+    ----------
+    legs : of the path, in order.
+    placed : (strands,) the place of each strand; the contour runs the way of the path.
+    scale : largest distance found [mm].
+
+    Raises
+    ------
+    GeometryError
+        If the contour does not follow the path once round.
+    """
+    beside = arcs_beside(contour, max(SHARE * scale, FINEST * contour.reach))
+    angles = _angles(placed, contour, beside)
+    arcs = beside.contour
+    ends = np.cumsum(beside.counts)
+    chains: list[list[Chain]] = [[] for _ in legs]
+    for place, end, count in zip(placed, ends, beside.counts, strict=True):
+        which = slice(int(end - count), int(end))
+        chains[place.leg].append(
+            Chain(angles[which], arcs.vertices[which], arcs.sweeps[which], arcs.centres[which])
+        )
+    runs = joined(
+        [(leg, found or [Chain.empty()]) for leg, found in zip(legs, chains, strict=True)]
+    )
+    if any(np.any(np.diff(run.angles) <= 0.0) for run in runs):
+        raise GeometryError("the contour does not follow the exact curve once round")
+    return proved_bound(runs, ARC_CELLS) + beside.apart
+
+
+def _angles(placed: Sequence[Placed], contour: SplineContour, beside: ArcsBeside) -> FloatArray:
+    """(n,) parameters [rad] of the legs beside the vertices of the arcs, at the foot of each.
+
+    A spline runs over the arc length, but for what it is off along the curve, which is as little as
+    what it is off across: one step of Newton is enough, and any other place would do, see
+    `camgeo.contour.proof.deviation`.
+    """
+    angles = np.repeat([place.start for place in placed], beside.counts)
+    low, width = [], []
+    courses: dict[int, ArcLength] = {}
+    for place, strand in zip(placed, contour.strands, strict=True):
+        if place.course is not None:
+            courses[id(place.course)] = place.course
+        if isinstance(strand, CubicSpline):
+            begin = 0.0 if place.course is None else place.course.s[place.piece, 0]
+            low.append(begin + strand.knots[3:-4])
+            width.append(np.diff(strand.knots[3:-3]))
+    of_strand = np.repeat(np.arange(len(placed)), beside.counts)
+    inner = beside.cubics >= 0
+    inner[np.cumsum(beside.counts) - beside.counts] = False  # a strand's own start is known
+    owner = np.array([id(place.course) for place in placed])[of_strand]
+    piece = np.array([place.piece for place in placed])[of_strand]
+    for key, course in courses.items():
+        which = np.flatnonzero(inner & (owner == key))
+        if not len(which):
+            continue
+        cubic = beside.cubics[which]
+        s = np.concatenate(low)[cubic] + beside.shares[which] * np.concatenate(width)[cubic]
+        found = course.angles(piece[which], s)
+        points, tangents, pace = course.curve.traced(found)
+        apart = (np.conj(tangents) * (beside.contour.vertices[which] - points)).real
+        forward = pace > 0.0
+        angles[which] = found + np.where(forward, apart, 0.0) / np.where(forward, pace, 1.0)
+    return angles

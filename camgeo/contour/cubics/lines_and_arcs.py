@@ -1,0 +1,193 @@
+"""A spline contour as lines and arcs, and the proof of how near they are to it.
+
+Each cubic is cut into parts, and each part gets the arc through its two ends and its middle;
+`camgeo.contour.cubics.part_bounds` bounds how far the part is off the circle. The part moves
+forwards round the centre all the way, so that its rays from there meet the arc and nothing but the
+arc; and as both share their ends, each ray through the arc meets the part. So the bound holds in
+both directions. For a line the same with its normal.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from camgeo.contour.bezier import CUBIC, cut
+from camgeo.contour.contour import Contour
+from camgeo.contour.cubics.part_bounds import bounds_beside_arcs
+from camgeo.contour.spline import Arc, SplineContour
+from camgeo.errors import GeometryError
+from camgeo.numeric.arrays import ComplexArray, FloatArray, IntArray
+
+ROUNDING = 2.0**-52 * 16.0
+"""Rounding of a distance, as a share of the largest length that enters it."""
+
+FLATNESS = 2.0**-52 * 256.0
+"""Rounding of a distance from a circle, as a share of its radius: four times what the proof of arcs
+charges, see `camgeo.contour.proof.deviation`. An arc that would round by more than the tolerance is
+cut until its parts are lines."""
+
+FLATTEST = 16.0
+"""An arc of up to so many times the contour's reach stays one, whatever the tolerance."""
+
+ROUNDS = 24
+"""Rounds of finer parts at most."""
+
+MAX_PARTS = 2_000_000
+"""Parts of a contour at most."""
+
+MOST_TURNING = 4096
+"""Parts of a cubic at most that still turn too far: finer ones hold a point in which it turns back.
+"""
+
+FINEST = 64.0
+"""By how much more parts a round may take."""
+
+FIRST = 1.04
+"""More parts than the estimate of the error asks for: what bounds the error is a tenth more."""
+
+
+def lines_and_arcs(contour: SplineContour, tolerance: float) -> tuple[Contour, float]:
+    """A contour of lines and arcs beside a spline contour, and the proof of how near it is.
+
+    Joints lie on the splines; they are tangent only as far as the tolerance lets them be.
+
+    Parameters
+    ----------
+    tolerance : distance [mm] that the arcs aim at.
+
+    Returns
+    -------
+    The contour, and an upper bound [mm] of the distance between the two, in both directions:
+    `tolerance` and rounding at most.
+
+    Raises
+    ------
+    GeometryError
+        If a spline turns back in a point, so that no arcs run beside it.
+    """
+    beside = arcs_beside(contour, tolerance)
+    return beside.contour, beside.apart
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ArcsBeside:
+    """Lines and arcs beside a spline contour.
+
+    Attributes
+    ----------
+    contour : these.
+    apart : upper bound of the distance between the two, in both directions [mm].
+    counts : (strands,) pieces of `contour` beside each strand.
+    cubics, shares : (n,) where the vertices of `contour` lie on the splines: the number of the
+        cubic among all cubics of the contour, and the share of its span; -1 and 0 at arcs.
+    """
+
+    contour: Contour
+    apart: float
+    counts: IntArray
+    cubics: IntArray
+    shares: FloatArray
+
+
+def arcs_beside(contour: SplineContour, tolerance: float) -> ArcsBeside:
+    """As `lines_and_arcs`, with what belongs to what."""
+    strands = contour.strands
+    pieces = [strand.beziers for strand in contour.splines]
+    owners = [k for k, strand in enumerate(strands) if not isinstance(strand, Arc)]
+    parts = _parts(pieces, owners, tolerance, contour.reach)
+    exact = [k for k, strand in enumerate(strands) if isinstance(strand, Arc)]
+    owner = np.concatenate((parts.owner, np.array(exact, dtype=np.intp)))
+    order = np.argsort(owner, kind="stable")
+    starts, sweeps, centres = parts.arcs()
+    found = Contour(
+        np.concatenate((starts, [arc.start for arc in contour.arcs]))[order],
+        np.concatenate((sweeps, [arc.sweep for arc in contour.arcs]))[order],
+        np.concatenate((centres, [arc.centre for arc in contour.arcs]))[order],
+    )
+    sizes = np.maximum(np.abs(centres) + np.abs(starts - centres), contour.reach)
+    apart = np.max(parts.bounds + ROUNDING * sizes, initial=ROUNDING * contour.reach)
+    none = np.zeros(len(exact))
+    return ArcsBeside(
+        found,
+        float(apart),
+        np.bincount(owner, minlength=len(strands)),
+        np.concatenate((parts.cubics, none.astype(np.intp) - 1))[order],
+        np.concatenate((parts.shares, none))[order],
+    )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Parts:
+    """Parts of cubics with their arcs.
+
+    Attributes
+    ----------
+    controls : (n, 4) complex [mm] Bezier points.
+    sagittas, bounds : (n,) [mm], as `bounds_beside_arcs` has them.
+    owner : (n,) strand of each.
+    cubics, shares : (n,), as of `ArcsBeside`, of their starts.
+    """
+
+    controls: ComplexArray
+    sagittas: FloatArray
+    bounds: FloatArray
+    owner: IntArray
+    cubics: IntArray
+    shares: FloatArray
+
+    def arcs(self) -> tuple[ComplexArray, FloatArray, ComplexArray]:
+        """Starts, sweeps and centres (n,) of the lines and arcs."""
+        starts, ends = self.controls[:, 0], self.controls[:, 3]
+        chords = ends - starts
+        straight = self.sagittas == 0.0
+        lengths = np.abs(chords)
+        turned = 4.0 * np.arctan2(2.0 * self.sagittas, lengths)
+        safe = np.where(straight, 1.0, self.sagittas)
+        inwards = 1j * chords / lengths * (lengths * lengths / (8.0 * safe) - 0.5 * safe)
+        centres = np.where(straight, 0.0, 0.5 * (starts + ends) + inwards)
+        return starts, np.where(straight, 0.0, turned), centres
+
+
+def _parts(pieces: list[ComplexArray], owners: list[int], tolerance: float, reach: float) -> _Parts:
+    """Parts of all splines; `owners` are the numbers of the strands that these are."""
+    none = np.zeros((0, CUBIC + 1), dtype=np.complex128)
+    whole = np.concatenate([none, *pieces])
+    moving = np.flatnonzero(np.max(np.abs(np.diff(whole, axis=1)), axis=1) > 0.0)
+    owner = np.repeat(np.array(owners, dtype=np.intp), [len(each) for each in pieces])[moving]
+    whole = whole[moving]
+    aim = max(tolerance, ROUNDING * reach)
+    flattest = max(aim / FLATNESS, FLATTEST * reach)
+    counts = _first_counts(whole, aim)
+    for _ in range(ROUNDS):
+        parts = cut(whole, counts)
+        sagittas, bounds = bounds_beside_arcs(parts, aim, flattest)
+        firsts = np.cumsum(counts) - counts
+        worst = np.maximum.reduceat(bounds, firsts) if len(counts) else bounds
+        bad = worst > aim
+        if not np.any(bad):
+            of_whole = np.repeat(np.arange(len(whole)), counts)
+            shares = (np.arange(len(of_whole)) - firsts[of_whole]) / counts[of_whole]
+            return _Parts(parts, sagittas, bounds, owner[of_whole], moving[of_whole], shares)
+        # An arc is off by the cube of its length; 1.02 for what is not yet so short.
+        finer = np.where(np.isinf(worst), 2.0, np.minimum(1.02 * np.cbrt(worst / aim), FINEST))
+        counts = np.where(bad, np.maximum(counts + 1, np.ceil(counts * finer)), counts)
+        counts = counts.astype(np.intp)
+        turning = np.isinf(worst) & (counts > MOST_TURNING)
+        if int(np.sum(counts)) > MAX_PARTS or np.any(turning):
+            break
+    raise GeometryError("a spline turns back, or its points lie too unevenly for arcs beside it")
+
+
+def _first_counts(whole: ComplexArray, aim: float) -> IntArray:
+    """(n,) how many arcs each cubic will about need: one through both ends and the middle is off by
+    sqrt(3)/36 of the third difference across the chord.
+    """
+    chord = whole[:, 3] - whole[:, 0]
+    length = np.abs(chord)
+    third = chord - 3.0 * (whole[:, 2] - whole[:, 1])
+    across = np.abs((np.conj(chord) * third).imag) / np.where(length > 0.0, length, 1.0)
+    needed = np.ceil(FIRST * np.cbrt(math.sqrt(3.0) / 36.0 * across / aim))
+    return np.clip(needed, 1.0, FINEST).astype(np.intp)

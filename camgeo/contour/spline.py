@@ -1,0 +1,217 @@
+"""A closed contour of cubic splines and arcs: the form for CAD programs that take curves."""
+
+from __future__ import annotations
+
+import cmath
+import math
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+
+from camgeo.contour.bezier import CUBIC, area, beziers_of_spline, length
+from camgeo.numeric.arrays import ComplexArray, FloatArray, frozen
+
+DEGREE = CUBIC
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CubicSpline:
+    """A cubic B-spline in the plane, clamped at both ends, not rational.
+
+    Attributes
+    ----------
+    knots : (m + 4,) ascending, the first four and the last four equal. Simple knots between make
+        the curve C2, as in every fit; splines from elsewhere may have double and triple ones.
+    controls : (m,) complex [mm], m >= 4.
+    """
+
+    knots: FloatArray
+    controls: ComplexArray
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "knots", frozen(self.knots, np.float64))
+        object.__setattr__(self, "controls", frozen(self.controls, np.complex128))
+
+    @classmethod
+    def of(cls, degree: int, knots: FloatArray, controls: ComplexArray) -> Self:
+        """The same curve as a B-spline of degree 1 to 3, clamped or not.
+
+        One that is clamped and cubic already keeps its knots.
+
+        Raises
+        ------
+        GeometryError
+            If it is no such spline.
+        """
+        pieces = beziers_of_spline(degree, knots, controls)
+        ends = (knots[0] == knots[DEGREE], knots[-1] == knots[-1 - DEGREE])
+        if degree == DEGREE and all(ends):
+            return cls(knots, controls)
+        inner = np.concatenate((pieces[:, :3].ravel(), pieces[-1:, 3]))
+        places = np.arange(len(pieces) + 1.0)
+        return cls(np.concatenate(([0.0], np.repeat(places, 3), places[-1:])), inner)
+
+    def __len__(self) -> int:
+        """Number of cubic pieces."""
+        return int(np.count_nonzero(np.diff(self.knots)))
+
+    @property
+    def start(self) -> complex:
+        """[mm] where it begins."""
+        return complex(self.controls[0])
+
+    @property
+    def end(self) -> complex:
+        """[mm] where it ends."""
+        return complex(self.controls[-1])
+
+    @property
+    def beziers(self) -> ComplexArray:
+        """(n, 4) complex [mm]: its cubic pieces, in order, by their Bezier points."""
+        return beziers_of_spline(DEGREE, self.knots, self.controls)
+
+    @property
+    def length(self) -> float:
+        """Its length [mm]."""
+        return length(self.beziers)
+
+    @property
+    def moment(self) -> float:
+        """Half the integral of x dy - y dx along it [mm^2]: its share in the area."""
+        return area(self.beziers)
+
+    def reversed(self) -> Self:
+        """The same curve, run the other way."""
+        return type(self)(self.knots[0] + (self.knots[-1] - self.knots[::-1]), self.controls[::-1])
+
+    def between(self, start: complex, end: complex) -> Self:
+        """The same with its ends moved to `start` and `end` [mm]."""
+        controls = np.concatenate(([start], self.controls[1:-1], [end]))
+        return type(self)(self.knots, controls)
+
+
+@dataclass(frozen=True, slots=True)
+class Arc:
+    """One arc or line of a spline contour.
+
+    Attributes
+    ----------
+    start, end : complex [mm].
+    sweep : angle turned [rad], positive counter-clockwise; 0 is a line.
+    centre : complex [mm]; 0 for a line.
+    """
+
+    start: complex
+    end: complex
+    sweep: float
+    centre: complex
+
+    def __len__(self) -> int:
+        """One piece."""
+        return 1
+
+    @property
+    def radius(self) -> float:
+        """Radius [mm]; 0 for a line."""
+        return abs(self.start - self.centre) if self.sweep else 0.0
+
+    @property
+    def length(self) -> float:
+        """Its length [mm]."""
+        return abs(self.sweep) * self.radius if self.sweep else abs(self.end - self.start)
+
+    @property
+    def moment(self) -> float:
+        """Half the integral of x dy - y dx along it [mm^2]: its share in the area."""
+        chord = 0.5 * (self.start.conjugate() * self.end).imag
+        return chord + 0.5 * self.radius**2 * (self.sweep - math.sin(self.sweep))
+
+    def reversed(self) -> Self:
+        """The same, run the other way."""
+        return type(self)(self.end, self.start, -self.sweep, self.centre)
+
+    def between(self, start: complex, end: complex) -> Self:
+        """The same turn between `start` and `end` [mm]; the centre follows."""
+        if not self.sweep or abs(self.sweep) == 2.0 * math.pi:
+            return type(self)(start, end, self.sweep, self.centre)
+        # Half a chord times cot(sweep/2) left of the chord's middle; of tan's pole nothing is left.
+        cot = math.cos(0.5 * self.sweep) / math.sin(0.5 * self.sweep)
+        centre = 0.5 * (start + end) + 0.5j * (end - start) * cot
+        return type(self)(start, end, self.sweep, centre)
+
+    def halves(self) -> tuple[Self, Self]:
+        """The same in two equal parts."""
+        middle = 0.5 * (self.start + self.end)
+        if self.sweep:
+            arm = self.start - self.centre
+            middle = self.centre + arm * cmath.exp(0.5j * self.sweep)
+        half = 0.5 * self.sweep
+        return (
+            type(self)(self.start, middle, half, self.centre),
+            type(self)(middle, self.end, half, self.centre),
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class SplineContour:
+    """Closed chain of cubic splines and arcs, each beginning exactly where the last one ended.
+
+    Attributes
+    ----------
+    strands : in order; the last ends where the first begins.
+    """
+
+    strands: tuple[CubicSpline | Arc, ...]
+
+    def __len__(self) -> int:
+        """Number of pieces: cubics, arcs and lines."""
+        return sum(len(strand) for strand in self.strands)
+
+    @property
+    def splines(self) -> tuple[CubicSpline, ...]:
+        """The splines among the strands."""
+        return tuple(each for each in self.strands if isinstance(each, CubicSpline))
+
+    @property
+    def arcs(self) -> tuple[Arc, ...]:
+        """The arcs and lines among the strands."""
+        return tuple(each for each in self.strands if isinstance(each, Arc))
+
+    @property
+    def area(self) -> float:
+        """Enclosed area [mm^2], positive if the contour runs counter-clockwise."""
+        return math.fsum(strand.moment for strand in self.strands)
+
+    @property
+    def length(self) -> float:
+        """Length of the whole contour [mm]."""
+        return math.fsum(strand.length for strand in self.strands)
+
+    @property
+    def reach(self) -> float:
+        """Bound of the distance of its points from the cam axis [mm]."""
+        reaches = [
+            float(np.max(np.abs(strand.controls)))
+            if isinstance(strand, CubicSpline)
+            else max(abs(strand.start), abs(strand.end), abs(strand.centre) + strand.radius)
+            for strand in self.strands
+        ]
+        return max(reaches)
+
+    def reversed(self) -> Self:
+        """The same outline run in the other direction."""
+        return type(self)(tuple(strand.reversed() for strand in self.strands[::-1]))
+
+    def counter_clockwise(self) -> Self:
+        """The same outline, run counter-clockwise."""
+        return self if self.area >= 0.0 else self.reversed()
+
+
+@dataclass(frozen=True, slots=True)
+class SplineFit:
+    """A spline contour and its proof; `deviation`, `tolerance` as of `camgeo.contour.fit.Fit`."""
+
+    contour: SplineContour
+    deviation: float
+    tolerance: float
