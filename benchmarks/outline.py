@@ -58,7 +58,7 @@ import numpy as np
 import shapely
 from scipy.spatial import KDTree
 
-from camgeo.contour.arcs import fit_arcs
+from camgeo.contour.arcs.fast import fit_arcs
 from camgeo.curve.curvature import curvature_extremes
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.curve.working_curve import WorkingCurve

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from camgeo.contour.contour import Contour
+from camgeo.contour.spline import SplineContour
 from camgeo.part.part import Boundary
 from camgeo_export.errors import FileError
 
@@ -11,7 +14,9 @@ LOOSE = 1e-3
 enough to cost nothing, and the areas of nested boundaries differ by more."""
 
 
-def deviation(contours: list[Contour], boundaries: tuple[Boundary, ...]) -> float:
+def deviation(
+    contours: Sequence[Contour | SplineContour], boundaries: tuple[Boundary, ...]
+) -> float:
     """Proved bound [mm] of the distance between the `contours` of a file and the `boundaries`.
 
     Boundaries of a part lie inside each other, so the order of their areas tells them apart. A
@@ -21,10 +26,17 @@ def deviation(contours: list[Contour], boundaries: tuple[Boundary, ...]) -> floa
     if len(contours) != len(boundaries):
         names = ", ".join(boundary.name for boundary in boundaries)
         raise FileError(f"{len(contours)} closed contours, expected {len(boundaries)}: {names}")
-    loose = LOOSE * max(float(abs(contour.vertices).max()) for contour in contours)
+    loose = LOOSE * max(reach_of(contour) for contour in contours)
     found = sorted(
         (contour.counter_clockwise() for contour in contours), key=lambda contour: contour.area
     )
-    wanted = sorted(boundaries, key=lambda boundary: boundary.polyline(loose).contour.area)
+    wanted = sorted(boundaries, key=lambda boundary: boundary.polyline(loose, "fast").contour.area)
     pairs = zip(wanted, found, strict=True)
     return max(boundary.deviation(contour) for boundary, contour in pairs)
+
+
+def reach_of(contour: Contour | SplineContour) -> float:
+    """Largest distance of its vertices, or of its control points, from the cam axis [mm]."""
+    if isinstance(contour, SplineContour):
+        return contour.reach
+    return float(abs(contour.vertices).max())

@@ -12,7 +12,7 @@ from hypothesis import assume, given, reject, settings
 from hypothesis import strategies as st
 from scipy.optimize import brentq
 
-from camgeo.contour.arcs import fit_arcs
+from camgeo.contour.arcs.fast import fit_arcs
 from camgeo.contour.contour import Contour
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.curve.working_curve import WorkingCurve

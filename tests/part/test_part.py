@@ -147,7 +147,7 @@ def test_undercut_is_no_part() -> None:
 
 @pytest.mark.parametrize("name", [("setzhub", -1), ("schnitt", -1), ("groove", 1)], ids=str)
 def test_extreme_radii(name: tuple[str, int]) -> None:
-    from camgeo.contour.arcs import fit_arcs
+    from camgeo.contour.arcs.fast import fit_arcs
 
     contour = fit_arcs(whole(flank(*name)), 0.01).contour
     radii = np.abs(outline(contour).dense(50_000))

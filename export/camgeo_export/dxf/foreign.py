@@ -1,7 +1,8 @@
 """Reader of closed contours from any DXF drawing, by whatever program it was written.
 
-Lines, arcs, circles and polylines with bulges count; pieces that lie open are chained at their end
-points. What has no exact form in lines and arcs is refused rather than approximated.
+Lines, arcs, circles, polylines with bulges and, for those who take curves, polynomial splines of
+degree 1 to 3 count; pieces that lie open are chained at their end points. What has no exact form in
+these is refused rather than approximated.
 """
 
 from __future__ import annotations
@@ -14,8 +15,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from camgeo.contour.contour import Contour
+from camgeo.contour.spline import Arc, CubicSpline
 from camgeo.units import MM_PER, LengthUnit
 from camgeo_export.chain import chain
+from camgeo_export.dxf.curves import Curve, closed, spline_of
 from camgeo_export.errors import FileError
 
 MM_PER_INSUNIT = {1: 25.4, 2: 304.8, 4: 1.0, 5: 10.0, 6: 1000.0}
@@ -84,11 +87,20 @@ class Item:
 
 @dataclass(frozen=True, slots=True)
 class Strand:
-    """Pieces from end to end: vertices, one more than sweeps [rad] if it is open."""
+    """Pieces from end to end: vertices, one more than sweeps [rad] if it is open.
+
+    `splines` has the curve of each piece that is one; it then has no sweep.
+    """
 
     item: Item
     vertices: list[complex]
     sweeps: list[float]
+    splines: list[CubicSpline | None]
+
+    @classmethod
+    def of(cls, item: Item, vertices: list[complex], sweeps: list[float]) -> Strand:
+        """Of lines and arcs."""
+        return cls(item, vertices, sweeps, [None] * len(sweeps))
 
     @property
     def closed(self) -> bool:
@@ -97,7 +109,9 @@ class Strand:
 
     def reversed(self) -> Strand:
         """The same, run the other way."""
-        return Strand(self.item, self.vertices[::-1], [-sweep for sweep in self.sweeps[::-1]])
+        splines = [None if each is None else each.reversed() for each in self.splines[::-1]]
+        sweeps = [-sweep for sweep in self.sweeps[::-1]]
+        return Strand(self.item, self.vertices[::-1], sweeps, splines)
 
 
 class ForeignDxfReader:
@@ -123,16 +137,40 @@ class ForeignDxfReader:
             With name and line, if the file is no DXF, its unit is unknown, an entity is no line or
             arc, or pieces do not close to contours.
         """
-        header, items = _read(data, name)
-        scale = _scale(header, unit, name)
-        chosen = _on_layer(items, layer, name)
-        strands = [strand for item in chosen for strand in _strands(item, scale)]
-        closed = [strand for strand in strands if strand.closed]
-        closed += _chained([strand for strand in strands if not strand.closed], gap)
-        if not closed:
-            raise FileError(f"{name}: no contour found; read are {', '.join(READ)}")
-        contours = [_contour(strand) for strand in closed]
+        contours = [_contour(strand) for strand in _closed(data, name, layer, unit, gap, READ)]
         return tuple(sorted(contours, key=lambda contour: -contour.area))
+
+    def read_curves(
+        self, data: bytes, name: str, *, layer: str | None, unit: LengthUnit | None, gap: float
+    ) -> tuple[Curve, ...]:
+        """As `read`, but SPLINE entities of degree 1 to 3 are read too.
+
+        A contour with splines becomes a `SplineContour`. Where two ends lie apart, by `gap` at
+        most, one is moved to the other: that of an arc or line to that of a spline.
+        """
+        strands = _closed(data, name, layer, unit, gap, (*READ, "SPLINE"))
+        contours = [_curve(strand) for strand in strands]
+        return tuple(sorted(contours, key=lambda contour: -contour.area))
+
+
+def _closed(
+    data: bytes,
+    name: str,
+    layer: str | None,
+    unit: LengthUnit | None,
+    gap: float,
+    kinds: tuple[str, ...],
+) -> list[Strand]:
+    """The closed strands of the entities of `kinds`."""
+    header, items = _read(data, name)
+    scale = _scale(header, unit, name)
+    chosen = _on_layer(items, layer, name, kinds)
+    strands = [strand for item in chosen for strand in _strands(item, scale)]
+    found = [strand for strand in strands if strand.closed]
+    found += _chained([strand for strand in strands if not strand.closed], gap)
+    if not found:
+        raise FileError(f"{name}: no contour found; read are {', '.join(kinds)}")
+    return found
 
 
 def _number(tag: Tag, name: str) -> float:
@@ -210,16 +248,18 @@ def _scale(header: dict[str, Tag], unit: LengthUnit | None, name: str) -> float:
     return MM_PER_INSUNIT[code]
 
 
-def _on_layer(items: list[Item], layer: str | None, name: str) -> list[Item]:
+def _on_layer(
+    items: list[Item], layer: str | None, name: str, kinds: tuple[str, ...]
+) -> list[Item]:
     layers = sorted({item.layer for item in items})
     if layer is not None and layer not in layers:
         raise FileError(f"{name}: has no layer {layer!r}; there are {', '.join(layers)}")
     wanted = layer if layer is not None else CUT if CUT in layers else None
     chosen = [item for item in items if wanted is None or item.layer == wanted]
     for item in chosen:
-        if item.kind in REFUSED:
-            raise item.fault(f"is no line or arc; read are {', '.join(READ)}")
-    return [item for item in chosen if item.kind in READ]
+        if item.kind in REFUSED and item.kind not in kinds:
+            raise item.fault(f"is no line or arc; read are {', '.join(kinds)}")
+    return [item for item in chosen if item.kind in kinds]
 
 
 def _strands(item: Item, scale: float) -> Iterator[Strand]:
@@ -227,12 +267,15 @@ def _strands(item: Item, scale: float) -> Iterator[Strand]:
     if item.kind == "LINE":
         start, end = (complex(item.number(x), item.number(x + 10)) * scale for x in (10, 11))
         if start != end:
-            yield Strand(item, [start, end], [0.0])
+            yield Strand.of(item, [start, end], [0.0])
+        return
+    if item.kind == "SPLINE":
+        yield _spline(item, scale)
         return
     strand = _arc(item, scale) if item.kind in ("ARC", "CIRCLE") else _polyline(item, scale)
     if item.mirrored:
         vertices = [-vertex.conjugate() for vertex in strand.vertices]
-        strand = Strand(item, vertices, [-sweep for sweep in strand.sweeps])
+        strand = Strand.of(item, vertices, [-sweep for sweep in strand.sweeps])
     if strand.sweeps:
         yield strand
 
@@ -243,13 +286,22 @@ def _arc(item: Item, scale: float) -> Strand:
     if radius <= 0.0:
         raise item.fault("has no radius above 0")
     if item.kind == "CIRCLE":
-        return Strand(item, [centre + radius, centre - radius], [math.pi, math.pi])
+        return Strand.of(item, [centre + radius, centre - radius], [math.pi, math.pi])
     first, last = math.radians(item.number(50)), math.radians(item.number(51))
     sweep = (last - first) % (2.0 * math.pi) or 2.0 * math.pi
     if sweep == 2.0 * math.pi:
-        return Strand(item, [centre + radius, centre - radius], [math.pi, math.pi])
+        return Strand.of(item, [centre + radius, centre - radius], [math.pi, math.pi])
     ends = [centre + radius * complex(math.cos(a), math.sin(a)) for a in (first, first + sweep)]
-    return Strand(item, ends, [sweep])
+    return Strand.of(item, ends, [sweep])
+
+
+def _spline(item: Item, scale: float) -> Strand:
+    numbers = [(tag.code, _number(tag, item.name)) for tag in item.tags if 10 <= tag.code < 80]
+    try:
+        spline = spline_of(numbers, scale)
+    except FileError as error:
+        raise item.fault(str(error)) from None
+    return Strand(item, [spline.start, spline.end], [0.0], [spline])
 
 
 def _polyline(item: Item, scale: float) -> Strand:
@@ -275,7 +327,7 @@ def _polyline(item: Item, scale: float) -> Strand:
     else:
         points, sweeps = _without_repeats([*points, *points[:1]], sweeps)
         points = points[:-1]
-    return Strand(item, points, sweeps)
+    return Strand.of(item, points, sweeps)
 
 
 def _without_repeats(
@@ -296,6 +348,7 @@ def _chained(strands: list[Strand], gap: float) -> list[Strand]:
         start = min(left)
         vertices: list[complex] = []
         sweeps: list[float] = []
+        splines: list[CubicSpline | None] = []
         end = 2 * start  # where the next strand is entered
         while end // 2 in left:
             left.remove(end // 2)
@@ -303,8 +356,9 @@ def _chained(strands: list[Strand], gap: float) -> list[Strand]:
             run = strand if end % 2 == 0 else strand.reversed()
             vertices += run.vertices[:-1]
             sweeps += run.sweeps
+            splines += run.splines
             end = partner[end ^ 1]
-        found.append(Strand(strands[start].item, vertices, sweeps))
+        found.append(Strand(strands[start].item, vertices, sweeps, splines))
     return found
 
 
@@ -341,6 +395,22 @@ def _contour(strand: Strand) -> Contour:
     if contour.area == 0.0:
         raise strand.item.fault("encloses no area")
     return contour.counter_clockwise()
+
+
+def _curve(strand: Strand) -> Curve:
+    if all(spline is None for spline in strand.splines):
+        return _contour(strand)
+    ends = [*strand.vertices[1:], strand.vertices[0]]
+    pieces = zip(strand.vertices, ends, strand.sweeps, strand.splines, strict=True)
+    curve = closed(
+        [
+            Arc(start, end, sweep, 0j).between(start, end) if spline is None else spline
+            for start, end, sweep, spline in pieces
+        ]
+    )
+    if curve.area == 0.0:
+        raise strand.item.fault("encloses no area")
+    return curve.counter_clockwise()
 
 
 READER = ForeignDxfReader()

@@ -8,13 +8,16 @@ from camgeo_export.dxf.reader import DxfFile, read
 from camgeo_export.errors import FileError
 from camgeo_export.matching import deviation
 
-KINDS = {
-    "CUT": "LWPOLYLINE",
-    "PITCH_CURVE": "LWPOLYLINE",
-    "BASE_CIRCLE": "CIRCLE",
-    "CENTRE": "LINE",
+KINDS: dict[str, tuple[str, ...]] = {
+    "CUT": ("LWPOLYLINE",),
+    "PITCH_CURVE": ("LWPOLYLINE",),
+    "BASE_CIRCLE": ("CIRCLE",),
+    "CENTRE": ("LINE",),
 }
 """What each layer holds; anything else does not belong into the drawing."""
+
+SPLINE_KINDS = ("LWPOLYLINE", "SPLINE", "ARC", "LINE")
+"""What layer CUT holds where splines are drawn."""
 
 MEASUREMENT = {"mm": "1", "inch": "0"}
 
@@ -26,7 +29,7 @@ def measure(product: Product, data: bytes) -> float:
     """
     drawing = read(data)
     _check(drawing, product)
-    cut = deviation(drawing.contours("CUT"), product.part.boundaries)
+    cut = deviation(drawing.curves("CUT"), product.part.boundaries)
     if not product.dxf.auxiliary:
         return cut
     pitch = drawing.contours("PITCH_CURVE")
@@ -42,9 +45,11 @@ def measure(product: Product, data: bytes) -> float:
 
 
 def _check(drawing: DxfFile, product: Product) -> None:
-    kinds = KINDS if product.dxf.auxiliary else {"CUT": "LWPOLYLINE"}
+    kinds = dict(KINDS) if product.dxf.auxiliary else {"CUT": KINDS["CUT"]}
+    if product.dxf.entity == "spline":
+        kinds["CUT"] = SPLINE_KINDS
     for entity in drawing.entities:
-        if kinds.get(entity.layer) != entity.kind:
+        if entity.kind not in kinds.get(entity.layer, ()):
             raise FileError(f"{entity.kind} on layer {entity.layer} is not part of the drawing")
     if drawing.mm_per_unit != MM_PER[product.unit]:
         raise FileError(f"$INSUNITS does not say {product.unit}")

@@ -1,4 +1,6 @@
-"""Reader of our DXF drawings: group codes, closed polylines and circles, nothing else."""
+"""Reader of our DXF drawings: group codes, closed polylines and circles, and what closes to
+contours of splines, arcs and lines. Nothing else.
+"""
 
 from __future__ import annotations
 
@@ -10,6 +12,7 @@ import numpy as np
 
 from camgeo.contour.contour import Contour
 from camgeo_export.chain import chain
+from camgeo_export.dxf.curves import Curve, Strand, arc_of, in_order, line_of, spline_of
 from camgeo_export.errors import FileError
 
 Tag = tuple[int, str]
@@ -19,6 +22,13 @@ MM_PER_INSUNIT = {1: 25.4, 4: 1.0}
 
 CLOSED = 1
 """Bit of group 70 of a closed LWPOLYLINE."""
+
+STRANDS = ("SPLINE", "ARC", "LINE")
+"""Entities that follow each other round a contour."""
+
+JOINED = 1e-12
+"""Ends that are nearer than this share of the drawing's reach are the same, written as an angle and
+as a point."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,6 +74,17 @@ class DxfFile:
             for entity in self.entities
             if entity.kind == "LWPOLYLINE" and entity.layer == layer
         ]
+
+    def curves(self, layer: str) -> list[Curve]:
+        """The closed contours of `layer` [mm]: polylines, and splines with arcs and lines between.
+
+        Raises FileError if one is open.
+        """
+        scale = self.mm_per_unit
+        chosen = [e for e in self.entities if e.kind in STRANDS and e.layer == layer]
+        strands = [_strand(entity, scale) for entity in chosen]
+        reach = max((abs(strand.start) for strand in strands), default=0.0)
+        return [*self.contours(layer), *in_order(strands, JOINED * reach, layer)]
 
     def circles(self, layer: str) -> list[tuple[complex, float]]:
         """Centres and radii [mm] of the circles of `layer`."""
@@ -127,6 +148,21 @@ def _entities(tags: list[Tag]) -> tuple[Entity, ...]:
         layer = next((value for code, value in body if code == 8), "0")
         entities.append(Entity(tags[start][1], layer, body))
     return tuple(entities)
+
+
+def _strand(entity: Entity, scale: float) -> Strand:
+    if not all(math.isfinite(float(value)) for code, value in entity.tags if 10 <= code < 60):
+        raise FileError(f"{entity.kind} with a value that is not finite on layer {entity.layer}")
+    if entity.kind == "SPLINE":
+        numbers = [(code, float(value)) for code, value in entity.tags if 10 <= code < 80]
+        try:
+            return spline_of(numbers, scale)
+        except FileError as error:
+            raise FileError(f"SPLINE on layer {entity.layer} {error}") from None
+    first = complex(entity.number(10), entity.number(20)) * scale
+    if entity.kind == "LINE":
+        return line_of(first, complex(entity.number(11), entity.number(21)) * scale)
+    return arc_of(first, entity.number(40) * scale, entity.number(50), entity.number(51))
 
 
 def _contour(entity: Entity, scale: float) -> Contour:

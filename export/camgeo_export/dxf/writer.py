@@ -1,11 +1,14 @@
-"""DXF: the part's boundaries as closed polylines with bulges, at true size.
+"""DXF: the part's boundaries as closed polylines with bulges or as splines, at true size.
 
-R2010, one LWPOLYLINE a boundary on layer CUT. The pitch curve, the base circle and the mark of the
+R2010, one LWPOLYLINE a boundary on layer CUT. As splines a curved boundary is a chain of SPLINE
+entities, cubic with knots and control points, and of an ARC or LINE each where it is one by nature;
+the pitch curve stays a polyline. The pitch curve, the base circle and the mark of the
 cam axis stand on layers of their own, so that a shop can drop them. No text, no dimensions.
 """
 
 from __future__ import annotations
 
+import cmath
 import io
 import math
 from collections.abc import Iterator
@@ -17,9 +20,14 @@ from ezdxf.filemanagement import new
 from ezdxf.layouts.layout import Modelspace
 
 from camgeo.contour.contour import Contour
+from camgeo.contour.cubics.lines_and_arcs import lines_and_arcs
+from camgeo.contour.spline import CubicSpline, SplineContour
 from camgeo.files.product import Product, Written
+from camgeo.part.part import Boundary
 from camgeo.units import MM_PER, LengthUnit
+from camgeo_export.dxf.curves import Curve
 from camgeo_export.dxf.measure import measure
+from camgeo_export.matching import reach_of
 
 INSUNITS: dict[LengthUnit, int] = {"mm": 4, "inch": 1}
 MEASUREMENT: dict[LengthUnit, int] = {"mm": 1, "inch": 0}
@@ -27,12 +35,15 @@ MEASUREMENT: dict[LengthUnit, int] = {"mm": 1, "inch": 0}
 LAYERS = {"CUT": 7, "PITCH_CURVE": 3, "BASE_CIRCLE": 5, "CENTRE": 1}
 """Layers with their colour numbers."""
 
-FIT_SHARE = 0.9
+FIT_SHARE = 0.98
 """Share of the tolerance that the fit may use; the rest is for rounding to the nearest double and
 for the slack of the bound with which the file is measured."""
 
 POLYLINE_SHARES = (0.6, 0.3)
 """Shares of the fit and of its chords, where a fit of arcs is to be drawn by straight pieces."""
+
+PLANAR = 8
+"""Bit of group 70 of a SPLINE that lies in a plane."""
 
 MARK_SHARE = 0.1
 """Half length of the centre mark, as a share of the base radius."""
@@ -48,10 +59,7 @@ class DxfWriter:
         """The drawing, in the unit of the product; all of it within `tolerance` [mm]."""
         straight = product.dxf.entity == "polyline"
         share = FIT_SHARE * tolerance
-        cut = [
-            (boundary.polyline(share) if straight else boundary.arcs(share)).contour.split(math.pi)
-            for boundary in product.part.boundaries
-        ]
+        cut = [_cut(boundary, product, share) for boundary in product.part.boundaries]
         pitch = _pitch(product, tolerance, straight) if product.dxf.auxiliary else None
         # ezdxf stamps time and random identifiers on a file at its making and at its writing
         with _fixed_metadata():
@@ -62,18 +70,37 @@ class DxfWriter:
             _draw(space, product, cut, pitch)
             stream = io.StringIO()
             document.write(stream)
-        arcs = sum(contour.arc_count for contour in cut)
-        pieces = sum(len(contour) for contour in cut)
-        facts: dict[str, int | float | str] = {
-            "boundaries": len(cut),
-            "arcs": arcs,
-            "lines": pieces - arcs,
-        }
-        return Written(stream.getvalue().encode(document.output_encoding), facts)
+        return Written(stream.getvalue().encode(document.output_encoding), _facts(product, cut))
 
     def measure(self, product: Product, data: bytes) -> float:
         """Read the drawing back, not with ezdxf, and measure it against the exact curves [mm]."""
         return measure(product, data)
+
+
+def _cut(boundary: Boundary, product: Product, share: float) -> Curve:
+    """A boundary as it is drawn; one without splines is a polyline."""
+    if product.dxf.entity == "spline":
+        curve = boundary.spline(share, product.effort).contour
+        return curve if curve.splines else lines_and_arcs(curve, share)[0].split(math.pi)
+    if product.dxf.entity == "polyline":
+        return boundary.polyline(share, product.effort).contour
+    return boundary.arcs(share, product.effort).contour.split(math.pi)
+
+
+def _facts(product: Product, cut: list[Curve]) -> dict[str, int | float | str]:
+    """How many entities and pieces of each kind layer CUT holds."""
+    splines = [
+        spline for curve in cut if isinstance(curve, SplineContour) for spline in curve.splines
+    ]
+    singles = [arc for curve in cut if isinstance(curve, SplineContour) for arc in curve.arcs]
+    polylines = [curve for curve in cut if isinstance(curve, Contour)]
+    bent = sum(1 for arc in singles if arc.sweep)
+    arcs = bent + sum(polyline.arc_count for polyline in polylines)
+    lines = len(singles) - bent + sum(len(each) - each.arc_count for each in polylines)
+    facts: dict[str, int | float | str] = {"boundaries": len(cut)}
+    if product.dxf.entity == "spline":
+        facts |= {"splines": len(splines), "cubics": sum(len(spline) for spline in splines)}
+    return facts | {"arcs": arcs, "lines": lines}
 
 
 def _pitch(product: Product, tolerance: float, straight: bool) -> Contour:
@@ -103,18 +130,21 @@ def _describe(document: Drawing, product: Product, tolerance: float) -> None:
     properties.append("tolerance mm", repr(tolerance))
 
 
-def _draw(space: Modelspace, product: Product, cut: list[Contour], pitch: Contour | None) -> None:
+def _draw(space: Modelspace, product: Product, cut: list[Curve], pitch: Contour | None) -> None:
     scale = MM_PER[product.unit]
     for name, colour in LAYERS.items():
         if name == "CUT" or pitch is not None:
             space.doc.layers.add(name, color=colour)
     for contour in cut:
-        _polyline(space, contour, scale, "CUT")
+        if isinstance(contour, SplineContour):
+            _strands(space, contour, scale, "CUT")
+        else:
+            _polyline(space, contour, scale, "CUT")
     drawn = cut
     if pitch is not None:
         drawn = [*cut, pitch]
         _auxiliary(space, product, pitch, scale)
-    reach = max(float(abs(contour.vertices).max()) for contour in drawn) / scale
+    reach = max(reach_of(contour) for contour in drawn) / scale
     space.reset_extents((-reach, -reach, 0.0), (reach, reach, 0.0))
 
 
@@ -135,6 +165,29 @@ def _polyline(space: Modelspace, contour: Contour, scale: float, layer: str) -> 
     bulges = (contour.bulges + 0.0).tolist()
     points = list(zip(x, y, bulges, strict=True))
     space.add_lwpolyline(points, format="xyb", close=True, dxfattribs={"layer": layer})
+
+
+def _strands(space: Modelspace, contour: SplineContour, scale: float, layer: str) -> None:
+    for strand in contour.strands:
+        attributes = {"layer": layer}
+        if isinstance(strand, CubicSpline):
+            points = [_xy(point, scale) for point in strand.controls.tolist()]
+            spline = space.add_open_spline(
+                points, degree=3, knots=strand.knots.tolist(), dxfattribs=attributes
+            )
+            spline.dxf.flags = PLANAR  # ezdxf puts it to 0 at the making
+        elif strand.sweep:
+            ends = (strand.start, strand.end) if strand.sweep > 0.0 else (strand.end, strand.start)
+            first, last = (math.degrees(cmath.phase(end - strand.centre)) for end in ends)
+            centre, radius = _xy(strand.centre, scale), strand.radius / scale
+            space.add_arc(centre, radius, first + 0.0, last + 0.0, dxfattribs=attributes)
+        else:
+            space.add_line(_xy(strand.start, scale), _xy(strand.end, scale), dxfattribs=attributes)
+
+
+def _xy(point: complex, scale: float) -> tuple[float, float]:
+    # + 0.0 turns -0.0 into 0.0
+    return point.real / scale + 0.0, point.imag / scale + 0.0
 
 
 WRITER = DxfWriter()

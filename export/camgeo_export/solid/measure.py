@@ -40,7 +40,7 @@ def measure(product: Product, vertices: FloatArray, triangles: IntArray) -> floa
     largest = 0.0
     for height, (exact, boundaries) in zip(heights, wanted, strict=True):
         level = triangles[flat & (corners[:, 0, 2] == height)]
-        contours = [_contour(vertices[loop]) for loop in _loops(level)]
+        contours = [_contour(vertices[loop]) for loop in border_loops(level)]
         largest = max(largest, abs(height - exact), deviation(contours, boundaries))
     return largest
 
@@ -66,7 +66,7 @@ def _check_upright(corners: FloatArray) -> None:
         raise FileError("the mesh has a wall that is not upright")
 
 
-def _loops(triangles: IntArray) -> list[list[int]]:
+def border_loops(triangles: IntArray) -> list[list[int]]:
     """Closed chains of the edges that belong to one of `triangles` (m, 3) only."""
     start = triangles.reshape(-1).tolist()
     end = np.roll(triangles, -1, axis=1).reshape(-1).tolist()

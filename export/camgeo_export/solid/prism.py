@@ -16,7 +16,7 @@ from camgeo.errors import ToleranceError
 from camgeo.numeric.arrays import ComplexArray, FloatArray, IntArray
 from camgeo.part.part import Boundary, Part
 
-FIT_SHARE = 0.9
+FIT_SHARE = 0.98
 """Share of the tolerance that the chords may use; the rest is for the rounding of the file and for
 the slack of the bound with which it is measured."""
 

@@ -1,0 +1,138 @@
+"""Strands of contours from the numbers of DXF entities, and their joining to closed contours."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from itertools import pairwise
+
+import numpy as np
+
+from camgeo.contour.contour import Contour
+from camgeo.contour.spline import Arc, CubicSpline, SplineContour
+from camgeo.errors import GeometryError
+from camgeo_export.chain import chain
+from camgeo_export.errors import FileError
+
+Strand = CubicSpline | Arc
+Curve = Contour | SplineContour
+
+SPLINE_KEYS = {"degree": 71, "knots": 72, "controls": 73}
+"""Group codes of the numbers that a SPLINE must state."""
+
+RATIONAL = 1e-12
+"""Weights that differ by a larger share make a spline rational."""
+
+
+def arc_of(centre: complex, radius: float, first: float, last: float) -> Arc:
+    """The ARC about `centre` from the angle `first` to `last` [degrees], counter-clockwise."""
+    sweep = (math.radians(last) - math.radians(first)) % (2.0 * math.pi) or 2.0 * math.pi
+    start, end = (centre + radius * _unit(angle) for angle in (first, last))
+    return Arc(start, end, sweep, centre)
+
+
+def _unit(degrees: float) -> complex:
+    return complex(math.cos(math.radians(degrees)), math.sin(math.radians(degrees)))
+
+
+def line_of(start: complex, end: complex) -> Arc:
+    """The LINE between two points."""
+    return Arc(start, end, 0.0, 0j)
+
+
+def spline_of(tags: Sequence[tuple[int, float]], scale: float) -> CubicSpline:
+    """The SPLINE of the group codes `tags` with their values, `scale` [mm] a unit.
+
+    Control points stand in the axes of the drawing, whatever the extrusion is.
+
+    Raises
+    ------
+    FileError
+        If it is rational, of degree 4 or more, not flat, or has no control points.
+    """
+
+    def all_of(code: int) -> list[float]:
+        return [value for group, value in tags if group == code]
+
+    stated = {name: all_of(code) for name, code in SPLINE_KEYS.items()}
+    knots, weights = all_of(40), all_of(41)
+    x, y, z = all_of(10), all_of(20), all_of(30)
+    if not x:
+        raise FileError("has no control points, only points to be fitted through")
+    if not stated["degree"]:
+        raise FileError("states no degree (group 71)")
+    if stated["knots"] not in ([], [float(len(knots))]):
+        raise FileError(f"has {len(knots)} knots, not as many as it states")
+    if stated["controls"] not in ([], [float(len(x))]) or len(y) != len(x):
+        raise FileError(f"has {len(x)} control points, not as many as it states")
+    if weights and max(weights) - min(weights) > RATIONAL * max(map(abs, weights)):
+        raise FileError("is rational: its weights differ; only polynomial splines are read")
+    if z and max(z) != min(z):
+        raise FileError("does not lie in the plane of the drawing")
+    controls = (np.array(x) + 1j * np.array(y)) * scale
+    degree = stated["degree"][0]
+    if degree not in (1.0, 2.0, 3.0):
+        raise FileError(f"is of degree {degree:g}; splines of degree 1 to 3 are read")
+    try:
+        return CubicSpline.of(int(degree), np.array(knots), controls)
+    except GeometryError as error:
+        raise FileError(f"is no spline: {error}") from None
+
+
+def closed(strands: Sequence[Strand]) -> Curve:
+    """The closed contour of strands end to end, within gaps that the caller has seen to.
+
+    Where two ends differ, arcs and lines give way to splines, and a strand to the one after it. A
+    contour without splines is one of lines and arcs.
+    """
+    starts = []
+    for before, strand in zip((strands[-1], *strands[:-1]), strands, strict=True):
+        given_way = isinstance(before, CubicSpline) and isinstance(strand, Arc)
+        starts.append(before.end if given_way else strand.start)
+    arcs = [strand for strand in strands if isinstance(strand, Arc)]
+    if len(arcs) == len(strands):
+        return chain(np.array(starts), np.array([arc.sweep for arc in arcs]))
+    ends = [*starts[1:], starts[0]]
+    return SplineContour(
+        tuple(
+            strand.between(start, end)
+            for strand, start, end in zip(strands, starts, ends, strict=True)
+        )
+    )
+
+
+def in_order(strands: Sequence[Strand], gap: float, layer: str) -> list[Curve]:
+    """The closed contours of strands that follow each other as they are drawn, ends within `gap`.
+
+    An arc may be drawn against the way of its contour; its neighbours tell. Raises FileError if one
+    is left open.
+    """
+    contours: list[Curve] = []
+    run: list[Strand] = []
+    for strand, after in pairwise((*strands, None)):
+        assert strand is not None
+        if not run:
+            run = [strand if after is None or _meets(strand, after, gap) else strand.reversed()]
+        elif abs(run[-1].end - strand.start) <= gap:
+            run.append(strand)
+        else:
+            run.append(strand.reversed())
+        if len(run) > 1 and abs(run[-2].end - run[-1].start) > gap:
+            raise FileError(f"open contour on layer {layer}: {_place(run[-2].end)} ends free")
+        if abs(run[-1].end - run[0].start) <= gap:
+            contours.append(closed(run))
+            run = []
+    if run:
+        raise FileError(f"open contour on layer {layer}: {_place(run[-1].end)} ends free")
+    return contours
+
+
+def _meets(strand: Strand, after: Strand, gap: float) -> bool:
+    """Whether `strand` ends where `after` begins or ends; one that closes alone stays as it is."""
+    if abs(strand.end - strand.start) <= gap:
+        return True
+    return min(abs(strand.end - after.start), abs(strand.end - after.end)) <= gap
+
+
+def _place(point: complex) -> str:
+    return f"({point.real:.6g}, {point.imag:.6g}) mm"
