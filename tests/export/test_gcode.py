@@ -268,6 +268,97 @@ def test_a_machine_may_be_a_file(tmp_path: Path) -> None:
     assert WRITER.measure(product, written.data) <= 0.01
 
 
+def profile(tmp_path: Path, **changes: str) -> StubProduct:
+    """A product for LinuxCNC with other lines in its profile, by the key they begin with."""
+    text = (Path(machines.__file__).parents[1] / "machines" / "linuxcnc.toml").read_text()
+    for key, line in changes.items():
+        text, count = re.subn(rf"^(# )?{key} = .*$", line, text, flags=re.MULTILINE)
+        assert count == 1
+    file = tmp_path / "mill.toml"
+    file.write_text(text)
+    return StubProduct(gcode=GcodeSpec(machine=str(file)))
+
+
+@pytest.mark.parametrize("degrees", [120, 90, 10])
+def test_arcs_are_divided_as_the_machine_wants(tmp_path: Path, degrees: int) -> None:
+    product = profile(tmp_path, largest_sweep=f"largest_sweep = {degrees}")
+    written = WRITER.write(product, 0.001)
+    program = read(written.data.decode())
+    sweeps = [abs(math.degrees(move.sweep)) for move in program.moves if move.kind == "arc"]
+    # A printed end point moves by 0.71 steps, on arcs of 0.7 mm radius at least.
+    assert max(sweeps) <= degrees + math.degrees(1.42e-4 / 0.7)
+    _, whole = program_of(StubProduct(), 0.001)
+    turned = sum(abs(move.sweep) for move in whole.moves)
+    assert math.radians(sum(sweeps)) == pytest.approx(turned, abs=1e-3 * len(sweeps))
+    assert 0.0005 < WRITER.measure(product, written.data) <= 0.001
+
+
+def test_a_machine_that_says_nothing_divides_at_half_a_turn(tmp_path: Path) -> None:
+    said = profile(tmp_path, largest_sweep="largest_sweep = 180")
+    blocks = [line for line in WRITER.write(said, 0.001).data.splitlines() if line[:1] != b"("]
+    silent = WRITER.write(StubProduct(), 0.001).data.splitlines()
+    assert blocks == [line for line in silent if line[:1] != b"("]
+
+
+def test_the_controllers_own_arcs_count(tmp_path: Path) -> None:
+    product = profile(tmp_path, interpolation="interpolation = 0.002")
+    written = WRITER.write(product, 0.01)
+    assert 0.005 < WRITER.measure(product, written.data) <= 0.01
+    assert written.facts["controller_arcs_mm"] == 0.002
+    assert b"(arcs run within 0.002 mm)" in written.data
+    # The same program on a machine whose arcs are exact.
+    exact = replace(product, gcode=GcodeSpec())
+    assert WRITER.measure(exact, written.data) == pytest.approx(
+        WRITER.measure(product, written.data) - 0.002
+    )
+    with pytest.raises(ToleranceError, match="no share is left"):
+        WRITER.write(product, 0.002)
+
+
+def test_the_machining_time_is_told(tmp_path: Path) -> None:
+    facts = WRITER.write(StubProduct(), 0.001).facts
+    # Two passes round the bore of 7 mm and the outline of 35 mm at 5 mm/s; plunges from Z 5 to -4
+    # and to -8 at 5/3 mm/s; quarter circles of 2.8 and 3.5 mm into each pass and out of it.
+    rounds = 2.0 * 2.0 * math.pi * (7.0 + 35.0) / 5.0
+    plunges = 2.0 * (9.0 + 13.0) / (5.0 / 3.0)
+    leads = 2.0 * 2.0 * 0.5 * math.pi * (2.8 + 3.5) / 5.0
+    least = rounds + plunges + leads
+    # Eight traverses of 13 mm at most and 43 mm once, with 30 mm/s and 0.06 s to get there.
+    assert least < float(facts["machining_time_s"]) < least + (8 * 13 + 43) / 30.0 + 9 * 0.06
+    lazy = profile(tmp_path, acceleration="acceleration = 1.0")
+    assert float(WRITER.write(lazy, 0.001).facts["machining_time_s"]) > 1.1 * least
+
+
+def test_a_profile_without_dynamics_tells_no_time(tmp_path: Path) -> None:
+    source = Path(machines.__file__).parents[1] / "machines" / "linuxcnc.toml"
+    text = source.read_text()
+    file = tmp_path / "mill.toml"
+    file.write_text(text[: text.index("[dynamics]")])
+    spec = GcodeSpec(machine=str(file))
+    assert WRITER.dynamics(spec) is None
+    assert "machining_time_s" not in WRITER.write(StubProduct(gcode=spec), 0.001).facts
+    known = WRITER.dynamics(GcodeSpec())
+    assert known is not None
+    assert known.acceleration == 508.0
+
+
+@pytest.mark.parametrize(
+    ("key", "line", "message"),
+    [
+        ("largest_sweep", "largest_sweep = 181", "above 0, at most 180 degrees"),
+        ("largest_sweep", "largest_sweep = 0", "above 0, at most 180 degrees"),
+        ("acceleration", "acceleration = 0", "dynamics.acceleration = 0.0: must be above 0"),
+        ("rapid_feed", "rapid_feed = 0", "must be above 0"),
+        ("rapid_feed", "", "dynamics.rapid_feed: missing"),
+        ("interpolation", "interpolation = -1", "not negative"),
+    ],
+)
+def test_numbers_that_no_machine_has(tmp_path: Path, key: str, line: str, message: str) -> None:
+    product = profile(tmp_path, **{key: line})
+    with pytest.raises(SceneError, match=re.escape(message)):
+        WRITER.write(product, 0.01)
+
+
 def test_unknown_machines_name_the_known() -> None:
     with pytest.raises(SceneError, match=r"allowed: linuxcnc.*did you mean linuxcnc"):
         machines.load("linuxnc")

@@ -11,6 +11,7 @@ import math
 from dataclasses import dataclass, field
 
 from camgeo.errors import ToleranceError
+from camgeo.toolpath.machining_time import arc_sweep
 from camgeo.toolpath.moves import ArcFeed, Feed, Move, Rapid
 from camgeo_export.gcode.budget import Budget
 from camgeo_export.gcode.machine import ArcLimits
@@ -126,7 +127,7 @@ class Speller:
         centre = complex(*move.centre)
         arm = self._exact - centre
         radius = abs(arm)
-        sweep = _sweep(arm, end - centre, move.ccw)
+        sweep = arc_sweep(arm, end - centre, ccw=move.ccw)
         feed = self._feed_word(move.feed)
         straight = _sagitta(radius, sweep) <= self.budget.chord
         if straight or not self.limits.smallest_radius <= radius <= self.limits.largest_radius:
@@ -182,15 +183,6 @@ class Speller:
             self._feed = feed
             block += feed
         self.blocks.append(block)
-
-
-def _sweep(start: complex, end: complex, ccw: bool) -> float:
-    """Signed angle [rad] from arm `start` to arm `end`, which is at most half a turn that way."""
-    turn = cmath.phase(end / start) * (1.0 if ccw else -1.0)
-    if turn < -0.5 * math.pi:
-        turn += 2.0 * math.pi
-    turn = max(turn, 0.0)
-    return turn if ccw else -turn
 
 
 def _sagitta(radius: float, sweep: float) -> float:

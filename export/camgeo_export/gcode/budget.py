@@ -39,6 +39,7 @@ class Budget:
     chord : largest sagitta of an arc that is written as chords.
     blending : the P of path blending, 0 for the exact path.
     fit : what is left for the cutter path's lines and arcs.
+    interpolation : how far the controller's own path leaves an arc.
     """
 
     tolerance: float
@@ -47,6 +48,7 @@ class Budget:
     chord: float
     blending: float
     fit: float
+    interpolation: float = 0.0
 
 
 def budget(machine: Machine, unit: LengthUnit, tolerance: float) -> Budget:
@@ -65,7 +67,8 @@ def budget(machine: Machine, unit: LengthUnit, tolerance: float) -> Budget:
         blending = 0.0
     # rounded down to what is printed
     blending = math.floor(blending / MM_PER[unit] / step + 1e-9) * step * MM_PER[unit]
-    fit = tolerance * (1.0 - PROOF_SHARE) - rounding - chord - blending
+    interpolation = machine.arcs.interpolation
+    fit = tolerance * (1.0 - PROOF_SHARE) - rounding - chord - blending - interpolation
     if fit <= 0.0:
         raise ToleranceError("no share is left for the fit", tolerance, tolerance - fit)
-    return Budget(tolerance, decimals, rounding, chord, blending, fit)
+    return Budget(tolerance, decimals, rounding, chord, blending, fit, interpolation)

@@ -3,17 +3,22 @@
 from __future__ import annotations
 
 import difflib
+import math
 import tomllib
-from dataclasses import dataclass, fields, is_dataclass
+from dataclasses import MISSING, dataclass, fields, is_dataclass
 from importlib.resources import files
 from pathlib import Path
-from typing import Any, get_type_hints
+from typing import Any, get_args, get_type_hints
 
 from camgeo.errors import Fault, SceneError
+from camgeo.toolpath.machining_time import Dynamics
 from camgeo.units import LengthUnit
 
 KEY = "output.gcode.machine"
 """Key of the scene that names the profile."""
+
+LARGEST_SWEEP = 180.0
+"""No arc of a program exceeds half a turn [degrees]: controllers grow strict beyond."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,11 +54,20 @@ class ArcLimits:
     ----------
     smallest_radius, largest_radius : arcs beyond are written as chords.
     radius_tolerance : largest difference of an arc's radii at its two ends.
+    largest_sweep : [degrees] in (0, 180]; larger arcs are divided.
+    interpolation : how far the path that the controller runs leaves the arc.
     """
 
     smallest_radius: float
     largest_radius: float
     radius_tolerance: float
+    largest_sweep: float = 180.0
+    interpolation: float = 0.0
+
+    @property
+    def largest_turn(self) -> float:
+        """`largest_sweep` [rad]."""
+        return math.radians(self.largest_sweep)
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,7 +88,10 @@ class Blending:
 
 @dataclass(frozen=True, slots=True)
 class Machine:
-    """One controller; its blocks are written with {unit}, {tool} and {speed} filled in."""
+    """One controller; its blocks are written with {unit}, {tool} and {speed} filled in.
+
+    `dynamics` is None where a profile does not tell it: then there is no machining time.
+    """
 
     name: str
     preamble: tuple[str, ...]
@@ -86,6 +103,7 @@ class Machine:
     decimals: Decimals
     arcs: ArcLimits
     blending: Blending
+    dynamics: Dynamics | None = None
 
     def unit_word(self, unit: LengthUnit) -> str:
         """Word that switches to `unit`."""
@@ -133,16 +151,33 @@ def parse(text: str, file: str) -> Machine:
         raise SceneError([Fault("", "", f"not TOML: {error}")], file) from None
     faults: list[Fault] = []
     machine = _build(Machine, table, "", faults)
+    if not faults:
+        faults = _out_of_range(machine)
     if faults:
         raise SceneError(faults, file)
     checked: Machine = machine
     return checked
 
 
+def _out_of_range(machine: Machine) -> list[Fault]:
+    """Numbers that no machine has."""
+    faults = []
+    sweep = machine.arcs.largest_sweep
+    if not 0.0 < sweep <= LARGEST_SWEEP:
+        message = f"must be an angle above 0, at most {LARGEST_SWEEP:g} degrees"
+        faults.append(Fault("arcs.largest_sweep", repr(sweep), message))
+    for key in fields(Dynamics) if machine.dynamics else ():
+        value = getattr(machine.dynamics, key.name)
+        if value <= 0.0:
+            faults.append(Fault(f"dynamics.{key.name}", repr(value), "must be above 0"))
+    return faults
+
+
 def _build(kind: Any, table: dict[str, Any], path: str, faults: list[Fault]) -> Any:
     """An object of the dataclass `kind` from a TOML table; what is wrong goes to `faults`."""
     hints = get_type_hints(kind)
     expected = [field.name for field in fields(kind)]
+    optional = {field.name for field in fields(kind) if field.default is not MISSING}
     for key, given in table.items():
         if key not in expected:
             near = difflib.get_close_matches(key, expected, 1)
@@ -152,12 +187,14 @@ def _build(kind: Any, table: dict[str, Any], path: str, faults: list[Fault]) -> 
     for key in expected:
         if key in table:
             values[key] = _value(hints[key], table[key], path + key, faults)
-        else:
+        elif key not in optional:
             faults.append(Fault(path + key, "", "missing"))
-    return kind(**values) if len(values) == len(expected) else None
+    return kind(**values) if values.keys() | optional >= set(expected) else None
 
 
 def _value(kind: Any, given: Any, path: str, faults: list[Fault]) -> Any:
+    if type(None) in get_args(kind):  # a table that may be left out
+        kind = get_args(kind)[0]
     if is_dataclass(kind):
         if isinstance(given, dict):
             return _build(kind, given, path + ".", faults)

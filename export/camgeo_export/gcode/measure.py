@@ -10,7 +10,9 @@ from camgeo_export.gcode.reader import Loop, Program, read
 
 
 def measure(product: Product, data: bytes) -> float:
-    """Largest proved deviation [mm] of the cutter from its exact path, path blending included.
+    """Largest proved deviation [mm] of the cutter from its exact path.
+
+    Path blending counts, and how far the controller's own path leaves an arc.
 
     Raises FileError if the program is incomplete, unsafe or in the wrong unit.
     """
@@ -27,7 +29,9 @@ def measure(product: Product, data: bytes) -> float:
         loop.mismatch + product.toolpath_deviation(loop.operation, loop.contour.counter_clockwise())
         for loop in loops
     )
-    return path + program.blending + program.naive_cam
+    arcs = any(move.kind == "arc" for move in program.moves)
+    own = limits.interpolation if arcs else 0.0
+    return path + program.blending + program.naive_cam + own
 
 
 def _check_complete(product: Product, program: Program, loops: list[Loop]) -> None:

@@ -2,17 +2,25 @@
 
 from __future__ import annotations
 
+import cmath
+import math
 import textwrap
+from collections.abc import Iterator
+from dataclasses import replace
 
 from camgeo.errors import Fault, SceneError
 from camgeo.files.product import Product, Written
-from camgeo.toolpath.moves import Operation, Rapid, Toolpath
+from camgeo.toolpath.machining_time import Dynamics, arc_sweep, toolpath_time
+from camgeo.toolpath.moves import ArcFeed, Move, Operation, Rapid, Toolpath
 from camgeo.toolpath.spec import GcodeSpec
 from camgeo.units import MM_PER
 from camgeo_export.gcode.blocks import Grid, Speller, number
 from camgeo_export.gcode.budget import Budget, budget
 from camgeo_export.gcode.machine import CommentStyle, Machine, load
 from camgeo_export.gcode.measure import measure
+
+ROUNDED = 1e-12
+"""An arc that exceeds the largest one by this share of it is one of it, rounded."""
 
 
 class GcodeWriter:
@@ -25,7 +33,7 @@ class GcodeWriter:
         """The program, in the product's unit; path blending counts against `tolerance` [mm]."""
         machine = load(spec(product).machine)
         shares = budget(machine, product.unit, tolerance)
-        toolpath = product.toolpath(shares.fit)
+        toolpath = _divided(product.toolpath(shares.fit), machine.arcs.largest_turn)
         grid = Grid(shares.decimals, MM_PER[product.unit])
         speller = Speller(grid, shares, machine.arcs)
         lines = _head(product, machine, shares, toolpath)
@@ -52,7 +60,15 @@ class GcodeWriter:
             "budget_chords_mm": _short(shares.chord),
             "path_blending_mm": _short(shares.blending),
         }
+        if shares.interpolation > 0.0:
+            facts["controller_arcs_mm"] = _short(shares.interpolation)
+        if machine.dynamics is not None:
+            facts["machining_time_s"] = round(toolpath_time(toolpath, machine.dynamics), 1)
         return Written("".join(line + "\n" for line in lines).encode("ascii"), facts)
+
+    def dynamics(self, gcode: GcodeSpec) -> Dynamics | None:
+        """What the machine that `gcode` names can do; None if its profile does not tell it."""
+        return load(gcode.machine).dynamics
 
     def measure(self, product: Product, data: bytes) -> float:
         """Run the program in an interpreter of our own and measure the cutter path [mm]."""
@@ -84,6 +100,7 @@ def _head(product: Product, machine: Machine, shares: Budget, toolpath: Toolpath
         f"tolerance {shares.tolerance!r} mm",
         f"fit within {shares.fit:.4g} mm, printed within {shares.rounding:.4g} mm",
         f"chords within {shares.chord:.4g} mm, path blending {shares.blending:.4g} mm",
+        f"arcs run within {shares.interpolation:.4g} mm" if shares.interpolation > 0.0 else "",
         f"tool {toolpath.tool_number}: end mill, diameter {number(toolpath.tool_diameter)} mm",
     )
     return [line for part in parts if part for line in comment(part, machine.comment)]
@@ -102,6 +119,33 @@ def _frame(product: Product, machine: Machine, shares: Budget, toolpath: Toolpat
         blending = machine.blending.on.format(p=printed)
     blocks = (*machine.preamble, blending, *machine.tool_change, *machine.spindle_on)
     return [block.format(**words) for block in blocks]
+
+
+def _divided(toolpath: Toolpath, largest: float) -> Toolpath:
+    """The same with each arc cut into equal parts of at most `largest` [rad]."""
+
+    def moves(operation: Operation) -> Iterator[Move]:
+        at = operation.moves[0].end
+        for move in operation.moves:
+            if isinstance(move, ArcFeed):
+                yield from _parts(complex(at[0], at[1]), move, largest)
+            else:
+                yield move
+            at = move.end
+
+    operations = [replace(each, moves=tuple(moves(each))) for each in toolpath.operations]
+    return replace(toolpath, operations=tuple(operations))
+
+
+def _parts(start: complex, move: ArcFeed, largest: float) -> Iterator[ArcFeed]:
+    centre = complex(*move.centre)
+    arm = start - centre
+    sweep = arc_sweep(arm, complex(move.end[0], move.end[1]) - centre, ccw=move.ccw)
+    count = max(1, math.ceil(abs(sweep) / largest - ROUNDED))
+    for part in range(1, count):
+        point = centre + arm * cmath.exp(1j * sweep * part / count)
+        yield replace(move, end=(point.real, point.imag, move.end[2]))
+    yield move
 
 
 def _blocks(speller: Speller, operation: Operation) -> list[str]:
