@@ -15,7 +15,18 @@ from camgeo.errors import CamgeoError, GeometryError, UndercutError
 INTERRUPTED = 130
 """Exit code after Ctrl-C, as shells count it."""
 
-COMMANDS = ("new", "check", "build", "table", "plot", "replay", "laws", "stability")
+COMMANDS = (
+    "new",
+    "check",
+    "build",
+    "verify",
+    "table",
+    "plot",
+    "replay",
+    "laws",
+    "accuracy",
+    "stability",
+)
 """Modules of `camgeo.cli`, in the order of the help."""
 
 

@@ -26,7 +26,9 @@ SCENES = Path(__file__).parents[2] / "fixtures" / "scenes"
 
 SETZHUB = str(SCENES / "setzhub.toml")
 
-NAMES = ("new", "check", "build", "table", "plot", "replay", "laws", "stability")
+NAMES = (
+    "new", "check", "build", "verify", "table", "plot", "replay", "accuracy", "laws", "stability",
+)  # fmt: skip
 
 Capture = pytest.CaptureFixture[str]
 

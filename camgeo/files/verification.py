@@ -1,0 +1,210 @@
+"""What the verification of a file says: checks, each with its value and its limit, and a verdict.
+
+Verifiers register as entry points of the group ``camgeo.verifiers``; the entry point's name is the
+ending of the files that it reads, without the dot, and it loads an object that is a `Verifier`.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any, Final, Protocol
+
+from camgeo.files.product import Product
+from camgeo.units import LengthUnit
+
+KIND: Final = "camgeo verification"
+"""By this a verification is told from any other JSON file."""
+
+
+@dataclass(frozen=True, slots=True)
+class Check:
+    """One thing that was looked at.
+
+    Attributes
+    ----------
+    name : what was looked at, e.g. "deviation".
+    of : of which boundary or operation; empty for the whole file.
+    value : what was found; None if it cannot be told.
+    expected : what it should be; None if only `limit` bounds it.
+    limit : largest value, or largest difference from `expected`; None if it must be equal.
+    unit : of the numbers, or empty.
+    ok : whether it passes; None for what is only told.
+    note : a sentence or a place, or empty.
+    """
+
+    name: str
+    of: str = ""
+    value: float | str | None = None
+    expected: float | str | None = None
+    limit: float | None = None
+    unit: str = ""
+    ok: bool | None = None
+    note: str = ""
+
+    def record(self) -> dict[str, Any]:
+        """As data; what is empty is left out."""
+        fields = {
+            "of": self.of,
+            "value": self.value,
+            "expected": self.expected,
+            "limit": self.limit,
+            "unit": self.unit,
+        }
+        kept = {key: value for key, value in fields.items() if value not in ("", None)}
+        end = {"note": self.note} if self.note else {}
+        return {"name": self.name, **kept, "ok": self.ok, **end}
+
+
+def at_most(
+    name: str, value: float, limit: float, unit: str, of: str = "", note: str = ""
+) -> Check:
+    """The check that `value` does not exceed `limit`; NaN and infinity do, and are not told."""
+    kept = value if math.isfinite(value) else None
+    return Check(name, of, kept, None, limit, unit, value <= limit, note)
+
+
+def near(
+    name: str, value: float, expected: float, limit: float, unit: str, of: str = "", note: str = ""
+) -> Check:
+    """The check that `value` is `expected`, give or take `limit`."""
+    return Check(name, of, value, expected, limit, unit, abs(value - expected) <= limit, note)
+
+
+def equal(
+    name: str, value: float | str, expected: float | str, of: str = "", note: str = ""
+) -> Check:
+    """The check that `value` is `expected`; the note tells what it means if it is not."""
+    ok = value == expected
+    return Check(name, of, value, expected, None, "", ok, "" if ok else note)
+
+
+def told(name: str, value: float | str, unit: str = "", of: str = "", note: str = "") -> Check:
+    """A figure that nothing is asked of."""
+    return Check(name, of, value, None, None, unit, None, note)
+
+
+def failed(name: str, note: str, of: str = "") -> Check:
+    """What could not even be measured, and why."""
+    return Check(name, of, ok=False, note=note)
+
+
+@dataclass(frozen=True, slots=True)
+class Origin:
+    """What a file says of itself.
+
+    Attributes
+    ----------
+    ours : whether it says that camgeo wrote it.
+    scene : SHA-256 of the scene that it names, or the first digits of it; empty if it names none.
+    tolerance : [mm] that it names, or None.
+    damage : why it cannot be read at all, or empty.
+    """
+
+    ours: bool = False
+    scene: str = ""
+    tolerance: float | None = None
+    damage: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Reading:
+    """How a file is to be read.
+
+    Attributes
+    ----------
+    name : of the file, for messages.
+    ours : whether camgeo wrote it; then all that our writer puts into it must be there.
+    layer : of a drawing, whose entities are read; None for CUT if there is one, else for all.
+    unit : of the file if it does not say one; None where the person has not said it either.
+    """
+
+    name: str
+    ours: bool
+    layer: str | None = None
+    unit: LengthUnit | None = None
+
+
+class Verifier(Protocol):
+    """Reads one format and holds it against a design."""
+
+    @property
+    def format(self) -> str:
+        """Name of the format."""
+
+    def origin(self, data: bytes) -> Origin:
+        """What the file says of itself; raises nothing."""
+
+    def checks(
+        self, product: Product, data: bytes, reading: Reading, tolerance: float
+    ) -> tuple[Check, ...]:
+        """All that is looked at, against `tolerance` [mm]; what cannot be measured has failed."""
+
+
+@dataclass(frozen=True, slots=True)
+class Verdict:
+    """One file with all that was looked at.
+
+    Attributes
+    ----------
+    file : its name.
+    format : name of its format.
+    sha256 : of its bytes, hexadecimal.
+    size : in bytes.
+    scene : name and SHA-256 of the scene that it was held against; empty if it was not measured.
+    tolerance : [mm] that it was held to, and who says it; None if it was not measured.
+    checks : in the order to be told.
+    """
+
+    file: str
+    format: str
+    sha256: str
+    size: int
+    scene: tuple[str, str]
+    tolerance: tuple[float, str] | None
+    checks: tuple[Check, ...]
+
+    @property
+    def passed(self) -> bool:
+        """True if nothing fails."""
+        return all(check.ok is not False for check in self.checks)
+
+    @property
+    def measured(self) -> bool:
+        """True if it was held against its scene."""
+        return self.tolerance is not None
+
+    @property
+    def deviation(self) -> float | None:
+        """Largest proved deviation [mm]; None if one could not be proved, or there is none."""
+        found = [check.value for check in self.checks if check.name == "deviation"]
+        numbers = [value for value in found if isinstance(value, float)]
+        return max(numbers) if numbers and len(numbers) == len(found) else None
+
+    def record(self) -> dict[str, Any]:
+        """As data."""
+        record: dict[str, Any] = {
+            "file": self.file,
+            "format": self.format,
+            "sha256": self.sha256,
+            "bytes": self.size,
+        }
+        if self.tolerance is not None:
+            name, sha256 = self.scene
+            record["scene"] = {"name": name, "sha256": sha256}
+            record["tolerance_mm"], record["tolerance_from"] = self.tolerance
+            record["deviation_mm"] = self.deviation
+        return record | {
+            "passed": self.passed,
+            "checks": [check.record() for check in self.checks],
+        }
+
+
+def document(version: str, verdicts: tuple[Verdict, ...]) -> dict[str, Any]:
+    """All verdicts as data: what the certificate holds and what `--json` prints."""
+    return {
+        "kind": KIND,
+        "camgeo": version,
+        "passed": all(verdict.passed for verdict in verdicts),
+        "files": [verdict.record() for verdict in verdicts],
+    }

@@ -1,0 +1,277 @@
+"""Files held against their certificate and their scene."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Callable
+from dataclasses import dataclass
+from importlib.metadata import entry_points
+from pathlib import Path
+from typing import Final
+
+from camgeo.errors import CamgeoError, Fault, SceneError
+from camgeo.files.certificate import Certificate, certificate_in
+from camgeo.files.product import Product
+from camgeo.files.transaction import write_set
+from camgeo.files.verification import (
+    KIND,
+    Check,
+    Origin,
+    Reading,
+    Verdict,
+    Verifier,
+    document,
+    equal,
+    failed,
+    told,
+)
+from camgeo.files.write import CERTIFICATE
+from camgeo.units import LengthUnit
+
+GROUP: Final = "camgeo.verifiers"
+
+VERIFICATION: Final = "verification.json"
+"""Name of the file that a verification is written to, if no other is asked for."""
+
+SHORT: Final = 16
+"""Digits of a hash that are told."""
+
+
+@dataclass(frozen=True, slots=True)
+class Wanted:
+    """What the person asks for.
+
+    Attributes
+    ----------
+    tolerance : [mm], or None for what the files, their certificate or the scene say.
+    layer, unit : as of `Reading`.
+    """
+
+    tolerance: float | None = None
+    layer: str | None = None
+    unit: LengthUnit | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Against:
+    """A design that files are held against.
+
+    Attributes
+    ----------
+    product : the design.
+    tolerance : of its scene [mm].
+    """
+
+    product: Product
+    tolerance: float
+
+
+Scenes = Callable[[Path, str], Against]
+"""Folder of a file, and the hash of its scene, or the first digits of it, or nothing -> the design;
+raises SceneError if it is not found."""
+
+
+def endings() -> tuple[str, ...]:
+    """Endings of the files that can be verified, sorted, with their dots."""
+    return tuple(f".{name}" for name in sorted(entry_points(group=GROUP).names))
+
+
+def files_in(folder: Path) -> tuple[Path, ...]:
+    """The files of `folder` that can be verified, and those that its certificate names, sorted."""
+    known = endings()
+    found = {path for path in folder.iterdir() if path.suffix.lower() in known and path.is_file()}
+    certificate = certificate_in(folder)
+    named = certificate.names if certificate is not None else ()
+    return tuple(sorted(found | {folder / name for name in named if Path(name).name == name}))
+
+
+def verify_files(paths: tuple[Path, ...], scenes: Scenes, wanted: Wanted) -> tuple[Verdict, ...]:
+    """One verdict a file.
+
+    Raises
+    ------
+    SceneError
+        If a file is of a format that cannot be read, or its scene is not found or wrong.
+    """
+    verifiers = {path: _verifier(path) for path in paths}
+    certificates = {folder: certificate_in(folder) for folder in {path.parent for path in paths}}
+    return tuple(
+        _verdict(path, verifiers[path], certificates[path.parent], scenes, wanted) for path in paths
+    )
+
+
+def _verifier(path: Path) -> Verifier | None:
+    """The verifier of a file; None if there is none for its ending."""
+    found = entry_points(group=GROUP, name=path.suffix.lower().removeprefix("."))
+    if not found:
+        return None
+    verifier: Verifier = next(iter(found)).load()
+    return verifier
+
+
+def _verdict(
+    path: Path,
+    verifier: Verifier | None,
+    certificate: Certificate | None,
+    scenes: Scenes,
+    wanted: Wanted,
+) -> Verdict:
+    certified = certificate is not None and certificate.sha256(path.name) != ""
+    if verifier is None and not certified:
+        allowed = ", ".join(endings())
+        message = f"the name must end in one of {allowed}, or {CERTIFICATE} beside it name the file"
+        message = message if path.exists() else "there is no such file or folder"
+        raise SceneError([Fault("FILE", str(path), message)])
+    kind = path.suffix.removeprefix(".").lower() if verifier is None else verifier.format
+    try:
+        data = path.read_bytes()
+    except OSError as error:
+        reason = error.strerror or str(error)
+        if not (certified and isinstance(error, FileNotFoundError)):
+            fault = Fault("FILE", str(path), f"cannot be read: {reason}")
+            raise SceneError([fault]) from error
+        missing = failed("file", f"{CERTIFICATE} names it, but it is not there")
+        return Verdict(path.name, kind, "", 0, ("", ""), None, (missing,))
+    sha256 = hashlib.sha256(data).hexdigest()
+    checks = [_bytes(path.name, sha256, certificate)]
+
+    def without_scene() -> Verdict:
+        return Verdict(path.name, kind, sha256, len(data), ("", ""), None, tuple(checks))
+
+    if verifier is None:
+        return without_scene()
+    origin = verifier.origin(data)
+    if origin.damage:
+        checks.append(failed("file", origin.damage))
+        return without_scene()
+    named = origin.scene
+    if certificate is not None and (not named or certificate.scene.startswith(named)):
+        named = certificate.scene  # the whole of it, where the file has its first digits only
+    against = scenes(path.parent, named)
+    product = against.product
+    checks += _scene(product, origin, certificate)
+    tolerance = _tolerance(path.name, wanted, origin, certificate, against)
+    if origin.tolerance is not None and certificate is not None:
+        certain = certificate.tolerance(path.name)
+        if certain is not None:
+            note = f"the file names another tolerance than {CERTIFICATE}"
+            checks.append(equal("tolerance", origin.tolerance, certain, note=note))
+    reading = Reading(path.name, origin.ours, wanted.layer, wanted.unit)
+    try:
+        checks += verifier.checks(product, data, reading, tolerance[0])
+    except CamgeoError as error:
+        checks.append(failed("deviation", str(error)))
+    scene = (product.name, product.scene_hash)
+    return Verdict(path.name, kind, sha256, len(data), scene, tolerance, tuple(checks))
+
+
+def _bytes(name: str, sha256: str, certificate: Certificate | None) -> Check:
+    """The file's bytes against its certificate."""
+    if certificate is None:
+        note = f"no {CERTIFICATE} beside the file: only what it draws is judged"
+        return told("sha256", sha256[:SHORT], note=note)
+    if certificate.damage:
+        return failed("sha256", f"{CERTIFICATE} {certificate.damage}")
+    certain = certificate.sha256(name)
+    if not certain:
+        note = f"{CERTIFICATE} does not name the file: only what it draws is judged"
+        return told("sha256", sha256[:SHORT], note=note)
+    ok = sha256 == certain
+    note = "" if ok else f"the file is not the one that {CERTIFICATE} is of: it was changed"
+    return Check("sha256", "", sha256[:SHORT], certain[:SHORT], ok=ok, note=note)
+
+
+def _scene(product: Product, origin: Origin, certificate: Certificate | None) -> list[Check]:
+    """The scene that the file is held against, against those that file and certificate name."""
+    present = product.scene_hash
+    checks = []
+    if origin.scene:
+        digits = present[: len(origin.scene)]
+        note = "the file was made from another scene, or another state of it"
+        ok = origin.scene == digits
+        checks.append(
+            Check("scene", "", digits[:SHORT], origin.scene[:SHORT], ok=ok, note="" if ok else note)
+        )
+    elif origin.ours:
+        checks.append(failed("scene", "the file names no scene"))
+    else:
+        checks.append(told("scene", present[:SHORT], note="not of camgeo: it is only measured"))
+    if certificate is None or certificate.damage:
+        return checks
+    if certificate.scene != present:
+        note = f"{CERTIFICATE} is of another scene, or of another state of it"
+        checks.append(failed("scene", note, "certificate"))
+    elif dict(certificate.scene_files) != product.scene_files:
+        note = f"a file that the scene reads is not the one that {CERTIFICATE} names"
+        checks.append(failed("scene", note, "data"))
+    return checks
+
+
+def _tolerance(
+    name: str,
+    wanted: Wanted,
+    origin: Origin,
+    certificate: Certificate | None,
+    against: Against,
+) -> tuple[float, str]:
+    """The tolerance to hold the file to [mm], and who says it."""
+    certain = None if certificate is None else certificate.tolerance(name)
+    said = (
+        (wanted.tolerance, "--tolerance"),
+        (origin.tolerance, "the file"),
+        (certain, CERTIFICATE),
+    )
+    return next(
+        ((value, who) for value, who in said if value is not None),
+        (against.tolerance, "the scene"),
+    )
+
+
+def write_verification(
+    path: Path, version: str, verdicts: tuple[Verdict, ...], *, force: bool
+) -> Path:
+    """Write the verdicts to `path`, over an earlier verification of camgeo's at most.
+
+    Raises
+    ------
+    OutputError
+        If something else stands there and `force` is not given, or on any error of the disk; then
+        nothing was changed.
+    """
+    text = json.dumps(document(version, verdicts), indent=2, allow_nan=False) + "\n"
+    replace = force or _is_verification(path)
+    (written,) = write_set(path.parent, {path.name: text.encode()}, force=replace)
+    return written
+
+
+def _is_verification(path: Path) -> bool:
+    try:
+        found = json.loads(path.read_bytes())
+    except (OSError, ValueError):
+        return False
+    return isinstance(found, dict) and found.get("kind") == KIND
+
+
+def scene_file(folders: tuple[Path, ...], sha256: str) -> Path:
+    """The TOML file with this SHA-256, or these first digits of it, in one of `folders`.
+
+    Raises
+    ------
+    SceneError
+        If there is none.
+    """
+    if sha256:
+        for folder in dict.fromkeys(folder.resolve() for folder in folders):
+            for path in sorted(folder.glob("*.toml")):
+                try:
+                    digest = hashlib.sha256(path.read_bytes()).hexdigest()
+                except OSError:
+                    continue
+                if digest.startswith(sha256):
+                    return path
+        places = "its folder, the folder above it and the present one"
+        message = f"no scene with SHA-256 {sha256[:SHORT]}... in {places}; name it with --scene"
+    else:
+        message = "the file names no scene; name the one to hold it against with --scene"
+    raise SceneError([Fault("", "", message)])

@@ -1,0 +1,196 @@
+"""Verification of drawings: of ours, and of any that a CAD program wrote."""
+
+from __future__ import annotations
+
+import math
+
+from camgeo.contour.contour import Contour
+from camgeo.contour.exact import distance_between
+from camgeo.errors import CamgeoError, GeometryError
+from camgeo.files.product import Product
+from camgeo.files.verification import Check, Origin, Reading, at_most, equal, failed, told
+from camgeo_export.dxf.foreign import READER
+from camgeo_export.dxf.reader import DxfFile, read
+from camgeo_export.errors import FileError
+from camgeo_export.verify.length import length_of
+from camgeo_export.verify.plane import AnyContour, contour_checks, matched
+from camgeo_export.verify.shapes import Shape, corners_of_contour, shapes_of
+
+HEAD_BYTES = 200_000
+"""Of a drawing, in which its header is."""
+
+OURS = ("CUT", "PITCH_CURVE", "BASE_CIRCLE", "CENTRE")
+"""Layers of our drawings; the last three only where auxiliary curves are drawn."""
+
+CURVES = ("LWPOLYLINE", "LINE", "ARC", "CIRCLE", "SPLINE")
+"""Entities of our drawings."""
+
+MM_NAMES = {1.0: "mm", 25.4: "inch", 304.8: "foot", 10.0: "cm", 1000.0: "m"}
+
+GAPS = (0.0, 1e-9, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1)
+"""Gaps [mm] with which the pieces of a drawing are tried to be joined, up to the tolerance."""
+
+
+ROUNDED = 1e-10
+"""How far the ends of our tangent pieces may be off their places, as a share of the base radius:
+arcs with a sagitta of 2e-12 of the extent are written as lines, which turns their ends by four
+times that over their length; rounding does less. Ten times as much is allowed."""
+
+
+class DxfVerifier:
+    """Verifies a DXF drawing."""
+
+    format = "dxf"
+
+    def origin(self, data: bytes) -> Origin:
+        """By the custom document properties."""
+        lines = [line.strip() for line in data[:HEAD_BYTES].decode("cp1252", "replace").split("\n")]
+        # 9, $CUSTOMPROPERTYTAG, 1, label, 9, $CUSTOMPROPERTY, 1, value
+        places = [k for k, line in enumerate(lines) if line == "$CUSTOMPROPERTYTAG"]
+        properties = {lines[k + 2]: lines[k + 6] for k in places if k + 6 < len(lines)}
+        ending = data.rstrip()[-3:]
+        damage = "" if ending == b"EOF" else "not a whole DXF file: no EOF at its end"
+        if data.startswith(b"AutoCAD Binary DXF"):
+            damage = "is a binary DXF; save it as text (ASCII)"
+        return Origin(
+            "camgeo" in properties,
+            properties.get("scene", ""),
+            length_of(properties.get("tolerance mm", "")),
+            damage,
+        )
+
+    def checks(
+        self, product: Product, data: bytes, reading: Reading, tolerance: float
+    ) -> tuple[Check, ...]:
+        """Unit, contents, and each closed contour against its boundary."""
+        try:
+            drawing = read(data)
+        except FileError as error:
+            return (failed("file", str(error)),)
+        checks = [_unit(drawing, product, reading)]
+        if reading.ours:
+            checks.append(_contents(drawing, product))
+        layer = "CUT" if reading.ours else reading.layer
+        try:
+            contours, gap = _contours(data, reading, layer, tolerance)
+        except CamgeoError as error:
+            return (*checks, failed("closure", str(error)))
+        checks.append(at_most("closure", gap, tolerance, "mm", note="largest gap between pieces"))
+        shapes = shapes_of(product.part.boundaries, product.base_radius, tolerance)
+        pairs, count = matched(contours, shapes)
+        checks.append(count)
+        tangent = reading.ours and product.dxf.entity != "polyline"
+        rounded = ROUNDED * product.base_radius if tangent else None
+        for shape, contour in pairs:
+            checks += contour_checks(shape, contour, tolerance, extra=gap, rounded=rounded)
+        if reading.ours and product.dxf.auxiliary:
+            checks += _auxiliary(product, data, reading, tolerance, rounded)
+            checks.append(_centre(drawing, tolerance))
+        return tuple(checks)
+
+
+def _unit(drawing: DxfFile, product: Product, reading: Reading) -> Check:
+    """The unit that the drawing says; of ours it must be the scene's."""
+    said = drawing.header.get("$INSUNITS", "0")
+    try:
+        name = MM_NAMES[drawing.mm_per_unit]
+    except (FileError, ValueError):
+        if reading.unit is not None and said == "0":
+            return told("unit", reading.unit, note="by --unit; the drawing does not say it")
+        return (
+            told("unit", f"$INSUNITS {said}")
+            if not reading.ours
+            else failed("unit", f"$INSUNITS is {said}, which is not {product.unit}")
+        )
+    if not reading.ours:
+        return told("unit", name)
+    measurement = {"mm": "1", "inch": "0"}[product.unit]
+    if drawing.header.get("$MEASUREMENT") != measurement:
+        return failed("unit", f"$MEASUREMENT does not say {product.unit}")
+    return equal("unit", name, product.unit, note=f"the scene is in {product.unit}")
+
+
+def _contents(drawing: DxfFile, product: Product) -> Check:
+    """Nothing but what our writer draws, and all of its layers."""
+    allowed = OURS if product.dxf.auxiliary else OURS[:1]
+    for entity in drawing.entities:
+        if entity.layer not in allowed or entity.kind not in CURVES:
+            note = f"{entity.kind} on layer {entity.layer} is not part of the drawing"
+            return failed("contents", note)
+    missing = [name for name in allowed if all(each.layer != name for each in drawing.entities)]
+    if missing:
+        return failed("contents", f"nothing on layer {', '.join(missing)}")
+    return Check("contents", "", f"{len(drawing.entities)} entities", ok=True)
+
+
+def _contours(
+    data: bytes, reading: Reading, layer: str | None, tolerance: float
+) -> tuple[tuple[AnyContour, ...], float]:
+    """The closed contours of `layer` [mm], and an upper bound of the gaps that were joined [mm]."""
+    gaps = [*(gap for gap in GAPS if gap < tolerance), tolerance]
+    for gap in gaps[:-1]:
+        try:
+            return _read(data, reading, layer, gap), gap
+        except FileError:
+            continue
+    return _read(data, reading, layer, gaps[-1]), gaps[-1]
+
+
+def _read(data: bytes, reading: Reading, layer: str | None, gap: float) -> tuple[AnyContour, ...]:
+    return READER.read_curves(data, reading.name, layer=layer, unit=reading.unit, gap=gap)
+
+
+def _auxiliary(
+    product: Product, data: bytes, reading: Reading, tolerance: float, rounded: float | None
+) -> list[Check]:
+    """The pitch curve and the base circle of our drawings."""
+    checks = []
+    try:
+        (pitch,) = _contours(data, reading, "PITCH_CURVE", tolerance)[0]
+        checks += contour_checks(_pitch(product), pitch, tolerance, rounded=rounded)
+    except (CamgeoError, ValueError) as error:
+        checks.append(failed("deviation", str(error), "pitch curve"))
+    try:
+        (circle,) = _contours(data, reading, "BASE_CIRCLE", tolerance)[0]
+        assert isinstance(circle, Contour)  # it is drawn as a circle
+        exact = Contour.circle(product.base_radius)
+        value = distance_between(exact, circle)
+        checks.append(at_most("deviation", value, tolerance, "mm", "base circle"))
+    except (CamgeoError, ValueError) as error:
+        checks.append(failed("deviation", str(error), "base circle"))
+    return checks
+
+
+def _centre(drawing: DxfFile, tolerance: float) -> Check:
+    """The mark of the cam axis: lines whose middles lie on it."""
+    lines = [each for each in drawing.entities if each.layer == "CENTRE" and each.kind == "LINE"]
+    try:
+        middles = [
+            complex(each.number(10) + each.number(11), each.number(20) + each.number(21))
+            for each in lines
+        ]
+        half = 0.5 * drawing.mm_per_unit
+    except (FileError, ValueError) as error:
+        return failed("deviation", str(error), "centre mark")
+    off = max((abs(middle) for middle in middles), default=math.inf)
+    return at_most("deviation", half * off, tolerance, "mm", "centre mark")
+
+
+def _pitch(product: Product) -> Shape:
+    """The pitch curve; its area is of no use to anyone."""
+
+    def deviation(contour: AnyContour) -> float:
+        if not isinstance(contour, Contour):
+            raise GeometryError("is drawn as a spline, which it never is by us")
+        return product.pitch_deviation(contour)
+
+    def polygon(within: float) -> Contour:
+        points = product.pitch_contour(0.5 * within).contour.points(0.5 * within)
+        return Contour(points, 0.0 * points.real, 0.0 * points)
+
+    contour = product.pitch_contour(1e-3 * product.base_radius).contour
+    corners = corners_of_contour(contour)
+    return Shape("pitch curve", deviation, polygon, corners, contour.length, None)
+
+
+VERIFIER = DxfVerifier()

@@ -1,0 +1,186 @@
+"""Verification of milling programs: of ours, and of others that keep to the words we read."""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass
+
+from camgeo.contour.contour import Contour
+from camgeo.contour.spline import SplineContour
+from camgeo.files.product import Product
+from camgeo.files.verification import Check, Origin, Reading, at_most, equal, failed, told
+from camgeo.toolpath.moves import Operation, Toolpath
+from camgeo_export.errors import FileError
+from camgeo_export.gcode.machine import load
+from camgeo_export.gcode.reader import Loop, Program, read
+from camgeo_export.verify.leads import lead_checks
+from camgeo_export.verify.length import length_of
+from camgeo_export.verify.plane import contour_checks
+from camgeo_export.verify.planned import has_leads, planned_contour
+from camgeo_export.verify.shapes import LOOSE, Shape, corners_of_contour
+
+COMMENT = re.compile(r"\(([^()]*)\)|;(.*)")
+
+HASH_DIGITS = 64
+
+NAMES = {1.0: "mm", 25.4: "inch"}
+
+
+class GcodeVerifier:
+    """Verifies a milling program."""
+
+    format = "gcode"
+
+    def origin(self, data: bytes) -> Origin:
+        """By the comments; a long hash may be wrapped over several of them."""
+        notes = [(a or b).strip() for a, b in COMMENT.findall(data.decode("ascii", "replace"))]
+        found = re.search(r"\bscene ((?:[0-9a-f]+ ?)+)", " ".join(notes))
+        scene = found.group(1).replace(" ", "")[:HASH_DIGITS] if found else ""
+        tolerances = [note.removeprefix("tolerance ") for note in notes if "tolerance " in note]
+        return Origin(
+            any(note.startswith("camgeo ") for note in notes),
+            scene,
+            length_of(tolerances[0]) if tolerances else None,
+        )
+
+    def checks(
+        self, product: Product, data: bytes, reading: Reading, tolerance: float
+    ) -> tuple[Check, ...]:
+        """Unit, safety, every operation at each depth, and each closed path against its own."""
+        if product.gcode is None:
+            note = "the scene has no [output.gcode] that the program could be held against"
+            return (failed("operations", note),)
+        try:
+            program = read(data.decode("ascii", "replace"))
+        except FileError as error:
+            hint = "" if reading.ours else "; only the words that our programs use are run"
+            return (failed("program", f"{error}{hint}"),)
+        checks = [_unit(program, product, reading)]
+        machine = load(product.gcode.machine)
+        limits = machine.arcs
+        height = product.gcode.safe_height if reading.ours else 0.0
+        try:
+            program.verify(height, limits.radius_tolerance)
+        except FileError as error:
+            checks.append(failed("safety", str(error)))
+        else:
+            checks.append(Check("safety", "", f"{len(program.moves)} moves", ok=True))
+        mismatch = max((move.mismatch for move in program.moves), default=0.0)
+        note = "radii of an arc at its two ends"
+        checks.append(at_most("arc ends", mismatch, limits.radius_tolerance, "mm", note=note))
+        blending = program.blending + program.naive_cam
+        note = "" if math.isfinite(blending) else "G64 without P bounds nothing"
+        checks.append(at_most("path blending", blending, tolerance, "mm", note=note))
+        arcs = any(move.kind == "arc" for move in program.moves)
+        extra = blending + (limits.interpolation if arcs else 0.0)
+        toolpath = product.toolpath(LOOSE * product.base_radius)
+        return (*checks, *_paths(product, program, toolpath, tolerance, extra))
+
+
+def _unit(program: Program, product: Product, reading: Reading) -> Check:
+    name = NAMES.get(program.mm_per_unit, "unknown")
+    if reading.ours:
+        return equal("unit", name, product.unit, note=f"the scene is in {product.unit}")
+    if reading.unit is not None:
+        return equal("unit", name, reading.unit, note="the program is not in the unit of --unit")
+    return told("unit", name)
+
+
+def _paths(
+    product: Product, program: Program, toolpath: Toolpath, tolerance: float, extra: float
+) -> list[Check]:
+    """Every operation runs its closed path at each of its depths, and no other."""
+    shapes = {each.name: _shape(product, each) for each in toolpath.operations}
+    loops = [(_owner(loop, shapes), loop) for loop in program.loops()]
+    checks: list[Check] = []
+    for operation in toolpath.operations:
+        own = [loop for name, loop in loops if name == operation.name]
+        checks.append(_passes(operation, own, max(program.step, tolerance)))
+        depths: dict[bytes, _Pass] = {}
+        for loop in own:
+            key = _key(loop.contour)
+            if key not in depths:
+                depths[key] = _Pass(loop.contour, [], 0.0)
+            depths[key].heights.append(loop.z)
+            depths[key].mismatch = max(depths[key].mismatch, loop.mismatch)
+        for each in depths.values():
+            where = f"Z {', '.join(f'{z:g}' for z in sorted(each.heights, reverse=True))}"
+            if len(each.heights) == len(own):
+                where = ""
+            checks += contour_checks(
+                shapes[operation.name],
+                each.contour,
+                tolerance,
+                extra=extra + each.mismatch,
+                where=where,
+            )
+            if all(loop.operation == operation.name for loop in own):  # it is one of ours
+                checks += lead_checks(
+                    program,
+                    operation.name,
+                    each.contour,
+                    each.heights,
+                    tolerance,
+                    wanted=has_leads(operation),
+                )
+    for name, loop in loops:
+        if name not in shapes:
+            note = f"a closed path at Z {loop.z:g} mm belongs to no operation of the part"
+            checks.append(failed("operations", note, name))
+    return checks
+
+
+@dataclass(slots=True)
+class _Pass:
+    """A closed path that is cut at several depths."""
+
+    contour: Contour
+    heights: list[float]
+    mismatch: float
+
+
+def _key(contour: Contour) -> bytes:
+    return contour.vertices.tobytes() + contour.sweeps.tobytes()
+
+
+def _passes(operation: Operation, loops: list[Loop], slack: float) -> Check:
+    """One closed path at each depth."""
+    heights = [loop.z for loop in loops]
+    missing = [depth for depth in operation.depths if all(abs(z - depth) > slack for z in heights)]
+    count = len(operation.depths)
+    found = f"{count - len(missing)} of {count}"
+    note = f"no closed path at Z {', '.join(f'{z:g}' for z in missing)} mm" if missing else ""
+    stray = [z for z in heights if all(abs(z - depth) > slack for depth in operation.depths)]
+    if stray and not missing:
+        note = f"a closed path at Z {stray[0]:g} mm, which is no depth of it"
+    return Check("passes", operation.name, found, ok=not note, note=note)
+
+
+def _owner(loop: Loop, shapes: dict[str, Shape]) -> str:
+    """The operation that a loop belongs to: the one it names, else that of the nearest length."""
+    if loop.operation in shapes or not shapes:
+        return loop.operation
+    length = loop.contour.length
+    return min(shapes, key=lambda name: abs(shapes[name].length - length))
+
+
+def _shape(product: Product, operation: Operation) -> Shape:
+    """The exact cutter path of an operation; its area is of no use to anyone."""
+    course = planned_contour(operation)
+
+    def deviation(contour: Contour | SplineContour) -> float:
+        assert isinstance(contour, Contour)  # programs have no splines
+        return product.toolpath_deviation(operation.name, contour)
+
+    def polygon(within: float) -> Contour:
+        operations = product.toolpath(0.5 * within).operations
+        path = next(each for each in operations if each.name == operation.name)
+        points = planned_contour(path).points(0.5 * within)
+        return Contour(points, 0.0 * points.real, 0.0 * points)
+
+    corners = corners_of_contour(course)
+    return Shape(operation.name, deviation, polygon, corners, course.length, None)
+
+
+VERIFIER = GcodeVerifier()

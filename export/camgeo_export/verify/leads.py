@@ -1,0 +1,122 @@
+"""How a program's cutter comes onto its closed path and leaves it: tangent, and from the free side.
+
+The closed path itself is proved elsewhere; what leads onto it is looked at by samples.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection
+from itertools import groupby, pairwise
+
+import numpy as np
+
+from camgeo.contour.contour import Contour
+from camgeo.files.verification import Check, at_most, failed
+from camgeo.numeric.arrays import ComplexArray
+from camgeo_export.gcode.reader import CutterMove, Program
+from camgeo_export.verify.farthest import distances_from
+from camgeo_export.verify.plane import SLOPE, place_text
+
+PARTS = 64
+"""Points a lead; chords of half a turn lie 3e-4 of the radius off it."""
+
+
+def lead_checks(
+    program: Program,
+    operation: str,
+    path: Contour,
+    heights: Collection[float],
+    tolerance: float,
+    *,
+    wanted: bool,
+) -> list[Check]:
+    """Checks of all cuts at constant height that one operation makes beside its closed path.
+
+    Parameters
+    ----------
+    path : the closed path in the direction of cutting; material lies on its right.
+    heights : at which it is cut [mm].
+    tolerance : [mm].
+    wanted : whether each pass must begin and end beside the path.
+    """
+    vertices = set(path.vertices.tolist())
+
+    def is_cut(move: CutterMove) -> bool:
+        flat = move.kind != "rapid" and move.z_start == move.z_end and move.z_end in heights
+        return flat and move.operation == operation and _length(move) > 0.0
+
+    def is_lead(move: CutterMove) -> bool:
+        return is_cut(move) and not (move.start in vertices and move.end in vertices)
+
+    leads = [move for move in program.moves if is_lead(move)]
+    pairs = [
+        (before, after)
+        for before, after in pairwise(program.moves)
+        if is_cut(before) and is_cut(after) and (is_lead(before) or is_lead(after))
+    ]
+    checks = []
+    if wanted:
+        runs = [list(run) for cut, run in groupby(program.moves, is_cut) if cut]
+        bare = [run for run in runs if not (is_lead(run[0]) and is_lead(run[-1]))]
+        found = f"{len(runs) - len(bare)} of {len(runs)}"
+        note = f"line {bare[0][0].line}: a pass begins or ends on the path itself" if bare else ""
+        checks.append(Check("leads", operation, found, ok=not bare, note=note))
+    if leads:
+        checks.append(_gouge(leads, path, tolerance, operation))
+    return checks + ([_kink(pairs, tolerance, operation)] if pairs else [])
+
+
+def _gouge(leads: list[CutterMove], path: Contour, tolerance: float, operation: str) -> Check:
+    """How far a lead goes over the closed path to where the material is."""
+    import shapely
+
+    course = path.points(0.25 * tolerance)
+    if len(course) < 3:  # there and back
+        return failed("gouge", "the closed path encloses nothing", operation)
+    points = np.concatenate([_points(move) for move in leads])
+    polygon = shapely.Polygon(np.column_stack((course.real, course.imag)))
+    shapely.prepare(polygon)
+    inside = shapely.contains_xy(polygon, points.real, points.imag)
+    # Cut clockwise the material lies inside, else outside.
+    wrong = inside if path.area < 0.0 else ~inside
+    depth = np.where(wrong, distances_from(course, points), 0.0)
+    worst = int(np.argmax(depth))
+    place = complex(points[worst])
+    note = f"into the material near {place_text(place)}" if depth[worst] > tolerance else ""
+    return at_most("gouge", float(depth[worst]), tolerance, "mm", operation, note)
+
+
+def _points(move: CutterMove) -> ComplexArray:
+    share = np.linspace(0.0, 1.0, PARTS + 1)
+    if move.kind == "line":
+        return move.start + (move.end - move.start) * share.astype(np.complex128)
+    turned: ComplexArray = np.exp(1j * move.sweep * share)
+    return move.centre + (move.start - move.centre) * turned
+
+
+def _kink(pairs: list[tuple[CutterMove, CutterMove]], tolerance: float, operation: str) -> Check:
+    """The largest kink where a lead meets the closed path, or another lead."""
+    before, after = zip(*pairs, strict=True)
+    arriving = np.array([_direction(move, move.end) for move in before])
+    leaving = np.array([_direction(move, move.start) for move in after])
+    kinks = np.abs(np.angle(leaving * np.conj(arriving)))
+    lengths = [np.array([_length(move) for move in moves]) for moves in (before, after)]
+    limits = np.minimum(SLOPE * tolerance * (1.0 / lengths[0] + 1.0 / lengths[1]), math.pi)
+    worst = int(np.argmax(kinks - limits))
+    value, limit = math.degrees(float(kinks[worst])), math.degrees(float(limits[worst]))
+    note = f"at {place_text(after[worst].start)}"
+    return at_most("kink", value, limit, "deg", f"{operation}, leads", note)
+
+
+def _direction(move: CutterMove, point: complex) -> complex:
+    """Direction of cutting at one of its ends."""
+    if move.kind == "line":
+        return move.end - move.start
+    return (point - move.centre) * (1j if move.sweep > 0.0 else -1j)
+
+
+def _length(move: CutterMove) -> float:
+    if move.kind == "line":
+        return abs(move.end - move.start)
+    return abs(move.sweep) * abs(move.start - move.centre)

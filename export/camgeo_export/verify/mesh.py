@@ -1,0 +1,85 @@
+"""Is a mesh one closed body, turned outwards? If not: at which edge or facet."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from camgeo.files.verification import Check, failed
+from camgeo.numeric.arrays import FloatArray, IntArray
+
+
+def merged(vertices: FloatArray, triangles: IntArray) -> tuple[FloatArray, IntArray]:
+    """The mesh with vertices at the same place made one: an STL repeats them."""
+    unique, index = np.unique(vertices, axis=0, return_inverse=True)
+    return unique, index.reshape(-1)[triangles]
+
+
+def volume(vertices: FloatArray, triangles: IntArray) -> float:
+    """Enclosed volume [mm^3], positive where the facets are turned outwards."""
+    a, b, c = (vertices[triangles[:, k]] for k in range(3))
+    return float(np.einsum("ij,ij->", a, np.cross(b, c))) / 6.0
+
+
+def solid_checks(vertices: FloatArray, triangles: IntArray) -> list[Check]:
+    """Closed: each edge has two facets. Oriented: they run it in opposite directions."""
+    checks = [_facets(vertices, triangles)]
+    start = triangles.reshape(-1).astype(np.int64)
+    end = np.roll(triangles, -1, axis=1).reshape(-1).astype(np.int64)
+    count = len(vertices)
+    key = np.minimum(start, end) * count + np.maximum(start, end)
+    edges, place, used = np.unique(key, return_inverse=True, return_counts=True)
+    place = place.reshape(-1)
+    single = np.flatnonzero(used != 2)
+    note = ""
+    if len(single):
+        edge = _edge_text(vertices, int(edges[single[0]]), count)
+        note = f"the edge {edge} has {used[single[0]]} of 2 facets"
+    checks.append(
+        Check("closed", "", float(len(single)), None, 0.0, "open edges", not len(single), note)
+    )
+    forth = np.where(start < end, 1, -1)
+    turned = np.bincount(place, weights=forth, minlength=len(edges))
+    same = (used == 2) & (turned != 0.0)
+    note = ""
+    if np.any(same):
+        note = _flipped_text(vertices, triangles, place, same)
+    wrong = int(np.count_nonzero(same))
+    checks.append(
+        Check("oriented", "", float(wrong), None, 0.0, "edges run twice", not wrong, note)
+    )
+    if not len(single) and not wrong and not volume(vertices, triangles) > 0.0:
+        checks.append(failed("oriented", "the mesh is turned inside out"))
+    return checks
+
+
+def _facets(vertices: FloatArray, triangles: IntArray) -> Check:
+    """No facet has two corners at the same place."""
+    same = triangles == np.roll(triangles, 1, axis=1)
+    bad = np.flatnonzero(same.any(axis=1))
+    note = ""
+    if len(bad):
+        place = _point_text(vertices[triangles[bad[0], 0]])
+        note = f"{len(bad)} of them have no area, facet {bad[0] + 1} at {place} among them"
+    return Check("facets", "", float(len(triangles)), ok=not len(bad), note=note)
+
+
+def _flipped_text(
+    vertices: FloatArray,
+    triangles: IntArray,
+    place: IntArray,
+    same: np.ndarray[tuple[int], np.dtype[np.bool_]],
+) -> str:
+    """Which facet is turned against most of its neighbours."""
+    against = same[place].reshape(-1, 3).sum(axis=1)
+    facet = int(np.argmax(against))
+    middle = vertices[triangles[facet]].mean(axis=0)
+    return f"facet {facet + 1}, round {_point_text(middle)}, is turned against its neighbours"
+
+
+def _edge_text(vertices: FloatArray, key: int, count: int) -> str:
+    one, other = divmod(key, count)
+    return f"from {_point_text(vertices[one])} to {_point_text(vertices[other])}"
+
+
+def _point_text(point: FloatArray) -> str:
+    return f"({', '.join(f'{value:.6g}' for value in point)}) mm"

@@ -1,0 +1,149 @@
+"""Closed contours of a file held against exact outlines: how far off, which kinks, which area."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from camgeo.contour.contour import Contour
+from camgeo.contour.spline import SplineContour
+from camgeo.errors import GeometryError, ToleranceError, UndercutError
+from camgeo.files.verification import Check, at_most, failed, near
+from camgeo.numeric.arrays import FloatArray
+from camgeo_export.verify.farthest import farthest
+from camgeo_export.verify.joints import joints_of
+from camgeo_export.verify.shapes import Shape
+
+AnyContour = Contour | SplineContour
+
+SLOPE = 18.0
+"""Largest slope, times length over tolerance, of what a piece is off along its length: a polynomial
+of degree n that stays within eps over a length h has slopes of at most 2 n^2 eps/h (Markov), and to
+leading order arcs leave a curve by a cubic, lines by a parabola. A contour within its tolerance has
+no larger kinks than two such slopes."""
+
+INCH_SHARE = 0.01
+"""By how much sizes in mm and in inch may miss 25.4 for an advice to be given."""
+
+
+def place_text(place: complex) -> str:
+    """A place for a note."""
+    return f"({place.real:.6g}, {place.imag:.6g}) mm"
+
+
+def matched(
+    contours: Sequence[AnyContour], shapes: Sequence[Shape]
+) -> tuple[list[tuple[Shape, AnyContour | None]], Check]:
+    """Each shape with its contour, if there is one, and the check that there are as many.
+
+    Boundaries of a part lie inside each other: the order of their areas tells them apart. A wrong
+    pair shows as a large deviation, never as a small one.
+    """
+    names = ", ".join(shape.name for shape in shapes)
+    equal = len(contours) == len(shapes)
+    note = "" if equal else f"closed contours wanted: {names}"
+    count = Check("contours", "", float(len(contours)), float(len(shapes)), ok=equal, note=note)
+    found = sorted(contours, key=lambda contour: abs(contour.area))
+    wanted = sorted(shapes, key=_size)
+    if equal:
+        return list(zip(wanted, found, strict=True)), count
+    pairs: list[tuple[Shape, AnyContour | None]] = []
+    for shape in reversed(wanted):
+        best = min(found, key=lambda each: abs(abs(each.area) - _size(shape)), default=None)
+        found = [each for each in found if each is not best]
+        pairs.insert(0, (shape, best))
+    return pairs, count
+
+
+def _size(shape: Shape) -> float:
+    if shape.area is not None:
+        return shape.area
+    return abs(shape.polygon(1e-2 * shape.length).area)
+
+
+def contour_checks(
+    shape: Shape,
+    contour: AnyContour | None,
+    tolerance: float,
+    *,
+    extra: float = 0.0,
+    where: str = "",
+    rounded: float | None = None,
+) -> list[Check]:
+    """What is looked at of one contour.
+
+    Parameters
+    ----------
+    shape, contour : which belong together.
+    tolerance : [mm].
+    extra : what else adds to the deviation [mm], e.g. gaps that were joined.
+    where : what the contour is of, beside the shape's name.
+    rounded : how far rounding may have moved the ends of tangent pieces [mm], where the file is
+        said to hold such; None where kinks as large as the tolerance lets them be are no fault.
+    """
+    of = f"{shape.name}, {where}" if where else shape.name
+    if contour is None:
+        return [failed("deviation", "there is no contour for it", of)]
+    if not (math.isfinite(contour.length) and contour.area != 0.0):
+        return [failed("deviation", "the contour encloses nothing", of)]
+    contour = contour.counter_clockwise()
+    slope = SLOPE * tolerance if rounded is None else rounded
+    checks = [
+        _deviation(shape, contour, tolerance, extra, of),
+        _kink(shape, contour, tolerance, slope, of),
+    ]
+    if shape.area is not None:
+        allowed = tolerance * (shape.length + math.pi * tolerance)
+        checks.append(near("area", contour.area, shape.area, allowed, "mm^2", of))
+    return checks
+
+
+def _deviation(shape: Shape, contour: AnyContour, tolerance: float, extra: float, of: str) -> Check:
+    try:
+        value = shape.deviation(contour) + extra
+    except (GeometryError, ToleranceError) as error:
+        reason = error.message if isinstance(error, GeometryError) else error.reason
+        return failed("deviation", f"{reason}; {_where(shape, contour, tolerance)}", of)
+    note = "" if value <= tolerance else _where(shape, contour, tolerance)
+    return at_most("deviation", value, tolerance, "mm", of, note)
+
+
+def _where(shape: Shape, contour: AnyContour, tolerance: float) -> str:
+    """Where the contour is farthest off, at least how far, and what may be the reason."""
+    share = 0.25 * tolerance
+    try:
+        polygon = shape.polygon(share)
+    except (ToleranceError, UndercutError):
+        return "the exact outline cannot be drawn for comparison"
+    distance, place = farthest(polygon, contour, share)
+    least = max(distance - 2.0 * share, 0.0)
+    text = f"at least {least:.3g} mm off near {place_text(place)}"
+    ratio = contour.length / shape.length
+    for factor, sizes in ((25.4, "inch taken for mm"), (1.0 / 25.4, "mm taken for inch")):
+        if abs(ratio * factor - 1.0) < INCH_SHARE:
+            text += f"; {1.0 / factor:.4g} times as large: {sizes}?"
+    return text
+
+
+def _kink(shape: Shape, contour: AnyContour, tolerance: float, slope: float, of: str) -> Check:
+    """The largest kink where the exact outline has no corner.
+
+    `slope` [mm], over the length of a piece, is by how much its direction may be off.
+    """
+    joints = joints_of(contour)
+    with np.errstate(divide="ignore"):
+        limits = slope * (1.0 / joints.before + 1.0 / joints.after)
+    limits = np.minimum(limits, math.pi)
+    smooth = np.ones(len(joints.kinks), dtype=bool)
+    for corner in shape.corners:
+        apart = np.abs(joints.places - corner)
+        smooth &= (apart > 2.0 * tolerance) & (apart > np.min(apart))
+    kinks: FloatArray = np.where(smooth, joints.kinks, 0.0)
+    beyond = kinks > limits
+    worst = int(np.argmax(np.where(beyond, kinks - limits, -1.0) if np.any(beyond) else kinks))
+    value, limit = math.degrees(float(kinks[worst])), math.degrees(float(limits[worst]))
+    return at_most(
+        "kink", value, limit, "deg", of, f"at {place_text(complex(joints.places[worst]))}"
+    )

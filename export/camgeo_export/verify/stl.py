@@ -1,0 +1,67 @@
+"""Verification of STL files: of ours, and of others, binary or text; a format without unit."""
+
+from __future__ import annotations
+
+import io
+import re
+
+import numpy as np
+import trimesh
+
+from camgeo.files.product import Product
+from camgeo.files.verification import Check, Origin, Reading, equal, failed, told
+from camgeo.units import MM_PER, LengthUnit
+from camgeo_export.stl.measure import FACET_BYTES, PREFIX
+from camgeo_export.verify.body import body_checks
+
+OURS = re.compile(rb"camgeo \S+ unit (\w+) scene ([0-9a-f]*)")
+
+
+class StlVerifier:
+    """Verifies an STL."""
+
+    format = "stl"
+
+    def origin(self, data: bytes) -> Origin:
+        """By the header, which has room for the first digits of the scene's hash only."""
+        found = OURS.match(data[:PREFIX])
+        scene = found.group(2).decode() if found else ""
+        return Origin(found is not None, scene, None, _damage(data))
+
+    def checks(
+        self, product: Product, data: bytes, reading: Reading, tolerance: float
+    ) -> tuple[Check, ...]:
+        """Unit, and the body against the part."""
+        unit, check = _unit(data, reading)
+        try:
+            mesh = trimesh.load_mesh(io.BytesIO(data), file_type="stl", process=False)
+            vertices, triangles = np.array(mesh.vertices), np.array(mesh.faces)
+        except Exception as error:  # what trimesh raises at damaged files is not said anywhere
+            return (check, failed("file", f"no STL: {error}"))
+        return (check, *body_checks(product, vertices * MM_PER[unit], triangles, tolerance))
+
+
+def _damage(data: bytes) -> str:
+    """Whether the file is cut short: a text has a last word, a binary tells its facets."""
+    count = int.from_bytes(data[PREFIX - 4 : PREFIX], "little")
+    expected = PREFIX + FACET_BYTES * count
+    if len(data) == expected and len(data) > PREFIX:
+        return ""
+    if data.lstrip().startswith(b"solid") and b"facet" in data[:1000]:
+        end = data.rstrip().rsplit(b"\n", 1)[-1].strip()
+        return "" if end.startswith(b"endsolid") else "not a whole text STL: no endsolid at its end"
+    return f"not a whole binary STL: {len(data)} bytes, {expected} for its {count} facets"
+
+
+def _unit(data: bytes, reading: Reading) -> tuple[LengthUnit, Check]:
+    """Ours are in mm and say so; others do not say it."""
+    if reading.ours:
+        found = OURS.match(data[:PREFIX])
+        said = found.group(1).decode() if found else ""
+        return "mm", equal("unit", said, "mm", note="our STL files are in mm")
+    if reading.unit is not None:
+        return reading.unit, told("unit", reading.unit, note="by --unit")
+    return "mm", told("unit", "mm", note="assumed: STL knows no unit; another with --unit")
+
+
+VERIFIER = StlVerifier()

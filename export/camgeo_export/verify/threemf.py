@@ -1,0 +1,95 @@
+"""Verification of 3MF packages, of ours and of others."""
+
+from __future__ import annotations
+
+import io
+import zipfile
+import zlib
+from xml.etree import ElementTree as ET
+
+import numpy as np
+import trimesh
+
+from camgeo.files.product import Product
+from camgeo.files.verification import Check, Origin, Reading, equal, failed, told
+from camgeo_export.verify.body import body_checks
+from camgeo_export.verify.length import length_of
+
+MM_PER_UNIT = {
+    "micron": 1e-3,
+    "millimeter": 1.0,
+    "centimeter": 10.0,
+    "inch": 25.4,
+    "foot": 304.8,
+    "meter": 1000.0,
+}
+"""Units of the 3MF core specification; a model without one is in millimetres."""
+
+SHORT = {"millimeter": "mm"}
+
+MODEL = ".model"
+
+
+class ThreeMfVerifier:
+    """Verifies a 3MF package."""
+
+    format = "3mf"
+
+    def origin(self, data: bytes) -> Origin:
+        """By the metadata of the model."""
+        try:
+            _, metadata = _head(data)
+        except (zipfile.BadZipFile, zlib.error, KeyError, SyntaxError, ValueError) as error:
+            return Origin(damage=f"not a whole 3MF package: {error}")
+        return Origin(
+            metadata.get("Application", "").startswith("camgeo "),
+            metadata.get("camgeo:scene", ""),
+            length_of(metadata.get("camgeo:tolerance", "")),
+        )
+
+    def checks(
+        self, product: Product, data: bytes, reading: Reading, tolerance: float
+    ) -> tuple[Check, ...]:
+        """Unit, and the body against the part."""
+        unit, _ = _head(data)
+        name = SHORT.get(unit, unit)
+        check = told("unit", name)
+        if reading.ours:
+            check = equal("unit", name, "mm", note="our 3MF files are in millimetres")
+        elif reading.unit is not None:
+            check = equal("unit", name, reading.unit, note="the file is not in the unit of --unit")
+        scale = MM_PER_UNIT.get(unit)
+        if scale is None:
+            return (check, failed("unit", f"{unit!r} is no unit of 3MF"))
+        try:
+            mesh = trimesh.load_mesh(io.BytesIO(data), file_type="3mf", process=False)
+            vertices, triangles = np.array(mesh.vertices), np.array(mesh.faces)
+        except Exception as error:  # what trimesh raises at damaged files is not said anywhere
+            return (check, failed("file", f"no mesh: {error}"))
+        return (check, *body_checks(product, vertices * scale, triangles, tolerance))
+
+
+def _head(data: bytes) -> tuple[str, dict[str, str]]:
+    """Unit and metadata of the model; raises if the package or what is read of it is damaged."""
+    with zipfile.ZipFile(io.BytesIO(data)) as package:
+        damaged = package.testzip()
+        if damaged is not None:
+            raise ValueError(f"the entry {damaged} is damaged")
+        models = [name for name in package.namelist() if name.lower().endswith(MODEL)]
+        if not models:
+            raise ValueError("it holds no model")
+        metadata: dict[str, str] = {}
+        unit = "millimeter"
+        with package.open(models[0]) as model:
+            for event, element in ET.iterparse(model, events=("start", "end")):
+                tag = element.tag.rpartition("}")[2]
+                if event == "start" and tag == "model":
+                    unit = element.get("unit", unit)
+                elif event == "start" and tag in ("resources", "build"):
+                    break
+                elif event == "end" and tag == "metadata":
+                    metadata[element.get("name", "")] = element.text or ""
+    return unit, metadata
+
+
+VERIFIER = ThreeMfVerifier()

@@ -1,0 +1,323 @@
+"""Verification of files that other programs wrote, and of its parts: joints, meshes, origins."""
+
+from __future__ import annotations
+
+import io
+import math
+import re
+import zipfile
+from pathlib import Path
+from typing import Any
+
+import ezdxf
+import numpy as np
+import pytest
+import trimesh
+from hypothesis import given
+from hypothesis import strategies as st
+
+import camgeo
+from camgeo.contour.contour import Contour
+from camgeo.contour.spline import Arc, CubicSpline, SplineContour
+from camgeo.design import Design
+from camgeo.files.product import Product
+from camgeo.files.verification import Check, Origin, Reading, Verifier
+from camgeo_export.gcode.writer import WRITER as GCODE
+from camgeo_export.stl.writer import WRITER as STL
+from camgeo_export.threemf.writer import WRITER as THREEMF
+from camgeo_export.verify.dxf import VERIFIER as DXF_VERIFIER
+from camgeo_export.verify.farthest import farthest
+from camgeo_export.verify.gcode import VERIFIER as GCODE_VERIFIER
+from camgeo_export.verify.joints import joints_of
+from camgeo_export.verify.length import length_of
+from camgeo_export.verify.mesh import merged, solid_checks, volume
+from camgeo_export.verify.stl import VERIFIER as STL_VERIFIER
+from camgeo_export.verify.threemf import VERIFIER as THREEMF_VERIFIER
+
+SCENES = Path(__file__).parents[2] / "fixtures" / "scenes"
+
+TOLERANCE = 1e-2
+
+FIT = 0.5 * TOLERANCE
+
+FOREIGN = Reading("drawing.dxf", ours=False)
+
+
+@pytest.fixture(scope="module")
+def design() -> Design:
+    return camgeo.load(SCENES / "setzhub.toml")
+
+
+def _checks(
+    verifier: Verifier, design: Product, data: bytes, reading: Reading = FOREIGN
+) -> dict[tuple[str, str], Check]:
+    checks = verifier.checks(design, data, reading, TOLERANCE)
+    return {(check.name, check.of): check for check in checks}
+
+
+def _failed(checks: dict[tuple[str, str], Check]) -> set[str]:
+    return {name for (name, _), check in checks.items() if check.ok is False}
+
+
+# Foreign drawings ---------------------------------------------------------------------------------
+
+
+def _drawing(
+    design: Design,
+    *,
+    units: int = 4,
+    scale: float = 1.0,
+    decimals: int = 6,
+    layer: str = "0",
+    without: int | None = None,
+) -> Any:
+    """All boundaries as single lines and arcs, end points written with so many decimals."""
+    document = ezdxf.new("R2010")  # type: ignore[attr-defined] # exported, but not said so
+    document.header["$INSUNITS"] = units
+    space = document.modelspace()
+    attributes = {"layer": layer}
+    for index, boundary in enumerate(design.part.boundaries):
+        contour = boundary.arcs(FIT, "fast").contour
+        for start, end, sweep, centre in zip(
+            contour.vertices, contour.ends, contour.sweeps, contour.centres, strict=True
+        ):
+            if index == without:
+                continue
+            if sweep == 0.0:
+                points = [
+                    (round(z.real * scale, decimals), round(z.imag * scale, decimals))
+                    for z in (start, end)
+                ]
+                space.add_line(points[0], points[1], dxfattribs=attributes)
+                continue
+            first, last = (math.degrees(np.angle(z - centre)) for z in (start, end))
+            if sweep < 0.0:
+                first, last = last, first
+            place = (round(centre.real * scale, decimals), round(centre.imag * scale, decimals))
+            radius = round(abs(start - centre) * scale, decimals)
+            space.add_arc(place, radius, first, last, dxfattribs=attributes)
+    return document
+
+
+def _data(document: Any) -> bytes:
+    stream = io.StringIO()
+    document.write(stream)
+    return stream.getvalue().encode()
+
+
+@pytest.mark.parametrize(
+    ("units", "scale", "unit"), [(4, 1.0, None), (1, 1.0 / 25.4, None), (0, 1.0 / 25.4, "inch")]
+)
+def test_foreign_drawing_passes(design: Design, units: int, scale: float, unit: Any) -> None:
+    """Single pieces with gaps of rounding, in any unit, said by the file or by the person."""
+    decimals = 6 if scale == 1.0 else 7
+    data = _data(_drawing(design, units=units, scale=scale, decimals=decimals))
+    checks = _checks(DXF_VERIFIER, design, data, Reading("a.dxf", ours=False, unit=unit))
+    assert not _failed(checks)
+    gap = checks["closure", ""].value
+    assert isinstance(gap, float)
+    # Centre and radius are each off by up to 5e-7 mm, so that ends of flat arcs are, too.
+    assert 0.0 < gap <= 1e-5
+    assert checks["unit", ""].value == ("mm" if scale == 1.0 else "inch")
+    for boundary in design.part.boundaries:
+        value = checks["deviation", boundary.name].value
+        assert isinstance(value, float)
+        assert gap <= value <= FIT + 3e-5
+        area = checks["area", boundary.name]
+        assert isinstance(area.value, float)
+        assert isinstance(area.expected, float)
+        assert area.limit is not None
+        assert abs(area.value - area.expected) <= area.limit
+
+
+def test_drawing_without_unit_is_not_measured(design: Design) -> None:
+    checks = _checks(DXF_VERIFIER, design, _data(_drawing(design, units=0)))
+    closure = checks["closure", ""]
+    assert closure.ok is False
+    assert re.search(r"does not say its unit .*\(--unit\)", closure.note)
+
+
+def test_layers_of_a_foreign_drawing(design: Design) -> None:
+    """What is on other layers does not count; without a layer all of it does."""
+    document = _drawing(design, layer="OUTLINE")
+    document.modelspace().add_circle((0, 0), 3.0, dxfattribs={"layer": "HOLES"})
+    data = _data(document)
+    assert not _failed(
+        _checks(DXF_VERIFIER, design, data, Reading("a.dxf", ours=False, layer="OUTLINE"))
+    )
+    count = _checks(DXF_VERIFIER, design, data)["contours", ""]
+    assert (count.value, count.expected, count.ok) == (3.0, 2.0, False)
+
+
+def test_boundary_left_out_of_a_foreign_drawing(design: Design) -> None:
+    checks = _checks(DXF_VERIFIER, design, _data(_drawing(design, without=1)))
+    assert _failed(checks) == {"contours", "deviation"}
+    assert checks["deviation", "bore"].note == "there is no contour for it"
+    assert checks["deviation", "outline"].ok
+
+
+def test_gap_beyond_the_tolerance_is_told(design: Design) -> None:
+    document = _drawing(design)
+    line = next(iter(document.modelspace().query("LINE")))
+    line.dxf.start += ezdxf.math.Vec3(0.0, 3.0 * TOLERANCE)
+    closure = _checks(DXF_VERIFIER, design, _data(document))["closure", ""]
+    assert closure.ok is False
+    assert "ends free at" in closure.note
+
+
+# Foreign programs and meshes ----------------------------------------------------------------------
+
+
+def test_program_without_comments_is_matched(design: Design) -> None:
+    """Operations are told apart by their paths where no comment names them."""
+    text = GCODE.write(design, TOLERANCE).data.decode()
+    bare = re.sub(r"\([^()]*\)", "", text).encode()
+    assert GCODE_VERIFIER.origin(bare) == Origin()
+    checks = _checks(GCODE_VERIFIER, design, bare)
+    assert not _failed(checks)
+    assert {of for name, of in checks if name == "deviation"} == {"bore", "outline"}
+
+
+def test_foreign_words_are_refused_with_a_sentence(design: Design) -> None:
+    text = GCODE.write(design, TOLERANCE).data.decode()
+    checks = _checks(GCODE_VERIFIER, design, text.replace("G17 ", "G18 ").encode())
+    assert re.search(r"line \d+: G18 .*only the words", checks["program", ""].note)
+
+
+def test_text_stl_of_another_program(design: Design) -> None:
+    """In either unit; STL says none, so that mm is assumed, and said."""
+    mesh: Any = trimesh.load_mesh(
+        io.BytesIO(STL.write(design, FIT).data), file_type="stl", process=False
+    )
+    text = trimesh.exchange.stl.export_stl_ascii(mesh).encode()
+    assert STL_VERIFIER.origin(text) == Origin()
+    checks = _checks(STL_VERIFIER, design, text)
+    assert not _failed(checks)
+    assert "assumed" in checks["unit", ""].note
+    mesh.apply_scale(1.0 / 25.4)
+    inch = trimesh.exchange.stl.export_stl(mesh)
+    assert {"deviation", "volume"} <= _failed(_checks(STL_VERIFIER, design, inch))
+    note = _checks(STL_VERIFIER, design, inch)["deviation", "outline, lower face"].note
+    assert "inch taken for mm?" in note
+    reading = Reading("a.stl", ours=False, unit="inch")
+    assert not _failed(_checks(STL_VERIFIER, design, inch, reading))
+    assert STL_VERIFIER.origin(text[: len(text) // 2]).damage.endswith("no endsolid at its end")
+
+
+def test_3mf_in_inch_is_measured_in_inch(design: Design) -> None:
+    def inch(text: str) -> str:
+        text = text.replace('unit="millimeter"', 'unit="inch"').replace("camgeo", "other")
+        return re.sub(r'([xyz])="([^"]+)"', lambda m: f'{m[1]}="{float(m[2]) / 25.4!r}"', text)
+
+    data = _repacked(THREEMF.write(design, FIT).data, inch)
+    assert THREEMF_VERIFIER.origin(data) == Origin()
+    checks = _checks(THREEMF_VERIFIER, design, data)
+    assert not _failed(checks)
+    assert checks["unit", ""].value == "inch"
+
+
+def _repacked(data: bytes, change: Any) -> bytes:
+    stream = io.BytesIO()
+    with zipfile.ZipFile(io.BytesIO(data)) as old, zipfile.ZipFile(stream, "w") as new:
+        for name in old.namelist():
+            content = old.read(name).decode()
+            new.writestr(name, change(content) if name.endswith(".model") else content)
+    return stream.getvalue()
+
+
+# Parts --------------------------------------------------------------------------------------------
+
+
+@given(st.floats(-3.0, 3.0), st.floats(0.2, 3.0), st.booleans())
+def test_kinks_of_lines_and_arcs(turn: float, sweep: float, left: bool) -> None:
+    """A line, then an arc whose start is turned by `turn` against it; its end against the last."""
+    sign = 1.0 if left else -1.0
+    tangent = np.exp(1j * turn)
+    centre = 1j * sign * tangent * 2.0
+    end = centre - centre * np.exp(1j * sign * sweep)
+    contour = Contour(
+        np.array([-3.0 + 0j, 0j, end]),
+        np.array([0.0, sign * sweep, 0.0]),
+        np.array([0j, centre, 0j]),
+    )
+    joints = joints_of(contour)
+    assert joints.kinks[1] == pytest.approx(abs(turn), abs=1e-14)
+    last = tangent * np.exp(1j * sign * sweep)
+    assert joints.kinks[2] == pytest.approx(abs(np.angle((-3.0 - end) * np.conj(last))), abs=1e-13)
+    assert joints.before[1] == 3.0
+    assert joints.after[1] == pytest.approx(2.0 * sweep)
+
+
+def test_kinks_of_splines() -> None:
+    """At the ends of a strand, and inside where a triple knot allows one."""
+    controls = np.array([0, 1, 2, 3, 3 + 1j, 3 + 2j, 3 + 3j])
+    knots = np.array([0.0, 0, 0, 0, 1, 1, 1, 2, 2, 2, 2])
+    spline = CubicSpline(knots, controls)
+    back = Arc(3 + 3j, 0j, math.pi, 1.5 + 1.5j)
+    joints = joints_of(SplineContour((spline, back)))
+    assert joints.places == pytest.approx(np.array([0, 3, 3 + 3j]))
+    # The half circle leaves at right angles to the diagonal and comes back so.
+    assert joints.kinks == pytest.approx(np.radians([45.0, 90.0, 45.0]))
+
+
+@pytest.mark.parametrize(("text", "length"), [
+    ("0.001", 1e-3), ("0.001 mm", 1e-3), (" 1e-05 mm", 1e-5), ("", None), ("nan", None),
+    ("inf mm", None), ("-1", None), ("0", None), ("1 inch", None),
+])  # fmt: skip
+def test_lengths_in_words(text: str, length: float | None) -> None:
+    assert length_of(text) == length
+
+
+def test_farthest_finds_a_dent() -> None:
+    circle = Contour.circle(10.0)
+    polygon = circle.points(1e-4)
+    zero = np.zeros(len(polygon))
+    dented = polygon.copy()
+    dented[7] *= 1.01
+    exact = Contour(polygon, zero, 0.0 * polygon)
+    distance, place = farthest(exact, Contour(dented, zero, 0.0 * dented), 1e-4)
+    assert distance == pytest.approx(0.1, abs=2e-4)
+    assert place == dented[7]
+    # From the outline to the contour, where the contour leaves a part of it out.
+    cut = np.delete(polygon, np.arange(20, 40))
+    distance, _ = farthest(exact, Contour(cut, 0.0 * cut.real, 0.0 * cut), 1e-4)
+    chord = abs(polygon[40] - polygon[19])
+    assert distance == pytest.approx(10.0 - math.sqrt(100.0 - 0.25 * chord**2), rel=0.01)
+    assert farthest(exact, circle, 1e-4)[0] <= 2e-4
+
+
+CUBE: Any = trimesh.creation.box((2.0, 3.0, 4.0))
+
+
+def test_sound_mesh() -> None:
+    soup = CUBE.vertices[CUBE.faces].reshape(-1, 3)
+    vertices, triangles = merged(soup, np.arange(36).reshape(-1, 3))
+    assert len(vertices) == 8
+    assert volume(vertices, triangles) == pytest.approx(24.0)
+    assert all(check.ok for check in solid_checks(vertices, triangles))
+
+
+def test_faults_of_meshes_are_named() -> None:
+    vertices, triangles = np.array(CUBE.vertices), np.array(CUBE.faces)
+
+    def notes(faces: Any) -> dict[str, str]:
+        return {c.name: c.note for c in solid_checks(vertices, faces) if c.ok is False}
+
+    open_mesh = notes(np.delete(triangles, 4, axis=0))
+    assert set(open_mesh) == {"closed"}
+    assert re.match(r"the edge from \(.*\) mm to \(.*\) mm has 1 of 2 facets", open_mesh["closed"])
+    turned = triangles.copy()
+    turned[4] = turned[4, ::-1]
+    assert notes(turned)["oriented"].startswith("facet 5, round ")
+    assert notes(triangles[:, ::-1]) == {"oriented": "the mesh is turned inside out"}
+    degenerate = np.vstack((triangles, [[0, 0, 1]]))
+    assert "facet 13" in notes(degenerate)["facets"]
+
+
+@pytest.mark.parametrize("verifier", [DXF_VERIFIER, GCODE_VERIFIER, STL_VERIFIER, THREEMF_VERIFIER])
+@given(data=st.binary(max_size=300))
+def test_any_bytes_are_told_to_be_damaged_or_foreign(verifier: Verifier, data: bytes) -> None:
+    """Nothing raises, nothing passes for ours."""
+    origin = verifier.origin(data)
+    assert not origin.ours
+    assert origin.damage or verifier.format == "gcode"
