@@ -5,6 +5,7 @@ from __future__ import annotations
 import cmath
 import math
 from dataclasses import dataclass
+from itertools import chain, pairwise
 from typing import Self
 
 import numpy as np
@@ -140,17 +141,13 @@ class Arc:
         centre = 0.5 * (start + end) + 0.5j * (end - start) * cot
         return type(self)(start, end, self.sweep, centre)
 
-    def halves(self) -> tuple[Self, Self]:
-        """The same in two equal parts."""
-        middle = 0.5 * (self.start + self.end)
-        if self.sweep:
-            arm = self.start - self.centre
-            middle = self.centre + arm * cmath.exp(0.5j * self.sweep)
-        half = 0.5 * self.sweep
-        return (
-            type(self)(self.start, middle, half, self.centre),
-            type(self)(middle, self.end, half, self.centre),
-        )
+    def split(self, max_sweep: float) -> tuple[Self, ...]:
+        """The same in equal parts of at most `max_sweep` [rad] each."""
+        count = max(1, math.ceil(abs(self.sweep) / max_sweep - 1e-12))
+        arm, part = self.start - self.centre, self.sweep / count
+        inner = (self.centre + arm * cmath.exp(1j * part * (k + 1)) for k in range(count - 1))
+        ends = (self.start, *inner, self.end)
+        return tuple(type(self)(a, b, part, self.centre) for a, b in pairwise(ends))
 
 
 @dataclass(frozen=True, slots=True)
@@ -167,6 +164,14 @@ class SplineContour:
     def __len__(self) -> int:
         """Number of pieces: cubics, arcs and lines."""
         return sum(len(strand) for strand in self.strands)
+
+    def split(self, max_sweep: float) -> Self:
+        """The same with each arc in equal parts of at most `max_sweep` [rad]."""
+        parts = (
+            strand.split(max_sweep) if isinstance(strand, Arc) else (strand,)
+            for strand in self.strands
+        )
+        return type(self)(tuple(chain.from_iterable(parts)))
 
     @property
     def splines(self) -> tuple[CubicSpline, ...]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import cmath
 import math
 
 import numpy as np
@@ -160,3 +161,20 @@ def test_arcs_between_other_ends() -> None:
     assert moved.sweep == arc.sweep
     assert abs(moved.start - moved.centre) == pytest.approx(abs(moved.end - moved.centre))
     assert abs(arc.between(arc.start, arc.end).centre) < 1e-14
+
+
+@pytest.mark.parametrize("sweep", [5.5, -5.5, 3.0, 2.0 * math.pi])
+def test_split_arcs_are_the_same_in_equal_parts(sweep: float) -> None:
+    centre, start = 3.0 + 1.0j, 3.5 + 2.0j
+    end = centre + (start - centre) * cmath.exp(1j * sweep)
+    arc = Arc(start, end, sweep, centre)
+    parts = SplineContour((arc, Arc(end, start, 0.0, 0j))).split(math.pi).strands
+    arcs, line = parts[:-1], parts[-1]
+    assert len(arcs) == (2 if abs(sweep) > math.pi else 1)
+    assert line == Arc(end, start, 0.0, 0j)
+    assert (arcs[0].start, arcs[-1].end) == (start, end)
+    assert sum(part.length for part in arcs) == pytest.approx(arc.length, rel=1e-15)
+    for part in arcs:
+        assert isinstance(part, Arc)
+        assert abs(part.sweep) <= math.pi
+        assert abs(part.end - centre) == pytest.approx(arc.radius, rel=1e-15)

@@ -16,7 +16,7 @@ KINDS: dict[str, tuple[str, ...]] = {
 }
 """What each layer holds; anything else does not belong into the drawing."""
 
-SPLINE_KINDS = ("LWPOLYLINE", "SPLINE", "ARC", "LINE")
+SPLINE_KINDS = ("SPLINE", "ARC", "LINE")
 """What layer CUT holds where splines are drawn."""
 
 MEASUREMENT = {"mm": "1", "inch": "0"}

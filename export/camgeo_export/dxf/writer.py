@@ -1,9 +1,9 @@
 """DXF: the part's boundaries as closed polylines with bulges or as splines, at true size.
 
-R2010, one LWPOLYLINE a boundary on layer CUT. As splines a curved boundary is a chain of SPLINE
-entities, cubic with knots and control points, and of an ARC or LINE each where it is one by nature;
-the pitch curve stays a polyline. The pitch curve, the base circle and the mark of the
-cam axis stand on layers of their own, so that a shop can drop them. No text, no dimensions.
+R2010, one LWPOLYLINE a boundary on layer CUT. As splines a boundary is a chain of SPLINE entities,
+cubic with knots and control points, and of an ARC or LINE each where it is one by nature. The pitch
+curve, a polyline in either case, the base circle and the mark of the cam axis stand on layers of
+their own, so that a shop can drop them. No text, no dimensions.
 """
 
 from __future__ import annotations
@@ -20,7 +20,6 @@ from ezdxf.filemanagement import new
 from ezdxf.layouts.layout import Modelspace
 
 from camgeo.contour.contour import Contour
-from camgeo.contour.cubics.lines_and_arcs import lines_and_arcs
 from camgeo.contour.spline import CubicSpline, SplineContour
 from camgeo.files.product import Product, Written
 from camgeo.part.part import Boundary
@@ -78,10 +77,9 @@ class DxfWriter:
 
 
 def _cut(boundary: Boundary, product: Product, share: float) -> Curve:
-    """A boundary as it is drawn; one without splines is a polyline."""
+    """A boundary as it is drawn; a drawing of splines has no bulges, also in its bore."""
     if product.dxf.entity == "spline":
-        curve = boundary.spline(share, product.effort).contour
-        return curve if curve.splines else lines_and_arcs(curve, share)[0].split(math.pi)
+        return boundary.spline(share, product.effort).contour.split(math.pi)
     if product.dxf.entity == "polyline":
         return boundary.polyline(share, product.effort).contour
     return boundary.arcs(share, product.effort).contour.split(math.pi)
