@@ -33,6 +33,7 @@ STAGES: tuple[tuple[str, ...], ...] = (
     ("scene",),
     ("sweep",),
     ("stability",),
+    ("accuracy",),
     ("cli",),
     ("__init__", "__main__"),
 )

@@ -1,0 +1,198 @@
+"""The contours of a design over the tolerance: pieces, proof, files, times."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Final, Protocol
+
+from camgeo.accuracy.clock import timed
+from camgeo.accuracy.rows import EFFORTS, FORMS, ContourRow, Count, FileCost, Form
+from camgeo.contour.contour import Contour
+from camgeo.contour.fit import Effort, Fit
+from camgeo.contour.least_pieces import forced_pieces, least_arcs, least_chords, least_cubics
+from camgeo.contour.spline import SplineFit
+from camgeo.design import Design
+from camgeo.errors import GeometryError, ToleranceError
+from camgeo.files.product import Product, Writer
+from camgeo.files.writers import find_writer
+from camgeo.outline.path import Path
+from camgeo.outline.replay import replay_contour
+from camgeo.part.boundaries import CurveBoundary
+from camgeo.toolpath.machining_time import Dynamics, contour_time
+from camgeo.toolpath.spec import GcodeSpec
+
+Tell = Callable[[str], None]
+
+Least = Callable[[Path, float], float]
+
+LEAST: Final[dict[Form, Least]] = {
+    "polyline": least_chords,
+    "arcs": least_arcs,
+    "spline": least_cubics,
+}
+
+DRAWING: Final = "dxf"
+PROGRAM: Final = "gcode"
+"""Names of the writers."""
+
+
+class MillingWriter(Writer, Protocol):
+    """A writer of programs, which knows machines."""
+
+    def dynamics(self, gcode: GcodeSpec) -> Dynamics | None:
+        """What the machine can do, if it is known."""
+
+
+@dataclass(frozen=True, slots=True)
+class Milling:
+    """With what the machining time is estimated.
+
+    Attributes
+    ----------
+    feed : in the plane [mm/min].
+    dynamics : of the machine; None if they are not known.
+    """
+
+    feed: float
+    dynamics: Dynamics | None
+
+
+def flanks_of(design: Design) -> tuple[CurveBoundary, ...]:
+    """The boundaries of the part that are flanks; bore and rim are exact at any tolerance."""
+    return tuple(each for each in design.part.boundaries if isinstance(each, CurveBoundary))
+
+
+def milling_of(design: Design) -> Milling:
+    """Feed and machine of the scene, or those that a scene has if it says nothing."""
+    gcode = design.gcode or GcodeSpec()
+    writer: MillingWriter = find_writer(PROGRAM)  # type: ignore[assignment] # its own entry point
+    return Milling(gcode.feed, writer.dynamics(gcode))
+
+
+def has_program(design: Design) -> bool:
+    """True if the scene tells all that a milling program needs."""
+    return design.gcode is not None and design.part.thickness is not None
+
+
+def contour_rows(
+    design: Design, tolerances: Sequence[float], *, ripple: bool, tell: Tell
+) -> tuple[ContourRow, ...]:
+    """A row for each form, effort and tolerance [mm], in this order.
+
+    What cannot be reached is told in the row.
+    """
+    milling = milling_of(design)
+    rows = []
+    for form in FORMS:
+        for effort in EFFORTS:
+            drawn = drawn_as(design, form, effort)
+            _warm(drawn, form, effort, max(tolerances))
+            for tolerance in tolerances:
+                tell(f"{form}, {effort}, {tolerance:g} mm")
+                rows.append(_row(drawn, milling, form, effort, tolerance, ripple=ripple))
+    return tuple(rows)
+
+
+def drawn_as(design: Design, form: Form, effort: Effort) -> Design:
+    """The same design with its drawing in another form."""
+    output = design.specification.output
+    output = replace(output, fit=effort, dxf=replace(output.dxf, entity=form))  # type: ignore[type-var]
+    return Design(replace(design.specification, output=output))  # type: ignore[type-var]
+
+
+def _warm(design: Design, form: Form, effort: Effort, tolerance: float) -> None:
+    """Compute what belongs to no tolerance, so that no row pays for it."""
+    for flank in flanks_of(design):
+        try:
+            fitted(flank, form, effort, tolerance)
+        except (ToleranceError, GeometryError):  # which the row will tell
+            return
+
+
+def fitted(flank: CurveBoundary, form: Form, effort: Effort, tolerance: float) -> Fit | SplineFit:
+    """The contour of `flank` in one of the forms; raises as `camgeo.part.part.Boundary`."""
+    fits: dict[Form, Callable[[float, Effort], Fit | SplineFit]] = {
+        "polyline": flank.polyline,
+        "arcs": flank.arcs,
+        "spline": flank.spline,
+    }
+    return fits[form](tolerance, effort)
+
+
+def _row(
+    design: Design,
+    milling: Milling,
+    form: Form,
+    effort: Effort,
+    tolerance: float,
+    *,
+    ripple: bool,
+) -> ContourRow:
+    row = ContourRow(form, effort, tolerance)
+    flanks = flanks_of(design)
+    try:
+        fits, seconds = timed(lambda: [fitted(each, form, effort, tolerance) for each in flanks])
+        contours = [fit.contour for fit in fits]
+        _, proof = timed(
+            lambda: [
+                flank.deviation(contour) for flank, contour in zip(flanks, contours, strict=True)
+            ]
+        )
+        row = replace(
+            row,
+            count=Count(
+                pieces=sum(len(contour) for contour in contours),
+                # A polyline has no arcs: its limit holds for dwells and turns too.
+                forced=0 if form == "polyline" else sum(forced_pieces(f.path) for f in flanks),
+                least=sum(LEAST[form](flank.path, tolerance) for flank in flanks),
+                deviation=max(fit.deviation for fit in fits),
+                fit_seconds=seconds,
+                proof_seconds=proof,
+            ),
+        )
+        plain = [contour for contour in contours if isinstance(contour, Contour)]
+        if plain and milling.dynamics is not None:
+            acceleration = milling.dynamics.acceleration
+            time = sum(contour_time(each, milling.feed, acceleration) for each in plain)
+            row = replace(row, round_seconds=time)
+        if plain and ripple:
+            row = replace(row, ripple=_ripple(design, flanks, plain))
+        row = replace(row, drawing=file_cost(design, DRAWING, tolerance))
+        if form == "arcs" and has_program(design):
+            row = replace(row, program=file_cost(design, PROGRAM, tolerance))
+    except (ToleranceError, GeometryError) as error:
+        return replace(row, fault=reason(error))
+    return row
+
+
+def file_cost(product: Product, format: str, tolerance: float) -> FileCost:  # noqa: A002 - its name
+    """The file of one format, written and read back.
+
+    Raises ToleranceError if its tolerance cannot be reached.
+    """
+    writer = find_writer(format)
+    written, write = timed(lambda: writer.write(product, tolerance))
+    deviation, read = timed(lambda: writer.measure(product, written.data))
+    if deviation is not None and not deviation <= tolerance:
+        raise ToleranceError(f"the {format} file, read back, is off", tolerance, deviation)
+    return FileCost(len(written.data), deviation, write, read, written.facts)
+
+
+def reason(error: ToleranceError | GeometryError) -> str:
+    """Why a row has no value, one short sentence."""
+    return error.reason if isinstance(error, ToleranceError) else error.message
+
+
+def _ripple(
+    design: Design, flanks: Sequence[CurveBoundary], contours: Sequence[Contour]
+) -> float | None:
+    """The largest ripple of all flanks; None where nothing is demanded."""
+    found = []
+    for flank, contour in zip(flanks, contours, strict=True):
+        contact = "outer" if flank.hole else "inner"
+        replay = replay_contour(design.pitch_curve, contour, contact)  # type: ignore[arg-type]
+        # Where the roller falls off an edge, the acceleration has no bound.
+        if replay.ripple is not None and not len(replay.drops):
+            found.append(replay.ripple)
+    return max(found, default=None)

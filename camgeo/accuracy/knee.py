@@ -1,0 +1,178 @@
+"""The knee: the tolerance beyond which paying more buys nothing, out of what was measured.
+
+Each decade of accuracy multiplies the pieces by 10^(1/k), k = 2, 3, 4 for chords, arcs and cubics;
+a power has no knee of its own. What has one is the use of the pieces, so the knee is where the
+first of the things that they serve ends.
+
+Milling (the scene has a program, its machine an acceleration). Of all contours that a controller
+takes, lines and arcs, the quickest round is the price of a coarse contour. The knee is the tightest
+tolerance
+
+- at which a contour is milled in at most 5 % more time than that: beyond, blocks grow too short for
+  the feed, and the part is paid for in minutes;
+- and whose program is printed with no more decimals than the loosest one: a controller is asked for
+  its own number of decimals at least, and beyond that its numbers set the limit, not the contour;
+- and from which on the ripple of the replay, if it was asked for, still falls by 5 % at a tighter
+  tolerance: a follower that runs no smoother has no use for it.
+
+Files only. A drawing has a part that every tolerance pays, header and layers, and a part that grows
+by the power above. While the growing part is the smaller one, accuracy comes with what is paid
+anyway; beyond, each decade multiplies the whole file. The knee of a form is the tightest tolerance
+whose drawing is at most twice its smallest one, that of the design the tightest of the three.
+
+Of several contours at the knee the one of fewest pieces is recommended, of those with the least
+ripple if it was asked for.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Final, Literal
+
+from camgeo.accuracy.rows import FORMS, ContourRow
+
+SLACK: Final = 1.05
+"""Machining times and ripples up to this factor of the best count as the best: less than what feed
+override and rounding of a plan do."""
+
+DOUBLE: Final = 2.0
+"""A drawing up to this factor of the smallest: what grows is no more than what was there."""
+
+End = Literal["time", "decimals", "ripple", "size", "reach", "range"]
+
+
+@dataclass(frozen=True, slots=True)
+class Knee:
+    """What is recommended, and what ends beyond it.
+
+    Attributes
+    ----------
+    row : the recommended contour.
+    end : what a tighter tolerance loses: "time", "decimals", "ripple" or, without milling, "size";
+        "reach" if it cannot be reached, "range" if none was looked at.
+    quick : with milling the tightest tolerance [mm] that is milled in at most 5 % more than the
+        least time; None without.
+    next : the same contour one tolerance tighter, if it could be had.
+    """
+
+    row: ContourRow
+    end: End
+    quick: float | None
+    next: ContourRow | None
+
+
+def knee_of(rows: Iterable[ContourRow]) -> Knee | None:
+    """The knee of what was measured; None if nothing could be reached."""
+    asked = tuple(rows)
+    milled = [row for row in _sound(asked) if row.round_seconds is not None]
+    if any(row.program is not None for row in milled):
+        return _milling(asked, milled)
+    return drawing_knee(asked)
+
+
+def drawing_knee(rows: Iterable[ContourRow]) -> Knee | None:
+    """The knee of the drawing, whether it is milled or not; None if nothing could be reached."""
+    asked = tuple(rows)
+    return _files(asked, _sound(asked))
+
+
+def _sound(rows: Iterable[ContourRow]) -> list[ContourRow]:
+    return [row for row in rows if row.count is not None and row.drawing is not None]
+
+
+def _milling(asked: Sequence[ContourRow], rows: Sequence[ContourRow]) -> Knee:
+    quickest = min(_seconds(row) for row in rows)
+    allowed = [row for row in rows if _seconds(row) <= SLACK * quickest]
+    quick = tightest = min(row.tolerance for row in allowed)
+    end = _end(asked, rows, tightest, "time")
+    limits: tuple[tuple[float | None, End], ...] = (
+        (_decimals(rows), "decimals"),
+        (_ripple(rows), "ripple"),
+    )
+    for limit, name in limits:
+        if limit is not None and limit > tightest:
+            tightest, end = limit, name
+    at_knee = _smoothest([row for row in allowed if row.tolerance == tightest])
+    return _knee(rows, at_knee, end, quick)
+
+
+def _smoothest(rows: Sequence[ContourRow]) -> Sequence[ContourRow]:
+    """Those with the least ripple; all of them where it was not asked for."""
+    ripples = [row.ripple for row in rows if row.ripple is not None]
+    if not ripples:
+        return rows
+    limit = SLACK * min(ripples)
+    return [row for row in rows if row.ripple is not None and row.ripple <= limit]
+
+
+def _files(asked: Sequence[ContourRow], rows: Sequence[ContourRow]) -> Knee | None:
+    knees: list[ContourRow] = []
+    for form in FORMS:
+        own = [row for row in rows if row.form == form]
+        if own:
+            smallest = min(_size(row) for row in own)
+            allowed = [row for row in own if _size(row) <= DOUBLE * smallest]
+            tightest = min(row.tolerance for row in allowed)
+            knees += [row for row in allowed if row.tolerance == tightest]
+    if not knees:
+        return None
+    tightest = min(row.tolerance for row in knees)
+    at_knee = [row for row in knees if row.tolerance == tightest]
+    return _knee(rows, at_knee, _end(asked, rows, tightest, "size"), None)
+
+
+def _end(
+    asked: Sequence[ContourRow], rows: Sequence[ContourRow], tightest: float, price: End
+) -> End:
+    """Why it is not the next tighter tolerance: its price, if it has one."""
+    forms = {row.form for row in rows}
+    tighter = [row.tolerance for row in asked if row.form in forms and row.tolerance < tightest]
+    if not tighter:
+        return "range"
+    return price if any(row.tolerance == max(tighter) for row in rows) else "reach"
+
+
+def _decimals(rows: Sequence[ContourRow]) -> float | None:
+    """Tightest tolerance whose program has no more decimals than the loosest."""
+    counts = {row.tolerance: row.program.facts["decimals"] for row in rows if row.program}
+    if not counts:
+        return None
+    least = counts[max(counts)]
+    return min(tolerance for tolerance, count in counts.items() if count == least)
+
+
+def _ripple(rows: Sequence[ContourRow]) -> float | None:
+    """Loosest tolerance at which a contour has the least ripple there is."""
+    ripples = [(row.ripple, row.tolerance) for row in rows if row.ripple is not None]
+    if not ripples:
+        return None
+    least, _ = min(ripples)
+    return max(tolerance for ripple, tolerance in ripples if ripple <= SLACK * least)
+
+
+def _knee(
+    rows: Sequence[ContourRow], at_knee: Sequence[ContourRow], end: End, quick: float | None
+) -> Knee:
+    best = min(at_knee, key=_pieces)
+    tighter = [
+        row
+        for row in rows
+        if (row.form, row.effort) == (best.form, best.effort) and row.tolerance < best.tolerance
+    ]
+    return Knee(best, end, quick, max(tighter, key=lambda row: row.tolerance, default=None))
+
+
+def _seconds(row: ContourRow) -> float:
+    assert row.round_seconds is not None  # asked before
+    return row.round_seconds
+
+
+def _size(row: ContourRow) -> int:
+    assert row.drawing is not None  # asked before
+    return row.drawing.size
+
+
+def _pieces(row: ContourRow) -> int:
+    assert row.count is not None  # asked before
+    return row.count.pieces

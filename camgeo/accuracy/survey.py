@@ -1,0 +1,63 @@
+"""All that is measured of one design."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from decimal import Decimal
+from typing import Final
+
+from camgeo.accuracy.contours import Tell, contour_rows
+from camgeo.accuracy.knee import Knee, knee_of
+from camgeo.accuracy.rows import ContourRow, SolidRow, TableRow
+from camgeo.accuracy.solids import solid_rows
+from camgeo.accuracy.tables import STEPS, table_rows
+from camgeo.design import Design
+
+TOLERANCES: Final = (1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7)
+"""Tolerances that are looked at if none are named [mm]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Survey:
+    """What accuracy costs.
+
+    Attributes
+    ----------
+    contours, solids, tables : what was measured, row by row.
+    knee : where paying more stops buying anything; None if nothing could be reached.
+    """
+
+    contours: tuple[ContourRow, ...]
+    solids: tuple[SolidRow, ...]
+    tables: tuple[TableRow, ...]
+    knee: Knee | None
+
+
+def survey(
+    design: Design,
+    tolerances: Sequence[float] = TOLERANCES,
+    steps: Sequence[Decimal] = STEPS,
+    *,
+    ripple: bool = False,
+    solids: bool = True,
+    tell: Tell = lambda _: None,
+) -> Survey:
+    """Measure `design` at `tolerances` [mm] and its value table at `steps` [degrees].
+
+    Parameters
+    ----------
+    ripple : whether the contours are replayed too.
+    solids : whether solids are written too, if the part has a thickness.
+    tell : told the step at hand.
+
+    Raises
+    ------
+    UndercutError
+        If the cam has no outline.
+    GeometryError
+        If the part cannot be.
+    """
+    contours = contour_rows(design, tolerances, ripple=ripple, tell=tell)
+    bodies = solid_rows(design, tolerances, tell=tell) if solids else ()
+    return Survey(contours, bodies, table_rows(design, steps, tell=tell), knee_of(contours))

@@ -1,0 +1,281 @@
+"""`camgeo accuracy`: what accuracy costs, as table and picture, and where it stops paying."""
+
+from __future__ import annotations
+
+import argparse
+import math
+from collections.abc import Sequence
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+from camgeo.cli.command import FINE, Subparsers, identity, new_parser, print_json, tell
+from camgeo.cli.plot import RENDERERS, SUFFIXES
+from camgeo.cli.progress import Progress
+from camgeo.design import Design
+from camgeo.files.specs import LARGEST_TOLERANCE, SMALLEST_TOLERANCE
+from camgeo.scene.load import load_scene
+
+if TYPE_CHECKING:  # what is measured is imported when it is asked for
+    from camgeo.accuracy.rows import ContourRow, FileCost, SolidRow, TableRow
+    from camgeo.accuracy.survey import Survey
+
+RENDERER: Final = "accuracy"
+"""Entry point of the group `camgeo.renderers` that draws the measurements."""
+
+COLUMNS: Final = """\
+pieces: of the flanks' contours; of least: pieces, without those that dwells and turns are, in times
+    of the limit for small tolerances
+deviation: proved, both ways and for every point
+fit, proof, write, read: seconds of computing, on this machine: the fit with its proof, the proof
+    anew from the finished contour, the drawing written with all its curves, and read back
+round: seconds of milling once along the flanks, by feed and acceleration
+ripple: largest error of the acceleration in a replay, of its demanded peak
+error: bound of the error of the lift between two rows, interpolated linearly"""
+"""What stands in the tables, explained below them."""
+
+CONTOURS: Final = (
+    "contour", "effort", "tolerance", "pieces", "of least", "deviation", "DXF", "G-code", "fit",
+    "proof", "write", "read", "round",
+)  # fmt: skip
+SOLIDS: Final = ("solid", "tolerance", "triangles", "deviation", "bytes", "write", "read")
+"""Heads of the columns; lengths in mm, sizes in bytes, times in seconds."""
+
+NONE: Final = "-"
+"""What has no value."""
+
+
+def register(subparsers: Subparsers[argparse.ArgumentParser]) -> None:
+    """Add the command."""
+    parser = new_parser(
+        subparsers,
+        "accuracy",
+        "measure what accuracy costs: pieces, bytes, computing and machining time over the"
+        " tolerance, and say where it stops paying",
+        "camgeo accuracy fixtures/scenes/setzhub.toml -o setzhub-accuracy.svg\n"
+        "  camgeo accuracy my-cam.toml --tolerances 1e-2,1e-3,1e-4 --ripple\n"
+        "  camgeo accuracy my-cam.toml --json",
+    )
+    parser.add_argument("scene", metavar="SCENE", help="scene file (TOML)")
+    parser.add_argument(
+        "--tolerances",
+        metavar="MM",
+        help="comma-separated, in mm; default 1e-1 to 1e-7, one a decade",
+    )
+    parser.add_argument(
+        "--ripple",
+        action="store_true",
+        help="replay the contours too: how far the follower's acceleration is off",
+    )
+    parser.add_argument("--json", action="store_true", help="print JSON")
+    parser.add_argument(
+        "-o", metavar="FILE", dest="output", help=f"draw a picture too, {', '.join(SUFFIXES)}"
+    )
+    parser.add_argument("--force", action="store_true", help="write over an existing file")
+    parser.set_defaults(run=partial(run, parser))
+
+
+def run(parser: argparse.ArgumentParser, arguments: argparse.Namespace) -> int:
+    """Measure, and print or draw what was found."""
+    if arguments.output is not None and Path(arguments.output).suffix not in SUFFIXES:
+        parser.error(f"argument -o: {arguments.output!r} must end in one of {', '.join(SUFFIXES)}")
+    asked = None if arguments.tolerances is None else _tolerances(parser, arguments.tolerances)
+    design = Design(load_scene(arguments.scene))
+    from camgeo.accuracy.survey import TOLERANCES, survey
+
+    ripple = arguments.ripple or design.specification.output.accuracy_ripple
+    with Progress() as progress:
+        found = survey(design, asked or TOLERANCES, ripple=ripple, tell=progress)
+    if arguments.output is not None:
+        _draw(design, found, arguments)
+    if arguments.json:
+        print_json({**identity(design), **_document(design, found)})
+    else:
+        _print_tables(design, found, ripple=ripple)
+    return FINE
+
+
+def _tolerances(parser: argparse.ArgumentParser, text: str) -> tuple[float, ...]:
+    """The tolerances of `--tolerances`, each once, the loosest first; ends the command if wrong."""
+    found = []
+    for word in text.split(","):
+        try:
+            value = float(word)
+        except ValueError:
+            value = math.nan
+        if not SMALLEST_TOLERANCE <= value <= LARGEST_TOLERANCE:
+            parser.error(
+                f"argument --tolerances: {word.strip()!r} must be a length of"
+                f" {SMALLEST_TOLERANCE:g} to {LARGEST_TOLERANCE:g} mm"
+            )
+        found.append(value)
+    return tuple(sorted(set(found), reverse=True))
+
+
+def _draw(design: Design, found: Survey, arguments: argparse.Namespace) -> None:
+    from importlib.metadata import entry_points
+
+    from camgeo.files.transaction import write_set
+
+    target = Path(arguments.output)
+    render = entry_points(group=RENDERERS)[RENDERER].load()
+    data: bytes = render(found, title=f"{design.name}: what accuracy costs", suffix=target.suffix)
+    write_set(target.parent, {target.name: data}, force=arguments.force)
+    tell(f"{target}: pieces, bytes, seconds")
+
+
+# The tables ---------------------------------------------------------------------------------------
+
+
+def _print_tables(design: Design, found: Survey, *, ripple: bool) -> None:
+    from camgeo.accuracy.advice import advice
+
+    print(f"{design.name}: what accuracy costs, in mm, bytes and seconds")
+    print()
+    heads = [*CONTOURS, "ripple"] if ripple else list(CONTOURS)
+    _print_columns(heads, [_contour_cells(row, ripple=ripple) for row in found.contours])
+    if found.solids:
+        print()
+        _print_columns(SOLIDS, [_solid_cells(row) for row in found.solids])
+    print()
+    unit, factor = _lift_unit(design)
+    heads = ["step [deg]", "rows", "bytes", "made", f"error [{unit}]"]
+    _print_columns(heads, [_table_cells(row, factor) for row in found.tables])
+    print()
+    print(COLUMNS)
+    print(f"advice: {advice(found.knee)}")
+
+
+def _print_columns(heads: Sequence[str], rows: Sequence[tuple[list[str], str]]) -> None:
+    """Right-aligned columns, but for the first; behind a row why it has gaps."""
+    table = [list(heads), *(cells for cells, _ in rows)]
+    widths = [max(len(cells[column]) for cells in table) for column in range(len(heads))]
+    faults = ["", *(fault for _, fault in rows)]
+    for cells, fault in zip(table, faults, strict=True):
+        line = "  ".join(
+            cell.rjust(width) if column else cell.ljust(width)
+            for column, (cell, width) in enumerate(zip(cells, widths, strict=True))
+        )
+        print(f"{line}  {fault}".rstrip())
+
+
+def _contour_cells(row: ContourRow, *, ripple: bool) -> tuple[list[str], str]:
+    count, drawing = row.count, row.drawing
+    cells = [row.form, row.effort, f"{row.tolerance:g}"]
+    cells += [
+        NONE if count is None else f"{count.pieces:,}",
+        NONE if count is None or count.ratio is None else f"{count.ratio:.3f}",
+        NONE if count is None else f"{count.deviation:.3g}",
+        NONE if drawing is None else f"{drawing.size:,}",
+        NONE if row.program is None else f"{row.program.size:,}",
+        _seconds(None if count is None else count.fit_seconds),
+        _seconds(None if count is None else count.proof_seconds),
+        _seconds(None if drawing is None else drawing.write_seconds),
+        _seconds(None if drawing is None else drawing.read_seconds),
+        NONE if row.round_seconds is None else f"{row.round_seconds:.1f}",
+    ]
+    if ripple:
+        cells.append(NONE if row.ripple is None else f"{100.0 * row.ripple:.3g} %")
+    return cells, row.fault
+
+
+def _solid_cells(row: SolidRow) -> tuple[list[str], str]:
+    file, cells = row.file, [row.format, f"{row.tolerance:g}"]
+    if file is None:
+        return [*cells, *[NONE] * 5], row.fault
+    cells += [f"{file.facts['triangles']:,}", f"{file.deviation:.3g}", f"{file.size:,}"]
+    cells += [_seconds(file.write_seconds), _seconds(file.read_seconds)]
+    return cells, row.fault
+
+
+def _table_cells(row: TableRow, factor: float) -> tuple[list[str], str]:
+    error = f"{row.error * factor:.2g}"
+    return [f"{row.step}", f"{row.rows:,}", f"{row.size:,}", _seconds(row.seconds), error], ""
+
+
+def _seconds(value: float | None) -> str:
+    return NONE if value is None else f"{value:.2g}" if value < 10.0 else f"{value:.0f}"
+
+
+def _lift_unit(design: Design) -> tuple[str, float]:
+    """Unit of the plan's positions in the table, and how many of it are in 1 mm or rad."""
+    if not design.has_linkage and design.lift_unit == "rad":
+        return "deg", math.degrees(1.0)
+    return design.unit, 1.0 / design.millimetres
+
+
+# JSON ---------------------------------------------------------------------------------------------
+
+
+def _document(design: Design, found: Survey) -> dict[str, Any]:
+    from camgeo.accuracy.advice import advice
+
+    unit, factor = _lift_unit(design)
+    knee = found.knee
+    return {
+        "contours": [_contour_record(row) for row in found.contours],
+        "solids": [_solid_record(row) for row in found.solids],
+        "tables": [
+            {
+                "step_deg": float(row.step),
+                "rows": row.rows,
+                "bytes": row.size,
+                "seconds": row.seconds,
+                "interpolation_error": row.error * factor,
+                "unit": unit,
+            }
+            for row in found.tables
+        ],
+        "knee": knee
+        and {
+            "contour": knee.row.form,
+            "fit": knee.row.effort,
+            "tolerance_mm": knee.row.tolerance,
+            "end": knee.end,
+        },
+        "advice": advice(knee),
+    }
+
+
+def _contour_record(row: ContourRow) -> dict[str, Any]:
+    count = row.count
+    return {
+        "contour": row.form,
+        "fit": row.effort,
+        "tolerance_mm": row.tolerance,
+        "count": count
+        and {
+            "pieces": count.pieces,
+            "forced": count.forced,
+            "least": count.least,
+            "ratio": count.ratio,
+            "deviation_mm": count.deviation,
+            "fit_seconds": count.fit_seconds,
+            "proof_seconds": count.proof_seconds,
+        },
+        "dxf": row.drawing and _file_record(row.drawing),
+        "gcode": row.program and _file_record(row.program),
+        "round_seconds": row.round_seconds,
+        "ripple": row.ripple,
+        "fault": row.fault or None,
+    }
+
+
+def _solid_record(row: SolidRow) -> dict[str, Any]:
+    file = row.file and _file_record(row.file)
+    return {
+        "format": row.format,
+        "tolerance_mm": row.tolerance,
+        "file": file,
+        "fault": row.fault or None,
+    }
+
+
+def _file_record(file: FileCost) -> dict[str, Any]:
+    return {
+        "bytes": file.size,
+        "deviation_mm": file.deviation,
+        "write_seconds": file.write_seconds,
+        "read_seconds": file.read_seconds,
+        **file.facts,
+    }

@@ -1,0 +1,268 @@
+"""Writes docs/accuracy.md and its pictures: `python docs/accuracy_page.py`.
+
+Measures all fixture cams, which takes some minutes. A test holds the page to some of its rows; its
+seconds of computing are those of one machine and held by none.
+"""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Final
+
+import camgeo
+from camgeo.accuracy.advice import advice
+from camgeo.accuracy.contours import contour_rows
+from camgeo.accuracy.knee import drawing_knee
+from camgeo.accuracy.rows import EFFORTS, FORMS, ContourRow, Form
+from camgeo.accuracy.survey import Survey, survey
+from camgeo.contour.fit import Effort
+from camgeo_export.plots.accuracy import render
+
+PAGE: Final = Path(__file__).with_name("accuracy.md")
+IMAGES: Final = Path(__file__).with_name("images")
+SCENES: Final = Path(__file__).resolve().parents[1] / "fixtures" / "scenes"
+
+TOLERANCES: Final = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6)
+"""Of the tables [mm]."""
+
+PICTURED: Final = ("setzhub", "groove")
+"""Cams with a picture."""
+
+DETAILED: Final = "setzhub"
+"""The cam whose seconds, solids and value tables are told."""
+
+HEAD = """# What accuracy costs
+
+<!-- Made by docs/accuracy_page.py; change it there. -->
+
+A tolerance is paid for in pieces: each decade makes the file larger, and where the pieces become
+too short for the feed, the part is milled more slowly. `camgeo accuracy SCENE` measures it for one
+cam, for tolerances from 0.1 to 1e-7 mm: pieces and their ratio to what is possible, the proved
+deviation, bytes, seconds of computing, machining time, and with `--ripple` how far the follower's
+acceleration is off; also triangles and bytes of the solids, and what a value table loses between
+its rows. `--json` prints it for programs, `-o FILE` draws it. It ends with one sentence of advice.
+
+## What is possible
+
+For a small tolerance eps, a contour of pieces of order k needs at least
+
+    N = (C/eps)^(1/k) * integral of |D|^(1/k) ds
+
+pieces, where D is the derivative that a piece cannot follow and C |D| h^k the least error on a span
+of the length h.
+
+| form | k | D | C | each decade of accuracy costs |
+|---|---|---|---|---|
+| straight pieces | 2 | kappa | 1/16 | 3.16 times the pieces |
+| arcs, tangent | 3 | d kappa/ds | sqrt(3)/216 | 2.15 times |
+| cubic spline, C2 | 4 | kappa'' - kappa^3 | 1/768 | 1.78 times |
+
+So N = 0.2002 eps^(-1/3) times the integral for arcs. Dwells and turns about corners are one arc
+each, whatever the tolerance; they are not in N and not in the ratios, except for straight pieces,
+which have no arcs. A finite contour needs a little more than N: its pieces are whole numbers, and
+where the motion has a break there is a joint.
+
+## Machining time
+
+A controller must be able to stop at the end of the next block, so a block of the length L is run at
+sqrt(2 a L) at most, a the acceleration of the machine's profile: blocks shorter than feed^2/(2 a)
+never reach the feed. On an arc of radius r the speed is at most sqrt(a r). The tables tell of one
+round along the flanks at the scene's feed; `certificate.json` has the estimate of the whole
+program, traverses and plunges included. Braking in corners, jerk, and the time that a controller
+needs to read a block are left out. LinuxCNC's profile has the acceleration of its sample machine,
+508 mm/s^2.
+
+## The knee
+
+A power law has no knee of its own; what the pieces are used for has one.
+
+- Milling: the tightest tolerance at which a round takes at most 5 % more than the quickest one,
+  whose program is printed with no more decimals than the controller asks for, and, if the ripple is
+  asked for, beyond which it still falls.
+- Drawing alone: the tightest tolerance whose file is at most twice the smallest. Until then header
+  and layers are the larger part of it; beyond, each decade multiplies the whole file.
+
+## The fixture cams
+
+In each cell: pieces of the near-optimal fit, their ratio to N, and the ratio of the fast fit. DXF
+with straight pieces, arcs and splines in thousands of bytes; the milled round with straight pieces
+and with arcs in seconds. All of this is the same on each machine, but for the last digits that its
+processor rounds otherwise; the seconds of computing farther below are not.
+"""
+
+TABLE = """
+### {name}
+
+| tolerance [mm] | straight pieces | arcs | spline | DXF [kB] | round [s] |
+|---|---|---|---|---|---|
+"""
+
+PICTURE = """
+![{name}: pieces beside their limits, bytes and machining time over the tolerance]\
+(images/accuracy-{name}.svg)
+
+*Pieces of the near-optimal fit (full) and the fast one (hollow) beside the limits (thin); files;
+milling once round. The dashed line is the advice.*
+"""
+
+SECONDS = """
+## Seconds of computing
+
+{name}, on one machine and rounded to one digit: near-optimal fit with its proof, fast fit with its
+proof, proof anew from the finished contour, drawing written, drawing read back and proved.
+
+| contour | tolerance [mm] | fewest | fast | proof | write | read |
+|---|---|---|---|---|---|---|
+"""
+
+SOLIDS = """
+## Solids
+
+{name}: the flanks are tessellated within the tolerance. STL holds single precision, which moves
+vertices by some 4e-6 mm at 50 mm from the axis; what cannot be reached is not written.
+
+| tolerance [mm] | triangles, STL | bytes, STL | triangles, 3MF | bytes, 3MF |
+|---|---|---|---|---|
+"""
+
+TABLES = """
+## Value tables
+
+{name}: rows and bytes over the step, and a bound of the error of the lift between two rows if it is
+interpolated linearly, max|s''| h^2/8, jumps of the velocity counted besides.
+
+| step [degrees] | rows | bytes | error [mm] |
+|---|---|---|---|
+"""
+
+Found = Mapping[tuple[Form, Effort, float], ContourRow]
+
+
+def by_key(rows: tuple[ContourRow, ...]) -> Found:
+    """The rows by form, effort and tolerance."""
+    return {(row.form, row.effort, row.tolerance): row for row in rows}
+
+
+def cell(found: Found, form: Form, tolerance: float) -> str:
+    """Pieces, their ratio, and that of the fast fit."""
+    counts = [found[form, effort, tolerance].count for effort in EFFORTS]
+    ratios = [
+        "-" if count is None or count.ratio is None else f"{count.ratio:.2f}" for count in counts
+    ]
+    best = counts[0]
+    return ", ".join(["-" if best is None else f"{best.pieces:,}", *ratios])
+
+
+def line(found: Found, tolerance: float) -> str:
+    """The line of a cam's table."""
+    fewest = [found[form, EFFORTS[0], tolerance] for form in FORMS]
+    sizes = ["-" if row.drawing is None else f"{row.drawing.size / 1e3:,.0f}" for row in fewest]
+    times = [row.round_seconds for row in fewest[:2]]
+    rounds = ["-" if time is None else f"{time:.1f}" for time in times]
+    cells = [f"{tolerance:g}", *(cell(found, form, tolerance) for form in FORMS)]
+    return f"| {' | '.join([*cells, ', '.join(sizes), ', '.join(rounds)])} |\n"
+
+
+def cam(name: str, rows: tuple[ContourRow, ...]) -> str:
+    """The section of a cam."""
+    found = by_key(rows)
+    lines = [line(found, tolerance) for tolerance in sorted({key[2] for key in found})[::-1]]
+    return "".join((TABLE.format(name=name), *lines))
+
+
+def told(name: str, measured: Survey) -> str:
+    """What is advised for a cam."""
+    sentences = (
+        f"Advice: {advice(measured.knee)}.",
+        f"As a drawing alone: {advice(drawing_knee(measured.contours))}.",
+    )
+    lines = [f"\n{textwrap.fill(each, 100, break_on_hyphens=False)}\n" for each in sentences]
+    return "".join((*lines, PICTURE.format(name=name) if name in PICTURED else ""))
+
+
+def seconds(measured: Survey) -> str:
+    """The lines of the table of seconds."""
+    found = by_key(measured.contours)
+    lines = []
+    for form in FORMS:
+        for tolerance in sorted({key[2] for key in found})[::-1]:
+            fewest, fast = (found[form, effort, tolerance] for effort in EFFORTS)
+            count, quick, drawing = fewest.count, fast.count, fewest.drawing
+            values = [
+                count and count.fit_seconds,
+                quick and quick.fit_seconds,
+                count and count.proof_seconds,
+                drawing and drawing.write_seconds,
+                drawing and drawing.read_seconds,
+            ]
+            cells = ["-" if value is None else f"{value:.1g}" for value in values]
+            lines.append(f"| {form} | {tolerance:g} | {' | '.join(cells)} |\n")
+    return "".join(lines)
+
+
+def solids(measured: Survey) -> str:
+    """The lines of the table of solids."""
+    files = {(row.format, row.tolerance): row.file for row in measured.solids}
+    lines = []
+    for tolerance in sorted({key[1] for key in files})[::-1]:
+        cells = []
+        for kind in ("stl", "3mf"):
+            file = files[kind, tolerance]
+            cells += ["-", "-"] if file is None else [
+                f"{file.facts['triangles']:,}", f"{file.size:,}",
+            ]  # fmt: skip
+        lines.append(f"| {tolerance:g} | {' | '.join(cells)} |\n")
+    return "".join(lines)
+
+
+def tables(measured: Survey) -> str:
+    """The lines of the value tables."""
+    return "".join(
+        f"| {row.step} | {row.rows:,} | {row.size:,} | {row.error:.2g} |\n"
+        for row in measured.tables
+    )
+
+
+def page(cams: Mapping[str, Survey]) -> str:
+    """The page's text from what was measured of the cams, by their names."""
+    parts = [HEAD]
+    for name, measured in cams.items():
+        parts += [cam(name, measured.contours), told(name, measured)]
+    detailed = cams[DETAILED]
+    parts += [SECONDS.format(name=DETAILED), seconds(detailed)]
+    parts += [SOLIDS.format(name=DETAILED), solids(detailed)]
+    parts += [TABLES.format(name=DETAILED), tables(detailed)]
+    return "".join(parts)
+
+
+def scenes() -> list[str]:
+    """Names of the fixture cams."""
+    return sorted(path.stem for path in SCENES.glob("*.toml"))
+
+
+def measure(name: str) -> Survey:
+    """All that the page tells of a cam."""
+    design = camgeo.load(SCENES / f"{name}.toml")
+    return survey(design, TOLERANCES, solids=name == DETAILED or name in PICTURED)
+
+
+def rows_of(name: str, tolerances: tuple[float, ...]) -> tuple[ContourRow, ...]:
+    """The contours of a cam at a few tolerances."""
+    design = camgeo.load(SCENES / f"{name}.toml")
+    return contour_rows(design, tolerances, ripple=False, tell=lambda _: None)
+
+
+def draw(name: str, measured: Survey) -> bytes:
+    """The picture of a cam, without seconds of computing."""
+    title = f"{name}: what accuracy costs"
+    return render(measured, title=title, suffix=".svg", computing=False)
+
+
+if __name__ == "__main__":
+    everything = {name: measure(name) for name in scenes()}
+    PAGE.write_text(page(everything), encoding="utf-8")
+    for pictured in PICTURED:
+        target = IMAGES / f"accuracy-{pictured}.svg"
+        target.write_bytes(draw(pictured, everything[pictured]))

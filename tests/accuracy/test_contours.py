@@ -1,0 +1,193 @@
+"""Rows of contours and solids: they tell what fits, writers and replay say of one cam."""
+
+from __future__ import annotations
+
+import math
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+import camgeo
+from camgeo.accuracy import clock, solids
+from camgeo.accuracy import contours as measuring
+from camgeo.accuracy.contours import contour_rows, drawn_as, flanks_of, has_program, milling_of
+from camgeo.accuracy.rows import EFFORTS, FORMS, ContourRow
+from camgeo.contour.contour import Contour
+from camgeo.contour.fit import Fit
+from camgeo.contour.least_pieces import forced_pieces
+from camgeo.design import Design
+from camgeo.errors import ToleranceError
+from camgeo.files.writers import find_writer
+from camgeo.outline.replay import replay_contour
+
+SCENES = Path(__file__).parents[2] / "fixtures" / "scenes"
+
+TOLERANCES = (1e-2, 1e-3)
+
+ROUNDING = 1e-12
+
+
+def load(name: str) -> Design:
+    return camgeo.load(SCENES / f"{name}.toml")
+
+
+@cache
+def rows() -> tuple[ContourRow, ...]:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(clock, "RUNS", 1)  # how long it takes is not looked at
+        return contour_rows(load("setzhub"), TOLERANCES, ripple=True, tell=lambda _: None)
+
+
+def found(form: str, effort: str, tolerance: float) -> ContourRow:
+    key = (form, effort, tolerance)
+    return next(row for row in rows() if (row.form, row.effort, row.tolerance) == key)
+
+
+def test_every_form_effort_and_tolerance_has_its_row() -> None:
+    keys = [(row.form, row.effort, row.tolerance) for row in rows()]
+    assert keys == [(f, e, t) for f in FORMS for e in EFFORTS for t in TOLERANCES]
+    assert [row.fault for row in rows()] == [""] * len(keys)
+
+
+@pytest.mark.parametrize("form", FORMS)
+@pytest.mark.parametrize("effort", EFFORTS)
+@pytest.mark.parametrize("tolerance", TOLERANCES)
+def test_counts_files_and_proofs(form: str, effort: str, tolerance: float) -> None:
+    row = found(form, effort, tolerance)
+    assert row.count is not None
+    assert row.drawing is not None
+    assert 0.0 < row.count.deviation <= tolerance
+    assert row.drawing.deviation is not None
+    assert row.drawing.deviation <= tolerance
+    assert row.count.forced == (0 if form == "polyline" else 2)  # Two rests of the motion plan.
+    assert row.count.ratio is not None
+    # A limit for small tolerances; where pieces are few it is passed a little.
+    assert 0.7 < row.count.ratio < 4.0
+    assert min(row.count.fit_seconds, row.count.proof_seconds) > 0.0
+    assert (row.program is not None) == (form == "arcs")
+
+
+@pytest.mark.parametrize("effort", EFFORTS)
+def test_pieces_are_those_of_the_boundary(effort: str) -> None:
+    (flank,) = flanks_of(load("setzhub"))
+    for tolerance in TOLERANCES:
+        row = found("arcs", effort, tolerance)
+        assert row.count is not None
+        assert row.count.pieces == len(flank.arcs(tolerance, effort).contour)  # type: ignore[arg-type]
+        assert row.count.forced == forced_pieces(flank.path)
+
+
+def test_the_round_takes_at_least_its_length_over_the_feed() -> None:
+    (flank,) = flanks_of(load("setzhub"))
+    # Every arc is longer than feed^2/(2 a) = 0.025 mm and bends with more than 0.05 mm.
+    for tolerance in TOLERANCES:
+        length = flank.arcs(tolerance, "fewest").contour.length
+        seconds = found("arcs", "fewest", tolerance).round_seconds
+        assert seconds == pytest.approx(length / 5.0, rel=ROUNDING)
+        assert found("spline", "fewest", tolerance).round_seconds is None
+
+
+def test_the_ripple_is_that_of_the_replay() -> None:
+    design = load("setzhub")
+    (flank,) = flanks_of(design)
+    contour = flank.arcs(1e-3, "fewest").contour
+    ripple = replay_contour(design.pitch_curve, contour).ripple
+    assert found("arcs", "fewest", 1e-3).ripple == ripple
+    assert found("spline", "fewest", 1e-3).ripple is None
+    ripples = [found("arcs", "fewest", tolerance).ripple for tolerance in TOLERANCES]
+    assert ripples[0] is not None
+    assert ripples[1] is not None
+    assert ripples[1] < ripples[0]
+
+
+def test_no_ripple_unless_it_is_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(measuring, "EFFORTS", ("fast",))
+    monkeypatch.setattr(measuring, "FORMS", ("arcs",))
+    told: list[str] = []
+    made = contour_rows(load("ring"), (1e-2,), ripple=False, tell=told.append)
+    assert [row.ripple for row in made] == [None]
+    assert told == ["arcs, fast, 0.01 mm"]
+
+
+def test_what_cannot_be_reached_is_told_in_the_row(monkeypatch: pytest.MonkeyPatch) -> None:
+    honest = measuring.fitted
+
+    def some(flank: object, form: str, effort: str, tolerance: float) -> object:
+        if tolerance < 1e-2:
+            raise ToleranceError("the arithmetic is too coarse", tolerance, 1.0)
+        return honest(flank, form, effort, tolerance)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(measuring, "EFFORTS", ("fast",))
+    monkeypatch.setattr(measuring, "FORMS", ("arcs",))
+    monkeypatch.setattr(measuring, "fitted", some)
+    made = contour_rows(load("ring"), TOLERANCES, ripple=False, tell=lambda _: None)
+    assert [row.fault for row in made] == ["", "the arithmetic is too coarse"]
+    assert made[0].count is not None
+    assert made[1].count is None
+    assert made[1].drawing is None
+
+
+def test_a_file_that_cannot_be_written_leaves_the_count(monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(_: object, __: object, tolerance: float) -> None:
+        raise ToleranceError("a program is too coarse", tolerance, 1.0)
+
+    monkeypatch.setattr(measuring, "EFFORTS", ("fast",))
+    monkeypatch.setattr(measuring, "FORMS", ("polyline",))
+    monkeypatch.setattr(measuring, "file_cost", refuse)
+    (row,) = contour_rows(load("ring"), (1e-2,), ripple=False, tell=lambda _: None)
+    assert row.count is not None
+    assert row.round_seconds is not None
+    assert row.drawing is None
+    assert row.fault == "a program is too coarse"
+
+
+def test_a_design_drawn_in_another_form() -> None:
+    design = load("setzhub")
+    drawn = drawn_as(design, "polyline", "fast")
+    assert (drawn.dxf.entity, drawn.effort) == ("polyline", "fast")
+    assert drawn.dxf.auxiliary == design.dxf.auxiliary
+    assert design.dxf.entity == "arcs"
+    writer = find_writer("dxf")
+    facts = writer.write(drawn, 1e-2).facts
+    assert int(facts["lines"]) > 50
+
+
+def test_feed_and_machine_of_the_scene() -> None:
+    milling = milling_of(load("setzhub"))
+    assert milling.feed == 300.0
+    assert milling.dynamics is not None
+    assert has_program(load("setzhub"))
+
+
+def test_flanks_are_what_the_roller_runs_on() -> None:
+    assert [flank.name for flank in flanks_of(load("groove"))] == ["inner flank", "outer flank"]
+    assert [flank.hole for flank in flanks_of(load("ring"))] == [True]
+
+
+def test_rings_and_grooves_are_replayed_on_their_flanks() -> None:
+    design = load("groove")
+    for flank in flanks_of(design):
+        fit = flank.arcs(1e-3, "fast")
+        assert isinstance(fit, Fit)
+        assert isinstance(fit.contour, Contour)
+    ripple = measuring._ripple(
+        design, flanks_of(design), [f.arcs(1e-3, "fast").contour for f in flanks_of(design)]
+    )
+    assert ripple is not None
+    assert 0.0 < ripple < 1.0
+
+
+def test_solids_and_what_single_precision_cannot_hold(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(solids, "SOLIDS", ("stl",))
+    told: list[str] = []
+    coarse, fine = solids.solid_rows(load("setzhub"), (1e-2, 1e-7), tell=told.append)
+    assert (coarse.format, coarse.tolerance) == ("stl", 1e-2)
+    assert coarse.file is not None
+    assert coarse.file.size == 84 + 50 * int(coarse.file.facts["triangles"])
+    assert coarse.file.deviation is not None
+    assert coarse.file.deviation <= 1e-2
+    assert fine.file is None
+    assert "too coarse" in fine.fault
+    assert told == ["stl, 0.01 mm", "stl, 1e-07 mm"]
+    assert math.isfinite(coarse.file.write_seconds)

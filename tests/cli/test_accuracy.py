@@ -1,0 +1,243 @@
+"""`camgeo accuracy`: tables, JSON, picture, advice."""
+
+from __future__ import annotations
+
+import importlib.metadata
+import json
+from decimal import Decimal
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from camgeo.accuracy import survey as surveys
+from camgeo.accuracy.knee import knee_of
+from camgeo.accuracy.rows import FORMS, ContourRow, SolidRow, TableRow
+from camgeo.accuracy.survey import Survey
+from camgeo.cli.accuracy import RENDERER
+from camgeo.cli.main import COMMANDS, main, parser
+from camgeo.cli.plot import RENDERERS
+from camgeo_export.plots.accuracy import render
+from tests.accuracy.rows import file, missing, row
+
+Capture = pytest.CaptureFixture[str]
+
+SCENES = Path(__file__).parents[2] / "fixtures" / "scenes"
+
+SETZHUB = str(SCENES / "setzhub.toml")
+
+TOLERANCES = (1e-2, 1e-3)
+
+
+def made_up() -> Survey:
+    contours: list[ContourRow] = []
+    for form in FORMS:
+        seconds = None if form == "spline" else 47.9
+        decimals = 4 if form == "arcs" else None
+        measured = zip((1200, 2400), (0.221, 0.105), TOLERANCES, strict=True)
+        for pieces, ripple, tolerance in measured:
+            contours.append(
+                row(
+                    form,
+                    tolerance,
+                    10 * pieces if form == "polyline" else pieces,
+                    size=23_456,
+                    seconds=seconds,
+                    decimals=decimals,
+                    ripple=None if seconds is None else ripple,
+                )
+            )
+    contours.append(missing("spline", 1e-4))
+    solids = (
+        SolidRow("stl", 1e-2, file(45_284, triangles=904)),
+        SolidRow("stl", 1e-6, None, "the numbers are too coarse"),
+    )
+    tables = (TableRow(Decimal("0.5"), 720, 249_114, 0.0131, 1.7e-3),)
+    return Survey(tuple(contours), solids, tables, knee_of(contours))
+
+
+@pytest.fixture
+def found(monkeypatch: pytest.MonkeyPatch) -> list[dict[str, Any]]:
+    """What the survey was asked for, in a test in which it measures nothing."""
+    asked: list[dict[str, Any]] = []
+
+    def survey(design: Any, tolerances: Any, **options: Any) -> Survey:
+        asked.append({"name": design.name, "tolerances": tolerances, **options})
+        return made_up()
+
+    monkeypatch.setattr(surveys, "survey", survey)
+    return asked
+
+
+def call(*words: str) -> int:
+    arguments = parser(("accuracy",)).parse_args(["accuracy", *words])
+    code: int = arguments.run(arguments)
+    return code
+
+
+def test_it_is_a_command_with_a_renderer() -> None:
+    assert "accuracy" in COMMANDS
+    assert importlib.metadata.entry_points(group=RENDERERS)[RENDERER].load() is render
+
+
+def test_the_tables(found: list[dict[str, Any]], capsys: Capture) -> None:
+    assert call(SETZHUB, "--ripple") == 0
+    captured = capsys.readouterr()
+    assert captured.err == ""
+    blocks = captured.out.split("\n\n")
+    head, *rows = blocks[1].splitlines()
+    assert head.split("  ")[0] == "contour"
+    assert len(rows) == 7
+    assert rows[2].split() == [
+        "arcs", "fewest", "0.01", "1,200", "1.111", "0.0098", "23,456", "500", "0.01", "0.005",
+        "0.1", "0.05", "47.9", "22.1", "%",
+    ]  # fmt: skip
+    assert rows[-1].split() == ["spline", "fewest", "0.0001", *["-"] * 11, *missing_words()]
+    assert blocks[2].splitlines()[1].split()[:5] == ["stl", "0.01", "904", "0.0001", "45,284"]
+    assert blocks[2].splitlines()[2].endswith("-  the numbers are too coarse")
+    assert blocks[3].splitlines()[1].split() == ["0.5", "720", "249,114", "0.013", "0.0017"]
+    assert blocks[3].splitlines()[0].endswith("error [mm]")
+    last = captured.out.splitlines()[-1]
+    assert last.startswith("advice: arcs (fewest) within 0.001 mm: 2,400 pieces, ")
+
+
+def missing_words() -> list[str]:
+    return missing("spline", 1e-4).fault.split()
+
+
+def test_columns_are_aligned(found: list[dict[str, Any]], capsys: Capture) -> None:
+    call(SETZHUB)
+    lines = capsys.readouterr().out.split("\n\n")[1].splitlines()
+    assert "ripple" not in lines[0]
+    assert len({len(line) for line in lines[:-1]}) == 1
+
+
+def test_json_has_the_same(found: list[dict[str, Any]], capsys: Capture) -> None:
+    assert call(SETZHUB, "--json") == 0
+    document: dict[str, Any] = json.loads(capsys.readouterr().out, parse_constant=pytest.fail)
+    assert document["scene"]["name"] == "setzhub"
+    arcs = document["contours"][2]
+    assert (arcs["contour"], arcs["fit"], arcs["tolerance_mm"]) == ("arcs", "fewest", 0.01)
+    assert arcs["count"]["pieces"] == 1200
+    assert arcs["count"]["ratio"] == pytest.approx(1.0 / 0.9)
+    assert arcs["gcode"]["decimals"] == 4
+    assert document["contours"][-1]["count"] is None
+    assert document["contours"][-1]["fault"] == "cannot be reached"
+    assert document["solids"][1]["file"] is None
+    assert document["tables"][0]["step_deg"] == 0.5
+    assert document["knee"] == {
+        "contour": "arcs", "fit": "fewest", "tolerance_mm": 0.001, "end": "range",
+    }  # fmt: skip
+    assert document["advice"].startswith("arcs (fewest) within 0.001 mm")
+
+
+def test_angles_are_told_in_degrees(found: list[dict[str, Any]], capsys: Capture) -> None:
+    scene = next(
+        path
+        for path in sorted(SCENES.glob("*.toml"))
+        if "oscillating" in path.read_text("utf-8") and "linkage" not in path.read_text("utf-8")
+    )
+    assert call(str(scene), "--json") == 0
+    table = json.loads(capsys.readouterr().out)["tables"][0]
+    assert table["unit"] == "deg"
+    assert table["interpolation_error"] == pytest.approx(1.7e-3 * 57.29577951308232)
+
+
+def test_what_is_asked_reaches_the_survey(
+    found: list[dict[str, Any]], tmp_path: Path, capsys: Capture
+) -> None:
+    call(SETZHUB, "--tolerances", "1e-3, 0.1,1e-3")
+    assert found[-1]["tolerances"] == (0.1, 1e-3)
+    call(SETZHUB)
+    assert found[-1]["tolerances"] == surveys.TOLERANCES
+    text = Path(SETZHUB).read_text("utf-8")
+    scene = tmp_path / "ripple.toml"
+    scene.write_text(text + "\n[output.accuracy]\nripple = true\n", "utf-8")
+    call(str(scene))
+    assert [asked["ripple"] for asked in found] == [False, False, True]
+    capsys.readouterr()
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["--tolerances", "1e-3,fine"], "'fine' must be a length of 1e-07 to 1 mm"),
+        (["--tolerances", "1e-8"], "'1e-8' must be a length"),
+        (["--tolerances", "nan"], "'nan' must be a length"),
+        (["-o", "accuracy.bmp"], "'accuracy.bmp' must end in one of .png, .svg, .pdf"),
+    ],
+)
+def test_wrong_words(words: list[str], message: str, capsys: Capture) -> None:
+    with pytest.raises(SystemExit) as end:
+        call(SETZHUB, *words)
+    assert end.value.code == 2
+    assert message in capsys.readouterr().err
+
+
+def test_ctrl_c_leaves_nothing(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: Capture
+) -> None:
+    def interrupted(*_: object, **__: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(surveys, "survey", interrupted)
+    assert main(["accuracy", SETZHUB, "-o", str(tmp_path / "new" / "a.svg")]) == 130
+    assert "interrupted" in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_disc_that_cannot_be_is_refused(tmp_path: Path, capsys: Capture) -> None:
+    text = Path(SETZHUB).read_text("utf-8").replace("roller_radius = 7.0", "roller_radius = 40.0")
+    scene = tmp_path / "cusp.toml"
+    scene.write_text(text, "utf-8")
+    assert main(["accuracy", str(scene)]) == 1
+    assert capsys.readouterr().out == ""
+
+
+# The picture --------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("suffix", "start"), [(".png", b"\x89PNG"), (".svg", b"<?xml"), (".pdf", b"%PDF")]
+)
+def test_the_same_picture_each_time(suffix: str, start: bytes) -> None:
+    first = render(made_up(), title="made up", suffix=suffix)
+    assert first.startswith(start)
+    assert render(made_up(), title="made up", suffix=suffix) == first
+    assert render(made_up(), title="other", suffix=suffix) != first
+
+
+def test_without_computing_no_second_of_this_machine_is_drawn() -> None:
+    without = [
+        render(survey, title="made up", suffix=".svg", computing=False)
+        for survey in (made_up(), _slower(made_up()))
+    ]
+    assert without[0] == without[1]
+    slower = render(_slower(made_up()), title="made up", suffix=".svg")
+    assert slower != render(made_up(), title="made up", suffix=".svg")
+
+
+def _slower(survey: Survey) -> Survey:
+    from dataclasses import replace
+
+    contours = tuple(
+        row if row.count is None else replace(row, count=replace(row.count, fit_seconds=7.0))
+        for row in survey.contours
+    )
+    return replace(survey, contours=contours)
+
+
+def test_a_picture_of_nothing() -> None:
+    empty = Survey((), (), (), None)
+    assert render(empty, title="", suffix=".png").startswith(b"\x89PNG")
+
+
+def test_the_picture_is_written_beside_the_table(
+    found: list[dict[str, Any]], tmp_path: Path, capsys: Capture
+) -> None:
+    target = tmp_path / "accuracy.svg"
+    assert call(SETZHUB, "-o", str(target)) == 0
+    captured = capsys.readouterr()
+    assert captured.out.startswith("setzhub: what accuracy costs, in mm, bytes and seconds\n")
+    assert captured.err == f"{target}: pieces, bytes, seconds\n"
+    assert target.read_bytes().startswith(b"<?xml")

@@ -1,0 +1,104 @@
+"""docs/accuracy.md tells of every fixture cam, and some of its rows are measured again."""
+
+from __future__ import annotations
+
+import importlib.util
+import re
+import sys
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from camgeo.accuracy import clock
+from camgeo.accuracy.rows import FORMS, ORDER
+from camgeo.contour.least_pieces import ARC, CHORD, CUBIC
+
+ROOT = Path(__file__).resolve().parents[1]
+DOCS = ROOT / "docs"
+PAGE = (DOCS / "accuracy.md").read_text(encoding="utf-8")
+
+AGAIN = ("plate_translating", "setzhub")
+"""Cams that are measured again, at the tolerances that take no time."""
+
+COARSE = (1e-2, 1e-3)
+
+
+CELL = ((1.0, 0.0), (0.0, 0.1), (0.0, 0.1))
+"""Largest difference and largest share of it: another processor rounds otherwise, which may be a
+piece more or less, and that in contours of 14 pieces and more with it 7 per cent of the ratios."""
+
+ALLOWED = ((0.0, 0.0), *CELL, *CELL, *CELL, *[(1.0, 0.02)] * 3, *[(0.1, 0.0)] * 2)
+"""Of the numbers of a line: tolerance, cells of the three forms, thousands of bytes, seconds."""
+
+
+@cache
+def maker() -> Any:
+    """The module docs/accuracy_page.py."""
+    spec = importlib.util.spec_from_file_location("accuracy_page", DOCS / "accuracy_page.py")
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[spec.name] = module
+    spec.loader.exec_module(module)
+    return module
+
+
+def section(name: str) -> str:
+    return PAGE.split(f"### {name}\n")[1].split("\n## ")[0].split("\n### ")[0]
+
+
+def numbers(line: str) -> list[float]:
+    return [float(text.replace(",", "")) for text in re.findall(r"(?<=[ |])[\d,.]*\d", line)]
+
+
+def test_the_page_begins_with_its_text() -> None:
+    assert PAGE.startswith(maker().HEAD), "run python docs/accuracy_page.py"
+
+
+def test_every_fixture_cam_is_told() -> None:
+    assert re.findall(r"^### (\S+)$", PAGE, re.MULTILINE) == maker().scenes()
+
+
+@pytest.mark.parametrize("name", maker().scenes())
+def test_a_cam_has_its_tolerances_and_its_advice(name: str) -> None:
+    rows = re.findall(r"^\| ([\de.-]+) \|", section(name), re.MULTILINE)
+    assert [float(tolerance) for tolerance in rows] == list(maker().TOLERANCES)
+    paragraphs = section(name).split("\n\n")
+    for begin in ("Advice: ", "As a drawing alone: "):
+        (sentence,) = (each.strip() for each in paragraphs if each.startswith(begin))
+        assert re.search(r"\d pieces, .*;.*\.$", sentence, re.DOTALL)
+
+
+@pytest.mark.parametrize("name", AGAIN)
+def test_what_is_measured_again_is_what_is_told(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(clock, "RUNS", 1)  # no second of it is on the page
+    found = maker().by_key(maker().rows_of(name, COARSE))
+    for tolerance in COARSE:
+        made = maker().line(found, tolerance)
+        begin = f"| {tolerance:g} |"
+        (line,) = (each for each in section(name).splitlines(True) if each.startswith(begin))
+        assert re.sub(r"[\d,.]+", "", made) == re.sub(r"[\d,.]+", "", line)
+        for told, found_again, (most, share) in zip(
+            numbers(line), numbers(made), ALLOWED, strict=True
+        ):
+            assert found_again == pytest.approx(told, abs=most, rel=share)
+
+
+def test_the_constants_are_those_of_the_limits() -> None:
+    assert "| straight pieces | 2 | kappa | 1/16 |" in PAGE
+    assert CHORD == 1.0 / 16.0
+    assert "| arcs, tangent | 3 | d kappa/ds | sqrt(3)/216 |" in PAGE
+    assert pytest.approx(3.0**0.5 / 216.0) == ARC
+    assert "| cubic spline, C2 | 4 | kappa'' - kappa^3 | 1/768 |" in PAGE
+    assert CUBIC == 1.0 / 768.0
+    told = [float(text) for text in re.findall(r"\| ([\d.]+) times", PAGE)]
+    assert told == [round(10.0 ** (1.0 / ORDER[form]), 2) for form in FORMS]
+
+
+def test_the_page_has_its_pictures() -> None:
+    names = re.findall(r"\(images/(accuracy-\S+)\)", PAGE)
+    assert names == [f"accuracy-{name}.svg" for name in sorted(maker().PICTURED)]
+    for name in names:
+        assert (DOCS / "images" / name).read_bytes().startswith(b"<?xml")
