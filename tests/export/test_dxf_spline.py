@@ -26,7 +26,7 @@ from camgeo.part.part import Part
 from camgeo_export.dxf.curves import Curve
 from camgeo_export.dxf.foreign import READER
 from camgeo_export.dxf.reader import read
-from camgeo_export.dxf.writer import WRITER
+from camgeo_export.dxf.writer import FIT_SHARE, WRITER
 from camgeo_export.errors import FileError
 from tests.contour.cams import flank
 from tests.export.stub_product import CircleBoundary, StubProduct
@@ -119,7 +119,7 @@ def test_ezdxf_reads_the_same_curves(product: FlankProduct) -> None:
 def test_facts_tell_what_is_drawn() -> None:
     product = FlankProduct()
     written = WRITER.write(product, TOLERANCE)
-    outline = product.part.boundaries[0].spline(0.9 * TOLERANCE).contour
+    outline = product.part.boundaries[0].spline(FIT_SHARE * TOLERANCE).contour
     assert written.facts == {
         "boundaries": 2,
         "splines": 5,

@@ -14,6 +14,7 @@ import trimesh
 from camgeo.errors import ToleranceError
 from camgeo.files.product import Writer
 from camgeo_export.errors import FileError
+from camgeo_export.solid.prism import FIT_SHARE
 from camgeo_export.stl.writer import FACET
 from camgeo_export.stl.writer import WRITER as STL
 from camgeo_export.threemf.writer import WRITER as THREEMF
@@ -178,7 +179,7 @@ def test_a_cut_3mf_is_refused() -> None:
 def test_a_3mf_keeps_doubles() -> None:
     product = StubProduct()
     data = THREEMF.write(product, 0.01).data
-    boundary = product.part.through[0].polyline(0.009).contour.vertices
+    boundary = product.part.through[0].polyline(FIT_SHARE * 0.01).contour.vertices
     mesh = trimesh.load_mesh(io.BytesIO(data), file_type="3mf", process=False)
     plane = np.asarray(mesh.vertices)[:, 0] + 1j * np.asarray(mesh.vertices)[:, 1]
     assert set(boundary.tolist()) <= set(plane.tolist())
