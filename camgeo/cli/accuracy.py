@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from camgeo.cli.command import FINE, Subparsers, identity, new_parser, print_json, tell
-from camgeo.cli.plot import RENDERERS, SUFFIXES
+from camgeo.cli.plot import RENDERERS, add_picture, check_picture
 from camgeo.cli.progress import Progress
 from camgeo.design import Design
 from camgeo.files.specs import LARGEST_TOLERANCE, SMALLEST_TOLERANCE
@@ -68,17 +68,13 @@ def register(subparsers: Subparsers[argparse.ArgumentParser]) -> None:
         help="replay the contours too: how far the follower's acceleration is off",
     )
     parser.add_argument("--json", action="store_true", help="print JSON")
-    parser.add_argument(
-        "-o", metavar="FILE", dest="output", help=f"draw a picture too, {', '.join(SUFFIXES)}"
-    )
-    parser.add_argument("--force", action="store_true", help="write over an existing file")
+    add_picture(parser)
     parser.set_defaults(run=partial(run, parser))
 
 
 def run(parser: argparse.ArgumentParser, arguments: argparse.Namespace) -> int:
     """Measure, and print or draw what was found."""
-    if arguments.output is not None and Path(arguments.output).suffix not in SUFFIXES:
-        parser.error(f"argument -o: {arguments.output!r} must end in one of {', '.join(SUFFIXES)}")
+    check_picture(parser, arguments.output)
     asked = None if arguments.tolerances is None else _tolerances(parser, arguments.tolerances)
     design = Design(load_scene(arguments.scene))
     from camgeo.accuracy.survey import TOLERANCES, survey

@@ -60,3 +60,17 @@ def run(arguments: argparse.Namespace) -> int:
     write_set(target.parent, {target.name: data}, force=arguments.force)
     tell(f"{target}: {', '.join(wanted)}")
     return FINE
+
+
+def add_picture(parser: argparse.ArgumentParser) -> None:
+    """The options of a command that draws a picture besides what it prints."""
+    parser.add_argument(
+        "-o", metavar="FILE", dest="output", help=f"draw a picture too, {', '.join(SUFFIXES)}"
+    )
+    parser.add_argument("--force", action="store_true", help="write over an existing file")
+
+
+def check_picture(parser: argparse.ArgumentParser, output: str | None) -> None:
+    """Leave with a message if the name of the picture does not tell its format."""
+    if output is not None and Path(output).suffix not in SUFFIXES:
+        parser.error(f"argument -o: {output!r} must end in one of {', '.join(SUFFIXES)}")

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from camgeo._version import __version__
 from camgeo.cli.command import BROKEN, FINE, Subparsers, new_parser, print_json, tell
-from camgeo.cli.plot import RENDERERS, SUFFIXES
+from camgeo.cli.plot import RENDERERS, add_picture, check_picture
 from camgeo.cli.progress import Progress
 
 if TYPE_CHECKING:  # the suite is imported when it is run
@@ -55,17 +55,13 @@ def register(subparsers: Subparsers[argparse.ArgumentParser]) -> None:
     )
     parser.add_argument("--quick", action="store_true", help="two places of each case only")
     parser.add_argument("--json", action="store_true", help="print JSON")
-    parser.add_argument(
-        "-o", metavar="FILE", dest="output", help=f"draw a picture too, {', '.join(SUFFIXES)}"
-    )
-    parser.add_argument("--force", action="store_true", help="write over an existing file")
+    add_picture(parser)
     parser.set_defaults(run=partial(run, parser))
 
 
 def run(parser: argparse.ArgumentParser, arguments: argparse.Namespace) -> int:
     """Run the suite; 0 if all ratios are within the limit, else 1."""
-    if arguments.output is not None and Path(arguments.output).suffix not in SUFFIXES:
-        parser.error(f"argument -o: {arguments.output!r} must end in one of {', '.join(SUFFIXES)}")
+    check_picture(parser, arguments.output)
     from camgeo.stability import suite
 
     cases = suite.all_cases()

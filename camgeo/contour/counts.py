@@ -12,8 +12,6 @@ from typing import Generic, TypeVar
 
 import numpy as np
 
-from camgeo.contour.proved import PieceOfLeg
-from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import ToleranceError
 from camgeo.numeric.arrays import FloatArray
 
@@ -87,14 +85,6 @@ class Trials(Generic[Made]):
                         "the pieces of the contour cannot follow the curve", tolerance, distance
                     )
         return [done[piece] for piece in range(len(counts))]
-
-
-def by_curve(pieces: Sequence[PieceOfLeg]) -> list[tuple[WorkingCurve, list[int]]]:
-    """The curves that the pieces belong to, each with the numbers of its pieces."""
-    shared: dict[tuple[int, float], list[int]] = {}
-    for number, (leg, _) in enumerate(pieces):
-        shared.setdefault((id(leg.curve.pitch), leg.curve.distance), []).append(number)
-    return [(pieces[numbers[0]][0].curve, numbers) for numbers in shared.values()]
 
 
 def above(count: int) -> int:

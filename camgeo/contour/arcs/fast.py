@@ -14,11 +14,12 @@ from camgeo.contour.arcs.biarcs import FLAT as FLAT
 from camgeo.contour.arcs.biarcs import PARTS, Biarcs, Ends
 from camgeo.contour.arcs.density import ArcDensity, Found
 from camgeo.contour.chain import Chain
-from camgeo.contour.counts import Trials, by_curve
+from camgeo.contour.counts import Trials
 from camgeo.contour.fit import Fit
+from camgeo.contour.groups import fit_by_groups
 from camgeo.contour.joints import APART, joints_apart
 from camgeo.contour.legs import TurnLeg
-from camgeo.contour.proved import PieceOfLeg, proved_fit
+from camgeo.contour.proved import proved_fit
 from camgeo.contour.spread import bends_of
 from camgeo.curve.pieces import Piece
 from camgeo.curve.working_curve import WorkingCurve
@@ -61,16 +62,7 @@ def fit_arcs(path: Path, tolerance: float) -> Fit:
     GeometryError
         If the contour cannot be compared with the path.
     """
-    groups: list[_Group] = []
-
-    def fit_pieces(pieces: Sequence[PieceOfLeg], aim: float) -> list[Chain]:
-        if not groups:
-            for curve, places in by_curve(pieces):
-                groups.append(_group(curve, [pieces[k][1] for k in places], places))
-        chains = [chain for group in groups for chain in group.fit(aim, tolerance)]
-        order = [place for group in groups for place in group.places]
-        return [chains[k] for k in np.argsort(order)]
-
+    fit_pieces = fit_by_groups(_group, tolerance)
     return proved_fit(path, tolerance, AIM * tolerance, fit_pieces, turn_arc)
 
 
@@ -86,14 +78,12 @@ class _Group:
     Attributes
     ----------
     curve, pieces : these.
-    places : of the pieces among all.
     densities, ends : of the pieces that are no rests.
     rests : of the others.
     """
 
     curve: WorkingCurve
     pieces: tuple[Piece, ...]
-    places: tuple[int, ...]
     densities: tuple[ArcDensity, ...]
     ends: tuple[Ends, ...]
     rests: tuple[Chain, ...]
@@ -123,7 +113,7 @@ def _distance(found: tuple[Biarcs, float]) -> float:
     return found[1]
 
 
-def _group(curve: WorkingCurve, pieces: list[Piece], places: list[int]) -> _Group:
+def _group(curve: WorkingCurve, pieces: list[Piece]) -> _Group:
     densities, stops = [], []
     for piece, bends in zip(pieces, bends_of(curve, pieces), strict=True):
         if not piece.dwell:
@@ -132,7 +122,7 @@ def _group(curve: WorkingCurve, pieces: list[Piece], places: list[int]) -> _Grou
     ends = zip(*curve.traced(np.array(stops), "left"), strict=True) if stops else ()
     rests = _rests(curve, [piece for piece in pieces if piece.dwell])
     of_curved = tuple(densities), tuple(Ends(*end) for end in ends)
-    return _Group(curve, tuple(pieces), tuple(places), *of_curved, tuple(rests))
+    return _Group(curve, tuple(pieces), *of_curved, tuple(rests))
 
 
 def dwell_arc(curve: WorkingCurve, piece: Piece) -> Chain:

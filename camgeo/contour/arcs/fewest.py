@@ -11,8 +11,8 @@ from camgeo.contour.arcs.arc_splines import ArcSpline, arc_splines
 from camgeo.contour.arcs.course import Strands
 from camgeo.contour.arcs.fast import dwell_arc, fit_arcs, turn_arc
 from camgeo.contour.chain import Chain
-from camgeo.contour.counts import by_curve
 from camgeo.contour.fit import Fit
+from camgeo.contour.groups import by_curve
 from camgeo.contour.least_pieces import ARC
 from camgeo.contour.proved import PieceOfLeg, proved_fit
 from camgeo.contour.spread import bends_of

@@ -10,12 +10,13 @@ import numpy as np
 
 from camgeo.contour.chain import Chain
 from camgeo.contour.chords.density import MOST_TURN, ChordDensity
-from camgeo.contour.counts import Trials, by_curve
+from camgeo.contour.counts import Trials
 from camgeo.contour.fit import Fit
+from camgeo.contour.groups import fit_by_groups
 from camgeo.contour.joints import APART, joints_apart
 from camgeo.contour.legs import TurnLeg
 from camgeo.contour.peaks import highest
-from camgeo.contour.proved import PieceOfLeg, proved_fit
+from camgeo.contour.proved import proved_fit
 from camgeo.contour.spread import bends_of
 from camgeo.curve.pieces import Piece
 from camgeo.curve.working_curve import WorkingCurve
@@ -56,19 +57,11 @@ def fit_polyline(path: Path, tolerance: float) -> Fit:
     GeometryError
         If the contour cannot be compared with the path.
     """
-    groups: list[_Group] = []
-
-    def fit_pieces(pieces: Sequence[PieceOfLeg], aim: float) -> list[Chain]:
-        if not groups:
-            for curve, places in by_curve(pieces):
-                groups.append(_group(curve, [pieces[k][1] for k in places], places))
-        chains = [chain for group in groups for chain in group.fit(aim, tolerance)]
-        order = [place for group in groups for place in group.places]
-        return [chains[k] for k in np.argsort(order)]
 
     def fit_turn(leg: TurnLeg, aim: float) -> Chain:
         return _arc_chords(leg, aim, tolerance)
 
+    fit_pieces = fit_by_groups(_group, tolerance)
     return proved_fit(path, tolerance, AIM * tolerance, fit_pieces, fit_turn)
 
 
@@ -79,12 +72,10 @@ class _Group:
     Attributes
     ----------
     curve : theirs.
-    places : of the pieces among all.
     densities, ends, end_rates : of each piece, its last point [mm] and dP/dphi there [mm/rad].
     """
 
     curve: WorkingCurve
-    places: tuple[int, ...]
     densities: tuple[ChordDensity, ...]
     ends: ComplexArray
     end_rates: ComplexArray
@@ -144,11 +135,11 @@ class _Group:
         return made, shortest
 
 
-def _group(curve: WorkingCurve, pieces: list[Piece], places: list[int]) -> _Group:
+def _group(curve: WorkingCurve, pieces: list[Piece]) -> _Group:
     bends = bends_of(curve, pieces)
     points, tangents, pace = curve.traced(np.array([piece.end for piece in pieces]), "left")
     densities = tuple(ChordDensity(*each) for each in zip(pieces, bends, strict=True))
-    return _Group(curve, tuple(places), densities, points, tangents * pace)
+    return _Group(curve, densities, points, tangents * pace)
 
 
 def _arc_chords(leg: TurnLeg, aim: float, tolerance: float) -> Chain:

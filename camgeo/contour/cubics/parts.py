@@ -8,9 +8,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from camgeo.contour.counts import by_curve
 from camgeo.contour.cubics.arc_length import CELLS, ArcLength, Traced, cells_of
 from camgeo.contour.cubics.deviation import Placed
+from camgeo.contour.groups import by_curve
 from camgeo.contour.joints import APART, check_regular
 from camgeo.contour.legs import StretchLeg, TurnLeg
 from camgeo.contour.proved import SLIGHT
