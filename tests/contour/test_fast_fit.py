@@ -3,7 +3,9 @@ for contours whose vertices lie off the curve."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
+from decimal import Decimal
 from itertools import pairwise
 
 import numpy as np
@@ -13,16 +15,23 @@ from hypothesis import strategies as st
 
 from camgeo.contour.arcs.biarcs import Biarcs, Ends
 from camgeo.contour.arcs.fast import fit_arcs
+from camgeo.contour.arcs.fewest import fewest_arcs
 from camgeo.contour.chords.fast import fit_polyline
+from camgeo.contour.chords.fewest import fewest_chords
 from camgeo.contour.contour import Contour
 from camgeo.contour.counts import above, ladder
 from camgeo.contour.fit import Fit
 from camgeo.contour.least_pieces import break_count, forced_pieces, least_arcs, least_chords
 from camgeo.contour.peaks import highest
 from camgeo.contour.proof.deviation import deviation
+from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.curve.working_curve import WorkingCurve
+from camgeo.mechanism.oscillating_roller import OscillatingRoller
+from camgeo.motion.laws import LAWS
+from camgeo.motion.plan import Dwell, MotionPlan, Move
 from camgeo.outline.path import Path, whole
-from tests.contour.cams import FLANKS, TURN, curves, dense_flank, flank, outline, polyline
+from tests.contour.cams import FLANKS, TURN, curves, dense_flank, flank, move, outline, polyline
+from tests.contour.cams import translating as cam
 
 Fitter = Callable[[Path, float], Fit]
 
@@ -194,3 +203,26 @@ def test_distances_of_biarcs(curve: WorkingCurve, start: float, span: float, cou
     # Hermite's cubics leave 1/384 of the fourth derivative over a sixth of a span; what the proof
     # has in reserve is 1.5 %.
     assert np.max(biarcs.distances) == pytest.approx(found, rel=0.012, abs=1e-11)
+
+
+@pytest.mark.parametrize("fitter", [fit_arcs, fewest_arcs, fit_polyline, fewest_chords])
+def test_a_whole_turn_without_a_stroke(fitter: Fitter) -> None:
+    """One smooth piece from a point to itself, which no chord tells from nothing."""
+    path = whole(cam(move(360, 0.0), base=40.0, roller=8.0))
+    fit = fitter(path, 0.01)
+    assert fit.deviation <= 0.01
+    assert fit.contour.area == pytest.approx(math.pi * 32.0**2, abs=0.01 * 2.0 * math.pi * 32.0)
+
+
+@pytest.mark.parametrize("fitter", [fit_arcs, fewest_arcs, fit_polyline])
+def test_a_flank_that_runs_off_within_a_degree(fitter: Fitter) -> None:
+    """A stroke in a quarter of a degree, less than even samples of a turn can tell."""
+    segments = (
+        Move(Decimal("0.255238"), 0.91154, LAWS["polynomial-4567"]), Dwell(Decimal("12.465865")),
+        Move(Decimal("330.222967"), 0.0, LAWS["polynomial-345"]), Dwell(Decimal("17.05593")),
+    )  # fmt: skip
+    follower = OscillatingRoller(64.38 - 81.2j, 126.324, 73.39, 0.0105, -1, 1)
+    path = whole(WorkingCurve(PitchCurve(MotionPlan(segments), follower, 1), -0.0105))
+    fit = fitter(path, 0.07)
+    # Placed anew, as when a file is read.
+    assert deviation(path, fit.contour) <= 1.02 * fit.deviation <= 1.02 * 0.07

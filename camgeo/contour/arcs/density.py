@@ -51,6 +51,10 @@ of it comes from the tangents of its neighbours."""
 LEAST_FOUND = 0.01
 """Share of the largest distance that counts at least."""
 
+WIDEST = 2.0
+"""Cam angle [rad] of the widest span: a whole turn without a break, of a stroke that is next to
+nothing, has no chord from its beginning to its end."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Found:
@@ -95,7 +99,8 @@ class ArcDensity:
     def count(self, aim: float) -> float:
         """Spans that are needed at least to come within `aim` [mm], a real number, nearly."""
         inner = self._width * float(np.sum(self._density(aim / (0.5 * ARC_CONSTANT) ** 3)))
-        return inner * 1.03 + min(max(0.25 * (inner - 1.0), 0.0), ENDS)
+        known = inner * 1.03 + min(max(0.25 * (inner - 1.0), 0.0), ENDS)
+        return max(known, (self._piece.end - self._piece.start) / WIDEST)
 
     def joints(self, count: int, found: Found | None = None) -> FloatArray:
         """(count + 1,) cam angles [rad] of the ends of `count` parts, both outer ones included.

@@ -34,6 +34,9 @@ FINEST = 2.0**-52 * 64.0
 ROUNDS = 8
 """Finer arcs at most; two do where the scale is known."""
 
+COARSER = 8.0
+"""By how much farther off arcs may lie that are tried where finer ones cannot be measured."""
+
 ARC_CELLS = 4
 """Cells of an arc to begin with in the proof of a fit. What is not known over a cell falls with the
 cube of its width; and these arcs are short enough for a hundredth of the distance, so that cells of
@@ -62,18 +65,30 @@ def spline_deviation(path: Path, contour: SplineContour, scale: float | None = N
 def bound_by_arcs(measure: Measure, contour: SplineContour, scale: float | None = None) -> float:
     """Upper bound [mm] of a distance of `contour`, if `measure` gives one of lines and arcs.
 
-    `scale` as for `spline_deviation`.
+    `scale` as for `spline_deviation`. Raises what `measure` raises for arcs of any length.
     """
     finest = FINEST * contour.reach
     share = max(SHARE * (COARSE * contour.reach if scale is None else scale), finest)
-    found = 0.0
+    found, failed = 0.0, None
     for _ in range(ROUNDS):
         arcs, apart = lines_and_arcs(contour, share)
-        reached = measure(arcs)
+        try:
+            reached = measure(arcs)
+        except GeometryError as fault:
+            # Fine arcs show each bend of the spline, also such as the proof of arcs cannot take.
+            failed = fault
+            if found:
+                break
+            share *= COARSER
+            continue
         found = min(found, reached + apart) if found else reached + apart
         if apart <= SHARPNESS * reached or share <= finest:
             break
+        if failed is not None:
+            break
         share = max(min(0.25 * share, SHARE * reached), finest)
+    if not found and failed is not None:
+        raise failed
     return found
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from camgeo.contour.chain import Run
@@ -14,6 +16,9 @@ from camgeo.units import TURN
 
 SAMPLES = 4096
 """Points of a leg from which the search for places starts."""
+
+A_FORMULA = 64
+"""Least number of them between two borders: all of a steep move may lie within a degree."""
 
 STEPS = 30
 """Newton steps at most; from a good start three do."""
@@ -74,9 +79,9 @@ def locate(path: Path, contour: Contour) -> tuple[Run, ...]:
         If the contour does not follow the path once round.
     """
     legs = legs_of(path)
-    courses = [_samples(leg) for leg in legs]
-    course = np.concatenate([points[:-1] for points in courses])
-    area = 0.5 * float(np.sum((np.conj(course) * np.roll(course, -1)).imag))
+    courses = [_course(leg) for leg in legs]
+    points = np.concatenate([each.points[:-1] for each in courses])
+    area = 0.5 * float(np.sum((np.conj(points) * np.roll(points, -1)).imag))
     if area * contour.area < 0.0:
         contour = contour.reversed()
     if legs[0].closed:
@@ -87,14 +92,35 @@ def locate(path: Path, contour: Contour) -> tuple[Run, ...]:
     counts = _counts(legs, nearest, len(contour))
     stops = np.cumsum(counts)
     return tuple(
-        _open_run(leg, points, contour, int(stop - count), int(stop))
-        for leg, points, count, stop in zip(legs, courses, counts, stops, strict=True)
+        _open_run(leg, course, contour, int(stop - count), int(stop))
+        for leg, course, count, stop in zip(legs, courses, counts, stops, strict=True)
     )
 
 
-def _samples(leg: Leg) -> ComplexArray:
-    grid = np.linspace(leg.start, leg.end, SAMPLES + 1)
-    return np.append(leg.point(grid[:-1]), leg.point(grid[-1:], "left"))
+@dataclass(frozen=True, slots=True, eq=False)
+class _Course:
+    """Samples of a leg: parameters (n,) [rad], points (n,) [mm], lengths (n,) [mm] up to them."""
+
+    grid: FloatArray
+    points: ComplexArray
+    along: FloatArray
+
+    def at(self, along: FloatArray) -> FloatArray:
+        """Parameters near the places that are `along` (n,) [mm] of the leg from its start."""
+        return np.interp(along, self.along, self.grid)
+
+
+def _course(leg: Leg) -> _Course:
+    inner = leg.borders[(leg.borders > leg.start) & (leg.borders < leg.end)]
+    ends = np.concatenate(([leg.start], inner, [leg.end]))
+    spans = np.diff(ends)
+    parts = np.maximum(A_FORMULA, np.ceil(SAMPLES * spans / (leg.end - leg.start))).astype(int)
+    part = np.arange(int(np.sum(parts))) - np.repeat(np.cumsum(parts) - parts, parts)
+    inside = np.repeat(ends[:-1], parts) + np.repeat(spans / parts, parts) * part
+    grid = np.append(inside, leg.end)
+    points = np.append(leg.point(inside), leg.point(grid[-1:], "left"))
+    along = np.concatenate(([0.0], np.cumsum(np.abs(np.diff(points)))))
+    return _Course(grid, points, along)
 
 
 def _first(leg: Leg) -> complex:
@@ -123,17 +149,15 @@ def _counts(legs: tuple[Leg, ...], nearest: IntArray, pieces: int) -> IntArray:
     return counts
 
 
-def _open_run(leg: Leg, points: ComplexArray, contour: Contour, start: int, stop: int) -> Run:
-    """The run of the pieces `start` to `stop` along a leg of which `points` are samples."""
+def _open_run(leg: Leg, course: _Course, contour: Contour, start: int, stop: int) -> Run:
+    """The run of the pieces `start` to `stop` along a leg."""
     vertices = np.append(contour.vertices, contour.vertices[0])[start : stop + 1]
     along_contour = np.concatenate(([0.0], np.cumsum(contour.lengths[start:stop])))
     angles = np.full(len(vertices), leg.end)
     if stop > start:
-        grid = np.linspace(leg.start, leg.end, SAMPLES + 1)
-        along_leg = np.concatenate(([0.0], np.cumsum(np.abs(np.diff(points)))))
-        place = along_contour * (along_leg[-1] / along_contour[-1])
+        place = along_contour * (course.along[-1] / along_contour[-1])
         angles[0] = leg.start
-        guess = np.interp(place[1:-1], along_leg, grid)
+        guess = course.at(place[1:-1])
         pieces = Contour(
             contour.vertices[start:stop], contour.sweeps[start:stop], contour.centres[start:stop]
         )
@@ -144,16 +168,14 @@ def _open_run(leg: Leg, points: ComplexArray, contour: Contour, start: int, stop
     return Run(leg, angles, vertices, contour.sweeps[start:stop], contour.centres[start:stop])
 
 
-def _closed_run(leg: Leg, points: ComplexArray, contour: Contour) -> Run:
-    """The run of a contour without corners, along a leg of which `points` are samples."""
-    grid = np.linspace(leg.start, leg.end, SAMPLES + 1)
-    first = int(np.argmin(np.abs(points - contour.vertices[0])))
-    along_curve = np.concatenate(([0.0], np.cumsum(np.abs(np.diff(points)))))
+def _closed_run(leg: Leg, course: _Course, contour: Contour) -> Run:
+    """The run of a contour without corners, along a closed leg."""
+    first = int(np.argmin(np.abs(course.points - contour.vertices[0])))
     along_contour = np.concatenate(([0.0], np.cumsum(contour.lengths)))
     share = along_contour[:-1] / along_contour[-1]
-    place = along_curve[first] + share * along_curve[-1]
-    turns, rest = np.divmod(place, along_curve[-1])
-    guess = np.interp(rest, along_curve, grid) + TURN * turns
+    place = course.along[first] + share * course.along[-1]
+    turns, rest = np.divmod(place, course.along[-1])
+    guess = course.at(rest) + TURN * turns
     around = Contour(
         np.append(contour.vertices[-1], contour.vertices),
         np.append(contour.sweeps[-1], contour.sweeps),
