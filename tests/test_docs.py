@@ -2,23 +2,18 @@
 
 from __future__ import annotations
 
-import importlib.util
 from pathlib import Path
 
 import pytest
+
+from tests.pages import page_maker
 
 ROOT = Path(__file__).resolve().parents[1]
 
 
 def test_the_page_of_the_scene_file_is_made_from_the_schema() -> None:
-    maker = ROOT / "docs" / "scene_page.py"
-    spec = importlib.util.spec_from_file_location("scene_page", maker)
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
     written = (ROOT / "docs" / "scene.md").read_text(encoding="utf-8")
-    assert module.page() == written, "run python docs/scene_page.py"
+    assert page_maker("scene_page").page() == written, "run python docs/scene_page.py"
 
 
 def test_the_python_lines_of_the_readme_run(

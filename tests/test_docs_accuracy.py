@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import importlib.util
 import re
-import sys
-from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +11,7 @@ import pytest
 from camgeo.accuracy import clock
 from camgeo.accuracy.rows import FORMS, ORDER
 from camgeo.contour.least_pieces import ARC, CHORD, CUBIC
+from tests.pages import page_maker
 
 ROOT = Path(__file__).resolve().parents[1]
 DOCS = ROOT / "docs"
@@ -33,16 +31,9 @@ ALLOWED = ((0.0, 0.0), *CELL, *CELL, *CELL, *[(1.0, 0.02)] * 3, *[(0.1, 0.0)] * 
 """Of the numbers of a line: tolerance, cells of the three forms, thousands of bytes, seconds."""
 
 
-@cache
 def maker() -> Any:
     """The module docs/accuracy_page.py."""
-    spec = importlib.util.spec_from_file_location("accuracy_page", DOCS / "accuracy_page.py")
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[spec.name] = module
-    spec.loader.exec_module(module)
-    return module
+    return page_maker("accuracy_page")
 
 
 def section(name: str) -> str:

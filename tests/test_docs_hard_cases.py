@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import importlib.util
 import re
-import sys
 import tomllib
-from functools import cache
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from tests.pages import page_maker
 from tests.reference import reference
 
 DOCS = Path(__file__).resolve().parents[1] / "docs"
@@ -25,16 +23,9 @@ PRINTED = re.compile(r"\d+\.\d{6,}")
 """Figures in camgeo's words with so many digits that the last may differ."""
 
 
-@cache
 def maker() -> Any:
     """The module docs/hard_cases_page.py."""
-    spec = importlib.util.spec_from_file_location("hard_cases_page", DOCS / "hard_cases_page.py")
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[spec.name] = module  # its dataclasses look themselves up there
-    spec.loader.exec_module(module)
-    return module
+    return page_maker("hard_cases_page")
 
 
 def section(case: str) -> str:

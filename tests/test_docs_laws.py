@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 import itertools
 import math
 import re
@@ -18,6 +17,7 @@ from camgeo.motion.laws.law import Law
 from camgeo.motion.plan import Course, Dwell
 from camgeo.motion.task import TASKS
 from camgeo.scene.load import parse_scene
+from tests.pages import page_maker
 
 DOCS = Path(__file__).resolve().parents[1] / "docs"
 PAGE = (DOCS / "laws.md").read_text(encoding="utf-8")
@@ -32,12 +32,7 @@ SHIFTED = 69
 
 def maker() -> Any:
     """The module docs/laws_page.py."""
-    spec = importlib.util.spec_from_file_location("laws_page", DOCS / "laws_page.py")
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
+    return page_maker("laws_page")
 
 
 def sections() -> dict[str, str]:

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import importlib.util
 import re
-import sys
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -14,6 +12,7 @@ import pytest
 from camgeo.stability import suite
 from camgeo.stability.measure import Reading
 from camgeo.stability.suite import GROUPS, LIMIT, Row
+from tests.pages import page_maker
 
 DOCS = Path(__file__).resolve().parents[1] / "docs"
 PAGE = (DOCS / "stability.md").read_text(encoding="utf-8")
@@ -32,16 +31,9 @@ MEASURED = re.compile(r"\| \d+ \| <= [\de.]+ \| [\de.]+ \| <= [\de.]+ \| .+ \|$"
 """What a quick run finds otherwise than a whole one."""
 
 
-@cache
 def maker() -> Any:
     """The module docs/stability_page.py."""
-    spec = importlib.util.spec_from_file_location("stability_page", DOCS / "stability_page.py")
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[spec.name] = module
-    spec.loader.exec_module(module)
-    return module
+    return page_maker("stability_page")
 
 
 @cache
