@@ -88,7 +88,7 @@ def test_file_that_is_off_is_not_kept(
 def test_the_same_bytes_in_a_fresh_process(tmp_path: Path) -> None:
     """Time, hash seed and folder leave no trace in any format."""
     runs = []
-    for seed in ("1", "2"):
+    for seed in ("1", "4"):  # by which a set of ezdxf's class names comes in two orders
         folder = tmp_path / seed
         code = (
             "import camgeo, sys;"

@@ -67,6 +67,9 @@ class DxfWriter:
             _describe(document, product, tolerance)
             space = document.modelspace()
             _draw(space, product, cut, pitch)
+            # ezdxf declares the classes in use in the order of a set, which differs between runs.
+            for kind in sorted(document.entitydb.dxf_types_in_use()):
+                document.classes.add_class(kind)
             stream = io.StringIO()
             document.write(stream)
         return Written(stream.getvalue().encode(document.output_encoding), _facts(product, cut))
