@@ -9,7 +9,7 @@ import numpy as np
 
 from camgeo.curve.pieces import Piece
 from camgeo.curve.working_curve import WorkingCurve
-from camgeo.errors import UndercutError
+from camgeo.errors import GeometryError, UndercutError
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 
@@ -39,6 +39,14 @@ def check_regular(curve: WorkingCurve, piece: Piece, regularity: FloatArray) -> 
             f" {math.degrees(piece.start):.6g} and {math.degrees(piece.end):.6g} degrees"
             f" (offset {curve.distance:g} mm); no outline can be made of it"
         )
+
+
+def torn_apart(angle: float) -> GeometryError:
+    """The error of a parallel that is no single leg, torn apart at the cam angle `angle` [rad]."""
+    return GeometryError(
+        f"the curve is torn apart at cam angle {math.degrees(angle):.6g} degrees: the velocity of"
+        " the follower jumps there"
+    )
 
 
 def values_at_joints(

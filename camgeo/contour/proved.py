@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Sequence
 
 import numpy as np
 
 from camgeo.contour.chain import Chain, contour_of, joined
 from camgeo.contour.fit import Fit
+from camgeo.contour.joints import torn_apart
 from camgeo.contour.legs import Leg, StretchLeg, TurnLeg, legs_of
 from camgeo.contour.proof.deviation import proved_bound
 from camgeo.curve.pieces import Piece
@@ -100,8 +100,4 @@ def _require_joined(legs: Sequence[StretchLeg], tolerance: float) -> None:
         inner = np.array(starts)
         gaps = np.abs(leg.point(inner) - leg.point(inner, "left")) if len(inner) else inner
         if np.any(gaps > tolerance):
-            angle = math.degrees(float(inner[int(np.argmax(gaps))]))
-            raise GeometryError(
-                f"the curve is torn apart at cam angle {angle:.6g} degrees: the velocity of the"
-                " follower jumps there"
-            )
+            raise torn_apart(float(inner[int(np.argmax(gaps))]))

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Self
 
 import numpy as np
 
@@ -14,12 +13,6 @@ from camgeo.curve.pitch_curve import curvature_slope
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.numeric.arrays import FloatArray
 
-SAMPLES = 513
-"""Points at which a piece's difficulty is sampled; it only places joints, the proof decides."""
-
-FLOOR = 0.02
-"""Smallest density of joints, as a share of the piece's mean: no stretch goes without."""
-
 CELLS = 256
 """Cells of a piece over which `bends_of` samples a curve."""
 
@@ -28,8 +21,6 @@ FINER = 8
 
 RESTING = 4
 """Cells of a rest, which is the same everywhere."""
-
-Density = Callable[[FloatArray], FloatArray]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -99,34 +90,22 @@ def bends_of(curve: WorkingCurve, pieces: Sequence[Piece]) -> list[Bends]:
     return found
 
 
-class Spread:
-    """Joints of one smooth piece, for any number of them.
+def evenly_shared(piece: Piece, density: FloatArray, floor: float, count: int) -> FloatArray:
+    """(count + 1,) cam angles [rad] of the ends of `count` parts, the piece's ends included.
 
-    The density of difficulty is that power of the local error whose integral, times a power of the
-    tolerance, is the number of pieces needed.
+    Parameters
+    ----------
+    density : (n,) of the parts, up to a factor, in the middle of n equal cells of the piece.
+    floor : smallest density, as a share of its mean: no stretch goes without.
     """
-
-    def __init__(
-        self, piece: Piece, density: Density, samples: int = SAMPLES, floor: float = FLOOR
-    ) -> None:
-        phi = np.linspace(piece.start, piece.end, samples)
-        self._phi = phi
-        cells = density(0.5 * (phi[:-1] + phi[1:])) * np.diff(phi)
-        self.total = float(np.sum(cells))
-        floored = cells + floor * self.total / len(cells)
-        self._share = np.concatenate(([0.0], np.cumsum(floored)))
-        if self._share[-1] > 0.0:
-            self._share /= self._share[-1]
-        else:  # a straight line has no difficulty anywhere
-            self._share = np.linspace(0.0, 1.0, len(phi))
-
-    @classmethod
-    def of(cls, piece: Piece, density: FloatArray, floor: float = FLOOR) -> Self:
-        """From the densities (n,) in the middle of n equal cells of the piece."""
-        return cls(piece, lambda _: density, len(density) + 1, floor)
-
-    def joints(self, count: int) -> FloatArray:
-        """(count + 1,) cam angles [rad] of the ends of `count` parts, the piece's ends included."""
-        joints = np.interp(np.linspace(0.0, 1.0, count + 1), self._share, self._phi)
-        joints[0], joints[-1] = self._phi[0], self._phi[-1]
-        return joints
+    phi = np.linspace(piece.start, piece.end, len(density) + 1)
+    cells = density * np.diff(phi)
+    floored = cells + floor * float(np.sum(cells)) / len(cells)
+    share = np.concatenate(([0.0], np.cumsum(floored)))
+    if share[-1] > 0.0:
+        share /= share[-1]
+    else:  # a straight line has no difficulty anywhere
+        share = np.linspace(0.0, 1.0, len(phi))
+    joints = np.interp(np.linspace(0.0, 1.0, count + 1), share, phi)
+    joints[0], joints[-1] = phi[0], phi[-1]
+    return joints

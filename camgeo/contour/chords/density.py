@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from camgeo.contour.spread import Bends, Spread
+from camgeo.contour.spread import Bends, evenly_shared
 from camgeo.curve.pieces import Piece
 from camgeo.numeric.arrays import FloatArray
 
@@ -72,7 +72,7 @@ class ChordDensity:
             if excess <= CLOSE:
                 break
             error *= excess * excess
-        return Spread.of(self._piece, density, FLOOR).joints(count)
+        return evenly_shared(self._piece, density, FLOOR, count)
 
     def _density(self, error: float) -> FloatArray:
         if error <= 0.0:

@@ -19,7 +19,6 @@ from camgeo.contour.joints import require_regular
 from camgeo.contour.legs import StretchLeg, TurnLeg
 from camgeo.contour.proof.deviation import SHARPNESS
 from camgeo.contour.proved import PieceOfLeg, proved_fit
-from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import GeometryError, ToleranceError
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.outline.path import Path
@@ -122,27 +121,13 @@ def _stretched(leg: StretchLeg, start: float, end: float, *, closed: bool) -> St
     curve = leg.curve
 
     def place(phi: FloatArray) -> tuple[ComplexArray, ComplexArray]:
-        points, tangents = points_and_tangents(curve, phi)
+        points, tangents = curve.points_and_tangents(phi)
         if not closed:
             points[-1] = curve.point(phi[-1:], "left")[0]
             tangents[-1] = curve.tangent(phi[-1:], "left")[0]
         return points, tangents
 
     return Stretched(course(curve, start, end), place, curve.point, leg.rotation, closed)
-
-
-def points_and_tangents(curve: WorkingCurve, phi: FloatArray) -> tuple[ComplexArray, ComplexArray]:
-    """Points [mm] and unit tangents (n,) of `curve` at `phi` (n,) [rad], evaluated together."""
-    relative = curve.pitch.relative_jet(phi, order=1)
-    speed = curve.pitch.speed(relative)
-    along, across = curve.offset_parts(relative, speed)
-    both = curve.pitch.in_cam(
-        relative,
-        phi,
-        np.stack((along, relative.along[1] / speed)),
-        np.stack((across, relative.across[1] / speed)),
-    )
-    return both[0], both[1]
 
 
 def _chain(laid: Sequence[Chords]) -> Chain:

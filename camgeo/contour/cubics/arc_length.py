@@ -217,18 +217,6 @@ class ArcLength:
         return np.minimum(np.maximum(cell, piece * CELLS), piece * CELLS + (CELLS - 1))
 
 
-def points_and_tangents(curve: WorkingCurve, phi: FloatArray) -> tuple[ComplexArray, ComplexArray]:
-    """(n,), (n,) complex points [mm] and unit tangents at `phi` (n,) [rad], by one evaluation."""
-    pitch = curve.pitch
-    relative = pitch.relative_jet(phi, order=1)
-    speed = pitch.speed(relative)
-    along, across = curve.offset_parts(relative, speed)
-    parts = np.stack((along, relative.along[1] / speed))
-    others = np.stack((across, relative.across[1] / speed))
-    vectors = pitch.in_cam(relative, phi, parts, others)
-    return vectors[0], vectors[1]
-
-
 def cells_of(pieces: Sequence[Piece]) -> tuple[FloatArray, FloatArray]:
     """(pieces, CELLS + 1) and (pieces, CELLS, 3) cam angles [rad] of cells' ends and nodes."""
     start = np.array([piece.start for piece in pieces])[:, None]

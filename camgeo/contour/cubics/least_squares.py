@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from camgeo.contour.cubics.arc_length import CELLS, ArcLength, points_and_tangents
+from camgeo.contour.cubics.arc_length import CELLS, ArcLength
 from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, IntArray
 
 PARTS = np.array([0.0, 0.25, 0.5, 0.75])
@@ -168,7 +168,7 @@ def _curve(
 
 
 def _exact(course: ArcLength, piece: IntArray, s: FloatArray) -> tuple[ComplexArray, ComplexArray]:
-    return points_and_tangents(course.curve, course.angles(piece, s))
+    return course.curve.points_and_tangents(course.angles(piece, s))
 
 
 def _fixed(layout: Layout, low: FloatArray, high: FloatArray) -> tuple[ComplexArray, BoolArray]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -11,13 +10,12 @@ import numpy as np
 from camgeo.contour.cubics.arc_length import CELLS, ArcLength, Traced, cells_of
 from camgeo.contour.cubics.deviation import Placed
 from camgeo.contour.groups import by_curve
-from camgeo.contour.joints import APART, check_regular
+from camgeo.contour.joints import APART, check_regular, torn_apart
 from camgeo.contour.legs import StretchLeg, TurnLeg
 from camgeo.contour.proved import SLIGHT
 from camgeo.contour.spline import Arc
 from camgeo.curve.pieces import Piece
 from camgeo.curve.working_curve import WorkingCurve
-from camgeo.errors import GeometryError
 from camgeo.numeric.arrays import ComplexArray
 
 ROUNDING = 2.0**-52 * 64.0
@@ -101,11 +99,7 @@ def _require_joined(
     if not leg.closed:
         gaps[0] = 0.0
     if np.any(gaps > np.maximum(tolerance, ROUNDING * np.abs(right))):
-        angle = math.degrees(leg.pieces[int(np.argmax(gaps))].start)
-        raise GeometryError(
-            f"the curve is torn apart at cam angle {angle:.6g} degrees: the velocity of the"
-            " follower jumps there"
-        )
+        raise torn_apart(leg.pieces[int(np.argmax(gaps))].start)
 
 
 def _of_curve(
