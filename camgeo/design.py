@@ -10,7 +10,7 @@ import math
 from dataclasses import dataclass
 from decimal import Decimal
 from functools import cached_property
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -30,14 +30,17 @@ from camgeo.curve.extremes import Extremes
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import GeometryError
+from camgeo.lazy import Ledger, lazy
 from camgeo.mechanism.linkage import LinkedMotion
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
+from camgeo.mechanism.slider_crank import SliderCrank
 from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.motion.motion import Jet, Motion, Side
-from camgeo.numeric.arrays import ComplexArray, FloatArray
+from camgeo.motion.plan import MotionPlan
+from camgeo.numeric.arrays import ComplexArray, FloatArray, merged
 from camgeo.part.spec import Contact, PartSpec
 from camgeo.specification import Specification
-from camgeo.units import MM_PER, LengthUnit
+from camgeo.units import MM_PER, TURN, LengthUnit
 
 if TYPE_CHECKING:
     import pathlib
@@ -46,6 +49,8 @@ if TYPE_CHECKING:
     from camgeo.check.cures import Cure
     from camgeo.contour.contour import Contour
     from camgeo.contour.fit import Effort, Fit
+    from camgeo.effects.effect import Column
+    from camgeo.effects.graph import Effects
     from camgeo.files.product import CutOff, FollowerSketch, PlanSketch
     from camgeo.files.specs import DxfSpec
     from camgeo.files.table import Table
@@ -138,31 +143,36 @@ class Design:
         """Tool, feeds and machine."""
         return self.specification.output.gcode
 
+    @cached_property
+    def ledger(self) -> Ledger:
+        """What was computed of this design, and how long it took."""
+        return Ledger()
+
     # Curves -----------------------------------------------------------------------------------
 
-    @cached_property
+    @lazy
     def motion(self) -> Motion:
         """The follower's own motion, behind the linkage if there is one [mm or rad]."""
         linkage = self.specification.linkage
         plan = self.specification.plan
         return plan if linkage is None else LinkedMotion(plan, linkage)
 
-    @cached_property
+    @lazy
     def pitch_curve(self) -> PitchCurve:
         """The pitch curve in cam coordinates."""
         return PitchCurve(self.motion, self.specification.follower, self.rotation)
 
-    @cached_property
+    @lazy
     def inner_curve(self) -> WorkingCurve:
         """The inner working curve."""
         return WorkingCurve(self.pitch_curve, -self.roller_radius)
 
-    @cached_property
+    @lazy
     def outer_curve(self) -> WorkingCurve:
         """The outer working curve."""
         return WorkingCurve(self.pitch_curve, self.roller_radius)
 
-    @cached_property
+    @lazy
     def bends(self) -> Extremes:
         """The extremes of the pitch curve's curvature; GeometryError where it stands still.
 
@@ -175,14 +185,14 @@ class Design:
             bends = sure_bends(flank, bends)
         return bends
 
-    @cached_property
+    @lazy
     def inner_outline(self) -> Outline:
         """What is left of the inner flank, see `camgeo.outline.outline.real_outline`."""
         from camgeo.outline.outline import real_outline
 
         return real_outline(self.inner_curve, self.bends)
 
-    @cached_property
+    @lazy
     def outer_outline(self) -> Outline:
         """What is left of the outer flank, see `camgeo.outline.outline.real_outline`."""
         from camgeo.outline.outline import real_outline
@@ -197,7 +207,25 @@ class Design:
         """The roller pressed against what is left of the "inner" or "outer" flank."""
         from camgeo.outline.replay import replay_outline  # only what undercuts needs it
 
-        return replay_outline(self.pitch_curve, self.outline(flank).path)
+        path = self.outline(flank).path
+        return self.ledger.run(
+            f"replay of {flank} flank", lambda: replay_outline(self.pitch_curve, path)
+        )
+
+    @property
+    def plan(self) -> MotionPlan:
+        """The motion that the scene demands: the slider's if there is a linkage."""
+        return self.specification.plan
+
+    @property
+    def linkage(self) -> SliderCrank | None:
+        """Between the plan and the follower's own motion."""
+        return self.specification.linkage
+
+    @property
+    def follower(self) -> TranslatingRoller | OscillatingRoller:
+        """What rolls on the disc."""
+        return self.specification.follower
 
     def pitch(self, phi: FloatArray) -> FloatArray:
         """(n, 2) [mm] points of the pitch curve at `phi` (n,) [rad]."""
@@ -241,7 +269,7 @@ class Design:
         """Unit in which positions of the plan are told."""
         return "mm" if self.has_linkage or self.lift_unit == "mm" else "deg"
 
-    @cached_property
+    @lazy
     def time_course(self) -> TimeCourse | None:
         """How the cam turns; None if the scene gives no speed."""
         if self.specification.speed_curve is not None:
@@ -264,6 +292,61 @@ class Design:
         angles = np.atleast_1d(phi)
         return in_time(self.stroke(angles, side), self.time_course, angles)
 
+    @lazy
+    def smooth_angles(self) -> FloatArray:
+        """(k,) cam angles [rad] from 0 to 2 pi, both included, ascending.
+
+        Between two neighbours all derivatives of motion and time course are smooth, and the
+        follower's velocity keeps its sign.
+        """
+        from camgeo.motion.extremes import turning_angles
+
+        course = self.time_course
+        edges = [self.motion.borders, turning_angles(self.motion), np.array([0.0, TURN])]
+        if course is not None:
+            edges.append(course.borders)
+        return merged(np.concatenate(edges))
+
+    # Effects ----------------------------------------------------------------------------------
+
+    @cached_property
+    def effects(self) -> Effects:
+        """The effects that the scene calls for, each computed when it is asked for."""
+        from camgeo.effects.graph import Effects  # few scenes name an effect
+
+        return Effects(self, self.specification.effects, self.ledger)
+
+    @property
+    def effect_names(self) -> tuple[str, ...]:
+        """The effects that the scene calls for."""
+        return tuple(self.specification.effects)
+
+    def effect(self, name: str) -> Any:
+        """The result of the effect `name`, see `camgeo.effects.effect.Result`.
+
+        Raises KeyError if there is no such effect, GeometryError with the scene's key if its data
+        are missing, EffectError if it has no answer for this design.
+        """
+        return self.effects.result(name)
+
+    @property
+    def effect_findings(self) -> tuple[Finding, ...]:
+        """What the effects find that the scene calls for, in the order of the scene."""
+        return tuple(found for name in self.effect_names for found in self.effects.findings(name))
+
+    @property
+    def effect_columns(self) -> tuple[Column, ...]:
+        """The effects over the cam angle; nothing of those that have no answer."""
+        from camgeo.errors import EffectError
+
+        found: list[Column] = []
+        for name in self.effect_names:
+            try:
+                found += self.effect(name).columns
+            except EffectError:  # which the findings tell
+                continue
+        return tuple(found)
+
     # Checks -----------------------------------------------------------------------------------
 
     @property
@@ -271,13 +354,13 @@ class Design:
         """The flank on which the roller runs."""
         return self.specification.contact
 
-    @cached_property
+    @lazy
     def flanks(self) -> tuple[tuple[str, WorkingCurve], ...]:
         """The working curves in use, with their names."""
         flanks = (("inner", self.inner_curve), ("outer", self.outer_curve))
         return tuple(flank for flank in flanks if self.contact in (flank[0], "groove"))
 
-    @cached_property
+    @lazy
     def transmission_angle_limit(self) -> float:
         """Smallest transmission angle that is allowed [rad], the scene's or the sources'."""
         limit = self.specification.limits.transmission_angle
@@ -286,7 +369,7 @@ class Design:
         translating = isinstance(self.specification.follower, TranslatingRoller)
         return default_transmission_angle(translating=translating, speed=self.specification.speed)
 
-    @cached_property
+    @lazy
     def findings(self) -> tuple[Finding, ...]:
         """What the checks find, the good with the bad, worst first."""
         found: list[Finding] = []
@@ -336,7 +419,7 @@ class Design:
             found.append(check_lost_stroke(replay, name, self.lift_unit, self._severity))
         return found
 
-    @cached_property
+    @lazy
     def cures(self) -> tuple[Cure, ...]:
         """What would cure the undercut, one for each knob, the cheapest first; empty without any.
 
@@ -357,17 +440,23 @@ class Design:
 
     # Files ------------------------------------------------------------------------------------
 
-    @cached_property
+    @property
+    def part_spec(self) -> PartSpec | None:
+        """What the scene says of the part."""
+        return self.specification.part
+
+    @lazy
     def part(self) -> Part:
         """The part: its boundaries, thickness, bore; GeometryError if they do not fit together."""
         from camgeo.part.build import build_part
 
         spec = self.specification.part or PartSpec()
         self._require_outline()
-        return build_part(self.contact, *self._flank_paths, spec, TOPOLOGY_TOLERANCE)
+        paths = self.flank_paths
+        return build_part(self.contact, *paths, spec, TOPOLOGY_TOLERANCE, self.ledger)
 
     @property
-    def _flank_paths(self) -> tuple[Path, Path]:
+    def flank_paths(self) -> tuple[Path, Path]:
         """Inner and outer outline; the whole curve for the flank on which no roller runs."""
         from camgeo.outline.path import whole
 
@@ -399,7 +488,7 @@ class Design:
         from camgeo.contour.arcs.fewest import fewest_arcs
 
         fit = fit_arcs if self.effort == "fast" else fewest_arcs
-        return fit(self._pitch_path, tolerance)
+        return self.ledger.run("arcs of pitch curve", lambda: fit(self._pitch_path, tolerance))
 
     def pitch_deviation(self, contour: Contour) -> float:
         """Proved bound [mm] of the distance between `contour` and the pitch curve."""
@@ -407,7 +496,7 @@ class Design:
 
         return deviation(self._pitch_path, contour)
 
-    @cached_property
+    @lazy
     def cutter_paths(self) -> tuple[CutterPath, ...]:
         """The exact cutter paths of all operations; needs `[part]` and `[output.gcode]`."""
         from camgeo.toolpath.paths import cutter_paths
@@ -416,7 +505,7 @@ class Design:
         if self.gcode is None or spec is None:
             raise GeometryError("milling needs [part] and [output.gcode]", key="output.gcode")
         radius = self.gcode.tool_diameter / 2.0
-        return cutter_paths(self.contact, *self._flank_paths, self.part, spec, radius)
+        return cutter_paths(self.contact, *self.flank_paths, self.part, spec, radius)
 
     def toolpath(self, tolerance: float) -> Toolpath:
         """The milling program; its arcs lie within `tolerance` [mm] of the exact cutter paths."""
@@ -424,7 +513,9 @@ class Design:
 
         paths, spec = self.cutter_paths, self.gcode
         assert spec is not None  # cutter_paths raises without it
-        return plan_toolpath(paths, spec, tolerance, self.effort)
+        return self.ledger.run(
+            "toolpath", lambda: plan_toolpath(paths, spec, tolerance, self.effort)
+        )
 
     def toolpath_deviation(self, operation: str, contour: Contour) -> float:
         """Proved bound [mm] of the distance between `contour` and the cutter path of `operation`.
@@ -511,7 +602,8 @@ class Design:
         """The value table at every `step` degrees (the scene's if None), in the scene's unit."""
         from camgeo.files.value_table import value_table
 
-        return value_table(self, step or self.specification.output.table_step)
+        angles = step or self.specification.output.table_step
+        return self.ledger.run("table", lambda: value_table(self, angles))
 
     @property
     def has_linkage(self) -> bool:

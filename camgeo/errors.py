@@ -90,3 +90,47 @@ class ToleranceError(CamgeoError, ArithmeticError):
 
 class OutputError(CamgeoError, OSError):
     """A file could not be written; what had been written of the set was taken back."""
+
+
+class CycleError(CamgeoError, RecursionError):
+    """Quantities need each other in a ring.
+
+    Attributes
+    ----------
+    way : from a quantity to what it needs, on to itself.
+    """
+
+    def __init__(self, way: tuple[str, ...]) -> None:
+        self.way = way
+        super().__init__(f"needs itself: {' -> '.join(way)}")
+
+
+class EffectError(CamgeoError, ArithmeticError):
+    """An effect has no answer for this design, e.g. a follower that jams has no contact force.
+
+    Attributes
+    ----------
+    message : one sentence, with value, limit and place.
+    finding : name of the finding that says so; empty for the effect's own.
+    value, limit, unit, cam_angle, cam_range : as of `camgeo.check.finding.Finding`.
+    """
+
+    def __init__(
+        self,
+        message: str,
+        *,
+        finding: str = "",
+        value: float | None = None,
+        limit: float | None = None,
+        unit: str = "",
+        cam_angle: float | None = None,
+        cam_range: tuple[float, float] | None = None,
+    ) -> None:
+        super().__init__(message)
+        self.message = message
+        self.finding = finding
+        self.value = value
+        self.limit = limit
+        self.unit = unit
+        self.cam_angle = cam_angle
+        self.cam_range = cam_range

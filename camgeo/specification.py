@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from decimal import Decimal
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 from camgeo.check.limits import Limits
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
@@ -93,6 +94,9 @@ class Specification(Protocol):
 
     @property
     def part(self) -> PartSpec | None: ...
+
+    @property
+    def effects(self) -> Mapping[str, Mapping[str, Any]]: ...
 
     @property
     def output(self) -> OutputRequest: ...

@@ -18,15 +18,15 @@ PACKAGE = "camgeo"
 WRITERS = "camgeo_export"
 
 STAGES: tuple[tuple[str, ...], ...] = (
-    ("_version", "errors", "units", "numeric"),
+    ("_version", "errors", "units", "lazy", "numeric"),
     ("motion",),
     ("mechanism",),
     ("curve",),
     ("outline",),
     ("check",),
     ("contour",),
-    ("effects",),
     ("part",),
+    ("effects",),
     ("toolpath",),
     ("files",),
     ("specification", "design"),
@@ -49,7 +49,7 @@ LAZY_LIBRARIES = {"mpmath", "scipy"}
 FORMAT_LIBRARIES = {"ezdxf", "lxml", "manifold3d", "matplotlib", "networkx", "trimesh"}
 """What only writers import."""
 
-EFFECT_FRAME = {f"{PACKAGE}.effects", f"{PACKAGE}.effects.registry", f"{PACKAGE}.effects.effect"}
+EFFECT_FRAME = {"", "effect", "force", "graph", "materials", "registry"}
 """What is in `effects` and no effect: effects are imported by the registry alone."""
 
 
@@ -130,10 +130,17 @@ def fault_of_module(module: str, imported: Import) -> str:
     own, other = stage_of(module), stage_of(imported.target)
     if own is not None and other is not None and other > own:
         return f"imports {imported.target}, a later stage"
-    is_effect = imported.target.startswith(f"{PACKAGE}.effects.")
-    if is_effect and imported.target not in EFFECT_FRAME:
-        return "" if module == f"{PACKAGE}.effects.registry" else f"imports {imported.target}"
+    effect = effect_of(imported.target)
+    if effect and effect != effect_of(module) and module != f"{PACKAGE}.effects.registry":
+        return f"imports {imported.target}"
     return ""
+
+
+def effect_of(module: str) -> str:
+    """The effect that a module is or belongs to, empty if none: effects may be packages."""
+    parts = module.split(".")
+    name = parts[2] if parts[:2] == [PACKAGE, "effects"] and len(parts) > 2 else ""
+    return "" if name in EFFECT_FRAME else name
 
 
 def find_violations(root: Path) -> list[str]:
@@ -240,6 +247,8 @@ SOUND = {
     "effects/effect.py": "",
     "effects/spring.py": "from camgeo.effects.effect import Effect\n",
     "effects/registry.py": "def load():\n    from camgeo.effects import spring\n",
+    "effects/shake/__init__.py": "from camgeo.effects.shake.response import solve\n",
+    "effects/shake/response.py": "from camgeo.effects.effect import Effect\n",
     "design.py": (
         "from camgeo.motion.plan import MotionPlan\nfrom camgeo.effects.registry import load\n"
         "def solve():\n    from scipy.optimize import brentq\n"
@@ -306,6 +315,8 @@ def test_a_sound_tree_has_no_violation(tmp_path: Path) -> None:
         ("design.py", "from camgeo.effects.spring import x", "imports camgeo.effects.spring"),
         ("design.py", "def f():\n    from camgeo.effects import spring", "camgeo.effects.spring"),
         ("effects/mass.py", "import camgeo.effects.spring", "imports camgeo.effects.spring"),
+        ("effects/mass/a.py", "from camgeo.effects import spring", "imports camgeo.effects.spring"),
+        ("effects/effect.py", "def f():\n    from camgeo.effects import spring", "effects.spring"),
     ],
 )
 def test_each_rule_finds_its_breach(tmp_path: Path, name: str, text: str, expected: str) -> None:

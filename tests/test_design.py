@@ -42,7 +42,8 @@ def test_nothing_is_computed_on_loading(design: Design, monkeypatch: pytest.Monk
 def test_what_was_not_asked_for_did_not_run(design: Design) -> None:
     design.pitch(np.zeros(1))
     design.transmission_angle(np.zeros(1))
-    assert set(vars(design)) == {"specification", "motion", "pitch_curve"}
+    assert [run.name for run in design.ledger.runs] == ["motion", "pitch_curve"]
+    assert set(vars(design)) == {"specification", "ledger", "motion", "pitch_curve"}
 
 
 def test_findings_are_computed_once(design: Design, monkeypatch: pytest.MonkeyPatch) -> None:

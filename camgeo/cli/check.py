@@ -7,6 +7,7 @@ import math
 from decimal import Decimal
 from typing import TYPE_CHECKING, Any
 
+from camgeo.check.finding import Finding
 from camgeo.cli.command import (
     Subparsers,
     exit_code,
@@ -43,16 +44,31 @@ def run(arguments: argparse.Namespace) -> int:
     """Print the findings, and what would cure undercut."""
     design = Design(load_scene(arguments.scene))
     findings = design.findings
+    effects = effect_findings(design)
     if arguments.json:
         records = [finding_record(finding) for finding in findings]
         document = {**identity(design), "motion": motion_record(design), "findings": records}
         document["outlines"] = {name: outline_record(design, name) for name, _ in design.flanks}
         document["cures"] = [cure_record(cure) for cure in design.cures]
+        if effects:
+            document["effects"] = {
+                name: [finding_record(finding) for finding in found]
+                for name, found in effects.items()
+            }
         print_json(document)
     else:
         print("\n".join(finding_lines(findings)))
         print_cures(design.cures)
-    return exit_code(findings)
+        for name, found in effects.items():
+            print("\n".join(("", f"{name}:", *finding_lines(found))))
+    return exit_code((*findings, *(each for found in effects.values() for each in found)))
+
+
+def effect_findings(design: Design) -> dict[str, tuple[Finding, ...]]:
+    """What each effect finds that the scene calls for; nothing if there is no such mechanism."""
+    if any(finding.severity == "wrong" for finding in design.findings):
+        return {}
+    return {name: design.effects.findings(name) for name in design.effect_names}
 
 
 def print_cures(cures: tuple[Cure, ...]) -> None:

@@ -25,6 +25,7 @@ COMMANDS = (
     "replay",
     "laws",
     "accuracy",
+    "explain",
     "stability",
 )
 """Modules of `camgeo.cli`, in the order of the help."""

@@ -135,6 +135,23 @@ class PitchCurve:
 
         return in_blocks(block, np.atleast_1d(phi))
 
+    def leverage(self, phi: FloatArray, side: Side = "right") -> FloatArray:
+        """(n,) [1 or mm/rad] dn/dq: way of the roller centre along the outward normal of the pitch
+        curve a unit of lift q, at `phi` (n,) [rad].
+
+        A normal force N of the cam on the roller, positive outwards, does the work N dn on the
+        follower, and asks for the torque N dn/dq q' at the cam (principle of virtual work). Its
+        magnitude is sin mu, or l_3 sin mu for an oscillating follower; it is positive where a
+        positive lift moves the roller outwards. Raises GeometryError where Z' = 0.
+        """
+
+        def block(angles: FloatArray) -> FloatArray:
+            relative = self.relative_jet(angles, side, order=1)
+            along: FloatArray = self.follower.reach * relative.u / self.speed(relative)
+            return along
+
+        return in_blocks(block, np.atleast_1d(phi))
+
     def speed(self, relative: RelativeJet) -> FloatArray:
         """|Z'| (n,) [mm/rad], never zero.
 

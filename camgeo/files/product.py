@@ -12,8 +12,10 @@ from typing import Final, Literal, Protocol
 from camgeo.check.finding import Finding
 from camgeo.contour.contour import Contour
 from camgeo.contour.fit import Effort, Fit
+from camgeo.effects.effect import Column
 from camgeo.files.specs import DxfSpec
 from camgeo.files.table import Table
+from camgeo.lazy import Ledger
 from camgeo.motion.joints import Joint
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.part.part import Part
@@ -130,6 +132,14 @@ class Product(Protocol):
     @property
     def version(self) -> str:
         """Version of camgeo."""
+
+    @property
+    def ledger(self) -> Ledger:
+        """What was computed of it, and how long it took."""
+
+    @property
+    def effect_columns(self) -> tuple[Column, ...]:
+        """The effects that the scene calls for, over the cam angle."""
 
     @property
     def effort(self) -> Effort:

@@ -8,6 +8,7 @@ from typing import Protocol
 
 import numpy as np
 
+from camgeo.effects.effect import Column
 from camgeo.files.table import Table
 from camgeo.motion.motion import Jet
 from camgeo.motion.time_course import TimeCourse, in_time
@@ -56,6 +57,9 @@ class Tabulated(Protocol):
     @property
     def time_course(self) -> TimeCourse | None: ...
 
+    @property
+    def effect_columns(self) -> tuple[Column, ...]: ...
+
 
 def cam_angles(step: Decimal) -> FloatArray:
     """0, step, 2 step, ... below 360 [degrees], each rounded once from the exact decimal.
@@ -70,7 +74,8 @@ def cam_angles(step: Decimal) -> FloatArray:
 def value_table(design: Tabulated, step: Decimal) -> Table:
     """One row for every `step` degrees of cam angle; right-hand values at the joints.
 
-    With a speed also the time, and velocity, acceleration and jerk in time.
+    With a speed also the time, and velocity, acceleration and jerk in time; then the effects that
+    the scene calls for.
     """
     degrees = cam_angles(step)
     phi = np.radians(degrees)
@@ -97,6 +102,7 @@ def value_table(design: Tabulated, step: Decimal) -> Table:
     columns.append(("mu [deg]", np.degrees(design.transmission_angle(phi))))
     columns.append((f"kappa [1/{unit}]", design.curvature(phi) * mm))
     columns.append((f"r_K [{unit}]", design.radius_of_curvature(phi) / mm))
+    columns += [_of_effect(design, column, phi) for column in design.effect_columns]
     names = tuple(name for name, _ in columns)
     return Table(names, np.column_stack([values for _, values in columns]))
 
@@ -116,3 +122,11 @@ def _in_time(design: Tabulated, phi: FloatArray) -> list[tuple[str, FloatArray]]
         for name, power, values in zip(SWING, POWERS, timed, strict=True):
             columns.append((f"{name} [deg/{power}]", np.degrees(values)))
     return columns
+
+
+def _of_effect(design: Tabulated, column: Column, phi: FloatArray) -> tuple[str, FloatArray]:
+    """Heading and values of an effect's column, lengths in the unit of the scene."""
+    unit, values = column.unit, column.values(phi, "right")
+    if unit == "mm" or unit.startswith("mm/"):
+        unit, values = design.unit + unit.removeprefix("mm"), values / design.millimetres
+    return f"{column.name} [{unit}]" if unit else column.name, values

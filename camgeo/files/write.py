@@ -6,6 +6,7 @@ import hashlib
 import json
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -73,18 +74,36 @@ def write_files(
     if not SMALLEST_TOLERANCE <= tolerance <= LARGEST_TOLERANCE:
         message = f"must be a length of {SMALLEST_TOLERANCE:g} mm to {LARGEST_TOLERANCE:g} mm"
         raise SceneError([Fault("tolerance", f"{tolerance:g}", message)])
+    contents, reports = make_files(product, formats, tolerance, progress=progress)
+    paths = write_set(Path(folder), contents, force=force)
+    return Report(paths, reports)
+
+
+def make_files(
+    product: Product,
+    formats: tuple[str, ...],
+    tolerance: float,
+    *,
+    progress: Progress = _silent,
+) -> tuple[dict[str, bytes], tuple[FileReport, ...]]:
+    """The files by their names, the certificate last, and what is told of each; none is written.
+
+    Raises as `Design.write`.
+    """
     contents: dict[str, bytes] = {}
     reports: list[FileReport] = []
     for name in dict.fromkeys(formats):
         writer = find_writer(name)
         progress(f"{name}: computing")
         try:
-            written = writer.write(product, tolerance)
+            written = product.ledger.run(f"{name} file", partial(writer.write, product, tolerance))
         except ToleranceError as error:
             # The writer asked for a share of it; what the user knows is the whole.
             raise ToleranceError(f"{name}: {error.reason}", tolerance, error.reached) from error
         progress(f"{name}: reading back")
-        deviation = writer.measure(product, written.data)
+        deviation = product.ledger.run(
+            f"{name} file, measured", partial(writer.measure, product, written.data)
+        )
         if deviation is not None and not deviation <= tolerance:
             raise ToleranceError(f"the {name} file, read back, is off", tolerance, deviation)
         file = f"{product.name}{writer.suffix}"
@@ -93,8 +112,7 @@ def write_files(
             FileReport(file, name, len(written.data), tolerance, deviation, written.facts)
         )
     contents[CERTIFICATE] = _certificate(product, tolerance, reports, contents)
-    paths = write_set(Path(folder), contents, force=force)
-    return Report(paths, tuple(reports))
+    return contents, tuple(reports)
 
 
 def _certificate(

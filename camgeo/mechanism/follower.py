@@ -75,10 +75,15 @@ class Follower(Protocol):
     ----------
     base_radius : r_G, cam axis to roller centre at cam angle 0.
     roller_radius : r_R.
+    reach : way of the roller centre a unit of lift [1 or mm/rad], positive if a positive lift moves
+        the rocker counter-clockwise, or the roller outward along the guide.
     """
 
     @property
     def base_radius(self) -> float: ...
+
+    @property
+    def reach(self) -> float: ...
 
     @property
     def roller_radius(self) -> float: ...

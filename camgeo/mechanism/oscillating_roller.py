@@ -76,6 +76,11 @@ class OscillatingRoller:
         """Sense in which a positive lift turns the rocker: +1 counter-clockwise, -1 clockwise."""
         return 1 if self.direction is None else self.direction * self.arm_side
 
+    @property
+    def reach(self) -> float:
+        """See `Follower`: l_3, negative if a positive lift turns the rocker clockwise."""
+        return self.swing_sense * self.arm
+
     def rocker_angle(self, lift: FloatArray) -> FloatArray:
         """psi_t (n,), angle from the line pivot -> cam axis to the arm, on the arm's own side."""
         return self.start_angle + self.arm_side * self.swing_sense * lift

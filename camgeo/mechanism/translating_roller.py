@@ -51,6 +51,11 @@ class TranslatingRoller:
             )
 
     @property
+    def reach(self) -> float:
+        """See `Follower`: kappa_F."""
+        return float(self.direction)
+
+    @property
     def start_height(self) -> float:
         """s_G, height of the roller centre over the cam axis at cam angle 0 [mm]."""
         return math.sqrt((self.base_radius - self.offset) * (self.base_radius + self.offset))

@@ -24,13 +24,17 @@ def pieces(motion: Motion) -> list[tuple[float, float]]:
 
 def lift_range(motion: Motion) -> tuple[float, float]:
     """Smallest and largest lift [mm or rad] over a turn."""
+    places = (motion.borders, np.zeros(1), turning_angles(motion))
+    lift = motion.jet(np.concatenate(places))[0]
+    return float(np.min(lift)), float(np.max(lift))
+
+
+def turning_angles(motion: Motion) -> FloatArray:
+    """(k,) cam angles [rad] inside the pieces at which the velocity changes its sign."""
     starts, ends = np.array(pieces(motion)).T
     grid = np.linspace(starts, ends, SAMPLES, axis=1)[:, 1:-1]
     moving = np.any(motion.jet(grid.ravel())[1].reshape(grid.shape), axis=1)
-    turning = roots_on_grid(lambda phi: _velocity(motion, phi), grid[moving])
-    places = (motion.borders, np.zeros(1), turning)
-    lift = motion.jet(np.concatenate(places))[0]
-    return float(np.min(lift)), float(np.max(lift))
+    return roots_on_grid(lambda phi: _velocity(motion, phi), grid[moving])
 
 
 def _velocity(motion: Motion, phi: FloatArray) -> FloatArray:

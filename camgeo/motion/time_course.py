@@ -18,30 +18,15 @@ from camgeo.errors import GeometryError
 from camgeo.motion.motion import Jet, Motion, Side
 from camgeo.numeric.arrays import FloatArray, ascending, frozen
 from camgeo.numeric.extremes import Extremes, extremes_of
+from camgeo.numeric.peaks import grid_of, peaks
 from camgeo.numeric.roots import bracketed_roots
 from camgeo.units import TURN
 
 if TYPE_CHECKING:
     from camgeo.motion.spline import Spline
 
-SAMPLES: Final = 33
-"""Grid points per piece between borders on which turning points are looked for, as in
-`camgeo.motion.extremes`."""
-
-FEWEST_SAMPLES: Final = 5
-MOST_POINTS: Final = 1_000_000
-"""Of the whole grid: a curve of speed with very many rows has short pieces, and gets fewer each."""
-
-INSET: Final = 1e-7
-"""Share of a piece by which its grid keeps off its ends, where the values have two sides."""
-
 CLOSING: Final = 1e-9
 """By this much [rad] may the table of a speed curve miss a full turn: rounding of its degrees."""
-
-GOLDEN: Final = 0.5 * (math.sqrt(5.0) - 1.0)
-
-GOLDEN_STEPS: Final = 40
-"""They shorten a bracket to 4e-9 of its length; the value is then the extreme but for rounding."""
 
 VELOCITY, ACCELERATION, JERK, TORQUE = 1, 2, 3, 4
 
@@ -286,10 +271,7 @@ def time_extremes(motion: Motion, course: TimeCourse, unit: LiftUnit = "mm") -> 
         out = _chained(motion.jet(phi, side), rates)
         return np.concatenate((out, [inertia_torque(out, rates[0], 1.0, unit)]))
 
-    samples = int(np.clip(MOST_POINTS // len(edges), FEWEST_SAMPLES, SAMPLES))
-    share = np.linspace(0.0, 1.0, samples)
-    share[0], share[-1] = INSET, 1.0 - INSET
-    inside = edges[:-1, np.newaxis] + np.diff(edges)[:, np.newaxis] * share
+    inside = grid_of(edges)
     flat = timed(inside.ravel())
     grid = flat.reshape(5, *inside.shape)
 
@@ -305,7 +287,7 @@ def time_extremes(motion: Motion, course: TimeCourse, unit: LiftUnit = "mm") -> 
         return extremes(row, _roots(lambda phi: timed(phi)[row + 1], inside, grid[row + 1]))
 
     def at_peaks(row: int) -> Extremes:
-        return extremes(row, _peaks(lambda phi: timed(phi)[row], inside, grid[row]))
+        return extremes(row, peaks(lambda phi: timed(phi)[row], inside, grid[row]))
 
     return TimeExtremes(
         velocity=at_roots(VELOCITY),
@@ -321,40 +303,3 @@ def _roots(
     """Roots where `values` changes sign along the rows of `grid` (m, k)."""
     change = values[:, :-1] * np.sign(values[:, 1:]) < 0.0
     return bracketed_roots(function, grid[:, :-1][change], grid[:, 1:][change])
-
-
-def _peaks(
-    function: Callable[[FloatArray], FloatArray], grid: FloatArray, values: FloatArray
-) -> FloatArray:
-    """Places of the extremes that the turning points of `values` along the rows of `grid` show."""
-    padded = np.concatenate((grid[:, :1], grid, grid[:, -1:]), axis=1)
-    found = []
-    for sign in (1.0, -1.0):
-        heights = sign * values
-        inner = np.pad(heights, ((0, 0), (1, 1)), constant_values=-np.inf)
-        top = (heights >= inner[:, :-2]) & (heights >= inner[:, 2:])
-        top &= (heights > inner[:, :-2]) | (heights > inner[:, 2:])
-        # A parabola through three points rises above the middle one by an eighth of the larger
-        # difference at most; what cannot get to the largest value even with all of it is left.
-        falls = np.abs(np.diff(heights, axis=1, prepend=heights[:, :1], append=heights[:, -1:]))
-        top &= heights + np.maximum(falls[:, :-1], falls[:, 1:]) >= np.max(heights)
-        found.append(_golden(function, sign, padded[:, :-2][top], padded[:, 2:][top]))
-    return np.concatenate(found)
-
-
-def _golden(
-    function: Callable[[FloatArray], FloatArray], sign: float, low: FloatArray, high: FloatArray
-) -> FloatArray:
-    """Golden section search of the largest sign * function in each bracket [low, high]."""
-    if not len(low):
-        return low
-    left, right = high - GOLDEN * (high - low), low + GOLDEN * (high - low)
-    f_left, f_right = sign * function(left), sign * function(right)
-    for _ in range(GOLDEN_STEPS):
-        to_left = f_left >= f_right
-        low, high = np.where(to_left, low, left), np.where(to_left, right, high)
-        new = np.where(to_left, high - GOLDEN * (high - low), low + GOLDEN * (high - low))
-        f_new = sign * function(new)
-        left, right = np.where(to_left, new, right), np.where(to_left, left, new)
-        f_left, f_right = np.where(to_left, f_new, f_right), np.where(to_left, f_left, f_new)
-    return np.where(f_left >= f_right, left, right)

@@ -30,3 +30,17 @@ def ascending(values: FloatArray) -> FloatArray:
         return ordered
     distinct: FloatArray = ordered[np.concatenate(([True], ordered[1:] != ordered[:-1]))]
     return distinct
+
+
+def merged(angles: FloatArray) -> FloatArray:
+    """The distinct `angles` (n,) [rad] of one turn, ascending; what differs by rounding is one.
+
+    Of such a group the first is kept, of the last group the last: both ends of the range stay.
+    """
+    ordered = ascending(angles)
+    if len(ordered) < 2:
+        return ordered
+    apart = np.diff(ordered) > 8.0 * np.spacing(ordered[-1])
+    first = ordered[np.concatenate(([True], apart))]
+    first[-1] = ordered[-1]
+    return first

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -19,38 +20,47 @@ from camgeo.contour.fit import Effort, Fit
 from camgeo.contour.proof.deviation import deviation
 from camgeo.contour.simple import require_simple
 from camgeo.contour.spline import Arc, SplineContour, SplineFit
+from camgeo.lazy import Ledger
 from camgeo.outline.path import Path
 
 
 @dataclass(frozen=True, slots=True)
 class CurveBoundary:
-    """The outline of a flank as boundary, see `camgeo.part.part.Boundary`."""
+    """The outline of a flank as boundary, see `camgeo.part.part.Boundary`.
+
+    Attributes
+    ----------
+    path : the outline.
+    ledger : where its fits are entered.
+    """
 
     name: str
     hole: bool
     path: Path
+    ledger: Ledger = field(default_factory=Ledger, repr=False, compare=False)
 
     def arcs(self, tolerance: float, effort: Effort = "fewest") -> Fit:
         """Lines and arcs; raises UndercutError if the path is no outline, ToleranceError."""
         fit = fit_arcs if effort == "fast" else fewest_arcs
-        return self._simple(fit(self.path, tolerance))
+        return self._simple("arcs", fit, tolerance)
 
     def polyline(self, tolerance: float, effort: Effort = "fewest") -> Fit:
         """Straight pieces; raises as `arcs`."""
         fit = fit_polyline if effort == "fast" else fewest_chords
-        return self._simple(fit(self.path, tolerance))
+        return self._simple("chords", fit, tolerance)
 
     def spline(self, tolerance: float, effort: Effort = "fewest") -> SplineFit:
         """Cubic splines and arcs; raises as `arcs`."""
         fit = fit_spline if effort == "fast" else fewest_cubics
-        found = fit(self.path, tolerance)
+        found = self.ledger.run(f"cubics of {self.name}", lambda: fit(self.path, tolerance))
         drawn, _ = lines_and_arcs(found.contour, tolerance)
         require_simple(drawn, self.name)
         return found
 
-    def _simple(self, fit: Fit) -> Fit:
-        require_simple(fit.contour, self.name)
-        return fit
+    def _simple(self, what: str, fit: Callable[[Path, float], Fit], tolerance: float) -> Fit:
+        found = self.ledger.run(f"{what} of {self.name}", lambda: fit(self.path, tolerance))
+        require_simple(found.contour, self.name)
+        return found
 
     def deviation(self, contour: Contour | SplineContour) -> float:
         """Proved bound [mm], see `camgeo.contour.proof.deviation`."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from camgeo.contour.contour import Contour
 from camgeo.errors import GeometryError
+from camgeo.lazy import Ledger
 from camgeo.outline.path import Path
 from camgeo.part.bore import bore_outline, bore_reach
 from camgeo.part.boundaries import (
@@ -17,7 +18,12 @@ from camgeo.part.spec import Contact, PartSpec
 
 
 def build_part(
-    contact: Contact, inner: Path, outer: Path, spec: PartSpec, tolerance: float
+    contact: Contact,
+    inner: Path,
+    outer: Path,
+    spec: PartSpec,
+    tolerance: float,
+    ledger: Ledger | None = None,
 ) -> Part:
     """The part for one contact.
 
@@ -27,6 +33,7 @@ def build_part(
     inner, outer : the real outlines of the flanks; only those of the contact are looked at.
     spec : what the scene says of the part.
     tolerance : of the contours [mm] by which it is seen that one boundary lies inside another.
+    ledger : where fits of the flanks are entered.
 
     Raises
     ------
@@ -35,21 +42,22 @@ def build_part(
     UndercutError
         If a flank is no outline.
     """
+    book = ledger or Ledger()
     bore: tuple[Boundary, ...] = ()
     if spec.bore is not None and contact != "outer":
         bore = (ExactBoundary("bore", hole=True, exact=bore_outline(spec.bore, spec.keyway)),)
     thickness = spec.thickness
     if contact == "inner":
-        outline = CurveBoundary("outline", hole=False, path=inner)
+        outline = CurveBoundary("outline", hole=False, path=inner, ledger=book)
         _bore_fits(spec, outline, tolerance)
         return Part((outline, *bore), (), thickness, 0.0)
-    rim = _rim(spec, CurveBoundary("outer flank", hole=True, path=outer), tolerance)
+    rim = _rim(spec, CurveBoundary("outer flank", hole=True, path=outer, ledger=book), tolerance)
     if contact == "outer":
-        flank = CurveBoundary("outline", hole=True, path=outer)
+        flank = CurveBoundary("outline", hole=True, path=outer, ledger=book)
         return Part((rim, flank), (), thickness, 0.0)
     groove = (
-        CurveBoundary("inner flank", hole=False, path=inner),
-        CurveBoundary("outer flank", hole=True, path=outer),
+        CurveBoundary("inner flank", hole=False, path=inner, ledger=book),
+        CurveBoundary("outer flank", hole=True, path=outer, ledger=book),
     )
     _bore_fits(spec, groove[0], tolerance)
     return Part((rim, *bore), groove, thickness, spec.groove_depth or 0.0)

@@ -152,12 +152,23 @@ class Builder:
             hint = f'leave it out, write "{found}", or turn one of the linkage\'s choices'
             self.faults.append(self.values.scene.fault(("follower", "direction"), message, hint))
 
+    def effects(self) -> dict[str, dict[str, Any]]:
+        """The tables of the effects that the scene names, in the units inside."""
+        if self.values.get("effects") is None:
+            return {}
+        from camgeo.scene.effects import EffectTables  # few scenes name an effect
+
+        tables = EffectTables(self.values, self.files)
+        self.faults += tables.faults
+        return tables.all
+
     def scene(
         self,
         plan: MotionPlan,
         follower: Follower,
         linkage: SliderCrank | None,
         speed_curve: SpeedCurve | None,
+        effects: dict[str, dict[str, Any]],
         source: SceneSource,
     ) -> Scene:
         """The scene, all of whose values are sound."""
@@ -177,6 +188,7 @@ class Builder:
             contact=get("follower", "contact") or "inner",
             limits=self._limits(),
             part=self._part(),
+            effects=effects,
             output=self._output(),
             source=replace(source, files=tuple(sorted(self.files.hashes.items()))),
         )

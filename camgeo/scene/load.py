@@ -11,6 +11,7 @@ from typing import Final
 from camgeo.errors import Fault, SceneError
 from camgeo.scene.build import Builder
 from camgeo.scene.document import MOST_BYTES, document
+from camgeo.scene.fingerprint import without_effects
 from camgeo.scene.model import Scene, SceneSource
 from camgeo.scene.rules import broken_rules
 from camgeo.scene.sound import SoundValues
@@ -57,8 +58,8 @@ def parse_scene(text: str, file: str = "") -> Scene:
 
 
 def _scene(data: bytes, file: str) -> Scene:
-    source = SceneSource(file, hashlib.sha256(data).hexdigest())
     text = document(data, file)
+    source = SceneSource(file, hashlib.sha256(without_effects(data, text)).hexdigest())
     verdict = judge(text)
     if (VERSION_KEY,) in verdict.bad and VERSION_KEY in text.exact:
         # A scene of another version has other keys; what this schema says of them misleads.
@@ -70,10 +71,11 @@ def _scene(data: bytes, file: str) -> Scene:
     moves = not any(fault.key.startswith("motion") for fault in faults)
     plan = builder.plan() if moves else None
     follower, linkage, speed_curve = builder.follower(), builder.linkage(), builder.speed_curve()
+    effects = builder.effects()
     if plan is not None and follower is not None and linkage is not None:
         builder.join(plan, follower, linkage)
     faults += [*builder.files.faults, *builder.faults]
     if faults or plan is None or follower is None:
         last = len(text.lines) + MOST_BYTES
         raise SceneError(sorted(faults, key=lambda fault: fault.line or last), file)
-    return builder.scene(plan, follower, linkage, speed_curve, source)
+    return builder.scene(plan, follower, linkage, speed_curve, effects, source)

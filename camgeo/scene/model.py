@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from decimal import Decimal
-from typing import TYPE_CHECKING
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any
 
 from camgeo.check.limits import Limits
 from camgeo.files.specs import DxfSpec
@@ -81,6 +83,8 @@ class Scene:
     contact : the flank on which the roller runs.
     limits : what the design is held to.
     part : the disc as a body; None if the scene has no `[part]`.
+    effects : what the scene says of each effect that it names, in its order, numbers in the units
+        of `camgeo.effects.effect`.
     output : what is written.
     source : where the scene came from.
     """
@@ -96,5 +100,6 @@ class Scene:
     contact: Contact = "inner"
     limits: Limits = field(default_factory=Limits)
     part: PartSpec | None = None
+    effects: Mapping[str, Mapping[str, Any]] = field(default_factory=lambda: MappingProxyType({}))
     output: OutputSpec = field(default_factory=OutputSpec)
     source: SceneSource = field(default_factory=SceneSource)

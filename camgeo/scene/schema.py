@@ -3,6 +3,7 @@
 Besides the keywords of JSON Schema it carries these, for the messages:
 
 x-allowed : what is allowed, in words; else the words follow from type and range.
+x-foreign : group of entry points by whose names other distributions add keys to the table.
 x-later : values or keys that the format names but this version does not have.
 x-siblings : names of the definitions that stand beside this one in a choice.
 x-unit : unit of a number.

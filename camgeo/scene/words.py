@@ -54,7 +54,10 @@ def judge(scene: Document) -> Verdict:
     unknown: set[Path] = set()
     for path, error in errors:
         if error.kind.name == "additionalProperties":
+            foreign = _foreign(error)
             for name in error.kind.as_dict()["unexpected"][:MOST_FAULTS]:
+                if name in foreign:
+                    continue
                 fault, known, sibling = _unknown_key(scene, path, name, error)
                 faults.append(fault)
                 unknown.add((*path, name))
@@ -81,6 +84,15 @@ def judge(scene: Document) -> Verdict:
         bad.add(())
         faults = [*faults[:MOST_FAULTS], Fault("", "", "there are more faults than are told here")]
     return Verdict(tuple(faults), frozenset(bad), frozenset(meant))
+
+
+def _foreign(error: ValidationError) -> tuple[str, ...]:
+    """Keys that other distributions add to the table in which keys are not known."""
+    if "x-foreign" not in node_at(error.evaluation_path):
+        return ()
+    from camgeo.effects.registry import foreign_names  # only such a scene asks
+
+    return foreign_names()
 
 
 def _missing(scene: Document, path: Path, error: ValidationError) -> Fault:

@@ -16,9 +16,11 @@ from camgeo.check.finding import Finding
 from camgeo.contour.contour import Contour
 from camgeo.contour.fit import Effort, Fit
 from camgeo.contour.spline import Arc, SplineContour, SplineFit
+from camgeo.effects.effect import Column
 from camgeo.files.product import CutOff, FollowerSketch, PlanSegment, PlanSketch
 from camgeo.files.specs import DxfSpec
 from camgeo.files.table import Table
+from camgeo.lazy import Ledger
 from camgeo.motion.joints import Joint
 from camgeo.numeric.arrays import FloatArray
 from camgeo.part.part import Part
@@ -105,6 +107,8 @@ class StubProduct:
     lift_unit: Literal["mm", "rad"] = "mm"
     contact: Contact = "inner"
     cut_off: tuple[CutOff, ...] = ()
+    effect_columns: tuple[Column, ...] = ()
+    ledger: Ledger = field(default_factory=Ledger, compare=False)
     findings: tuple[Finding, ...] = field(
         default=(Finding("transmission-angle", "ok", "fine", 70.0, 60.0, "deg"),)
     )

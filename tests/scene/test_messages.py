@@ -35,7 +35,7 @@ FAULTS: list[tuple[str, list[Change], str]] = [
     (PLATE, [('"ccw"\n', '"ccw"\nname = "x"\n')], r"belongs to the top of the file; .*\[cam\]"),
     (PLATE, [("base_radius = 50\n", "")], "line 8: follower.base_radius: is missing: r_G"),
     (PLATE, [("bore = 20", "hub = 20")], "part.hub = 20: is not available in this version"),
-    (PLATE, [("[limits]", "[effects.spring]")], "effects.spring: no effect is available"),
+    (PLATE, [("[limits]", "[effects.sprung]")], "effects.sprung: .*did you mean spring"),
     # values
     (
         PLATE,

@@ -1,0 +1,231 @@
+"""What an effect is, what it is given, and what it answers.
+
+Units inside are mm, s, t (1000 kg), N, and what follows from them: N mm, MPa = N/mm^2, and t mm^2
+for moments of inertia, so that no factor stands in any formula.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, Final, Literal, Protocol
+
+import numpy as np
+
+from camgeo.check.finding import Finding
+from camgeo.motion.motion import Side
+from camgeo.numeric.arrays import FloatArray
+
+if TYPE_CHECKING:  # an effect imports what it computes with itself
+    from camgeo.curve.pitch_curve import PitchCurve
+    from camgeo.curve.working_curve import WorkingCurve
+    from camgeo.mechanism.oscillating_roller import OscillatingRoller
+    from camgeo.mechanism.slider_crank import SliderCrank
+    from camgeo.mechanism.translating_roller import TranslatingRoller
+    from camgeo.motion.motion import Motion
+    from camgeo.motion.plan import MotionPlan
+    from camgeo.motion.time_course import TimeCourse
+    from camgeo.outline.path import Path
+    from camgeo.part.part import Part
+    from camgeo.part.spec import Contact, PartSpec
+    from camgeo.units import LengthUnit
+
+GROUP: Final = "camgeo.effects"
+"""Entry points of effects that come with other distributions; the name is the effect's."""
+
+Quantity = Callable[[FloatArray, Side], FloatArray]
+"""(n,) values at n cam angles [rad], from the side asked for."""
+
+
+class Subject(Protocol):
+    """A design as its effects see it; `camgeo.design.Design` is one."""
+
+    @property
+    def unit(self) -> LengthUnit:
+        """Unit of length of the scene, for sentences; values are in mm."""
+
+    @property
+    def rotation(self) -> int:
+        """Sense in which the disc turns: +1 counter-clockwise, -1 clockwise."""
+
+    @property
+    def contact(self) -> Contact:
+        """The flank on which the roller runs."""
+
+    @property
+    def plan(self) -> MotionPlan:
+        """The motion that the scene demands: the slider's if there is a linkage."""
+
+    @property
+    def linkage(self) -> SliderCrank | None: ...
+
+    @property
+    def follower(self) -> TranslatingRoller | OscillatingRoller: ...
+
+    @property
+    def motion(self) -> Motion:
+        """The follower's own motion [mm or rad]."""
+
+    @property
+    def lift_unit(self) -> Literal["mm", "rad"]:
+        """Unit of the follower's own motion."""
+
+    @property
+    def pitch_curve(self) -> PitchCurve: ...
+
+    @property
+    def inner_curve(self) -> WorkingCurve: ...
+
+    @property
+    def outer_curve(self) -> WorkingCurve: ...
+
+    @property
+    def time_course(self) -> TimeCourse | None:
+        """How the cam turns; None if the scene gives no speed."""
+
+    @property
+    def smooth_angles(self) -> FloatArray:
+        """(k,) cam angles [rad] from 0 to 2 pi, both included, ascending: between two neighbours
+        all derivatives of motion and time course are smooth, and the follower's velocity keeps its
+        sign.
+        """
+
+    @property
+    def part_spec(self) -> PartSpec | None:
+        """What the scene says of the part."""
+
+    @property
+    def part(self) -> Part: ...
+
+    def outline(self, flank: str) -> Any:
+        """What is left of the "inner" or "outer" flank, see `camgeo.outline.outline.Outline`."""
+
+    @property
+    def flank_paths(self) -> tuple[Path, Path]:
+        """Inner and outer outline; the whole curve for the flank on which no roller runs."""
+
+
+@dataclass(frozen=True, slots=True)
+class Request:
+    """What an effect is given.
+
+    Attributes
+    ----------
+    subject : the design.
+    spec : what `Effect.parse` makes of the scene's table ``[effects.NAME]``; of an empty table if
+        the effect is computed for another one that needs it.
+    results : of the effects that it needs, and of those it uses that the scene names, by name.
+    tolerance : largest error that is allowed, as a share of the largest magnitude of what the
+        effect gives; only numerical effects look at it.
+    """
+
+    subject: Subject
+    spec: Any
+    results: Mapping[str, Any]
+    tolerance: float
+
+    @property
+    def course(self) -> TimeCourse:
+        """How the cam turns; for effects that declare a speed among their keys."""
+        course = self.subject.time_course
+        assert course is not None  # the registry refuses a scene without speed
+        return course
+
+
+@dataclass(frozen=True, slots=True)
+class Column:
+    """A quantity over the cam angle, for tables and pictures.
+
+    Attributes
+    ----------
+    name : e.g. "contact force".
+    unit : of the values: "N", "N m", "MPa", "mm", "mm/s", "deg", "" ... Lengths are in mm here and
+        shown in the unit of the scene.
+    values : the quantity in `unit`.
+    limit : to be drawn as a line, in `unit`; None if there is none.
+    borders : (k,) cam angles [rad] in [0, 2 pi), besides the borders of the motion, where it may
+        jump.
+    """
+
+    name: str
+    unit: str
+    values: Quantity
+    limit: float | None = None
+    borders: FloatArray = field(default_factory=lambda: np.empty(0))
+
+
+@dataclass(frozen=True, slots=True)
+class DataFile:
+    """A file that the scene names in the table of an effect.
+
+    Attributes
+    ----------
+    name : as the scene has it.
+    data : its bytes, up to one more than `camgeo.motion.two_columns.MOST_BYTES`.
+    """
+
+    name: str
+    data: bytes = field(repr=False)
+
+
+class Result(Protocol):
+    """What an effect answers; what else it offers to others is its own.
+
+    Attributes
+    ----------
+    findings : its values, the good with the bad.
+    columns : what it is over the cam angle.
+    error : estimate of the largest error, as a share of the largest magnitude of what it gives;
+        None if it is exact but for rounding.
+    """
+
+    @property
+    def findings(self) -> tuple[Finding, ...]: ...
+
+    @property
+    def columns(self) -> tuple[Column, ...]: ...
+
+    @property
+    def error(self) -> float | None: ...
+
+
+SPEED: Final = ("cam.speed", "cam.speed_curve")
+"""Keys of a scene of which one gives the speed of the cam."""
+
+
+@dataclass(frozen=True, slots=True)
+class Effect:
+    """One effect.
+
+    Attributes
+    ----------
+    name : its table in the scene is ``[effects.NAME]``.
+    title : what it gives, a few words.
+    compute : the result. It raises GeometryError with the key of the scene if data are missing or
+        contradict each other, `EffectError` if there is no answer for this design.
+    parse : from the table to what `compute` gets as `Request.spec`, a frozen dataclass. Numbers of
+        the table are in the units of this module, angles in radians, files are `DataFile`. It
+        raises GeometryError with the key in the table, e.g. "preload", if data are missing or
+        contradict each other.
+    needs : effects whose results it cannot do without.
+    uses : effects whose results it takes into account if the scene names them.
+    keys : data without which it cannot be: for each entry the scene has one of its keys at least,
+        e.g. ("cam.speed", "cam.speed_curve") or ("effects.inertia",).
+    tabled : whether it is computed only if the scene has its table; if not, other effects that need
+        it get it with an empty one.
+    numerical : whether it takes a tolerance and estimates its error.
+    schema : JSON Schema of its table, for effects from other distributions; those of camgeo stand
+        in the schema of the scene.
+    """
+
+    name: str
+    title: str
+    compute: Callable[[Request], Any]
+    parse: Callable[[Mapping[str, Any]], Any] = dict
+    needs: tuple[str, ...] = ()
+    uses: tuple[str, ...] = ()
+    keys: tuple[tuple[str, ...], ...] = ()
+    tabled: bool = False
+    numerical: bool = False
+    schema: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))

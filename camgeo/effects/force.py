@@ -1,0 +1,66 @@
+"""Generalised forces on the follower over the cam angle.
+
+The follower has one coordinate q: its own lift [mm], or the angle of the rocker [rad] as
+`Subject.motion` counts it. A generalised force Q does the work Q dq: it is in N for a translating
+follower, in N mm for an oscillating one, positive in the sense of growing q.
+
+Every force here is a polynomial in the speed of the cam at a given cam angle phi,
+
+    Q = c0(phi) + c1(phi) omega + c2(phi) omega^2 + c3(phi) alpha,
+
+with omega = dphi/dt [rad/s] and alpha = d omega/dt [rad/s^2]: weights and springs are c0, viscous
+friction is c1, inertia is c2 and c3. So it is known for every speed at once.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from camgeo.motion.motion import Side
+from camgeo.numeric.arrays import FloatArray
+
+Coefficients = Callable[[FloatArray, Side], FloatArray]
+"""(4, n) c0 to c3 at n cam angles [rad]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Force:
+    """A generalised force.
+
+    Attributes
+    ----------
+    name : e.g. "spring".
+    coefficients : (4, n) c0 [N or N mm] to c3.
+    potential : (n,) its potential energy [N mm] at n cam angles, if c0 has one: c0 q' = -dV/dphi.
+    borders : (k,) cam angles [rad] in [0, 2 pi), besides those of the motion, where the formula of
+        a coefficient changes.
+    """
+
+    name: str
+    coefficients: Coefficients
+    potential: Callable[[FloatArray, Side], FloatArray] | None = None
+    borders: FloatArray = field(default_factory=lambda: np.empty(0))
+
+
+def at_rates(coefficients: FloatArray, rates: FloatArray) -> FloatArray:
+    """(n,) the force for `coefficients` (4, n) at `rates`, (2 or more, n): omega and alpha."""
+    omega, alpha = rates[0], rates[1]
+    c0, c1, c2, c3 = coefficients
+    force: FloatArray = c0 + omega * (c1 + omega * c2) + alpha * c3
+    return force
+
+
+def total(forces: Sequence[Force], phi: FloatArray, side: Side) -> FloatArray:
+    """(4, n) the sum of the coefficients of `forces` at `phi` (n,) [rad]."""
+    out = np.zeros((4, len(phi)))
+    for force in forces:
+        out += force.coefficients(phi, side)
+    return out
+
+
+def all_borders(forces: Sequence[Force]) -> FloatArray:
+    """(k,) the borders of all `forces` [rad]."""
+    return np.concatenate([force.borders for force in forces] or [np.empty(0)])

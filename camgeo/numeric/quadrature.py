@@ -1,0 +1,78 @@
+"""Integrals of a function over smooth pieces, with an estimate of their error."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from camgeo.numeric.arrays import FloatArray
+
+NODES: Final = 16
+"""Of the Gauss-Legendre rule on a piece; its error is taken from the rule on both halves."""
+
+MOST_HALVINGS: Final = 40
+"""A piece is halved this often at most: 1e-12 of its length."""
+
+
+@dataclass(frozen=True, slots=True)
+class Integral:
+    """An integral, and an estimate of its absolute error.
+
+    The estimate is the change by the last halving, of which the error is a small part; it is at
+    least the rounding of the sum.
+    """
+
+    value: float
+    error: float
+
+
+def piecewise_integral(
+    function: Callable[[FloatArray], FloatArray], edges: FloatArray, tolerance: float
+) -> Integral:
+    """The integral of `function` from the first of `edges` to the last.
+
+    Parameters
+    ----------
+    function : (n,) -> (n,), smooth between neighbouring edges.
+    edges : (m + 1,) ascending, m >= 1.
+    tolerance : a piece is halved until that changes its part by less than this share of the
+        integral of the magnitude.
+    """
+    low, high = edges[:-1], edges[1:]
+    parts, magnitude = _gauss(function, low, high)
+    scale = float(np.sum(magnitude))
+    total, error = 0.0, 0.0
+    width = float(edges[-1] - edges[0])
+    for _ in range(MOST_HALVINGS):
+        middle = 0.5 * (low + high)
+        lows, highs = np.concatenate((low, middle)), np.concatenate((middle, high))
+        halves, magnitudes = _gauss(function, lows, highs)
+        count = len(low)
+        finer = halves[:count] + halves[count:]
+        change = np.abs(finer - parts)
+        done = change <= tolerance * scale * (high - low) / width
+        total += float(np.sum(finer[done]))
+        error += float(np.sum(change[done]))
+        left = np.concatenate((~done, ~done))
+        low, high, parts = lows[left], highs[left], halves[left]
+        magnitude = magnitudes[left]
+        if not len(low):
+            break
+    else:
+        total += float(np.sum(parts))
+        error += float(np.sum(magnitude))
+    return Integral(total, error + np.finfo(np.float64).eps * scale)
+
+
+def _gauss(
+    function: Callable[[FloatArray], FloatArray], low: FloatArray, high: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """The integrals over [low, high] (m,) each, and those of the magnitude."""
+    nodes, weights = np.polynomial.legendre.leggauss(NODES)
+    half, middle = 0.5 * (high - low), 0.5 * (high + low)
+    x = middle[:, np.newaxis] + half[:, np.newaxis] * nodes
+    values = function(x.ravel()).reshape(x.shape)
+    return half * (values @ weights), half * (np.abs(values) @ weights)

@@ -1,0 +1,145 @@
+"""The tables of the effects that a scene names: converted, and held against what each needs."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from typing import Any, Final
+
+from camgeo.effects.effect import DataFile, Effect
+from camgeo.effects.registry import find_effect
+from camgeo.errors import GeometryError
+from camgeo.scene.data_files import DataFiles
+from camgeo.scene.schema import Node, schema
+from camgeo.scene.sound import SoundValues
+from camgeo.units import RPM
+
+TABLE: Final = "effects"
+
+SCALES: Final[dict[str, float]] = {
+    "kg": 1e-3,
+    "kg m^2": 1e3,
+    "kg/m^3": 1e-12,
+    "N": 1.0,
+    "N m": 1e3,
+    "N/mm": 1.0,
+    "N m/rad": 1e3,
+    "N s/mm": 1.0,
+    "N m s/rad": 1e3,
+    "MPa": 1.0,
+    "mm/s": 1.0,
+    "Hz": 2.0 * math.pi,
+    "hours": 3600.0,
+    "rev/min": RPM,
+    "degrees": math.pi / 180.0,
+}
+"""From the units of a scene to mm, s, t, N and rad (rad/s for Hz), by the schema's `x-unit`."""
+
+LENGTHS: Final = ("#/$defs/length", "#/$defs/coordinate")
+FILE: Final = "#/$defs/file"
+
+
+class EffectTables:
+    """The tables under ``[effects]``.
+
+    Attributes
+    ----------
+    all : by the names of the effects, in the scene's order; numbers in the units inside. Only those
+        of which nothing is wrong.
+    faults : what is wrong with them.
+    """
+
+    def __init__(self, values: SoundValues, files: DataFiles) -> None:
+        self._values = values
+        self._files = files
+        self.faults = list(self._of_foreign())
+        self.all: dict[str, dict[str, Any]] = {}
+        known: Mapping[str, Any] = schema()["properties"][TABLE]["properties"]
+        refused = {fault.key for fault in self.faults}
+        for name, table in (values.get(TABLE) or {}).items():
+            if f"{TABLE}.{name}" in refused or not values.sound(TABLE, name):
+                continue
+            effect = find_effect(name)
+            node = known[name] if name in known else dict(effect.schema)
+            own = {key: self._inside(name, key, item, node) for key, item in table.items()}
+            if any(item is None for item in own.values()):
+                continue  # a file that cannot be read, which is told
+            self._judge(effect, own)
+            self.all[name] = own
+
+    def _judge(self, effect: Effect, table: dict[str, Any]) -> None:
+        """Find what the effect's own data lack, and what it needs of the rest of the scene."""
+        place = (TABLE, effect.name)
+        try:
+            effect.parse(table)
+        except GeometryError as error:
+            path = (*place, error.key) if error.key else place
+            self.faults.append(self._values.scene.fault(path, error.message))
+        for each in _with_inputs(effect, self._values.get(TABLE)):
+            for keys in each.keys:
+                if any(not self._values.lacks(*key.split(".")) for key in keys):
+                    continue
+                who = "" if each.name == effect.name else f"needs {each.name}, which "
+                fault = self._values.scene.fault(place, f"{who}needs {_spelled(keys)}")
+                self.faults.append(fault)
+
+    def _inside(self, name: str, key: str, value: Any, node: Node) -> Any:
+        return self._converted((TABLE, name, key), value, node.get("properties", {}).get(key, {}))
+
+    def _converted(self, path: tuple[str, ...], value: Any, node: Node) -> Any:
+        """A value of a table in the units inside."""
+        if isinstance(value, dict):
+            inner = node.get("properties", {})
+            return {
+                key: self._converted((*path, key), item, inner.get(key, {}))
+                for key, item in value.items()
+            }
+        if isinstance(value, list):
+            of_items: Node = node.get("items", {})
+            return tuple(self._converted(path, item, of_items) for item in value)
+        reference = node.get("$ref", "")
+        if reference == FILE:
+            data = self._files.read(path)
+            return None if data is None else DataFile(value, data)
+        if isinstance(value, str | bool):
+            return value
+        if reference in LENGTHS:
+            return float(value) * self._values.mm
+        unit = {**schema()["$defs"].get(reference.rpartition("/")[2], {}), **node}.get("x-unit", "")
+        return float(value) * SCALES.get(unit, 1.0)
+
+    def _of_foreign(self) -> Iterator[Any]:
+        """Faults of the tables of effects from other distributions, which bring their schema."""
+        tables = self._values.get(TABLE) or {}
+        names = [name for name in tables if name not in schema()["properties"][TABLE]["properties"]]
+        if not names:
+            return
+        from jsonschema_rs import Draft202012Validator
+
+        for name in names:
+            if not self._values.sound(TABLE, name):
+                continue
+            errors = Draft202012Validator(dict(find_effect(name).schema)).iter_errors(tables[name])
+            for error in errors:
+                path = (TABLE, name, *(str(step) for step in error.instance_path))
+                yield self._values.scene.fault(path, f"is refused by the effect: {error.message}")
+
+
+def _with_inputs(effect: Effect, named: Mapping[str, Any]) -> list[Effect]:
+    """The effect, and all whose results it is given, without their order."""
+    found = {effect.name: effect}
+    waiting = [effect]
+    while waiting:
+        each = waiting.pop()
+        for name in (*each.needs, *(use for use in each.uses if use in named)):
+            if name not in found:
+                found[name] = find_effect(name)
+                waiting.append(found[name])
+    return list(found.values())
+
+
+def _spelled(keys: tuple[str, ...]) -> str:
+    """The keys of which one is needed, as messages tell them."""
+    tables = [f"[{key}]" if key.startswith(f"{TABLE}.") else f"[{head}] {tail}"
+              for key in keys for head, _, tail in [key.rpartition(".")]]  # fmt: skip
+    return tables[0] if len(tables) == 1 else f"one of {', '.join(tables)}"

@@ -1,0 +1,22 @@
+"""Designs for the tests of effects: a fixture scene with tables of effects added to it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from camgeo.design import Design
+from camgeo.scene.load import parse_scene
+
+SCENES = Path(__file__).resolve().parents[2] / "fixtures" / "scenes"
+
+
+def design(scene: str, effects: str, *changes: tuple[str, str]) -> Design:
+    """The fixture scene `scene` with the TOML text `effects` added, and `changes` made before.
+
+    Each of the changes is a text that the scene has once, and what stands in its place.
+    """
+    text = (SCENES / f"{scene}.toml").read_text("utf-8")
+    for old, new in changes:
+        assert text.count(old) == 1, old
+        text = text.replace(old, new)
+    return Design(parse_scene(f"{text}\n{effects}", str(SCENES / f"{scene}.toml")))
