@@ -331,8 +331,12 @@ class Design:
 
     @property
     def effect_findings(self) -> tuple[Finding, ...]:
-        """What the effects find that the scene calls for, in the order of the scene."""
-        return tuple(found for name in self.effect_names for found in self.effects.findings(name))
+        """What the effects find that the scene calls for, in the order of the scene.
+
+        What keeps several of them from an answer is told once.
+        """
+        found = [each for name in self.effect_names for each in self.effects.findings(name)]
+        return tuple(dict.fromkeys(found))
 
     @property
     def effect_columns(self) -> tuple[Column, ...]:

@@ -112,7 +112,8 @@ class lazy(Generic[Out]):
 
 def lazy_names(owner: type) -> tuple[str, ...]:
     """Names of the lazy quantities of a class, in the order of their definition."""
-    return tuple(
+    found = [
         name for each in reversed(owner.__mro__) for name, value in vars(each).items()
         if isinstance(value, lazy)
-    )  # fmt: skip
+    ]  # fmt: skip
+    return tuple(dict.fromkeys(found))

@@ -1,4 +1,4 @@
-"""What is measured: a row for each form of the contour, each solid, each step of the table."""
+"""What is measured: a row for each form of the contour, each solid, table step and effect."""
 
 from __future__ import annotations
 
@@ -120,3 +120,26 @@ class TableRow:
     size: int
     seconds: float
     error: float
+
+
+@dataclass(frozen=True, slots=True)
+class EffectRow:
+    """A numerical effect at one tolerance.
+
+    Attributes
+    ----------
+    effect : its name.
+    tolerance : asked, as a share of the largest magnitude of what the effect gives.
+    seconds : of computing it, without the effects that it needs; None if it has no answer.
+    error : that it estimates itself, as such a share; None if it gives none.
+    difference : from the result at the tightest tolerance that has an answer, as such a share; None
+        for that one, and where the two cannot be compared.
+    fault : why it has no answer, or empty.
+    """
+
+    effect: str
+    tolerance: float
+    seconds: float | None = None
+    error: float | None = None
+    difference: float | None = None
+    fault: str = ""

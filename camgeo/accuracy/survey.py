@@ -9,7 +9,7 @@ from typing import Final
 
 from camgeo.accuracy.contours import Tell, contour_rows
 from camgeo.accuracy.knee import Knee, knee_of
-from camgeo.accuracy.rows import ContourRow, SolidRow, TableRow
+from camgeo.accuracy.rows import ContourRow, EffectRow, SolidRow, TableRow
 from camgeo.accuracy.solids import solid_rows
 from camgeo.accuracy.tables import STEPS, table_rows
 from camgeo.design import Design
@@ -26,12 +26,14 @@ class Survey:
     ----------
     contours, solids, tables : what was measured, row by row.
     knee : where paying more stops buying anything; None if nothing could be reached.
+    effects : the same of the numerical effects that the scene names.
     """
 
     contours: tuple[ContourRow, ...]
     solids: tuple[SolidRow, ...]
     tables: tuple[TableRow, ...]
     knee: Knee | None
+    effects: tuple[EffectRow, ...] = ()
 
 
 def survey(
@@ -60,4 +62,13 @@ def survey(
     """
     contours = contour_rows(design, tolerances, ripple=ripple, tell=tell)
     bodies = solid_rows(design, tolerances, tell=tell) if solids else ()
-    return Survey(contours, bodies, table_rows(design, steps, tell=tell), knee_of(contours))
+    tables = table_rows(design, steps, tell=tell)
+    return Survey(contours, bodies, tables, knee_of(contours), _effects(design, tell))
+
+
+def _effects(design: Design, tell: Tell) -> tuple[EffectRow, ...]:
+    if not design.effect_names:
+        return ()
+    from camgeo.accuracy.effects import effect_rows  # few scenes name an effect
+
+    return effect_rows(design, tell=tell)

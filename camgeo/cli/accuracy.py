@@ -17,7 +17,7 @@ from camgeo.files.specs import LARGEST_TOLERANCE, SMALLEST_TOLERANCE
 from camgeo.scene.load import load_scene
 
 if TYPE_CHECKING:  # what is measured is imported when it is asked for
-    from camgeo.accuracy.rows import ContourRow, FileCost, SolidRow, TableRow
+    from camgeo.accuracy.rows import ContourRow, EffectRow, FileCost, SolidRow, TableRow
     from camgeo.accuracy.survey import Survey
 
 RENDERER: Final = "accuracy"
@@ -34,11 +34,18 @@ ripple: largest error of the acceleration in a replay, of its demanded peak
 error: bound of the error of the lift between two rows, interpolated linearly"""
 """What stands in the tables, explained below them."""
 
+EFFECT_COLUMNS: Final = """\
+effects: tolerance, estimate and off are shares of the largest magnitude of what an effect gives;
+    computed: seconds without the effects that it needs; estimate: its own, of its error; off: its
+    difference from the result at the tightest tolerance"""
+"""The same of the table of effects."""
+
 CONTOURS: Final = (
     "contour", "effort", "tolerance", "pieces", "of least", "deviation", "DXF", "G-code", "fit",
     "proof", "write", "read", "round",
 )  # fmt: skip
 SOLIDS: Final = ("solid", "tolerance", "triangles", "deviation", "bytes", "write", "read")
+EFFECTS: Final = ("effect", "tolerance", "computed", "estimate", "off")
 """Heads of the columns; lengths in mm, sizes in bytes, times in seconds."""
 
 NONE: Final = "-"
@@ -137,8 +144,13 @@ def _print_tables(design: Design, found: Survey, *, ripple: bool) -> None:
     unit, factor = _lift_unit(design)
     heads = ["step [deg]", "rows", "bytes", "made", f"error [{unit}]"]
     _print_columns(heads, [_table_cells(row, factor) for row in found.tables])
+    if found.effects:
+        print()
+        _print_columns(EFFECTS, [_effect_cells(row) for row in found.effects])
     print()
     print(COLUMNS)
+    if found.effects:
+        print(EFFECT_COLUMNS)
     print(f"advice: {advice(found.knee)}")
 
 
@@ -189,6 +201,15 @@ def _table_cells(row: TableRow, factor: float) -> tuple[list[str], str]:
     return [f"{row.step}", f"{row.rows:,}", f"{row.size:,}", _seconds(row.seconds), error], ""
 
 
+def _effect_cells(row: EffectRow) -> tuple[list[str], str]:
+    cells = [row.effect, f"{row.tolerance:g}", _seconds(row.seconds), _share(row.error)]
+    return [*cells, _share(row.difference)], row.fault
+
+
+def _share(value: float | None) -> str:
+    return NONE if value is None else f"{value:.2g}"
+
+
 def _seconds(value: float | None) -> str:
     return NONE if value is None else f"{value:.2g}" if value < 10.0 else f"{value:.0f}"
 
@@ -208,7 +229,7 @@ def _document(design: Design, found: Survey) -> dict[str, Any]:
 
     unit, factor = _lift_unit(design)
     knee = found.knee
-    return {
+    document = {
         "contours": [_contour_record(row) for row in found.contours],
         "solids": [_solid_record(row) for row in found.solids],
         "tables": [
@@ -231,6 +252,9 @@ def _document(design: Design, found: Survey) -> dict[str, Any]:
         },
         "advice": advice(knee),
     }
+    if found.effects:
+        document["effects"] = [_effect_record(row) for row in found.effects]
+    return document
 
 
 def _contour_record(row: ContourRow) -> dict[str, Any]:
@@ -263,6 +287,17 @@ def _solid_record(row: SolidRow) -> dict[str, Any]:
         "format": row.format,
         "tolerance_mm": row.tolerance,
         "file": file,
+        "fault": row.fault or None,
+    }
+
+
+def _effect_record(row: EffectRow) -> dict[str, Any]:
+    return {
+        "effect": row.effect,
+        "tolerance": row.tolerance,
+        "seconds": row.seconds,
+        "error": row.error,
+        "difference": row.difference,
         "fault": row.fault or None,
     }
 

@@ -26,6 +26,9 @@ MARKS: Final = {
     "ok": "ok",
 }
 
+NAME_WIDTH: Final = 26
+"""Of the names of findings, at least."""
+
 Subparsers = argparse._SubParsersAction  # noqa: SLF001 - argparse gives its type no public name
 
 
@@ -50,8 +53,9 @@ def exit_code(findings: tuple[Finding, ...]) -> int:
 
 
 def finding_lines(findings: tuple[Finding, ...]) -> list[str]:
-    """One line a finding, marks aligned."""
-    return [f"{MARKS[f.severity]:8}{f.name:26}{f.sentence}" for f in findings]
+    """One line a finding, marks and sentences aligned."""
+    width = max([NAME_WIDTH, *(len(f.name) + 2 for f in findings)])
+    return [f"{MARKS[f.severity]:8}{f.name:{width}}{f.sentence}" for f in findings]
 
 
 def finding_record(finding: Finding) -> dict[str, Any]:

@@ -12,6 +12,9 @@ from camgeo.scene.load import load_scene
 
 GROUP = "camgeo.plots"
 RENDERERS = "camgeo.renderers"
+EFFECTS = "effects"
+"""The plot of the effects that a scene names; others can be drawn of every scene."""
+
 SUFFIXES = (".png", ".svg", ".pdf")
 
 
@@ -20,7 +23,7 @@ def register(subparsers: Subparsers[argparse.ArgumentParser]) -> None:
     parser = new_parser(
         subparsers,
         "plot",
-        "draw a scene: motion, cam, curvature, transmission-angle",
+        "draw a scene: motion, cam, curvature, transmission-angle, effects",
         "camgeo plot fixtures/scenes/setzhub.toml motion cam -o setzhub.png",
     )
     parser.add_argument("scene", metavar="SCENE", help="scene file (TOML)")
@@ -43,13 +46,16 @@ def run(arguments: argparse.Namespace) -> int:
     from camgeo.files.transaction import write_set
 
     names = sorted(entry.name for entry in entry_points(group=GROUP))
-    wanted = arguments.what or names
-    for name in wanted:
+    for name in arguments.what:
         if name not in names:
             near = difflib.get_close_matches(name, names, 1)
             hint = f'did you mean "{near[0]}"?' if near else ""
             raise SceneError([Fault("plot", name, f"can draw {', '.join(names)}", hint)])
     design = Design(load_scene(arguments.scene))
+    if EFFECTS in arguments.what and not design.effect_names:
+        raise SceneError([Fault("effects", "", "names no effect: there is none to draw")])
+    possible = [name for name in names if name != EFFECTS or design.effect_names]
+    wanted = arguments.what or possible
     target = Path(arguments.output or f"{design.name}.png")
     if target.suffix not in SUFFIXES:
         raise SceneError(

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, Final, Literal, Protocol
 import numpy as np
 
 from camgeo.check.finding import Finding
+from camgeo.errors import GeometryError
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray
 
@@ -127,9 +128,14 @@ class Request:
 
     @property
     def course(self) -> TimeCourse:
-        """How the cam turns; for effects that declare a speed among their keys."""
+        """How the cam turns; for effects that declare a speed among their keys.
+
+        Raises GeometryError with the key if the scene gives none and names no such effect, which
+        is then asked for by another one or from outside.
+        """
         course = self.subject.time_course
-        assert course is not None  # the registry refuses a scene without speed
+        if course is None:
+            raise GeometryError("is missing: the speed of the cam is needed", key="cam.speed")
         return course
 
 

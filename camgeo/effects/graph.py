@@ -117,7 +117,12 @@ class Effects:
         results = {each: self.result(each) for each in self._inputs(name)}
         table = self.tables.get(name, {})
         tolerance = float(table.get("tolerance", TOLERANCE))
-        return effect.compute(Request(self.subject, effect.parse(table), results, tolerance))
+        try:
+            spec = effect.parse(table)
+        except GeometryError as error:
+            key = ".".join(filter(None, (node_name(name), error.key)))
+            raise GeometryError(error.message, key, error.value) from error
+        return effect.compute(Request(self.subject, spec, results, tolerance))
 
     def findings(self, name: str) -> tuple[Finding, ...]:
         """What the effect `name` finds; one that has no answer says so, and is beyond a limit."""

@@ -7,12 +7,11 @@ format's name on the command line and in the scene, and it loads an object that 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Final, Literal, Protocol
+from typing import TYPE_CHECKING, Final, Literal, Protocol
 
 from camgeo.check.finding import Finding
 from camgeo.contour.contour import Contour
 from camgeo.contour.fit import Effort, Fit
-from camgeo.effects.effect import Column
 from camgeo.files.specs import DxfSpec
 from camgeo.files.table import Table
 from camgeo.lazy import Ledger
@@ -23,6 +22,9 @@ from camgeo.part.spec import Contact
 from camgeo.toolpath.moves import Toolpath
 from camgeo.toolpath.spec import GcodeSpec
 from camgeo.units import LengthUnit
+
+if TYPE_CHECKING:  # few scenes name an effect
+    from camgeo.effects.effect import Column
 
 DWELL: Final = "dwell"
 """What a segment of the motion plan that is a rest is called."""

@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import math
 from decimal import Decimal
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
-from camgeo.effects.effect import Column
 from camgeo.files.table import Table
 from camgeo.motion.motion import Jet
 from camgeo.motion.time_course import TimeCourse, in_time
 from camgeo.numeric.arrays import FloatArray
 from camgeo.units import LengthUnit
+
+if TYPE_CHECKING:  # few scenes name an effect
+    from camgeo.effects.effect import Column
 
 FULL_TURN = Decimal(360)
 

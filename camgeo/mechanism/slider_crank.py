@@ -9,13 +9,18 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 
 from camgeo.errors import GeometryError
-from camgeo.motion.motion import FULL_ORDER, Jet
-from camgeo.numeric.arrays import FloatArray
+from camgeo.motion.extremes import SAMPLES, lift_range, pieces, turning_angles
+from camgeo.motion.motion import FULL_ORDER, Jet, Motion
+from camgeo.numeric.arrays import ComplexArray, FloatArray
+from camgeo.numeric.roots import roots_on_grid
+
+ROUNDING = 8.0 * 2.0**-52
+"""A difference of lengths of this share of crank and coupler is zero, rounded."""
 
 
 @dataclass(frozen=True)
@@ -258,3 +263,102 @@ class SliderCrank:
         out = np.stack((swing, theta1, theta2, theta3))
         resting = np.all(bounds == 0.0, axis=0)
         return np.where(resting, 0.0, np.where(np.isnan(out), np.inf, out))
+
+    @property
+    def slider_sense(self) -> int:
+        """Sense of x in which a positive stroke moves the slider in the drawing of the cam.
+
+        The frame of the formulas is the drawing with the origin in the rocker shaft; a `mirrored`
+        linkage is seen from behind, left and right changed there.
+        """
+        return self.stroke_direction if self.mirrored else -self.stroke_direction
+
+    def joints(self, stroke: FloatArray) -> tuple[ComplexArray, ComplexArray]:
+        """P and T (n,) [mm]: slider's pin and crank's tip at `stroke` (n,) [mm], as in the drawing.
+
+        Seen from the rocker shaft, with the axes of the drawing of the cam.
+        """
+        x, _ = self.pin(stroke)
+        theta = self.crank_angle(stroke)
+        sense = 1.0 if self.mirrored else -1.0
+        pin = sense * x + 1j * self.guide_height
+        tip = self.crank * (-sense * np.cos(theta) + 1j * np.sin(theta))
+        return np.asarray(pin), np.asarray(tip)
+
+    def per_swing(self, stroke: FloatArray) -> FloatArray:
+        """(2, n) ds/dpsi [mm/rad] and dv/dpsi at `stroke` (n,) [mm], v the angle of the coupler.
+
+        psi and v count counter-clockwise in the drawing. From the derivative of
+        P - T = l_4 exp(i v) with dT/dpsi = i T and P moving along the guide:
+        dv/dpsi = -Re T / (l_4 cos v), ds/dpsi = -+ l_sk sin(v - theta) / cos v, the reciprocal of
+        `transform`; 0 at a dead centre.
+
+        Raises
+        ------
+        GeometryError
+            With key "linkage", where the coupler stands across the guide, cos v = 0 but for
+            rounding, see `locked_at`.
+        """
+        x, d = self.pin(stroke)
+        theta = self.crank_angle(stroke)
+        cosine = np.cos(theta)
+        across = -x - self.crank * cosine  # l_4 cos v
+        if np.any(np.abs(across) <= self._rounding):
+            raise GeometryError(
+                "the coupler stands across the guide: the rocker cannot move the slider",
+                key="linkage",
+            )
+        product = np.multiply(*self._half_angle(self._growth(stroke), d))
+        out = np.empty((2, len(across)))
+        # 2 l_sk l_4 sin(v - theta) is the product, its sign the branch's.
+        np.divide(-0.5 * self.stroke_direction * self.branch * product, across, out=out[0])
+        np.divide(-self.crank * cosine, across, out=out[1])
+        if self.mirrored:
+            np.negative(out[0], out=out[0])
+        return out
+
+    def locked_at(self, slider: Motion) -> tuple[float, float] | None:
+        """First cam angle [rad] and stroke [mm] at which the coupler stands across the guide.
+
+        Then the pin is above or below the crank's tip, Im T = e_sk -+ l_4: however hard the rocker
+        pushes, it cannot move the slider. None if the strokes of `slider` keep clear of it.
+        """
+        low, high = lift_range(slider)
+        low, high = low - self._rounding, high + self._rounding
+        found = [each for each in self._across_strokes() if low <= each <= high]
+        if not found:
+            return None
+        starts, ends = np.array(pieces(slider)).T
+        grid = np.linspace(starts, ends, SAMPLES, axis=1)
+        resting = np.concatenate((slider.borders, turning_angles(slider), [0.0]))
+        lift = slider.jet(resting)[0]
+        places = []
+        for each in found:
+            crossed = roots_on_grid(partial(_beyond, slider, each), grid)
+            nearest = resting[np.argmin(np.abs(lift - each))]
+            places.append((float(min(crossed, default=nearest)), each))
+        return min(places)
+
+    @property
+    def _rounding(self) -> float:
+        """What is left of a length [mm] that vanishes."""
+        return ROUNDING * (self.crank + self.coupler)
+
+    def _across_strokes(self) -> list[float]:
+        """The strokes [mm] at which, on this branch, the coupler stands across the guide."""
+        found = []
+        for down in (self.coupler, -self.coupler):
+            height = self.guide_height - down
+            square = (self.crank - height) * (self.crank + height)
+            if square < 0.0:
+                continue
+            for x in (math.sqrt(square), -math.sqrt(square)):
+                # The tip (-x, height) is clockwise of the pin (-x, e_sk) where x and `down` have
+                # opposite signs.
+                if x * down * self.branch <= 0.0:
+                    found.append(self.stroke_direction * (x - self.start_position))
+        return found
+
+
+def _beyond(slider: Motion, stroke: float, phi: FloatArray) -> FloatArray:
+    return np.asarray(slider.jet(phi)[0] - stroke)

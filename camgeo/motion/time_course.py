@@ -259,7 +259,7 @@ def time_extremes(motion: Motion, course: TimeCourse, unit: LiftUnit = "mm") -> 
 
     Between neighbouring borders of both, velocity and acceleration turn where acceleration and
     jerk change sign: those places are bracketed roots. Jerk and torque are searched from the
-    turning points of a grid, by golden section. Two turning points that lie within a
+    turning points of a grid, to the last digits. Two turning points that lie within a
     thirty-second of a piece can be missed. At borders both one-sided values count.
     """
     edges = ascending(np.concatenate((motion.borders, course.borders, [0.0, TURN])))

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from typing import Final, Literal
 
 import numpy as np
 
 from camgeo.numeric.arrays import FloatArray
-from camgeo.numeric.extremes import Extremes, extremes_of
+from camgeo.numeric.extremes import Extreme, Extremes, extremes_of
 
 Side = Literal["right", "left"]
 
@@ -24,10 +23,14 @@ MOST_POINTS: Final = 1_000_000
 INSET: Final = 1e-7
 """Share of a piece by which its grid keeps off its ends, where the values have two sides."""
 
-GOLDEN: Final = 0.5 * (math.sqrt(5.0) - 1.0)
+ROUNDING: Final = 8.0 * 2.0**-52
+"""Values that differ by this share of the largest magnitude are the same, rounded differently."""
 
-GOLDEN_STEPS: Final = 40
-"""They shorten a bracket to 4e-9 of its length; the value is then the extreme but for rounding."""
+SECTIONS: Final = 16
+STEPS: Final = 10
+"""A bracket is cut into sections, and the two about the highest cut are the next one. Ten times are
+enough for 1e-9 of its length; the value is then the extreme but for rounding. Golden section asks
+for a quarter of the values, but one by one, and what a call costs does not depend on so few."""
 
 
 def grid_of(edges: FloatArray) -> FloatArray:
@@ -50,24 +53,30 @@ def piecewise_extremes(
     function : (n,), side -> (n,); smooth between neighbouring edges, where it may jump.
     edges : (m + 1,) ascending, m >= 1.
 
-    At the edges both one-sided values count. Inside, turning points of a grid are followed by
-    golden section, to the value but for rounding; two of them that lie within a thirty-second of a
-    piece can be missed.
+    At the edges both one-sided values count. Inside, turning points of a grid are followed to
+    the value but for rounding; two of them that lie within a thirty-second of a
+    piece can be missed. Where an edge has the extreme value but for rounding, it is the place: near
+    a flat top many arguments have that value.
     """
     inside = grid_of(edges)
     flat = function(inside.ravel(), "right")
     turning = peaks(lambda x: function(x, "right"), inside, flat.reshape(inside.shape))
-    return extremes_of(
-        np.concatenate((edges[:-1], edges[1:], inside.ravel(), turning)),
-        np.concatenate(
-            (
-                function(edges[:-1], "right"),
-                function(edges[1:], "left"),
-                flat,
-                function(turning, "right"),
-            )
-        ),
+    places = np.concatenate((edges[:-1], edges[1:]))
+    at_edges = np.concatenate((function(edges[:-1], "right"), function(edges[1:], "left")))
+    found = extremes_of(
+        np.concatenate((places, inside.ravel(), turning)),
+        np.concatenate((at_edges, flat, function(turning, "right"))),
     )
+    rounding = ROUNDING * found.magnitude
+
+    def placed(extreme: Extreme) -> Extreme:
+        same = np.abs(at_edges - extreme.value) <= rounding
+        if not np.any(same):
+            return extreme
+        place = float(np.min(places[same]))
+        return Extreme(float(at_edges[same & (places == place)][0]), place)
+
+    return Extremes(placed(found.lowest), placed(found.highest))
 
 
 def peaks(
@@ -75,6 +84,7 @@ def peaks(
 ) -> FloatArray:
     """Places of the extremes that the turning points of `values` along the rows of `grid` show."""
     padded = np.concatenate((grid[:, :1], grid, grid[:, -1:]), axis=1)
+    moving = np.ptp(values, axis=1, keepdims=True) > 0.0
     found = []
     for sign in (1.0, -1.0):
         heights = sign * values
@@ -85,23 +95,24 @@ def peaks(
         # difference at most; what cannot get to the largest value even with all of it is left.
         falls = np.abs(np.diff(heights, axis=1, prepend=heights[:, :1], append=heights[:, -1:]))
         top &= heights + np.maximum(falls[:, :-1], falls[:, 1:]) >= np.max(heights)
-        found.append(_golden(function, sign, padded[:, :-2][top], padded[:, 2:][top]))
+        top &= moving
+        found.append(_sections(function, sign, padded[:, :-2][top], padded[:, 2:][top]))
     return np.concatenate(found)
 
 
-def _golden(
+def _sections(
     function: Callable[[FloatArray], FloatArray], sign: float, low: FloatArray, high: FloatArray
 ) -> FloatArray:
-    """Golden section search of the largest sign * function in each bracket [low, high]."""
+    """Place of the largest sign * function in each bracket [low, high], which has one top."""
     if not len(low):
         return low
-    left, right = high - GOLDEN * (high - low), low + GOLDEN * (high - low)
-    f_left, f_right = sign * function(left), sign * function(right)
-    for _ in range(GOLDEN_STEPS):
-        to_left = f_left >= f_right
-        low, high = np.where(to_left, low, left), np.where(to_left, right, high)
-        new = np.where(to_left, high - GOLDEN * (high - low), low + GOLDEN * (high - low))
-        f_new = sign * function(new)
-        left, right = np.where(to_left, new, right), np.where(to_left, left, new)
-        f_left, f_right = np.where(to_left, f_new, f_right), np.where(to_left, f_left, f_new)
-    return np.where(f_left >= f_right, left, right)
+    share = np.arange(1.0, SECTIONS) / SECTIONS
+    each = np.arange(len(low))
+    best = low
+    for _ in range(STEPS):
+        grid = low[:, np.newaxis] + (high - low)[:, np.newaxis] * share
+        heights = sign * function(grid.ravel()).reshape(grid.shape)
+        best = grid[each, np.argmax(heights, axis=1)]
+        width = (high - low) / SECTIONS
+        low, high = best - width, best + width
+    return best

@@ -154,7 +154,7 @@ class Builder:
 
     def effects(self) -> dict[str, dict[str, Any]]:
         """The tables of the effects that the scene names, in the units inside."""
-        if self.values.get("effects") is None:
+        if not self.values.has("effects"):
             return {}
         from camgeo.scene.effects import EffectTables  # few scenes name an effect
 

@@ -52,12 +52,14 @@ class EffectTables:
     def __init__(self, values: SoundValues, files: DataFiles) -> None:
         self._values = values
         self._files = files
+        named = values.scene.plain.get(TABLE)
+        self._named: Mapping[str, Any] = named if isinstance(named, dict) else {}
+        self._refused: set[str] = set()
         self.faults = list(self._of_foreign())
         self.all: dict[str, dict[str, Any]] = {}
         known: Mapping[str, Any] = schema()["properties"][TABLE]["properties"]
-        refused = {fault.key for fault in self.faults}
-        for name, table in (values.get(TABLE) or {}).items():
-            if f"{TABLE}.{name}" in refused or not values.sound(TABLE, name):
+        for name, table in self._named.items():
+            if name in self._refused or not values.sound(TABLE, name):
                 continue
             effect = find_effect(name)
             node = known[name] if name in known else dict(effect.schema)
@@ -75,7 +77,7 @@ class EffectTables:
         except GeometryError as error:
             path = (*place, error.key) if error.key else place
             self.faults.append(self._values.scene.fault(path, error.message))
-        for each in _with_inputs(effect, self._values.get(TABLE)):
+        for each in _with_inputs(effect, self._named):
             for keys in each.keys:
                 if any(not self._values.lacks(*key.split(".")) for key in keys):
                     continue
@@ -110,7 +112,7 @@ class EffectTables:
 
     def _of_foreign(self) -> Iterator[Any]:
         """Faults of the tables of effects from other distributions, which bring their schema."""
-        tables = self._values.get(TABLE) or {}
+        tables = self._named
         names = [name for name in tables if name not in schema()["properties"][TABLE]["properties"]]
         if not names:
             return
@@ -121,7 +123,8 @@ class EffectTables:
                 continue
             errors = Draft202012Validator(dict(find_effect(name).schema)).iter_errors(tables[name])
             for error in errors:
-                path = (TABLE, name, *(str(step) for step in error.instance_path))
+                self._refused.add(name)
+                path = (TABLE, name, *error.instance_path)
                 yield self._values.scene.fault(path, f"is refused by the effect: {error.message}")
 
 

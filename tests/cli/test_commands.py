@@ -27,7 +27,8 @@ SCENES = Path(__file__).parents[2] / "fixtures" / "scenes"
 SETZHUB = str(SCENES / "setzhub.toml")
 
 NAMES = (
-    "new", "check", "build", "verify", "table", "plot", "replay", "accuracy", "laws", "stability",
+    "new", "check", "build", "verify", "table", "plot", "replay", "accuracy", "laws",
+    "explain", "stability",
 )  # fmt: skip
 
 Capture = pytest.CaptureFixture[str]

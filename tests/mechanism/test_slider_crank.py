@@ -2,17 +2,19 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from decimal import Decimal
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import assume, given
 from hypothesis import strategies as st
 from mpmath import mp, mpf
 
 from camgeo.errors import GeometryError
 from camgeo.mechanism.linkage import LinkedMotion
 from camgeo.mechanism.slider_crank import SliderCrank
-from camgeo.motion.plan import MotionPlan
+from camgeo.motion.laws import make_law
+from camgeo.motion.plan import Dwell, MotionPlan, Move
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.units import TURN
 from tests.integrals import cells, integrals
@@ -226,3 +228,124 @@ def test_a_dead_centre_can_be_rested_in_but_not_left() -> None:
     with pytest.raises(GeometryError, match="dead centre") as caught:
         linkage.transform(np.array([[0.0], [0.0], [1.0], [0.0]]))
     assert caught.value.key == "linkage"
+
+
+# Joints, for masses and loads ------------------------------------------------------------------
+
+
+@attack
+@given(linkage=slider_cranks())
+def test_the_joints_of_the_drawing_are_a_linkage_that_closes(linkage: SliderCrank) -> None:
+    """Both joints at their distances, the pin going along x as it is told, the tip with psi."""
+    pin, tip = linkage.joints(STROKES)
+    assert np.abs(pin - tip) == pytest.approx(np.full(33, linkage.coupler), rel=1e-13)
+    assert np.abs(tip) == pytest.approx(np.full(33, linkage.crank), rel=1e-15)
+    assert pin - pin[0] == pytest.approx(linkage.slider_sense * STROKES, abs=1e-13)
+    jet = np.zeros((4, 33))
+    jet[0] = STROKES
+    turned = tip[0] * np.exp(1j * linkage.transform(jet)[0])
+    # Some 1e-14 of the angle at sin(v - theta) >= 0.1, times 150 mm.
+    assert tip == pytest.approx(turned, abs=1e-11)
+
+
+@attack
+@given(linkage=slider_cranks())
+def test_a_linkage_seen_from_behind_has_left_and_right_changed(linkage: SliderCrank) -> None:
+    front, back = (replace(linkage, mirrored=mirrored) for mirrored in (False, True))
+    for one, other in zip(front.joints(STROKES), back.joints(STROKES), strict=True):
+        assert np.array_equal(-np.conj(one), other)
+    assert front.slider_sense == -back.slider_sense
+    # Unmirrored it is the frame of the formulas.
+    pin, tip = pin_and_tip(linkage, STROKES)
+    assert front.joints(STROKES)[0] == pytest.approx(pin, abs=1e-13)
+    assert front.joints(STROKES)[1] == pytest.approx(tip, abs=1e-13)
+
+
+@attack
+@given(linkage=slider_cranks())
+def test_ways_a_radian_of_swing_are_those_of_the_joints(linkage: SliderCrank) -> None:
+    """ds/dpsi is the reciprocal of `transform`; the coupler turns as pin and tip part."""
+    pin, tip = linkage.joints(STROKES)
+    assume(np.min(np.abs((pin - tip).real)) > 0.05 * linkage.coupler)
+    slide, turn = linkage.per_swing(STROKES)
+    jet = np.zeros((4, 33))
+    jet[0], jet[1] = STROKES, 1.0
+    assert slide * linkage.transform(jet)[1] == pytest.approx(np.ones(33), rel=1e-12)
+    # d(P - T) = i (P - T) dv: the pin's velocity is that of the tip and of the turning coupler.
+    apart = 1j * tip + 1j * (pin - tip) * turn
+    assert apart == pytest.approx(linkage.slider_sense * slide, abs=1e-11 * np.max(np.abs(slide)))
+
+
+def test_a_printed_connecting_rod_turns_as_printed() -> None:
+    """A Mathcad sheet of a slider-crank with the crank at 45 degrees, 1 rad/s: theta_3 = 159.295
+    degrees, omega_3 = 0.378 rad/s, piston 9.744 in/s ("Slider-crank Analysis",
+    coursehero.com/file/6680931/fourbar-mathcad). The angles give b = 2 a, the piston a = 10 in."""
+    linkage = SliderCrank(10.0, 20.0, math.pi / 2.0, False, -1, 1, -1)  # in line, stretched out
+    stroke = 30.0 - (10.0 * math.cos(math.pi / 4.0) + math.sqrt(400.0 - 50.0))
+    pin, tip = linkage.joints(np.array([stroke]))
+    assert math.degrees(float(np.angle(tip[0]))) == pytest.approx(45.0, rel=1e-12)
+    assert 180.0 + math.degrees(float(np.angle(pin[0] - tip[0]))) == pytest.approx(
+        159.295, abs=5e-4
+    )
+    slide, turn = linkage.per_swing(np.array([stroke]))
+    assert abs(turn[0]) == pytest.approx(0.378, abs=5e-4)
+    assert abs(slide[0]) == pytest.approx(9.744, abs=5e-4)
+
+
+def test_at_a_dead_centre_the_slider_rests_while_the_rocker_turns() -> None:
+    linkage = SliderCrank(40.0, 60.0, math.pi / 2.0, False, 1, -1, 1)
+    slide, _ = linkage.per_swing(np.zeros(1))
+    assert abs(slide[0]) <= 1e-12
+
+
+# The coupler of `HANGING` stands across the guide where the tip is below the pin, 40 mm over the
+# shaft: X = -sqrt(100^2 - 40^2), reached to the right from X = 60.
+HANGING = SliderCrank(100.0, 60.0, 0.0, True, 1, -1, 1)
+ACROSS = 60.0 + math.sqrt(100.0**2 - 40.0**2)
+
+
+def there_and_back(stroke: float) -> MotionPlan:
+    law = make_law("polynomial-345")
+    moves = Move(Decimal(150), stroke, law), Move(Decimal(150), 0.0, law)
+    return MotionPlan((Dwell(Decimal(60)), *moves))
+
+
+def test_a_coupler_across_the_guide_locks_the_slider() -> None:
+    found = HANGING.locked_at(there_and_back(155.0))
+    assert found is not None
+    phi, stroke = found
+    assert stroke == pytest.approx(ACROSS, rel=1e-14)
+    assert math.radians(60.0) < phi < math.radians(210.0)  # on the way there
+    (at,) = there_and_back(155.0).jet(np.array([phi]))[0]
+    assert at == pytest.approx(stroke, rel=1e-13)
+    pin, tip = HANGING.joints(np.array([stroke]))
+    assert (pin - tip)[0] == pytest.approx(60.0j, abs=1e-12)
+    # Before and after it the rocker turns the other way for the same stroke.
+    jet = np.zeros((4, 2))
+    jet[:2] = [[ACROSS - 1e-3, ACROSS + 1e-3], [1.0, 1.0]]
+    assert np.prod(HANGING.transform(jet)[1]) < 0.0
+
+
+def test_one_that_keeps_clear_of_it_does_not() -> None:
+    assert HANGING.locked_at(there_and_back(150.0)) is None
+    # The other branch passes the pin's stroke with its tip elsewhere.
+    other = SliderCrank(100.0, 60.0, 0.0, True, -1, 1, -1)
+    assert other.locked_at(there_and_back(150.0)) is None
+    assert other.locked_at(there_and_back(155.0)) is not None
+
+
+def test_a_stroke_that_ends_there_is_locked_at_its_end() -> None:
+    found = HANGING.locked_at(there_and_back(ACROSS))
+    assert found is not None
+    # There the stroke is flat: its angle is known to the third root of rounding.
+    assert found[0] == pytest.approx(math.radians(210.0), abs=1e-4)
+
+
+def test_exactly_across_there_is_no_ratio() -> None:
+    with pytest.raises(GeometryError, match="across the guide") as caught:
+        HANGING.per_swing(np.array([0.0, ACROSS]))
+    assert caught.value.key == "linkage"
+    # Next to it the ratio has a pole of the first order, whose next term is a 1e-7th of it;
+    # l_4 cos v rounds to 1e-13 of some 1e-6 mm.
+    near = HANGING.per_swing(ACROSS + np.array([-2e-6, -1e-6, 1e-6, 2e-6]))[0]
+    assert near[[1, 2]] == pytest.approx(2.0 * near[[0, 3]], rel=1e-6)

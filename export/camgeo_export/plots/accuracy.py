@@ -1,4 +1,4 @@
-"""What accuracy costs, over the tolerance: pieces beside their limits, bytes, seconds.
+"""What accuracy costs, over the tolerance: pieces beside their limits, bytes, seconds, effects.
 
 All on logarithmic axes, the tolerance falling to the right: what costs more stands farther right.
 Forms differ by marker and dash, fast fits have hollow markers, so that a print in grey can be read.
@@ -26,11 +26,17 @@ WIDTH, HEIGHT = 8.0, 3.2
 LEFT, RIGHT, TOP, BOTTOM, GAP = 0.85, 2.0, 0.4, 0.55, 0.3
 """Margins [inch]; the legends stand in the right one, the gap between the panels."""
 
+EFFECTS_GAP: Final = 0.75
+"""Gap [inch] above the panel of the effects, whose axis of tolerances is its own."""
+
 COLOURS: Final[dict[Form, str]] = {"polyline": "#c05a00", "arcs": LINE, "spline": "#6a8f3c"}
 
 MARKERS: Final[dict[Form, str]] = {"polyline": "s", "arcs": "o", "spline": "^"}
 
 SOLID_STYLES: Final[dict[str, tuple[str, str]]] = {"stl": ("x", "#808080"), "3mf": ("+", "#404040")}
+
+EFFECT_MARKERS: Final = "osD^vP*X"
+"""Of the effects, in their order; with more of them they begin anew."""
 
 LEAST_RANGE: Final = 100.0
 """Factor from the lower to the upper end of an axis, at least."""
@@ -59,40 +65,50 @@ def _figure(survey: Survey, title: str, *, computing: bool) -> Figure:
     panels = [_pieces, _bytes]
     seconds = computing or any(row.round_seconds is not None for row in survey.contours)
     count = len(panels) + seconds
-    height = TOP + BOTTOM + count * HEIGHT + (count - 1) * GAP
+    effects = computing and any(row.seconds is not None for row in survey.effects)
+    below_others = (HEIGHT + EFFECTS_GAP) * effects
+    height = TOP + BOTTOM + count * HEIGHT + (count - 1) * GAP + below_others
     figure = Figure(figsize=(WIDTH, height))
     FigureCanvasAgg(figure)
     below: Axes | None = None
     for number in range(count):
-        bottom = BOTTOM + (count - 1 - number) * (HEIGHT + GAP)
-        axes = figure.add_axes(
-            (LEFT / WIDTH, bottom / height, 1.0 - (LEFT + RIGHT) / WIDTH, HEIGHT / height)
-        )
-        axes.set_xscale("log")
-        axes.set_yscale("log")
+        axes = _axes(figure, BOTTOM + below_others + (count - 1 - number) * (HEIGHT + GAP), height)
         if number < len(panels):
             panels[number](axes, survey)
         else:
             _seconds(axes, survey, computing=computing)
         _scale(axes, survey, label=number == count - 1)
-        if axes.get_legend_handles_labels()[0]:
-            axes.legend(
-                loc="upper left", bbox_to_anchor=(1.02, 1.0), borderaxespad=0.0, fontsize=7.5
-            )
+        _legend(axes)
         if below is None:
             axes.set_title(title)
         below = axes
+    if effects:
+        axes = _axes(figure, BOTTOM, height)
+        _effects(axes, survey)
+        _legend(axes)
     return figure
+
+
+def _axes(figure: Figure, bottom: float, height: float) -> Axes:
+    """A panel whose lower edge is `bottom` inches above that of the figure of `height`."""
+    axes = figure.add_axes(
+        (LEFT / WIDTH, bottom / height, 1.0 - (LEFT + RIGHT) / WIDTH, HEIGHT / height)
+    )
+    axes.set_xscale("log")
+    axes.set_yscale("log")
+    return axes
+
+
+def _legend(axes: Axes) -> None:
+    if axes.get_legend_handles_labels()[0]:
+        axes.legend(loc="upper left", bbox_to_anchor=(1.02, 1.0), borderaxespad=0.0, fontsize=7.5)
 
 
 def _scale(axes: Axes, survey: Survey, *, label: bool) -> None:
     tolerances = [row.tolerance for row in survey.contours]
     if tolerances:
         axes.set_xlim(max(tolerances) * 1.8, min(tolerances) / 1.8)
-    low, high = axes.get_ylim()
-    if high < LEAST_RANGE * low:  # a few per cent must not look like a mountain
-        wider = math.sqrt(LEAST_RANGE * low / high)
-        axes.set_ylim(low / wider, high * wider)
+    _widen(axes)
     knee = survey.knee
     if knee is not None:
         axes.axvline(knee.row.tolerance, color=LIMIT, linewidth=1.0, linestyle=(0, (5, 3)))
@@ -100,6 +116,13 @@ def _scale(axes: Axes, survey: Survey, *, label: bool) -> None:
         axes.set_xlabel("tolerance [mm]")
     else:
         axes.tick_params(labelbottom=False)
+
+
+def _widen(axes: Axes) -> None:
+    low, high = axes.get_ylim()
+    if high < LEAST_RANGE * low:  # a few per cent must not look like a mountain
+        wider = math.sqrt(LEAST_RANGE * low / high)
+        axes.set_ylim(low / wider, high * wider)
 
 
 def _pieces(axes: Axes, survey: Survey) -> None:
@@ -158,6 +181,24 @@ def _seconds(axes: Axes, survey: Survey, *, computing: bool) -> None:
                 style = {**_style(form, effort), "linestyle": DOTTED, "markersize": 3.5}
                 _points(axes, rows, _fit_seconds, f"fit, {form}, {effort}", style)
     axes.set_ylabel("seconds")
+
+
+def _effects(axes: Axes, survey: Survey) -> None:
+    """Computing of the numerical effects, over tolerances of their own."""
+    names = tuple(dict.fromkeys(row.effect for row in survey.effects))
+    for number, name in enumerate(names):
+        found = [(row.tolerance, row.seconds) for row in survey.effects
+                 if row.effect == name and row.seconds is not None]  # fmt: skip
+        if found:
+            axes.plot(
+                *zip(*found, strict=True), color=LINE, linewidth=0.8, markersize=5.0, label=name,
+                marker=EFFECT_MARKERS[number % len(EFFECT_MARKERS)], linestyle=DOTTED,
+            )  # fmt: skip
+    tolerances = [row.tolerance for row in survey.effects]
+    axes.set_xlim(max(tolerances) * 1.8, min(tolerances) / 1.8)
+    _widen(axes)
+    axes.set_ylabel("seconds")
+    axes.set_xlabel("tolerance of effects, of the largest magnitude")
 
 
 def _points(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from importlib.metadata import entry_points
 from typing import Protocol
 
@@ -11,11 +11,14 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure, SubFigure
 
 from camgeo.files.product import Product
-from camgeo_export.plots import cam, curvature, motion, transmission_angle
+from camgeo_export.plots import cam, curvature, effects, motion, transmission_angle
 from camgeo_export.plots.file import figure_file
 
 GROUP = "camgeo.plots"
 """Entry points that add plots to those of this package."""
+
+
+Size = tuple[float, float]
 
 
 class Plot(Protocol):
@@ -23,11 +26,11 @@ class Plot(Protocol):
 
     Attributes
     ----------
-    size : width and height [inch] of the figure on its own.
+    size : width and height [inch] of the figure on its own, or what gives them for a product.
     """
 
     @property
-    def size(self) -> tuple[float, float]: ...
+    def size(self) -> Size | Callable[[Product], Size]: ...
 
     def draw(self, product: Product, figure: Figure | SubFigure) -> None:
         """Draw into the empty `figure`."""
@@ -38,6 +41,7 @@ PLOTS: dict[str, Plot] = {
     "cam": cam,
     "curvature": curvature,
     "transmission-angle": transmission_angle,
+    "effects": effects,
 }
 
 
@@ -62,8 +66,9 @@ def render(names: Sequence[str], product: Product, suffix: str) -> bytes:
 
 def _figure(names: Sequence[str], product: Product) -> Figure:
     plots = [find(name) for name in names]
-    width = max(plot.size[0] for plot in plots)
-    heights = [plot.size[1] for plot in plots]
+    sizes = [plot.size(product) if callable(plot.size) else plot.size for plot in plots]
+    width = max(size[0] for size in sizes)
+    heights = [size[1] for size in sizes]
     figure = Figure(figsize=(width, sum(heights)))
     FigureCanvasAgg(figure)
     rows = figure.subfigures(len(plots), 1, height_ratios=heights, hspace=0.0, squeeze=False)

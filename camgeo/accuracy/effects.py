@@ -1,0 +1,124 @@
+"""The numerical effects of a design over their tolerance: seconds, and what they are off by."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any, Final
+
+import numpy as np
+
+from camgeo.accuracy.clock import timed
+from camgeo.accuracy.contours import Tell
+from camgeo.accuracy.rows import EffectRow
+from camgeo.design import Design
+from camgeo.effects.effect import Column, Result
+from camgeo.errors import EffectError, GeometryError, ToleranceError
+from camgeo.numeric.arrays import FloatArray
+from camgeo.units import TURN
+
+TOLERANCES: Final = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10)
+"""Tolerances that are looked at, as shares of the largest magnitude of what an effect gives."""
+
+ANGLES: Final = 720
+"""Cam angles over a turn at which the results are compared."""
+
+OFFSET: Final = 0.381966
+"""Share of their distance by which the first of these lies behind 0: so the borders of a motion,
+where a quantity may jump, are hardly ever among them."""
+
+Values = dict[str, FloatArray]
+"""Quantities to be compared, by unit."""
+
+
+def effect_rows(
+    design: Design, tolerances: Sequence[float] = TOLERANCES, *, tell: Tell
+) -> tuple[EffectRow, ...]:
+    """A row for each numerical effect that the scene names, and each of the `tolerances`.
+
+    What has no answer is told in the row.
+    """
+    rows: list[EffectRow] = []
+    for name in design.effect_names:
+        if design.effects.effect(name).numerical:
+            rows += _rows(design, name, sorted(tolerances, reverse=True), tell)
+    return tuple(rows)
+
+
+def _rows(design: Design, name: str, tolerances: Sequence[float], tell: Tell) -> list[EffectRow]:
+    """The rows of one effect, the loosest first."""
+    rows, found = [], []
+    _warm(design, name, tolerances[0])
+    for tolerance in tolerances:
+        tell(f"{name}, {tolerance:g}")
+        row, values = _row(design, name, tolerance)
+        rows.append(row)
+        found.append(values)
+    best = max((k for k, values in enumerate(found) if values is not None), default=0)
+    return [
+        row if k == best else replace(row, difference=difference(values, found[best]))
+        for k, (row, values) in enumerate(zip(rows, found, strict=True))
+    ]
+
+
+def _result(design: Design, name: str, tolerance: float) -> Result:
+    """The effect anew; the effects that it is given are computed once for all."""
+    result: Result = design.effects.retold(name, tolerance).result(name)
+    return result
+
+
+def _warm(design: Design, name: str, tolerance: float) -> None:
+    """Compute what belongs to no tolerance, so that no row pays for it."""
+    try:
+        _result(design, name, tolerance)
+    except (EffectError, GeometryError, ToleranceError):  # which the row will tell
+        return
+
+
+def _row(design: Design, name: str, tolerance: float) -> tuple[EffectRow, Values | None]:
+    """A row without its difference, and what this is taken from."""
+    row = EffectRow(name, tolerance)
+    try:
+        result, seconds = timed(lambda: _result(design, name, tolerance))
+        values = compared(result)
+    except (EffectError, GeometryError) as error:
+        return replace(row, fault=error.message), None
+    except ToleranceError as error:
+        return replace(row, fault=error.reason), None
+    return replace(row, seconds=seconds, error=result.error), values
+
+
+def compared(result: Result) -> Values:
+    """What two results are compared by: the first column, else the values of the findings."""
+    if result.columns:
+        return {result.columns[0].unit: _sampled(result.columns[0])}
+    found: dict[str, list[float]] = {}
+    for finding in result.findings:
+        if finding.value is not None:
+            found.setdefault(finding.unit, []).append(finding.value)
+    return {unit: np.array(values, dtype=np.float64) for unit, values in found.items()}
+
+
+def _sampled(column: Column) -> FloatArray:
+    phi: FloatArray = (np.arange(ANGLES, dtype=np.float64) + OFFSET) * (TURN / ANGLES)
+    return column.values(phi, "right")
+
+
+def difference(values: Values | None, best: Values | None) -> float | None:
+    """Largest difference, as a share of the largest magnitude of what has the same unit.
+
+    None if there is nothing to compare, or if what the results tell is not the same.
+    """
+    if not values or best is None or _shapes(values) != _shapes(best):
+        return None
+    shares = [_share(values[unit], best[unit]) for unit in values]
+    return max(shares)
+
+
+def _shapes(values: Values) -> dict[str, Any]:
+    return {unit: array.shape for unit, array in values.items()}
+
+
+def _share(values: FloatArray, best: FloatArray) -> float:
+    scale = max(float(np.max(np.abs(best))), float(np.max(np.abs(values))))
+    return float(np.max(np.abs(values - best))) / scale if scale > 0.0 else 0.0

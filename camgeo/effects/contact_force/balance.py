@@ -1,0 +1,176 @@
+"""Balance of the forces on the follower, solved for the normal force at the roller.
+
+Principle of virtual work with d'Alembert's inertia forces (Norton, Machine Design, chapter on cam
+design, and Norton, Cam Design and Manufacturing Handbook, chapter on cam dynamics, kinetostatic
+analysis; Volmer, Getriebetechnik, Kurvengetriebe, forces at the follower): the generalised forces Q
+on the follower's coordinate q and that of the contact add up to zero,
+
+    sum Q + R = 0,     R = |N| (sense dn/dq + p),
+
+with dn/dq the leverage of the normal force, sense +1 where the inner flank carries and -1 where the
+outer one does, and p what Coulomb's and rolling friction put on q per unit of |N|. Without friction
+N = R / (dn/dq).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Final, NoReturn, Protocol
+
+import numpy as np
+
+from camgeo.effects.effect import Subject
+from camgeo.effects.force import Force, at_rates, total
+from camgeo.errors import EffectError, GeometryError
+from camgeo.motion.motion import Side
+from camgeo.numeric.arrays import FloatArray
+from camgeo.units import TURN
+
+INNER: Final = 1
+OUTER: Final = -1
+
+FLANKS: Final = {INNER: "inner", OUTER: "outer"}
+
+ROUNDING: Final = 64.0 * 2.0**-52
+"""Forces whose sum is below this share of their magnitudes cancel: what is left is rounding."""
+
+VANISHING: Final = 1e-12
+"""A normal force whose leverage, with friction, is below this share of the reach of the follower
+moves nothing: a few thousand roundings of the roller's place."""
+
+
+class Friction(Protocol):
+    """What the effect `friction` gives."""
+
+    @property
+    def force(self) -> Force:
+        """What does not depend on the normal force."""
+
+    def per_normal(self, phi: FloatArray, side: Side, sense: int) -> FloatArray:
+        """(2, n) force on q, and torque on the cam, per unit of |N| on the flank `sense`."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Balance:
+    """The forces on the follower, and what the contact has to add.
+
+    Attributes
+    ----------
+    subject : the design.
+    forces : all but that of the contact.
+    friction : at the roller and in the guides; None if there is none.
+    """
+
+    subject: Subject
+    forces: tuple[Force, ...]
+    friction: Friction | None
+
+    def rates(self, phi: FloatArray) -> FloatArray:
+        """(2 or more, n) omega [rad/s] and alpha [rad/s^2] of the scene; 0 if it has no speed."""
+        course = self.subject.time_course
+        return np.zeros((2, len(phi))) if course is None else course.rates(phi)
+
+    def required(self, phi: FloatArray, side: Side) -> FloatArray:
+        """(4, n) coefficients of R, see `camgeo.effects.force`."""
+        return -total(self.forces, phi, side)
+
+    def demand(self, phi: FloatArray, side: Side, rates: FloatArray) -> FloatArray:
+        """(n,) R [N or N mm] at `rates`; exactly 0 where the forces cancel but for rounding."""
+        needed = np.zeros(len(phi))
+        size = np.zeros(len(phi))
+        for force in self.forces:
+            coefficients = force.coefficients(phi, side)
+            needed -= at_rates(coefficients, rates)
+            size += at_rates(np.abs(coefficients), np.abs(rates))
+        needed[np.abs(needed) <= ROUNDING * size] = 0.0
+        return needed
+
+    def leverage(self, phi: FloatArray, side: Side) -> FloatArray:
+        """(n,) dn/dq [1 or mm/rad].
+
+        Raises
+        ------
+        EffectError
+            Where the pitch curve has a cusp and with it no normal.
+        """
+        try:
+            return self.subject.pitch_curve.leverage(phi, side)
+        except GeometryError as error:
+            raise EffectError(f"there is no contact force: {error.message}") from error
+
+    def bracket(
+        self, phi: FloatArray, side: Side, sense: int, leverage: FloatArray | None = None
+    ) -> FloatArray:
+        """(n,) [1 or mm/rad] force on q per unit of |N| on the flank `sense`."""
+        lever = self.leverage(phi, side) if leverage is None else leverage
+        if self.friction is None:
+            return sense * lever
+        bracket: FloatArray = sense * lever + self.friction.per_normal(phi, side, sense)[0]
+        return bracket
+
+    def parts(
+        self, phi: FloatArray, side: Side, rates: FloatArray
+    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """R, the flank that has to carry (+1 or -1), and its reserve against jamming, (n,) each.
+
+        The reserve is the bracket in the sense in which it is without friction; the follower jams
+        where it is not above 0. R = sense sign(dn/dq) reserve |N|.
+        """
+        needed = self.demand(phi, side, rates)
+        lever = self.leverage(phi, side)
+        sense = np.where(needed * np.sign(lever) >= 0.0, INNER, OUTER)
+        inner = self.bracket(phi, side, INNER, lever)
+        outer = self.bracket(phi, side, OUTER, lever)
+        reserve = np.where(sense == INNER, inner, -outer) * np.sign(lever)
+        return needed, sense, reserve
+
+    def normal(self, phi: FloatArray, side: Side, rates: FloatArray) -> FloatArray:
+        """(n,) N [N], positive where the inner flank carries.
+
+        Raises
+        ------
+        EffectError
+            "jamming", where no normal force on the flank that has to carry moves the follower.
+        """
+        needed, sense, reserve = self.parts(phi, side, rates)
+        loaded = needed != 0.0
+        jammed = loaded & (reserve <= VANISHING * abs(self.subject.follower.reach))
+        if np.any(jammed):
+            self.refuse(float(phi[jammed][0]), side)
+        found = np.zeros(len(phi))
+        np.divide(np.abs(needed), reserve, out=found, where=loaded)
+        found *= sense
+        return found
+
+    def refuse(
+        self, angle: float, side: Side, cam_range: tuple[float, float] | None = None
+    ) -> NoReturn:
+        """Raise that the follower jams; `angle` [rad] is where worst."""
+
+        def transmission(*angles: float) -> float:
+            curve = self.subject.pitch_curve
+            return math.degrees(float(np.max(curve.transmission_angle(np.array(angles), side))))
+
+        value, limit = transmission(angle), 0.0
+        where = f"at cam angle {math.degrees(angle % TURN):.4f} deg"
+        if cam_range is not None:
+            first, last = (math.degrees(end) for end in cam_range)
+            where = f"from cam angle {first:.4f} to {last:.4f} deg"
+        if cam_range is None or self.friction is None:
+            why = f"the transmission angle is {value:.4g} deg, and no force at the roller moves it"
+        else:
+            limit = transmission(*cam_range)
+            why = (
+                f"the transmission angle falls to {value:.4f} deg; with this friction it has to be"
+                f" above {limit:.4f} deg"
+            )
+        raise EffectError(
+            f"the follower jams {where}: {why}",
+            finding="jamming",
+            value=value,
+            limit=limit,
+            unit="deg",
+            cam_angle=angle % TURN,
+            cam_range=cam_range,
+        )

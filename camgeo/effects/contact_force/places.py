@@ -1,0 +1,57 @@
+"""Where the normal force changes its flank, and where the follower would jam."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from camgeo.effects.contact_force.balance import VANISHING, Balance
+from camgeo.effects.force import all_borders
+from camgeo.motion.motion import Side
+from camgeo.numeric.arrays import FloatArray, merged
+from camgeo.numeric.peaks import grid_of, piecewise_extremes
+from camgeo.numeric.ranges import stretch_below
+from camgeo.numeric.roots import roots_on_grid
+
+
+def smooth_edges(balance: Balance) -> FloatArray:
+    """(k,) cam angles [rad] from 0 to 2 pi between which the normal force is smooth.
+
+    Those of the motion, the borders of the forces, and the roots of R and of the leverage: at both
+    the flank that carries changes.
+    """
+    borders = all_borders(balance.forces)
+    edges = merged(np.concatenate((balance.subject.smooth_angles, borders)))
+    grid = grid_of(edges)
+
+    def demand(phi: FloatArray) -> FloatArray:
+        return balance.demand(phi, "right", balance.rates(phi))
+
+    def leverage(phi: FloatArray) -> FloatArray:
+        return balance.leverage(phi, "right")
+
+    found = (edges, roots_on_grid(demand, grid), roots_on_grid(leverage, grid))
+    return merged(np.concatenate(found))
+
+
+def refuse_jamming(balance: Balance, edges: FloatArray) -> None:
+    """Raise EffectError if the follower jams between any two of `edges`.
+
+    Self-locking (Rothbart, Cam Design Handbook, chapter on forces, and Volmer, Kurvengetriebe, on
+    the transmission angle): friction outweighs what the normal force does along the path of the
+    follower. Without friction it happens at transmission angle 0.
+    """
+    least = VANISHING * abs(balance.subject.follower.reach)
+
+    def reserve(phi: FloatArray, side: Side) -> FloatArray:
+        needed, _, left = balance.parts(phi, side, balance.rates(phi))
+        return np.where(needed != 0.0, left, abs(balance.subject.follower.reach)) - least
+
+    lowest = piecewise_extremes(reserve, edges).lowest
+    if lowest.value > 0.0:
+        return
+    stretch = stretch_below(lambda phi: reserve(phi, "right"), edges, lowest.place)
+    if stretch is None:
+        balance.refuse(lowest.place, "right")
+    else:
+        side: Side = "left" if lowest.place == stretch[1] else "right"
+        balance.refuse(lowest.place, side, stretch)

@@ -1,0 +1,157 @@
+"""Effect `contact-pressure`: Hertz's pressure between cam and roller, and what follows from it.
+
+Needed are the normal force, the curvature of roller and flank, and their materials; see `hertz` for
+the formulas of the contact, `contact` for its curvature, `life` for the roller's bearing. Friction
+between roller and flank adds little to the stresses where the roller rolls, and is left out.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final, Protocol
+
+import numpy as np
+
+from camgeo.check.finding import Finding
+from camgeo.effects.contact_pressure.contact import FLANKS, Contact
+from camgeo.effects.contact_pressure.findings import Worst, life_findings, pressure_findings
+from camgeo.effects.contact_pressure.hertz import SHEAR_SHARE
+from camgeo.effects.contact_pressure.life import Life, rolling_life
+from camgeo.effects.contact_pressure.spec import Spec, parse
+from camgeo.effects.effect import SPEED, Column, Effect, Request, Subject
+from camgeo.errors import GeometryError
+from camgeo.motion.motion import Side
+from camgeo.numeric.arrays import FloatArray, merged
+from camgeo.numeric.extremes import Extreme
+from camgeo.numeric.peaks import piecewise_extremes
+from camgeo.units import TURN
+
+KEY: Final = "effects.contact-pressure"
+
+
+class _ContactForce(Protocol):
+    """What the effect `contact-force` gives."""
+
+    @property
+    def edges(self) -> FloatArray: ...
+
+    def normal(self, phi: FloatArray, side: Side) -> FloatArray: ...
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ContactPressure:
+    """What `compute` gives.
+
+    Attributes
+    ----------
+    findings, columns, error : see `camgeo.effects.effect.Result`; the pressure is exact, the life
+        is integrated.
+    contact : force, relative curvature and pressure over the cam angle.
+    largest : the largest pressure [MPa] and its cam angle [rad] in [0, 2 pi).
+    life : of the roller's bearing; None if the scene gives no rating.
+    """
+
+    findings: tuple[Finding, ...]
+    columns: tuple[Column, ...]
+    error: float | None
+    contact: Contact
+    largest: Extreme
+    life: Life | None
+
+
+def compute(request: Request) -> ContactPressure:
+    """The pressure at the scene's speed.
+
+    Raises
+    ------
+    GeometryError
+        If neither the effect's table nor that of the part has the width of the contact, if it is
+        wider than the part, or if a life is asked for of a cam without speed.
+    EffectError
+        If a cusp or undercut is under force, or the life cannot be brought within the tolerance.
+    """
+    subject = request.subject
+    spec: Spec = request.spec
+    force: _ContactForce = request.results["contact-force"]
+    contact = Contact(subject, force.normal, spec.modulus, _width(subject, spec))
+    edges = merged(np.concatenate((subject.smooth_angles, force.edges)))
+    contact.refuse_cusps(edges)
+    highest = piecewise_extremes(contact.square, edges).highest
+    worst = _worst(contact, highest.place, highest.value)
+    life = None
+    if spec.rating is not None:
+        if subject.time_course is None:
+            raise GeometryError(
+                f"is missing: the life of the roller's bearing needs {SPEED[0]} or {SPEED[1]}",
+                key=SPEED[0],
+            )
+        life = rolling_life(contact, edges, request.course, spec.rating, request.tolerance)
+
+    def shear(phi: FloatArray, side: Side) -> FloatArray:
+        return SHEAR_SHARE * contact.pressure(phi, side)
+
+    inside = edges[(edges > 0.0) & (edges < TURN)]
+    return ContactPressure(
+        findings=(
+            *pressure_findings(worst, spec),
+            *(() if life is None else life_findings(life, spec)),
+        ),
+        columns=(
+            Column("contact pressure", "MPa", contact.pressure, spec.limit, inside),
+            Column("subsurface shear", "MPa", shear, None, inside),
+        ),
+        error=None if life is None else life.error,
+        contact=contact,
+        largest=Extreme(worst.pressure(spec.modulus), worst.angle),
+        life=life,
+    )
+
+
+def _width(subject: Subject, spec: Spec) -> float:
+    """L [mm]."""
+    part = subject.part_spec
+    groove = subject.contact == "groove"
+    whole = None if part is None else part.groove_depth if groove else part.thickness
+    name = "groove_depth" if groove else "thickness"
+    if spec.width is None:
+        if whole is None:
+            raise GeometryError(
+                f"is missing, and so is {name} of [part], which would stand for it",
+                key=f"{KEY}.width",
+            )
+        return whole
+    if whole is not None and spec.width > whole:
+        raise GeometryError(
+            f"the contact cannot be wider than the flank: {name} of [part] is {whole:g} mm",
+            key=f"{KEY}.width",
+            value=f"{spec.width:g}",
+        )
+    return spec.width
+
+
+def _worst(contact: Contact, angle: float, square: float) -> Worst:
+    """The contact at the cam angle `angle` [rad], from the side on which p^2 is `square`."""
+    phi = np.array([angle])
+    sides: tuple[Side, ...] = ("right", "left")
+    side = min(sides, key=lambda each: abs(float(contact.square(phi, each)[0]) - square))
+    load, radius = contact.load_and_radius(phi, side)
+    sense = int(contact.carried(phi, side)[1][0])
+    return Worst(
+        angle=angle % TURN,
+        flank=FLANKS[sense],
+        load=float(load[0]),
+        radius=float(radius[0]),
+        curvature=sense * float(contact.curvature(phi, side)[0]),
+        roller=contact.subject.follower.roller_radius,
+        width=contact.width,
+    )
+
+
+EFFECT: Final = Effect(
+    name="contact-pressure",
+    title="pressure between cam and roller",
+    compute=compute,
+    parse=parse,
+    needs=("contact-force",),
+    numerical=True,
+)

@@ -1,0 +1,135 @@
+"""The contact of roller and flank over the cam angle: force, relative curvature, pressure.
+
+Both are cylinders with the same axis direction. A flank is the parallel of the pitch curve at the
+distance d = -s r_R, s = +1 for the inner flank and -1 for the outer one, and has the curvature
+kappa/(1 + d kappa) if the pitch curve has kappa (Wirsig eqs. 2.53, 2.54: a parallel's radius of
+curvature is longer by d). The disc lies outside of its outer flank, which counts mirrored. The
+relative curvature comes to
+
+    1/R = 1/r_R + s kappa/(1 + d kappa) = 1/(r_R (1 + d kappa)),       R = r_R (1 + d kappa).
+
+So R vanishes at a cusp of the flank and nowhere else, and a flank without undercut is never bent
+more tightly than the roller that lies in it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Final, NoReturn
+
+import numpy as np
+
+from camgeo.effects.effect import Subject
+from camgeo.errors import EffectError, GeometryError
+from camgeo.motion.motion import Side
+from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.peaks import piecewise_extremes
+from camgeo.units import TURN
+
+INNER: Final = 1
+OUTER: Final = -1
+
+FLANKS: Final = {INNER: "inner", OUTER: "outer"}
+
+CUSP: Final = 1e-12
+"""1 + d kappa up to here is a cusp: its digits are rounding."""
+
+Normal = Callable[[FloatArray, Side], FloatArray]
+"""(n,) normal force [N], positive where the inner flank carries."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Contact:
+    """The line contact.
+
+    Attributes
+    ----------
+    subject : the design.
+    normal : force of the cam on the roller.
+    modulus : E* [MPa].
+    width : L [mm].
+    """
+
+    subject: Subject
+    normal: Normal
+    modulus: float
+    width: float
+
+    def carried(self, phi: FloatArray, side: Side) -> tuple[FloatArray, FloatArray]:
+        """(n,) force F that presses the roller on a flank [N], 0 or more, and (n,) which flank.
+
+        A flank on which no roller runs bears nothing: there the roller has lifted off.
+        """
+        normal = self.normal(phi, side)
+        if self.subject.contact == "groove":
+            return np.abs(normal), np.where(normal < 0.0, float(OUTER), float(INNER))
+        sense = INNER if self.subject.contact == "inner" else OUTER
+        return np.maximum(sense * normal, 0.0), np.full(len(phi), float(sense))
+
+    def curvature(self, phi: FloatArray, side: Side) -> FloatArray:
+        """(n,) of the pitch curve [1/mm], positive where it is convex.
+
+        Raises
+        ------
+        EffectError
+            Where the pitch curve has a cusp.
+        """
+        try:
+            return self.subject.pitch_curve.curvature(phi, side)
+        except GeometryError as error:
+            raise EffectError(f"there is no contact pressure: {error.message}") from error
+
+    def load_and_radius(self, phi: FloatArray, side: Side) -> tuple[FloatArray, FloatArray]:
+        """(n,) F [N] and (n,) R [mm]."""
+        load, sense = self.carried(phi, side)
+        roller = self.subject.follower.roller_radius
+        return load, roller * (1.0 - sense * roller * self.curvature(phi, side))
+
+    def square(self, phi: FloatArray, side: Side) -> FloatArray:
+        """(n,) p^2 [MPa^2], which is smooth where F and the curvature are; 0 without force.
+
+        Raises
+        ------
+        EffectError
+            Where a cusp or undercut is under force.
+        """
+        load, radius = self.load_and_radius(phi, side)
+        loaded = load > 0.0
+        beyond = loaded & (radius <= CUSP * self.subject.follower.roller_radius)
+        if np.any(beyond):
+            self._refuse(float(phi[beyond][0]), float(np.min(radius[beyond])))
+        found = np.zeros(len(phi))
+        share = self.modulus / (math.pi * self.width)
+        np.divide(share * load, radius, out=found, where=loaded)
+        return found
+
+    def pressure(self, phi: FloatArray, side: Side) -> FloatArray:
+        """(n,) p [MPa], see `square`."""
+        return np.sqrt(self.square(phi, side))
+
+    def refuse_cusps(self, edges: FloatArray) -> None:
+        """Raise EffectError if a cusp or undercut is under force between `edges` (k,) [rad]."""
+        roller = self.subject.follower.roller_radius
+
+        def under_load(phi: FloatArray, side: Side) -> FloatArray:
+            load, radius = self.load_and_radius(phi, side)
+            return np.where(load > 0.0, radius, roller)
+
+        lowest = piecewise_extremes(under_load, edges).lowest
+        if lowest.value <= CUSP * roller:
+            self._refuse(lowest.place, lowest.value)
+
+    def _refuse(self, angle: float, radius: float) -> NoReturn:
+        value = radius / self.subject.follower.roller_radius
+        what = "a cusp" if value >= -CUSP else "undercut"
+        raise EffectError(
+            f"the pressure is infinite at cam angle {math.degrees(angle % TURN):.4f} deg: the flank"
+            f" has {what} there and carries the roller, 1 + d kappa is {value:.6g} and has to be"
+            " above 0",
+            finding="infinite-contact-pressure",
+            value=value,
+            limit=0.0,
+            cam_angle=angle % TURN,
+        )

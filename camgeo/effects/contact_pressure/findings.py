@@ -1,0 +1,229 @@
+"""What the contact pressure amounts to, in words and numbers."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Final
+
+from camgeo.check.finding import Finding
+from camgeo.effects.contact_pressure.hertz import (
+    SHEAR_DEPTH,
+    SHEAR_SHARE,
+    half_width,
+    largest_pressure,
+    needed_radius,
+    roller_radii,
+)
+from camgeo.effects.contact_pressure.life import Life
+from camgeo.effects.contact_pressure.spec import Spec
+from camgeo.units import RPM
+
+HOUR: Final = 3600.0
+
+HEAVY: Final = 0.5
+"""Share of the dynamic load rating up to which the formula of the life is meant (ISO 281:2007)."""
+
+
+@dataclass(frozen=True, slots=True)
+class Worst:
+    """Where the pressure is largest.
+
+    Attributes
+    ----------
+    angle : cam angle [rad] in [0, 2 pi).
+    flank : "inner" or "outer".
+    load : force on the roller [N]; 0 if there is none anywhere.
+    radius : R, of the relative curvature [mm].
+    curvature : of the pitch curve as the roller sees it [1/mm], convex positive.
+    roller : r_R [mm].
+    width : L [mm].
+    """
+
+    angle: float
+    flank: str
+    load: float
+    radius: float
+    curvature: float
+    roller: float
+    width: float
+
+    @property
+    def place(self) -> str:
+        """In words."""
+        return f"at cam angle {math.degrees(self.angle):.4f} deg"
+
+    def pressure(self, modulus: float) -> float:
+        """p [MPa] for E* `modulus` [MPa]; without force the radius may be anything."""
+        if not self.load > 0.0:
+            return 0.0
+        return largest_pressure(self.load / self.width, modulus, self.radius)
+
+
+def pressure_findings(worst: Worst, spec: Spec) -> tuple[Finding, ...]:
+    """Pressure, safety, shear below the surface, half width; needed width and roller radius."""
+    pressure = worst.pressure(spec.modulus)
+    if not pressure > 0.0:
+        return (
+            Finding(
+                name="largest-contact-pressure",
+                severity="ok",
+                sentence="nothing presses the roller on its flank: there is no contact pressure",
+                value=0.0,
+                limit=spec.limit,
+                unit="MPa",
+            ),
+        )
+    safety = spec.limit / pressure
+    beyond, short = pressure > spec.limit, safety < spec.safety
+    shear = SHEAR_SHARE * pressure
+    width = half_width(worst.load / worst.width, spec.modulus, worst.radius)
+    depth = SHEAR_DEPTH * width
+    angle = worst.angle
+    return (
+        Finding(
+            name="largest-contact-pressure",
+            severity="broken" if beyond else "ok",
+            sentence=(
+                f"largest contact pressure {pressure:.6g} MPa on the {worst.flank} flank"
+                f" {worst.place}, {'above' if beyond else 'at most'} {spec.limit:g} MPa; the force"
+                f" is {worst.load:.6g} N, the radius of relative curvature {worst.radius:.6g} mm"
+            ),
+            value=pressure,
+            limit=spec.limit,
+            unit="MPa",
+            cam_angle=angle,
+        ),
+        Finding(
+            name="pressure-safety",
+            severity="broken" if short else "ok",
+            sentence=(
+                f"smallest safety against a contact pressure of {spec.limit:g} MPa is {safety:.4f}"
+                f" {worst.place}, {'below' if short else 'at least'} {spec.safety:g}"
+            ),
+            value=safety,
+            limit=spec.safety,
+            cam_angle=angle,
+        ),
+        Finding(
+            name="largest-subsurface-shear",
+            severity="ok",
+            sentence=(
+                f"largest shear below the surface {shear:.6g} MPa {worst.place},"
+                f" {depth:.6g} mm deep"
+            ),
+            value=shear,
+            unit="MPa",
+            cam_angle=angle,
+        ),
+        Finding(
+            name="subsurface-shear-depth",
+            severity="ok",
+            sentence=f"depth of the largest shear {depth:.6g} mm {worst.place}",
+            value=depth,
+            unit="mm",
+            cam_angle=angle,
+        ),
+        Finding(
+            name="contact-half-width",
+            severity="ok",
+            sentence=f"half width of the contact {width:.6g} mm {worst.place}",
+            value=width,
+            unit="mm",
+            cam_angle=angle,
+        ),
+        _needed_width(worst, pressure, spec),
+        _needed_roller(worst, spec),
+    )
+
+
+def _needed_width(worst: Worst, pressure: float, spec: Spec) -> Finding:
+    needed = worst.width * (pressure / spec.allowed) ** 2
+    return Finding(
+        name="needed-width",
+        severity="ok",
+        sentence=(
+            f"width of contact that is needed for {spec.allowed:.6g} MPa {worst.place}:"
+            f" {needed:.6g} mm; it has {worst.width:g} mm"
+        ),
+        value=needed,
+        unit="mm",
+        cam_angle=worst.angle,
+    )
+
+
+def _needed_roller(worst: Worst, spec: Spec) -> Finding:
+    """The roller radius that gives the allowed pressure, pitch curve and force as they are."""
+    name, load = "needed-roller-radius", worst.load / worst.width
+    radii = roller_radii(needed_radius(load, spec.modulus, spec.allowed), worst.curvature)
+    told = f"for {spec.allowed:.6g} MPa {worst.place} with the same pitch curve"
+    if radii is None:
+        best = 0.5 / worst.curvature
+        least = largest_pressure(load, spec.modulus, 0.5 * best)
+        return Finding(
+            name=name,
+            severity="warning",
+            sentence=(
+                f"no roller radius is enough {told}: {best:.6g} mm gives the smallest pressure,"
+                f" {least:.6g} MPa"
+            ),
+            cam_angle=worst.angle,
+        )
+    low, high = radii
+    nearest = high if worst.roller > high else low
+    upper = "or more" if math.isinf(high) else f"to {high:.6g} mm"
+    return Finding(
+        name=name,
+        severity="ok",
+        sentence=(
+            f"roller radius that is needed {told}: {low:.6g} mm {upper}; it is {worst.roller:g} mm"
+        ),
+        value=nearest,
+        unit="mm",
+        cam_angle=worst.angle,
+    )
+
+
+def life_findings(life: Life, spec: Spec) -> tuple[Finding, ...]:
+    """Life of the roller's bearing, the load that is equal to that of a turn, and its speed."""
+    assert spec.rating is not None  # else there is no life
+    speed = life.speed / RPM
+    turning = Finding(
+        name="roller-speed",
+        severity="ok",
+        sentence=f"the roller turns at {speed:.6g} rev/min on its pin in the mean",
+        value=speed,
+        unit="rev/min",
+    )
+    asked = None if spec.life is None else spec.life / HOUR
+    if life.seconds is None:
+        unlimited = "nothing presses the roller on its flank, the life of its bearing has no limit"
+        return (Finding("roller-life", "ok", unlimited, limit=asked, unit="h"), turning)
+    hours = life.seconds / HOUR
+    short = asked is not None and hours < asked
+    held = "" if asked is None else f", {'below' if short else 'at least'} {asked:g} h"
+    heavy = life.load > HEAVY * spec.rating
+    most = HEAVY * spec.rating
+    return (
+        Finding(
+            name="roller-life",
+            severity="broken" if short else "ok",
+            sentence=f"basic rating life of the roller's bearing {hours:.6g} h{held}",
+            value=hours,
+            limit=asked,
+            unit="h",
+        ),
+        Finding(
+            name="equivalent-roller-load",
+            severity="warning" if heavy else "ok",
+            sentence=(
+                f"equivalent load on the roller's bearing {life.load:.6g} N,"
+                f" {'above' if heavy else 'at most'} {most:g} N, half of its load rating"
+                + (": its life is uncertain" if heavy else "")
+            ),
+            value=life.load,
+            limit=most,
+            unit="N",
+        ),
+        turning,
+    )

@@ -1,0 +1,87 @@
+"""Line contact of two elastic cylinders with parallel axes, after Hertz.
+
+With the force F over the width L, the contact modulus E*, 1/E* = (1 - nu_1^2)/E_1 +
+(1 - nu_2^2)/E_2, and the relative curvature 1/R = 1/R_1 + 1/R_2 (convex positive), the contact has
+the half width b, b^2 = 4 F R / (pi E* L), and its largest pressure is p = 2 F / (pi b L) =
+sqrt(F E* / (pi L R)) (Johnson, Contact Mechanics, section 4.2 (c); Norton, Machine Design, 4th ed.,
+eqs. 7.14 and 7.15b). It holds for b small against R and L, without friction, and for ends that do
+not press in.
+
+Below the middle of the contact, at the depth z, the stress along the normal is -p / sqrt(1 +
+z^2/b^2), that along the path of rolling -p ((1 + 2 z^2/b^2) / sqrt(1 + z^2/b^2) - 2 z/b), and the
+shear half their difference, p (z/b - (z/b)^2 / sqrt(1 + z^2/b^2)) (Johnson, the same section). With
+z/b = tan(theta) it is largest where sin(theta)^3 - 2 sin(theta) + 1 = 0: sin(theta) is the golden
+ratio 0.618..., which gives the two constants below in closed form. For Poisson's ratios from
+0.25 on it is the largest shear of all planes; below, one across the width is larger, near the
+surface.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Final
+
+GOLDEN: Final = 0.5 * (math.sqrt(5.0) - 1.0)
+
+SHEAR_SHARE: Final[float] = GOLDEN**2.5
+"""Largest shear below the contact as a share of the pressure, 0.30028."""
+
+SHEAR_DEPTH: Final = math.sqrt(GOLDEN)
+"""Its depth as a share of the half width, 0.78615."""
+
+
+@dataclass(frozen=True, slots=True)
+class Body:
+    """One of the two: Young's modulus [MPa] above 0, and Poisson's ratio."""
+
+    modulus: float
+    poisson: float
+
+    @property
+    def compliance(self) -> float:
+        """(1 - nu^2)/E [1/MPa]."""
+        return (1.0 - self.poisson * self.poisson) / self.modulus
+
+
+def contact_modulus(first: Body, second: Body) -> float:
+    """E* [MPa]."""
+    return 1.0 / (first.compliance + second.compliance)
+
+
+def largest_pressure(load: float, modulus: float, radius: float) -> float:
+    """p [MPa] for F/L `load` [N/mm], E* `modulus` [MPa] and R `radius` [mm] above 0."""
+    return math.sqrt(load * modulus / (math.pi * radius))
+
+
+def half_width(load: float, modulus: float, radius: float) -> float:
+    """b [mm] for F/L `load` [N/mm], E* `modulus` [MPa] and R `radius` [mm] above 0."""
+    return math.sqrt(4.0 * load * radius / (math.pi * modulus))
+
+
+def needed_radius(load: float, modulus: float, pressure: float) -> float:
+    """R [mm] at which the largest pressure is `pressure` [MPa] above 0; `load`, `modulus` so."""
+    return load * modulus / (math.pi * pressure * pressure)
+
+
+def roller_radii(needed: float, curvature: float) -> tuple[float, float] | None:
+    """Radii of the roller, from and to [mm], with which R is `needed` [mm] at least.
+
+    Parameters
+    ----------
+    needed : R that is needed, 0 or more.
+    curvature : of the pitch curve as the roller sees it [1/mm], positive if convex; it stays.
+
+    Returns
+    -------
+    The last is infinite where the path is straight or concave; None if no radius will do.
+
+    R = r (1 - r kappa) for the roller radius r, see `camgeo.effects.contact_pressure.contact`: on
+    a convex path it has a largest value, 1/(4 kappa), at half the radius of curvature. A root of
+    the quadratic equation is taken as the other one's partner where it would cancel.
+    """
+    rest = 1.0 - 4.0 * needed * curvature
+    if rest < 0.0:
+        return None
+    root = 1.0 + math.sqrt(rest)
+    return 2.0 * needed / root, root / (2.0 * curvature) if curvature > 0.0 else math.inf

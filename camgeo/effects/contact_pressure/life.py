@@ -1,0 +1,112 @@
+"""Basic rating life of the roller's bearing.
+
+L10 = (C/P)^p million turns of the roller, p = 10/3 for roller bearings (ISO 281:2007, basic rating
+life of radial roller bearings), with the dynamic load rating C and the equivalent load P. A load
+that changes wears by its p-th power and by the turns made under it (Palmgren and Miner), so that
+P^p is the mean of F^p over the turns of the roller: with F and the rate nu at which the roller
+turns per cam angle,
+
+    P^p = int F^p |nu| dphi / int |nu| dphi.
+
+The roller rolls on its flank without slip. Seen from the turning cam its centre moves along the
+flank by |Z'| per cam angle, and the follower itself turns at the rate chi' in the fixed frame; so
+the roller turns relative to its pin at nu = |Z'|/r_R - s (1 - sigma chi') per cam angle, s = +1 on
+the inner flank and -1 on the outer one, sigma the sense of rotation (composition of the angular
+velocities of roller, cam and follower).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from camgeo.effects.contact_pressure.contact import Contact
+from camgeo.errors import EffectError
+from camgeo.motion.motion import Side
+from camgeo.motion.time_course import TimeCourse
+from camgeo.numeric.arrays import FloatArray, merged
+from camgeo.numeric.peaks import grid_of
+from camgeo.numeric.quadrature import piecewise_integral
+from camgeo.numeric.roots import roots_on_grid
+from camgeo.units import TURN
+
+EXPONENT: Final = 10.0 / 3.0
+
+TURNS: Final = 1e6
+"""Turns of the roller that a bearing bears under its rating."""
+
+
+@dataclass(frozen=True, slots=True)
+class Life:
+    """The life of the bearing.
+
+    Attributes
+    ----------
+    load : P [N].
+    speed : mean rate at which the roller turns on its pin [rad/s].
+    seconds : L10 [s]; None if it has no end, for there is no load.
+    error : estimate of the relative error of `seconds`, and of the others.
+    """
+
+    load: float
+    speed: float
+    seconds: float | None
+    error: float
+
+
+def spin(contact: Contact, phi: FloatArray, side: Side, sense: FloatArray) -> FloatArray:
+    """(n,) nu, turns of the roller on its pin per turn of the cam, positive if it rolls forward.
+
+    `sense` (n,) is s, the flank on which it rolls.
+    """
+    subject = contact.subject
+    relative = subject.pitch_curve.relative_jet(phi, side, order=1)
+    rolling = np.hypot(relative.u, relative.v) / subject.follower.roller_radius
+    return np.asarray(rolling - sense * (1.0 - subject.rotation * relative.turning))
+
+
+def rolling_life(
+    contact: Contact, edges: FloatArray, course: TimeCourse, rating: float, tolerance: float
+) -> Life:
+    """The life for the dynamic load rating `rating` [N], to the relative `tolerance`.
+
+    `edges` (k,) [rad] from 0 to 2 pi: between them force and motion are smooth.
+
+    Raises
+    ------
+    EffectError
+        If the integrals cannot be brought within the tolerance.
+    """
+
+    def turning(phi: FloatArray) -> FloatArray:
+        return spin(contact, phi, "right", contact.carried(phi, "right")[1])
+
+    def wear(phi: FloatArray) -> FloatArray:
+        load, sense = contact.carried(phi, "right")
+        turns = np.abs(spin(contact, phi, "right", sense))
+        return np.asarray((load / rating) ** EXPONENT * turns)
+
+    share = 0.5 * tolerance  # the estimate also has the rounding of the sum
+    borders = merged(np.concatenate((edges, roots_on_grid(turning, grid_of(edges)))))
+    turns = piecewise_integral(lambda phi: np.abs(turning(phi)), borders, share)
+    worn = piecewise_integral(wear, borders, share)
+    start, end = course.time(np.array([0.0, TURN]))
+    speed = turns.value / float(end - start)
+    if not worn.value > 0.0:
+        return Life(0.0, speed, None, turns.error / turns.value)
+    error = max(turns.error / turns.value, worn.error / worn.value)
+    if error > tolerance:
+        raise EffectError(
+            f"the life of the roller's bearing has an error of {error:.3g} of its value, and"
+            f" {tolerance:.3g} is allowed",
+            value=error,
+            limit=tolerance,
+        )
+    return Life(
+        load=rating * (worn.value / turns.value) ** (1.0 / EXPONENT),
+        speed=speed,
+        seconds=TURNS * TURN * float(end - start) / worn.value,
+        error=error,
+    )

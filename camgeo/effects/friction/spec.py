@@ -1,0 +1,94 @@
+"""What a scene says of friction, and whether it fits the follower."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Final
+
+from camgeo.errors import GeometryError
+from camgeo.mechanism.oscillating_roller import OscillatingRoller
+
+if TYPE_CHECKING:
+    from camgeo.effects.effect import Subject
+
+
+@dataclass(frozen=True, slots=True)
+class Spec:
+    """Coefficients of friction and the lengths they need; 0 where there is none.
+
+    Attributes
+    ----------
+    guide : coefficient in the guide of a translating follower.
+    guide_length : b, between the ends at which it carries [mm]; None without any lever.
+    guide_overhang : a_0, from the roller centre out to the near end at cam angle 0 [mm].
+    guide_viscous : of that guide, or of a linkage's slider [N s/mm].
+    pivot : coefficient in the bearing of a rocker.
+    pivot_diameter : of that bearing [mm].
+    pivot_viscous : of that bearing [N mm s/rad].
+    slider : Coulomb's friction of a linkage's slider [N].
+    roller_pin : coefficient in the bearing of the roller.
+    roller_pin_diameter : of that bearing [mm].
+    rolling : lever arm of rolling friction between roller and cam [mm].
+    given : the keys of the table.
+    """
+
+    guide: float = 0.0
+    guide_length: float | None = None
+    guide_overhang: float = 0.0
+    guide_viscous: float = 0.0
+    pivot: float = 0.0
+    pivot_diameter: float = 0.0
+    pivot_viscous: float = 0.0
+    slider: float = 0.0
+    roller_pin: float = 0.0
+    roller_pin_diameter: float = 0.0
+    rolling: float = 0.0
+    given: tuple[str, ...] = ()
+
+
+DIAMETERS: Final = {"pivot": "pivot_diameter", "roller_pin": "roller_pin_diameter"}
+
+OF_GUIDE: Final = ("guide", "guide_length", "guide_overhang")
+OF_PIVOT: Final = ("pivot", "pivot_diameter", "pivot_viscous")
+
+
+def parse(table: Mapping[str, Any]) -> Spec:
+    """From the table of the scene.
+
+    Raises
+    ------
+    GeometryError
+        With the key, if a coefficient lacks the diameter of its bearing, or the overhang of a guide
+        its length.
+    """
+    for coefficient, diameter in DIAMETERS.items():
+        if table.get(coefficient) and diameter not in table:
+            raise GeometryError(
+                f"is missing: {coefficient} needs the diameter of its bearing", key=diameter
+            )
+    if "guide_overhang" in table and "guide_length" not in table:
+        raise GeometryError(
+            "is missing: the overhang is a lever only of a guide of known length",
+            key="guide_length",
+        )
+    return Spec(**table, given=tuple(table))
+
+
+def refuse_misfits(spec: Spec, subject: Subject) -> None:
+    """Raise GeometryError with the key of a value that has no place on this follower."""
+    rocker = isinstance(subject.follower, OscillatingRoller)
+    linked = subject.linkage is not None
+    misfits = dict.fromkeys(
+        OF_GUIDE if rocker else OF_PIVOT,
+        "is for translating followers: a rocker has a pivot"
+        if rocker
+        else "is for rockers: a translating follower has a guide",
+    )
+    if not linked:
+        misfits["slider"] = "is for the slider of a linkage, and there is none"
+    if rocker and not linked:
+        misfits["guide_viscous"] = "is for translating followers and for sliders of linkages"
+    for key in spec.given:
+        if key in misfits:
+            raise GeometryError(misfits[key], key=f"effects.friction.{key}")

@@ -1,0 +1,216 @@
+"""Statics of follower, roller and cam with friction, per unit of the normal force.
+
+n = i sigma t is the outward normal of the pitch curve, t = Z'/|Z'| its tangent; the cam presses on
+the roller with |N| s n, s = +1 on the inner flank and -1 on the outer one, at the point -s r_R n
+from the roller's centre. Angular velocities count counter-clockwise, per unit of the cam's speed.
+
+The roller rolls. That its material and the cam's go with one velocity at the contact gives its
+angular velocity against the cam, omega_rc = -s sigma |Z'| / r_R, and against the follower
+omega_rf = sigma + omega_rc - chi', chi' that of the rocker, 0 in a guide. It has no mass. On it
+act, per unit of |N|,
+
+    m_p = -mu_p (d_p / 2) sign(omega_rf)    the friction of its bearing, of radius d_p / 2,
+    m_r = -f sign(omega_rc) = s sigma f     the rolling friction, of lever f, and
+    f_t = -s sigma (m_p + m_r) / r_R        along t, from the cam, by its balance of moments
+
+(Rothbart, Cam Design Handbook, chapter 8, forces; Volmer, Kurvengetriebe, friction of the roller;
+rolling friction as a shifted normal force is any textbook's). The bearing of the roller, and that
+of the rocker, are loaded by |N|: the small f_t, and at the pivot all forces besides, are left out.
+
+The follower gets s n + f_t t at the roller's centre and the moment -m_p. In a guide that is a side
+force S and, with the near end at the distance a outward of the roller's centre and the far end b
+beyond it, by the balance of forces and moments across the guide
+
+    R_2 = (a S - m_p) / b,    R_1 = -((a + b) S - m_p) / b,    H = |R_1| + |R_2|,
+
+which without m_p is H = |S| (2 a + b) / b for a >= 0 and |S| for a roller centre between the ends
+(Rothbart, chapter 6, follower overhang A = a and bearing length B = b; Norton, Cam Design and
+Manufacturing Handbook, chapter 7, forces on a translating roller follower). The diameter of the
+stem is left out. Friction takes mu H in the guide, mu (d / 2) in the bearing of a rocker.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from camgeo.effects.friction.senses import Senses
+from camgeo.effects.friction.spec import Spec
+from camgeo.mechanism.oscillating_roller import OscillatingRoller
+from camgeo.motion.motion import Side
+from camgeo.numeric.arrays import FloatArray
+from camgeo.units import TURN
+
+if TYPE_CHECKING:
+    from camgeo.effects.effect import Subject
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class State:
+    """The contact at n cam angles, per unit of |N|.
+
+    Attributes
+    ----------
+    velocity : q' [mm or rad per rad].
+    spin : omega_rf, of the roller against the follower.
+    against_cam : omega_rc.
+    pin_moment, rolling_moment : m_p, m_r on the roller [mm].
+    tangential : f_t.
+    sine, cosine : dn/dq and t dW/dq over the reach |dW/dq|, both signed: of the transmission angle.
+    side_force : S, across the guide, to the right looking along it; 0 for a rocker.
+    near, far : R_1 and R_2; the one is -S and the other 0 without a length of the guide.
+    overhang : a [mm]; 0 for a rocker.
+    """
+
+    velocity: FloatArray
+    spin: FloatArray
+    against_cam: FloatArray
+    pin_moment: FloatArray
+    rolling_moment: float
+    tangential: FloatArray
+    sine: FloatArray
+    cosine: FloatArray
+    side_force: FloatArray
+    near: FloatArray
+    far: FloatArray
+    overhang: FloatArray
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Statics:
+    """Friction that grows with the normal force.
+
+    Attributes
+    ----------
+    subject : the design.
+    spec : what the scene says of friction.
+    senses : of the follower's motion.
+    start : q at cam angle 0 [mm or rad].
+    """
+
+    subject: Subject
+    spec: Spec
+    senses: Senses
+    start: float
+
+    @property
+    def rocks(self) -> bool:
+        """Whether the follower is a rocker."""
+        return isinstance(self.subject.follower, OscillatingRoller)
+
+    @property
+    def reach(self) -> float:
+        """|dW/dq|: 1, or l_3 [mm/rad]."""
+        return abs(self.subject.follower.reach)
+
+    @property
+    def swing(self) -> float:
+        """Angle of the follower a unit of q, counter-clockwise: +1, -1, or 0 in a guide."""
+        return math.copysign(1.0, self.subject.follower.reach) if self.rocks else 0.0
+
+    def state(self, phi: FloatArray, side: Side, sense: int) -> State:
+        """The contact on the inner (+1) or outer (-1) flank.
+
+        Raises
+        ------
+        GeometryError
+            Where the pitch curve has a cusp, Z' = 0.
+        """
+        subject, spec = self.subject, self.spec
+        follower, sigma = subject.follower, subject.rotation
+        jet = subject.motion.jet(phi, side, 1)
+        relative = follower.relative_jet(jet, sigma, 1)
+        speed = subject.pitch_curve.speed(relative)
+        against_cam = (-sense * sigma) * speed / follower.roller_radius
+        spin = (sigma + against_cam) - relative.turning
+        pin = (-0.5 * spec.roller_pin * spec.roller_pin_diameter) * np.sign(spin)
+        rolling = sense * sigma * spec.rolling
+        tangential = (-sense * sigma / follower.roller_radius) * (pin + rolling)
+        outward = math.copysign(1.0, follower.reach)
+        # v of a rocker is counted against sigma times that of a guide, see their `relative_jet`.
+        ahead = -sigma * outward if self.rocks else outward
+        sine, cosine = outward * relative.u / speed, ahead * relative.v / speed
+        across, overhang = np.zeros((2, len(speed)))
+        near, far = -across, across
+        if not self.rocks:
+            # n = (-sigma v, u) / |Z'| and t = (sigma u, v) / |Z'|, across the guide and along it
+            across = sigma * (tangential * relative.u - sense * relative.v) / speed
+            overhang = spec.guide_overhang - outward * (jet[0] - self.start)
+            near, far = -across, np.zeros_like(across)
+            length = spec.guide_length
+            if length is not None:
+                far = (overhang * across - pin) / length
+                near = -((overhang + length) * across - pin) / length
+        return State(
+            jet[1], spin, against_cam, pin, rolling, tangential, sine, cosine, across, near, far,
+            overhang,
+        )  # fmt: skip
+
+    def per_normal(self, phi: FloatArray, side: Side, sense: int) -> FloatArray:
+        """(2, n) generalised force on q [1 or mm/rad] and torque on the cam [mm], see `Friction`.
+
+        By virtual work: f_t t dW/dq - m_p dchi/dq, less mu H or mu d / 2 against the motion; at the
+        cam f_t t W' - omega_r m_p - omega_rc m_r, omega_r the roller's angular velocity. What the
+        cam has to give more than the follower gets is what the bearings and the contact lose.
+        """
+        at = self.state(phi, side, sense)
+        along = self.reach * at.tangential * at.cosine
+        force = along - self.swing * at.pin_moment - self.senses(phi, side) * self.drag(at)
+        turning = at.spin + self.swing * at.velocity  # omega_r
+        torque = along * at.velocity - turning * at.pin_moment - at.against_cam * at.rolling_moment
+        return np.stack((force, torque))
+
+    def drag(self, at: State) -> FloatArray:
+        """(n,) [1 or mm] what guide or pivot take in the sense of q."""
+        spec = self.spec
+        if self.rocks:
+            return np.full(len(at.sine), 0.5 * spec.pivot * spec.pivot_diameter)
+        return np.asarray(spec.guide * (np.abs(at.near) + np.abs(at.far)))
+
+    def margin(self, phi: FloatArray, side: Side, sense: int) -> FloatArray:
+        """(n,) [rad] from the smallest transmission angle at which the cam moves the follower.
+
+        The actual transmission angle mu less the one at which a cam that pushes with the flank
+        `sense` jams, all else as it is; above 0 just where it does not jam. With the signs of the
+        reactions as they are, the force along the path is A sin mu + B cos mu - C per unit of |N|,
+        so that the margin is arccos(C / hypot(A, B)) - |pi/2 - mu - arctan2(B, A)|. Guide friction
+        alone gives A = 1, B = -mu (2 a + b) / b, C = 0: the largest pressure angle of Rothbart,
+        chapter 6, tan alpha = b / (mu (2 a + b)). A pivot alone gives sin mu = mu_b d / (2 l_3),
+        its circle of friction.
+        """
+        at, spec = self.state(phi, side, sense), self.spec
+        pushed = sense * _sign(at.sine)  # sense of q in which this flank pushes
+        ahead = pushed * _sign(at.cosine)  # +1 where t points along the way that it is pushed
+        helping = ahead * at.tangential
+        first, second = np.ones_like(helping), helping
+        if self.rocks:
+            loss = self.drag(at) + pushed * self.swing * at.pin_moment
+            third = loss / self.reach
+        else:
+            # S = turned (cos mu - helping sin mu)
+            outward = math.copysign(1.0, self.subject.follower.reach)
+            turned = -self.subject.rotation * outward * ahead * pushed * sense
+            near, far = -_sign(at.near), _sign(at.far)
+            length = spec.guide_length
+            if length is None:
+                share, offset = near, np.zeros_like(near)
+            else:
+                share = (far * at.overhang + near * (at.overhang + length)) / length
+                offset = (far + near) * at.pin_moment / length
+            lever = spec.guide * turned * share
+            first, second = first + lever * helping, helping - lever
+            third = -spec.guide * offset
+        size = np.hypot(first, second)
+        transmission = np.arctan2(np.abs(at.sine), np.abs(at.cosine))
+        off = 0.5 * math.pi - transmission - np.arctan2(second, first)
+        off -= TURN * np.round(off / TURN)
+        margin: FloatArray = np.arccos(np.clip(third / size, -1.0, 1.0)) - np.abs(off)
+        return margin
+
+
+def _sign(values: FloatArray) -> FloatArray:
+    """(n,) +1 or -1; +1 for 0."""
+    return np.where(values < 0.0, -1.0, 1.0)

@@ -1,0 +1,159 @@
+"""Gravity: the weights of the masses as a force on the follower.
+
+A weight m g does the work m g.dx when its centre of mass moves by dx, so that its generalised force
+is Q = m g.(dx/dq), by virtual work, and its potential energy is V = -m g.x. The centres are those
+of the drawing of the cam, whose x axis points to the right and whose y axis up at cam angle 0; the
+frame does not turn.
+"""
+
+from __future__ import annotations
+
+import cmath
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, Final, Protocol
+
+import numpy as np
+
+from camgeo.check.finding import Finding
+from camgeo.effects.effect import Column, Effect, Request
+from camgeo.effects.force import Force
+from camgeo.motion.motion import Side
+from camgeo.numeric.arrays import ComplexArray, FloatArray
+from camgeo.numeric.extremes import Extreme
+from camgeo.numeric.peaks import piecewise_extremes
+
+STANDARD_GRAVITY: Final = 9806.65
+"""g_n [mm/s^2] (3rd CGPM 1901, resolution on the standard value of the acceleration of gravity;
+ISO 80000-3, acceleration of free fall)."""
+
+N_M: Final = 1e-3
+"""N m a N mm."""
+
+Places = Callable[[FloatArray, Side], ComplexArray]
+
+
+class Weighed(Protocol):
+    """A mass, as `camgeo.effects.inertia` has it."""
+
+    @property
+    def mass(self) -> float: ...
+
+    @property
+    def place(self) -> Places: ...
+
+    @property
+    def per_lift(self) -> Places: ...
+
+
+@dataclass(frozen=True, slots=True)
+class GravitySpec:
+    """The table ``[effects.gravity]``.
+
+    Attributes
+    ----------
+    angle : direction in which weights pull [rad], from the x axis, counter-clockwise.
+    """
+
+    angle: float = -0.5 * math.pi
+
+    @property
+    def pull(self) -> complex:
+        """The acceleration of free fall [mm/s^2]."""
+        return STANDARD_GRAVITY * cmath.rect(1.0, self.angle)
+
+
+def parse(table: Mapping[str, Any]) -> GravitySpec:
+    """The table, numbers converted."""
+    return GravitySpec(**table)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Gravity:
+    """What `compute` gives.
+
+    Attributes
+    ----------
+    force : the generalised force of all weights on the follower [N or N mm], c0 alone, and its
+        potential energy [N mm], which is 0 at cam angle 0.
+    findings, columns, error : see `camgeo.effects.effect.Result`.
+    """
+
+    force: Force
+    findings: tuple[Finding, ...]
+    columns: tuple[Column, ...]
+    error: None = None
+
+
+def compute(request: Request) -> Gravity:
+    """The weights of the masses of ``[effects.inertia]``."""
+    masses: tuple[Weighed, ...] = request.results["inertia"].masses
+    pull = request.spec.pull
+    subject = request.subject
+    start = [each.place(np.zeros(1), "right")[0] for each in masses]
+
+    def on_follower(phi: FloatArray, side: Side) -> FloatArray:
+        out = np.zeros(len(phi))
+        for each in masses:
+            out += each.mass * _along(each.per_lift(phi, side), pull)
+        return out
+
+    def coefficients(phi: FloatArray, side: Side) -> FloatArray:
+        out = np.zeros((4, len(phi)))
+        out[0] = on_follower(phi, side)
+        return out
+
+    def potential(phi: FloatArray, side: Side) -> FloatArray:
+        out = np.zeros(len(phi))
+        for each, first in zip(masses, start, strict=True):
+            out -= each.mass * _along(each.place(phi, side) - first, pull)
+        return out
+
+    rocks = subject.lift_unit == "rad"
+    unit, what = ("N m", "torque") if rocks else ("N", "force")
+
+    def told(phi: FloatArray, side: Side) -> FloatArray:
+        return on_follower(phi, side) * (N_M if rocks else 1.0)
+
+    weight = STANDARD_GRAVITY * sum(each.mass for each in masses)
+    extremes = piecewise_extremes(told, subject.smooth_angles)
+    return Gravity(
+        force=Force("gravity", coefficients, potential),
+        findings=(
+            Finding("weight", "ok", f"weight of all masses {weight:.6g} N", weight, unit="N"),
+            _extreme("largest", what, extremes.highest, unit),
+            _extreme("smallest", what, extremes.lowest, unit),
+        ),
+        columns=(Column(f"weight {what}", unit, told),),
+    )
+
+
+def _along(vectors: ComplexArray, pull: complex) -> FloatArray:
+    """(n,) scalar products."""
+    product: FloatArray = vectors.real * pull.real + vectors.imag * pull.imag
+    return product
+
+
+def _extreme(which: str, what: str, end: Extreme, unit: str) -> Finding:
+    return Finding(
+        name=f"{which}-weight-force",
+        severity="ok",
+        sentence=(
+            f"{which} {what} of the weights on the follower {end.value:.6g} {unit}, positive with"
+            f" growing lift, at cam angle {math.degrees(end.place):.6g} deg"
+        ),
+        value=end.value,
+        unit=unit,
+        cam_angle=math.fmod(end.place, 2.0 * math.pi),
+    )
+
+
+EFFECT: Final = Effect(
+    name="gravity",
+    title="weights",
+    compute=compute,
+    parse=parse,
+    needs=("inertia",),
+    keys=(("effects.inertia",),),
+)

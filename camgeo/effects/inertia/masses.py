@@ -1,0 +1,131 @@
+"""The masses that have a weight, with their places."""
+
+from __future__ import annotations
+
+import cmath
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from camgeo.effects.inertia.spec import InertiaSpec
+from camgeo.mechanism.oscillating_roller import OscillatingRoller
+from camgeo.motion.motion import Side
+from camgeo.numeric.arrays import ComplexArray, FloatArray
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from camgeo.effects.effect import Subject
+    from camgeo.mechanism.slider_crank import SliderCrank
+    from camgeo.mechanism.translating_roller import TranslatingRoller
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Mass:
+    """A mass in its centre.
+
+    Attributes
+    ----------
+    name : "follower", "roller", "rocker", "slider" or "coupler".
+    mass : [t].
+    place : (n,) complex [mm] where it is at n cam angles [rad], seen from the cam axis, as the
+        drawing of the cam has it. A translating follower is taken to be in its roller's centre,
+        and a slider in its pin: where on the body does not matter for a body that does not turn.
+    per_lift : (n,) complex [1 or mm/rad] dx/dq of that place over the follower's coordinate.
+    """
+
+    name: str
+    mass: float
+    place: Callable[[FloatArray, Side], ComplexArray]
+    per_lift: Callable[[FloatArray, Side], ComplexArray]
+
+
+def masses_of(subject: Subject, spec: InertiaSpec) -> tuple[Mass, ...]:
+    """Those of `spec` that are not 0."""
+    follower = subject.follower
+    found = []
+    if isinstance(follower, OscillatingRoller):
+        arm = _arm_at_0(follower)
+        centre = follower.pivot if spec.rocker_centre is None else spec.rocker_centre
+        rocker = _OnRocker(subject, follower, centre - follower.pivot)
+        roller = _OnRocker(subject, follower, arm)
+        found.append(Mass("rocker", spec.rocker_mass, rocker.place, rocker.per_lift))
+        found.append(Mass("roller", spec.roller_mass, roller.place, roller.per_lift))
+        if subject.linkage is not None:
+            slider = _OnCoupler(subject, subject.linkage, follower.pivot, 1.0)
+            coupler = _OnCoupler(subject, subject.linkage, follower.pivot, spec.coupler_centre)
+            found.append(Mass("slider", spec.mass, slider.place, slider.per_lift))
+            found.append(Mass("coupler", spec.coupler_mass, coupler.place, coupler.per_lift))
+    else:
+        guided = _OnGuide(subject, follower)
+        found.append(Mass("follower", spec.mass, guided.place, guided.per_lift))
+        found.append(Mass("roller", spec.roller_mass, guided.place, guided.per_lift))
+    return tuple(each for each in found if each.mass)
+
+
+def _arm_at_0(follower: OscillatingRoller) -> complex:
+    """From the pivot to the roller centre at cam angle 0 [mm]."""
+    angle = cmath.phase(-follower.pivot) + follower.arm_side * follower.start_angle
+    return cmath.rect(follower.arm, angle)
+
+
+@dataclass(frozen=True, slots=True)
+class _OnGuide:
+    """The roller centre of a translating follower."""
+
+    subject: Subject
+    follower: TranslatingRoller
+
+    @property
+    def way(self) -> complex:
+        return self.follower.direction * cmath.rect(1.0, self.follower.guide_angle)
+
+    def place(self, phi: FloatArray, side: Side) -> ComplexArray:
+        follower = self.follower
+        start = complex(follower.offset, follower.start_height)
+        start *= cmath.rect(1.0, follower.guide_angle - 0.5 * math.pi)
+        return np.asarray(start + self.way * self.subject.motion.jet(phi, side, 1)[0])
+
+    def per_lift(self, phi: FloatArray, side: Side) -> ComplexArray:
+        return np.full(len(phi), self.way)
+
+
+@dataclass(frozen=True, slots=True)
+class _OnRocker:
+    """A point of the rocker; `start` leads to it from the pivot at cam angle 0 [mm]."""
+
+    subject: Subject
+    follower: OscillatingRoller
+    start: complex
+
+    def _lever(self, phi: FloatArray, side: Side) -> ComplexArray:
+        swing = self.follower.swing_sense * self.subject.motion.jet(phi, side, 1)[0]
+        return np.asarray(self.start * np.exp(1j * swing))
+
+    def place(self, phi: FloatArray, side: Side) -> ComplexArray:
+        return np.asarray(self.follower.pivot + self._lever(phi, side))
+
+    def per_lift(self, phi: FloatArray, side: Side) -> ComplexArray:
+        return np.asarray(1j * self.follower.swing_sense * self._lever(phi, side))
+
+
+@dataclass(frozen=True, slots=True)
+class _OnCoupler:
+    """A point of the coupler: `share` 0 is the crank's tip, 1 the slider's pin."""
+
+    subject: Subject
+    linkage: SliderCrank
+    pivot: complex
+    share: float
+
+    def place(self, phi: FloatArray, side: Side) -> ComplexArray:
+        pin, tip = self.linkage.joints(self.subject.plan.jet(phi, side)[0])
+        return np.asarray(self.pivot + tip + self.share * (pin - tip))
+
+    def per_lift(self, phi: FloatArray, side: Side) -> ComplexArray:
+        stroke = self.subject.plan.jet(phi, side)[0]
+        slide = self.linkage.slider_sense * self.linkage.per_swing(stroke)[0]
+        _, tip = self.linkage.joints(stroke)
+        return np.asarray((1.0 - self.share) * 1j * tip + self.share * slide)

@@ -1,0 +1,115 @@
+"""What the effect of inertia answers."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from camgeo.check.finding import Finding
+from camgeo.effects.effect import Column
+from camgeo.effects.force import Force
+from camgeo.effects.inertia.masses import Mass, masses_of
+from camgeo.effects.inertia.rates import Train, at_follower, train_of
+from camgeo.effects.inertia.sums import inertia_force, reduced
+from camgeo.effects.inertia.told import Told, lacking
+from camgeo.errors import EffectError
+from camgeo.motion.motion import Side
+from camgeo.numeric.arrays import FloatArray
+
+if TYPE_CHECKING:
+    from camgeo.effects.effect import Request, Subject
+    from camgeo.effects.inertia.spec import InertiaSpec
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Inertia:
+    """What `compute` gives.
+
+    Attributes
+    ----------
+    force : the generalised inertia force on the follower [N or N mm]: c2 and c3.
+    train : the coordinates in which masses move.
+    masses : those with a weight, and their places; 0 is left out.
+    moved : what moves with the demanded motion [t, or t mm^2 for a rocker without linkage].
+    findings, columns, error : see `camgeo.effects.effect.Result`.
+    """
+
+    force: Force
+    train: Train
+    masses: tuple[Mass, ...]
+    moved: float
+    findings: tuple[Finding, ...]
+    columns: tuple[Column, ...]
+    error: None = None
+
+    def to_follower(self, phi: FloatArray, side: Side = "right") -> FloatArray:
+        """M(q) (n,) [t, or t mm^2 for a rocker] at n cam angles: T = M (dq/dt)^2 / 2.
+
+        The sum of m (dx/dq)^2 over all coordinates: equal kinetic energy (Volmer,
+        "Getriebetechnik", on reduced masses; Norton, "Cam Design and Manufacturing Handbook", on
+        effective masses in dynamic models of cam systems).
+        """
+        return reduced(self.train, phi, side)
+
+    def to_cam(self, phi: FloatArray, side: Side = "right") -> FloatArray:
+        """(2, n) J [t mm^2] and dJ/dphi [t mm^2/rad]: T = J omega^2 / 2 at the camshaft.
+
+        J is the sum of m x'^2, which is M q'^2; its derivative that of 2 m x' x''.
+        """
+        out = np.zeros((2, len(phi)))
+        for each in self.train(phi, side):
+            out[0] += each.inertia * each.first * each.first
+            out[1] += 2.0 * each.inertia * each.first * each.second
+        return out
+
+
+def compute(request: Request) -> Inertia:
+    """The inertia of what `request.spec` names.
+
+    Raises
+    ------
+    GeometryError
+        With the key, if the mechanism has no part of which the scene gives the mass.
+    EffectError
+        If a slider or coupler has mass and the rocker cannot move it at some cam angle.
+    """
+    subject, spec = request.subject, request.spec
+    spec.check(subject)
+    train = train_of(subject, spec)
+    _refuse_locked(subject, spec)
+
+    def coefficients(phi: FloatArray, side: Side) -> FloatArray:
+        return inertia_force(train, phi, side)
+
+    force = Force("inertia", coefficients)
+    rocks = subject.lift_unit == "rad"
+    told = Told(subject, request.course, train, rocks)
+    return Inertia(
+        force=force,
+        train=train,
+        masses=masses_of(subject, spec),
+        moved=at_follower(subject, spec) if subject.linkage is None else spec.mass,
+        findings=(*told.findings(), *lacking(subject, spec)),
+        columns=told.columns(),
+    )
+
+
+def _refuse_locked(subject: Subject, spec: InertiaSpec) -> None:
+    linkage = subject.linkage
+    if linkage is None or not (spec.mass or spec.coupler_mass or spec.coupler_moment):
+        return
+    locked = linkage.locked_at(subject.plan)
+    if locked is not None:
+        phi, stroke = locked
+        raise EffectError(
+            "the coupler stands across the guide of the slider at cam angle"
+            f" {math.degrees(phi):.6g} deg, stroke {stroke:.6g} mm: the rocker cannot move the"
+            " slider's mass there, at whatever force; the stroke must keep clear of it",
+            finding="locked-slider",
+            value=stroke,
+            unit="mm",
+            cam_angle=phi,
+        )

@@ -1,0 +1,85 @@
+"""What a scene says of the masses."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Final
+
+from camgeo.errors import GeometryError
+from camgeo.mechanism.oscillating_roller import OscillatingRoller
+
+if TYPE_CHECKING:
+    from camgeo.effects.effect import Subject
+
+OF_ROCKER: Final = ("moment_of_inertia", "rocker_mass", "rocker_centre")
+OF_COUPLER: Final = ("coupler_mass", "coupler_centre", "coupler_moment")
+
+
+@dataclass(frozen=True, slots=True)
+class InertiaSpec:
+    """The table ``[effects.inertia]``; masses in t, moments of inertia in t mm^2, lengths in mm.
+
+    Attributes
+    ----------
+    given : the keys that the table has.
+    mass : of what makes the demanded motion along a straight line.
+    moment_of_inertia : of the rocker about its pivot, with a linkage's crank, without roller.
+    roller_mass : in the roller's centre.
+    rocker_mass : without roller, for weight and unbalance.
+    rocker_centre : of the rocker's mass at cam angle 0, seen from the cam axis; None: the pivot.
+    coupler_mass : of the coupler of a linkage.
+    coupler_centre : of its mass on the line of its joints, 0 at the crank's tip, 1 at the pin.
+    coupler_moment : about its centre of mass; None: of a slender rod.
+    """
+
+    given: frozenset[str] = frozenset()
+    mass: float = 0.0
+    moment_of_inertia: float = 0.0
+    roller_mass: float = 0.0
+    rocker_mass: float = 0.0
+    rocker_centre: complex | None = None
+    coupler_mass: float = 0.0
+    coupler_centre: float = 0.5
+    coupler_moment: float | None = None
+
+    def check(self, subject: Subject) -> None:
+        """Raise GeometryError, with the key of the scene, if the mechanism has no such mass."""
+        rocks = isinstance(subject.follower, OscillatingRoller)
+        linked = subject.linkage is not None
+        refused: list[tuple[tuple[str, ...], str]] = []
+        if not rocks:
+            refused.append((OF_ROCKER, "the follower is no rocker; a translating one has a mass"))
+        elif not linked:
+            message = "nothing makes a straight motion here; a rocker has a moment_of_inertia"
+            refused.append((("mass",), message))
+        if not linked:
+            refused.append((OF_COUPLER, "there is no coupler without [linkage]"))
+        for keys, message in refused:
+            for key in keys:
+                if key in self.given:
+                    raise GeometryError(message, key=f"effects.inertia.{key}")
+
+
+def parse(table: Mapping[str, Any]) -> InertiaSpec:
+    """The table, numbers converted.
+
+    Raises
+    ------
+    GeometryError
+        With the key, if a centre or moment is given of what has no mass.
+    """
+    for key, mass in (
+        ("rocker_centre", "rocker_mass"),
+        ("coupler_centre", "coupler_mass"),
+        ("coupler_moment", "coupler_mass"),
+    ):
+        if key in table and mass not in table:
+            raise GeometryError(f"needs {mass}, which is missing", key=key)
+    centre = table.get("rocker_centre")
+    rest = {key: value for key, value in table.items() if key != "rocker_centre"}
+    return InertiaSpec(
+        given=frozenset(table),
+        rocker_centre=None if centre is None else complex(*centre),
+        **rest,
+    )

@@ -1,0 +1,163 @@
+"""Findings and columns of the inertia."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final, Literal
+
+import numpy as np
+
+from camgeo.check.finding import Finding
+from camgeo.effects.effect import Column
+from camgeo.effects.force import at_rates
+from camgeo.effects.inertia.rates import DirectTrain, Train
+from camgeo.effects.inertia.sums import inertia_force, reduced
+from camgeo.mechanism.oscillating_roller import OscillatingRoller
+from camgeo.motion.joints import breaks
+from camgeo.motion.motion import Side
+from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.peaks import piecewise_extremes
+
+if TYPE_CHECKING:
+    from camgeo.effects.effect import Subject
+    from camgeo.effects.inertia.spec import InertiaSpec
+    from camgeo.motion.time_course import TimeCourse
+    from camgeo.numeric.extremes import Extreme
+
+KG: Final = 1e3
+"""Kilograms a tonne."""
+
+KG_M2: Final = 1e-3
+"""kg m^2 a t mm^2."""
+
+N_M: Final = 1e-3
+"""N m a N mm."""
+
+WRITTEN: Final = 1e-3
+"""Share by which a moment of inertia that was written in a few digits may be too small."""
+
+
+def lacking(subject: Subject, spec: InertiaSpec) -> tuple[Finding, ...]:
+    """A warning if the rocker's moment of inertia is less than its mass alone has by its distance.
+
+    By the parallel axis theorem (Steiner) the moment about the pivot is m r^2 and what the body has
+    about its centre of mass.
+    """
+    follower = subject.follower
+    if spec.rocker_centre is None or not isinstance(follower, OscillatingRoller):
+        return ()
+    least = spec.rocker_mass * abs(spec.rocker_centre - follower.pivot) ** 2
+    if spec.moment_of_inertia >= least * (1.0 - WRITTEN):
+        return ()
+    value, bound = KG_M2 * spec.moment_of_inertia, KG_M2 * least
+    return (
+        Finding(
+            name="rocker-moment-of-inertia",
+            severity="warning",
+            sentence=(
+                f"the rocker's moment of inertia {value:.6g} kg m^2 is less than the"
+                f" {bound:.6g} kg m^2 that its mass has about the pivot as a point in its centre"
+            ),
+            value=value,
+            limit=bound,
+            unit="kg m^2",
+        ),
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class Told:
+    """Findings and columns."""
+
+    subject: Subject
+    course: TimeCourse
+    train: Train
+    rocks: bool
+
+    @property
+    def what(self) -> Literal["mass", "moment of inertia"]:
+        return "moment of inertia" if self.rocks else "mass"
+
+    @property
+    def unit(self) -> str:
+        return "kg m^2" if self.rocks else "kg"
+
+    def mass(self, phi: FloatArray, side: Side) -> FloatArray:
+        """Reduced to the follower, in `unit`."""
+        return reduced(self.train, phi, side) * (KG_M2 if self.rocks else KG)
+
+    def at_cam(self, phi: FloatArray, side: Side) -> FloatArray:
+        """Reduced to the camshaft [kg m^2]."""
+        moment = sum(each.inertia * each.first * each.first for each in self.train(phi, side))
+        return np.asarray(KG_M2 * moment)
+
+    def force(self, phi: FloatArray, side: Side) -> FloatArray:
+        """At the speed of the scene [N or N m]."""
+        found = at_rates(inertia_force(self.train, phi, side), self.course.rates(phi))
+        return found * N_M if self.rocks else found
+
+    def columns(self) -> tuple[Column, ...]:
+        name = "inertia torque" if self.rocks else "inertia force"
+        return (
+            Column(f"reduced {self.what}", self.unit, self.mass),
+            Column(name, "N m" if self.rocks else "N", self.force),
+        )
+
+    def findings(self) -> tuple[Finding, ...]:
+        edges = self.subject.smooth_angles
+        at_cam = piecewise_extremes(self.at_cam, edges).highest
+        name = f"reduced-{self.what.replace(' ', '-')}"
+        at = f"{self.what} reduced to the follower"
+        found = []
+        if isinstance(self.train, DirectTrain):  # the same at all cam angles
+            value = float(self.mass(np.zeros(1), "right")[0])
+            sentence = f"{at} {value:.6g} {self.unit}"
+            found.append(Finding(name, "ok", sentence, value=value, unit=self.unit))
+        else:
+            masses = piecewise_extremes(self.mass, edges)
+            for which, end in (("largest", masses.highest), ("smallest", masses.lowest)):
+                found.append(self._extreme(f"{which}-{name}", f"{which} {at}", end, self.unit))
+        found.append(
+            self._extreme(
+                "largest-moment-at-cam",
+                "largest moment of inertia reduced to the camshaft",
+                at_cam,
+                "kg m^2",
+            )
+        )
+        found.append(self._largest_force(edges))
+        return tuple(found)
+
+    def _largest_force(self, edges: FloatArray) -> Finding:
+        forces = piecewise_extremes(self.force, edges)
+        worst = max(forces.lowest, forces.highest, key=lambda end: abs(end.value))
+        unit, what = ("N m", "torque") if self.rocks else ("N", "force")
+        shocks = [each for each in breaks(self.subject.plan) if each.order < 1]
+        if not shocks or not forces.magnitude:
+            return self._extreme("largest-inertia-force", f"largest inertia {what}", worst, unit)
+        angle = shocks[0].cam_angle
+        return Finding(
+            name="largest-inertia-force",
+            severity="warning",
+            sentence=(
+                f"the inertia {what} is infinite at a shock at cam angle"
+                f" {math.degrees(angle):.6g} deg; elsewhere largest {worst.value:.6g} {unit} at"
+                f" {math.degrees(worst.place):.6g} deg"
+            ),
+            unit=unit,
+            cam_angle=angle,
+        )
+
+    @staticmethod
+    def _extreme(name: str, what: str, end: Extreme, unit: str) -> Finding:
+        return Finding(
+            name=name,
+            severity="ok",
+            sentence=(
+                f"{what} {end.value:.6g} {unit}, at cam angle {math.degrees(end.place):.6g} deg"
+            ),
+            value=end.value,
+            unit=unit,
+            cam_angle=math.fmod(end.place, 2.0 * math.pi),
+        )

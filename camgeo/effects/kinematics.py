@@ -1,0 +1,149 @@
+"""Kinematics: velocity, acceleration and jerk in time, of what is demanded and of the follower.
+
+VDI 2143-1, eqs. (1) to (4), as `camgeo.motion.time_course` has them.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from camgeo.check.finding import Finding
+from camgeo.effects.effect import SPEED, Column, Effect, Request
+from camgeo.motion.joints import breaks
+from camgeo.motion.law_extremes import extremes_at_turns
+from camgeo.motion.motion import Side
+from camgeo.motion.time_course import (
+    ConstantSpeed,
+    LiftUnit,
+    TimeCourse,
+    TimeExtremes,
+    in_time,
+    time_extremes,
+)
+from camgeo.numeric.arrays import FloatArray
+from camgeo.units import TURN
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from camgeo.effects.effect import Subject
+    from camgeo.motion.motion import Motion
+    from camgeo.numeric.extremes import Extreme
+
+NAMES: Final = ("velocity", "acceleration", "jerk")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Kinematics:
+    """What `compute` gives; see `camgeo.effects.effect.Result`."""
+
+    findings: tuple[Finding, ...]
+    columns: tuple[Column, ...]
+    error: None = None
+
+
+@dataclass(frozen=True, slots=True)
+class _Moving:
+    """A motion, and how it is told.
+
+    Attributes
+    ----------
+    prefix : of the names of its findings and columns: "" for what is demanded, "rocker ".
+    order : of the highest derivative that is continuous all over the turn.
+    """
+
+    prefix: str
+    motion: Motion
+    unit: LiftUnit
+    order: int
+    extremes: TimeExtremes
+
+    @property
+    def scale(self) -> float:
+        return 1.0 if self.unit == "mm" else math.degrees(1.0)
+
+    def per(self, power: int) -> str:
+        length = "mm" if self.unit == "mm" else "deg"
+        return f"{length}/s" if power == 1 else f"{length}/s^{power}"
+
+    def columns(self, course: TimeCourse) -> Iterator[Column]:
+        for power, name in enumerate(NAMES, start=1):
+
+            def values(phi: FloatArray, side: Side, power: int = power) -> FloatArray:
+                timed = in_time(self.motion.jet(phi, side), course, phi)
+                found: FloatArray = self.scale * timed[power]
+                return found
+
+            yield Column(f"{self.prefix}{name}", self.per(power), values)
+
+    def findings(self) -> Iterator[Finding]:
+        extremes = (self.extremes.velocity, self.extremes.acceleration, self.extremes.jerk)
+        for power, (name, values) in enumerate(zip(NAMES, extremes, strict=True), start=1):
+            # Where a derivative jumps the next one is infinite.
+            bounded = self.order >= power - 1
+            for which, end in (("highest", values.highest), ("lowest", values.lowest)):
+                yield self._finding(f"{which} {self.prefix}{name}", end, power, bounded=bounded)
+
+    def _finding(self, what: str, end: Extreme, power: int, *, bounded: bool) -> Finding:
+        value, unit = self.scale * end.value, self.per(power)
+        sentence = f"{value:.6g} {unit} at cam angle {math.degrees(end.place):.6g} deg"
+        if not bounded:
+            jumps = "a shock" if power < len(NAMES) else "a shock or a jerk"
+            sentence = f"infinite at {jumps}; elsewhere {sentence}"
+        return Finding(
+            name=what.replace(" ", "-"),
+            severity="ok",
+            sentence=f"{what} {sentence}",
+            value=value if bounded else None,
+            unit=unit,
+            cam_angle=math.fmod(end.place, TURN) if bounded else None,
+        )
+
+
+def compute(request: Request) -> Kinematics:
+    """The motion in time at the speed of the scene."""
+    subject, course = request.subject, request.course
+    moving = _motions(subject, course)
+    start, end = course.time(np.array([0.0, TURN]))
+    turn = float(end - start)
+    time = Finding("turn-time", "ok", f"a turn takes {turn:.6g} s", turn, unit="s")
+
+    def since_start(phi: FloatArray, _side: Side) -> FloatArray:
+        found: FloatArray = course.time(phi)
+        return found
+
+    columns = [Column("time", "s", since_start)]
+    for each in moving:
+        columns += each.columns(course)
+    findings = (time, *(found for each in moving for found in each.findings()))
+    return Kinematics(findings, tuple(columns))
+
+
+def _motions(subject: Subject, course: TimeCourse) -> list[_Moving]:
+    """What is demanded and, behind a linkage, what the rocker does."""
+    plan = subject.plan
+    order = min(joint.order for joint in breaks(plan))
+    unit: LiftUnit = "mm" if subject.linkage is not None else subject.lift_unit
+    demanded = None
+    if isinstance(course, ConstantSpeed):
+        demanded = extremes_at_turns(plan, course, unit)
+    demanded = demanded or time_extremes(plan, course, unit)
+    found = [_Moving("", plan, unit, order, demanded)]
+    if subject.linkage is not None:
+        # A linkage that closes is smooth: it takes shocks and jerks over, and adds none.
+        motion = subject.motion
+        of_rocker = time_extremes(motion, course, "rad")
+        found.append(_Moving("rocker ", motion, "rad", order, of_rocker))
+    return found
+
+
+EFFECT: Final = Effect(
+    name="kinematics",
+    title="motion in time",
+    compute=compute,
+    keys=(SPEED,),
+)

@@ -1,0 +1,100 @@
+"""Effect `lift-off`: where the roller leaves its flank, from which speed on, and what keeps it.
+
+In a groove: which flank carries, where they change, and the impact at the end of the clearance.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Final
+
+from camgeo.check.finding import Finding
+from camgeo.effects.effect import Column, Effect, Request
+from camgeo.effects.lift_off.inputs import Contact, Flank, Inertia, Spring
+from camgeo.effects.lift_off.of_flank import OfFlank, of_flank
+from camgeo.effects.lift_off.of_groove import OfGroove, of_groove
+from camgeo.errors import GeometryError
+
+NAME: Final = "lift-off"
+
+
+@dataclass(frozen=True, slots=True)
+class Spec:
+    """What the scene says.
+
+    Attributes
+    ----------
+    margin : contact force that has to remain [N].
+    backlash : clearance of the roller in a groove [mm].
+    """
+
+    margin: float = 0.0
+    backlash: float = 0.0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LiftOff:
+    """What is found of the contact.
+
+    Attributes
+    ----------
+    findings, columns, error : see `camgeo.effects.effect.Result`; the error is that of the impact
+        speeds.
+    flank : for a roller on one flank, else None.
+    groove : for a roller in a groove, else None.
+    """
+
+    findings: tuple[Finding, ...]
+    flank: OfFlank | None = None
+    groove: OfGroove | None = None
+    error: float | None = None
+    columns: tuple[Column, ...] = ()
+
+
+def parse(table: Mapping[str, Any]) -> Spec:
+    """From the table of the scene."""
+    return Spec(table.get("margin", 0.0), table.get("backlash", 0.0))
+
+
+def compute(request: Request) -> LiftOff:
+    """What becomes of the contact.
+
+    Raises
+    ------
+    GeometryError
+        If the scene gives a margin for a roller in a groove, which leaves its flanks all the time,
+        or a backlash for one that touches one flank only.
+    """
+    subject, spec = request.subject, request.spec
+    contact: Contact = request.results["contact-force"]
+    inertia: Inertia | None = request.results.get("inertia")
+    if subject.contact == "groove":
+        if spec.margin > 0.0:
+            raise GeometryError(
+                "a margin is for a roller on one flank; in a groove the force changes its sign",
+                key=f"effects.{NAME}.margin",
+                value=f"{spec.margin:g}",
+            )
+        groove = of_groove(subject, contact, inertia, spec.backlash)
+        return LiftOff(groove.findings, groove=groove, error=groove.error)
+    if spec.backlash > 0.0:
+        raise GeometryError(
+            'a backlash is for a roller in a groove, contact = "groove"',
+            key=f"effects.{NAME}.backlash",
+            value=f"{spec.backlash:g}",
+        )
+    spring: Spring | None = request.results.get("spring")
+    sense = 1 if subject.contact == "inner" else -1
+    flank = of_flank(Flank(subject, contact, sense, spec.margin, inertia), spring)
+    return LiftOff(flank.findings, flank=flank)
+
+
+EFFECT: Final = Effect(
+    name=NAME,
+    title="where the roller leaves its flank, from which speed on, and what keeps it",
+    compute=compute,
+    parse=parse,
+    needs=("contact-force",),
+    uses=("inertia", "spring"),
+)

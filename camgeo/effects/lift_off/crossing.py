@@ -1,0 +1,155 @@
+"""The flight of the roller across its clearance in a groove, and the impact at its end.
+
+Where the flank that carries has to change, the roller leaves the one and is free until it has
+crossed the backlash. Free, the follower lacks the generalised force R of the contact: its
+coordinate departs by d from the one prescribed, and M d'' = -R with M its generalised mass. As the
+backlash is small, R and M are taken at the prescribed motion, and the gap at the flank that was
+left is |dn/dq d|, dn/dq the leverage of the normal: Newton's law, to first order in the backlash
+(form-closed cams with clearance: Norton, Cam Design and Manufacturing Handbook, on crossover
+shock; Volmer, Kurvengetriebe). Where R passes 0 steadily, d grows as R' t^3 / (6 M). The impact
+speed is the rate of the gap when the gap is the backlash.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from camgeo.effects.force import at_rates
+from camgeo.effects.lift_off.flanks import Change
+from camgeo.effects.lift_off.inputs import Flank, Inertia
+from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.roots import bracketed_roots, sign_changes
+from camgeo.units import TURN
+
+Polynomial = np.polynomial.Chebyshev
+
+ORDERS: Final = (16, 24)
+"""Nodes per cell of the solution from which the error is estimated, and of the one that is told."""
+
+FIRST_CELL: Final = 2.0**-16
+"""Share of a smooth piece that the first cell has; each is twice as long as the one before, so that
+a short flight is resolved as well as a long one."""
+
+LONGEST_CELL: Final = 0.25
+"""Share of a smooth piece that a cell has at most."""
+
+PROBES: Final = 65
+"""Points of a cell among which the end of the flight is looked for."""
+
+
+@dataclass(frozen=True, slots=True)
+class Impact:
+    """The end of a flight.
+
+    Attributes
+    ----------
+    cam_angle : [rad] in [0, 2 pi).
+    duration : of the flight, as cam angle [rad].
+    speed : of roller against flank along the normal [mm/s].
+    crossed : whether the roller has crossed the clearance; if not, it is back on its flank.
+    error : estimate of the error of `speed`, as a share of it.
+    """
+
+    cam_angle: float
+    duration: float
+    speed: float
+    crossed: bool
+    error: float
+
+
+def impact_after(
+    change: Change, flank: Flank, inertia: Inertia, edges: FloatArray, backlash: float
+) -> Impact | None:
+    """The impact after `change`, None if the flight does not end within a turn.
+
+    Parameters
+    ----------
+    flank : its contact and subject are looked at.
+    inertia : its mass must be above 0 all over the flight.
+    edges : (k,) cam angles [rad] from 0 to 2 pi between which forces are smooth.
+    backlash : [mm], above 0.
+    """
+    rough, fine = (_flight(change, flank, inertia, edges, backlash, n) for n in ORDERS)
+    if fine is None:
+        return None
+    angle, speed, crossed = fine
+    error = 1.0 if rough is None or rough[2] != crossed else abs(rough[1] - speed) / abs(speed)
+    return Impact(
+        cam_angle=angle % TURN,
+        duration=angle - change.leaving,
+        speed=abs(speed),
+        crossed=crossed,
+        error=max(error, 2.0**-52),
+    )
+
+
+def _flight(
+    change: Change, flank: Flank, inertia: Inertia, edges: FloatArray, backlash: float, nodes: int
+) -> tuple[float, float, bool] | None:
+    """Cam angle [rad] of the impact, rate of the gap [mm/s] there, and whether it has crossed."""
+    x = np.cos(np.pi * (np.arange(nodes) + 0.5) / nodes)[::-1]
+    fit = np.linalg.inv(np.polynomial.chebyshev.chebvander(x, nodes - 1))
+    course = flank.subject.time_course
+    assert course is not None  # there is inertia, which needs a speed
+    velocity = way = 0.0
+    for low, high in _cells(change.leaving, edges):
+        angles = 0.5 * (low + high) + 0.5 * (high - low) * x
+        phi = np.mod(angles, TURN)
+        rates = course.rates(phi)
+        lever = flank.subject.pitch_curve.leverage(phi, "right")
+        needed = at_rates(flank.contact.required(phi, "right"), rates)
+        push = -needed / inertia.to_follower(phi, "right")
+
+        def integral(values: FloatArray, start: float, ends: tuple[float, float]) -> Polynomial:
+            return Polynomial(fit @ values, ends).integ(lbnd=ends[0]) + start
+
+        rate = integral(push / rates[0], velocity, (low, high))
+        path = integral(rate(angles) / rates[0], way, (low, high))
+        gap = Polynomial(fit @ (change.sense * lever * path(angles)), (low, high))
+        end = _first(gap, low, high, backlash)
+        if end is not None:
+            angle, crossed = end
+            omega = float(course.rates(np.array([angle % TURN]))[0, 0])
+            return angle, float(gap.deriv()(angle)) * omega, crossed
+        velocity, way = float(rate(high)), float(path(high))
+    return None
+
+
+def _first(
+    gap: Callable[[FloatArray], FloatArray], low: float, high: float, backlash: float
+) -> tuple[float, bool] | None:
+    """Where in a cell the gap is the backlash (True) or closes again (False) for the first time."""
+    probes = np.linspace(low, high, PROBES)
+    values = gap(probes)
+    found = []
+    # What is left of a closing gap is rounding if it is below this; at the start it is 0.
+    for level, crossed in ((backlash, True), (-1e-9 * backlash, False)):
+        ends = sign_changes(probes, values - level)
+        roots = bracketed_roots(lambda x, level=level: gap(x) - level, *ends)  # type: ignore[misc]
+        found += [(float(root), crossed) for root in roots[:1]]
+    return min(found) if found else None
+
+
+def _cells(start: float, edges: FloatArray) -> Iterator[tuple[float, float]]:
+    """Cells [rad] from `start` on over one turn, short at first, none across one of `edges`."""
+    ahead = np.concatenate((edges[:-1], edges[:-1] + TURN))
+    stops = [start, *ahead[(ahead > start) & (ahead < start + TURN)], start + TURN]
+    size = FIRST_CELL
+    for low, high in itertools.pairwise(stops):
+        length = high - low
+        if length <= 8.0 * math.ulp(high):
+            continue
+        place = low
+        while place < high:
+            end = min(place + size * length, high)
+            if high - end < 0.5 * size * length:
+                end = high
+            yield float(place), float(end)
+            place = end
+            size = min(2.0 * size, LONGEST_CELL)

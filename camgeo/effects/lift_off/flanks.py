@@ -1,0 +1,47 @@
+"""Which flank of a groove carries, and where the roller changes from one to the other."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from camgeo.effects.lift_off.inputs import Contact
+from camgeo.effects.lift_off.ranges import runs
+
+
+@dataclass(frozen=True, slots=True)
+class Change:
+    """The roller leaves one flank for the other.
+
+    Attributes
+    ----------
+    leaving : cam angle [rad] in [0, 2 pi) up to which the one carries.
+    carrying : from which the other does; the same if no force-free stretch lies between.
+    sense : of the flank that is left, +1 for the inner one, -1 for the outer one.
+    """
+
+    leaving: float
+    carrying: float
+    sense: int
+
+
+def flank_changes(contact: Contact) -> tuple[int, tuple[Change, ...]]:
+    """The flank that carries at first, 0 if none ever does, and the changes of a turn.
+
+    `contact.edges` has all places at which the force changes its sign. Stretches without force
+    belong to no flank.
+    """
+    edges = contact.edges
+    sign = np.sign(contact.normal(0.5 * (edges[:-1] + edges[1:]), "right")).astype(int)
+    both = [(pieces, sense) for sense in (1, -1) for pieces in runs(sign == sense)]
+    if not both:
+        return 0, ()
+    both.sort(key=lambda each: each[0][0])
+    found = []
+    for (pieces, sense), (others, other) in zip(both, both[1:] + both[:1], strict=True):
+        if sense != other:
+            leaving, carrying = edges[pieces[-1] + 1], edges[others[0]]
+            found.append(Change(float(leaving % edges[-1]), float(carrying), sense))
+    found.sort(key=lambda change: change.leaving)
+    return both[0][1], tuple(found)

@@ -1,0 +1,141 @@
+"""What lift-off takes from other effects, and the flank that the roller has to keep to."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Final, Protocol
+
+import numpy as np
+
+from camgeo.effects.effect import Subject
+from camgeo.effects.force import Force
+from camgeo.motion.joints import breaks
+from camgeo.motion.motion import Side
+from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.extremes import Extreme, Extremes
+
+FLANKS: Final = {1: "inner", -1: "outer"}
+
+ROUNDING: Final = 64.0 * 2.0**-52
+"""Forces whose sum is below this share of their magnitudes cancel: what is left is rounding."""
+
+TOUCH: Final = 1e-12
+"""A force below this share of the largest one of the turn is none."""
+
+
+class Contact(Protocol):
+    """The result of the effect `contact-force`."""
+
+    @property
+    def edges(self) -> FloatArray: ...
+
+    @property
+    def extremes(self) -> Extremes:
+        """Smallest and largest force of the turn."""
+
+    @property
+    def forces(self) -> tuple[Force, ...]: ...
+
+    def normal(self, phi: FloatArray, side: Side) -> FloatArray: ...
+
+    def required(self, phi: FloatArray, side: Side) -> FloatArray: ...
+
+    def bracket(self, phi: FloatArray, side: Side, sense: int) -> FloatArray: ...
+
+
+class Inertia(Protocol):
+    """The result of the effect `inertia`."""
+
+    to_follower: Callable[[FloatArray, Side], FloatArray]
+
+
+class Spring(Protocol):
+    """The result of the effect `spring`."""
+
+    preload: float
+    stiffness: float
+    per_preload: Callable[[FloatArray, Side], FloatArray]
+    per_stiffness: Callable[[FloatArray, Side], FloatArray]
+    unit_of_preload: str
+    unit_of_stiffness: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Flank:
+    """The flank on which a roller that touches one flank only has to stay.
+
+    Attributes
+    ----------
+    subject : the design.
+    contact : the contact force.
+    sense : +1 for the inner flank, -1 for the outer one.
+    margin : contact force that has to remain [N].
+    inertia : None if there is none.
+    """
+
+    subject: Subject
+    contact: Contact
+    sense: int
+    margin: float
+    inertia: Inertia | None = None
+
+    def force(self, phi: FloatArray, side: Side) -> FloatArray:
+        """(n,) [N] force on the flank at the scene's speed, negative where it had to pull."""
+        return self.sense * self.contact.normal(phi, side)
+
+    @property
+    def lowest(self) -> Extreme:
+        """The smallest `force` of the turn."""
+        extremes = self.contact.extremes
+        if self.sense > 0:
+            return extremes.lowest
+        return Extreme(-extremes.highest.value, extremes.highest.place)
+
+    def outwards(self, phi: FloatArray, side: Side) -> FloatArray:
+        """(n,) sense on q in which the flank pushes, +1 or -1."""
+        return self.sense * np.sign(self.subject.pitch_curve.leverage(phi, side))
+
+    def leaps(self) -> tuple[float, ...]:
+        """Cam angles [rad] at which the velocity jumps away from the flank, and there is a mass.
+
+        No finite force holds it to the flank there.
+        """
+        if self.inertia is None:
+            return ()
+        motion, found = self.subject.motion, []
+        for joint in breaks(self.subject.plan):
+            if joint.order >= 1:
+                continue
+            here = np.array([joint.cam_angle])
+            jump = motion.jet(here, "right")[1] - motion.jet(here, "left")[1]
+            away = jump * self.outwards(here, "right") < 0.0
+            if away[0] and self.inertia.to_follower(here, "right")[0] > 0.0:
+                found.append(joint.cam_angle)
+        return tuple(found)
+
+    def reserve(
+        self, phi: FloatArray, side: Side, outwards: FloatArray | None = None
+    ) -> FloatArray:
+        """(3, n) r0, r1, r2 [N or N mm]: r0 + f r1 + f^2 r2 is what is left over the margin.
+
+        It is the generalised force of the contact, in the sense in which the flank pushes, less
+        that of the margin, if the time course of the scene is run f times as fast: omega grows
+        with f, alpha with f^2. It has the sign of the force on the flank less the margin.
+        """
+        course = self.subject.time_course
+        omega, alpha = np.zeros((2, len(phi))) if course is None else course.rates(phi)[:2]
+        needed = np.zeros((3, len(phi)))
+        size = np.zeros((3, len(phi)))
+        for force in self.contact.forces:
+            c0, c1, c2, c3 = force.coefficients(phi, side)
+            parts = np.stack((c0, c1 * omega, c2 * omega * omega + c3 * alpha))
+            needed -= parts
+            size += np.abs(parts)
+        if self.margin:
+            bracket = self.margin * self.contact.bracket(phi, side, self.sense)
+            needed[0] -= bracket
+            size[0] += np.abs(bracket)
+        needed[np.abs(needed) <= ROUNDING * size] = 0.0
+        needed *= self.outwards(phi, side) if outwards is None else outwards
+        return needed

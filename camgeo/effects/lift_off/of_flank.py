@@ -1,0 +1,226 @@
+"""A roller on one flank: where it is lost, from which speed on, and the spring that keeps it."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from camgeo.check.finding import Finding
+from camgeo.effects.lift_off.inputs import FLANKS, TOUCH, Flank, Spring
+from camgeo.effects.lift_off.ranges import Range, ranges_below
+from camgeo.effects.lift_off.sizing import Least, least_preload, least_stiffness
+from camgeo.effects.lift_off.speed import LiftOffSpeed, lift_off_speed
+from camgeo.motion.time_course import TimeCourse
+from camgeo.numeric.extremes import Extreme
+from camgeo.units import RPM, TURN
+
+N_M = 1e-3
+"""From N mm to N m."""
+
+
+@dataclass(frozen=True, slots=True)
+class OfFlank:
+    """What is found of a roller on one flank.
+
+    Attributes
+    ----------
+    findings : see `camgeo.effects.effect.Result`.
+    lowest : smallest force [N] on the flank.
+    lost : where it is below the margin.
+    speed : at which it first is; None if the scene gives no speed.
+    preload, stiffness : least values [N, N/mm or N mm, N mm/rad]; None if there is no spring.
+    """
+
+    findings: tuple[Finding, ...]
+    lowest: Extreme
+    lost: tuple[Range, ...]
+    speed: LiftOffSpeed | None
+    preload: Least | None
+    stiffness: Least | None
+
+
+def of_flank(flank: Flank, spring: Spring | None) -> OfFlank:
+    """All that is found of `flank`."""
+    edges, course = flank.contact.edges, flank.subject.time_course
+    lowest, least = flank.lowest, TOUCH * flank.contact.extremes.magnitude
+    limit = flank.margin - least
+    lost = ranges_below(flank.force, edges, limit, lowest) if lowest.value < limit else ()
+    leaps = flank.leaps()
+    found = [_lost(flank, each) for each in lost] + [_leap(flank, each) for each in leaps]
+    if not found:
+        found.append(_kept(flank, lowest))
+    if not lost and flank.margin == 0.0 and lowest.value <= least:
+        found.append(_touching(lowest))
+    speed = None
+    if course is not None:
+        speed = LiftOffSpeed(0.0, leaps[0]) if leaps else lift_off_speed(flank, edges)
+    if course is not None and speed is not None:
+        found.append(_speed(flank, speed, course, bool(lost or leaps)))
+    preload = stiffness = None
+    if spring is not None:
+        never = Least(None, leaps[0]) if leaps else None
+        preload = never or least_preload(flank, spring, edges)
+        stiffness = never or least_stiffness(flank, spring, edges)
+        found.append(
+            _least("preload", preload, spring.preload, spring.unit_of_preload, "stiffness")
+        )
+        found.append(
+            _least("stiffness", stiffness, spring.stiffness, spring.unit_of_stiffness, "preload")
+        )
+    return OfFlank(tuple(found), lowest, lost, speed, preload, stiffness)
+
+
+def _degrees(angle: float) -> str:
+    return f"{math.degrees(angle % TURN):.4f} deg"
+
+
+def _leaves(flank: Flank) -> str:
+    return f"leaves the {FLANKS[flank.sense]} flank"
+
+
+def _short(flank: Flank) -> str:
+    """The same with a margin: what the roller does where less than that remains."""
+    if not flank.margin:
+        return _leaves(flank)
+    return f"keeps less than {flank.margin:g} N on the {FLANKS[flank.sense]} flank"
+
+
+def _lost(flank: Flank, stretch: Range) -> Finding:
+    low = stretch.lowest
+    whole = stretch.end - stretch.start == TURN
+    where = (
+        "all the turn"
+        if whole
+        else f"from cam angle {_degrees(stretch.start)} to {_degrees(stretch.end)}"
+    )
+    told = _leaves(flank) if low.value < 0.0 else _short(flank)
+    return Finding(
+        name="lift-off",
+        severity="broken",
+        sentence=(
+            f"the roller {told} {where}: the contact force falls to {low.value:.6g} N at"
+            f" {_degrees(low.place)}"
+        ),
+        value=low.value,
+        limit=flank.margin,
+        unit="N",
+        cam_angle=low.place % TURN,
+        cam_range=(stretch.start, stretch.end if whole else stretch.end % TURN),
+    )
+
+
+def _leap(flank: Flank, angle: float) -> Finding:
+    return Finding(
+        name="lift-off",
+        severity="broken",
+        sentence=(
+            f"the roller leaves the {FLANKS[flank.sense]} flank at cam angle {_degrees(angle)}:"
+            " the velocity jumps away from it, and no force holds it for this moment"
+        ),
+        limit=flank.margin,
+        unit="N",
+        cam_angle=angle,
+    )
+
+
+def _kept(flank: Flank, low: Extreme) -> Finding:
+    return Finding(
+        name="lift-off",
+        severity="ok",
+        sentence=(
+            f"the roller stays on the {FLANKS[flank.sense]} flank: smallest contact force"
+            f" {low.value:.6g} N at cam angle {_degrees(low.place)}, at least {flank.margin:g} N"
+        ),
+        value=low.value,
+        limit=flank.margin,
+        unit="N",
+        cam_angle=low.place % TURN,
+    )
+
+
+def _touching(low: Extreme) -> Finding:
+    return Finding(
+        name="contact-touches-zero",
+        severity="warning",
+        sentence=(
+            f"the contact force falls to 0 N at cam angle {_degrees(low.place)} and not below: the"
+            " roller is held by nothing there"
+        ),
+        value=0.0,
+        limit=0.0,
+        unit="N",
+        cam_angle=low.place % TURN,
+    )
+
+
+def _speed(flank: Flank, found: LiftOffSpeed, course: TimeCourse, lost: bool) -> Finding:
+    """The speed of lift-off against that of the scene, as mean over a turn."""
+    mean = mean_speed(course) / RPM
+    if math.isinf(found.factor):
+        return Finding(
+            name="lift-off-speed",
+            severity="ok",
+            sentence=f"there is no speed at which the roller {_short(flank)}",
+            limit=mean,
+            unit="rev/min",
+        )
+    value = found.factor * mean
+    if value == 0.0:
+        sentence = f"the roller {_short(flank)} at any speed,"
+    else:
+        sentence = f"the roller first {_short(flank)} at {value:.6g} rev/min,"
+    early = found.factor <= 1.0
+    tail = f"; the cam turns at {mean:.6g} rev/min"
+    if early and not lost:
+        tail += ", beyond a range of speeds in which contact is lost"
+    return Finding(
+        name="lift-off-speed",
+        severity="broken" if lost else "warning" if early else "ok",
+        sentence=f"{sentence} at cam angle {_degrees(found.place)}{tail}",
+        value=value,
+        limit=mean,
+        unit="rev/min",
+        cam_angle=found.place % TURN,
+    )
+
+
+def mean_speed(course: TimeCourse) -> float:
+    """A turn by the time it takes [rad/s]."""
+    times = course.time(np.array([0.0, TURN]))
+    return TURN / float(times[1] - times[0])
+
+
+def _least(what: str, least: Least, now: float, unit: str, other: str) -> Finding:
+    scale = N_M if unit.startswith("N m") and not unit.startswith("N mm") else 1.0
+    given = scale * now
+    if least.value is None:
+        return Finding(
+            name=f"least-{what}",
+            severity="warning",
+            sentence=(
+                f"no {what} of the spring keeps the roller on its flank at cam angle"
+                f" {_degrees(least.place)} with the {other} that it has"
+            ),
+            limit=given,
+            unit=unit,
+            cam_angle=least.place % TURN,
+        )
+    value = scale * least.value
+    short = least.value > now + TOUCH * max(abs(now), abs(least.value))
+    return Finding(
+        name=f"least-{what}",
+        severity="broken" if short else "ok",
+        sentence=(
+            f"least {what} of the spring {value:.6g} {unit}, asked for at cam angle"
+            f" {_degrees(least.place)}; it has {given:.6g} {unit}"
+            if value > 0.0
+            else f"the roller stays on its flank without {what} of the spring; it has"
+            f" {given:.6g} {unit}"
+        ),
+        value=value,
+        limit=given,
+        unit=unit,
+        cam_angle=least.place % TURN if value > 0.0 else None,
+    )

@@ -1,0 +1,175 @@
+"""A roller in a groove: where the flank that carries changes, and the impact after it."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from camgeo.check.finding import Finding
+from camgeo.effects.effect import Subject
+from camgeo.effects.lift_off.crossing import Impact, impact_after
+from camgeo.effects.lift_off.flanks import Change, flank_changes
+from camgeo.effects.lift_off.inputs import FLANKS, Contact, Flank, Inertia
+from camgeo.motion.joints import breaks
+from camgeo.numeric.peaks import piecewise_extremes
+from camgeo.units import TURN
+
+LISTED: Final = 12
+"""Changes that are told one by one."""
+
+
+@dataclass(frozen=True, slots=True)
+class OfGroove:
+    """What is found of a roller in a groove.
+
+    Attributes
+    ----------
+    findings : see `camgeo.effects.effect.Result`.
+    first : flank that carries at first in the turn, +1 inner, -1 outer, 0 if none ever does.
+    changes : from one flank to the other.
+    impacts : after each of them, None for one that does not come; empty if not asked for.
+    error : estimate of the largest error of the impact speeds, as a share of the largest.
+    """
+
+    findings: tuple[Finding, ...]
+    first: int
+    changes: tuple[Change, ...]
+    impacts: tuple[Impact | None, ...]
+    error: float | None
+
+
+def of_groove(
+    subject: Subject, contact: Contact, inertia: Inertia | None, backlash: float
+) -> OfGroove:
+    """All that is found of the groove."""
+    first, changes = flank_changes(contact)
+    found = [_change(change) for change in changes[:LISTED]]
+    if len(changes) > LISTED:
+        found.append(_more(len(changes)))
+    if not changes:
+        found.append(_steady(first))
+    impacts: tuple[Impact | None, ...] = ()
+    if changes and backlash > 0.0:
+        why = _why_not(subject, contact, inertia)
+        if why or inertia is None:
+            found.append(_untold(why))
+        else:
+            flank = Flank(subject, contact, 1, 0.0)
+            impacts = tuple(
+                impact_after(change, flank, inertia, contact.edges, backlash) for change in changes
+            )
+            found += _impacts(changes, impacts, backlash)
+    hits = [impact for impact in impacts if impact is not None]
+    error = None
+    if hits:
+        fastest = max(each.speed for each in hits)
+        error = max(each.error * each.speed for each in hits) / fastest
+    return OfGroove(tuple(found), first, changes, impacts, error)
+
+
+def _why_not(subject: Subject, contact: Contact, inertia: Inertia | None) -> str:
+    """Why there is no impact speed; empty if there is."""
+    if inertia is None or subject.time_course is None:
+        return "it needs [effects.inertia]: without a mass the clearance is crossed in no time"
+    if not piecewise_extremes(inertia.to_follower, contact.edges).lowest.value > 0.0:
+        return "the follower has no mass: the clearance is crossed in no time"
+    shocks = [joint.cam_angle for joint in breaks(subject.plan) if joint.order < 1]
+    if shocks:
+        place = math.degrees(shocks[0])
+        return f"the velocity jumps at cam angle {place:.4f} deg, a shock of its own"
+    return ""
+
+
+def _degrees(angle: float) -> str:
+    return f"{math.degrees(angle % TURN):.4f} deg"
+
+
+def _change(change: Change) -> Finding:
+    free = change.leaving != change.carrying
+    until = f", with no force on either up to {_degrees(change.carrying)}" if free else ""
+    return Finding(
+        name="flank-change",
+        severity="ok",
+        sentence=(
+            f"at cam angle {_degrees(change.leaving)} the roller goes from the"
+            f" {FLANKS[change.sense]} to the {FLANKS[-change.sense]} flank{until}"
+        ),
+        cam_angle=change.leaving,
+        cam_range=(change.leaving, change.carrying) if free else None,
+    )
+
+
+def _more(count: int) -> Finding:
+    return Finding(
+        name="flank-change",
+        severity="ok",
+        sentence=f"the roller goes from one flank to the other {count} times a turn",
+        value=float(count),
+    )
+
+
+def _steady(first: int) -> Finding:
+    return Finding(
+        name="flank-change",
+        severity="ok",
+        sentence=(
+            f"the {FLANKS[first]} flank carries all the turn"
+            if first
+            else "there is no force on either flank"
+        ),
+        value=0.0,
+    )
+
+
+def _untold(why: str) -> Finding:
+    return Finding(
+        name="impact-speed", severity="warning", sentence=f"no impact speed is told: {why}"
+    )
+
+
+def _impacts(
+    changes: tuple[Change, ...], impacts: tuple[Impact | None, ...], backlash: float
+) -> list[Finding]:
+    """The impact after each change, and the fastest."""
+    found = []
+    for change, impact in list(zip(changes, impacts, strict=True))[:LISTED]:
+        left = f"after it leaves the {FLANKS[change.sense]} flank at {_degrees(change.leaving)}"
+        if impact is None:
+            sentence = f"{left} the roller meets neither flank within a turn"
+        else:
+            met = FLANKS[-change.sense if impact.crossed else change.sense]
+            back = "" if impact.crossed else " again, for it has not crossed the clearance"
+            sentence = (
+                f"{left} the roller meets the {met} flank{back} at"
+                f" {_degrees(impact.cam_angle)} with {impact.speed:.6g} mm/s"
+            )
+        found.append(
+            Finding(
+                name="impact-speed",
+                severity="ok" if impact is not None else "warning",
+                sentence=sentence,
+                value=None if impact is None else impact.speed,
+                unit="mm/s",
+                cam_angle=None if impact is None else impact.cam_angle,
+            )
+        )
+    hits = [impact for impact in impacts if impact is not None]
+    if hits:
+        fastest = hits[int(np.argmax([each.speed for each in hits]))]
+        found.append(
+            Finding(
+                name="largest-impact-speed",
+                severity="warning",
+                sentence=(
+                    f"the roller crosses its clearance of {backlash:g} mm and meets the flank with"
+                    f" up to {fastest.speed:.6g} mm/s, at cam angle {_degrees(fastest.cam_angle)}"
+                ),
+                value=fastest.speed,
+                unit="mm/s",
+                cam_angle=fastest.cam_angle,
+            )
+        )
+    return found

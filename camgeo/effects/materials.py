@@ -1,0 +1,188 @@
+"""Materials of cams and rollers: a small table, every row with its sources.
+
+The limits are guides. A contact fails by pitting, which is scattered widely by hardness, case
+depth, finish, lubrication and slip; where there is experience or a test, its figure belongs in
+the scene. Those of iron and steel are the allowable stress numbers of gear flanks, quality MQ,
+sigma_Hlim = A x + B with the hardness x (ISO 6336-5, table of sigma_Hlim): a pressure after Hertz
+that 99 of 100 flanks bear for 5e7 load cycles. It is the same kind of contact, line contact that
+rolls and slips a little. There is no such standard for light metal and plastics; such a row has
+no limit, and the scene has to give one.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Final
+
+from camgeo.errors import GeometryError
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+PER_CUBIC_CM: Final = 1e-9
+"""From g/cm^3 to t/mm^3."""
+
+NEARNESS: Final = 0.5
+"""Likeness from which on a known name is proposed for an unknown one, see `difflib`."""
+
+_STEEL: Final = "E, nu: EN 1993-1-1, 3.2.6; density: EN 1993-1-2, 3.2.2; "
+
+
+@dataclass(frozen=True, slots=True)
+class Material:
+    """An isotropic elastic material.
+
+    Attributes
+    ----------
+    name : by which scenes call it.
+    title : what it is, with hardness where the limit depends on it.
+    modulus : Young's modulus E [MPa].
+    poisson : Poisson's ratio nu.
+    density : [t/mm^3].
+    pressure : guide to the largest pressure after Hertz in line contact [MPa]; None without any.
+    source : of the numbers.
+    """
+
+    name: str
+    title: str
+    modulus: float
+    poisson: float
+    density: float
+    pressure: float | None
+    source: str
+
+
+_ROWS: Final = (
+    Material(
+        "steel",
+        "structural or plain carbon steel, normalised, 180 HBW",
+        210e3,
+        0.3,
+        7.85 * PER_CUBIC_CM,
+        370.0,
+        f"{_STEEL}limit: ISO 6336-5, normalised low carbon steel, 1.000 x + 190",
+    ),
+    Material(
+        "steel-tempered",
+        "alloy steel, quenched and tempered, e.g. 42CrMo4, 300 HV",
+        210e3,
+        0.3,
+        7.85 * PER_CUBIC_CM,
+        767.0,
+        f"{_STEEL}limit: ISO 6336-5, through-hardened wrought alloy steel, 1.313 x + 373",
+    ),
+    Material(
+        "steel-nitrided",
+        "nitriding steel, quenched, tempered and gas nitrided, 650 to 900 HV",
+        210e3,
+        0.3,
+        7.85 * PER_CUBIC_CM,
+        1250.0,
+        f"{_STEEL}limit: ISO 6336-5, nitrided nitriding steel, 1250 at any hardness",
+    ),
+    Material(
+        "steel-hardened",
+        "case hardened steel, e.g. 16MnCr5, 58 to 62 HRC",
+        210e3,
+        0.3,
+        7.85 * PER_CUBIC_CM,
+        1500.0,
+        f"{_STEEL}limit: ISO 6336-5, case hardened wrought steel, 1500 at any hardness",
+    ),
+    Material(
+        "steel-100cr6",
+        "rolling bearing steel, through-hardened, 58 to 64 HRC",
+        210e3,
+        0.3,
+        7.81 * PER_CUBIC_CM,
+        1500.0,
+        "E, nu: EN 1993-1-1, 3.2.6; density: data sheets of 1.3505; limit: ISO 281:2007, the"
+        " pressure at the fatigue load limit of a good bearing steel",
+    ),
+    Material(
+        "cast-iron",
+        "grey cast iron EN-GJL-250, 200 HBW",
+        110e3,
+        0.26,
+        7.2 * PER_CUBIC_CM,
+        339.0,
+        "E (middle of 103 to 118 GPa), nu, density: EN 1561, informative annex; limit: ISO 6336-5,"
+        " grey cast iron, 1.033 x + 132",
+    ),
+    Material(
+        "cast-iron-ductile",
+        "spheroidal graphite cast iron EN-GJS-600-3, 220 HBW",
+        174e3,
+        0.275,
+        7.2 * PER_CUBIC_CM,
+        526.0,
+        "E, nu, density: EN 1563, informative annex; limit: ISO 6336-5, nodular cast iron,"
+        " 1.434 x + 211",
+    ),
+    Material(
+        "bronze",
+        "tin bronze CuSn12-C-GZ, centrifugally cast",
+        88.3e3,
+        0.35,
+        8.6 * PER_CUBIC_CM,
+        425.0,
+        "E, nu, limit: DIN 3996, worm wheel materials; density: data sheets of CC483K",
+    ),
+    Material(
+        "aluminium",
+        "wrought aluminium alloy EN AW-7075, T6",
+        71e3,
+        0.33,
+        2.8 * PER_CUBIC_CM,
+        None,
+        "E, nu, density: ASM Handbook, volume 2, alloy 7075; no standard for a limit",
+    ),
+    Material(
+        "pom",
+        "polyoxymethylene, copolymer, for short times at 23 degrees C",
+        2.8e3,
+        0.35,
+        1.41 * PER_CUBIC_CM,
+        None,
+        "E (ISO 527), nu, density: data sheets of semi-finished POM-C; no standard for a limit",
+    ),
+    Material(
+        "pa6",
+        "polyamide 6, dry, for short times at 23 degrees C",
+        3.2e3,
+        0.39,
+        1.14 * PER_CUBIC_CM,
+        None,
+        "E (ISO 527), nu, density: data sheets of semi-finished PA 6; moist it has a third of this"
+        " modulus; no standard for a limit",
+    ),
+)
+
+MATERIALS: Final[Mapping[str, Material]] = MappingProxyType({row.name: row for row in _ROWS})
+"""The materials there are, by name."""
+
+
+def find_material(name: str, key: str = "") -> Material:
+    """The material `name`.
+
+    Parameters
+    ----------
+    name : as the scene has it.
+    key : of the table, for the message.
+
+    Raises
+    ------
+    GeometryError
+        If there is none of that name; the message has the nearest and all known ones.
+    """
+    if name in MATERIALS:
+        return MATERIALS[name]
+    from difflib import get_close_matches  # only for a message
+
+    near = get_close_matches(name, MATERIALS, n=1, cutoff=NEARNESS)
+    meant = f", did you mean {near[0]}?" if near else ""
+    known = ", ".join(MATERIALS)
+    raise GeometryError(
+        f"there is no material {name}{meant or ';'} known are {known}", key=key, value=name
+    )

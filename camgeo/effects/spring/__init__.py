@@ -1,0 +1,198 @@
+"""Effect `spring`: a linear spring that closes the contact."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Final, Literal
+
+import numpy as np
+
+from camgeo.check.finding import Finding
+from camgeo.effects.effect import Column, Effect, Request, Subject
+from camgeo.effects.force import Force
+from camgeo.effects.spring.findings import deflection, force_findings, opening
+from camgeo.effects.spring.ways import (
+    Way,
+    about_pivot,
+    along_guide,
+    along_slider,
+    between_points,
+)
+from camgeo.errors import GeometryError
+from camgeo.mechanism.oscillating_roller import OscillatingRoller
+from camgeo.motion.motion import Side
+from camgeo.numeric.arrays import FloatArray
+
+Kind = Literal["compression", "extension", "torsion"]
+
+NEWTON_METRE: Final = 1e3
+"""N mm, and N mm/rad."""
+
+ENDS: Final = ("anchor", "attachment")
+LINEAR: Final = ("stiffness", "preload")
+TORSIONAL: Final = ("torsional_stiffness", "preload_torque")
+
+
+@dataclass(frozen=True, slots=True)
+class Spec:
+    """What the scene says.
+
+    Attributes
+    ----------
+    kind : see `Kind`.
+    stiffness : k [N/mm], or [N mm/rad] of a torsion spring.
+    preload : P at cam angle 0 [N], or [N mm].
+    anchor, attachment : ends of a spring on a rocker at cam angle 0, seen from the cam axis [mm].
+    """
+
+    kind: Kind
+    stiffness: float
+    preload: float
+    anchor: complex | None = None
+    attachment: complex | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Spring:
+    """A linear spring on the follower, see `camgeo.effects.spring.ways` for its formulas.
+
+    Attributes
+    ----------
+    findings, columns, error : see `camgeo.effects.effect.Result`.
+    force : its generalised force, with its potential.
+    way : how it relaxes.
+    preload, stiffness : P [N] and k [N/mm]; of a torsion spring [N mm] and [N mm/rad].
+    unit_of_preload, unit_of_stiffness : in which to show the two; "N" and "N/mm", or "N m" and
+        "N m/rad", of which one is 1000 of those inside.
+    """
+
+    findings: tuple[Finding, ...]
+    columns: tuple[Column, ...]
+    force: Force
+    way: Way
+    preload: float
+    stiffness: float
+    unit_of_preload: str
+    unit_of_stiffness: str
+    error: float | None = None
+
+    def per_preload(self, phi: FloatArray, side: Side) -> FloatArray:
+        """(n,) dx/dq: generalised force per unit of preload."""
+        return self.way(phi, side)[1]
+
+    def per_stiffness(self, phi: FloatArray, side: Side) -> FloatArray:
+        """(n,) -x dx/dq: generalised force per unit of stiffness."""
+        x, rate = self.way(phi, side)
+        return -x * rate
+
+
+def parse(table: Mapping[str, Any]) -> Spec:
+    """From the table of the scene.
+
+    Raises
+    ------
+    GeometryError
+        With the key, if one that the kind of spring needs is missing, or one of another kind given.
+    """
+    kind: Kind = table.get("kind", "compression")
+    article = f"{'an' if kind == 'extension' else 'a'} {kind} spring"
+    own, foreign = (TORSIONAL, (*LINEAR, *ENDS)) if kind == "torsion" else (LINEAR, TORSIONAL)
+    for key in own:
+        if key not in table:
+            raise GeometryError(f"is missing: {article} needs {' and '.join(own)}", key=key)
+    for key in foreign:
+        if key in table:
+            raise GeometryError(f"is no key of {article}; it has {' and '.join(own)}", key=key)
+    for given, other in (ENDS, ENDS[::-1]):
+        if given in table and other not in table:
+            raise GeometryError(f"is missing: {given} is one end of the spring only", key=other)
+    anchor, attachment = (complex(*table[key]) if key in table else None for key in ENDS)
+    return Spec(kind, float(table[own[0]]), float(table[own[1]]), anchor, attachment)
+
+
+def compute(request: Request) -> Spring:
+    """The spring.
+
+    Raises
+    ------
+    GeometryError
+        With the key, if a spring of this kind does not fit the follower, or has no direction, or
+        cannot close the contact all round by a slider.
+    """
+    subject, spec = request.subject, request.spec
+    way = way_of(subject, spec)
+    torsion = spec.kind == "torsion"
+    preload, stiffness = spec.preload, spec.stiffness
+
+    def magnitude(phi: FloatArray, side: Side) -> FloatArray:
+        """F (n,) [N or N mm]."""
+        return np.asarray(preload - stiffness * way(phi, side)[0])
+
+    def coefficients(phi: FloatArray, side: Side) -> FloatArray:
+        x, rate = way(phi, side)
+        out = np.zeros((4, len(x)))
+        out[0] = (preload - stiffness * x) * rate
+        return out
+
+    def potential(phi: FloatArray, side: Side) -> FloatArray:
+        x = way(phi, side)[0]
+        return np.asarray((0.5 * stiffness * x - preload) * x)
+
+    unit, scale = ("N m", NEWTON_METRE) if torsion else ("N", 1.0)
+
+    def shown(phi: FloatArray, side: Side) -> FloatArray:
+        return magnitude(phi, side) / scale
+
+    return Spring(
+        findings=(
+            *force_findings(shown, subject, unit),
+            deflection(way, subject, torsion=torsion),
+            *opening(way, subject),
+        ),
+        columns=(Column("spring torque" if torsion else "spring force", unit, shown),),
+        force=Force("spring", coefficients, potential),
+        way=way,
+        preload=preload,
+        stiffness=stiffness,
+        unit_of_preload=unit,
+        unit_of_stiffness="N m/rad" if torsion else "N/mm",
+    )
+
+
+def way_of(subject: Subject, spec: Spec) -> Way:
+    """How the spring of `spec` relaxes; GeometryError as of `compute`."""
+    follower = subject.follower
+    if not isinstance(follower, OscillatingRoller):
+        if spec.kind == "torsion":
+            raise GeometryError(
+                "a translating follower has no pivot for a torsion spring",
+                key="effects.spring.kind",
+                value="torsion",
+            )
+        if spec.anchor is not None:
+            raise GeometryError(
+                "is for rockers: the spring of a translating follower acts along its guide",
+                key="effects.spring.anchor",
+            )
+        return along_guide(subject)
+    if spec.kind == "torsion":
+        return about_pivot(subject)
+    if spec.anchor is not None and spec.attachment is not None:
+        sense = 1.0 if spec.kind == "compression" else -1.0
+        return between_points(subject, follower, spec.anchor, spec.attachment, sense)
+    if subject.linkage is None:
+        raise GeometryError(
+            "is missing: a spring on a rocker needs anchor and attachment, or is a torsion spring",
+            key="effects.spring.anchor",
+        )
+    return along_slider(subject, subject.linkage)
+
+
+EFFECT: Final = Effect(
+    name="spring",
+    title="force of the spring that closes the contact",
+    compute=compute,
+    parse=parse,
+    tabled=True,
+)

@@ -1,0 +1,234 @@
+"""How a spring relaxes over the cam angle.
+
+A `Way` gives x (n,), by how much the spring has relaxed since cam angle 0 [mm or rad], and dx/dq,
+how much it relaxes with the follower's coordinate q. All that a spring does follows from the two,
+whatever its kind: a linear spring with preload P and rate k pushes or pulls along x with
+
+    F = P - k x,      Q = F dx/dq,      V = k x^2 / 2 - P x,
+
+the generalised force by virtual work, V the potential energy with V = 0 at cam angle 0 (Hooke's
+law; Norton, Cam Design and Manufacturing Handbook, chapters on modelling and on the dynamics of
+force-closed cams, where the preload closes the contact and the rate adds to it with the lift).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from camgeo.errors import GeometryError
+from camgeo.motion.motion import Side
+from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.peaks import piecewise_extremes
+
+if TYPE_CHECKING:
+    from camgeo.effects.effect import Subject
+    from camgeo.mechanism.oscillating_roller import OscillatingRoller
+    from camgeo.mechanism.slider_crank import SliderCrank
+    from camgeo.motion.motion import Motion
+    from camgeo.motion.plan import MotionPlan
+
+Way = Callable[[FloatArray, Side], tuple[FloatArray, FloatArray]]
+
+SHORTEST: Final = 1e-6
+"""A spring shorter than this share of the levers at which it acts has lost its direction."""
+
+
+def closing_sense(subject: Subject) -> int:
+    """Sense along the outward normal in which a spring has to press: -1 inwards, +1 outwards.
+
+    Inwards on the inner flank and in a groove, outwards on the outer flank.
+    """
+    return 1 if subject.contact == "outer" else -1
+
+
+def outward(subject: Subject, phi: FloatArray, side: Side) -> FloatArray:
+    """(n,) [mm^2/rad^2] of the sign of dn/dq, see `PitchCurve.leverage`; it needs no normal."""
+    jet = subject.motion.jet(phi, side, 1)
+    relative = subject.follower.relative_jet(jet, subject.rotation, 1)
+    along: FloatArray = subject.follower.reach * relative.u
+    return along
+
+
+@dataclass(frozen=True, slots=True)
+class AlongLift:
+    """A spring along the guide of a translating follower, or a torsion spring about a pivot.
+
+    Attributes
+    ----------
+    motion : the follower's own.
+    start : q at cam angle 0 [mm or rad].
+    sense : +1 if the spring relaxes with growing q, -1 if with falling q.
+    """
+
+    motion: Motion
+    start: float
+    sense: float
+
+    def __call__(self, phi: FloatArray, side: Side) -> tuple[FloatArray, FloatArray]:
+        x = self.sense * (self.motion.jet(phi, side, 1)[0] - self.start)
+        return x, np.full(len(x), self.sense)
+
+
+@dataclass(frozen=True, slots=True)
+class AlongSlider:
+    """A spring along the guide of a linkage's slider, with dq/ds of the linkage.
+
+    Attributes
+    ----------
+    slider : the demanded motion, of the stroke s.
+    linkage : from the stroke to the rocker.
+    start : s at cam angle 0 [mm].
+    sense : +1 if the spring relaxes with growing s, -1 if with falling s.
+    """
+
+    slider: MotionPlan
+    linkage: SliderCrank
+    start: float
+    sense: float
+
+    def __call__(self, phi: FloatArray, side: Side) -> tuple[FloatArray, FloatArray]:
+        stroke = self.slider.jet(phi, side, 1)[0]
+        return self.sense * (stroke - self.start), self.sense * self.linkage.per_swing(stroke)[0]
+
+
+@dataclass(frozen=True, slots=True)
+class BetweenPoints:
+    """A spring between a fixed point and one on the rocker.
+
+    With a the fixed point and r the point on the rocker, seen from the pivot, the spring has the
+    length L = |r - a|, and r turns with the rocker: L^2 = |r|^2 + |a|^2 - 2 Re(conj(a) r), so that
+    L dL/dq = h Im(conj(a) r), h = +1 if q counts counter-clockwise. The elongation is taken from
+    the difference of the squares, L^2 - L_0^2 = 2 Re(conj(a) (r_0 - r)), which loses no digits.
+
+    Attributes
+    ----------
+    motion : the rocker's.
+    start : q at cam angle 0 [rad].
+    swing_sense : h.
+    attachment, anchor : r_0 = r at cam angle 0, and a [mm].
+    sense : +1 for a compression spring, which relaxes as it grows longer, -1 for an extension
+        spring, which relaxes as it grows shorter.
+    """
+
+    motion: Motion
+    start: float
+    swing_sense: int
+    attachment: complex
+    anchor: complex
+    sense: float
+
+    def __call__(self, phi: FloatArray, side: Side) -> tuple[FloatArray, FloatArray]:
+        half = (0.5 * self.swing_sense) * (self.motion.jet(phi, side, 1)[0] - self.start)
+        lever = self.anchor.conjugate() * self.attachment
+        turned = lever * np.exp(2j * half)
+        # r - r_0 = r_0 exp(i half) 2 i sin(half)
+        gain = 4.0 * np.sin(half) * (lever * np.exp(1j * half)).imag
+        before = abs(self.attachment - self.anchor)
+        after = self._length(half)
+        rate = self.swing_sense * turned.imag / after
+        return self.sense * gain / (after + before), self.sense * rate
+
+    def length(self, phi: FloatArray, side: Side) -> FloatArray:
+        """L (n,) [mm]."""
+        half = (0.5 * self.swing_sense) * (self.motion.jet(phi, side, 1)[0] - self.start)
+        return self._length(half)
+
+    def _length(self, half: FloatArray) -> FloatArray:
+        length: FloatArray = np.abs(self.attachment * np.exp(2j * half) - self.anchor)
+        return length
+
+
+def along_guide(subject: Subject) -> AlongLift:
+    """Along the guide of a translating follower: it relaxes towards the flank in use."""
+    sense = closing_sense(subject) * subject.follower.reach
+    return AlongLift(subject.motion, _start(subject.motion), sense)
+
+
+def about_pivot(subject: Subject) -> AlongLift:
+    """About the pivot of a rocker: it relaxes as the roller is turned towards the flank in use.
+
+    Towards it as seen at cam angle 0; the side cannot change unless the arm passes the line of
+    centres.
+    """
+    lever = float(outward(subject, np.zeros(1), "right")[0])
+    sense = closing_sense(subject) * float(np.sign(lever))
+    return AlongLift(subject.motion, _start(subject.motion), sense)
+
+
+def along_slider(subject: Subject, linkage: SliderCrank) -> AlongSlider:
+    """Along the slider's guide: it relaxes as the roller is moved towards the flank in use.
+
+    Raises
+    ------
+    GeometryError
+        With key "effects.spring", if the way of the slider that closes the contact is not the same
+        all round: where the coupler stands across the guide, or the arm on the line of centres.
+    """
+    plan = subject.plan
+    locked = linkage.locked_at(plan)
+    if locked is not None:
+        raise GeometryError(
+            "the slider cannot close the contact all round: at cam angle"
+            f" {np.degrees(locked[0]):.4f} deg the coupler stands across the guide",
+            key="effects.spring",
+        )
+
+    def lever(phi: FloatArray, side: Side) -> FloatArray:
+        """Of the sign of dn/ds; ds/dpsi itself may vanish in a dead centre, never change sign."""
+        return outward(subject, phi, side)
+
+    found = piecewise_extremes(lever, subject.smooth_angles)
+    if found.lowest.value < 0.0 < found.highest.value:
+        raise GeometryError(
+            "the slider closes the contact by moving one way at cam angle"
+            f" {np.degrees(found.lowest.place):.4f} deg and the other way at"
+            f" {np.degrees(found.highest.place):.4f} deg: the arm passes the line of centres",
+            key="effects.spring",
+        )
+    outwards = 1.0 if found.highest.value > 0.0 else -1.0
+    low = np.concatenate((np.zeros(1), subject.smooth_angles))
+    slopes = linkage.per_swing(plan.jet(low, "right", 1)[0])[0]
+    slope = float(slopes[np.argmax(np.abs(slopes))])
+    sense = closing_sense(subject) * outwards * float(np.sign(slope))
+    return AlongSlider(plan, linkage, _start(plan), sense)
+
+
+def between_points(
+    subject: Subject,
+    follower: OscillatingRoller,
+    anchor: complex,
+    attachment: complex,
+    sense: float,
+) -> BetweenPoints:
+    """Between `anchor` and `attachment`, its place at cam angle 0, both seen from the cam axis.
+
+    Raises
+    ------
+    GeometryError
+        With key "effects.spring.attachment", if it is the pivot; with "effects.spring.anchor", if
+        the attachment comes so near to it that the spring has no direction.
+    """
+    lever, fixed = attachment - follower.pivot, anchor - follower.pivot
+    if lever == 0.0:
+        raise GeometryError(
+            "is the pivot of the rocker: a spring there turns nothing",
+            key="effects.spring.attachment",
+        )
+    start = _start(subject.motion)
+    way = BetweenPoints(subject.motion, start, follower.swing_sense, lever, fixed, sense)
+    shortest = piecewise_extremes(way.length, subject.smooth_angles).lowest
+    if shortest.value <= SHORTEST * (abs(lever) + abs(fixed)):
+        raise GeometryError(
+            f"is {shortest.value:.3g} mm from the attachment at cam angle"
+            f" {np.degrees(shortest.place):.4f} deg: the spring has no direction there",
+            key="effects.spring.anchor",
+        )
+    return way
+
+
+def _start(motion: Motion) -> float:
+    return float(motion.jet(np.zeros(1), "right", 1)[0, 0])

@@ -1,0 +1,90 @@
+"""`camgeo explain`: what ran, for whom, how long, and what was left alone."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from camgeo.cli.explain import GOALS
+from camgeo.cli.main import main
+from camgeo.design import Design
+from camgeo.effects.registry import EFFECTS
+from camgeo.lazy import lazy_names
+from tests.effects.scenes import SCENES
+
+SCENE = SCENES / "plate_translating.toml"
+
+Capture = pytest.CaptureFixture[str]
+
+
+@pytest.fixture
+def sprung(tmp_path: Path) -> str:
+    """A scene that names an effect which needs others."""
+    path = tmp_path / "sprung.toml"
+    tables = "[effects.spring]\nstiffness = 4\npreload = 80\n[effects.drive-torque]\n"
+    path.write_text(SCENE.read_text("utf-8") + tables, "utf-8")
+    return str(path)
+
+
+def explained(capsys: Capture, *arguments: str) -> dict[str, object]:
+    assert main(["explain", *arguments, "--json"]) == 0
+    found: dict[str, object] = json.loads(capsys.readouterr().out)
+    return found
+
+
+@pytest.mark.parametrize("goal", GOALS)
+def test_what_ran_and_what_did_not_are_all_there_is(goal: str, capsys: Capture) -> None:
+    document = explained(capsys, str(SCENE), goal)
+    ran = {each["name"] for each in document["computed"]}  # type: ignore[attr-defined]
+    alone = set(document["left_alone"])  # type: ignore[call-overload]
+    everything = {*lazy_names(Design), *(f"effects.{name}" for name in EFFECTS)}
+    assert not ran & alone
+    assert everything <= ran | alone
+    assert alone <= everything
+
+
+def test_a_scene_without_effects_leaves_all_of_them_alone(capsys: Capture) -> None:
+    document = explained(capsys, str(SCENE), "build")
+    alone = document["left_alone"]
+    assert {f"effects.{name}" for name in EFFECTS} <= set(alone)  # type: ignore[call-overload]
+
+
+def test_effects_stand_below_what_asked_for_them(sprung: str, capsys: Capture) -> None:
+    document = explained(capsys, sprung)
+    runs = {each["name"]: each for each in document["computed"]}  # type: ignore[attr-defined]
+    assert runs["effects.drive-torque"]["asked_by"] is None
+    assert runs["effects.contact-force"]["asked_by"] == "effects.drive-torque"
+    assert runs["effects.drive-torque"]["why"] == "named by the scene; from contact-force"
+    assert runs["effects.contact-force"]["why"] == "needed; from spring"
+    assert "effects.inertia" not in runs
+
+
+def test_own_times_add_up(sprung: str, capsys: Capture) -> None:
+    document = explained(capsys, sprung)
+    runs = document["computed"]
+    for each in runs:  # type: ignore[attr-defined]
+        inner = sum(r["seconds"] for r in runs if r["asked_by"] == each["name"])  # type: ignore[attr-defined]
+        # Sums of doubles of at most a second.
+        assert each["seconds"] == pytest.approx(each["own_seconds"] + inner, abs=1e-12)
+
+
+def test_the_text_tells_the_tree(sprung: str, capsys: Capture) -> None:
+    assert main(["explain", sprung]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    (torque,) = [line for line in lines if "effects.drive-torque  (named" in line]
+    place = torque.index("effects.drive-torque")
+    (force,) = [line for line in lines if "effects.contact-force  (needed" in line]
+    assert force.index("effects.contact-force") > place
+    assert lines[-1].startswith("Left alone: ")
+    assert "effects.vibration" in lines[-1]
+
+
+def test_nothing_is_written(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Capture
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    document = explained(capsys, str(SCENE), "build")
+    assert list(tmp_path.iterdir()) == []
+    assert any(each["name"] == "dxf file" for each in document["computed"])  # type: ignore[attr-defined]

@@ -1,0 +1,178 @@
+"""Gravity: weights by hand, potential energy against force, and no work over a turn."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+
+from camgeo.effects.gravity import EFFECT, STANDARD_GRAVITY
+from camgeo.errors import GeometryError, SceneError
+from camgeo.numeric.arrays import FloatArray
+from camgeo.units import TURN
+from tests.effects.scenes import design
+from tests.integrals import cells, integrals
+
+PHI = np.linspace(0.0, TURN, 721)
+
+FOLLOWER = "[effects.inertia]\nmass = 0.8\nroller_mass = 0.1\n"
+SPEED = ('rotation = "ccw"', 'rotation = "ccw"\nspeed = 60')  # for the ring, which has none
+MIRRORED = (
+    ("mirrored = false", "mirrored = true"),
+    ('direction = "inward"', 'direction = "outward"'),
+)
+
+
+def force(made: Any) -> FloatArray:
+    """(721,) c0 on the follower."""
+    coefficients = made.effect("gravity").force.coefficients(PHI, "right")
+    assert not np.any(coefficients[1:])
+    found: FloatArray = coefficients[0]
+    return found
+
+
+def test_the_weight_of_a_mass_is_that_of_the_standard() -> None:
+    """1 kg weighs 9.80665 N (3rd CGPM 1901)."""
+    made = design("plate_translating", "[effects.inertia]\nmass = 1\n[effects.gravity]\n")
+    weight = made.effect("gravity").findings[0]
+    assert (weight.name, weight.unit) == ("weight", "N")
+    assert weight.value == pytest.approx(9.80665, rel=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("scene", "angle", "expected"),
+    [
+        ("plate_translating", -90.0, -1.0),  # outward is up
+        ("plate_translating", 90.0, 1.0),
+        ("plate_translating", 0.0, 0.0),
+        ("plate_translating", -60.0, -math.sqrt(0.75)),
+        ("ring", -90.0, 0.0),  # outward is to the right
+        ("ring", 0.0, 1.0),
+        ("ring", 180.0, -1.0),
+    ],
+)
+def test_on_a_guide_the_share_along_it_counts(scene: str, angle: float, expected: float) -> None:
+    changes = (SPEED,) if scene == "ring" else ()
+    made = design(scene, f"{FOLLOWER}[effects.gravity]\nangle = {angle}\n", *changes)
+    # 0.9 kg; the cosine of 90 degrees is 6e-17.
+    assert force(made) == pytest.approx(np.full(721, 0.9 * 9.80665 * expected), abs=1e-14)
+
+
+def test_a_lift_inward_falls_where_one_outward_rises() -> None:
+    inward = ('direction = "outward"', 'direction = "inward"')
+    made = design("plate_translating", f"{FOLLOWER}[effects.gravity]\n", inward)
+    assert force(made) == pytest.approx(np.full(721, 0.9 * 9.80665), rel=1e-14)
+
+
+def test_a_rocker_hangs_by_its_lever_arm() -> None:
+    """Torque of weights m g down at horizontal distances from the pivot, positive clockwise where
+    growing lift turns the rocker clockwise. The roller's place is the follower's own."""
+    effects = (
+        "[effects.inertia]\nroller_mass = 0.3\nrocker_mass = 0.7\nrocker_centre = [-60, -50]\n"
+        "[effects.gravity]\n"
+    )
+    made = design("groove", effects)
+    follower: Any = made.follower
+    lift = made.motion.jet(PHI)
+    relative = follower.relative_jet(lift, made.rotation)
+    roller = (relative.along[0] + 1j * relative.across[0]) * np.exp(1j * relative.axis)
+    pivot = -96.0 - 72.0j
+    # The rocker turns by the lift, in the sense in which the roller goes.
+    arm = roller - pivot
+    centre = (-60.0 - 50.0j - pivot) * arm / arm[0]
+    sense = np.sign(np.angle(arm[260] / arm[0]))  # 260: the upper rest, 18 degrees
+    expected = sense * -9.80665 * (0.3 * arm.real + 0.7 * centre.real)
+    # Some 500 N mm.
+    assert force(made) == pytest.approx(expected, abs=1e-11)
+    largest = made.effect("gravity").findings[1]
+    assert largest.unit == "N m"
+    assert largest.value == pytest.approx(np.max(expected) * 1e-3, rel=1e-6)  # a grid of 0.5 deg
+
+
+@pytest.mark.parametrize(("changes", "sense"), [((), 1.0), (MIRRORED, -1.0)])
+def test_a_slider_falls_along_the_x_axis(changes: Any, sense: float) -> None:
+    """setzhub: a positive stroke moves the slider to the right, mirrored to the left. A pull to the
+    right does the work m g s; one downwards none."""
+    text = "[effects.inertia]\nmass = 2\n[effects.gravity]\nangle = {}\n"
+    made = design("setzhub", text.format(0), *changes)
+    swing, stroke = made.motion.jet(PHI), made.plan.jet(PHI)
+    work = sense * 2.0 * 9.80665 * stroke[1]
+    assert force(made) * swing[1] == pytest.approx(work, abs=1e-12 * np.max(np.abs(work)))
+    energy = made.effect("gravity").force.potential
+    largest = 2.0 * 9.80665 * 58.5
+    assert energy(PHI, "right") == pytest.approx(
+        -sense * 2.0 * 9.80665 * stroke[0], abs=1e-13 * largest
+    )
+    # cos(-90 deg) rounds to 6e-17 times 2 kg.
+    assert np.max(np.abs(force(design("setzhub", text.format(-90), *changes)))) < 1e-12
+
+
+ALL = (
+    "[effects.inertia]\nmass = 1.5\nroller_mass = 0.1\ncoupler_mass = 0.4\ncoupler_centre = 0.3\n"
+    "rocker_mass = 0.7\nrocker_centre = [10, 20]\n[effects.gravity]\nangle = -70\n"
+)
+
+
+@pytest.mark.parametrize("changes", [(), MIRRORED])
+def test_coupler_and_rocker_pull_as_their_centres_move(changes: Any) -> None:
+    """Every weight against its own height: c0 q' = -dV/dphi, V = -m g.x, over cells."""
+    made = design("setzhub", ALL, *changes)
+    result = made.effect("gravity")
+    low, high = cells(made.smooth_angles[:-1], 6)
+
+    def power(phi: FloatArray) -> FloatArray:
+        found: FloatArray = result.force.coefficients(phi, "right")[0] * made.motion.jet(phi)[1]
+        return found
+
+    change = result.force.potential(high, "left") - result.force.potential(low, "right")
+    # Energies of 20 N and 300 mm.
+    assert integrals(power, low, high) == pytest.approx(-change, abs=1e-12 * 6000.0)
+    pull = STANDARD_GRAVITY * np.exp(-1j * math.radians(70.0))
+    expected = 0.0
+    for mass in made.effect("inertia").masses:
+        way = mass.place(PHI, "right") - mass.place(np.zeros(1), "right")
+        expected = expected - mass.mass * (way * np.conj(pull)).real
+    assert result.force.potential(PHI, "right") == pytest.approx(expected, abs=1e-12 * 6000.0)
+    assert result.force.potential(np.zeros(1), "right")[0] == 0.0
+
+
+@pytest.mark.parametrize(
+    ("scene", "effects"),
+    [
+        ("plate_translating", f"{FOLLOWER}[effects.gravity]\n"),
+        ("measured", f"{FOLLOWER}[effects.gravity]\n"),
+        ("shuttle", "[effects.inertia]\nroller_mass = 0.3\n[effects.gravity]\n"),
+        ("setzhub", ALL),
+        ("schnitt", ALL),
+    ],
+)
+def test_weights_do_no_work_over_a_turn(scene: str, effects: str) -> None:
+    """To 1e-12 of the peak power."""
+    made = design(scene, effects)
+    result = made.effect("gravity")
+
+    def power(phi: FloatArray) -> FloatArray:
+        found: FloatArray = result.force.coefficients(phi, "right")[0] * made.motion.jet(phi)[1]
+        return found
+
+    low, high = cells(made.smooth_angles[:-1], 8)
+    peak = float(np.max(np.abs(power(PHI))))
+    assert peak > 0.0
+    assert abs(float(np.sum(integrals(power, low, high)))) <= 1e-12 * peak * TURN
+
+
+def test_without_masses_nothing_weighs() -> None:
+    made = design("groove", "[effects.inertia]\n[effects.gravity]\n")
+    assert not np.any(force(made))
+    assert [each.value for each in made.effect("gravity").findings] == [0.0, 0.0, 0.0]
+
+
+def test_it_needs_the_masses_and_says_so() -> None:
+    with pytest.raises(SceneError, match=r"effects\.inertia"):
+        design("plate_translating", "[effects.gravity]\n")
+    with pytest.raises(GeometryError) as caught:
+        design("plate_translating", "").effect("gravity")
+    assert caught.value.key == "effects.inertia"
+    assert EFFECT.needs == ("inertia",)

@@ -1,0 +1,471 @@
+"""Inertia: Newton for single masses, energy for linkages, and bodies that are worth each other."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
+from mpmath import mp, mpf
+
+from camgeo.effects.effect import Request, Subject
+from camgeo.effects.force import at_rates
+from camgeo.effects.inertia import EFFECT
+from camgeo.effects.inertia.rates import LinkedTrain
+from camgeo.effects.inertia.result import Inertia
+from camgeo.effects.inertia.spec import InertiaSpec, parse
+from camgeo.effects.inertia.sums import inertia_force, reduced
+from camgeo.errors import EffectError, GeometryError, SceneError
+from camgeo.mechanism.slider_crank import SliderCrank
+from camgeo.motion.time_course import in_time
+from camgeo.numeric.arrays import FloatArray
+from camgeo.units import TURN
+from tests.effects.scenes import design
+from tests.integrals import cells, integrals
+from tests.strategies import SMOOTH, attack, plans, slider_cranks
+
+ROUNDING = 1e-11
+"""As a share of the largest value. The linkages drawn keep 2 mm from closing, so that by
+sin(v - theta) >= 0.1 is divided twice, in rates of 1e-14; they keep off cos v = 0 by 0.05."""
+
+PHI = np.linspace(0.0, TURN, 721)
+STROKE = 8.0
+
+TRANSLATING = "[effects.inertia]\nmass = 0.8\nroller_mass = 0.1\n"
+ROCKER = "[effects.inertia]\nmoment_of_inertia = 0.02\nroller_mass = 0.1\n"
+LINKED = (
+    "[effects.inertia]\nmass = 1.5\nmoment_of_inertia = 0.02\nroller_mass = 0.1\n"
+    "coupler_mass = 0.4\ncoupler_centre = 0.4\ncoupler_moment = 0.001\n"
+)
+
+MIRRORED = {
+    "setzhub": (
+        ("mirrored = false", "mirrored = true"),
+        ('direction = "inward"', 'direction = "outward"'),
+    ),
+    "schnitt": (
+        ("mirrored = false", "mirrored = true"),
+        ('direction = "outward"', 'direction = "inward"'),
+    ),
+}
+"""A mirrored linkage turns the rocker the other way."""
+
+
+def inertia_of(scene: str, effects: str, *changes: tuple[str, str]) -> tuple[Inertia, Subject]:
+    made = design(scene, effects, *changes)
+    return made.effect("inertia"), made
+
+
+def finding(result: Inertia, name: str) -> Any:
+    (found,) = [each for each in result.findings if each.name == name]
+    return found
+
+
+# Single masses --------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("scene", ["plate_translating", "feed", "measured"])
+@pytest.mark.parametrize("side", ["right", "left"])
+def test_a_translating_follower_obeys_newton(scene: str, side: Any) -> None:
+    """-m a [N], 0.9 kg; the masses need no linkage, so that nothing but products is rounded."""
+    result, subject = inertia_of(scene, TRANSLATING)
+    course = subject.time_course
+    assert course is not None
+    timed = in_time(subject.motion.jet(PHI, side), course, PHI)
+    force = at_rates(result.force.coefficients(PHI, side), course.rates(PHI))
+    expected = -0.9 * timed[2] * 1e-3
+    assert force == pytest.approx(expected, rel=1e-14, abs=1e-15 * np.max(np.abs(expected)))
+    assert result.moved == pytest.approx(0.9e-3, rel=1e-15)
+    assert result.to_follower(PHI, side) == pytest.approx(np.full(len(PHI), 0.9e-3), rel=1e-15)
+
+
+def test_an_uneven_speed_adds_its_own_acceleration() -> None:
+    """The scene with a speed curve: -m (s'' omega^2 + s' alpha), the latter not to be lost."""
+    result, subject = inertia_of("points", "[effects.inertia]\nmass = 2\n")
+    course = subject.time_course
+    assert course is not None
+    timed = in_time(subject.motion.jet(PHI), course, PHI)
+    coefficients = result.force.coefficients(PHI, "right")
+    force = at_rates(coefficients, course.rates(PHI))
+    assert np.max(np.abs(coefficients[3] * course.rates(PHI)[1])) > 0.01 * np.max(np.abs(force))
+    assert force == pytest.approx(-2e-3 * timed[2], rel=1e-13, abs=1e-13 * np.max(np.abs(force)))
+
+
+def test_a_rocker_has_its_moment_and_the_roller_at_its_arm() -> None:
+    """J + m l^2 = 0.02 kg m^2 + 0.1 kg (0.08 m)^2 = 0.02064 kg m^2 = 20.64 t mm^2."""
+    result, subject = inertia_of("groove", ROCKER)
+    assert result.moved == pytest.approx(20.64, rel=1e-14)
+    assert finding(result, "reduced-moment-of-inertia").value == pytest.approx(0.02064, rel=1e-14)
+    jet = subject.motion.jet(PHI)
+    coefficients = result.force.coefficients(PHI, "right")
+    assert not np.any(coefficients[:2])
+    assert coefficients[2:] == pytest.approx(-20.64 * jet[[2, 1]], rel=1e-14)
+
+
+def test_the_largest_force_is_that_of_the_closed_form() -> None:
+    """1 kg by a modified sine of 20 mm in 100/360 s: a = C_a h/t^2, C_a = 4 pi^2/(4 + pi)."""
+    result, _ = inertia_of("plate_translating", "[effects.inertia]\nmass = 1\n")
+    c_a = 4.0 * math.pi**2 / (4.0 + math.pi)
+    expected = c_a * 0.020 / (100.0 / 360.0) ** 2
+    found = finding(result, "largest-inertia-force")
+    assert abs(found.value) == pytest.approx(expected, rel=1e-12)
+    assert found.unit == "N"
+
+
+def test_columns_show_what_findings_tell() -> None:
+    result, subject = inertia_of("setzhub", LINKED)
+    mass, force = result.columns
+    assert (mass.unit, force.unit) == ("kg m^2", "N m")
+    angles = np.concatenate((PHI, subject.smooth_angles))
+    largest = finding(result, "largest-reduced-moment-of-inertia")
+    smallest = finding(result, "smallest-reduced-moment-of-inertia")
+    values = mass.values(angles, "right")
+    slack = 1e-14 * largest.value
+    assert smallest.value - slack <= np.min(values) < np.max(values) <= largest.value + slack
+    worst = finding(result, "largest-inertia-force")
+    assert np.max(np.abs(force.values(angles, "right"))) <= abs(worst.value) * (1.0 + 1e-14)
+    place = np.array([worst.cam_angle])
+    assert force.values(place, "right")[0] == pytest.approx(worst.value, rel=1e-12)
+
+
+def test_without_any_mass_there_is_no_force() -> None:
+    result, _ = inertia_of("setzhub", "[effects.inertia]\n")
+    assert not np.any(result.force.coefficients(PHI, "right"))
+    assert not np.any(result.to_cam(PHI))
+    assert result.masses == ()
+    assert all(each.value == 0.0 and math.isfinite(each.value) for each in result.findings)
+
+
+def test_a_shock_is_told_as_infinite() -> None:
+    """A straight line from rest to rest: the velocity jumps at 30 degrees."""
+    change = ('law = "modified-sine"', 'law = "straight-line"')
+    result, _ = inertia_of("plate_translating", TRANSLATING, change)
+    found = finding(result, "largest-inertia-force")
+    assert found.value is None
+    assert found.severity == "warning"
+    assert found.cam_angle == pytest.approx(math.radians(30.0), rel=1e-15)
+    assert "infinite at a shock at cam angle 30 deg" in found.sentence
+
+
+# Linkages -------------------------------------------------------------------------------------
+
+
+@st.composite
+def trains(draw: st.DrawFn) -> LinkedTrain:
+    """A linkage that keeps off both dead centres and cos v = 0, with masses of all kinds."""
+    linkage = draw(slider_cranks(STROKE))
+    pin, tip = linkage.joints(np.linspace(0.0, STROKE, 33))
+    along = (pin - tip).real / linkage.coupler
+    assume(np.all(np.abs(along) > 0.05) and np.all(along * along[0] > 0.0))
+    spec = InertiaSpec(
+        mass=draw(st.sampled_from([0.0, 1e-3, 2e-3])),
+        coupler_mass=draw(st.sampled_from([0.0, 5e-4])),
+        coupler_centre=draw(st.floats(0.0, 1.0)),
+        coupler_moment=draw(st.sampled_from([None, 0.0, 3.0])),
+    )
+    return LinkedTrain(
+        draw(plans(SMOOTH, STROKE)), linkage, draw(st.sampled_from([0.0, 5.0])), spec
+    )
+
+
+@attack
+@given(train=trains())
+def test_the_force_takes_from_the_kinetic_energy_what_it_gives(train: LinkedTrain) -> None:
+    """At constant omega d(J/2)/dphi = -c2 q', integrated over cells; -c3 q' is J at every angle."""
+    low, high = cells(train.plan.borders, 6)
+
+    def swing(phi: FloatArray) -> FloatArray:
+        return np.asarray(train.linkage.transform(train.plan.jet(phi), 1)[1])
+
+    def at_cam(phi: FloatArray, side: Any) -> FloatArray:
+        return np.asarray(sum(each.inertia * each.first**2 for each in train(phi, side)))
+
+    def power(phi: FloatArray) -> FloatArray:
+        return np.asarray(inertia_force(train, phi, "right")[2] * swing(phi))
+
+    change = np.zeros(len(low)) + 0.5 * (at_cam(high, "left") - at_cam(low, "right"))
+    inside = 0.5 * (low + high)
+    size = np.max(np.abs(at_cam(inside, "right"))) if train(inside, "right") else 0.0
+    assert np.all(np.abs(integrals(power, low, high) + change) <= ROUNDING * max(size, 1e-300))
+    c3 = inertia_force(train, inside, "right")[3]
+    assert np.all(np.abs(c3 * swing(inside) + at_cam(inside, "right")) <= ROUNDING * size)
+
+
+@attack
+@given(train=trains())
+def test_a_coupler_is_worth_two_point_masses(train: LinkedTrain) -> None:
+    """Masses (1 - lambda) m in the tip and lambda m in the pin have the same mass, centre and, if
+    J_c = m lambda (1 - lambda) l_4^2, the same moment of inertia: the same force."""
+    spec, linkage = train.spec, train.linkage
+    share, mass = spec.coupler_centre, 5e-4
+    rigid = replace(
+        spec,
+        coupler_mass=mass,
+        coupler_moment=mass * share * (1.0 - share) * linkage.coupler**2,
+    )
+    points = InertiaSpec(mass=spec.mass + share * mass)
+    at_tip = train.inertia + (1.0 - share) * mass * linkage.crank**2
+    first = replace(train, spec=rigid)
+    second = replace(train, spec=points, inertia=at_tip)
+    for side in ("right", "left"):
+        forces = [inertia_force(each, PHI, side) for each in (first, second)]
+        for one, other in zip(*forces, strict=True):
+            assert one == pytest.approx(other, abs=ROUNDING * max(np.max(np.abs(other)), 1e-300))
+        masses = [reduced(each, PHI, side) for each in (first, second)]
+        assert masses[0] == pytest.approx(masses[1], rel=ROUNDING)
+
+
+def closed(linkage: SliderCrank, stroke: Any, guess: float) -> tuple[Any, Any]:
+    """Pin and tip at 40 digits, by Newton on |P - T| = l_4, in the frame of the formulas."""
+    height = mpf(linkage.crank) * mp.cos(mpf(linkage.deflection))
+    lean = mpf(linkage.crank) * mp.sin(mpf(linkage.deflection))
+    start = linkage.slider_side * (linkage.coupler + (-lean if linkage.leans_away else lean))
+    pin = mp.mpc(-(start + linkage.stroke_direction * stroke), height)
+    theta = mpf(guess)
+    for _ in range(7):
+        rod = pin - linkage.crank * mp.expj(theta)
+        gap = abs(rod) ** 2 - mpf(linkage.coupler) ** 2
+        slope = 2 * mp.re(mp.conj(rod) * (-1j * linkage.crank * mp.expj(theta)))
+        theta -= gap / slope
+    return pin, linkage.crank * mp.expj(theta)
+
+
+@attack
+@given(train=trains(), stroke=st.floats(0.5, 7.5))
+def test_the_reduced_inertia_is_that_of_the_joints_moving(
+    train: LinkedTrain, stroke: float
+) -> None:
+    """2T for a rocker that turns with 1 rad/s: velocities by differences at 40 digits."""
+    linkage, spec = train.linkage, train.spec
+    (guess,) = linkage.crank_angle(np.array([stroke]))
+    with mp.workdps(40):
+        h = mpf(10) ** -12  # the error of a central difference is h^2, far below a double's
+        (p1, t1), (p2, t2) = (closed(linkage, mpf(stroke) + d, float(guess)) for d in (-h, h))
+        swing = mp.arg(t2 / t1)
+        slide = 2 * h / swing
+        turn = mp.arg((p2 - t2) / (p1 - t1)) / swing
+        share = spec.coupler_centre
+        centre = ((t2 - t1) * (1 - mpf(share)) + (p2 - p1) * mpf(share)) / swing
+        moment = train.moment
+        expected = float(
+            train.inertia
+            + spec.mass * slide**2
+            + spec.coupler_mass * abs(centre) ** 2
+            + moment * turn**2
+        )
+    found = 0.0
+    # The stroke is where it is for the plan that rests there.
+    for each in _at_stroke(train, stroke):
+        found += each.inertia * float(each.per_lift[0]) ** 2
+    assert found == pytest.approx(expected, rel=ROUNDING, abs=1e-300)
+
+
+class _Still:
+    """A plan that rests at a stroke."""
+
+    def __init__(self, stroke: float) -> None:
+        self.stroke = stroke
+
+    def jet(self, phi: FloatArray, side: Any = "right", order: int = 3) -> FloatArray:
+        del side, order
+        out = np.zeros((4, len(phi)))
+        out[0] = self.stroke
+        return out
+
+
+def _at_stroke(train: LinkedTrain, stroke: float) -> list[Any]:
+    still: Any = _Still(stroke)
+    return replace(train, plan=still)(np.zeros(1), "right")
+
+
+def test_a_coupler_without_a_moment_of_its_own_is_a_slender_rod() -> None:
+    rod, subject = inertia_of("schnitt", "[effects.inertia]\ncoupler_mass = 0.6\n")
+    linkage = subject.linkage
+    assert linkage is not None
+    moment = 0.6 * (linkage.coupler * 1e-3) ** 2 / 12.0  # kg m^2
+    told, _ = inertia_of(
+        "schnitt", f"[effects.inertia]\ncoupler_mass = 0.6\ncoupler_moment = {moment!r}\n"
+    )
+    assert rod.to_follower(PHI) == pytest.approx(told.to_follower(PHI), rel=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("scene", "effects"),
+    [
+        ("plate_translating", TRANSLATING),
+        ("measured", TRANSLATING),
+        ("feed", TRANSLATING),
+        ("groove", ROCKER),
+        ("shuttle", ROCKER),
+        ("setzhub", LINKED),
+        ("schnitt", LINKED),
+    ],
+)
+def test_a_turn_at_constant_speed_costs_no_work(scene: str, effects: str) -> None:
+    """To 1e-12 of the peak power; and J and dJ/dphi belong together."""
+    result, subject = inertia_of(scene, effects)
+    low, high = cells(subject.smooth_angles[:-1], 8)
+
+    def power(phi: FloatArray) -> FloatArray:
+        rate = subject.motion.jet(phi)[1]
+        return np.asarray(result.force.coefficients(phi, "right")[2] * rate)
+
+    peak = float(np.max(np.abs(power(PHI))))
+    assert peak > 0.0
+    assert abs(np.sum(integrals(power, low, high))) <= 1e-12 * peak * TURN
+    moment, slope = result.to_cam(PHI)
+    rate = subject.motion.jet(PHI)[1]
+    largest = float(np.max(moment))
+    assert moment == pytest.approx(result.to_follower(PHI) * rate**2, abs=1e-12 * largest)
+    assert -2.0 * power(PHI) == pytest.approx(slope, abs=1e-12 * 2.0 * peak)
+    over = integrals(lambda phi: result.to_cam(phi)[1], low, high)
+    change = result.to_cam(high, "left")[0] - result.to_cam(low, "right")[0]
+    assert over == pytest.approx(change, abs=1e-12 * largest)
+
+
+# Places ---------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("scene", "effects"),
+    [("plate_translating", TRANSLATING), ("groove", ROCKER), ("setzhub", LINKED)],
+)
+def test_the_roller_is_where_the_follower_has_it(scene: str, effects: str) -> None:
+    result, subject = inertia_of(scene, effects)
+    (roller,) = [each for each in result.masses if each.name == "roller"]
+    relative = subject.follower.relative_jet(subject.motion.jet(PHI), subject.rotation)
+    expected = (relative.along[0] + 1j * relative.across[0]) * np.exp(1j * relative.axis)
+    # Lengths of up to 200 mm.
+    assert roller.place(PHI, "right") == pytest.approx(expected, abs=1e-12)
+
+
+@pytest.mark.parametrize("mirrored", [False, True])
+@pytest.mark.parametrize("scene", ["setzhub", "schnitt"])
+def test_places_and_their_ways_belong_together(scene: str, mirrored: bool) -> None:
+    """dx/dphi = dx/dq q', integrated over cells."""
+    changes = MIRRORED[scene] if mirrored else ()
+    effects = f"{LINKED}rocker_mass = 0.7\nrocker_centre = [10, 20]\n"
+    result, subject = inertia_of(scene, effects, *changes)
+    assert [each.name for each in result.masses] == ["rocker", "roller", "slider", "coupler"]
+    low, high = cells(subject.smooth_angles[:-1], 6)
+    for mass in result.masses:
+
+        def way(phi: FloatArray, mass: Any = mass) -> Any:
+            return mass.per_lift(phi, "right") * subject.motion.jet(phi)[1]
+
+        moved = mass.place(high, "left") - mass.place(low, "right")
+        assert integrals(way, low, high) == pytest.approx(moved, abs=1e-11)
+    assert result.masses[0].place(np.zeros(1), "right")[0] == pytest.approx(10 + 20j, abs=1e-12)
+
+
+def test_the_slider_runs_along_x_the_way_it_is_told() -> None:
+    """setzhub: the slider to the right of the shaft, a positive stroke to the right; mirrored both
+    to the left."""
+    for changes, sense in (((), 1.0), (MIRRORED["setzhub"], -1.0)):
+        result, subject = inertia_of("setzhub", LINKED, *changes)
+        (slider,) = [each for each in result.masses if each.name == "slider"]
+        at = slider.place(np.radians([0.0, 195.0]), "right")
+        assert at[1] - at[0] == pytest.approx(sense * 58.5, abs=1e-12)
+        pivot: Any = subject.follower
+        assert math.copysign(1.0, at[0].real - pivot.pivot.real) == sense
+        assert at[0].imag - pivot.pivot.imag == pytest.approx(
+            160.5 * math.cos(math.radians(34.68)), rel=1e-14
+        )
+
+
+# What contradicts -----------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("scene", "text", "key"),
+    [
+        ("plate_translating", "moment_of_inertia = 0", "moment_of_inertia"),
+        ("plate_translating", "rocker_mass = 1", "rocker_mass"),
+        ("plate_translating", "coupler_mass = 1", "coupler_mass"),
+        ("groove", "mass = 1", "mass"),
+        ("groove", "coupler_mass = 1", "coupler_mass"),
+    ],
+)
+def test_a_mass_of_what_is_not_there_is_refused(scene: str, text: str, key: str) -> None:
+    made = design(scene, f"[effects.inertia]\n{text}\n")
+    with pytest.raises(GeometryError) as caught:
+        made.effect("inertia")
+    assert caught.value.key == f"effects.inertia.{key}"
+
+
+@pytest.mark.parametrize(
+    ("table", "key"),
+    [
+        ({"rocker_centre": (1.0, 2.0)}, "rocker_centre"),
+        ({"coupler_centre": 0.3}, "coupler_centre"),
+        ({"coupler_moment": 0.3}, "coupler_moment"),
+    ],
+)
+def test_a_centre_needs_its_mass(table: dict[str, Any], key: str) -> None:
+    with pytest.raises(GeometryError, match="which is missing") as caught:
+        parse(table)
+    assert caught.value.key == key
+
+
+def test_a_moment_too_small_for_its_mass_is_told() -> None:
+    """1 kg at 0.1 m from the pivot (-96, -72) has 0.01 kg m^2 at least."""
+    text = "[effects.inertia]\nmoment_of_inertia = {}\nrocker_mass = 1\nrocker_centre = [4, -72]\n"
+    result, _ = inertia_of("groove", text.format(0.0099))
+    found = finding(result, "rocker-moment-of-inertia")
+    assert found.severity == "warning"
+    assert (found.value, found.limit) == pytest.approx((0.0099, 0.01), rel=1e-14)
+    result, _ = inertia_of("groove", text.format(0.01))
+    assert "rocker-moment-of-inertia" not in [each.name for each in result.findings]
+
+
+LOCKED = (
+    ("crank = 42.0", "crank = 100"),
+    ("coupler = 75.38", "coupler = 60"),
+    ("crank_deflection = 6.3", "crank_deflection = 0"),
+    ('stroke_direction = "left"', 'stroke_direction = "right"'),
+    ("to = 5.5", "to = 155"),
+    ('direction = "outward"', 'direction = "inward"'),
+)
+"""The coupler hangs straight down from the pin at X = -sqrt(100^2 - 40^2), a stroke of
+60 + 91.65 mm to the right."""
+
+
+def test_a_slider_that_the_rocker_cannot_move_has_no_force() -> None:
+    made = design("schnitt", "[effects.inertia]\nmass = 1\n", *LOCKED)
+    with pytest.raises(EffectError, match="stands across the guide") as caught:
+        made.effect("inertia")
+    stroke = 60.0 + math.sqrt(100.0**2 - 40.0**2)
+    assert caught.value.value == pytest.approx(stroke, rel=1e-14)
+    (at,) = made.plan.jet(np.array([caught.value.cam_angle]))[0]
+    assert at == pytest.approx(stroke, rel=1e-12)
+    assert caught.value.finding == "locked-slider"
+    (told,) = made.effects.findings("inertia")
+    assert told.severity == "broken"
+    # The rocker alone can be moved.
+    made = design("schnitt", "[effects.inertia]\nmoment_of_inertia = 1\n", *LOCKED)
+    assert np.all(np.isfinite(made.effect("inertia").force.coefficients(PHI, "right")))
+
+
+def test_without_a_speed_it_is_refused_with_the_key() -> None:
+    with pytest.raises(SceneError, match="speed"):
+        design("ring", "[effects.inertia]\nmass = 1\n")
+
+
+def test_without_its_table_it_is_missing() -> None:
+    with pytest.raises(GeometryError) as caught:
+        design("plate_translating", "").effect("inertia")
+    assert caught.value.key == "effects.inertia"
+    assert EFFECT.tabled
+
+
+def test_the_same_request_gives_the_same_bytes() -> None:
+    made = design("setzhub", LINKED)
+    spec = parse({"mass": 1.5e-3, "coupler_mass": 4e-4})
+    results = [EFFECT.compute(Request(made, spec, {}, 1e-6)) for _ in range(2)]
+    first, second = (each.force.coefficients(PHI, "right").tobytes() for each in results)
+    assert first == second
+    assert results[0].findings == results[1].findings

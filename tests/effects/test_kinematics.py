@@ -1,0 +1,134 @@
+"""Kinematics in time: printed values, derivatives of derivatives, and what is infinite."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+
+from camgeo.effects.effect import Column
+from camgeo.errors import SceneError
+from camgeo.numeric.arrays import FloatArray
+from camgeo.units import TURN
+from tests.effects.scenes import design
+from tests.integrals import cells, integrals
+
+EFFECTS = "[effects.kinematics]\n"
+PHI = np.linspace(0.0, TURN, 721)
+
+
+def values(made: Any) -> dict[str, Any]:
+    return {each.name: each.value for each in made.effect("kinematics").findings}
+
+
+def columns(made: Any) -> dict[str, Column]:
+    return {each.name: each for each in made.effect("kinematics").columns}
+
+
+def test_the_largest_values_are_those_of_the_law() -> None:
+    """A modified sine of 20 mm in 100/360 s: C_v, C_a, C_j by differentiating the law by hand,
+    4 pi/(4 + pi) = 1.75960, 4 pi^2/(4 + pi) = 5.52796 and 16 pi^3/(4 + pi) = 69.4664."""
+    found = values(design("plate_translating", EFFECTS))
+    span = 100.0 / 360.0
+    unit = 4.0 + math.pi
+    assert found["highest-velocity"] == pytest.approx(4 * math.pi / unit * 20 / span, rel=1e-13)
+    c_a = 4 * math.pi**2 / unit
+    assert found["highest-acceleration"] == pytest.approx(c_a * 20 / span**2, rel=1e-13)
+    c_j = 16 * math.pi**3 / unit
+    assert found["highest-jerk"] == pytest.approx(c_j * 20 / span**3, rel=1e-13)
+    assert found["turn-time"] == pytest.approx(1.0, rel=1e-15)
+
+
+def test_a_rocker_is_told_in_degrees() -> None:
+    """A polynomial 3-4-5 of 18 degrees in 100/360 of 2 s: C_v = 30/16 = 1.875 at half its span."""
+    made = design("groove", EFFECTS)
+    expected = 1.875 * 18.0 / (200.0 / 360.0)
+    assert values(made)["highest-velocity"] == pytest.approx(expected, rel=1e-13)
+    assert columns(made)["velocity"].unit == "deg/s"
+    assert columns(made)["jerk"].unit == "deg/s^3"
+
+
+@pytest.mark.parametrize("scene", ["plate_translating", "points", "setzhub", "shuttle", "measured"])
+def test_each_column_is_the_derivative_of_the_one_before(scene: str) -> None:
+    """d/dt = omega d/dphi, integrated over cells: what velocity brings is the way, and so on."""
+    made = design(scene, EFFECTS)
+    found, course = columns(made), made.time_course
+    assert course is not None
+    low, high = cells(made.smooth_angles[:-1], 8)
+
+    def over_time(column: Column) -> FloatArray:
+        def per_angle(phi: FloatArray) -> FloatArray:
+            rate: FloatArray = column.values(phi, "right") / course.rates(phi)[0]
+            return rate
+
+        return integrals(per_angle, low, high)
+
+    for prefix in ("", "rocker ") if scene == "setzhub" else ("",):
+        for before, after in (("velocity", "acceleration"), ("acceleration", "jerk")):
+            first, second = found[prefix + before], found[prefix + after]
+            change = first.values(high, "left") - first.values(low, "right")
+            scale = np.max(np.abs(first.values(PHI, "right")))
+            # Gauss's rule over an eighth of a piece; rounding of values in the cells.
+            assert over_time(second) == pytest.approx(change, abs=1e-11 * scale)
+    way = 1.0 if made.lift_unit == "mm" or scene == "setzhub" else math.degrees(1.0)
+    lift = way * (made.plan.jet(high, "left")[0] - made.plan.jet(low, "right")[0])
+    largest = float(np.max(np.abs(made.plan.jet(PHI)[0]))) * way
+    assert over_time(found["velocity"]) == pytest.approx(lift, abs=1e-12 * largest)
+    times = found["time"].values(np.array([0.0, TURN]), "right")
+    assert values(made)["turn-time"] == pytest.approx(times[1] - times[0], rel=1e-15)
+
+
+@pytest.mark.parametrize("scene", ["plate_translating", "points", "setzhub", "schnitt", "feed"])
+def test_nothing_is_beyond_the_extremes_and_they_are_taken(scene: str) -> None:
+    made = design(scene, EFFECTS)
+    found = columns(made)
+    angles = np.concatenate((PHI, made.smooth_angles))
+    findings = {each.name: each for each in made.effect("kinematics").findings}
+    for name, column in found.items():
+        if name == "time":
+            continue
+        key = name.replace(" ", "-")
+        high, low = findings[f"highest-{key}"], findings[f"lowest-{key}"]
+        sides = np.stack([column.values(angles, side) for side in ("right", "left")])
+        slack = 1e-12 * max(abs(high.value), abs(low.value))
+        assert np.max(sides) <= high.value + slack
+        assert np.min(sides) >= low.value - slack
+        for end in (high, low):
+            place = np.array([end.cam_angle])
+            taken = [column.values(place, side)[0] for side in ("right", "left")]
+            # The place of a smooth extreme is known to the root of rounding.
+            assert min(abs(value - end.value) for value in taken) <= 1e-9 * abs(end.value) + slack
+
+
+def test_the_rocker_moves_as_its_linkage_says() -> None:
+    """v_psi = dpsi/ds v_s."""
+    made = design("setzhub", EFFECTS)
+    found = columns(made)
+    linkage = made.linkage
+    assert linkage is not None
+    stroke = made.plan.jet(PHI)[0]
+    slide = linkage.per_swing(stroke)[0]
+    expected = np.degrees(found["velocity"].values(PHI, "right") / slide)
+    assert found["rocker velocity"].values(PHI, "right") == pytest.approx(
+        expected, abs=1e-12 * np.max(np.abs(expected))
+    )
+
+
+def test_at_a_shock_acceleration_and_jerk_are_infinite() -> None:
+    change = ('law = "modified-sine"', 'law = "straight-line"')
+    made = design("plate_translating", EFFECTS, change)
+    found = {each.name: each for each in made.effect("kinematics").findings}
+    # 20 mm in 100/360 s.
+    assert found["highest-velocity"].value == pytest.approx(72.0, rel=1e-14)
+    for name in ("highest-acceleration", "lowest-acceleration", "highest-jerk", "lowest-jerk"):
+        assert found[name].value is None
+        assert "infinite at a shock" in found[name].sentence
+    for column in columns(made).values():
+        assert np.all(np.isfinite(column.values(PHI, "right")))
+
+
+def test_without_a_speed_it_is_refused() -> None:
+    with pytest.raises(SceneError, match="speed"):
+        design("ring", EFFECTS)

@@ -1,0 +1,505 @@
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+
+from camgeo.design import Design
+from camgeo.effects.lift_off import LiftOff
+from camgeo.effects.lift_off.flanks import Change
+from camgeo.effects.lift_off.ranges import ranges_below, runs
+from camgeo.errors import GeometryError
+from camgeo.motion.motion import Side
+from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.peaks import piecewise_extremes
+from camgeo.scene.load import parse_scene
+from camgeo.units import RPM, TURN
+from tests.effects.scenes import design
+
+ROUNDING = 1e-12
+"""A few thousand roundings of the largest force; see the tests of the contact force."""
+
+
+def effects(
+    speed_of_inertia: str = "mass = 1.2",
+    stiffness: float = 0.8,
+    preload: float = 15.0,
+    margin: float = 0.0,
+    more: str = "",
+) -> str:
+    return f"""
+[effects.inertia]
+{speed_of_inertia}
+[effects.spring]
+stiffness = {stiffness!r}
+preload = {preload!r}
+{more}
+[effects.contact-force]
+[effects.lift-off]
+margin = {margin!r}
+"""
+
+
+def lift_off(subject: Design) -> Any:
+    found = subject.effect("lift-off")
+    assert isinstance(found, LiftOff)
+    return found
+
+
+def named(found: Any, name: str) -> list[Any]:
+    return [each for each in found.findings if each.name == name]
+
+
+def one(found: Any, name: str) -> Any:
+    (each,) = named(found, name)
+    return each
+
+
+def lowest(subject: Design, factor: float) -> float:
+    """Smallest force on the flank, by the largest, at so many times the scene's speed."""
+    contact, course = subject.effect("contact-force"), subject.time_course
+    assert course is not None
+    sense = 1.0 if subject.contact == "inner" else -1.0
+
+    def force(phi: FloatArray, side: Side) -> FloatArray:
+        omega, alpha = course.rates(phi)[:2]
+        return np.asarray(
+            sense * contact.normal_at(phi, side, factor * omega, factor * factor * alpha)
+        )
+
+    found = piecewise_extremes(force, contact.edges)
+    return found.lowest.value / found.magnitude
+
+
+# -- where contact is lost -----------------------------------------------------------------------
+
+FAST = ("speed = 60", "speed = 500")
+
+
+def test_contact_is_kept() -> None:
+    found = lift_off(design("plate_translating", effects()))
+    assert one(found, "lift-off").severity == "ok"
+    assert one(found, "lift-off").value == found.flank.lowest.value > 0.0
+    assert found.flank.lost == ()
+
+
+def test_contact_is_lost_where_the_force_is_below_0() -> None:
+    subject = design("plate_translating", effects(), FAST)
+    contact = subject.effect("contact-force")
+    found = lift_off(subject)
+    lost = named(found, "lift-off")
+    assert lost
+    phi = np.linspace(0.0, TURN, 20_001)[1:-1]
+    phi = phi[np.min(np.abs(phi[:, np.newaxis] - contact.edges), axis=1) > 1e-9]
+    inside = np.zeros(len(phi), dtype=bool)
+    for each in lost:
+        assert each.severity == "broken"
+        start, end = each.cam_range
+        inside |= (phi > start) & (phi < end)
+        around = contact.normal(np.linspace(start, end, 2001)[1:-1], "right")
+        assert each.value <= np.min(around) < 0.0
+        assert np.min(around) == pytest.approx(each.value, rel=1e-5)
+    assert np.array_equal(inside, contact.normal(phi, "right") < 0.0)
+
+
+def test_with_a_margin_it_is_lost_earlier() -> None:
+    subject = design("plate_translating", effects(margin=14.0), ("speed = 60", "speed = 250"))
+    found = lift_off(subject)
+    assert found.flank.lost
+    assert 0.0 < found.flank.lowest.value < 14.0
+    for each in found.flank.lost:
+        sides = [
+            subject.effect("contact-force").normal(np.array([each.start]), side)[0]
+            for side in ("left", "right")
+        ]
+        # The force may fall short by a rounding of the largest one, 45 N, before it is told.
+        assert min(sides) <= 14.0 + 45.0 * ROUNDING
+        assert max(sides) >= 14.0 - 90.0 * ROUNDING
+
+
+def test_a_narrow_dip_is_found_by_its_lowest_place() -> None:
+    def quantity(phi: FloatArray, side: Side) -> FloatArray:
+        return np.asarray((phi - 1.0) ** 2 - 1e-10)
+
+    edges = np.array([0.0, TURN])
+    low = piecewise_extremes(quantity, edges).lowest
+    (found,) = ranges_below(quantity, edges, 0.0, low)
+    # The roots are known to half the digits of the square, 1e-16 / 2e-5.
+    assert found.start == pytest.approx(1.0 - 1e-5, abs=1e-10)
+    assert found.end == pytest.approx(1.0 + 1e-5, abs=1e-10)
+
+
+def test_a_range_past_cam_angle_0_is_one() -> None:
+    def quantity(phi: FloatArray, side: Side) -> FloatArray:
+        return np.asarray(0.5 - np.cos(phi))
+
+    edges = np.linspace(0.0, TURN, 9)
+    low = piecewise_extremes(quantity, edges).lowest
+    (found,) = ranges_below(quantity, edges, 0.0, low)
+    assert (found.start, found.end) == pytest.approx((TURN * 5.0 / 6.0, TURN / 6.0))
+    assert found.lowest.value == pytest.approx(-0.5)
+
+
+@pytest.mark.parametrize(
+    ("inside", "expected"),
+    [
+        ([0, 0, 0], []),
+        ([1, 1, 1], [[0, 1, 2]]),
+        ([1, 0, 1], [[2, 0]]),
+        ([1, 0, 1, 1, 0, 1], [[2, 3], [5, 0]]),
+    ],
+)
+def test_runs(inside: list[int], expected: list[list[int]]) -> None:
+    assert runs(np.array(inside, dtype=bool)) == expected
+
+
+def test_contact_that_touches_0_is_told_and_not_lost() -> None:
+    """No preload: in the rest at lift 0 no force at all is left, and none is missing."""
+    found = lift_off(design("plate_translating", effects(preload=0.0, stiffness=5.0)))
+    assert one(found, "lift-off").severity == "ok"
+    assert one(found, "contact-touches-zero").severity == "warning"
+
+
+def test_a_velocity_that_jumps_away_lifts_off_at_any_speed() -> None:
+    found = lift_off(design("straight_moves", effects(preload=1e6)))
+    lost = named(found, "lift-off")
+    assert [round(math.degrees(each.cam_angle)) for each in lost] == [140, 200]
+    assert one(found, "lift-off-speed").value == 0.0
+    assert one(found, "least-preload").value is None
+
+
+# -- the speed -----------------------------------------------------------------------------------
+
+LOADED_ROCKER = """
+[effects.inertia]
+moment_of_inertia = 0.01
+[effects.load]
+constant = 3
+[effects.contact-force]
+[effects.lift-off]
+"""
+
+SCENES = [
+    ("plate_translating", effects()),
+    ("plate_translating", effects(margin=5.0)),
+    ("plate_translating", effects(more="[effects.gravity]\nangle = 80")),
+    ("plate_translating", effects(more="[effects.friction]\nguide_viscous = 0.05")),
+    ("feed", effects(stiffness=0.2)),
+    ("shuttle", LOADED_ROCKER),
+    ("points", effects()),
+    ("setzhub", effects(preload=60.0)),
+]
+
+
+@pytest.mark.parametrize(("scene", "tables"), SCENES)
+def test_the_speed_is_that_at_which_the_force_first_touches_its_margin(
+    scene: str, tables: str
+) -> None:
+    subject = design(scene, tables)
+    found = lift_off(subject).flank
+    factor = found.speed.factor
+    contact = subject.effect("contact-force")
+    margin = subject.effects.tables["lift-off"].get("margin", 0.0)
+    here = np.array([found.speed.place])
+    omega, alpha = subject.time_course.rates(here)[:2]  # type: ignore[union-attr]
+    forces = [
+        contact.normal_at(here, side, factor * omega, factor * factor * alpha)[0]
+        for side in ("left", "right")
+    ]
+    scale = contact.balance.normal(here, "right", np.stack((0.0 * omega, alpha)))[0] + margin
+    assert min(abs(force - margin) for force in forces) <= ROUNDING * abs(scale)
+    if margin == 0.0:
+        assert abs(lowest(subject, factor)) <= ROUNDING
+        assert lowest(subject, factor * (1.0 - 1e-9)) > 0.0
+        assert lowest(subject, factor * (1.0 + 1e-9)) < 0.0
+        assert lowest(subject, 0.4 * factor) > 0.0
+
+
+HARMONIC = """
+camgeo = 1
+name = "harmonic"
+[cam]
+rotation = "ccw"
+speed = 100
+[follower]
+kind = "translating-roller"
+base_radius = 60
+roller_radius = 10
+[[motion]]
+law = "simple-sine"
+span = 180
+to = 20
+[[motion]]
+law = "simple-sine"
+span = 180
+to = 0
+"""
+
+
+def harmonic(tables: str) -> Design:
+    return Design(parse_scene(HARMONIC + tables, "harmonic.toml"))
+
+
+def test_the_jump_speed_of_a_harmonic_motion() -> None:
+    """With lift e (1 - cos phi) the force is P + k e + (m omega^2 - k) e cos phi: contact is lost
+    at the top from omega = sqrt((2 k e + P) / (m e)) on, the jump speed of an eccentric as the
+    textbooks on cam dynamics have it (Norton; Shigley and Uicker)."""
+    found = lift_off(harmonic(effects(stiffness=1.0, preload=25.0)))
+    expected = math.sqrt((2.0 * 1.0 * 10.0 + 25.0) / (1.2e-3 * 10.0)) / RPM
+    assert one(found, "lift-off-speed").value == pytest.approx(expected, rel=1e-13)
+    # The top is flat: its place is known to half the digits.
+    assert one(found, "lift-off-speed").cam_angle == pytest.approx(math.pi, abs=1e-6)
+
+
+def test_a_spring_of_an_exercise_is_too_weak() -> None:
+    """3-4-5 polynomial, 10 mm in 90 deg at 10 rad/s, 7.5 kg, preload 10 N, rate 100 N/m: does the
+    spring do (an exercise of courses after Norton, Cam Design and Manufacturing Handbook)? No: the
+    largest deceleration, 10 / sqrt(3) h / T^2 = 2.34 m/s^2, takes 17.5 N, and there is 10.8 N."""
+    text = HARMONIC.replace("speed = 100", f"speed = {10.0 / RPM!r}")
+    text = text[: text.index("[[motion]]")]
+    text += '[[motion]]\nlaw = "polynomial-345"\nspan = 90\nto = 10\n[[motion]]\ndwell = 45\n'
+    text += '[[motion]]\nlaw = "polynomial-345"\nspan = 180\nto = 0\n[[motion]]\ndwell = 45\n'
+    tables = effects("mass = 7.5", stiffness=0.1, preload=10.0)
+    found = lift_off(Design(parse_scene(text + tables, "exercise.toml")))
+    (lost,) = named(found, "lift-off")
+    z = 0.5 + math.sqrt(3.0) / 6.0  # where the deceleration is largest
+    assert math.degrees(lost.cam_range[0]) < 90.0 * z < math.degrees(lost.cam_range[1])
+    place = np.array([math.radians(90.0 * z)])
+    subject = Design(parse_scene(text + tables, "exercise.toml"))
+    needed = subject.effect("contact-force").required(place, "right")
+    inertia = float(needed[2, 0]) * 100.0
+    assert inertia == pytest.approx(-7.5 * 10.0 / math.sqrt(3.0) * 10e-3 / 0.15708**2, rel=1e-4)
+    assert 10.0 < float(needed[0, 0]) < 11.0
+
+
+def test_no_speed_at_all() -> None:
+    """Weights and a spring keep it, and there is no mass to lift it off."""
+    tables = effects("mass = 0")
+    found = lift_off(design("plate_translating", tables))
+    speed = one(found, "lift-off-speed")
+    assert speed.severity == "ok"
+    assert speed.value is None
+    assert math.isinf(found.flank.speed.factor)
+
+
+@pytest.mark.parametrize("more", ["", "[effects.gravity]\nangle = 90"])
+def test_any_speed(more: str) -> None:
+    """Without a spring nothing holds the roller."""
+    tables = f"[effects.inertia]\nmass = 1\n{more}\n[effects.contact-force]\n[effects.lift-off]\n"
+    speed = one(lift_off(design("plate_translating", tables)), "lift-off-speed")
+    assert speed.value == 0.0
+    assert speed.severity == "broken"
+
+
+def test_a_scene_without_speed_has_no_speed_of_lift_off() -> None:
+    tables = "[effects.load]\nconstant = -5\n[effects.contact-force]\n[effects.lift-off]\n"
+    found = lift_off(design("ring", tables))
+    assert found.flank.speed is None
+    assert not named(found, "lift-off-speed")
+
+
+# -- the spring ----------------------------------------------------------------------------------
+
+SPRINGS = [
+    ("plate_translating", FAST, 12.5),
+    ("feed", ("speed = 45", "speed = 300"), 0.0),
+    ("setzhub", ("speed = 90", "speed = 200"), 3.0),
+]
+
+
+@pytest.mark.parametrize(("scene", "change", "margin"), SPRINGS)
+def test_the_least_spring_just_keeps_contact(
+    scene: str, change: tuple[str, str], margin: float
+) -> None:
+    found = lift_off(design(scene, effects("mass = 1.2", 0.5, 20.0, margin), change)).flank
+
+    def short(stiffness: float, preload: float) -> float:
+        """What is missing from the margin, by the largest force."""
+        subject = design(scene, effects("mass = 1.2", stiffness, preload, margin), change)
+        contact = subject.effect("contact-force")
+        force = piecewise_extremes(contact.normal, contact.edges)
+        return (force.lowest.value - margin) / force.magnitude
+
+    assert abs(short(0.5, found.preload.value)) <= ROUNDING
+    assert short(0.5, found.preload.value * (1.0 - 1e-6)) < -ROUNDING
+    if found.stiffness.value is None:
+        # The stroke leads the roller inwards, and the spring relaxes: stiffness takes force away.
+        assert scene == "setzhub"
+        assert short(1e6, 20.0) < 0.0
+        return
+    assert abs(short(found.stiffness.value, 20.0)) <= ROUNDING
+    assert short(found.stiffness.value * (1.0 - 1e-6), 20.0) < -ROUNDING
+
+
+def test_the_least_spring_of_a_harmonic_motion() -> None:
+    """P + k e + (m omega^2 - k) e cos phi >= 0 at cos phi = -1: P >= m e omega^2 - 2 k e."""
+    omega = 100.0 * RPM * 5.0
+    tables = effects(stiffness=0.1, preload=12.0)
+    text = HARMONIC.replace("speed = 100", "speed = 500") + tables
+    found = lift_off(Design(parse_scene(text, "harmonic.toml")))
+    inertia = 1.2e-3 * 10.0 * omega**2
+    assert one(found, "least-preload").value == pytest.approx(inertia - 2.0, rel=1e-12)
+    assert one(found, "least-stiffness").value == pytest.approx((inertia - 12.0) / 20.0, rel=1e-12)
+    assert one(found, "least-preload").severity == "broken"
+    assert one(found, "least-preload").limit == 12.0
+
+
+def test_no_spring_is_needed() -> None:
+    tables = effects(more="[effects.load]\nconstant = 50")
+    found = lift_off(design("plate_translating", tables))
+    assert one(found, "least-preload").value == 0.0
+    assert one(found, "least-stiffness").value == 0.0
+    assert one(found, "least-stiffness").severity == "ok"
+
+
+def test_no_stiffness_helps_in_the_rest() -> None:
+    """In the rest at lift 0 a spring has its preload, whatever its stiffness."""
+    tables = effects(preload=4.0, more="[effects.load]\nconstant = -6")
+    found = lift_off(design("plate_translating", tables))
+    stiffness = one(found, "least-stiffness")
+    assert stiffness.value is None
+    assert stiffness.severity == "warning"
+    assert one(found, "least-preload").value > 4.0
+
+
+# -- grooves -------------------------------------------------------------------------------------
+
+ROCKER = "[effects.inertia]\nmoment_of_inertia = 0.01\nroller_mass = 0.1\n"
+
+
+def groove(backlash: float, more: str = "", speed: float = 30.0) -> Design:
+    clearance = f"backlash = {backlash!r}\n" if backlash else ""
+    tables = f"{ROCKER}{more}\n[effects.contact-force]\n[effects.lift-off]\n{clearance}"
+    return design("groove", tables, ("speed = 30", f"speed = {speed!r}"))
+
+
+def test_the_flanks_change_where_the_acceleration_does() -> None:
+    """Inertia alone: where the law's acceleration passes 0, and not in the rests."""
+    found = lift_off(groove(0.0)).groove
+    assert [round(math.degrees(each.leaving), 9) for each in found.changes] == [80.0, 230.0]
+    assert [each.sense for each in found.changes] == [-1, 1]  # inward, so the outer one pushes
+    assert all(each.leaving == each.carrying for each in found.changes)
+
+
+def test_rests_without_force_lie_between() -> None:
+    """From the end of the return to the start of the rise there is no force on either flank, and
+    the outer flank carries before and after: no change."""
+    subject = groove(0.0)
+    normal = subject.effect("contact-force").normal(np.radians([10.0, 150.0, 330.0]), "right")
+    assert not np.any(normal)
+
+
+def test_a_load_keeps_one_flank() -> None:
+    found = lift_off(groove(0.05, "[effects.load]\nconstant = 50"))
+    assert found.groove.changes == ()
+    assert "all the turn" in one(found, "flank-change").sentence
+    assert not named(found, "impact-speed")
+
+
+@pytest.mark.parametrize("number", [0, 1])
+def test_a_small_backlash_is_crossed_as_the_cube_of_time(number: int) -> None:
+    """R grows by R' from 0: the gap is L R' t^3 / (6 M) at first, so that the roller meets the
+    other flank with 3 b / t, t = (6 M b / (L R'))^(1/3). The next term is of the order of t."""
+    errors = []
+    for backlash in (1e-6, 1e-9):
+        subject = groove(backlash)
+        change: Change = lift_off(subject).groove.changes[number]
+        impact: Any = lift_off(subject).groove.impacts[number]
+        contact, inertia = subject.effect("contact-force"), subject.effect("inertia")
+        omega = 30.0 * RPM
+        # The slope of R to the fourth order, at steps within one piece of the law on either side.
+        step = 1e-3
+        around = change.leaving + step * np.array([-2.0, -1.0, 1.0, 2.0])
+        needed = contact.required(around, "right")[2] * omega**2
+        slope = (needed @ np.array([1.0, -8.0, 8.0, -1.0])) / (12.0 * step) * omega
+        here = np.array([change.leaving])
+        mass = inertia.to_follower(here, "right")[0]
+        lever = abs(subject.pitch_curve.leverage(here)[0])
+        time = (6.0 * mass * backlash / (lever * abs(slope))) ** (1.0 / 3.0)
+        assert impact.crossed
+        errors += [abs(impact.speed / (3.0 * backlash / time) - 1.0)]
+        # Of the order of the flight's angle, 4 times as large at most.
+        assert errors[-1] <= 4.0 * impact.duration
+        assert impact.duration == pytest.approx(time * omega, rel=4.0 * impact.duration)
+    assert errors[1] < 0.2 * errors[0]
+
+
+def test_the_flight_is_that_of_an_integrator() -> None:
+    from scipy.integrate import solve_ivp
+
+    subject = groove(0.05, "[effects.load]\nconstant = -0.02")
+    found = lift_off(subject).groove
+    contact, inertia = subject.effect("contact-force"), subject.effect("inertia")
+    omega = 30.0 * RPM
+    assert len(found.changes) >= 2
+    for change, impact in zip(found.changes, found.impacts, strict=True):
+        assert impact is not None
+
+        def motion(angle: float, state: Any) -> list[float]:
+            phi = np.array([angle % TURN])
+            c = contact.required(phi, "right")[:, 0]
+            force = -(c[0] + omega**2 * c[2])
+            return [state[1] / omega, force / inertia.to_follower(phi, "right")[0] / omega]
+
+        end = change.leaving + impact.duration
+        solved = solve_ivp(
+            motion, (change.leaving, end), [0.0, 0.0], method="DOP853", rtol=1e-10, atol=1e-18,
+            max_step=0.01,
+        )  # fmt: skip
+        d, rate = solved.y[:, -1]
+        sides = np.mod(end + np.array([-1e-6, 0.0, 1e-6]), TURN)
+        lever = subject.pitch_curve.leverage(sides)
+        turning = (lever[2] - lever[0]) / 2e-6 * omega
+        # max_step keeps the integrator's jumps at the borders of the law to 1e-8.
+        assert change.sense * lever[1] * d == pytest.approx(
+            0.05 if impact.crossed else 0.0, abs=1e-6
+        )
+        assert abs(lever[1] * rate + turning * d) == pytest.approx(impact.speed, rel=1e-5)
+        assert impact.error <= 1e-10
+
+
+def test_the_impact_grows_with_the_backlash() -> None:
+    speeds = [
+        one(lift_off(groove(backlash)), "largest-impact-speed").value
+        for backlash in (0.01, 0.02, 0.04)
+    ]
+    assert speeds == sorted(speeds)
+
+
+def test_the_impact_grows_with_the_speed() -> None:
+    """Inertia alone: the paths are the same at every speed."""
+    slow, fast = (one(lift_off(groove(0.02, "", n)), "largest-impact-speed") for n in (30.0, 90.0))
+    assert fast.value == pytest.approx(3.0 * slow.value, rel=1e-12)
+
+
+def test_without_a_mass_no_impact_is_told() -> None:
+    tables = (
+        "[effects.load]\nsegments = [1, -1, 1, -1, 1]\n[effects.contact-force]\n"
+        "[effects.lift-off]\nbacklash = 0.1\n"
+    )
+    found = lift_off(design("groove", tables))
+    assert len(found.groove.changes) == 4
+    assert "effects.inertia" in one(found, "impact-speed").sentence
+    massless = design("groove", f"[effects.inertia]\nmoment_of_inertia = 0\n{tables}")
+    assert "no mass" in one(lift_off(massless), "impact-speed").sentence
+
+
+# -- contradictions ------------------------------------------------------------------------------
+
+
+def test_a_margin_in_a_groove_is_refused() -> None:
+    tables = f"{ROCKER}[effects.contact-force]\n[effects.lift-off]\nmargin = 5\n"
+    with pytest.raises(GeometryError, match="one flank") as caught:
+        design("groove", tables).effect("lift-off")
+    assert caught.value.key == "effects.lift-off.margin"
+
+
+def test_a_backlash_on_a_plate_is_refused() -> None:
+    tables = (
+        "[effects.load]\nconstant = 5\n[effects.contact-force]\n[effects.lift-off]\nbacklash = 1\n"
+    )
+    with pytest.raises(GeometryError, match="groove") as caught:
+        design("plate_translating", tables).effect("lift-off")
+    assert caught.value.key == "effects.lift-off.backlash"

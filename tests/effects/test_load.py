@@ -1,0 +1,206 @@
+"""Loads: virtual work against the demanded motion, sides at jumps, and files."""
+
+from __future__ import annotations
+
+import shutil
+from decimal import Decimal
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from camgeo.design import Design
+from camgeo.effects.effect import DataFile
+from camgeo.effects.load.course import read_load_table
+from camgeo.effects.load.spec import LoadSpec, parse
+from camgeo.errors import EffectError, GeometryError, SceneError
+from camgeo.motion.plan import Dwell, MotionPlan
+from camgeo.numeric.arrays import FloatArray
+from camgeo.scene.load import load_scene
+from camgeo.units import TURN
+from tests.effects.scenes import SCENES, design
+from tests.effects.test_inertia import LOCKED
+from tests.integrals import cells, integrals
+
+PHI = np.linspace(0.0, TURN, 721)
+
+
+def c0(made: Design, phi: FloatArray = PHI, side: Any = "right") -> FloatArray:
+    coefficients = made.effect("load").force.coefficients(phi, side)
+    assert not np.any(coefficients[1:])
+    found: FloatArray = coefficients[0]
+    return found
+
+
+def test_a_constant_load_works_against_a_positive_motion() -> None:
+    made = design("plate_translating", "[effects.load]\nconstant = 12.5\n")
+    assert np.array_equal(c0(made), np.full(721, -12.5))
+    energy = made.effect("load").force.potential
+    assert energy(PHI, "right") == pytest.approx(12.5 * made.plan.jet(PHI)[0], rel=1e-15)
+
+
+def test_on_a_rocker_it_is_a_torque() -> None:
+    """-3 N m helps a positive swing by 3000 N mm."""
+    made = design("groove", "[effects.load]\nconstant = -3\n")
+    assert np.array_equal(c0(made), np.full(721, 3000.0))
+    (column,) = made.effect("load").columns
+    assert column.unit == "N m"
+    assert np.array_equal(column.values(PHI, "right"), np.full(721, -3.0))
+
+
+@pytest.mark.parametrize("scene", ["setzhub", "schnitt"])
+def test_behind_a_linkage_it_acts_on_the_slider(scene: str) -> None:
+    """Virtual work: c0 q' = -F s', also as the potential says; and it is there in the rests."""
+    made = design(scene, "[effects.load]\nconstant = 80\n")
+    swing, stroke = made.motion.jet(PHI), made.plan.jet(PHI)
+    work = -80.0 * stroke[1]
+    assert c0(made) * swing[1] == pytest.approx(work, abs=1e-13 * np.max(np.abs(work)))
+    assert np.min(np.abs(c0(made))) > 0.0
+    energy = made.effect("load").force.potential
+    assert energy(PHI, "right") == pytest.approx(80.0 * stroke[0], rel=1e-15)
+    low, high = cells(made.smooth_angles[:-1], 6)
+    over = integrals(lambda phi: c0(made, phi) * made.motion.jet(phi)[1], low, high)
+    assert over == pytest.approx(
+        energy(low, "right") - energy(high, "left"), abs=1e-12 * np.max(np.abs(energy(PHI, "left")))
+    )
+
+
+def test_segments_have_each_their_own() -> None:
+    """plate_translating: 30, 100, 40, 120, 70 degrees; the side decides at a joint."""
+    made = design("plate_translating", "[effects.load]\nsegments = [1, 2, 3, 4, 5]\n")
+    joints = np.radians([0.0, 30.0, 130.0, 170.0, 290.0])
+    assert np.array_equal(c0(made, joints), [-1.0, -2.0, -3.0, -4.0, -5.0])
+    assert np.array_equal(c0(made, joints, "left"), [-5.0, -1.0, -2.0, -3.0, -4.0])
+    assert np.array_equal(c0(made, joints + 0.1), c0(made, joints))
+    assert np.array_equal(c0(made, np.array([TURN]), "left"), [-5.0])
+    assert np.array_equal(c0(made, np.array([TURN]), "right"), [-1.0])
+    result = made.effect("load")
+    assert result.force.borders == pytest.approx(joints, abs=1e-15)
+    assert result.force.potential is None
+    assert [each.value for each in result.findings] == [5.0, 1.0]
+    # Work over a turn: 2 N against 20 mm up, 4 N with 20 mm down.
+    low, high = cells(made.smooth_angles[:-1], 6)
+    work = np.sum(integrals(lambda phi: c0(made, phi) * made.motion.jet(phi)[1], low, high))
+    assert work == pytest.approx(-2.0 * 20.0 + 4.0 * 20.0, rel=1e-13)
+
+
+def test_a_rest_of_no_length_has_no_load() -> None:
+    """The rest of 40 degrees is cut into 40 and 0."""
+    cut = ("dwell = 40\n", "dwell = 40\n\n[[motion]]\ndwell = 0\n")
+    made = design("plate_translating", "[effects.load]\nsegments = [1, 2, 3, 4, 5]\n", cut)
+    joints = np.radians([0.0, 30.0, 130.0, 170.0, 290.0])
+    assert np.array_equal(c0(made, joints), [-1.0, -2.0, -3.0, -4.0, -5.0])
+    assert np.array_equal(c0(made, joints, "left"), [-5.0, -1.0, -2.0, -3.0, -4.0])
+    still = Dwell(Decimal(0)), Dwell(Decimal(120)), Dwell(Decimal(0)), Dwell(Decimal(240))
+    steps = LoadSpec(segments=(7.0, 8.0)).course(MotionPlan(still), "N")
+    angles = np.radians([0.0, 120.0])
+    assert np.array_equal(steps.values(angles, "right"), [7.0, 8.0])
+    assert np.array_equal(steps.values(angles, "left"), [8.0, 7.0])
+
+
+def test_too_few_segments_are_refused_with_the_key() -> None:
+    made = design("plate_translating", "[effects.load]\nsegments = [1, 2]\n")
+    with pytest.raises(GeometryError, match="2 values for the 5 segments") as caught:
+        made.effect("load")
+    assert caught.value.key == "effects.load.segments"
+
+
+@pytest.mark.parametrize("text", ["", "constant = 1\nsegments = [1, 2, 3, 4, 5]\n"])
+def test_exactly_one_kind_is_allowed(text: str) -> None:
+    with pytest.raises(SceneError, match="one of constant, segments, file is needed"):
+        design("plate_translating", f"[effects.load]\n{text}")
+
+
+# Files ----------------------------------------------------------------------------------------
+
+ROWS = "phi [deg];F [N]\n0;10\n90;40\n100;-20\n360;30\n"
+
+
+def table(text: str) -> Any:
+    return read_load_table(DataFile("load.csv", text.encode()))
+
+
+def test_between_rows_there_are_straight_lines() -> None:
+    found = table(ROWS)
+    angles = np.radians([0.0, 45.0, 90.0, 95.0, 100.0, 230.0, 360.0])
+    expected = [10.0, 25.0, 40.0, 10.0, -20.0, 5.0, 10.0]
+    assert found.values(angles, "right") == pytest.approx(expected, abs=1e-12)
+    expected[0] = expected[-1] = 30.0  # the value at 360 is not that at 0: it jumps
+    assert found.values(angles, "left") == pytest.approx(expected, abs=1e-12)
+    assert found.borders == pytest.approx(np.radians([0.0, 90.0, 100.0]), abs=1e-15)
+    assert found.values(angles[1:2] + TURN, "right") == pytest.approx([25.0], abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("1;2\n360;3\n", r"load\.csv, line 1: '1\.0': the first angle; allowed is 0"),
+        ("0;2\n350;3\n", r"line 2: '350\.0': the last angle; allowed is 360"),
+        ("0;2\n90;1\n90;3\n360;3\n", r"line 3: '90\.0': the angle before is 90\.0"),
+        ("0;2\n90;x\n360;3\n", r"line 2: 'x': not a number"),
+        ("phi [rad];F\n0;2\n360;3\n", "the unit of the angle; allowed is deg"),
+        ("phi;F [kg]\n0;2\n360;3\n", "the unit of the load; allowed is n"),
+    ],
+)
+def test_a_wrong_row_is_told_with_its_line(text: str, message: str) -> None:
+    with pytest.raises(GeometryError, match=message) as caught:
+        parse({"file": DataFile("load.csv", text.encode())})
+    assert caught.value.key == "file"
+
+
+def scene_with(folder: Path, rows: str, scene: str = "plate_translating") -> Design:
+    shutil.copy(SCENES / f"{scene}.toml", folder / "cam.toml")
+    (folder / "load.csv").write_text(rows, "utf-8")
+    with (folder / "cam.toml").open("a", encoding="utf-8") as file:
+        file.write('\n[effects.load]\nfile = "load.csv"\n')
+    return Design(load_scene(folder / "cam.toml"))
+
+
+def test_a_file_of_a_scene_gives_the_force(tmp_path: Path) -> None:
+    made = scene_with(tmp_path, ROWS)
+    angles = np.radians([0.0, 45.0, 95.0])
+    assert c0(made, angles) == pytest.approx([-10.0, -25.0, -10.0], abs=1e-12)
+    assert c0(made, angles[:1], "left") == pytest.approx([-30.0], abs=1e-12)
+    largest, smallest = made.effect("load").findings
+    assert (largest.value, smallest.value) == (40.0, -20.0)
+    assert largest.cam_angle == pytest.approx(np.radians(90.0), rel=1e-15)
+    # Work over a turn, by hand: up from 30 to 130 degrees, down from 170 to 290.
+    low, high = cells(np.unique(np.append(made.smooth_angles[:-1], np.radians([90.0, 100.0]))), 4)
+    work = np.sum(integrals(lambda phi: c0(made, phi) * made.motion.jet(phi)[1], low, high))
+    # By parts: the sum of F s at the kinks, less slopes times integrals of s.
+    loads = np.interp(np.degrees(high), [0.0, 90.0, 100.0, 360.0], [10.0, 40.0, -20.0, 30.0])
+    before = np.interp(np.degrees(low), [0.0, 90.0, 100.0, 360.0], [10.0, 40.0, -20.0, 30.0])
+    lift = integrals(lambda phi: made.plan.jet(phi)[0], low, high)
+    ends = loads * made.plan.jet(high, "left")[0] - before * made.plan.jet(low, "right")[0]
+    expected = -np.sum(ends - (loads - before) / (high - low) * lift)
+    assert work == pytest.approx(expected, abs=1e-10)  # sums of 40 terms of 800 N mm
+
+
+def test_a_heading_in_another_unit_is_refused(tmp_path: Path) -> None:
+    made = scene_with(tmp_path, "phi,M [Nm]\n0,1\n360,1\n")
+    with pytest.raises(GeometryError, match="loads in N m") as caught:
+        made.effect("load")
+    assert caught.value.key == "effects.load.file"
+
+
+def test_a_file_of_torques_loads_a_rocker(tmp_path: Path) -> None:
+    made = scene_with(tmp_path, "angle,torque [N m]\n0,1\n360,2\n", "groove")
+    assert c0(made, np.array([np.pi])) == pytest.approx([-1500.0], rel=1e-14)
+
+
+# What has no answer ---------------------------------------------------------------------------
+
+
+def test_a_load_on_a_slider_that_cannot_be_moved_has_no_force() -> None:
+    made = design("schnitt", "[effects.load]\nconstant = 1\n", *LOCKED)
+    with pytest.raises(EffectError, match="stands across the guide") as caught:
+        made.effect("load")
+    assert caught.value.finding == "locked-slider"
+    assert caught.value.unit == "mm"
+
+
+def test_without_its_table_it_is_missing() -> None:
+    with pytest.raises(GeometryError) as caught:
+        design("plate_translating", "").effect("load")
+    assert caught.value.key == "effects.load"

@@ -1,0 +1,238 @@
+"""Which effects there are: those of camgeo by their modules, others by entry points."""
+
+from __future__ import annotations
+
+import importlib.metadata
+import json
+import subprocess
+import sys
+from collections.abc import Callable
+from types import MappingProxyType
+from typing import Any
+
+import pytest
+
+from camgeo.effects.effect import GROUP, Effect, Request
+from camgeo.effects.graph import Effects
+from camgeo.effects.registry import EFFECTS, effect_names, find_effect, foreign_names
+from camgeo.errors import GeometryError, SceneError
+from camgeo.lazy import Ledger
+from camgeo.scene.load import parse_scene
+from camgeo.scene.schema import schema
+from tests.scene.scenes import PLATE, ROCKER
+
+NAME = "noise"
+
+SCHEMA = MappingProxyType(
+    {
+        "type": "object",
+        "required": ["mass"],
+        "additionalProperties": False,
+        "properties": {
+            "mass": {"type": "number", "minimum": 0, "x-unit": "kg"},
+            "gap": {"$ref": "#/$defs/length"},
+            "bands": {"type": "array", "items": {"type": "number", "x-unit": "Hz"}},
+        },
+        "$defs": {"length": {"type": "number", "exclusiveMinimum": 0}},
+    }
+)
+
+
+def parse(table: Any) -> dict[str, Any]:
+    """Arithmetic that asks for numbers, as an effect that trusts its schema does."""
+    if "gap" in table and table["gap"] > 1000.0:
+        raise GeometryError("must not exceed 1000 mm", key="gap")
+    return {"mass": 1.0 * table["mass"], **table}
+
+
+FOREIGN = Effect(NAME, "noise of the follower", lambda request: request.spec, parse, schema=SCHEMA)
+
+
+class Entry:
+    """An entry point that counts how often it is loaded."""
+
+    def __init__(self, name: str, value: Any) -> None:
+        self.name = name
+        self.value = value
+        self.loads = 0
+
+    def load(self) -> Any:
+        self.loads += 1
+        return self.value
+
+
+@pytest.fixture
+def register(monkeypatch: pytest.MonkeyPatch) -> Callable[[str, Any], Entry]:
+    """Registers an effect of another distribution, for this test."""
+    entries: list[Entry] = []
+
+    def entry_points(*, group: str) -> tuple[Entry, ...]:
+        return tuple(entries) if group == GROUP else ()
+
+    def register(name: str, value: Any) -> Entry:
+        entries.append(Entry(name, value))
+        return entries[-1]
+
+    monkeypatch.setattr(importlib.metadata, "entry_points", entry_points)
+    return register
+
+
+Register = Callable[[str, Any], Entry]
+
+
+@pytest.mark.parametrize("name", EFFECTS)
+def test_each_is_an_effect_of_its_name(name: str) -> None:
+    effect = find_effect(name)
+    assert isinstance(effect, Effect)
+    assert effect.name == name
+    assert effect.title
+    assert not effect.title.endswith(".")
+    assert {*effect.needs, *effect.uses} <= set(EFFECTS) - {name}
+    assert not effect.schema, "tables of camgeo's own effects stand in the schema of the scene"
+
+
+@pytest.mark.parametrize("name", EFFECTS)
+def test_each_has_its_table_and_takes_a_tolerance_if_it_is_numerical(name: str) -> None:
+    table = schema()["properties"]["effects"]["properties"][name]
+    assert ("tolerance" in table["properties"]) == find_effect(name).numerical
+
+
+@pytest.mark.parametrize("name", EFFECTS)
+def test_none_needs_itself(name: str) -> None:
+    """Whatever a scene names, all of them at worst."""
+    everything: dict[str, dict[str, Any]] = {each: {} for each in EFFECTS}
+    subject: Any = None
+    assert name not in Effects(subject, everything, Ledger()).inputs(name)
+
+
+@pytest.mark.parametrize("name", EFFECTS)
+def test_each_is_imported_alone(name: str) -> None:
+    """Finding one imports none of the others, which it would get through the graph."""
+    code = (
+        "import json, sys\nfrom camgeo.effects.registry import find_effect\n"
+        "assert not any(m.startswith('camgeo.effects.') and m.split('.')[2] not in"
+        " ('effect', 'registry') for m in sys.modules)\n"
+        "find_effect(sys.argv[1])\nprint(json.dumps(sorted(sys.modules)))"
+    )
+    out = subprocess.run(
+        [sys.executable, "-c", code, name], capture_output=True, text=True, check=True
+    ).stdout
+    found = {m.split(".")[2] for m in json.loads(out) if m.startswith("camgeo.effects.")}
+    others = {each.replace("-", "_") for each in EFFECTS if each != name}
+    assert not found & others
+    assert "scipy" not in json.loads(out)
+
+
+def test_the_schema_has_exactly_their_tables() -> None:
+    assert set(schema()["properties"]["effects"]["properties"]) == set(EFFECTS)
+    assert schema()["properties"]["effects"]["x-foreign"] == GROUP
+
+
+def test_there_is_no_such_effect(register: Register) -> None:
+    register(NAME, FOREIGN)
+    with pytest.raises(KeyError):
+        find_effect("sprung")
+
+
+def test_a_foreign_effect_is_loaded_when_it_is_asked_for(register: Register) -> None:
+    entry = register(NAME, FOREIGN)
+    assert effect_names() == (*EFFECTS, NAME)
+    assert foreign_names() == (NAME,)
+    assert entry.loads == 0
+    assert find_effect(NAME) is FOREIGN
+    assert entry.loads == 1
+
+
+def test_own_effects_cannot_be_taken_over(register: Register) -> None:
+    entry = register(EFFECTS[0], FOREIGN)
+    assert foreign_names() == ()
+    assert effect_names() == EFFECTS
+    assert entry.loads == 0
+
+
+@pytest.mark.parametrize(
+    "value", [None, "noise", Effect, Effect("other", "other", lambda request: None)]
+)
+def test_what_is_no_effect_of_that_name_is_refused(register: Register, value: Any) -> None:
+    register(NAME, value)
+    with pytest.raises(TypeError, match="registered as the effect 'noise' is no effect"):
+        find_effect(NAME)
+
+
+# In a scene ---------------------------------------------------------------------------------------
+
+
+def with_noise(text: str, scene: str = PLATE) -> str:
+    return f"{scene}\n[effects.noise]\n{text}\n"
+
+
+def test_a_scene_that_does_not_name_it_does_not_load_it(register: Register) -> None:
+    entry = register(NAME, FOREIGN)
+    assert parse_scene(PLATE).effects == {}
+    assert entry.loads == 0
+
+
+def test_its_table_is_converted_by_its_schema(register: Register) -> None:
+    register(NAME, FOREIGN)
+    text = with_noise("mass = 2\ngap = 0.5\nbands = [1, 2.5]")
+    table = parse_scene(text).effects[NAME]
+    hertz = 2.0 * 3.141592653589793
+    assert table == {"mass": 2e-3, "gap": 0.5, "bands": (hertz, 2.5 * hertz)}
+    inch = text.replace('length = "mm"', 'length = "inch"')
+    assert parse_scene(inch).effects[NAME] == {**table, "gap": 0.5 * 25.4}
+
+
+def test_its_effect_is_computed_on_a_design(register: Register) -> None:
+    register(NAME, FOREIGN)
+    from camgeo.design import Design
+
+    scene = parse_scene(with_noise("mass = 2"))
+    assert Design(scene).effect(NAME) == {"mass": 2e-3}
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("gap = 0.5", r"effects\.noise: is refused by the effect: .*mass.* is a required property"),
+        ("mass = -1", r"line \d+: effects\.noise\.mass = -1: is refused by the effect: .*minimum"),
+        ('mass = "heavy"', r"effects\.noise\.mass = \"heavy\": is refused .* type \"number\""),
+        ("mass = 1\nloud = 3", r"effects\.noise.*is refused by the effect: .*loud"),
+        ('mass = 1\nbands = [1, "two"]', r"effects\.noise\.bands.*: is refused by the effect"),
+        ("mass = 1\ngap = 2000", r"effects\.noise\.gap = 2000: must not exceed 1000 mm"),
+    ],
+)
+def test_what_its_schema_or_itself_refuses_is_told(
+    register: Register, text: str, message: str
+) -> None:
+    register(NAME, FOREIGN)
+    with pytest.raises(SceneError, match=message) as caught:
+        parse_scene(with_noise(text))
+    (fault,) = caught.value.faults
+    assert fault.line is not None
+
+
+def test_unknown_names_are_told_as_before(register: Register) -> None:
+    register(NAME, FOREIGN)
+    scene = f"{PLATE}\n[effects.noisy]\nmass = 1\n"
+    with pytest.raises(SceneError, match=r"effects\.noisy: is not a known key"):
+        parse_scene(scene)
+
+
+def test_what_it_needs_of_the_scene_is_told(register: Register) -> None:
+    register(NAME, Effect(NAME, "noise", lambda request: None, keys=(("cam.speed",),)))
+    with pytest.raises(SceneError, match=r"effects\.noise: needs \[cam\] speed"):
+        parse_scene(with_noise("", ROCKER))
+    assert parse_scene(with_noise("", PLATE)).effects == {NAME: {}}
+
+
+def test_request_is_what_it_gets(register: Register) -> None:
+    seen: list[Request] = []
+    register(NAME, Effect(NAME, "noise", seen.append, parse, schema=SCHEMA))
+    from camgeo.design import Design
+
+    design = Design(parse_scene(with_noise("mass = 3")))
+    assert design.effect(NAME) is None
+    (request,) = seen
+    assert request.subject is design
+    assert request.spec == {"mass": 3e-3}
+    assert dict(request.results) == {}

@@ -1,0 +1,312 @@
+from __future__ import annotations
+
+import cmath
+import math
+from types import SimpleNamespace
+from typing import Any, Final
+
+import mpmath
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from camgeo.design import Design
+from camgeo.effects.spring import parse
+from camgeo.effects.spring.ways import BetweenPoints, along_slider
+from camgeo.errors import GeometryError
+from camgeo.mechanism.slider_crank import SliderCrank
+from camgeo.numeric.arrays import FloatArray
+from camgeo.units import TURN
+from tests.effects.scenes import design
+from tests.integrals import cells, integrals
+
+LINEAR: Final = "stiffness = 5\npreload = 50\n"
+TORSION: Final = 'kind = "torsion"\ntorsional_stiffness = 5\npreload_torque = 50\n'
+ON_ARM: Final = "attachment = [20, 0]\n"
+MET: Final = 110.0 - 90.0 * cmath.exp(1j * math.radians(8.0))
+"""Where that attachment of the shuttle, which swings by 16 degrees about [110, 0], is half-way."""
+
+ENDS: Final = "anchor = [30, -60]\nattachment = [60, 30]\n"
+
+SPRINGS: Final = {
+    "guide": ("plate_translating", LINEAR),
+    "guide, outer flank": ("ring", LINEAR),
+    "guide, lift from a table": ("measured", LINEAR),
+    "slider that draws": ("setzhub", LINEAR),
+    "slider that pushes": ("schnitt", LINEAR),
+    "torsion": ("shuttle", TORSION),
+    "torsion in a groove": ("groove", TORSION),
+    "torsion with a linkage": ("setzhub", TORSION),
+    "extension": ("shuttle", 'kind = "extension"\n' + LINEAR + ENDS),
+    "compression": ("groove", LINEAR + ENDS),
+    "compression with a linkage": ("schnitt", LINEAR + ENDS),
+}
+
+ROUNDING: Final = 1e-13
+"""Some hundred roundings of the numbers at hand."""
+
+
+def spring_of(name: str) -> tuple[Design, Any]:
+    scene, table = SPRINGS[name]
+    made = design(scene, f"[effects.spring]\n{table}")
+    return made, made.effect("spring")
+
+
+def grid(made: Design) -> FloatArray:
+    """Angles all round, with those where the formula changes."""
+    found: FloatArray = np.concatenate((np.linspace(0.0, TURN, 361), made.smooth_angles))
+    return found
+
+
+@pytest.mark.parametrize("name", SPRINGS)
+def test_the_force_is_the_slope_of_the_potential(name: str) -> None:
+    """c0 q' = -dV/dphi, integrated from place to place, so that no difference blurs it."""
+    made, spring = spring_of(name)
+    low, high = cells(made.motion.borders, 12)
+
+    def power(phi: FloatArray) -> FloatArray:
+        found: FloatArray = spring.force.coefficients(phi, "right")[0] * made.motion.jet(phi)[1]
+        return found
+
+    work = integrals(power, low, high)
+    loss = spring.force.potential(low, "right") - spring.force.potential(high, "left")
+    scale = np.max(np.abs(spring.force.potential(grid(made), "right")))
+    # The rule of 24 points is exact to rounding on a twelfth of a law.
+    assert np.max(np.abs(work - loss)) <= 1e-11 * scale
+    phi = grid(made)
+    peak = np.max(np.abs(spring.force.coefficients(phi, "right")[0] * made.motion.jet(phi)[1]))
+    assert abs(np.sum(work)) <= 1e-12 * peak
+    assert np.all(spring.force.coefficients(phi, "right")[1:] == 0.0)
+
+
+@pytest.mark.parametrize("name", SPRINGS)
+def test_the_force_is_linear_in_preload_and_stiffness(name: str) -> None:
+    made, spring = spring_of(name)
+    for side in ("right", "left"):
+        phi = grid(made)
+        parts = spring.preload * spring.per_preload(phi, side)
+        parts += spring.stiffness * spring.per_stiffness(phi, side)
+        found = spring.force.coefficients(phi, side)[0]
+        assert parts == pytest.approx(found, abs=ROUNDING * float(np.max(np.abs(found))))
+
+
+@pytest.mark.parametrize(
+    "name", [name for name, (_, table) in SPRINGS.items() if ENDS not in table]
+)
+def test_it_presses_the_roller_to_its_flank(name: str) -> None:
+    """The preload alone, whatever the motion: against the outward normal, or along it."""
+    made, spring = spring_of(name)
+    phi = grid(made)
+    outwards = spring.per_preload(phi, "right") / made.pitch_curve.leverage(phi)
+    assert np.all(outwards > 0.0 if made.contact == "outer" else outwards < 0.0)
+    assert "spring-opens-contact" not in {found.name for found in spring.findings}
+
+
+def test_along_a_guide() -> None:
+    """F = P + k s inwards for a lift outwards on the inner flank."""
+    made, spring = spring_of("guide")
+    phi = grid(made)
+    lift = made.motion.jet(phi)[0]
+    assert spring.force.coefficients(phi, "right")[0] == pytest.approx(-(50.0 + 5.0 * lift))
+    found = {each.name: each for each in spring.findings}
+    assert found["largest-spring-force"].value == pytest.approx(150.0)
+    assert found["smallest-spring-force"].value == pytest.approx(50.0)
+    assert found["largest-spring-deflection"].value == pytest.approx(20.0)
+    assert [each.severity for each in spring.findings] == ["ok"] * 3
+    (column,) = spring.columns
+    assert column.unit == "N"
+    assert column.values(phi, "right") == pytest.approx(50.0 + 5.0 * lift)
+
+
+def test_of_a_ring_it_presses_outwards_and_goes_slack() -> None:
+    """F = P - k s: the lift of 12.5 mm is more than the 10 mm by which the preload deflects it."""
+    made, spring = spring_of("guide, outer flank")
+    phi = grid(made)
+    lift = made.motion.jet(phi)[0]
+    assert spring.force.coefficients(phi, "right")[0] == pytest.approx(50.0 - 5.0 * lift)
+    (slack,) = (each for each in spring.findings if each.name == "slack-spring")
+    assert slack.severity == "warning"
+    assert slack.value == pytest.approx(-12.5)
+    assert slack.cam_range is not None
+    ends = made.motion.jet(np.array(slack.cam_range))
+    assert ends[0] == pytest.approx([10.0, 10.0], abs=1e-12)
+    assert ends[1][0] > 0.0 > ends[1][1]
+
+
+@pytest.mark.parametrize("name", ["slider that draws", "slider that pushes"])
+def test_along_a_slider_it_does_the_slider_s_work(name: str) -> None:
+    """Q q' = F ds/dphi in the sense in which it closes: virtual work, without the linkage."""
+    made, spring = spring_of(name)
+    phi = grid(made)
+    stroke, speed = made.plan.jet(phi)[:2]
+    # A lift inwards closes the contact of an inner flank.
+    sense = 1.0 if name == "slider that draws" else -1.0
+    work = spring.force.coefficients(phi, "right")[0] * made.motion.jet(phi)[1]
+    wanted = sense * (50.0 - 5.0 * sense * stroke) * speed
+    assert work == pytest.approx(wanted, abs=1e-11 * float(np.max(np.abs(wanted))))
+
+
+@pytest.mark.parametrize(
+    ("name", "pivot", "sense"),
+    [("extension", 110.0, -1.0), ("compression", -96.0 - 72.0j, 1.0)],
+)
+def test_between_two_points(name: str, pivot: complex, sense: float) -> None:
+    """The moment of the spring's force about the pivot, from where its end is in the drawing."""
+    made, spring = spring_of(name)
+    phi = grid(made)
+    lift = made.motion.jet(phi)[0]
+    turn = np.exp(1j * made.follower.reach / abs(made.follower.reach) * lift)
+    anchor, first = 30.0 - 60.0j, 60.0 + 30.0j
+    end = pivot + (first - pivot) * turn
+    longer = np.abs(end - anchor) - abs(first - anchor)
+    force = (50.0 - sense * 5.0 * longer) * sense * (end - anchor) / np.abs(end - anchor)
+    moment = np.imag(np.conj(end - pivot) * force)
+    wanted = moment * made.follower.reach / abs(made.follower.reach)
+    found = spring.force.coefficients(phi, "right")[0]
+    assert found == pytest.approx(wanted, abs=1e-12 * float(np.max(np.abs(wanted))))
+
+
+def test_pulling_instead_of_pushing_opens_the_contact() -> None:
+    """One of the two must: both act along the same line."""
+    opened = {}
+    for kind in ("extension", "compression"):
+        made = design("shuttle", f'[effects.spring]\nkind = "{kind}"\n{LINEAR}{ENDS}')
+        found = {each.name: each for each in made.effect("spring").findings}
+        opened[kind] = found.get("spring-opens-contact")
+    assert [kind for kind, each in opened.items() if each is not None] == ["extension"]
+    finding = opened["extension"]
+    assert finding is not None
+    assert finding.severity == "warning"
+    assert finding.cam_range == (0.0, TURN)
+
+
+coordinates = st.complex_numbers(min_magnitude=1.0, max_magnitude=1e3, allow_nan=False)
+
+
+@settings(max_examples=60, deadline=None)
+@given(anchor=coordinates, attachment=coordinates, swing=st.floats(1e-3, 1.5))
+def test_a_tiny_elongation_keeps_its_digits(
+    anchor: complex, attachment: complex, swing: float
+) -> None:
+    """Against 40 digits, from swings of 1e-12 to 1.5 rad."""
+    for size in (1e-9, -1e-3, 1.0):
+        angle = swing * size
+        if abs(attachment - anchor) < 1.0 or abs(attachment * np.exp(1j * angle) - anchor) < 1.0:
+            continue
+        motion: Any = SimpleNamespace(jet=lambda *_, q=angle: np.array([[q], [0.0]]))
+        way = BetweenPoints(motion, 0.0, 1, attachment, anchor, 1.0)
+        found = way(np.zeros(1), "right")[0][0]
+        with mpmath.workdps(40):
+            r, a = mpmath.mpc(attachment), mpmath.mpc(anchor)
+            wanted = abs(r * mpmath.expj(mpmath.mpf(angle)) - a) - abs(r - a)
+            # Im(conj(a) r) and sin(half) are rounded each, no difference of lengths is.
+            slack = 16.0 * 2.0**-52 * abs(angle) * abs(a) * abs(r) / abs(r - a)
+            assert abs(found - wanted) <= slack + 16.0 * 2.0**-52 * abs(wanted)
+
+
+def test_torque_is_told_in_newton_metres() -> None:
+    made, spring = spring_of("torsion in a groove")
+    phi = grid(made)
+    swing = made.motion.jet(phi)[0]
+    assert (spring.unit_of_preload, spring.unit_of_stiffness) == ("N m", "N m/rad")
+    assert (spring.preload, spring.stiffness) == (50e3, 5e3)
+    (column,) = spring.columns
+    assert column.values(phi, "right") == pytest.approx(50.0 - 5.0 * swing)
+    # A positive swing goes inwards here, and that is where the spring relaxes to.
+    assert spring.force.coefficients(phi, "right")[0] == pytest.approx(50e3 - 5e3 * swing)
+    found = {each.name: each for each in spring.findings}
+    assert found["smallest-spring-torque"].value == pytest.approx(50.0 - 5.0 * math.radians(18.0))
+    assert found["largest-spring-deflection"].value == pytest.approx(18.0)
+    assert found["largest-spring-deflection"].unit == "deg"
+
+
+@pytest.mark.parametrize(
+    ("table", "key"),
+    [
+        ({}, "stiffness"),
+        ({"stiffness": 1.0}, "preload"),
+        ({"kind": "extension", "preload": 1.0}, "stiffness"),
+        ({"kind": "torsion", "torsional_stiffness": 1.0}, "preload_torque"),
+        ({"kind": "torsion", "preload_torque": 1.0}, "torsional_stiffness"),
+        ({"stiffness": 1.0, "preload": 1.0, "preload_torque": 1.0}, "preload_torque"),
+        (
+            {
+                "kind": "torsion",
+                "torsional_stiffness": 1.0,
+                "preload_torque": 1.0,
+                "stiffness": 1.0,
+            },
+            "stiffness",
+        ),
+        (
+            {
+                "kind": "torsion",
+                "torsional_stiffness": 1.0,
+                "preload_torque": 1.0,
+                "anchor": (0.0, 1.0),
+            },
+            "anchor",
+        ),
+        ({"stiffness": 1.0, "preload": 1.0, "anchor": (0.0, 1.0)}, "attachment"),
+        ({"stiffness": 1.0, "preload": 1.0, "attachment": (0.0, 1.0)}, "anchor"),
+    ],
+)
+def test_missing_and_foreign_keys(table: dict[str, Any], key: str) -> None:
+    with pytest.raises(GeometryError) as error:
+        parse(table)
+    assert error.value.key == key
+
+
+@pytest.mark.parametrize(
+    ("scene", "table", "key"),
+    [
+        ("plate_translating", TORSION, "kind"),
+        ("plate_translating", LINEAR + ENDS, "anchor"),
+        ("groove", LINEAR, "anchor"),
+        ("shuttle", LINEAR + "anchor = [0, 0]\nattachment = [110, 0]\n", "attachment"),
+        ("shuttle", LINEAR + f"anchor = [{MET.real!r}, {MET.imag!r}]\n" + ON_ARM, "anchor"),
+    ],
+)
+def test_a_spring_that_does_not_fit_the_follower(scene: str, table: str, key: str) -> None:
+    made = design(scene, f"[effects.spring]\n{table}")
+    with pytest.raises(GeometryError) as error:
+        made.effect("spring")
+    assert error.value.key == f"effects.spring.{key}"
+
+
+def test_a_slider_that_turns_back_cannot_close_all_round() -> None:
+    """The coupler comes across the guide on the way from X = 60 mm to 40 mm."""
+    plan = design("plate_translating", "").plan
+    refused = []
+    for branch in (1, -1):
+        linkage = SliderCrank(50.0, 60.0, 0.0, True, 1, -1, branch)
+        if linkage.locked_at(plan) is None:
+            continue
+        subject: Any = SimpleNamespace(plan=plan)
+        with pytest.raises(GeometryError, match="across the guide") as error:
+            along_slider(subject, linkage)
+        refused.append(error.value.key)
+    assert refused == ["effects.spring"]
+
+
+def test_an_arm_over_the_line_of_centres_cannot_close_by_the_slider() -> None:
+    made = design("schnitt", f"[effects.spring]\n{LINEAR}")
+    assert made.linkage is not None
+    follower: Any = SimpleNamespace(
+        reach=1.0, relative_jet=lambda jet, *_: SimpleNamespace(u=jet[0] - 0.5 * np.max(jet[0]))
+    )
+    subject: Any = SimpleNamespace(
+        plan=made.plan, motion=made.plan, rotation=1, follower=follower,
+        smooth_angles=made.smooth_angles,
+    )  # fmt: skip
+    with pytest.raises(GeometryError, match="line of centres") as error:
+        along_slider(subject, made.linkage)
+    assert error.value.key == "effects.spring"
+
+
+def test_asked_again_it_answers_the_same() -> None:
+    (made, first), (_, second) = spring_of("compression"), spring_of("compression")
+    phi = grid(made)
+    assert first.findings == second.findings
+    assert np.array_equal(first.per_stiffness(phi, "left"), second.per_stiffness(phi, "left"))

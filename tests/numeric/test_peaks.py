@@ -1,0 +1,170 @@
+"""Extremes over smooth pieces against closed forms, with jumps between the pieces."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.peaks import (
+    FEWEST_SAMPLES,
+    INSET,
+    MOST_POINTS,
+    SAMPLES,
+    Side,
+    grid_of,
+    piecewise_extremes,
+)
+
+EPS = float(np.finfo(np.float64).eps)
+
+some = settings(deadline=None)
+
+
+def cubic(a: float, b: float, x: FloatArray) -> FloatArray:
+    """Integral of (x - a)(x - b)."""
+    return ((x / 3.0 - 0.5 * (a + b)) * x + a * b) * x
+
+
+@given(a=st.floats(-1.2, 1.2), b=st.floats(-1.2, 1.2), inner=st.lists(st.floats(-0.9, 0.9)))
+@some
+def test_a_cubic(a: float, b: float, inner: list[float]) -> None:
+    """Turning points two steps of the coarsest grid apart are both found, wherever the cuts are."""
+    assume(abs(a - b) > 2.0 * 2.0 / (SAMPLES - 1))
+    edges = np.unique(np.array([-1.0, *inner, 1.0]))
+    found = piecewise_extremes(lambda x, side: cubic(a, b, x), edges)
+    places = np.array([-1.0, 1.0, *(each for each in (a, b) if -1.0 < each < 1.0)])
+    values = cubic(a, b, places)
+    # |x|, |a|, |b| up to 1.2: terms add up to 3, each with three roundings; in the flat top of a
+    # search the values compared differ by no more.
+    rounding = 4.0 * 3.0 * EPS
+    assert found.highest.value == pytest.approx(np.max(values), rel=0.0, abs=rounding)
+    assert found.lowest.value == pytest.approx(np.min(values), rel=0.0, abs=rounding)
+    # f differs by `rounding` from a top with f'' = |a - b| within sqrt(2 rounding/|a - b|).
+    flat = math.sqrt(4.0 * rounding / abs(a - b)) + 1e-8
+    for extreme, best in ((found.highest, np.max(values)), (found.lowest, np.min(values))):
+        near = places[np.abs(values - best) <= 2.0 * rounding]
+        slope = np.abs((near - a) * (near - b))
+        reach = np.where(slope > flat, 1e-15, 2.0 * flat)
+        assert np.any(np.abs(near - extreme.place) <= reach)
+
+
+@pytest.mark.parametrize("waves", [1, 2, 3.5, 7])
+@given(phase=st.floats(0.0, 2.0 * math.pi), size=st.floats(1e-6, 1e6))
+@some
+def test_a_sine(waves: float, phase: float, size: float) -> None:
+    """With a crest and a trough inside, which takes a whole wave at most."""
+    edges = np.array([0.0, 2.0 * math.pi])
+    found = piecewise_extremes(lambda x, side: size * np.sin(waves * x + phase), edges)
+    # An error d of the place costs d^2/2: nothing; sin and the product are rounded.
+    assert found.highest.value == pytest.approx(size, rel=2.0 * EPS)
+    assert found.lowest.value == pytest.approx(-size, rel=2.0 * EPS)
+    assert found.magnitude == max(found.highest.value, -found.lowest.value)
+    # Within the square root of the rounding of the value.
+    for extreme, sine in ((found.highest, 1.0), (found.lowest, -1.0)):
+        off = math.remainder(waves * extreme.place + phase - sine * 0.5 * math.pi, 2.0 * math.pi)
+        assert abs(off) <= 4.0 * math.sqrt(EPS)
+
+
+@pytest.mark.parametrize("degree", [2, 3, 5, 8, 13])
+def test_chebyshev_polynomials_fill_the_strip(degree: int) -> None:
+    """All their extremes are 1 and -1; the first one is told."""
+    chebyshev = np.polynomial.Chebyshev.basis(degree)
+    found = piecewise_extremes(lambda x, side: chebyshev(x), np.linspace(-1.0, 1.0, 4))
+    rounding = 4.0 * degree * EPS  # of Clenshaw's sum
+    assert abs(found.highest.value - 1.0) <= rounding
+    assert abs(found.lowest.value + 1.0) <= rounding
+
+
+def saw(x: FloatArray, side: Side) -> FloatArray:
+    """Rises from 0 to 1 between integers, and falls there at once."""
+    out = x - np.floor(x)
+    if side == "left":
+        out[x == np.floor(x)] = 1.0
+    return out
+
+
+def test_both_sides_of_a_jump_count() -> None:
+    found = piecewise_extremes(saw, np.arange(5.0))
+    assert (found.lowest.value, found.lowest.place) == (0.0, 0.0)
+    assert (found.highest.value, found.highest.place) == (1.0, 1.0)
+    turned = piecewise_extremes(lambda x, side: -saw(x, side), np.arange(5.0))
+    assert (turned.highest.value, turned.highest.place) == (0.0, 0.0)
+    assert (turned.lowest.value, turned.lowest.place) == (-1.0, 1.0)
+
+
+def test_what_the_ends_have_on_their_outer_sides_does_not_count() -> None:
+    def beyond(x: FloatArray, side: Side) -> FloatArray:
+        out = np.cos(x)
+        out[(x == 0.0) & (side == "left")] = 9.0
+        out[(x == 1.0) & (side == "right")] = -9.0
+        return out
+
+    found = piecewise_extremes(beyond, np.array([0.0, 1.0]))
+    assert (found.highest.value, found.highest.place) == (1.0, 0.0)
+    assert (found.lowest.value, found.lowest.place) == (np.cos(1.0), 1.0)
+
+
+@given(jump=st.floats(-3.0, 3.0), edge=st.floats(0.05, 0.95))
+@some
+def test_a_jump_beside_a_crest(jump: float, edge: float) -> None:
+    """Pieces are searched apart: on each the extreme is its own."""
+
+    def function(x: FloatArray, side: Side) -> FloatArray:
+        later = x >= edge if side == "right" else x > edge
+        return x * (1.0 - x) + np.where(later, jump, 0.0)
+
+    found = piecewise_extremes(function, np.array([0.0, edge, 1.0]))
+    at_edge = edge * (1.0 - edge)
+    first = [0.0, at_edge, *([0.25] if edge > 0.5 else [])]
+    second = [at_edge + jump, jump, *([0.25 + jump] if edge < 0.5 else [])]
+    rounding = 4.0 * (0.25 + abs(jump)) * EPS
+    assert found.highest.value == pytest.approx(max(first + second), rel=0.0, abs=rounding)
+    assert found.lowest.value == pytest.approx(min(first + second), rel=0.0, abs=rounding)
+
+
+def test_a_constant_and_a_straight_line() -> None:
+    edges = np.array([1.0, 2.0, 4.0])
+    same = piecewise_extremes(lambda x, side: np.full_like(x, 3.0), edges)
+    assert (same.lowest.value, same.highest.value) == (3.0, 3.0)
+    line = piecewise_extremes(lambda x, side: 2.0 * x, edges)
+    assert (line.lowest.value, line.lowest.place) == (2.0, 1.0)
+    assert (line.highest.value, line.highest.place) == (8.0, 4.0)
+
+
+def test_a_crest_at_the_very_end_of_a_piece() -> None:
+    """Nearer than the grid keeps off: what is lost there is the square of that."""
+    top = 1.0 - 0.5 * INSET
+    found = piecewise_extremes(lambda x, side: -((x - top) ** 2), np.array([0.0, 1.0]))
+    assert -(INSET**2) <= found.highest.value <= 0.0
+
+
+@pytest.mark.parametrize("pieces", [1, 7, MOST_POINTS // SAMPLES + 100, MOST_POINTS // 4])
+def test_the_grid(pieces: int) -> None:
+    edges = np.linspace(0.0, 6.0, pieces + 1)
+    grid = grid_of(edges)
+    assert len(grid) == pieces
+    assert FEWEST_SAMPLES <= grid.shape[1] <= SAMPLES
+    assert grid.size <= max(MOST_POINTS, FEWEST_SAMPLES * pieces)
+    assert np.all(grid[:, 0] > edges[:-1])
+    assert np.all(grid[:, -1] < edges[1:])
+    assert np.all(np.diff(grid, axis=1) > 0.0)
+
+
+def test_the_function_is_asked_for_arrays() -> None:
+    """Few calls, however many pieces."""
+    calls: list[int] = []
+
+    def counted(x: FloatArray, side: Side) -> FloatArray:
+        calls.append(len(x))
+        return np.sin(x)
+
+    piecewise_extremes(counted, np.linspace(0.0, 50.0, 101))
+    few = len(calls)
+    calls.clear()
+    piecewise_extremes(counted, np.linspace(0.0, 50.0, 3))
+    assert few == len(calls)

@@ -1,0 +1,198 @@
+"""Moments of areas: closed forms, invariants, and polygons of the same curves."""
+
+from __future__ import annotations
+
+import cmath
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from camgeo.contour.contour import Contour
+from camgeo.contour.moments import contour_moments
+from camgeo.curve.pitch_curve import PitchCurve
+from camgeo.curve.working_curve import WorkingCurve
+from camgeo.mechanism.translating_roller import TranslatingRoller
+from camgeo.motion.motion import Dwell, Jet, Side
+from camgeo.numeric.arrays import FloatArray
+from camgeo.outline.area import area
+from camgeo.outline.moments import ROUNDING, Moments, path_moments, total
+from camgeo.outline.path import Path, Pivot, whole
+from tests.effects.scenes import design
+
+
+@dataclass(frozen=True, slots=True)
+class EccentricCircle:
+    """The lift over an eccentric disc: q = e cos phi + sqrt(R^2 - e^2 sin^2 phi) - (e + R)."""
+
+    eccentricity: float
+    radius: float
+    breaks: FloatArray
+    dwells: tuple[Dwell, ...] = ()
+
+    @property
+    def borders(self) -> FloatArray:
+        return self.breaks
+
+    def jet(self, phi: FloatArray, side: Side = "right", order: int = 3) -> Jet:
+        e, sine, cosine = self.eccentricity, np.sin(phi), np.cos(phi)
+        w = np.sqrt(self.radius**2 - (e * sine) ** 2)
+        # w w' = -e^2 s c, and this once and twice more by phi
+        w1 = -e * e * sine * cosine / w
+        w2 = (-e * e * (cosine**2 - sine**2) - w1 * w1) / w
+        w3 = (4.0 * e * e * sine * cosine - 3.0 * w1 * w2) / w
+        return np.stack(
+            (
+                e * cosine + w - (e + self.radius),
+                w1 - e * sine,
+                w2 - e * cosine,
+                w3 + e * sine,
+            )
+        )
+
+    def jet_and_bounds(self, low: FloatArray, high: FloatArray) -> tuple[Jet, Jet]:
+        raise NotImplementedError
+
+
+def eccentric(
+    eccentricity: float, radius: float, rotation: int = 1, guide: float = 0.0, roller: float = 8.0
+) -> Path:
+    """The inner outline of an eccentric disc."""
+    motion = EccentricCircle(eccentricity, radius + roller, np.array([0.3, 2.0]))
+    follower = TranslatingRoller(eccentricity + radius + roller, roller, guide_angle=guide)
+    return whole(WorkingCurve(PitchCurve(motion, follower, rotation), -roller))
+
+
+@pytest.mark.parametrize("rotation", [1, -1])
+@pytest.mark.parametrize("eccentricity", [0.0, 1e-6, 5.0, 30.0])
+def test_an_eccentric_disc_has_the_moments_of_its_circle(
+    eccentricity: float, rotation: int
+) -> None:
+    found = path_moments(eccentric(eccentricity, 40.0, rotation, guide=0.7), 1e-13)
+    found = found.counter_clockwise()
+    exact = math.pi * 40.0**2
+    moment = exact * cmath.rect(eccentricity, 0.7)
+    assert abs(found.area - exact) <= found.area_error
+    assert abs(found.first - moment) <= found.first_error
+    assert found.area_error < 2e-13 * exact + ROUNDING * 3.0 * exact
+    assert found.first_error < 1e-12 * exact * (40.0 + eccentricity)
+
+
+def test_the_error_that_is_told_holds_at_every_tolerance() -> None:
+    """A disc that hardly holds the axis: the lift turns round fast, so that parts are halved."""
+    path = eccentric(39.9, 40.0, roller=0.01)
+    exact = -math.pi * 40.0**2
+    told = []
+    for tolerance in (1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12):
+        found = path_moments(path, tolerance)
+        assert abs(found.area - exact) <= found.area_error
+        assert abs(found.first - exact * 39.9) <= found.first_error
+        told.append(found.first_error / (abs(exact) * 80.0))
+        assert told[-1] <= 3.0 * tolerance + 10.0 * ROUNDING
+    assert told[-1] < 1e-4 * told[0]
+
+
+@pytest.mark.parametrize("scene", ["plate_translating", "groove", "ring", "shuttle", "measured"])
+def test_the_area_is_that_of_the_other_quadrature(scene: str) -> None:
+    for path in design(scene, "").flank_paths:
+        # the other one tells no error; its parts have their digits with eight of twelve nodes
+        assert path_moments(path, 1e-12).area == pytest.approx(area(path), rel=1e-11)
+
+
+@pytest.mark.parametrize("scene", ["plate_translating", "cut_lobe", "swallow_tail", "trimmed_ring"])
+def test_a_polygon_within_a_tolerance_has_moments_within_what_it_allows(scene: str) -> None:
+    """Two outlines within t of each other enclose areas that differ by length * t at most, and
+    first moments by that times the largest radius."""
+    import shapely
+
+    tolerance = 1e-3
+    made = design(scene, "")
+    for boundary in made.part.boundaries:
+        if not hasattr(boundary, "path"):
+            continue
+        found = path_moments(boundary.path, 1e-10).counter_clockwise()
+        fit = boundary.polyline(tolerance, "fast")
+        chords = shapely.Polygon(
+            np.column_stack((fit.contour.vertices.real, fit.contour.vertices.imag))
+        )
+        room = 2.0 * fit.contour.length * tolerance
+        largest = float(np.max(np.abs(fit.contour.vertices))) + tolerance
+        assert abs(chords.area - found.area) <= room
+        centre = complex(chords.centroid.x, chords.centroid.y)
+        assert abs(centre * chords.area - found.first) <= room * largest
+        arcs = contour_moments(boundary.arcs(tolerance, "fast").contour).counter_clockwise()
+        assert abs(arcs.first - found.first) <= room * largest
+
+
+def polygon(vertices: list[complex]) -> Contour:
+    zero = np.zeros(len(vertices))
+    return Contour(np.array(vertices), zero, zero.astype(np.complex128))
+
+
+def test_arcs_about_pivots_are_in_closed_form() -> None:
+    """Four quarter turns at the corners of a square: a rounded square, moved off the origin."""
+    corners = [3.0 + 1.0j, 1.0 + 1.0j, 1.0 - 1.0j, 3.0 - 1.0j]
+    pivots = [
+        Pivot(corner, 0.5, 1j**k, 0.5 * math.pi, 0.0, 0.0) for k, corner in enumerate(corners)
+    ]
+    # straight sides between them do not occur in a path: their part by hand
+    of_octagon = contour_moments(polygon([p for each in pivots for p in (each.start, each.end)]))
+    arcs = path_moments(Path(tuple(pivots)), 1e-12)
+    # arcs alone: triangles from the origin to the chords, and segments
+    triangles = total(
+        Moments(
+            0.5 * (p.start.conjugate() * p.end).imag,
+            0.5 * (p.start.conjugate() * p.end).imag * (p.start + p.end) / 3.0,
+            0.0,
+            0.0,
+        )
+        for p in pivots
+    )
+    whole_area = 4.0 + 4.0 * 2.0 * 0.5 + math.pi * 0.25
+    found = of_octagon.area + arcs.area - triangles.area
+    assert found == pytest.approx(whole_area, rel=1e-14)
+    moment = of_octagon.first + arcs.first - triangles.first
+    assert moment == pytest.approx(2.0 * whole_area, rel=1e-14)
+
+
+def test_a_half_disc_has_its_centroid_at_four_thirds_of_the_radius_over_pi() -> None:
+    half = Contour(np.array([3.0 + 0j, -3.0 + 0j]), np.array([math.pi, 0.0]), np.array([0j, 0j]))
+    found = contour_moments(half)
+    assert found.area == pytest.approx(4.5 * math.pi, rel=1e-15)
+    assert found.first / found.area == pytest.approx(4.0j / math.pi, rel=1e-15)
+
+
+places = st.complex_numbers(max_magnitude=100.0, allow_nan=False, allow_infinity=False)
+
+
+@settings(max_examples=50, deadline=None)
+@given(
+    centre=places,
+    radius=st.floats(0.1, 50.0),
+    cuts=st.lists(st.floats(0.05, 6.2), min_size=1, max_size=6, unique=True),
+)
+def test_a_circle_in_any_arcs_is_a_circle(
+    centre: complex, radius: float, cuts: list[float]
+) -> None:
+    angles = np.array([0.0, *sorted(cuts)])
+    vertices = np.asarray(centre + radius * np.exp(1j * angles), dtype=np.complex128)
+    sweeps = np.diff(angles, append=2.0 * math.pi)
+    found = contour_moments(Contour(vertices, sweeps, np.full(len(angles), complex(centre))))
+    size = math.pi * radius * radius
+    # vertices are rounded to the size of the circle and its place
+    room = 1e-14 * (radius + abs(centre)) ** 2
+    assert abs(found.area - size) <= 10.0 * room
+    assert abs(found.first - size * centre) <= 10.0 * room * (radius + abs(centre))
+
+
+def test_run_the_other_way_everything_changes_its_sign() -> None:
+    vertices = np.array([2.0, -1.0 + 1.0j, 1.0j], dtype=np.complex128)
+    contour = Contour(vertices, np.array([math.pi, 0.0, 0.0]),
+                      np.array([0.5 + 0.5j, 0.0, 0.0]))  # fmt: skip
+    one, other = contour_moments(contour), contour_moments(contour.reversed())
+    assert other.area == pytest.approx(-one.area, rel=1e-15)
+    assert other.first == pytest.approx(-one.first, rel=1e-15)
+    assert other.counter_clockwise().first == pytest.approx(one.first, rel=1e-15)

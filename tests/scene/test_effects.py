@@ -1,0 +1,313 @@
+"""Tables of effects: converted once, and held against what each effect needs."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from camgeo.effects.effect import DataFile, Effect
+from camgeo.effects.registry import EFFECTS
+from camgeo.errors import Fault, GeometryError, SceneError
+from camgeo.scene import effects as tables
+from camgeo.scene.load import load_scene, parse_scene
+from camgeo.scene.model import Scene
+from camgeo.scene.schema import Node, resolved, schema
+from tests.scene.scenes import PLATE, ROCKER
+
+LAST_LINE = len(PLATE.splitlines())
+
+INCH = 25.4
+
+UNITS = {
+    "kg": 1e-3,  # t
+    "kg m^2": 1e3,  # t mm^2 = 1e3 kg 1e-6 m^2
+    "kg/m^3": 1e-12,  # t/mm^3 = 1e3 kg / 1e-9 m^3
+    "N": 1.0,
+    "N m": 1e3,
+    "N/mm": 1.0,
+    "N m/rad": 1e3,
+    "N s/mm": 1.0,
+    "N m s/rad": 1e3,
+    "MPa": 1.0,
+    "mm/s": 1.0,
+    "Hz": 2.0 * math.pi,
+    "hours": 3600.0,
+    "rev/min": math.pi / 30.0,
+    "degrees": math.pi / 180.0,
+}
+"""What 1 of each unit is in mm, s, t, N and rad."""
+
+
+@pytest.fixture
+def fakes(monkeypatch: pytest.MonkeyPatch) -> dict[str, Effect]:
+    """Effects of camgeo's names that ask for nothing, to be replaced by others in a test."""
+    found = {name: Effect(name, name, lambda request: request.spec) for name in EFFECTS}
+    monkeypatch.setattr(tables, "find_effect", found.__getitem__)
+    return found
+
+
+Fakes = dict[str, Effect]
+
+
+def with_effects(text: str, scene: str = PLATE) -> str:
+    return f"{scene}{text}"
+
+
+def table(name: str, text: str, scene: str = PLATE) -> Mapping[str, Any]:
+    return parse_scene(with_effects(f"[effects.{name}]\n{text}\n", scene)).effects[name]
+
+
+def faults(text: str, scene: str = PLATE) -> tuple[Fault, ...]:
+    with pytest.raises(SceneError) as caught:
+        parse_scene(with_effects(text, scene))
+    return caught.value.faults
+
+
+def numbers() -> list[tuple[str, str, Node]]:
+    """Every key of every effect that is a single number."""
+    found = []
+    for name, node in schema()["properties"]["effects"]["properties"].items():
+        for key, own in node["properties"].items():
+            if resolved(own).get("type") == "number":
+                found.append((name, key, own))
+    return found
+
+
+def within(node: Node) -> float:
+    """A number that the schema allows."""
+    allowed: dict[str, Any] = resolved(node)
+    low = float(allowed.get("minimum", allowed.get("exclusiveMinimum", -1.0)))
+    high = float(allowed.get("maximum", allowed.get("exclusiveMaximum", 1e9)))
+    return min(low + 0.375, 0.5 * (low + high))
+
+
+@pytest.mark.parametrize(("name", "key", "node"), numbers())
+def test_each_number_is_converted_by_its_unit(
+    fakes: Fakes, name: str, key: str, node: Node
+) -> None:
+    value = within(node)
+    own = schema()["properties"]["effects"]["properties"][name]
+    required = [need for need in own.get("required", ()) if need != key]
+    others = "".join(f"{need} = {within(own['properties'][need])!r}\n" for need in required)
+    text = f"{others}{key} = {value!r}"
+    unit = resolved(node).get("x-unit", "")
+    length = node.get("$ref", "").rpartition("/")[2] in ("length", "coordinate")
+    assert not (unit and length)
+    # Two roundings: of the factor and of the product.
+    expected = pytest.approx(value * (UNITS[unit] if unit else 1.0), rel=5e-16)
+    assert table(name, text)[key] == expected
+    inch = PLATE.replace('length = "mm"', 'length = "inch"')
+    found = table(name, text, inch)[key]
+    assert found == (pytest.approx(value * INCH, rel=5e-16) if length else expected)
+
+
+def test_units_of_the_schema_are_known() -> None:
+    units = {resolved(node).get("x-unit") for _, _, node in numbers()} - {None}
+    assert units <= set(tables.SCALES)
+    assert set(tables.SCALES) == set(UNITS)
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        # the key's own description, and what its definition makes of it
+        ("mass", "[kg]"),
+        ("moment", "[kg m^2]"),
+        ("force", "[N]"),
+        ("torque", "[N m]"),
+        ("stiffness", "[N/mm]"),
+        ("torsional_stiffness", "[N m/rad]"),
+        ("stress", "[MPa]"),
+        ("frequency", "[Hz]"),
+        ("hours", "[hours]"),
+        ("density", "[kg/m^3]"),
+    ],
+)
+def test_descriptions_tell_the_unit_that_is_converted(text: str, words: str) -> None:
+    keys = [(name, key, node) for name, key, node in numbers()
+            if node.get("$ref", "") == f"#/$defs/{text}"]  # fmt: skip
+    assert keys
+    for name, key, node in keys:
+        assert words in node["description"], f"{name}.{key}"
+
+
+def test_places_lists_and_words(fakes: Fakes) -> None:
+    text = 'kind = "extension"\nanchor = [1, -2.5]\nattachment = [3, 4]'
+    found = table("spring", text)
+    assert found == {"kind": "extension", "anchor": (1.0, -2.5), "attachment": (3.0, 4.0)}
+    inch = PLATE.replace('length = "mm"', 'length = "inch"')
+    assert table("spring", text, inch)["anchor"] == (INCH, -2.5 * INCH)
+    assert table("load", "segments = [1, -2, 3.5, 0, 7]")["segments"] == (1.0, -2.0, 3.5, 0.0, 7.0)
+    assert table("gravity", "angle = -90")["angle"] == -0.5 * math.pi
+
+
+def test_names_of_materials(fakes: Fakes) -> None:
+    for name in ("steel", "steel-hardened", "en-gjs-600-3", "pom.2"):
+        assert table("contact-pressure", f'cam_material = "{name}"') == {"cam_material": name}
+    (fault,) = faults('[effects.contact-pressure]\ncam_material = "Steel hardened"\n')
+    assert "must be the name of a material" in fault.message
+
+
+def test_a_table_in_a_table_is_converted(fakes: Fakes) -> None:
+    second = "second = { natural_frequency = 2, mass_ratio = 0.25, damping = 0.5 }"
+    found = table("vibration", f"natural_frequency = 1\n{second}")
+    assert found == {
+        "natural_frequency": 2.0 * math.pi,
+        "second": {"natural_frequency": 4.0 * math.pi, "mass_ratio": 0.25, "damping": 0.5},
+    }
+
+
+@pytest.mark.parametrize("ending", ["\n", "\r\n"])
+def test_a_file_is_read_with_its_hash(fakes: Fakes, tmp_path: Path, ending: str) -> None:
+    data = f"0,1{ending}360,1{ending}".encode()
+    (tmp_path / "load.csv").write_bytes(data)
+    scene = tmp_path / "scene.toml"
+    scene.write_text(with_effects('[effects.load]\nfile = "load.csv"\n'), "utf-8")
+    loaded: Scene = load_scene(scene)
+    assert loaded.effects["load"] == {"file": DataFile("load.csv", data)}
+    assert [name for name, _ in loaded.source.files] == ["load.csv"]
+
+
+def test_a_file_that_is_not_there_is_told(fakes: Fakes, tmp_path: Path) -> None:
+    scene = tmp_path / "scene.toml"
+    scene.write_text(with_effects('[effects.load]\nfile = "load.csv"\n'), "utf-8")
+    with pytest.raises(SceneError, match=r'effects\.load\.file = "load\.csv": cannot be read'):
+        load_scene(scene)
+    scene.write_text(with_effects('[effects.load]\nfile = "../load.csv"\n'), "utf-8")
+    with pytest.raises(SceneError, match="must not leave the folder"):
+        load_scene(scene)
+
+
+def test_the_order_is_the_scene_s(fakes: Fakes) -> None:
+    text = "[effects.spring]\n[effects.balance]\n[effects.inertia]\n[effects.contact-force]\n"
+    found = parse_scene(with_effects(text)).effects
+    assert list(found) == ["spring", "balance", "inertia", "contact-force"]
+    assert all(found[name] == {} for name in found)
+
+
+def test_without_effects_there_are_none() -> None:
+    assert parse_scene(PLATE).effects == {}
+    assert parse_scene(with_effects("[effects]\n")).effects == {}
+
+
+# What is missing ----------------------------------------------------------------------------------
+
+
+def parse_spring(given: Mapping[str, Any]) -> Mapping[str, Any]:
+    if "preload" not in given:
+        raise GeometryError("is missing: the spring's force at cam angle 0", key="preload")
+    if given["preload"] > 100.0:
+        raise GeometryError("must not exceed 100 N", key="preload", value="x")
+    if "stiffness" in given and "torsional_stiffness" in given:
+        raise GeometryError("has two rates")
+    return given
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("", Fault("effects.spring.preload", "", "is missing: the spring's force at cam angle 0",
+                   line=LAST_LINE + 1)),
+        ("preload = 120", Fault("effects.spring.preload", "120", "must not exceed 100 N",
+                                line=LAST_LINE + 2)),
+        ("preload = 1\nstiffness = 1\ntorsional_stiffness = 2",
+         Fault("effects.spring", "", "has two rates", line=LAST_LINE + 1)),
+    ],
+)  # fmt: skip
+def test_what_parse_refuses_is_told_with_key_and_line(
+    fakes: Fakes, text: str, expected: Fault
+) -> None:
+    fakes["spring"] = Effect("spring", "spring", lambda request: None, parse_spring)
+    assert faults(f"[effects.spring]\n{text}\n") == (expected,)
+
+
+SPEED = ("cam.speed", "cam.speed_curve")
+
+
+def test_a_missing_key_is_told_with_the_line_of_the_table(fakes: Fakes) -> None:
+    fakes["kinematics"] = Effect("kinematics", "motion", lambda request: None, keys=(SPEED,))
+    (fault,) = faults("[effects.kinematics]\n", ROCKER)
+    assert fault.key == "effects.kinematics"
+    assert fault.message == "needs one of [cam] speed, [cam] speed_curve"
+    assert fault.line == len(ROCKER.splitlines()) + 1
+    assert parse_scene(with_effects("[effects.kinematics]\n")).effects == {"kinematics": {}}
+
+
+def test_a_missing_table_is_told(fakes: Fakes) -> None:
+    keys = (("effects.inertia",),)
+    fakes["gravity"] = Effect("gravity", "weights", lambda request: None, keys=keys)
+    (fault,) = faults("[effects.gravity]\n")
+    assert fault.message == "needs [effects.inertia]"
+    text = "[effects.gravity]\n[effects.inertia]\n"
+    assert set(parse_scene(with_effects(text)).effects) == {"gravity", "inertia"}
+
+
+def test_one_of_several_tables_is_enough(fakes: Fakes) -> None:
+    keys = (("effects.inertia", "effects.load", "effects.spring"),)
+    fakes["contact-force"] = Effect("contact-force", "force", lambda request: None, keys=keys)
+    (fault,) = faults("[effects.contact-force]\n")
+    assert fault.message == "needs one of [effects.inertia], [effects.load], [effects.spring]"
+    text = "[effects.contact-force]\n[effects.load]\nconstant = 1\n"
+    assert "contact-force" in parse_scene(with_effects(text)).effects
+
+
+def test_what_a_needed_effect_needs_is_told_of_the_one_named(fakes: Fakes) -> None:
+    fakes["balance"] = Effect("balance", "balance", lambda request: None, needs=("inertia",))
+    fakes["inertia"] = Effect(
+        "inertia", "inertia", lambda request: None, needs=("kinematics",), uses=("load",)
+    )
+    fakes["kinematics"] = Effect("kinematics", "motion", lambda request: None, keys=(SPEED,))
+    fakes["load"] = Effect("load", "load", lambda request: None, keys=(("part.bore",),))
+    (fault,) = faults("[effects.balance]\n", ROCKER)
+    assert fault.key == "effects.balance"
+    assert fault.message == "needs kinematics, which needs one of [cam] speed, [cam] speed_curve"
+    # What is used counts only if the scene names it, and then for both.
+    found = faults("[effects.balance]\n[effects.load]\nconstant = 1\n", ROCKER)
+    assert [(each.key, each.message) for each in found if "bore" in each.message] == [
+        ("effects.balance", "needs load, which needs [part] bore"),
+        ("effects.load", "needs [part] bore"),
+    ]
+
+
+def test_a_misspelt_key_is_not_missing_too(fakes: Fakes) -> None:
+    fakes["kinematics"] = Effect("kinematics", "motion", lambda request: None, keys=(SPEED,))
+    scene = PLATE.replace("speed = 60", "sped = 60")
+    (fault,) = faults("[effects.kinematics]\n", scene)
+    assert fault.key == "cam.sped"
+
+
+def test_a_ring_ends_the_search(fakes: Fakes) -> None:
+    """The graph refuses it when one of them is asked for."""
+    fakes["load"] = Effect("load", "load", lambda request: None, needs=("spring",))
+    fakes["spring"] = Effect("spring", "spring", lambda request: None, needs=("load",))
+    assert set(parse_scene(with_effects("[effects.load]\n")).effects) == {"load"}
+
+
+def test_all_faults_are_told_at_once(fakes: Fakes) -> None:
+    """Of several tables, those that the schema finds beside those that an effect finds."""
+    fakes["spring"] = Effect("spring", "spring", lambda request: None, parse_spring)
+    keys = (("effects.inertia",),)
+    fakes["gravity"] = Effect("gravity", "weights", lambda request: None, keys=keys)
+    text = "[effects.friction]\nguide = -1\n[effects.spring]\n[effects.gravity]\n"
+    assert [fault.key for fault in faults(text)] == [
+        "effects.friction.guide",
+        "effects.spring.preload",
+        "effects.gravity",
+    ]
+
+
+def test_a_table_with_a_wrong_value_is_not_judged_any_further(fakes: Fakes) -> None:
+    fakes["spring"] = Effect("spring", "spring", lambda request: None, parse_spring)
+    (fault,) = faults("[effects.spring]\nstiffness = -1\n")
+    assert fault.key == "effects.spring.stiffness"
+
+
+@pytest.mark.parametrize("text", ["effects = 5\n", "effects = []\n", "[[effects.spring]]\n"])
+def test_what_is_no_table_is_refused(fakes: Fakes, text: str) -> None:
+    scene = f"{text}{PLATE}" if text.startswith("effects") else f"{PLATE}{text}"
+    with pytest.raises(SceneError, match=r"effects.*must be a table"):
+        parse_scene(scene)

@@ -1,0 +1,173 @@
+"""The hash of a scene is that of all it says but of its effects."""
+
+from __future__ import annotations
+
+import hashlib
+import tomllib
+
+import pytest
+from hypothesis import example, given, settings
+from hypothesis import strategies as st
+
+from camgeo.effects.effect import Effect
+from camgeo.effects.registry import EFFECTS
+from camgeo.scene import effects as tables
+from camgeo.scene.document import document
+from camgeo.scene.fingerprint import without_effects
+from camgeo.scene.load import parse_scene
+from tests.scene.scenes import GROOVE, PLATE
+
+SPRING = "[effects.spring]\npreload = 40\nstiffness = 2.5\n"
+
+
+@pytest.fixture(autouse=True)
+def _fakes(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Which effects there are is no matter of the hash."""
+    found = {name: Effect(name, name, lambda request: None) for name in EFFECTS}
+    monkeypatch.setattr(tables, "find_effect", found.__getitem__)
+
+
+def kept(text: str) -> str:
+    data = text.encode()
+    return without_effects(data, document(data, "")).decode()
+
+
+def hash_of(text: str) -> str:
+    """Of the bytes themselves: text would have its line ends translated."""
+    found = parse_scene(text).source.sha256
+    assert found == hashlib.sha256(kept(text).encode()).hexdigest()
+    return found
+
+
+def test_without_effects_it_is_the_hash_of_the_file() -> None:
+    assert hash_of(PLATE) == hashlib.sha256(PLATE.encode()).hexdigest()
+    # Not even a comment or an empty line is left out.
+    text = f"# no [effects]\n\n{PLATE}\n\n# end\n\n"
+    assert hash_of(text) == hashlib.sha256(text.encode()).hexdigest()
+
+
+HEADS = [
+    "",
+    "\n",
+    "\n\n# The spring.\n# It is strong.\n",
+    "\n# one\n# two\n",
+]
+
+BODIES = [
+    SPRING,
+    "[effects]\n",
+    "[effects.gravity]\n",
+    "[ effects . gravity ]  # weights\n",
+    '["effects".gravity]\n',
+    "[effects.load]\nsegments = [\n    1, 2,  # two\n\n    # of five\n    3, 4, 5,\n]\n",
+    "[effects.spring]\n# the preload\npreload = 40  # N\n\n# the rate\nstiffness = 2.5\n",
+    "[effects]\ngravity = {}\nspring = { preload = 40, stiffness = 2.5 }\n",
+    "[effects]\nspring.preload = 40\nspring.stiffness = 2.5\ngravity.angle = -90\n",
+    "[effects.spring]\npreload = 40\n\n[effects.gravity]\nangle = -90\n\n[effects.balance]\n",
+    "[effects.vibration]\n[effects.vibration.second]\nnatural_frequency = 9\nmass_ratio = 0.5\n",
+    '[effects.balance]\nmaterial = """steel"""\n',
+]
+
+
+@pytest.mark.parametrize("head", HEADS)
+@pytest.mark.parametrize("body", BODIES)
+def test_at_the_end(head: str, body: str) -> None:
+    assert hash_of(f"{PLATE}{head}{body}") == hash_of(PLATE)
+
+
+@pytest.mark.parametrize("tail", ["", "\n", "\n\n"])
+@pytest.mark.parametrize("body", BODIES)
+def test_in_the_middle(body: str, tail: str) -> None:
+    for place in ("[limits]\n", "[output.dxf]\n", "[[motion]]\ndwell = 40\n"):
+        before, after = PLATE.split(place)
+        assert hash_of(f"{before}{body}{tail}{place}{after}") == hash_of(PLATE), place
+        assert hash_of(f"{before}# what moves\n{body}{tail}{place}{after}") == hash_of(PLATE)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "effects.spring.preload = 40\neffects.gravity = {}\n",
+        "effects = { spring = { preload = 40 } }\n",
+        "# forces\neffects.load.segments = [1, 2,\n# more\n3, 4, 5]\n\n",
+    ],
+)
+def test_dotted_keys_at_the_top(text: str) -> None:
+    head, rest = PLATE.split("[units]\n")
+    assert hash_of(f"{head}{text}[units]\n{rest}") == hash_of(PLATE)
+
+
+def test_with_the_line_ends_of_windows() -> None:
+    """A file with them has a hash of its own, and keeps it."""
+    plain = PLATE.replace("\n", "\r\n")
+    for head in HEADS:
+        for body in BODIES:
+            text = f"{PLATE}{head}{body}".replace("\n", "\r\n")
+            assert kept(text) == plain, text
+    assert hash_of(plain) != hash_of(PLATE)
+
+
+def test_comments_of_what_comes_after_stay() -> None:
+    before, after = PLATE.split("[limits]\n")
+    commented = f"{before}# what is allowed\n[limits]\n{after}"
+    assert kept(f"{before}{SPRING}\n# what is allowed\n[limits]\n{after}") == commented
+    assert kept(f"{before}{SPRING}# what is allowed\n[limits]\n{after}") == commented
+
+
+def test_empty_lines_between_others_stay() -> None:
+    before, after = PLATE.split("[limits]\n")
+    assert kept(f"{before}\n\n{SPRING}\n[limits]\n{after}") == f"{before}\n\n[limits]\n{after}"
+
+
+def test_a_last_line_without_an_end() -> None:
+    assert kept(f"{PLATE}\n{SPRING}".rstrip("\n")) == PLATE
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("base_radius = 50", "base_radius = 51"),
+        ("[limits]", "# limits\n[limits]"),
+        ("[limits]", "\n[limits]"),
+        ('name = "plate"', 'name = "plates"'),
+        ("inflection = 0.4", "inflection = 0.40"),
+    ],
+)
+def test_a_change_elsewhere_changes_it(old: str, new: str) -> None:
+    assert PLATE.count(old) == 1
+    changed = PLATE.replace(old, new)
+    assert hash_of(changed) != hash_of(PLATE)
+    assert hash_of(f"{changed}\n{SPRING}") == hash_of(changed)
+    assert hash_of(f"{changed}\n{SPRING}") != hash_of(f"{PLATE}\n{SPRING}")
+
+
+def test_a_change_of_an_effect_changes_nothing() -> None:
+    assert hash_of(f"{PLATE}\n{SPRING}") == hash_of(
+        f"{PLATE}\n{SPRING}".replace("= 40\nst", "= 400\nst")
+    )
+
+
+def sections(scene: str) -> list[str]:
+    """A scene cut before each of its headers."""
+    parts = scene.replace("\n[", "\n\x00[").split("\x00")
+    assert "".join(parts) == scene
+    return parts
+
+
+@settings(deadline=None)
+@given(
+    scene=st.sampled_from([PLATE, GROOVE]),
+    place=st.integers(1, 30),
+    body=st.sampled_from(BODIES),
+    head=st.sampled_from(["", "# a comment\n", "# [effects]\n#\n"]),
+    tail=st.sampled_from(["", "\n", "\n\n\n"]),
+)
+@example(scene=PLATE, place=1, body=BODIES[0], head="", tail="")
+def test_wherever_they_stand(scene: str, place: int, body: str, head: str, tail: str) -> None:
+    parts = sections(scene)
+    place = min(place, len(parts))
+    # Keys of `[units]` under `[effects]`: a header of its own follows each part.
+    text = "".join((*parts[:place], head, body, tail, *parts[place:]))
+    left = kept(text)
+    assert left == scene
+    assert "effects" not in tomllib.loads(left)

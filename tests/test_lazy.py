@@ -1,0 +1,237 @@
+"""Lazy quantities: at most once, each entered with why it ran and how long."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import replace
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from camgeo.errors import CycleError
+from camgeo.lazy import Ledger, Run, lazy, lazy_names
+
+
+class Clock:
+    """Seconds that pass only where a test says so: all sums of them are exact."""
+
+    def __init__(self) -> None:
+        self.now = 0.0
+
+    def perf_counter(self) -> float:
+        return self.now
+
+
+@pytest.fixture
+def clock(monkeypatch: pytest.MonkeyPatch) -> Clock:
+    clock = Clock()
+    monkeypatch.setattr("camgeo.lazy.time", clock)
+    return clock
+
+
+class Owner:
+    """Four quantities: `whole` needs `left` and `right`, both need `base`."""
+
+    def __init__(self, clock: Clock) -> None:
+        self.ledger = Ledger()
+        self.clock = clock
+        self.calls: list[str] = []
+        self.broken = False
+
+    def spend(self, name: str, seconds: float) -> None:
+        self.calls.append(name)
+        self.clock.now += seconds
+
+    @lazy
+    def base(self) -> int:
+        """What the others stand on."""
+        self.spend("base", 8.0)
+        if self.broken:
+            raise ValueError("no base")
+        return 1
+
+    @lazy
+    def left(self) -> int:
+        self.spend("left", 1.0)
+        return self.base + 1
+
+    @lazy
+    def right(self) -> int:
+        self.spend("right", 2.0)
+        return self.base + 2
+
+    @lazy
+    def whole(self) -> int:
+        self.spend("whole", 4.0)
+        total = self.left + self.right
+        self.spend("whole", 0.5)
+        return total
+
+
+def test_nothing_runs_before_it_is_asked_for(clock: Clock) -> None:
+    owner = Owner(clock)
+    assert owner.calls == []
+    assert owner.ledger.runs == []
+    assert set(vars(owner)) == {"ledger", "clock", "calls", "broken"}
+
+
+def test_each_runs_once_over_a_diamond(clock: Clock) -> None:
+    owner = Owner(clock)
+    assert owner.whole == 5
+    assert owner.whole == 5
+    assert owner.base == 1
+    assert owner.calls == ["whole", "left", "base", "right", "whole"]
+    assert [run.name for run in owner.ledger.runs] == ["base", "left", "right", "whole"]
+
+
+def test_the_ledger_tells_who_asked_and_how_long(clock: Clock) -> None:
+    owner = Owner(clock)
+    assert owner.whole == 5
+    assert owner.ledger.runs == [
+        Run("base", "left", 8.0, 8.0, failed=False),
+        Run("left", "whole", 9.0, 1.0, failed=False),
+        Run("right", "whole", 2.0, 2.0, failed=False),
+        Run("whole", "", 15.5, 4.5, failed=False),
+    ]
+    assert sum(run.own_seconds for run in owner.ledger.runs) == clock.now
+
+
+def test_what_was_known_is_not_charged_again(clock: Clock) -> None:
+    owner = Owner(clock)
+    assert owner.base == 1
+    assert owner.left == 2
+    assert [(run.name, run.asked_by, run.seconds) for run in owner.ledger.runs] == [
+        ("base", "", 8.0),
+        ("left", "", 1.0),
+    ]
+
+
+def test_owners_share_nothing(clock: Clock) -> None:
+    first, second = Owner(clock), Owner(clock)
+    assert first.base == 1
+    assert second.ledger.runs == []
+    assert second.base == 1
+    assert len(first.ledger.runs) == len(second.ledger.runs) == 1
+
+
+def test_a_failure_is_entered_and_not_kept(clock: Clock) -> None:
+    owner = Owner(clock)
+    owner.broken = True
+    with pytest.raises(ValueError, match="no base"):
+        owner.whole  # noqa: B018 - it is computed
+    assert [(run.name, run.asked_by, run.failed) for run in owner.ledger.runs] == [
+        ("base", "left", True),
+        ("left", "whole", True),
+        ("whole", "", True),
+    ]
+    assert not {"base", "left", "whole"} & set(vars(owner))
+    owner.broken = False
+    owner.ledger.runs.clear()
+    assert owner.whole == 5
+    assert [run.failed for run in owner.ledger.runs] == [False] * 4
+    assert owner.ledger.runs[-1].asked_by == ""
+
+
+class Ring:
+    """Quantities that need each other: `entry` needs `one`, which needs `two`, that needs `one`."""
+
+    def __init__(self) -> None:
+        self.ledger = Ledger()
+
+    @lazy
+    def entry(self) -> int:
+        return self.one
+
+    @lazy
+    def one(self) -> int:
+        return self.two
+
+    @lazy
+    def two(self) -> int:
+        value: int = self.one
+        return value
+
+
+def test_a_ring_is_refused_with_its_way() -> None:
+    ring = Ring()
+    with pytest.raises(CycleError, match="needs itself: one -> two -> one") as caught:
+        ring.entry  # noqa: B018 - it is computed
+    assert caught.value.way == ("one", "two", "one")
+    assert isinstance(caught.value, RecursionError)
+    # What was not reached in the ring is told as failed, and the ledger is free for the next one.
+    assert [(run.name, run.failed) for run in ring.ledger.runs] == [
+        ("two", True),
+        ("one", True),
+        ("entry", True),
+    ]
+    assert ring.ledger.run("other", lambda: 7) == 7
+    assert ring.ledger.runs[-1].asked_by == ""
+
+
+def test_the_property_tells_what_its_function_tells() -> None:
+    assert isinstance(Owner.base, lazy)
+    assert Owner.base.__doc__ == "What the others stand on."
+    assert Owner.base.name == "base"
+
+
+def test_names_come_in_the_order_of_their_definition() -> None:
+    class More(Owner):
+        @lazy
+        def added(self) -> int:
+            return 0
+
+        @lazy
+        def left(self) -> int:
+            return 0
+
+        def plain(self) -> int:
+            return 0
+
+    assert lazy_names(Owner) == ("base", "left", "right", "whole")
+    found = lazy_names(More)
+    assert found[:4] == ("base", "left", "right", "whole")
+    assert "added" in found
+    assert "plain" not in found
+    assert len(set(found)) == len(found)
+
+
+Tree = tuple[float, list["Tree"]]
+
+trees: st.SearchStrategy[Tree] = st.recursive(
+    st.tuples(st.integers(0, 1000).map(float), st.just([])),
+    lambda inner: st.tuples(st.integers(0, 1000).map(float), st.lists(inner, max_size=3)),
+    max_leaves=20,
+)
+"""Whole seconds of a quantity, and what it asks for."""
+
+
+@given(tree=trees)
+def test_own_seconds_add_up(tree: Tree) -> None:
+    """Those of all quantities are the seconds of the one that was asked for."""
+    with pytest.MonkeyPatch.context() as patch:
+        clock = Clock()
+        patch.setattr("camgeo.lazy.time", clock)
+        ledger = Ledger()
+        names = _names()
+
+        def make(tree: Tree) -> None:
+            clock.now += tree[0]
+            for inner in tree[1]:
+                ledger.run(next(names), lambda inner=inner: make(inner))  # type: ignore[misc]
+
+        ledger.run("root", lambda: make(tree))
+    root = ledger.runs[-1]
+    assert root == replace(root, name="root", asked_by="", failed=False)
+    assert root.seconds == clock.now
+    # Sums of whole numbers are exact.
+    assert math.fsum(run.own_seconds for run in ledger.runs) == root.seconds
+    assert all(0.0 <= run.own_seconds <= run.seconds for run in ledger.runs)
+
+
+def _names() -> Iterator[str]:
+    number = 0
+    while True:
+        number += 1
+        yield f"quantity {number}"
