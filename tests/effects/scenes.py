@@ -19,4 +19,6 @@ def design(scene: str, effects: str, *changes: tuple[str, str]) -> Design:
     for old, new in changes:
         assert text.count(old) == 1, old
         text = text.replace(old, new)
-    return Design(parse_scene(f"{text}\n{effects}", str(SCENES / f"{scene}.toml")))
+    if effects:
+        text += f"\n{effects}\n"
+    return Design(parse_scene(text, str(SCENES / f"{scene}.toml")))

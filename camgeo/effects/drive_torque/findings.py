@@ -1,0 +1,179 @@
+"""What the drive torque has to say."""
+
+from __future__ import annotations
+
+import math
+from typing import Final, Protocol
+
+import numpy as np
+
+from camgeo.check.finding import Finding, Severity
+from camgeo.effects.drive_torque.flywheel import moment_of_inertia
+from camgeo.effects.drive_torque.law import TorqueLaw
+from camgeo.effects.drive_torque.summary import Summary, Torque
+from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.extremes import Extreme
+from camgeo.numeric.peaks import piecewise_extremes
+from camgeo.units import RPM, TURN
+
+N_M: Final = 1e-3
+"""N m in an N mm."""
+
+KG_M2: Final = 1e-3
+"""kg m^2 in a t mm^2."""
+
+WATT: Final = 1e-3
+"""W in an N mm/s."""
+
+JUMP: Final = 1e-9
+"""A jump of the velocity by less than this share of the largest is rounding."""
+
+TOUCH: Final = 1e-9
+"""A contact force on the wrong side of zero by less than this share of the largest is rounding."""
+
+
+class LawfulTorque(Torque, Protocol):
+    """A torque with its law, see `DriveTorque`."""
+
+    @property
+    def law(self) -> TorqueLaw: ...
+
+
+def findings(
+    torque: LawfulTorque, found: Summary, limit: float | None, fluctuation: float | None
+) -> tuple[Finding, ...]:
+    """All findings; `limit` in N mm."""
+    peaks, static = found.peaks, found.static_peaks
+    out = [
+        _peak("largest-torque", "largest drive torque", peaks.highest, limit, 1.0),
+        _peak("smallest-torque", "smallest drive torque", peaks.lowest, limit, -1.0),
+    ]
+    if torque.course is not None:
+        out += [
+            _peak("largest-static-torque", "largest static drive torque", static.highest),
+            _peak("smallest-static-torque", "smallest static drive torque", static.lowest),
+        ]
+    out += [
+        _value("rms-torque", "root mean square of the drive torque", N_M * found.rms, "N m"),
+        _value("mean-torque", "mean drive torque", N_M * found.mean, "N m"),
+        _value("work-per-turn", "work of the drive over a turn", N_M * TURN * found.mean, "J"),
+    ]
+    if torque.course is not None:
+        power = WATT * found.mean * found.speed
+        out.append(_value("mean-power", "mean power of the drive", power, "W"))
+    out += _flywheel(found, fluctuation)
+    out += _shock(torque)
+    out += _loss_of_contact(torque)
+    return tuple(out)
+
+
+def _value(name: str, words: str, value: float, unit: str) -> Finding:
+    return Finding(name, "ok", f"{words} {value:.5g} {unit}", value, unit=unit)
+
+
+def _peak(
+    name: str, words: str, peak: Extreme, limit: float | None = None, sense: float = 1.0
+) -> Finding:
+    """A peak held to the limit, which is one for both directions: -limit for the smallest."""
+    value, bound = N_M * peak.value, None if limit is None else sense * N_M * limit
+    severity: Severity = "ok"
+    verdict = ""
+    if bound is not None:
+        broken = sense * value > sense * bound
+        severity = "broken" if broken else "ok"
+        verdict = f", {'beyond' if broken else 'within'} {bound:g} N m"
+    place = _in_turn(peak.place)
+    sentence = f"{words} {value:.5g} N m at cam angle {math.degrees(place):.4f} deg{verdict}"
+    return Finding(name, severity, sentence, value, bound, "N m", place)
+
+
+def _in_turn(phi: float) -> float:
+    return phi % TURN
+
+
+def _flywheel(found: Summary, fluctuation: float | None) -> list[Finding]:
+    stored = found.stored
+    if stored is None or fluctuation is None:
+        return []
+    low, high = stored.extremes.lowest, stored.extremes.highest
+    moment = KG_M2 * moment_of_inertia(stored.span, fluctuation, found.speed)
+    return [
+        Finding(
+            "energy-fluctuation",
+            "ok",
+            f"a drive of constant torque stores {N_M * stored.span:.5g} J in what turns with the"
+            f" cam, between cam angles {math.degrees(_in_turn(low.place)):.4f} deg (slowest) and"
+            f" {math.degrees(_in_turn(high.place)):.4f} deg (fastest)",
+            N_M * stored.span,
+            unit="J",
+        ),
+        Finding(
+            "flywheel",
+            "ok",
+            f"for a speed fluctuation of {fluctuation:g} at {found.speed / RPM:.5g} rev/min all"
+            f" that turns with the cam needs a moment of inertia of {moment:.5g} kg m^2",
+            moment,
+            unit="kg m^2",
+        ),
+    ]
+
+
+def _shock(torque: LawfulTorque) -> list[Finding]:
+    """Where a mass changes its velocity in no time; none if there is neither mass nor speed."""
+    if torque.course is None:
+        return []
+    law = torque.law
+    places = np.asarray(law.subject.motion.breaks)
+    if not len(places):
+        return []
+    before = law.subject.motion.jet(places, "left", 1)[1]
+    after = law.subject.motion.jet(places, "right", 1)[1]
+    jump = np.abs(after - before)
+    scale = np.max(
+        np.abs(law.subject.motion.jet(torque.edges[:-1] + 0.5 * np.diff(torque.edges))[1])
+    )
+    sides = (law.contact.required(places, "left"), law.contact.required(places, "right"))
+    heavy = np.maximum(np.abs(sides[0][3]), np.abs(sides[1][3])) > 0.0
+    hit = heavy & (jump > JUMP * max(float(scale), float(np.max(jump))))
+    if not np.any(hit):
+        return []
+    first = float(places[int(np.argmax(hit))])
+    return [
+        Finding(
+            "shock",
+            "warning",
+            f"the velocity jumps at {int(np.sum(hit))} cam angles, first at"
+            f" {math.degrees(first):.4f} deg: the torque is infinite there, and its impulses are in"
+            " none of these figures",
+            cam_angle=first,
+        )
+    ]
+
+
+def _loss_of_contact(torque: LawfulTorque) -> list[Finding]:
+    """A warning if the one flank there is would have to pull."""
+    law = torque.law
+    if law.subject.contact == "groove":
+        return []
+    sense = 1.0 if law.subject.contact == "inner" else -1.0
+
+    def pressing(phi: FloatArray, side: str) -> FloatArray:
+        return sense * law.contact.normal(phi, "left" if side == "left" else "right")
+
+    ends = piecewise_extremes(pressing, torque.edges)
+    lowest = ends.lowest
+    if lowest.value >= -TOUCH * ends.magnitude:
+        return []
+    place = _in_turn(lowest.place)
+    return [
+        Finding(
+            "torque-without-contact",
+            "warning",
+            "the roller leaves the flank, and the drive torque holds only as long as it does not:"
+            f" contact force {lowest.value:.5g} N at cam angle {math.degrees(place):.4f} deg",
+            lowest.value,
+            0.0,
+            "N",
+            place,
+        )
+    ]

@@ -1,0 +1,139 @@
+"""The torque on the camshaft as a law of speed and acceleration of the cam.
+
+At a cam angle the contact has to give the generalised force R = c0 + c1 omega + c2 omega^2
++ c3 alpha on the follower's coordinate q. By the principle of virtual work the camshaft takes the
+torque R q' for it without friction. With friction the normal force N of a flank (sense = +1 for the
+inner one, -1 for the outer one) gives the force |N| (sense * leverage + f) and takes the torque
+|N| (sense * leverage * q' + m), f and m the friction's parts per unit of |N|. So
+
+    T = R (sense * leverage * q' + m) / (sense * leverage + f),
+
+and the flank that carries follows from the sign of R: T is a linear function of R on either side of
+R = 0, and continuous there.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final, Protocol
+
+import numpy as np
+
+from camgeo.effects.effect import Subject
+from camgeo.effects.force import Force, at_rates
+from camgeo.errors import EffectError
+from camgeo.motion.motion import Side
+from camgeo.numeric.arrays import FloatArray
+
+ROWS: Final = 6
+"""Rows of the law: c0 to c3 of R, and the torque per R where R is positive and where it is not."""
+
+
+class Friction(Protocol):
+    """What is asked of the effect friction."""
+
+    def per_normal(self, phi: FloatArray, side: Side, sense: int) -> FloatArray:
+        """(2, n) force on q and torque on the cam per unit of |N| on the flank `sense`."""
+
+
+class ContactForce(Protocol):
+    """What is asked of the effect contact-force."""
+
+    @property
+    def forces(self) -> Sequence[Force]: ...
+
+    @property
+    def friction(self) -> Friction | None: ...
+
+    @property
+    def edges(self) -> FloatArray: ...
+
+    def required(self, phi: FloatArray, side: Side) -> FloatArray:
+        """(4, n) coefficients of R."""
+
+    def normal(self, phi: FloatArray, side: Side) -> FloatArray:
+        """(n,) N [N] at the scene's speed, positive outwards."""
+
+    def normal_at(
+        self, phi: FloatArray, side: Side, omega: FloatArray, alpha: FloatArray
+    ) -> FloatArray:
+        """(n,) N [N] at other speeds."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class TorqueLaw:
+    """Torque over cam angle, speed and acceleration.
+
+    Attributes
+    ----------
+    subject : the design.
+    contact : the contact force and what it has to balance.
+    """
+
+    subject: Subject
+    contact: ContactForce
+
+    def coefficients(self, phi: FloatArray, side: Side) -> FloatArray:
+        """(6, n) c0 to c3 of R, then T / R [N mm per unit of R] for R > 0 and for R < 0.
+
+        T / R is not a number where the follower would jam with R of this sign.
+        """
+        out = np.empty((ROWS, len(phi)))
+        out[:4] = self.contact.required(phi, side)
+        velocity = self.subject.motion.jet(phi, side, 1)[1]
+        friction = self.contact.friction
+        if friction is None:
+            out[4:] = velocity
+            return out
+        leverage = self.subject.pitch_curve.leverage(phi, side)
+        gains = {
+            sense: _gain(sense * leverage, velocity, friction.per_normal(phi, side, sense))
+            for sense in (1, -1)
+        }
+        outwards = leverage >= 0.0
+        out[4] = np.where(outwards, gains[1], gains[-1])
+        out[5] = np.where(outwards, gains[-1], gains[1])
+        return out
+
+    def at(
+        self, phi: FloatArray, side: Side, omega: FloatArray | float, alpha: FloatArray | float
+    ) -> FloatArray:
+        """(n,) torque [N mm] at `phi` with the cam turning at omega [rad/s] and alpha [rad/s^2].
+
+        Raises
+        ------
+        EffectError
+            "jamming", if friction lets no contact force drive the follower.
+        """
+        law = self.coefficients(phi, side)
+        shape = np.broadcast_to(np.zeros(1), phi.shape)
+        force = at_rates(law[:4], np.stack((omega + shape, alpha + shape)))
+        gain = np.where(force >= 0.0, law[4], law[5])
+        torque: FloatArray = np.where(force == 0.0, 0.0, force * gain)
+        jammed = np.isnan(torque)
+        if np.any(jammed):
+            raise self.jamming(float(phi[int(np.argmax(jammed))]))
+        return torque
+
+    def jamming(self, phi: float) -> EffectError:
+        """The error of a follower that jams at the cam angle `phi` [rad]."""
+        angle = math.degrees(self.subject.pitch_curve.transmission_angle(np.array([phi]))[0])
+        place = float(np.mod(phi, 2.0 * math.pi))
+        return EffectError(
+            f"the follower jams at cam angle {math.degrees(place):.4f} deg: with a transmission"
+            f" angle of {angle:.4f} deg friction takes all that the contact force gives",
+            finding="jamming",
+            value=angle,
+            unit="deg",
+            cam_angle=place,
+        )
+
+
+def _gain(lever: FloatArray, velocity: FloatArray, per_normal: FloatArray) -> FloatArray:
+    """(n,) T / R, `lever` being sense * leverage; nan where the follower jams."""
+    force = lever + per_normal[0]
+    jams = (force == 0.0) | ((force * lever <= 0.0) & (velocity != 0.0))
+    torque = lever * velocity + per_normal[1]
+    return np.where(jams, np.nan, torque / np.where(jams, 1.0, force))

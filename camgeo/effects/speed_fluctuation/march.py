@@ -1,0 +1,189 @@
+"""Turns of the cam one after the other, coarsely: whether the motor stalls, and where.
+
+Orbits of dy/dphi = alpha(phi, y) never cross. One that ends its turn no slower than it began lies
+below a periodic one or is one; if all either stall or lose speed over the turn, there is none.
+"""
+
+from __future__ import annotations
+
+import math
+from bisect import bisect_right
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from camgeo.effects.speed_fluctuation.mesh import Law
+from camgeo.effects.speed_fluctuation.motor import Motor
+from camgeo.effects.speed_fluctuation.rate import Shaft, StuckError
+from camgeo.numeric.arrays import FloatArray, frozen
+from camgeo.units import TURN
+
+STEPS: Final = 1440
+"""Over a turn, a quarter of a degree each, or more."""
+
+GAMMA: Final = 1.0 - math.sqrt(0.5)
+"""Of the L-stable diagonally implicit Runge-Kutta method of two stages and order 2 (Hairer and
+Wanner, Solving Ordinary Differential Equations II, section IV.6): stiff motors are no trouble."""
+
+MOST_STEPS: Final = 50
+"""Newton's, in a stage."""
+
+CLOSE: Final = 1e-12
+"""Share of y at which they end."""
+
+HALVINGS: Final = 40
+"""Of the range of speeds in which the slowest orbit is sought that lasts a turn."""
+
+DOUBLINGS: Final = 60
+
+
+@dataclass(frozen=True, slots=True)
+class Orbit:
+    """A turn of the cam.
+
+    Attributes
+    ----------
+    y : at the ends of the steps as far as it came, the first at cam angle 0 [rad^2/s^2].
+    stalls : whether it comes to rest, with the last of these.
+    """
+
+    y: tuple[float, ...]
+    stalls: bool
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Outcome:
+    """What becomes of the cam.
+
+    Attributes
+    ----------
+    angles : (k,) ends of the steps [rad].
+    y : (k,) of a turn that ends no slower than it began; None if the motor stalls.
+    stall : cam angle [rad] at which it does, to a step; nan if it does not.
+    """
+
+    angles: FloatArray
+    y: FloatArray | None
+    stall: float
+
+
+def outcome(shaft: Shaft, law: Law, edges: FloatArray) -> Outcome:
+    """Whether there is a steady state, by turns from all speeds.
+
+    The range from 0 to a speed from which the cam slows down is halved: an orbit that loses speed
+    over the turn is an upper end, one that stalls a lower end. What is left between both is the
+    slowest orbit that lasts a turn; where the ones below it come to rest, the motor stalls.
+
+    Raises
+    ------
+    StuckError
+        If friction leaves no acceleration.
+    """
+    march = _march(shaft, law, edges)
+    high = 0.5 * shaft.motor.no_load_speed**2
+    for _ in range(DOUBLINGS):
+        stalled = march.orbit(high)
+        if stalled.stalls or stalled.y[-1] < high:
+            break
+        high *= 2.0
+    low = 0.0
+    for _ in range(HALVINGS):
+        middle = 0.5 * (low + high)
+        orbit = march.orbit(middle)
+        if orbit.stalls:
+            low, stalled = middle, orbit
+        elif orbit.y[-1] < middle:
+            high = middle
+        else:
+            return Outcome(march.angles, frozen(orbit.y, np.float64), math.nan)
+    return Outcome(march.angles, None, float(march.angles[len(stalled.y) - 1]))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Drive:
+    """A motor in plain numbers."""
+
+    speeds: list[float]
+    torques: list[float]
+    slopes: list[float]
+
+    def torque(self, omega: float) -> tuple[float, float]:
+        """Torque and its slope, as `Motor.torque`."""
+        row = min(max(bisect_right(self.speeds, omega) - 1, 0), len(self.slopes) - 1)
+        slope = self.slopes[row]
+        return self.torques[row] + slope * (omega - self.speeds[row]), slope
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _March:
+    """Steps over a turn, with the law at both stages of each."""
+
+    inertia: float
+    drive: _Drive
+    angles: FloatArray
+    laws: list[list[list[float]]]
+
+    def orbit(self, y: float) -> Orbit:
+        """The turn that begins with `y` [rad^2/s^2]."""
+        course = [y]
+        steps = np.diff(self.angles).tolist()
+        for step, (inside, end) in zip(steps, self.laws, strict=True):
+            own = GAMMA * step
+            first = self._stage(inside, y, own, y)
+            if first is not None:
+                slope = (first - y) / own
+                second = self._stage(end, y + (step - own) * slope, own, first)
+            if first is None or second is None:
+                return Orbit((*course, 0.0), True)
+            y = second
+            course.append(y)
+        return Orbit(tuple(course), False)
+
+    def _stage(self, law: list[float], known: float, step: float, y: float) -> float | None:
+        """The y above 0 with y = known + step alpha(y), from a guess; None if there is none."""
+        if known + step * self._rate(law, 0.0)[0] <= 0.0:
+            return None
+        y = max(y, np.finfo(np.float64).tiny)
+        for _ in range(MOST_STEPS):
+            alpha, growth = self._rate(law, y)
+            new = y - (y - known - step * alpha) / max(1.0 - step * growth, 0.1)
+            new = max(new, 0.1 * y)
+            if abs(new - y) <= CLOSE * new:
+                return new
+            y = new
+        return y
+
+    def _rate(self, law: list[float], y: float) -> tuple[float, float]:
+        """As `Shaft.rate`, of one number; the slope is 0 at rest."""
+        c0, c1, c2, c3, ahead, behind = law
+        omega = math.sqrt(2.0 * y)
+        drive, slope = self.drive.torque(omega)
+        rest = c0 + omega * (c1 + omega * c2)
+        gain = ahead if self.inertia * rest + c3 * drive >= 0.0 else behind
+        if rest == 0.0 and c3 == 0.0:
+            gain = 0.0
+        moment = self.inertia + gain * c3
+        if not moment > 0.0:
+            raise StuckError
+        alpha = (drive - gain * rest) / moment
+        if omega == 0.0:
+            return alpha, 0.0
+        return alpha, (slope - gain * (c1 + 2.0 * omega * c2)) / (omega * moment)
+
+
+def _march(shaft: Shaft, law: Law, edges: FloatArray) -> _March:
+    counts = np.ceil(np.diff(edges) * (STEPS / TURN)).astype(np.intp)
+    grids = [
+        np.linspace(a, b, count + 1)[:-1]
+        for a, b, count in zip(edges[:-1], edges[1:], counts, strict=True)
+    ]
+    angles = np.append(np.concatenate(grids), edges[-1])
+    low, high = angles[:-1], angles[1:]
+    laws = np.stack((law(low + GAMMA * (high - low), "right"), law(high, "left")))
+    return _March(shaft.inertia, _plain(shaft.motor), angles, laws.transpose(2, 0, 1).tolist())
+
+
+def _plain(motor: Motor) -> _Drive:
+    slopes = np.diff(motor.torques) / np.diff(motor.speeds)
+    return _Drive(motor.speeds.tolist(), motor.torques.tolist(), slopes.tolist())

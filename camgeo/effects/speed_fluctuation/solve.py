@@ -1,0 +1,147 @@
+"""The way to the steady state, and what stands in it: shocks, a stall, a follower that jams."""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+import numpy as np
+
+from camgeo.effects.effect import Subject
+from camgeo.effects.speed_fluctuation.march import outcome
+from camgeo.effects.speed_fluctuation.mesh import Law, Mesh, double_mesh, rule
+from camgeo.effects.speed_fluctuation.newton import NoConvergenceError
+from camgeo.effects.speed_fluctuation.rate import Shaft, StuckError
+from camgeo.effects.speed_fluctuation.steady import SteadyTurn, steady_turn
+from camgeo.errors import EffectError
+from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.roots import bracketed_roots
+from camgeo.units import TURN
+
+N_M: Final = 1e-3
+"""N m in an N mm."""
+
+LONGEST: Final = TURN / 24.0
+"""Of a cell to begin with."""
+
+JUMP: Final = 1e-9
+"""A jump of the velocity by less than this share of the largest is rounding."""
+
+GUESSES: Final = 65
+"""Constant speeds, up to twice that of no load, at which the balance of power is looked at."""
+
+
+def refuse_shocks(subject: Subject, law: Law) -> None:
+    """Raise EffectError if the velocity of a mass jumps: by how much the speed does is unknown."""
+    places = np.asarray(subject.motion.breaks)
+    if not len(places):
+        return
+    motion, edges = subject.motion, subject.smooth_angles
+    jump = np.abs(motion.jet(places, "right", 1)[1] - motion.jet(places, "left", 1)[1])
+    heavy = (law(places, "left")[3] != 0.0) | (law(places, "right")[3] != 0.0)
+    inside = np.abs(motion.jet(edges[:-1] + 0.5 * np.diff(edges), "right", 1)[1])
+    hit = heavy & (jump > JUMP * max(float(np.max(inside)), float(np.max(jump))))
+    if np.any(hit):
+        first = float(places[int(np.argmax(hit))])
+        raise EffectError(
+            f"the velocity of the follower jumps at cam angle {math.degrees(first):.4f} deg: the"
+            " torque is infinite there, and no equation of motion tells the speed after it",
+            finding="shock",
+            cam_angle=first,
+        )
+
+
+def solve(shaft: Shaft, law: Law, edges: FloatArray, tolerance: float) -> SteadyTurn:
+    """The steady state: from the balance of power first, from single turns if that fails.
+
+    Raises
+    ------
+    EffectError
+        "stall", if there is none; "jamming", if friction leaves no acceleration; and if the
+        tolerance cannot be reached.
+    """
+    mesh = double_mesh(law, edges, LONGEST)
+    try:
+        guess = _balanced(shaft, mesh.coarse)
+        if guess is not None:
+            try:
+                return steady_turn(shaft, law, mesh, guess, tolerance)
+            except NoConvergenceError as error:
+                if error.reached is not None:
+                    raise
+        found = outcome(shaft, law, edges)
+        if found.y is None:
+            raise _stall(shaft, found.stall)
+        near = np.interp(mesh.coarse.nodes, found.angles, found.y)
+        return steady_turn(shaft, law, mesh, np.maximum(near, 1e-6 * np.max(near)), tolerance)
+    except StuckError as error:
+        raise _jamming(shaft, mesh.fine) from error
+    except NoConvergenceError as error:
+        raise _missed(error.reached, tolerance) from error
+
+
+def _balanced(shaft: Shaft, mesh: Mesh) -> float | None:
+    """y [rad^2/s^2] of the largest constant speed at which motor and cam balance; None if none."""
+    c0, c1, c2, _, ahead, behind = mesh.laws
+    weights = mesh.spans[:, np.newaxis] * rule().weights / TURN
+
+    def surplus(omega: FloatArray) -> FloatArray:
+        drive = shaft.motor.torque(omega)[0]
+        taken = np.empty(len(omega))
+        for k, each in enumerate(omega):
+            force = c0 + each * (c1 + each * c2)
+            torque = np.where(force == 0.0, 0.0, force * np.where(force > 0.0, ahead, behind))
+            taken[k] = np.sum(weights * torque)
+        return drive - taken
+
+    top = shaft.motor.no_load_speed
+    speeds = np.linspace(0.0, 2.0 * top, GUESSES)[1:]
+    values = surplus(speeds)
+    if np.any(np.isnan(values)):
+        raise StuckError
+    falls = np.flatnonzero((values[:-1] >= 0.0) & (values[1:] < 0.0))
+    if len(falls):
+        k = int(falls[-1])
+        found = float(bracketed_roots(surplus, speeds[k : k + 1], speeds[k + 1 : k + 2])[0])
+        return 0.5 * found * found
+    return 0.5 * top * top if values[-1] >= 0.0 else None
+
+
+def _stall(shaft: Shaft, phi: float) -> EffectError:
+    torque = N_M * float(shaft.motor.torque(np.zeros(1))[0][0])
+    place = phi % TURN
+    return EffectError(
+        f"the motor stalls near cam angle {math.degrees(place):.1f} deg: whatever its speed before,"
+        f" its {torque:.5g} N m at standstill do not carry the cam over the turn"
+        ", and there is no steady state",
+        finding="stall",
+        value=torque,
+        unit="N m",
+        cam_angle=place,
+    )
+
+
+def _jamming(shaft: Shaft, mesh: Mesh) -> EffectError:
+    moments = shaft.inertia + mesh.laws[3] * mesh.laws[4:]
+    bad = ~np.all(moments > 0.0, axis=0)
+    place = float(mesh.nodes[bad][0]) if np.any(bad) else None
+    where = "" if place is None else f" at cam angle {math.degrees(place):.4f} deg"
+    return EffectError(
+        "friction lets no acceleration of the cam satisfy its equation of motion: the follower"
+        f" jams{where}",
+        finding="jamming",
+        cam_angle=place,
+    )
+
+
+def _missed(reached: float | None, tolerance: float) -> EffectError:
+    if reached is None or not math.isfinite(reached):
+        return EffectError(
+            "no steady state of the cam's speed was found, though the motor does not stall"
+        )
+    return EffectError(
+        f"the speed of the cam reaches an error of {reached:.3g} of its largest value instead of"
+        f" the tolerance of {tolerance:g}",
+        value=reached,
+        limit=tolerance,
+    )

@@ -1,0 +1,184 @@
+"""The periodic solution of dy/dphi = alpha(phi, y), by collocation over the whole turn at once.
+
+The error is the change that one more step of Newton's makes on a mesh of all the cells' halves.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from camgeo.effects.speed_fluctuation.mesh import NODES, DoubleMesh, Law, Mesh, legendre, rule
+from camgeo.effects.speed_fluctuation.newton import NoConvergenceError, State, newton_step
+from camgeo.effects.speed_fluctuation.rate import Shaft
+from camgeo.numeric.arrays import FloatArray
+from camgeo.units import TURN
+
+MOST_STEPS: Final = 60
+"""Newton's; a few are enough but where kinks of the law of motion hold them up."""
+
+FULL_STEPS: Final = 20
+"""After as many of Newton's steps only half of each is taken: a kink may make them alternate."""
+
+MOST_PASSES: Final = 80
+"""Refinements of the mesh; one at a kink divides its error by 4."""
+
+MOST_CELLS: Final = 40_000
+
+KEEP: Final = 0.2
+"""Share of y that a step of Newton's leaves at least."""
+
+NEAR: Final = 1e-3
+"""Steps that have become as small a share of the speed are at a solution; rounding keeps them from
+becoming smaller."""
+
+EPS: Final = float(np.finfo(np.float64).eps)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SteadyTurn:
+    """The steady state.
+
+    Attributes
+    ----------
+    mesh : the cells.
+    state : y in them.
+    rates : (m, n) alpha at the nodes [rad/s^2].
+    slope : of the Poincare map in y: below 1, the state is regained after a disturbance.
+    error : estimate of the largest error of the speed as a share of the largest speed.
+    """
+
+    mesh: Mesh
+    state: State
+    rates: FloatArray
+    slope: float
+    error: float
+
+    def omega(self, phi: FloatArray) -> FloatArray:
+        """(n,) speed [rad/s] at `phi` (n,) [rad], any number of turns."""
+        return np.sqrt(2.0 * self.y(phi))
+
+    def y(self, phi: FloatArray) -> FloatArray:
+        """(n,) omega^2 / 2 [rad^2/s^2]."""
+        mesh = self.mesh
+        # A turn's end is its end, not its start: both are the same but for rounding.
+        inside = np.where((phi >= 0.0) & (phi <= TURN), phi, np.mod(phi, TURN))
+        cell = np.clip(np.searchsorted(mesh.low, inside, "right") - 1, 0, len(mesh.low) - 1)
+        x = 2.0 * (inside - mesh.low[cell]) / mesh.spans[cell] - 1.0
+        coefficients = self.state.all_nodes @ rule().fit.T
+        z: FloatArray = np.sum(legendre(x, NODES) * coefficients[cell], axis=1)
+        return self.state.base + z
+
+    def mean(self, values: FloatArray) -> float:
+        """Mean over the cam angle of `values` (m, n) at the nodes."""
+        return float(np.sum(self.mesh.spans * (values @ rule().weights))) / TURN
+
+    @property
+    def period(self) -> float:
+        """Duration of the turn [s]."""
+        return TURN * self.mean(1.0 / np.sqrt(2.0 * (self.state.base + self.state.nodes)))
+
+
+def steady_turn(
+    shaft: Shaft, law: Law, mesh: DoubleMesh, y: FloatArray | float, tolerance: float
+) -> SteadyTurn:
+    """The periodic solution nearest to `y`.
+
+    Parameters
+    ----------
+    shaft : what turns and what drives it.
+    law : of the cam.
+    mesh : to begin with; no cell has an edge of the law inside.
+    y : first guess at the nodes (m, n) of the coarse mesh, or one for all [rad^2/s^2].
+    tolerance : largest error of the speed as a share of the largest speed.
+
+    Raises
+    ------
+    NoConvergenceError
+        If there is none to be found.
+    StuckError
+        If friction leaves no acceleration.
+    """
+    guess = np.broadcast_to(np.asarray(y, dtype=np.float64), mesh.coarse.laws.shape[1:])
+    base = float(np.mean(guess))
+    start = guess[:, 0] - base
+    state = State(base, np.append(start, start[0]), guess - base)
+    reached = np.inf
+    for _ in range(MOST_PASSES):
+        state, left = _solved(shaft, mesh.coarse, state, tolerance)
+        fine_state = _on_halves(state)
+        step = newton_step(shaft, mesh.fine, fine_state)
+        y_fine = fine_state.base + fine_state.nodes
+        largest = float(np.max(y_fine))
+        # d omega / omega_max = dy / (omega omega_max)
+        share = np.max(np.abs(step.nodes) / np.sqrt(y_fine * largest)) * 0.5
+        rounding = EPS * (
+            1.0 + float(np.max(np.abs(fine_state.nodes))) / largest / _off(step.slope)
+        )
+        reached = float(share) + left + rounding
+        if reached <= tolerance:
+            fine_state, last = _solved(shaft, mesh.fine, fine_state, tolerance)
+            rates = shaft.rate(mesh.fine.laws, fine_state.base + fine_state.nodes)[0]
+            return SteadyTurn(mesh.fine, fine_state, rates, step.slope, reached + last)
+        worst = np.max(step.defects.reshape(-1, 2), axis=1)
+        split = worst >= 0.1 * np.max(worst)
+        if not np.max(worst) > EPS * EPS * largest or len(split) > MOST_CELLS:
+            break
+        mesh = mesh.refined(law, split)
+        keep = np.repeat(split, np.where(split, 2, 1))
+        source = np.repeat(np.arange(len(split)), np.where(split, 2, 1))
+        second = np.concatenate(([False], source[1:] == source[:-1]))
+        half = 2 * source + second
+        nodes = np.where(keep[:, np.newaxis], fine_state.nodes[half], state.nodes[source])
+        starts = np.where(keep, fine_state.starts[half], state.starts[source])
+        state = State(state.base, np.append(starts, state.starts[-1]), nodes)
+    raise NoConvergenceError(reached)
+
+
+def _off(slope: float) -> float:
+    """1 - slope, never 0."""
+    return max(abs(1.0 - slope), EPS)
+
+
+def _solved(shaft: Shaft, mesh: Mesh, state: State, tolerance: float) -> tuple[State, float]:
+    """The collocation solution, and the share of the largest speed by which it still moved."""
+    target = max(1e-3 * tolerance, 16.0 * EPS)
+    best = np.inf
+    for count in range(MOST_STEPS):
+        step = newton_step(shaft, mesh, state)
+        y = state.base + state.nodes
+        down = float(np.max(-step.nodes / y))
+        ends = float(np.max(-step.starts / (state.base + state.starts)))
+        share = min(1.0, (1.0 - KEEP) / max(down, ends, 1e-300))
+        if count >= FULL_STEPS:
+            share *= 0.5
+        shift = share * float(step.starts[0])
+        base = state.base + (state.starts[0] + shift)
+        moved = base - state.base
+        state = State(
+            base,
+            state.starts + (share * step.starts - moved),
+            state.nodes + (share * step.nodes - moved),
+        )
+        change = 0.5 * float(np.max(np.abs(step.nodes)) / np.max(y))
+        # Rounding keeps the steps from vanishing where the state is only weakly held.
+        stalled = change >= 0.25 * best and best <= max(0.1 * tolerance, 1e3 * EPS)
+        if share == 1.0 and (change <= target or stalled):
+            return state, change if stalled and change > target else change * change
+        if not np.isfinite(change):
+            raise NoConvergenceError(None)
+        best = min(best, change)
+    raise NoConvergenceError(best if best < NEAR else None)
+
+
+def _on_halves(state: State) -> State:
+    """The polynomials through the nodes of all cells, at the nodes of their halves.
+
+    Integrals of alpha would give the same but for rounding, which a stiff motor magnifies.
+    """
+    halves = np.einsum("hij,mj->mhi", rule().halves, state.all_nodes)
+    middles = halves[:, 0, -1]
+    starts = np.append(np.stack((state.starts[:-1], middles), axis=1).ravel(), state.starts[-1])
+    return State(state.base, starts, halves.reshape(-1, NODES))
