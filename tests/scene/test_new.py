@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import re
+
 import pytest
 
+from camgeo.design import Design
 from camgeo.scene.load import parse_scene
 from camgeo.scene.model import Scene
 from camgeo.scene.new import KINDS, template
@@ -28,6 +31,18 @@ def test_template_explains_each_key(kind: str) -> None:
         # A key that comes again needs no second comment.
         assert "#" in rest or key.strip() in known or key.strip() in ("thickness", "roller_radius")
         known.add(key.strip())
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_effects_that_are_offered_work(kind: str) -> None:
+    """Taken out of their comments as the template says, they break no limit."""
+    head, mark, rest = template(kind).partition("# Effects:")
+    offered, output, tail = rest.partition("\n[output]\n")
+    asked = re.sub(r"^# (?=\[|\w+ = )", "", offered, flags=re.MULTILINE)
+    text = head + mark + asked + output + tail
+    design = Design(parse_scene(text))
+    assert {"inertia", "contact-force", "lift-off", "drive-torque"} <= set(design.effect_names)
+    assert [f for f in design.effect_findings if f.severity not in ("ok", "warning")] == []
 
 
 @pytest.mark.parametrize("kind", KINDS)
