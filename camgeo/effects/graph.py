@@ -147,16 +147,16 @@ class Effects:
             )
         return found
 
-    def retold(self, name: str, tolerance: float) -> Effects:
-        """Effects of the same design in which only `name` is to be computed anew, to `tolerance`.
+    def retold(self, name: str, tolerance: float | None = None) -> Effects:
+        """Effects of the same design in which only `name` is to be computed anew.
+
+        To `tolerance`, if it is one that takes any; None leaves it the one it has.
 
         What it needs is taken over; it is computed now if it was not.
         """
-        again = Effects(
-            self.subject,
-            {**self.tables, name: {**self.tables.get(name, {}), "tolerance": tolerance}},
-            Ledger(),
-            self._find,
-        )
+        tables = dict(self.tables)
+        if tolerance is not None:
+            tables[name] = {**tables.get(name, {}), "tolerance": tolerance}
+        again = Effects(self.subject, tables, Ledger(), self._find)
         again._results = {each: self.result(each) for each in self.inputs(name)}
         return again

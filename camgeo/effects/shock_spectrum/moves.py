@@ -1,0 +1,131 @@
+"""The moves from rest to rest, each with its duration and stroke taken as 1."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from camgeo.effects.effect import Subject
+from camgeo.motion.motion import Side
+from camgeo.motion.time_course import ConstantSpeed, TimeCourse, in_time
+from camgeo.numeric.arrays import FloatArray, merged
+from camgeo.numeric.oscillator.inverse import inverse
+from camgeo.numeric.oscillator.spectrum import Shock, shock
+from camgeo.numeric.peaks import grid_of, piecewise_extremes
+from camgeo.units import TURN
+
+REST: Final = 1e-9
+"""Velocity and acceleration, as shares of the largest ones, up to which a joint is a rest: they are
+rounding of what was written in decimals."""
+
+SLACK: Final = 1e-12
+"""Cam angles [rad] this near are one, rounded differently."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RestToRest:
+    """A move from rest to rest.
+
+    Attributes
+    ----------
+    start, span : cam angle [rad]; start in [0, 2 pi).
+    stroke : the farthest that it gets from its start [mm or rad].
+    shock : it over its duration, by its stroke.
+    """
+
+    start: float
+    span: float
+    stroke: float
+    shock: Shock
+
+
+def moves_of(subject: Subject, course: TimeCourse) -> list[RestToRest]:
+    """All moves from rest to rest, in the order of the cam angle."""
+    return sorted(_moves(subject, course), key=lambda each: each.start)
+
+
+def _moves(subject: Subject, course: TimeCourse) -> Iterator[RestToRest]:
+    rests = _rests(subject, course)
+    edges = merged(np.concatenate((subject.plan.borders, course.borders, [0.0, TURN])))
+    two_turns = np.concatenate((edges[:-1], edges + TURN))
+    for (_, start), (end, _) in zip(rests, [*rests[1:], *_next_turn(rests[:1])], strict=True):
+        if not end - start > SLACK:
+            continue
+        inner = two_turns[(two_turns > start) & (two_turns < end)]
+        moving = merged(np.concatenate(([start], inner, [end])))
+        turns = math.floor(start / TURN)
+        found = _shock(subject, course, moving - TURN * turns)
+        if found is None:
+            continue
+        move, stroke = found
+        yield RestToRest(start - TURN * turns, end - start, stroke, move)
+
+
+def _next_turn(rests: list[tuple[float, float]]) -> list[tuple[float, float]]:
+    return [(start + TURN, end + TURN) for start, end in rests]
+
+
+def _rests(subject: Subject, course: TimeCourse) -> list[tuple[float, float]]:
+    """Start and end [rad] of all rests, in their order; the end equals the start for a joint."""
+    plan = subject.plan
+    dwells = [(rest.start, rest.start + rest.span) for rest in plan.dwells if rest.span > 0.0]
+    borders = plan.borders
+    sides = [in_time(plan.jet(borders, side), course, borders) for side in ("right", "left")]
+    inside = grid_of(np.append(borders, TURN)).ravel()
+    size = np.max(np.abs(in_time(plan.jet(inside), course, inside)), axis=1)
+    calm = np.ones(len(borders), dtype=np.bool_)
+    for timed in sides:
+        for order in (1, 2):
+            calm &= np.abs(timed[order]) <= REST * size[order]
+    joints = [
+        (float(phi), float(phi))
+        for phi in borders[calm]
+        if not any(
+            start - SLACK <= phi + turn <= end + SLACK
+            for start, end in dwells
+            for turn in (0.0, TURN)
+        )
+    ]
+    return sorted([*dwells, *joints])
+
+
+def _shock(subject: Subject, course: TimeCourse, edges: FloatArray) -> tuple[Shock, float] | None:
+    """The move over `edges` (m + 1,) [rad], normalised, and its stroke; None for no move at all."""
+    plan = subject.plan
+    begin = plan.jet(edges[:1])[0]
+
+    def way(phi: FloatArray, side: Side = "right") -> FloatArray:
+        return np.asarray(plan.jet(phi, side)[0] - begin)
+
+    stroke = piecewise_extremes(way, edges).magnitude
+    if not stroke > 0.0:
+        return None
+    times = course.time(edges)
+    duration = float(times[-1] - times[0])
+
+    def angle(z: FloatArray) -> FloatArray:
+        t = times[0] + duration * z
+        if isinstance(course, ConstantSpeed):
+            return np.asarray(t * course.speed)
+        return inverse(course.time, lambda phi: 1.0 / course.rates(phi)[0], edges, t)
+
+    def lift(z: FloatArray) -> FloatArray:
+        return np.asarray(way(angle(z)) / stroke)
+
+    def acceleration(z: FloatArray) -> FloatArray:
+        phi = angle(z)
+        timed = in_time(plan.jet(phi), course, phi)
+        return np.asarray(timed[2] * (duration**2 / stroke))
+
+    after = in_time(plan.jet(edges, "right"), course, edges)[1]
+    before = in_time(plan.jet(edges, "left"), course, edges)[1]
+    after[-1] = before[0] = 0.0  # the rests
+    jumps = (after - before) * (duration / stroke)
+    share = (times - times[0]) / duration
+    share[-1] = 1.0
+    end = float(way(edges[-1:])[0]) / stroke
+    return shock(lift, acceleration, share, jumps, end), stroke

@@ -1,0 +1,219 @@
+"""What is told of the vibration."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from camgeo.check.finding import Finding
+from camgeo.effects.vibration.output import Clock, Elastic, Output
+from camgeo.motion.motion import Dwell, Side
+from camgeo.motion.time_course import in_time
+from camgeo.numeric.arrays import FloatArray, merged
+from camgeo.numeric.extremes import Extreme, Extremes
+from camgeo.numeric.oscillator.train import Train
+from camgeo.numeric.peaks import piecewise_extremes
+from camgeo.units import RPM, TURN
+
+MOST_PERIODS: Final = 4096
+"""Periods a turn up to which each is searched for the largest deflection on its own. Beyond, the
+samples of what lasts meet all phases of it, and what dies away is searched where it begins."""
+
+BEGINNING: Final = np.array([1.0, 2.0])
+"""Periods behind each border that are then searched on their own."""
+
+AMPLIFICATION: Final = 10.0
+"""By which a resonance is told: a harmonic of the motion comes back ten times as large. Without
+damping that is within 5 % of the natural frequency, and hardly reached from D = 0.05 on, as
+1 / (2 D) is about the most."""
+
+SHARE: Final = 0.1
+"""Of the largest deflection, below which a harmonic is not worth telling."""
+
+SETTLED: Final = 0.02
+"""Share of an amplitude at which a transient counts as over, as for the settling time 4 / (D w) of
+control engineering."""
+
+
+@dataclass(frozen=True, slots=True)
+class Telling:
+    """How the demanded motion is told: unit and factor of it."""
+
+    unit: str
+    scale: float
+
+    def of(self, value: float) -> str:
+        return f"{self.scale * value:.4g} {self.unit}"
+
+
+def search_edges(smooth: FloatArray, train: Train | None, period: float) -> FloatArray:
+    """The edges between which extremes are looked for: a period of the train at most."""
+    if train is None:
+        return smooth
+    periods = float(np.max(train.rates.imag)) * period / TURN
+    if not periods > 1.0:
+        return smooth
+    count = math.ceil(min(periods, MOST_PERIODS))
+    edges = np.concatenate((smooth, np.linspace(0.0, TURN, count + 1)))
+    if periods > MOST_PERIODS:
+        begin = (smooth[:-1, np.newaxis] + BEGINNING * (TURN / periods)).ravel()
+        edges = np.concatenate((edges, begin[begin < TURN]))
+    return merged(edges)
+
+
+def largest(output: Output, order: int, edges: FloatArray) -> Extreme:
+    """Largest magnitude of the deflection, order 0, or the acceleration, 2, with its cam angle."""
+
+    def values(phi: FloatArray, side: Side) -> FloatArray:
+        found: FloatArray = output.states(phi, side)[order]
+        return found
+
+    return magnitude(piecewise_extremes(values, edges))
+
+
+def magnitude(both: Extremes) -> Extreme:
+    """The larger one of two extremes, turned positive; its cam angle in [0, 2 pi)."""
+    worst = max(both.lowest, both.highest, key=lambda each: abs(each.value))
+    return Extreme(abs(worst.value), worst.place % TURN)
+
+
+def of_modes(train: Train, period: float) -> Iterator[Finding]:
+    """The natural frequencies."""
+    for rate in train.rates.tolist():
+        frequency = abs(rate)
+        yield Finding(
+            name="natural-frequency",
+            severity="ok",
+            sentence=(
+                f"natural frequency {frequency / TURN:.6g} Hz,"
+                f" {frequency * period / TURN:.6g} times the speed of the cam,"
+                f" {TURN / period / RPM:.6g} rev/min"
+            ),
+            value=frequency / TURN,
+            unit="Hz",
+        )
+
+
+def of_error(found: Extreme, limit: float | None, telling: Telling) -> Finding:
+    """The largest error of the motion, held to its limit."""
+    broken = limit is not None and found.value > limit
+    against = "" if limit is None else f", {'above' if broken else 'at most'} {telling.of(limit)}"
+    return Finding(
+        name="largest-motion-error",
+        severity="broken" if broken else "ok",
+        sentence=(
+            f"largest error of the motion {telling.of(found.value)}{_at(found.place)}{against}"
+        ),
+        value=telling.scale * found.value,
+        limit=None if limit is None else telling.scale * limit,
+        unit=telling.unit,
+        cam_angle=found.place,
+    )
+
+
+def of_acceleration(found: Extreme, clock: Clock, edges: FloatArray, telling: Telling) -> Finding:
+    """The largest acceleration of the output, against that of the demanded motion."""
+
+    def rigid(phi: FloatArray, side: Side) -> FloatArray:
+        timed: FloatArray = in_time(clock.plan.jet(phi, side), clock.course, phi)[2]
+        return timed
+
+    demanded = magnitude(piecewise_extremes(rigid, edges))
+    times = f", {found.value / demanded.value:.4g} times" if demanded.value > 0.0 else ", against"
+    unit = f"{telling.unit}/s^2"
+    return Finding(
+        name="largest-output-acceleration",
+        severity="ok",
+        sentence=(
+            f"largest acceleration of the output {telling.scale * found.value:.6g} {unit}"
+            f"{_at(found.place)}{times} that of the demanded motion,"
+            f" {telling.scale * demanded.value:.6g} {unit}{_at(demanded.place)}"
+        ),
+        value=telling.scale * found.value,
+        unit=unit,
+        cam_angle=found.place,
+    )
+
+
+def of_rests(elastic: Elastic, telling: Telling) -> Iterator[Finding]:
+    """What of the vibration each rest starts with, the most of it, and what is left at the end."""
+    rests = [rest for rest in elastic.clock.plan.dwells if 0.0 < rest.span < TURN]
+    if not rests:
+        return
+    starts = np.array([rest.start for rest in rests])
+    amplitudes = elastic.response.free_amplitude(elastic.time(starts, "right"), "right")
+    for rest, amplitude in zip(rests, amplitudes.tolist(), strict=True):
+        yield _residual("residual-vibration", "vibration", rest, amplitude, telling)
+    worst = int(np.argmax(amplitudes))
+    yield _residual(
+        "largest-residual-vibration",
+        "largest vibration",
+        rests[worst],
+        float(amplitudes[worst]),
+        telling,
+    )
+    slowest = float(np.max(elastic.response.train.rates.real))
+    shortest = min(rests, key=lambda rest: _duration(elastic.clock, rest))
+    left = math.exp(slowest * _duration(elastic.clock, shortest))
+    lasts = "longer" if left <= SETTLED else "shorter"
+    yield Finding(
+        name="settling",
+        severity="ok",
+        sentence=(
+            f"of a vibration {100.0 * left:.3g} % are left after the shortest rest,"
+            f" {1e3 * _duration(elastic.clock, shortest):.4g} ms{_from(shortest.start)}: it is"
+            f" {lasts} than the transient, which ends at {100.0 * SETTLED:g} %"
+        ),
+        value=left,
+        cam_angle=shortest.start,
+    )
+
+
+def of_resonance(elastic: Elastic, most: float, telling: Telling) -> Iterator[Finding]:
+    """The harmonic of the cam's speed next to each natural frequency."""
+    response = elastic.response
+    turn = TURN / response.base.period
+    for rate in response.train.rates.tolist():
+        number = max(1, round(abs(rate) / turn))
+        factor = abs(response.train.transfer(number * turn)) * (number * turn) ** 2
+        part = 2.0 * abs(response.harmonic(number))
+        near = factor > AMPLIFICATION and part > SHARE * most
+        yield Finding(
+            name="resonance",
+            severity="warning" if near else "ok",
+            sentence=(
+                f"harmonic {number} of the cam's speed is next to the natural frequency,"
+                f" {abs(rate) / turn:.6g} times that speed: amplified {factor:.4g} times, it"
+                f" makes {telling.of(part)} of the deflection of {telling.of(most)}"
+            ),
+            value=factor,
+            limit=AMPLIFICATION if near else None,
+        )
+
+
+def _residual(name: str, what: str, rest: Dwell, amplitude: float, telling: Telling) -> Finding:
+    return Finding(
+        name=name,
+        severity="ok",
+        sentence=f"{what} of {telling.of(amplitude)} left in the rest{_from(rest.start)}",
+        value=telling.scale * amplitude,
+        unit=telling.unit,
+        cam_angle=rest.start,
+    )
+
+
+def _duration(clock: Clock, rest: Dwell) -> float:
+    ends = clock.course.time(np.array([rest.start, rest.start + rest.span]))
+    return float(ends[1] - ends[0])
+
+
+def _at(phi: float) -> str:
+    return f" at cam angle {math.degrees(phi):.4f} deg"
+
+
+def _from(phi: float) -> str:
+    return f" from cam angle {math.degrees(phi):.6g} deg on"

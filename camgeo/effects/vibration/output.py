@@ -1,0 +1,92 @@
+"""The motion of the output over the cam angle: rigid or elastic."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from camgeo.effects.effect import Subject
+from camgeo.motion.motion import Side
+from camgeo.motion.plan import MotionPlan, in_turn
+from camgeo.motion.time_course import ConstantSpeed, TimeCourse, in_time
+from camgeo.numeric.arrays import FloatArray, merged
+from camgeo.numeric.oscillator.forcing import Base
+from camgeo.numeric.oscillator.inverse import inverse
+from camgeo.numeric.oscillator.steady import Response
+from camgeo.units import TURN
+
+
+class Output(Protocol):
+    """What the output does, against the demanded motion."""
+
+    def states(self, phi: FloatArray, side: Side) -> FloatArray:
+        """(3, n) deflection [mm or rad], its velocity, and the acceleration of the output."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Clock:
+    """The demanded motion over time; time 0 is cam angle 0.
+
+    Attributes
+    ----------
+    edges : (m + 1,) cam angles [rad] from 0 to 2 pi, between which motion and speed are smooth.
+    """
+
+    plan: MotionPlan
+    course: TimeCourse
+    edges: FloatArray
+
+    def time(self, phi: FloatArray) -> FloatArray:
+        """(n,) time [s] since cam angle 0, at `phi` (n,) [rad]."""
+        return np.asarray(self.course.time(phi) - self.course.time(np.zeros(1)))
+
+    def angle(self, t: FloatArray) -> FloatArray:
+        """(n,) cam angle [rad] at `t` (n,) [s], within the turn."""
+        if isinstance(self.course, ConstantSpeed):
+            return t * self.course.speed
+        return inverse(self.time, lambda phi: 1.0 / self.course.rates(phi)[0], self.edges, t)
+
+    def jet(self, t: FloatArray, side: Side) -> FloatArray:
+        """(4, n) demanded motion and its derivatives over time at `t` (n,) [s]."""
+        phi = self.angle(t)
+        return in_time(self.plan.jet(phi, side), self.course, phi)
+
+    @property
+    def base(self) -> Base:
+        """It as what moves the train."""
+        return Base(self.jet, self.time(self.edges))
+
+
+def clock_of(subject: Subject, course: TimeCourse) -> Clock:
+    """The demanded motion of `subject` over time."""
+    edges = merged(np.concatenate((subject.plan.borders, course.borders, [0.0, TURN])))
+    return Clock(subject.plan, course, edges)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Elastic:
+    """The output of a train in its steady state."""
+
+    clock: Clock
+    response: Response
+
+    def states(self, phi: FloatArray, side: Side) -> FloatArray:
+        return self.response.states(self.time(phi, side), side)
+
+    def time(self, phi: FloatArray, side: Side) -> FloatArray:
+        """(n,) time [s] within the turn."""
+        return self.clock.time(in_turn(phi, side))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Rigid:
+    """The output of a train without mass: the demanded motion."""
+
+    clock: Clock
+
+    def states(self, phi: FloatArray, side: Side) -> FloatArray:
+        out = np.zeros((3, len(phi)))
+        out[2] = in_time(self.clock.plan.jet(phi, side), self.clock.course, phi)[2]
+        return out

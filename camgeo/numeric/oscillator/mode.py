@@ -1,0 +1,214 @@
+"""The modal equation u' = lambda u + a(t) for a given as Chebyshev series: solved in closed form.
+
+On a cell of half length H, with x from -1 to 1 and kappa = lambda H, the solution is a polynomial
+and a free vibration,
+
+    u = Q(x) + C exp(kappa (x + 1)),   dQ/dx = kappa Q + H a.
+
+Integrated term by term that is, for the coefficients q_k of Q and a_k of a and k >= 1,
+
+    2 k q_k = kappa (c q_{k-1} - q_{k+1}) + H (c a_{k-1} - a_{k+1}),   c = 2 for k = 1, else 1
+
+(C. W. Clenshaw, Proc. Camb. Phil. Soc. 53 (1957) 134-149). Where |kappa| is large Q is the
+polynomial of the degree of a that these rows give from the highest downwards; no row then magnifies
+what comes from the one above. Where |kappa| is small they are a recurrence whose wanted solution
+falls with k, so that it is eliminated backwards (F. W. J. Olver, J. Res. Nat. Bur. Standards 71B
+(1967) 111-129). In between, the piece is cut until |kappa| is small.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, IntArray
+from camgeo.numeric.oscillator.pieces import DEGREE, NODES, TO_SERIES, Pieces, series_values
+from camgeo.numeric.peaks import Side
+
+SMALL: Final = 1.5
+"""|kappa| up to which the recurrence is eliminated backwards. The pivots stay away from 0: their
+zeros are those of the Bessel functions J_0, J_1 ..., of which 2.4 is the smallest."""
+
+LARGE: Final = 64.0
+"""|kappa| from which on the polynomial of the degree of a is taken: DEGREE^2 / 4, so that the k-th
+derivative of T_16 by kappa^k, at most 256^k / (1 3 5 ... (2k - 1) 64^k), does not exceed 6."""
+
+ORDER: Final = 24
+"""Degree of Q on a cell with small |kappa|: exp(kappa x) needs 20 for 16 digits."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Cells:
+    """Q on the cells of one or more problems, a piece and a lambda each.
+
+    Attributes
+    ----------
+    problem : (c,) the problem that each cell belongs to; the cells of a problem are in a row.
+    start, half : (c,) where the cell begins, and half its length.
+    rate : (c,) lambda.
+    series : (25, c) coefficients of Q.
+    first : (c,) whether the cell is the first one of its piece.
+    """
+
+    problem: IntArray
+    start: FloatArray
+    half: FloatArray
+    rate: ComplexArray
+    series: ComplexArray
+    first: BoolArray
+
+    @property
+    def at_start(self) -> ComplexArray:
+        """(c,) Q(-1)."""
+        even: ComplexArray = np.sum(self.series[::2], axis=0)
+        odd: ComplexArray = np.sum(self.series[1::2], axis=0)
+        return even - odd
+
+    @property
+    def growth(self) -> ComplexArray:
+        """(c,) factor of a free vibration from the start of the cell to its end."""
+        grown: ComplexArray = np.exp(2.0 * self.rate * self.half)
+        return grown
+
+    @property
+    def gain(self) -> ComplexArray:
+        """(c,) u at the end of the cell, if it is 0 at its start."""
+        at_end: ComplexArray = np.sum(self.series, axis=0)
+        return at_end - self.growth * self.at_start
+
+
+def solve(pieces: Pieces, piece: IntArray, rate: ComplexArray) -> Cells:
+    """Q of the problems (q,): the `piece` of `pieces` and the lambda `rate` of each."""
+    width = np.diff(pieces.edges)[piece]
+    size = 0.5 * np.abs(rate) * width
+    wide = size >= LARGE
+    parts = np.where(wide, 1.0, np.maximum(1.0, np.ceil(size / SMALL))).astype(np.intp)
+    problem = np.repeat(np.arange(len(piece)), parts)
+    number = np.arange(len(problem)) - np.repeat(np.cumsum(parts) - parts, parts)
+    count = parts[problem].astype(np.float64)
+    forcing = pieces.series[:, piece[problem]]
+    cut = np.flatnonzero(count > 1.0)
+    if len(cut):
+        x = (2.0 * number[cut] + 1.0 + NODES[:, np.newaxis]) / count[cut] - 1.0
+        forcing[:, cut] = TO_SERIES @ series_values(forcing[:, cut], x)
+    start = pieces.edges[:-1][piece][problem] + width[problem] * (number / count)
+    half = 0.5 * width[problem] / count
+    forcing *= half
+    kappa = rate[problem] * half
+    series = np.zeros((ORDER + 1, len(problem)), dtype=np.complex128)
+    large = wide[problem]
+    if np.any(large):
+        series[: DEGREE + 1, large] = _downwards(kappa[large], forcing[:, large])
+    if not np.all(large):
+        series[:, ~large] = _eliminated(kappa[~large], forcing[:, ~large])
+    return Cells(problem, start, half, rate[problem], series, number == 0)
+
+
+def _downwards(kappa: ComplexArray, forcing: FloatArray) -> ComplexArray:
+    """(17, c) the polynomial of the degree of `forcing`, H a."""
+    q = np.zeros((DEGREE + 3, len(kappa)), dtype=np.complex128)
+    padded = np.concatenate((forcing, np.zeros((2, len(kappa)))))
+    inverse = 1.0 / kappa
+    q[DEGREE] = -forcing[DEGREE] * inverse
+    for k in range(DEGREE, 0, -1):
+        c = 2.0 if k == 1 else 1.0
+        known = 2.0 * k * q[k] - (c * padded[k - 1] - padded[k + 1])
+        q[k - 1] = (known * inverse + q[k + 1]) / c
+    found: ComplexArray = q[: DEGREE + 1]
+    return found
+
+
+def _eliminated(kappa: ComplexArray, forcing: FloatArray) -> ComplexArray:
+    """(25, c) the solution with q_0 = 0: q_k = slope_k q_{k-1} + shift_k from the end back."""
+    count = len(kappa)
+    padded = np.zeros((ORDER + 2, count))
+    padded[: DEGREE + 1] = forcing
+    slope = np.zeros((ORDER + 2, count), dtype=np.complex128)
+    q = np.zeros((ORDER + 2, count), dtype=np.complex128)  # the shifts, then the solution
+    for k in range(ORDER, 0, -1):
+        c = 2.0 if k == 1 else 1.0
+        pivot = 1.0 / (2.0 * k + kappa * slope[k + 1])
+        slope[k] = c * kappa * pivot
+        q[k] = (c * padded[k - 1] - padded[k + 1] - kappa * q[k + 1]) * pivot
+    for k in range(2, ORDER + 1):  # q_0 = 0 leaves q_1 as it is
+        q[k] += slope[k] * q[k - 1]
+    found: ComplexArray = q[: ORDER + 1]
+    return found
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Mode:
+    """u over the cells of one problem after the other, all with the same lambda.
+
+    Attributes
+    ----------
+    edges : (c + 1,) borders of the cells.
+    cells : Q.
+    free : (c,) C.
+    """
+
+    edges: FloatArray
+    cells: Cells
+    free: ComplexArray
+
+    @property
+    def largest(self) -> float:
+        """Bound of the magnitude of u."""
+        return float(np.max(np.sum(np.abs(self.cells.series), axis=0) + np.abs(self.free)))
+
+    def values(self, t: FloatArray, side: Side) -> ComplexArray:
+        """(n,) u at `t` (n,) between the edges; from the side asked for where it jumps."""
+        place = np.searchsorted(self.edges, t, side) - 1
+        place = np.clip(place, 0, len(self.free) - 1)
+        half = self.cells.half[place]
+        way = (t - self.cells.start[place]) / half
+        series = self._needed().T[place].T
+        x = way - 1.0
+        double = 2.0 * x
+        last = series[-1].copy()
+        before = np.zeros_like(last)
+        for row in series[-2:0:-1]:
+            before *= -1.0
+            before += row
+            before += double * last
+            last, before = before, last
+        u: ComplexArray = series[0] + x * last - before
+        u += self.free[place] * np.exp((self.cells.rate[0] * half) * way)
+        return u
+
+    def _needed(self) -> ComplexArray:
+        """The coefficients up to the last row that is more than rounding of the largest."""
+        rows = np.max(np.abs(self.cells.series), axis=1)
+        counts = np.flatnonzero(rows > np.finfo(np.float64).eps * 0.125 * np.max(rows))
+        needed: ComplexArray = self.cells.series[
+            : max(int(counts[-1]) + 1 if len(counts) else 2, 2)
+        ]
+        return needed
+
+
+def gain_over(cells: Cells, jumps: FloatArray, end: float) -> complex:
+    """u at `end` of all `cells`, if it is 0 before them and jumps by `jumps` (p,) at each piece."""
+    until = end - cells.start
+    kicks = np.zeros(len(cells.start))
+    kicks[cells.first] = jumps
+    rest = np.maximum(until - 2.0 * cells.half, 0.0)
+    return complex(
+        np.sum(np.exp(cells.rate * rest) * cells.gain) + np.sum(np.exp(cells.rate * until) * kicks)
+    )
+
+
+def followed(cells: Cells, jumps: FloatArray, end: float, begin: complex) -> Mode:
+    """The mode that is `begin` at the start, before the first jump; see `gain_over`."""
+    kicks = np.zeros(len(cells.start))
+    kicks[cells.first] = jumps
+    starts = []
+    u = begin + kicks[0]
+    for growth, gain, kick in zip(
+        cells.growth.tolist(), cells.gain.tolist(), [*kicks.tolist()[1:], 0.0], strict=True
+    ):
+        starts.append(u)
+        u = growth * u + gain + kick
+    free = np.array(starts) - cells.at_start
+    return Mode(np.append(cells.start, end), cells, free)

@@ -1,0 +1,156 @@
+"""Shock spectrum: what remains of the vibration after a move, over the ratio t_move / T_n.
+
+The train is one mass at rest before the move, T_n = 2 pi / w its natural period; what remains is
+the amplitude of the free vibration when the move ends, as a share of the stroke: |u(1)| /
+(w sqrt(1 - D^2)) (Neklutin's use of the spectrum for cams, see Rothbart, Cam Design Handbook,
+section 13.2; Norton, Cam Design and Manufacturing Handbook, chapter on residual vibrations).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Final, Protocol
+
+import numpy as np
+
+from camgeo.numeric.arrays import ComplexArray, FloatArray
+from camgeo.numeric.oscillator.forcing import FINEST, SOFT
+from camgeo.numeric.oscillator.mode import solve
+from camgeo.numeric.oscillator.pieces import NODES, Pieces, interpolated, series_values
+
+BLOCK: Final = 128
+"""Ratios worked on at a time, so that the cells of a block stay below some ten megabytes."""
+
+
+class Normalised(Protocol):
+    """A motion law, see `camgeo.motion.laws.law.Law`."""
+
+    @property
+    def borders(self) -> tuple[float, ...]: ...
+
+    @property
+    def start(self) -> Ends: ...
+
+    @property
+    def end(self) -> Ends: ...
+
+    def __call__(self, z: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]: ...
+
+
+class Ends(Protocol):
+    """What a motion law is at one of its ends."""
+
+    @property
+    def velocity(self) -> float: ...
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Shock:
+    """A move by 1 in the time from 0 to 1, from rest to rest.
+
+    Attributes
+    ----------
+    lift : the way from its start.
+    end : where it ends: 1, or less if it comes back.
+    pieces : minus its acceleration.
+    kicks : (p + 1,) minus the jumps of its velocity at the edges of the pieces.
+    """
+
+    lift: Pieces
+    end: float
+    pieces: Pieces
+    kicks: FloatArray
+
+    def residual(self, ratios: FloatArray, damping: float = 0.0) -> FloatArray:
+        """(n,) what remains at the ratios (n,), all above 0, with a damping ratio in [0, 1)."""
+        ratios = np.asarray(ratios, dtype=np.float64)
+        root = math.sqrt((1.0 - damping) * (1.0 + damping))
+        frequency = 2.0 * math.pi * ratios
+        rates = frequency * complex(-damping, root)
+        gain = np.empty(len(rates), dtype=np.complex128)
+        for first in range(0, len(rates), BLOCK):
+            block = rates[first : first + BLOCK]
+            soft = np.abs(block) < SOFT
+            part = gain[first : first + BLOCK]
+            part[~soft] = self._gain(block[~soft])
+            part[soft] = self._soft_gain(block[soft])
+        remains: FloatArray = np.abs(gain) / (frequency * root)
+        return remains
+
+    def bound(self, ratio: float, damping: float = 0.0) -> float:
+        """What no residual from `ratio` on exceeds.
+
+        Integrated by parts once, the integral of exp(lambda (1 - t)) a is at most the variation of
+        a, its jumps at the ends included, by |lambda|.
+        """
+        frequency = 2.0 * math.pi * ratio
+        root = math.sqrt((1.0 - damping) * (1.0 + damping))
+        x = np.linspace(-1.0, 1.0, 4 * len(NODES))[:, np.newaxis]
+        values = np.pad(series_values(self.pieces.series, x).T.ravel(), 1)
+        variation = float(np.sum(np.abs(np.diff(values))))
+        return (variation / frequency + float(np.sum(np.abs(self.kicks)))) / (frequency * root)
+
+    def _gain(self, rates: ComplexArray) -> ComplexArray:
+        """(k,) u at the end."""
+        gain = _gains(self.pieces, rates)
+        for time, kick in zip(self.pieces.edges.tolist(), self.kicks.tolist(), strict=True):
+            if kick != 0.0:
+                gain += kick * np.exp(rates * (1.0 - time))
+        return gain
+
+    def _soft_gain(self, rates: ComplexArray) -> ComplexArray:
+        """(k,) the same by the lift, see `camgeo.numeric.oscillator.forcing.SOFT`."""
+        return -rates * (rates * _gains(self.lift, rates) + self.end)
+
+
+def shock(
+    lift: Callable[[FloatArray], FloatArray],
+    acceleration: Callable[[FloatArray], FloatArray],
+    edges: FloatArray,
+    jumps: FloatArray,
+    end: float = 1.0,
+) -> Shock:
+    """The move with that `lift`, which is smooth between `edges` (m + 1,) from 0 to 1.
+
+    `acceleration` is its second derivative, `jumps` (m + 1,) are those of its first one at the
+    edges, `end` is the lift at the end.
+    """
+    pieces = interpolated(lambda z: -acceleration(z), edges, FINEST)
+    kicks = np.zeros(len(pieces.edges))
+    kicks[np.searchsorted(pieces.edges, edges)] = -jumps
+    return Shock(interpolated(lift, edges, FINEST), end, pieces, kicks)
+
+
+def _gains(pieces: Pieces, rates: ComplexArray) -> ComplexArray:
+    """(k,) what a mode that begins with 0 is at the end of all pieces, for each of `rates`."""
+    count = pieces.series.shape[1]
+    cells = solve(pieces, np.tile(np.arange(count), len(rates)), np.repeat(rates, count))
+    owner = cells.problem // count
+    rest = np.maximum(1.0 - cells.start - 2.0 * cells.half, 0.0)
+    parts = np.exp(cells.rate * rest) * cells.gain
+    real = np.bincount(owner, parts.real, len(rates))
+    return np.asarray(real + 1j * np.bincount(owner, parts.imag, len(rates)))
+
+
+def shock_of(law: Normalised) -> Shock:
+    """The move from rest to rest by a motion law."""
+    edges = np.array([0.0, *law.borders, 1.0])
+    jumps = np.zeros(len(edges))
+    jumps[0] = law.start.velocity
+    jumps[-1] = -law.end.velocity
+    return shock(lambda z: law(z)[0], lambda z: law(z)[2], edges, jumps)
+
+
+def shock_spectrum(law: Normalised, ratios: FloatArray, damping: float = 0.0) -> FloatArray:
+    """(n,) what remains after a move by `law`, as a share of the stroke.
+
+    Parameters
+    ----------
+    law : a motion law from rest to rest, normalised; if it starts or ends with a velocity, that is
+        a shock.
+    ratios : (n,) duration of the move by the natural period of the train, all above 0.
+    damping : damping ratio of the train, in [0, 1).
+    """
+    return shock_of(law).residual(ratios, damping)

@@ -1,0 +1,174 @@
+"""Response of an elastic train to a base that repeats its motion: the steady state, exact.
+
+Over the turn each mode grows by exp(lambda T) and gains g from the base, so that it repeats itself
+if it begins with g / (1 - exp(lambda T)).
+"""
+
+from __future__ import annotations
+
+import cmath
+import math
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from camgeo.numeric.arrays import ComplexArray, FloatArray
+from camgeo.numeric.oscillator.forcing import ROUNDINGS, Base, Forcing, forcing_of
+from camgeo.numeric.oscillator.mode import Mode, followed, gain_over, solve
+from camgeo.numeric.oscillator.train import EPS, Train
+from camgeo.numeric.peaks import Side
+
+CIRCLE: Final = 20
+"""Points of the mean over a circle of radius 1 / T in lambda; the mean of an analytic function with
+its nearest pole 2 pi / T away errs by (2 pi)^-20."""
+
+
+class ResonanceError(ArithmeticError):
+    """There is no steady state: an undamped mode grows with every turn.
+
+    Attributes
+    ----------
+    frequency : of the mode [rad/s].
+    harmonic : of the turn with which it falls together.
+    """
+
+    def __init__(self, frequency: float, harmonic: int) -> None:
+        self.frequency = frequency
+        self.harmonic = harmonic
+        super().__init__(f"an undamped mode falls together with harmonic {harmonic}")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Response:
+    """How the output of a train answers its base.
+
+    Attributes
+    ----------
+    train, base, forcing : what answers what.
+    modes : over the turn; of u' = lambda u + forcing.
+    error : estimate of the largest error of the deflection, in the unit of y.
+    """
+
+    train: Train
+    base: Base
+    forcing: Forcing
+    modes: tuple[Mode, ...]
+    error: float
+
+    def states(self, t: FloatArray, side: Side) -> FloatArray:
+        """(3, n) deflection e, its velocity e', and the acceleration x'' of the output.
+
+        `t` (n,) in [0, period]. Only a jump of the base's velocity, which the damper feels, makes
+        e' and x'' jump.
+        """
+        t = self._on_side(t, side)
+        c, rate = self.train.weights, self.train.rates
+        if not self.forcing.soft:
+            return self._summed(t, side, c)
+        # u = q - y' - lambda y with q = -lambda^2 p and p' = lambda p + y.
+        y, velocity = self.base.jet(t, side)[:2]
+        out = self._summed(t, side, -c * rate**2)
+        second, third = self.train.sums(2), self.train.sums(3)
+        out[0] -= y
+        out[1] -= velocity + second * y
+        out[2] -= second * velocity + third * y
+        return out
+
+    def free_amplitude(self, t: FloatArray, side: Side) -> FloatArray:
+        """(n,) amplitude of the free vibration of the output while the base rests.
+
+        Of one mass |u| / (w sqrt(1 - D^2)) = sqrt(e^2 + (e' + D w e)^2 / (w^2 (1 - D^2))), the
+        amplitude that exp(-D w t) then lowers; of two the sum of both, which they reach together
+        sooner or later.
+        """
+        t = self._on_side(t, side)
+        total = np.zeros(len(t))
+        y = self.base.jet(t, side)[:2] if self.forcing.soft else None
+        for mode, c, rate in zip(self.modes, self.train.weights, self.train.rates, strict=True):
+            u = mode.values(t, side)
+            if y is not None:
+                u = -(rate**2) * u - y[1] - rate * y[0]
+            total += np.abs(c * u)
+        return total
+
+    def harmonic(self, number: int) -> complex:
+        """Coefficient of exp(i number 2 pi t / T) in the deflection, for number >= 1.
+
+        It is 0 if the base has no more of it than rounding.
+        """
+        period = self.base.period
+        frequency = number * 2.0 * math.pi / period
+        content = self.forcing.gain(1j * frequency, period) / period
+        if abs(content) * period <= self.forcing.noise(period, frequency):
+            return 0.0j
+        if self.forcing.soft:
+            content *= frequency**2
+        return self.train.transfer(frequency) * content
+
+    def _on_side(self, t: FloatArray, side: Side) -> FloatArray:
+        period = self.base.period
+        if side == "left":
+            return np.where(t <= 0.0, period, t)
+        return np.where(t >= period, 0.0, t)
+
+    def _summed(self, t: FloatArray, side: Side, weights: ComplexArray) -> FloatArray:
+        out = np.zeros((3, len(t)))
+        for mode, weight, rate in zip(self.modes, weights, self.train.rates, strict=True):
+            u = weight * mode.values(t, side)
+            out[0] += u.real
+            u *= rate
+            out[1] += u.real
+            u *= rate
+            out[2] += u.real
+        return out
+
+
+def steady_state(train: Train, base: Base, tolerance: float) -> Response:
+    """The response that repeats itself with the base.
+
+    Parameters
+    ----------
+    tolerance : share of the magnitude of the forcing that its series may leave out, on average.
+
+    Raises
+    ------
+    ResonanceError
+        If an undamped mode falls together with a harmonic that the base has. If the base does not
+        have it, what would grow is left out: the mode is what it is for a frequency beside that.
+    """
+    forcing = forcing_of(train, base, tolerance)
+    period = base.period
+    count = forcing.pieces.series.shape[1]
+    modes, error = [], 0.0
+    for rate, weight in zip(train.rates.tolist(), train.weights.tolist(), strict=True):
+        cells = solve(forcing.pieces, np.arange(count), np.full(count, rate))
+        noise = forcing.noise(period)
+        phase = ROUNDINGS * EPS * abs(rate) * period * train.spread
+        gain = gain_over(cells, forcing.jumps, period)
+        loss = abs(_loss(rate, period))
+        if loss <= phase:
+            if abs(gain) > forcing.noise(period, abs(rate) * train.spread):
+                raise ResonanceError(abs(rate), round(abs(rate) * period / (2.0 * math.pi)))
+            begin = _beside(forcing, rate, period)
+            loss = 1.0
+        else:
+            begin = gain / _loss(rate, period)
+        mode = followed(cells, forcing.jumps, period, begin)
+        scale = abs(weight) * (abs(rate) ** 2 if forcing.soft else 1.0)
+        error += train.spread * scale * (noise + phase * mode.largest) * (1.0 + 1.0 / loss)
+        modes.append(mode)
+    return Response(train, base, forcing, tuple(modes), error)
+
+
+def _loss(rate: complex, period: float) -> complex:
+    """1 - exp(lambda T)."""
+    return -complex(np.expm1(rate * period))
+
+
+def _beside(forcing: Forcing, rate: complex, period: float) -> complex:
+    """Limit of the begin of a mode whose gain and loss vanish together: Cauchy's mean value."""
+    around = [
+        rate + cmath.rect(1.0 / period, 2.0 * math.pi * (k + 0.5) / CIRCLE) for k in range(CIRCLE)
+    ]
+    return sum(forcing.gain(each, period) / _loss(each, period) for each in around) / CIRCLE

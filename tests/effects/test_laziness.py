@@ -1,0 +1,210 @@
+"""What no one calls for is neither computed nor imported, and changes no byte of the geometry."""
+
+from __future__ import annotations
+
+import itertools
+import json
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from camgeo.design import Design
+from camgeo.effects.graph import node_name
+from camgeo.effects.registry import EFFECTS, find_effect
+from camgeo.files.write import make_files
+from tests.effects.scenes import SCENES, design
+
+SCENE = "plate_translating"
+
+FRAME = {"effect", "force", "graph", "materials", "registry"}
+"""Modules of `camgeo.effects` that are no effect."""
+
+TABLES = {
+    "kinematics": "",
+    "inertia": "mass = 0.8",
+    "gravity": "",
+    "load": "constant = 20",
+    "spring": "stiffness = 4\npreload = 80",
+    "friction": "guide = 0.1",
+    "contact-force": "",
+    "lift-off": "",
+    "drive-torque": "fluctuation = 0.05",
+    "speed-fluctuation": "moment_of_inertia = 0.02\nno_load_speed = 66\nstall_torque = 40",
+    "contact-pressure": "rating = 8000",
+    "vibration": "natural_frequency = 60\ndamping = 0.05",
+    "shock-spectrum": "",
+    "balance": "",
+}
+"""A table for each effect; "spring" gives a force to those that need one of any origin."""
+
+GEOMETRY = ("dxf", "gcode", "stl", "3mf", "svg")
+
+
+def with_data(*names: str) -> tuple[str, ...]:
+    """`names`, and of the effects those that bring the data without which they cannot be."""
+    found = dict.fromkeys(names)
+    waiting = list(names)
+    while waiting:
+        effect = find_effect(waiting.pop())
+        for needed in effect.needs:
+            if find_effect(needed).tabled and needed not in found:
+                found[needed] = None
+            waiting.append(needed)
+        for keys in effect.keys:
+            tables = [key.removeprefix("effects.") for key in keys if key.startswith("effects.")]
+            if tables and not found.keys() & set(tables):
+                found["spring" if "spring" in tables else tables[0]] = None
+                waiting.append("spring" if "spring" in tables else tables[0])
+    return tuple(found)
+
+
+def text_of(names: tuple[str, ...]) -> str:
+    return "\n".join(f"[effects.{name}]\n{TABLES[name]}" for name in names)
+
+
+def expected(names: tuple[str, ...]) -> set[str]:
+    """All that is needed, directly or not, for the effects `names` of a scene that names them."""
+    found = set(names)
+    waiting = list(names)
+    while waiting:
+        effect = find_effect(waiting.pop())
+        for each in (*effect.needs, *(use for use in effect.uses if use in names)):
+            if each not in found:
+                found.add(each)
+                waiting.append(each)
+    return found
+
+
+def subject(names: tuple[str, ...]) -> Design:
+    return design(SCENE, text_of(names))
+
+
+SETS = [(name,) for name in EFFECTS] + list(itertools.combinations(EFFECTS, 2))
+
+
+def test_every_effect_has_a_table_here() -> None:
+    assert tuple(TABLES) == EFFECTS
+
+
+@pytest.mark.parametrize("names", SETS, ids="+".join)
+def test_only_what_is_needed_runs_and_once(names: tuple[str, ...]) -> None:
+    named = with_data(*names)
+    found = subject(named)
+    for name in names:
+        found.effect(name)
+    runs = [run.name for run in found.ledger.runs if run.name.startswith("effects.")]
+    needed = set(names)
+    waiting = list(names)
+    while waiting:
+        for each in found.effects.inputs(waiting.pop()):
+            if each not in needed:
+                needed.add(each)
+                waiting.append(each)
+    assert sorted(runs) == sorted(node_name(name) for name in needed)
+    assert needed <= expected(named)
+
+
+@pytest.fixture
+def no_effect_imported() -> Iterator[None]:
+    """As in a fresh interpreter: no effect is in `sys.modules`; all is put back afterwards."""
+    prefix = "camgeo.effects."
+    mine = {
+        name: module
+        for name, module in sys.modules.items()
+        if name.startswith(prefix) and name.split(".")[2] not in FRAME
+    }
+    for name in mine:
+        del sys.modules[name]
+    yield
+    for name in [each for each in sys.modules if each.startswith(prefix)]:
+        if name.split(".")[2] not in FRAME:
+            del sys.modules[name]
+    sys.modules.update(mine)
+
+
+def imported_effects() -> set[str]:
+    return {
+        name.split(".")[2].replace("_", "-")
+        for name in sys.modules
+        if name.startswith("camgeo.effects.") and name.split(".")[2] not in FRAME
+    }
+
+
+@pytest.mark.parametrize("names", SETS, ids="+".join)
+@pytest.mark.usefixtures("no_effect_imported")
+def test_only_what_is_needed_is_imported(names: tuple[str, ...]) -> None:
+    named = with_data(*names)  # which asks the effects for their needs, and so imports them
+    needed = expected(named)
+    for name in list(sys.modules):
+        if name.startswith("camgeo.effects.") and name.split(".")[2] not in FRAME:
+            del sys.modules[name]
+    found = subject(named)
+    for name in named:
+        found.effect(name)
+    assert imported_effects() == needed
+
+
+RUN = """
+import json, sys
+import camgeo
+from camgeo.scene.load import load_scene
+design = camgeo.load(sys.argv[1])
+design.findings
+design.effect_findings
+json.dump(sorted(sys.modules), sys.stdout)
+"""
+
+
+def modules_of(scene: Path) -> set[str]:
+    """What a fresh interpreter has imported after judging a scene."""
+    done = subprocess.run(
+        [sys.executable, "-c", RUN, str(scene)],
+        capture_output=True, text=True, check=True, timeout=120,
+    )  # fmt: skip
+    return set(json.loads(done.stdout))
+
+
+def test_a_scene_without_effects_imports_nothing_of_them() -> None:
+    loaded = modules_of(SCENES / f"{SCENE}.toml")
+    assert not {name for name in loaded if name.startswith("camgeo.effects")}
+    assert not loaded & {"scipy", "shapely", "mpmath"}
+
+
+@pytest.mark.parametrize("name", EFFECTS)
+def test_a_fresh_interpreter_imports_one_effect_and_its_needs(name: str, tmp_path: Path) -> None:
+    named = with_data(name)
+    scene = tmp_path / "scene.toml"
+    text = (SCENES / f"{SCENE}.toml").read_text("utf-8")
+    scene.write_text(f"{text}\n{text_of(named)}\n", "utf-8")
+    loaded = modules_of(scene)
+    effects = {
+        each.split(".")[2].replace("_", "-")
+        for each in loaded
+        if each.startswith("camgeo.effects.") and each.split(".")[2] not in FRAME
+    }
+    assert effects == expected(named)
+    assert not loaded & {"ezdxf", "trimesh", "manifold3d", "matplotlib", "camgeo_export", "mpmath"}
+
+
+def geometry(effects: str) -> dict[str, bytes]:
+    found = design(SCENE, effects)
+    contents, _ = make_files(found, GEOMETRY, 0.01)
+    assert not [run for run in found.ledger.runs if run.name.startswith("effects.")]
+    return contents
+
+
+@pytest.fixture(scope="module")
+def bare() -> dict[str, bytes]:
+    return geometry("")
+
+
+@pytest.mark.parametrize("name", EFFECTS)
+def test_an_effect_changes_no_byte_of_the_geometry(name: str, bare: dict[str, bytes]) -> None:
+    assert geometry(text_of(with_data(name))) == bare
+
+
+def test_all_effects_together_change_no_byte_either(bare: dict[str, bytes]) -> None:
+    assert geometry(text_of(EFFECTS)) == bare

@@ -1,0 +1,369 @@
+"""Vibration of the follower train: the exact response, what is told of it, and the hard cases."""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+import pytest
+
+from camgeo.check.finding import Finding
+from camgeo.design import Design
+from camgeo.effects.effect import Request
+from camgeo.effects.vibration import EFFECT, Vibration
+from camgeo.errors import EffectError, GeometryError, SceneError
+from camgeo.motion.laws import make_law
+from camgeo.motion.time_course import in_time
+from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.oscillator.spectrum import shock_spectrum
+from camgeo.units import TURN
+from tests.effects.scenes import design
+
+PHI = np.linspace(0.0, TURN, 721)[:-1]
+
+
+def made(scene: str, table: str, *changes: tuple[str, str], before: str = "") -> Design:
+    return design(scene, f"{before}[effects.vibration]\n{table}\n", *changes)
+
+
+def result(scene: str, table: str, *changes: tuple[str, str], before: str = "") -> Vibration:
+    found = made(scene, table, *changes, before=before).effect("vibration")
+    assert isinstance(found, Vibration)
+    return found
+
+
+def told(found: Vibration, name: str) -> Finding:
+    (one,) = (each for each in found.findings if each.name == name)
+    return one
+
+
+def demanded(made_: Design) -> FloatArray:
+    """(4, n) the demanded motion in time at `PHI`."""
+    assert made_.time_course is not None
+    return in_time(made_.plan.jet(PHI, "right"), made_.time_course, PHI)
+
+
+def stubbed(made_: Design, table: dict[str, Any], results: dict[str, Any]) -> Vibration:
+    """Computed with results of other effects made up."""
+    request = Request(made_, EFFECT.parse(table), results, 1e-6)
+    found = EFFECT.compute(request)
+    assert isinstance(found, Vibration)
+    return found
+
+
+class Moved:
+    """What inertia gives, as far as it is asked for."""
+
+    def __init__(self, moved: float) -> None:
+        self.moved = moved
+
+
+# -- the response --------------------------------------------------------------------------------
+
+
+def test_after_a_rest_longer_than_the_transient_a_move_leaves_what_its_spectrum_says() -> None:
+    """Modified sine by 20 mm in 100/360 s at 60 rev/min, behind a rest of 100 degrees.
+
+    Of what was before 20 mm exp(-0.2 2 pi 90 100/360) = 3e-13 mm are left when it starts.
+    """
+    found = result("plate_translating", "natural_frequency = 90\ndamping = 0.2\ntolerance = 1e-13")
+    (first, _) = (each for each in found.findings if each.name == "residual-vibration")
+    share = shock_spectrum(make_law("modified-sine"), np.array([90.0 * 100.0 / 360.0]), 0.2)
+    assert first.cam_angle == math.radians(130.0)
+    assert first.value == pytest.approx(20.0 * float(share[0]), rel=0.0, abs=1e-12)
+    settling = told(found, "settling")
+    assert settling.value == pytest.approx(math.exp(-0.2 * TURN * 90.0 * 40.0 / 360.0), rel=1e-12)
+    assert "longer than the transient" in settling.sentence
+
+
+@pytest.mark.parametrize(
+    "scene", ["plate_translating", "groove", "shuttle", "setzhub", "feed", "measured", "points"]
+)
+def test_the_output_obeys_its_equation_of_motion(scene: str) -> None:
+    """x'' = -w^2 e - 2 D w e' at every angle, with e' from the differences of e."""
+    found = result(scene, "natural_frequency = 31\ndamping = 0.04\ntolerance = 1e-12")
+    w, step = TURN * 31.0, 1e-4
+    inside = PHI[(np.min(np.abs(PHI[:, np.newaxis] - found.clock.edges), axis=1) > 4.0 * step)]
+    around = [found.deflection(inside + k * step, "right") for k in (-2, -1, 1, 2)]
+    slope = (around[0] - 8.0 * around[1] + 8.0 * around[2] - around[3]) / (12.0 * step)
+    omega = found.clock.course.rates(inside)[0]
+    e = found.deflection(inside, "right")
+    got = found.acceleration(inside, "right")
+    size = float(np.max(np.abs(got)))
+    # The differences err by step^4 / 30 of the fifth derivative, (31 / 0.5 per rad)^5 / 62 by e'.
+    assert np.max(np.abs(got + w * w * e + 2.0 * 0.04 * w * omega * slope)) <= 1e-6 * size
+
+
+@pytest.mark.parametrize("scene", ["plate_translating", "groove", "feed", "measured", "points"])
+def test_the_acceleration_is_the_second_derivative_of_the_output(scene: str) -> None:
+    """By the work over each piece: the change of x'^2 / 2 is the integral of x'' x'."""
+    found = result(scene, "natural_frequency = 17\ndamping = 0.1\ntolerance = 1e-12")
+    course = found.clock.course
+    nodes, weights = np.polynomial.legendre.leggauss(20)
+    edges = np.unique(np.concatenate((found.clock.edges, np.linspace(0.0, TURN, 241))))
+    half = 0.5 * np.diff(edges)
+    phi = (0.5 * (edges[1:] + edges[:-1])[:, np.newaxis] + half[:, np.newaxis] * nodes).ravel()
+
+    def velocity(at: FloatArray) -> FloatArray:
+        timed = in_time(found.clock.plan.jet(at, "right"), course, at)
+        return np.asarray(timed[1] + found.source.states(at, "right")[1])
+
+    values = found.acceleration(phi, "right") / course.rates(phi)[0]
+    gained = half * (values.reshape(-1, 20) @ weights)
+    speeds = velocity(edges[:-1])
+    wanted = np.diff(np.append(speeds, speeds[0]))
+    # The laws of these scenes have no shock, so the velocity is continuous.
+    assert np.max(np.abs(gained - wanted)) <= 1e-9 * float(np.max(np.abs(speeds)))
+
+
+def test_with_a_speed_curve_the_steady_state_is_that_of_an_integrator() -> None:
+    from scipy.integrate import solve_ivp
+
+    found = result("points", "natural_frequency = 12\ndamping = 0.3\ntolerance = 1e-12")
+    plan, course = found.clock.plan, found.clock.course
+    w = TURN * 12.0
+
+    def rate(phi: float, z: FloatArray) -> FloatArray:
+        at = np.array([phi])
+        omega = float(course.rates(at)[0, 0])
+        forced = in_time(plan.jet(at), course, at)[2, 0]
+        return np.array([z[1], -2.0 * 0.3 * w * z[1] - w * w * z[0] - forced]) / omega
+
+    edges = found.clock.edges
+    z = found.source.states(edges[:1], "right")[:2, 0]
+    for low, high in pairwise(edges[:5]):
+        z = solve_ivp(rate, (low, high), z, "DOP853", rtol=1e-11, atol=1e-13).y[:, -1]
+        exact = found.source.states(np.array([high]), "left")[:2, 0]
+        assert abs(z[0] - exact[0]) <= 22.0 * 1e-10
+        assert abs(z[1] - exact[1]) <= 22.0 * 1e-10 * w
+
+
+def test_a_stiff_train_follows_to_the_second_power() -> None:
+    """Its error is y'' / w^2 but for the vibration, which the damping has taken in mid-move."""
+    phi = np.radians([75.0, 220.0])
+    made_ = made("plate_translating", "natural_frequency = 1000\ndamping = 0.3")
+    off = []
+    for frequency in (2e3, 4e3, 8e3):
+        found = result("plate_translating", f"natural_frequency = {frequency}\ndamping = 0.3")
+        assert made_.time_course is not None
+        y = in_time(made_.plan.jet(phi), made_.time_course, phi)
+        off.append(found.deflection(phi, "right") * (TURN * frequency) ** 2 / y[2] + 1.0)
+    # What is left is 2 D y''' / (w y''), of the first order in 1 / w.
+    assert np.all(np.abs(off[0]) < 0.01)
+    assert off[0] / off[1] == pytest.approx(2.0, abs=0.02)
+    assert off[1] / off[2] == pytest.approx(2.0, abs=0.01)
+
+
+def test_the_largest_values_are_those_of_a_fine_grid() -> None:
+    found = result("plate_translating", "natural_frequency = 40.3\ndamping = 0.01")
+    fine = np.linspace(0.0, TURN, 200_001)
+    deflection = np.abs(found.deflection(fine, "right"))
+    acceleration = np.abs(found.acceleration(fine, "right"))
+    error, top = told(found, "largest-motion-error"), told(found, "largest-output-acceleration")
+    assert error.value is not None
+    assert top.value is not None
+    # On the grid the peak is missed by half a step: (40.3 pi / 200000)^2 / 2 of it.
+    assert error.value == pytest.approx(float(np.max(deflection)), rel=1e-6)
+    assert error.value >= float(np.max(deflection))
+    assert top.value == pytest.approx(float(np.max(acceleration)), rel=1e-6)
+    assert error.cam_angle == pytest.approx(float(fine[np.argmax(deflection)]), abs=1e-4)
+
+
+def test_the_output_is_the_demanded_motion_and_its_error() -> None:
+    made_ = made("setzhub", "natural_frequency = 25\ndamping = 0.02")
+    found: Vibration = made_.effect("vibration")
+    assert np.array_equal(
+        found.output(PHI, "right"), demanded(made_)[0] + found.deflection(PHI, "right")
+    )
+    for column in made_.effect("vibration").columns:
+        for side in ("right", "left"):
+            assert np.all(np.isfinite(column.values(PHI, side)))
+
+
+# -- where the data come from --------------------------------------------------------------------
+
+
+def test_stiffness_and_mass_are_a_natural_frequency() -> None:
+    """500 N/mm and 0.8 kg: w^2 = 500 / 0.8e-3 1/s^2, 125.82 Hz."""
+    made_ = made("plate_translating", "natural_frequency = 1")
+    found = stubbed(made_, {"stiffness": 500.0, "damping": 0.1}, {"inertia": Moved(0.8e-3)})
+    hertz = math.sqrt(500.0 / 0.8e-3) / TURN
+    assert told(found, "natural-frequency").value == pytest.approx(hertz, rel=1e-14)
+    other = stubbed(made_, {"natural_frequency": hertz * TURN, "damping": 0.1}, {})
+    assert found.deflection(PHI, "right") == pytest.approx(
+        other.deflection(PHI, "right"), rel=0.0, abs=1e-13
+    )
+
+
+def test_a_rocker_has_its_stiffness_and_limit_as_an_angle() -> None:
+    """2000 N m/rad and 0.05 kg m^2 are 200 rad/s."""
+    made_ = made("groove", "natural_frequency = 1")
+    table = {"torsional_stiffness": 2e6, "damping": 0.05, "limit_angle": math.radians(0.005)}
+    found = stubbed(made_, table, {"inertia": Moved(50.0)})
+    assert told(found, "natural-frequency").value == pytest.approx(200.0 / TURN, rel=1e-14)
+    error = told(found, "largest-motion-error")
+    assert (error.unit, error.severity) == ("deg", "broken")
+    assert error.limit == pytest.approx(0.005, rel=1e-14)
+    column = found.columns[0]
+    assert (column.unit, column.limit) == ("deg", error.limit)
+    got = column.values(PHI, "right")
+    assert got == pytest.approx(np.degrees(found.deflection(PHI, "right")), rel=1e-14)
+    assert error.value == pytest.approx(float(np.max(np.abs(got))), rel=1e-3)
+
+
+def test_without_mass_the_train_is_rigid() -> None:
+    made_ = made("plate_translating", "natural_frequency = 1")
+    found = stubbed(made_, {"stiffness": 500.0}, {"inertia": Moved(0.0)})
+    assert np.all(found.deflection(PHI, "right") == 0.0)
+    assert np.array_equal(found.acceleration(PHI, "right"), demanded(made_)[2])
+    assert told(found, "largest-motion-error").value == 0.0
+    assert found.error == 0.0
+    assert {each.name for each in found.findings} == {
+        "largest-motion-error",
+        "largest-output-acceleration",
+    }
+
+
+@pytest.mark.parametrize(
+    ("scene", "table", "key"),
+    [
+        ("plate_translating", "stiffness = 500", "effects.inertia"),
+        ("groove", "stiffness = 500", "effects.vibration.stiffness"),
+        ("plate_translating", "torsional_stiffness = 5", "effects.vibration.torsional_stiffness"),
+        ("groove", "natural_frequency = 50\nlimit = 0.1", "effects.vibration.limit"),
+        ("setzhub", "natural_frequency = 50\nlimit_angle = 1", "effects.vibration.limit_angle"),
+    ],
+)
+def test_what_is_missing_or_does_not_suit_is_named(scene: str, table: str, key: str) -> None:
+    made_ = made(scene, table)
+    with pytest.raises(GeometryError) as caught:
+        made_.effect("vibration")
+    assert caught.value.key == key
+
+
+@pytest.mark.parametrize(
+    "table",
+    [
+        "damping = 0.1",
+        "natural_frequency = 50\nstiffness = 3",
+        "stiffness = 0",
+        "damping = 1\nnatural_frequency = 4",
+    ],
+)
+def test_a_wrong_table_is_a_fault_of_the_scene(table: str) -> None:
+    with pytest.raises(SceneError, match=r"effects\.vibration"):
+        made("plate_translating", table)
+
+
+def test_it_needs_a_speed() -> None:
+    with pytest.raises(SceneError, match="speed"):
+        made("ring", "natural_frequency = 50")
+
+
+# -- hard cases ----------------------------------------------------------------------------------
+
+
+def test_resonance_without_damping_is_told() -> None:
+    made_ = made("plate_translating", "natural_frequency = 40")
+    with pytest.raises(EffectError, match="harmonic 40 of the cam's speed"):
+        made_.effect("vibration")
+    (finding,) = made_.effect_findings
+    assert (finding.name, finding.severity, finding.unit) == ("resonance", "broken", "Hz")
+    assert finding.value == pytest.approx(40.0, rel=1e-14)
+
+
+def test_near_resonance_warns_and_far_from_it_does_not() -> None:
+    near = told(result("plate_translating", "natural_frequency = 40.01"), "resonance")
+    far = told(result("plate_translating", "natural_frequency = 40.5"), "resonance")
+    damped = told(
+        result("plate_translating", "natural_frequency = 40\ndamping = 0.05"), "resonance"
+    )
+    assert (near.severity, far.severity, damped.severity) == ("warning", "ok", "ok")
+    # 1 / ((40.01 / 40)^2 - 1) of a harmonic comes back as deflection.
+    assert near.value == pytest.approx(1.0 / ((40.01 / 40.0) ** 2 - 1.0), rel=1e-10)
+
+
+def test_rounding_magnified_beyond_the_tolerance_is_refused() -> None:
+    table = "natural_frequency = 40.0000001\ntolerance = 1e-13"
+    with pytest.raises(EffectError, match="is asked"):
+        made("plate_translating", table).effect("vibration")
+
+
+def test_a_finer_tolerance_is_kept_and_agrees() -> None:
+    table = "natural_frequency = 40.3\ndamping = 0.02\ntolerance = "
+    tolerances = (1e-2, 1e-5, 1e-12)
+    found = [result("plate_translating", f"{table}{each}") for each in tolerances]
+    for each, tolerance in zip(found, tolerances, strict=True):
+        assert each.error <= tolerance
+        off = np.max(np.abs(each.deflection(PHI, "right") - found[-1].deflection(PHI, "right")))
+        assert off <= 20.0 * (each.error + found[-1].error)
+
+
+@pytest.mark.parametrize("frequency", ["1e-6", "1e12"])
+def test_extreme_frequencies_have_finite_answers(frequency: str) -> None:
+    """So soft that the mass stands still, or so stiff that it follows: with and without damping."""
+    for damping in (0.0, 0.5):
+        found = result("plate_translating", f"natural_frequency = {frequency}\ndamping = {damping}")
+        for each in found.findings:
+            assert each.value is not None
+            assert math.isfinite(each.value)
+        e = found.deflection(PHI, "right")
+        if float(frequency) < 1.0:
+            assert np.ptp(found.output(PHI, "right")) <= 1e-4  # of 20 mm
+        else:
+            assert np.max(np.abs(e)) <= 1e-15
+
+
+def test_a_peak_behind_a_shock_is_found_however_stiff_the_train() -> None:
+    """A straight line out of a rest: e = -v exp(-D w t) sin(w' t) / w', w' = w sqrt(1 - D^2).
+
+    Its first peak is v exp(-D acos(D) / sqrt(1 - D^2)) / w, a quarter of a period behind the shock.
+    """
+    changes = ('law = "modified-sine"', 'law = "straight-line"')
+    frequency, damping = 1e5, 0.5
+    table = f"natural_frequency = {frequency}\ndamping = {damping}"
+    error = told(result("plate_translating", table, changes), "largest-motion-error")
+    root = math.sqrt(1.0 - damping**2)
+    velocity = 20.0 / (100.0 / 360.0)
+    peak = velocity * math.exp(-damping * math.acos(damping) / root) / (TURN * frequency)
+    assert error.value == pytest.approx(peak, rel=1e-9)
+
+
+def test_a_second_mass_has_two_natural_frequencies_and_the_output() -> None:
+    second = "second = { natural_frequency = 90, mass_ratio = 0.2, damping = 0.02 }"
+    table = f"natural_frequency = 60\ndamping = 0.03\n{second}"
+    found = result("plate_translating", table)
+    values = [each.value for each in found.findings if each.name == "natural-frequency"]
+    # Undamped: x^2 - x (60^2 + 1.2 90^2) + (60 90)^2 = 0 for the squares; damping changes D^2.
+    middle = 60.0**2 + 1.2 * 90.0**2
+    root = math.sqrt(middle**2 - 4.0 * (60.0 * 90.0) ** 2)
+    exact = [math.sqrt(0.5 * (middle - root)), math.sqrt(0.5 * (middle + root))]
+    assert values == pytest.approx(exact, rel=2e-3)
+    stiff = table.replace("natural_frequency = 90", "natural_frequency = 90000")
+    one = f"natural_frequency = {60.0 / math.sqrt(1.2)}\ndamping = {0.03 / math.sqrt(1.2)}"
+    off = result("plate_translating", stiff).deflection(PHI, "right") - result(
+        "plate_translating", one
+    ).deflection(PHI, "right")
+    assert np.max(np.abs(off)) <= 1e-4 * float(np.max(np.abs(found.deflection(PHI, "right"))))
+
+
+def test_a_cam_that_only_rests_does_not_vibrate() -> None:
+    made_ = made(
+        "plate_translating",
+        "natural_frequency = 40",
+        ("to = 20", "to = 0"),
+        ("inflection = 0.4", ""),
+    )
+    found: Vibration = made_.effect("vibration")
+    assert np.all(found.deflection(PHI, "right") == 0.0)
+    assert told(found, "largest-motion-error").value == 0.0
+    assert told(found, "resonance").severity == "ok"
+
+
+def test_the_same_input_gives_the_same_answer() -> None:
+    table = "natural_frequency = 33\ndamping = 0.02"
+    first, second = (result("groove", table) for _ in range(2))
+    assert first.findings == second.findings
+    assert np.array_equal(first.deflection(PHI, "left"), second.deflection(PHI, "left"))

@@ -1,0 +1,130 @@
+"""Scenes that name effects, by the commands a user runs; the tables are read back and measured."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from camgeo import load
+from camgeo.cli.main import main
+from camgeo.design import Design
+from camgeo.effects.registry import EFFECTS
+from camgeo.motion.time_course import in_time
+from tests.effects.scenes import SCENES
+
+FOLDER = SCENES.parent / "effects"
+
+EFFECT_SCENES = sorted(FOLDER.glob("*.toml"))
+
+Capture = pytest.CaptureFixture[str]
+
+
+@pytest.fixture(scope="module", params=EFFECT_SCENES, ids=lambda path: path.stem)
+def scene(request: pytest.FixtureRequest) -> Path:
+    path: Path = request.param
+    return path
+
+
+@pytest.fixture(scope="module")
+def subject(scene: Path) -> Design:
+    return load(scene)
+
+
+def rows(text: str) -> tuple[list[str], np.ndarray[tuple[int, int], np.dtype[np.float64]]]:
+    """Headings and numbers of a CSV file."""
+    head, *body = csv.reader(io.StringIO(text))
+    return head, np.array([[float(cell) for cell in row] for row in body])
+
+
+def column(text: str, name: str) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
+    head, values = rows(text)
+    (place,) = [k for k, each in enumerate(head) if each.rpartition(" [")[0] == name]
+    found: np.ndarray[tuple[int], np.dtype[np.float64]] = values[:, place]
+    return found
+
+
+def test_all_effects_are_in_some_scene() -> None:
+    named = {name for path in EFFECT_SCENES for name in load(path).effect_names}
+    assert named == set(EFFECTS)
+
+
+def test_check_tells_every_effect(scene: Path, subject: Design, capsys: Capture) -> None:
+    code = main(["check", str(scene)])
+    text = capsys.readouterr().out
+    bad = any(
+        each.severity in ("broken", "fatal")
+        for each in (*subject.findings, *subject.effect_findings)
+    )
+    assert code == (1 if bad else 0)
+    for name in subject.effect_names:
+        assert f"\n{name}:\n" in text
+    assert "nan" not in text.lower().replace("resonan", "").replace("dominan", "")
+
+
+def test_check_as_json(scene: Path, subject: Design, capsys: Capture) -> None:
+    main(["check", str(scene), "--json"])
+    document = json.loads(capsys.readouterr().out)
+    assert list(document["effects"]) == list(subject.effect_names)
+    for found in document["effects"].values():
+        for each in found:
+            assert each["sentence"]
+            assert each["value"] is None or math.isfinite(each["value"])
+
+
+def test_table_has_the_columns_and_finite_numbers(
+    scene: Path, subject: Design, capsys: Capture
+) -> None:
+    assert main(["table", str(scene), "--step", "5"]) == 0
+    head, values = rows(capsys.readouterr().out)
+    names = [each.rpartition(" [")[0] or each for each in head]
+    for each in subject.effect_columns:
+        assert each.name in names
+    assert len(set(head)) == len(head)
+    finite = [k for k, each in enumerate(head) if not each.startswith("r_K")]
+    assert np.all(np.isfinite(values[:, finite]))
+
+
+def test_force_and_torque_of_the_table_keep_the_power_balance(
+    scene: Path, subject: Design, capsys: Capture
+) -> None:
+    """Without friction the torque is the normal force times its way a radian (virtual work)."""
+    if "friction" in subject.effect_names:
+        pytest.skip("the balance with friction is held in tests/effects")
+    main(["table", str(scene), "--step", "5"])
+    text = capsys.readouterr().out
+    phi = np.radians(column(text, "phi"))
+    force, torque = column(text, "contact force"), column(text, "drive torque")
+    way = subject.pitch_curve.leverage(phi) * subject.motion.jet(phi)[1]
+    scale = float(np.max(np.abs(force * way)))
+    # Both columns are rounded to a double once, and so are way and product.
+    assert np.allclose(torque * 1e3, force * way, rtol=0.0, atol=8.0 * np.spacing(scale))
+
+
+def test_picture(scene: Path, tmp_path: Path) -> None:
+    target = tmp_path / "effects.png"
+    assert main(["plot", str(scene), "effects", "-o", str(target)]) == 0
+    assert target.read_bytes().startswith(b"\x89PNG")
+
+
+def test_files_are_written_and_verified(scene: Path, tmp_path: Path) -> None:
+    code = main(["build", str(scene), "-o", str(tmp_path), "--tolerance", "0.01"])
+    assert code == (1 if any(f.severity == "broken" for f in load(scene).findings) else 0)
+    assert main(["verify", str(tmp_path), "--scene", str(scene)]) == 0
+
+
+def test_velocity_of_the_table_is_that_of_the_motion(capsys: Capture) -> None:
+    scene = FOLDER / "press.toml"
+    main(["table", str(scene), "--step", "5"])
+    text = capsys.readouterr().out
+    phi = np.radians(column(text, "phi"))
+    subject = load(scene)
+    course = subject.time_course
+    assert course is not None
+    velocity = in_time(subject.stroke(phi), course, phi)[1]
+    assert np.array_equal(column(text, "velocity"), velocity)

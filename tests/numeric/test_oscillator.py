@@ -1,0 +1,451 @@
+from __future__ import annotations
+
+import math
+from decimal import Decimal
+
+import mpmath
+import numpy as np
+import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
+
+from camgeo.motion.laws import make_law
+from camgeo.motion.plan import Dwell, MotionPlan, Move
+from camgeo.motion.time_course import ConstantSpeed, in_time
+from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.oscillator import forcing
+from camgeo.numeric.oscillator.forcing import Base
+from camgeo.numeric.oscillator.mode import gain_over, solve
+from camgeo.numeric.oscillator.pieces import Pieces, interpolated, series_values
+from camgeo.numeric.oscillator.steady import ResonanceError, Response, steady_state
+from camgeo.numeric.oscillator.train import Second, Train, one_mass, two_masses
+from camgeo.numeric.peaks import Side
+from camgeo.numeric.quadrature import piecewise_integral
+from camgeo.units import TURN
+from tests.strategies import attack
+
+EPS = 2.0**-52
+
+
+def cosine(edges: FloatArray) -> Base:
+    """y = 1 - cos(2 pi t) over the period 1, cut at `edges`."""
+
+    def jet(t: FloatArray, _: Side) -> FloatArray:
+        cos, sin = np.cos(TURN * t), np.sin(TURN * t)
+        return np.stack((1.0 - cos, TURN * sin, TURN**2 * cos, -(TURN**3) * sin))
+
+    return Base(jet, edges)
+
+
+def cam(rise: str = "modified-sine", fall: str = "polynomial-345") -> Base:
+    """A double dwell of 20 mm; one turn lasts 1 s."""
+    plan = MotionPlan(
+        (
+            Dwell(Decimal(30)),
+            Move(Decimal(100), 20.0, make_law(rise)),
+            Dwell(Decimal(40)),
+            Move(Decimal(120), 0.0, make_law(fall)),
+            Dwell(Decimal(70)),
+        )
+    )
+    course = ConstantSpeed(TURN)
+
+    def jet(t: FloatArray, side: Side) -> FloatArray:
+        return in_time(plan.jet(TURN * t, side), course, TURN * t)
+
+    return Base(jet, np.append(plan.borders, TURN) / TURN)
+
+
+def triangle(t: FloatArray, side: Side) -> FloatArray:
+    """Up in 0.25, down in 0.75."""
+    up = t < 0.25 if side == "right" else t <= 0.25
+    zero = np.zeros_like(t)
+    lift = np.where(up, 4.0 * t, (1.0 - t) / 0.75)
+    return np.stack((lift, np.where(up, 4.0, -1.0 / 0.75), zero, zero))
+
+
+def loss(train: Train, period: float) -> float:
+    """The smallest |1 - exp(lambda T)|: what rounding is divided by."""
+    return float(np.min(np.abs(np.expm1(train.rates * period))))
+
+
+# -- one mode ------------------------------------------------------------------------------------
+
+
+def powers(rate: complex, count: int) -> list[mpmath.mpc]:
+    """Integrals of exp(rate (1 - t)) t^j over [0, 1] by their recursion, with digits to lose."""
+    with mpmath.workdps(40 + 8 * count):
+        lam = mpmath.mpc(rate)
+        found = [mpmath.expm1(lam) / lam]
+        for j in range(1, count):
+            found.append((j * found[-1] - 1) / lam)
+        return found
+
+
+@attack
+@given(
+    size=st.floats(-6.0, 7.0).map(lambda power: 10.0**power),
+    damping=st.floats(0.0, 0.999),
+    factors=st.lists(st.floats(-1.0, 1.0), min_size=1, max_size=12),
+)
+def test_a_mode_under_a_polynomial_is_what_the_integrals_of_its_powers_say(
+    size: float, damping: float, factors: list[float]
+) -> None:
+    rate = size * complex(-damping, math.sqrt(1.0 - damping**2))
+    scale = sum(map(abs, factors))
+    pieces = interpolated(
+        lambda t: np.asarray(np.polynomial.polynomial.polyval(t, factors), dtype=np.float64),
+        np.array([0.0, 1.0]),
+        0.1,
+    )
+    assert pieces.series.shape[1] == 1 or scale == 0.0
+    cells = solve(pieces, np.array([0]), np.array([rate]))
+    got = gain_over(cells, np.zeros(1), 1.0)
+    exact = complex(sum(c * x for c, x in zip(factors, powers(rate, len(factors)), strict=True)))
+    # Some 25 roundings for each of at most 43 cells; the mode is at most scale, and scale by |rate|
+    # times the degree.
+    assert abs(got - exact) <= 64.0 * EPS * scale * min(1.0, 24.0 / size)
+
+
+# -- the steady state ----------------------------------------------------------------------------
+
+
+@attack
+@given(
+    ratio=st.floats(-6.0, 6.0).map(lambda power: 10.0**power),
+    damping=st.one_of(st.just(0.0), st.floats(1e-3, 0.99)),
+    cuts=st.lists(st.floats(0.01, 0.99), max_size=5, unique=True),
+)
+def test_a_single_harmonic_comes_back_as_its_transfer_says(
+    ratio: float, damping: float, cuts: list[float]
+) -> None:
+    """e = Re(H exp(2 pi i t)) with H = -r^2 / (1 - r^2 + 2 i D r), r = 1 / ratio, less the mean."""
+    train = one_mass(TURN * ratio, damping)
+    assume(loss(train, 1.0) > 1e-3)
+    response = steady_state(train, cosine(np.array([0.0, *sorted(cuts), 1.0])), 0.0)
+    t = np.linspace(0.0, 1.0, 101)
+    # r^2 / (1 - r^2 + 2 i D r), written so that it holds for every ratio
+    factor = -1.0 / (ratio**2 - 1.0 + 2j * damping * ratio)
+    wave = factor * np.exp(1j * TURN * t)
+    exact = np.stack(
+        (wave.real, (1j * TURN * wave).real, (-(TURN**2) * wave).real + TURN**2 * np.cos(TURN * t))
+    )
+    got = response.states(t, "right")
+    share = np.abs(got - exact) / np.array(
+        [[1.0], [TURN * max(1.0, ratio)], [TURN**2 * max(1.0, ratio) ** 2]]
+    )
+    # Near resonance the factor itself magnifies the rounding of w by its own magnitude.
+    size = abs(factor)
+    assert np.max(share) <= 1e-12 + 16.0 * EPS * size * max(1.0, size)
+    assert np.max(share[0]) <= response.error + 16.0 * EPS * (1.0 + size * size)
+    assert response.error <= 1e-11 + 64.0 * EPS * size * max(1.0, size)
+    assert 2.0 * abs(response.harmonic(1)) == pytest.approx(
+        abs(factor), rel=1e-11 + 8.0 * EPS * size
+    )
+    assert abs(response.harmonic(2)) == 0.0
+
+
+@pytest.mark.parametrize(("ratio", "damping"), [(3.3, 0.1), (20.3, 0.0)])
+def test_it_solves_the_equation_of_motion_as_an_integrator_does(
+    ratio: float, damping: float
+) -> None:
+    from scipy.integrate import solve_ivp
+
+    base, w = cam(), TURN * ratio
+    response = steady_state(one_mass(w, damping), base, 0.0)
+    for low, high in zip(base.edges[:-1], base.edges[1:], strict=True):
+        begin = response.states(np.array([low]), "right")[:2, 0]
+        middle = 0.5 * (low + high)
+
+        def rate(t: float, z: FloatArray, middle: float = middle) -> list[float]:
+            side: Side = "right" if t < middle else "left"
+            forced = base.jet(np.array([t]), side)[2, 0]
+            return [z[1], -2.0 * damping * w * z[1] - w * w * z[0] - forced]
+
+        found = solve_ivp(rate, (low, high), begin, "DOP853", rtol=1e-12, atol=1e-14)
+        end = response.states(np.array([high]), "left")[:2, 0]
+        # What the integrator's tolerances add up to over its steps, a share of 20 mm.
+        assert abs(found.y[0, -1] - end[0]) <= 20.0 * 1e-12
+        assert abs(found.y[1, -1] - end[1]) <= 20.0 * 1e-12 * w
+    first = response.states(np.zeros(1), "right")[:2]
+    last = response.states(np.ones(1), "left")[:2]
+    assert np.max(np.abs(first - last) / [[1.0], [w]]) <= 1e-13
+
+
+def test_a_long_run_from_rest_ends_in_it() -> None:
+    from scipy.integrate import solve_ivp
+
+    base, w, damping, turns = cam(), TURN * 3.3, 0.15, 9
+    response = steady_state(one_mass(w, damping), base, 0.0)
+
+    def rate(t: float, z: FloatArray) -> list[float]:
+        forced = base.jet(np.array([t % 1.0]), "right")[2, 0]
+        return [z[1], -2.0 * damping * w * z[1] - w * w * z[0] - forced]
+
+    z = np.zeros(2)
+    for turn in range(turns):
+        for low, high in zip(base.edges[:-1], base.edges[1:], strict=True):
+            z = solve_ivp(rate, (turn + low, turn + high), z, "DOP853", rtol=1e-10, atol=1e-11).y[
+                :, -1
+            ]
+    end = response.states(np.ones(1), "left")[:2, 0]
+    left = 20.0 * math.exp(-damping * w * turns)  # of the transient: 1e-11
+    assert left < 1e-10
+    assert np.max(np.abs(z - end) / [1.0, w]) <= left + 20.0 * 1e-9
+
+
+def test_stiffness_to_infinity_gives_the_rigid_motion_at_the_second_power() -> None:
+    """e = -y''/w^2 + 2 D y'''/w^3 + O(w^-4), where the vibration from the last kink is over."""
+    base, damping = cam("cycloidal"), 0.2
+    t = np.array([0.25, 0.3, 0.33])  # the rise lasts from 0.083 to 0.361
+    y = base.jet(t, "right")
+    first, second = [], []
+    for ratio in (400.0, 800.0, 1600.0):
+        w = TURN * ratio
+        e = steady_state(one_mass(w, damping), base, 0.0).states(t, "right")[0]
+        first.append(np.max(np.abs(e)))
+        second.append(e + y[2] / w**2 - 2.0 * damping * y[3] / w**3)
+    assert np.log2(first[0] / first[1]) == pytest.approx(2.0, abs=0.01)
+    assert np.log2(first[1] / first[2]) == pytest.approx(2.0, abs=0.005)
+    rates = np.log2(np.abs(second[0]) / np.abs(second[1]))
+    assert rates == pytest.approx(4.0, abs=0.05)
+
+
+@pytest.mark.parametrize("ratio", [1e-5, 0.04, 0.5, 7.3])
+def test_lift_and_acceleration_as_forcing_give_the_same(
+    ratio: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Also where the velocity jumps: what is a kick in one form is nothing in the other."""
+    bases = (cam(), Base(triangle, np.array([0.0, 0.25, 1.0])))
+    t = np.linspace(0.0, 1.0, 77)
+    for base in bases:
+        train = one_mass(TURN * ratio, 0.1)
+        found = []
+        for border in (math.inf, 0.0):
+            monkeypatch.setattr(forcing, "SOFT", border)
+            response = steady_state(train, base, 0.0)
+            assert response.forcing.soft == (border > 0.0)
+            found.append(
+                np.vstack((response.states(t, "right"), response.free_amplitude(t, "right")))
+            )
+        stroke = float(np.max(base.jet(t, "right")[0]))
+        w = TURN * ratio
+        # The acceleration's rounding grows with 1 / (w T)^2, which is why there are two forms; the
+        # lift's comes back w^2 times in the acceleration.
+        bound = stroke * 1e-13 * (1.0 + 1.0 / w**2) * np.array([1.0, 1.0 + w, 1.0 + w * w, 1.0])
+        assert np.all(np.max(np.abs(found[0] - found[1]), axis=1) <= bound)
+
+
+def test_the_energy_that_the_base_gives_is_what_the_damper_takes() -> None:
+    """Over a turn the integral of x'' y' equals that of 2 D w e'^2, each by the mass."""
+    base, w, damping = cam(), TURN * 12.4, 0.07
+    response = steady_state(one_mass(w, damping), base, 0.0)
+    (mode,) = response.modes
+
+    def given_by(t: FloatArray) -> FloatArray:
+        return np.asarray(response.states(t, "right")[2] * base.jet(t, "right")[1])
+
+    def taken(t: FloatArray) -> FloatArray:
+        return np.asarray(2.0 * damping * w * response.states(t, "right")[1] ** 2)
+
+    work = piecewise_integral(given_by, mode.edges, 1e-13)
+    heat = piecewise_integral(taken, mode.edges, 1e-13)
+    assert heat.value > 0.0
+    # Both come to 1e-13 of the integral of their magnitude, which is larger for the work.
+    size = piecewise_integral(lambda t: np.abs(given_by(t)), mode.edges, 1e-6).value
+    assert abs(work.value - heat.value) <= 1e-12 * size
+
+
+@pytest.mark.parametrize("ratio", [1.0, 3.0, 40.0])
+def test_resonance_without_damping_has_no_steady_state(ratio: float) -> None:
+    with pytest.raises(ResonanceError) as caught:
+        steady_state(one_mass(TURN * ratio, 0.0), cam(), 0.0)
+    assert caught.value.harmonic == ratio
+    assert caught.value.frequency == pytest.approx(TURN * ratio, rel=1e-15)
+
+
+def test_a_harmonic_that_the_base_does_not_have_is_no_resonance() -> None:
+    response = steady_state(one_mass(TURN * 3.0, 0.0), cosine(np.array([0.0, 0.3, 1.0])), 0.0)
+    t = np.linspace(0.0, 1.0, 51)
+    assert response.states(t, "right")[0] == pytest.approx(-np.cos(TURN * t) / 8.0, abs=1e-13)
+    assert response.harmonic(3) == 0.0
+    with pytest.raises(ResonanceError):
+        steady_state(one_mass(TURN, 0.0), cosine(np.array([0.0, 1.0])), 0.0)
+
+
+def test_near_resonance_the_error_is_told_honestly() -> None:
+    """Against the closed form of the single harmonic, a millionth beside it."""
+    ratio = 1.0 + 1e-6
+    response = steady_state(one_mass(TURN * ratio, 0.0), cosine(np.array([0.0, 0.4, 1.0])), 0.0)
+    t = np.linspace(0.0, 1.0, 51)
+    exact = -np.cos(TURN * t) / ((ratio - 1.0) * (ratio + 1.0))
+    off = float(np.max(np.abs(response.states(t, "right")[0] - exact)))
+    # The closed form itself magnifies the rounding of the ratio, by 1e6 twice.
+    assert off <= response.error + 1e12 * EPS
+    assert response.error <= 1e-2
+
+
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-6, 1e-9])
+def test_a_coarse_forcing_is_within_the_error_it_tells(tolerance: float) -> None:
+    base, train = cam(), one_mass(TURN * 9.7, 0.03)
+    t = np.linspace(0.0, 1.0, 201)
+    coarse, fine = (steady_state(train, base, share) for share in (tolerance, 0.0))
+    off = np.max(np.abs(coarse.states(t, "right")[0] - fine.states(t, "right")[0]))
+    assert off <= coarse.error + fine.error
+
+
+def test_a_kink_that_is_no_edge_is_closed_in_on() -> None:
+    """y'' = |t - c| less its mean, with the kink inside a piece: the error says what is left."""
+    c = 0.3141592653589793
+    mean = 0.5 * (c * c + (1.0 - c) ** 2)
+    pieces = interpolated(lambda t: np.abs(t - c) - mean, np.array([0.0, 1.0]), 1e-14)
+    assert 0.0 < pieces.error < 1e-13
+    t = np.linspace(1e-3, 0.999, 333)
+    place = np.clip(np.searchsorted(pieces.edges, t, "right") - 1, 0, len(pieces.edges) - 2)
+    low, high = pieces.edges[place], pieces.edges[place + 1]
+    values = series_values(pieces.series[:, place], (2.0 * t - low - high) / (high - low))
+    assert np.max(np.abs(values - (np.abs(t - c) - mean))) <= 1e-11
+
+
+def test_a_base_at_rest_moves_nothing() -> None:
+    def jet(t: FloatArray, _: Side) -> FloatArray:
+        return np.zeros((4, len(t)))
+
+    response = steady_state(one_mass(TURN * 3.0, 0.0), Base(jet, np.array([0.0, 1.0])), 0.0)
+    assert np.all(response.states(np.linspace(0.0, 1.0, 9), "right") == 0.0)
+    assert response.error == 0.0
+
+
+def test_the_free_vibration_in_a_rest_dies_as_the_damping_says() -> None:
+    base, w, damping = cam(), TURN * 11.0, 0.04
+    response = steady_state(one_mass(w, damping), base, 0.0)
+    t = np.array([131.0, 150.0, 169.0]) / 360.0
+    amplitude = response.free_amplitude(t, "right")
+    e, velocity = response.states(t, "right")[:2]
+    damped = w * math.sqrt(1.0 - damping**2)
+    assert amplitude == pytest.approx(np.hypot(e, (velocity + damping * w * e) / damped), rel=1e-11)
+    assert amplitude == pytest.approx(amplitude[0] * np.exp(-damping * w * (t - t[0])), rel=1e-11)
+
+
+def test_the_harmonics_are_those_of_the_deflection() -> None:
+    response = steady_state(one_mass(TURN * 6.3, 0.05), cam(), 0.0)
+    count = 4096
+    samples = response.states(np.arange(count) / count, "right")[0]
+    series = np.fft.rfft(samples) / count
+    for number in (1, 2, 6, 7, 20):
+        # The third derivative of e jumps, so coefficients fall with k^-4 and fold back at k = 4096.
+        assert abs(response.harmonic(number) - series[number]) <= 20.0 * 1e3 / 4096.0**4
+
+
+# -- two masses ----------------------------------------------------------------------------------
+
+
+def second(frequency: float = 9.0, ratio: float = 0.3, damping: float = 0.05) -> Second:
+    return Second(TURN * frequency, ratio, damping)
+
+
+@pytest.mark.parametrize("both", [0.05, 0.0])
+def test_two_masses_solve_their_equations_as_an_integrator_does(both: float) -> None:
+    from scipy.integrate import solve_ivp
+
+    base, w, other = cam(), TURN * 4.3, second(damping=both)
+    trains = [two_masses(w, both, other, output) for output in (0, 1)]
+    responses = [steady_state(train, base, 0.0) for train in trains]
+    low, high = base.edges[1], base.edges[2]
+
+    def state(t: float, side: Side) -> FloatArray:
+        parts = [each.states(np.array([t]), side)[:2, 0] for each in responses]
+        return np.array([parts[0][0], parts[1][0], parts[0][1], parts[1][1]])
+
+    def rate(t: float, z: FloatArray) -> list[float]:
+        forced = base.jet(np.array([t]), "right" if t < 0.5 * (low + high) else "left")[2, 0]
+        pull = 2.0 * both * other.frequency * (z[3] - z[2]) + other.frequency**2 * (z[1] - z[0])
+        return [
+            z[2],
+            z[3],
+            -2.0 * both * w * z[2] - w * w * z[0] + other.mass_ratio * pull - forced,
+            -pull - forced,
+        ]
+
+    found = solve_ivp(rate, (low, high), state(low, "right"), "DOP853", rtol=1e-12, atol=1e-14)
+    off = np.abs(found.y[:, -1] - state(high, "left"))
+    assert np.all(off <= 20.0 * 1e-11 * np.array([1.0, 1.0, w, w]))
+
+
+def test_a_small_second_mass_leaves_the_first_one_as_it_is() -> None:
+    """To the first order in the ratio of the masses."""
+    base, w = cam(), TURN * 4.3
+    t = np.linspace(0.0, 1.0, 101)
+    alone = steady_state(one_mass(w, 0.05), base, 0.0).states(t, "right")[0]
+    off = []
+    for ratio in (1e-4, 1e-6, 1e-8):
+        train = two_masses(w, 0.05, second(ratio=ratio), output=0)
+        off.append(np.max(np.abs(steady_state(train, base, 0.0).states(t, "right")[0] - alone)))
+    assert off[0] / off[1] == pytest.approx(100.0, rel=0.01)
+    assert off[1] / off[2] == pytest.approx(100.0, rel=0.01)
+
+
+def test_two_masses_on_a_stiff_spring_are_one() -> None:
+    """The first spring then carries both: w / sqrt(1 + m), and the damping falls alike."""
+    base, w, ratio, damping = cam(), TURN * 5.1, 0.44, 0.06
+    t = np.linspace(0.0, 1.0, 101)
+    root = math.sqrt(1.0 + ratio)
+    one = steady_state(one_mass(w / root, damping / root), base, 0.0).states(t, "right")[0]
+    off = []
+    for stiff in (100.0, 1000.0):
+        train = two_masses(w, damping, Second(stiff * w, ratio, 0.3))
+        off.append(np.max(np.abs(steady_state(train, base, 0.0).states(t, "right")[0] - one)))
+    assert off[0] < 1e-3 * float(np.max(np.abs(one)))
+    assert off[0] / off[1] == pytest.approx(100.0, rel=0.1)  # with the inverse of the stiffness
+
+
+@attack
+@given(
+    ratio=st.floats(0.01, 100.0),
+    damping=st.floats(0.0, 0.9),
+    frequency=st.floats(0.01, 100.0),
+    masses=st.floats(1e-3, 1e3),
+    other=st.floats(0.0, 0.9),
+)
+def test_the_modes_of_two_masses_add_up(
+    ratio: float, damping: float, frequency: float, masses: float, other: float
+) -> None:
+    """A kick of the base leaves both masses where they are; the rates are roots of their equation.
+
+    The characteristic equation of e_1, e_2 in s: (s^2 + a s + w^2 + m (b s + v^2)) (s^2 + b s +
+    v^2) = m (b s + v^2)^2 with a = 2 D w and b = 2 D_2 v.
+    """
+    train = two_masses(ratio, damping, Second(frequency, masses, other))
+    rounding = 1e3 * EPS * train.spread**2 * (1.0 + ratio / frequency + frequency / ratio) ** 2
+    assume(rounding < 1e-3)
+    assert abs(train.sums(0)) <= rounding * float(np.sum(np.abs(train.weights)))
+    assert abs(train.sums(1) - 1.0) <= rounding * max(1.0, train.spread)
+    a, b = 2.0 * damping * ratio, 2.0 * other * frequency
+    for s in train.rates.tolist():
+        link = b * s + frequency**2
+        left = (s * s + a * s + ratio**2 + masses * link) * (s * s + link)
+        size = (abs(s) ** 2 + a * abs(s) + ratio**2 + masses * abs(link)) * (
+            abs(s) ** 2 + abs(link)
+        )
+        assert abs(left - masses * link**2) <= rounding * max(1.0, masses) * size
+    assert np.all(train.rates.real <= 0.0)
+
+
+def test_pieces_are_joined_in_order() -> None:
+    pieces: Pieces = interpolated(lambda t: np.sin(40.0 * t), np.array([0.0, 0.5, 2.0]), 1e-14)
+    assert np.all(np.diff(pieces.edges) > 0.0)
+    assert 0.5 in pieces.edges
+    middles = 0.5 * (pieces.edges[:-1] + pieces.edges[1:])
+    assert series_values(pieces.series, np.zeros(1)) == pytest.approx(
+        np.sin(40.0 * middles), abs=1e-13
+    )
+
+
+def test_evaluation_in_any_order_is_that_of_each_alone() -> None:
+    response: Response = steady_state(one_mass(TURN * 17.0, 0.01), cam(), 0.0)
+    t = np.array([0.9, 0.1, 0.5, 0.1])
+    together = response.states(t, "right")
+    # The processor adds up four numbers at a time otherwise than one.
+    alone = np.hstack([response.states(each[np.newaxis], "right") for each in t])
+    assert together == pytest.approx(alone, rel=16.0 * EPS)
+    assert together[:, 1] == pytest.approx(together[:, 3], rel=16.0 * EPS)
