@@ -17,6 +17,7 @@ effects, here and as of that revision, in turns in fresh interpreters. 1 is as f
 from __future__ import annotations
 
 import argparse
+import itertools
 import os
 import platform
 import statistics
@@ -24,7 +25,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Final
 
@@ -85,7 +86,8 @@ def measure(path: Path, rounds: int) -> None:
         columns: tuple[Column, ...] = design.effect(name).columns
         each = "-"
         if columns:
-            took = least(lambda columns=columns: drawn(columns, phi), rounds)  # type: ignore[misc]
+            others = shifted(phi)
+            took = least(lambda c=columns, o=others: drawn(c, next(o)), rounds)  # type: ignore[misc]
             each = f"{took / motion / len(columns):.1f}"
         print(f"{name:<20}{1e3 * once:>12.3f}{once / motion:>10.1f}{each:>17}")
 
@@ -93,6 +95,12 @@ def measure(path: Path, rounds: int) -> None:
 def alone(effects: Effects, name: str) -> object:
     """The effect computed anew, with the results of those that it needs."""
     return effects.retold(name).result(name)
+
+
+def shifted(phi: FloatArray) -> Iterator[FloatArray]:
+    """The cam angles `phi` (n,), moved a little each time: nothing is recalled from before."""
+    for number in itertools.count(1):
+        yield phi + 1e-9 * number
 
 
 def drawn(columns: tuple[Column, ...], phi: FloatArray) -> None:

@@ -313,8 +313,9 @@ class Design:
     def effects(self) -> Effects:
         """The effects that the scene calls for, each computed when it is asked for."""
         from camgeo.effects.graph import Effects  # few scenes name an effect
+        from camgeo.effects.recalling import Recalling
 
-        return Effects(self, self.specification.effects, self.ledger)
+        return Effects(Recalling(self), self.specification.effects, self.ledger)
 
     @property
     def effect_names(self) -> tuple[str, ...]:

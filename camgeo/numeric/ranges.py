@@ -25,8 +25,8 @@ def stretch_below(
 
     Returns
     -------
-    As of `stretch_around`; None if it is negative at `place` alone, if anywhere. A root nearer to an
-    edge than `camgeo.numeric.peaks.INSET` of a piece is taken to be at the edge.
+    As of `stretch_around`; None if it is negative at `place` alone, if anywhere. A root nearer to
+    an edge than `camgeo.numeric.peaks.INSET` of a piece is taken to be at the edge.
     """
     cuts = merged(np.concatenate((edges, [place])))
     cuts = merged(np.concatenate((cuts, roots_on_grid(function, grid_of(cuts)))))

@@ -1,0 +1,51 @@
+"""A design as its effects see it, whose motion recalls what it was asked for last."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+from camgeo.curve.pitch_curve import PitchCurve
+from camgeo.curve.working_curve import WorkingCurve
+from camgeo.mechanism.linkage import LinkedMotion
+from camgeo.motion.recalled import RecalledPlan
+
+if TYPE_CHECKING:
+    from camgeo.effects.effect import Subject
+    from camgeo.motion.motion import Motion
+
+
+class Recalling:
+    """The `subject`, with its motion and curves made from a `RecalledPlan`; the rest is its own."""
+
+    def __init__(self, subject: Subject) -> None:
+        self._subject = subject
+
+    @cached_property
+    def plan(self) -> RecalledPlan:
+        """See `Subject`."""
+        return RecalledPlan(self._subject.plan.segments)
+
+    @cached_property
+    def motion(self) -> Motion:
+        """See `Subject`."""
+        linkage = self._subject.linkage
+        return self.plan if linkage is None else LinkedMotion(self.plan, linkage)
+
+    @cached_property
+    def pitch_curve(self) -> PitchCurve:
+        """See `Subject`."""
+        return PitchCurve(self.motion, self._subject.follower, self._subject.rotation)
+
+    @cached_property
+    def inner_curve(self) -> WorkingCurve:
+        """See `Subject`."""
+        return WorkingCurve(self.pitch_curve, -self._subject.follower.roller_radius)
+
+    @cached_property
+    def outer_curve(self) -> WorkingCurve:
+        """See `Subject`."""
+        return WorkingCurve(self.pitch_curve, self._subject.follower.roller_radius)
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._subject, name)

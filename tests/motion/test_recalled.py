@@ -1,0 +1,57 @@
+"""A plan that recalls its last answers gives the same as one that does not."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from camgeo import load
+from camgeo.motion import recalled
+from camgeo.motion.plan import MotionPlan
+from camgeo.motion.recalled import RecalledPlan
+from camgeo.units import TURN
+from tests.effects.scenes import SCENES
+
+
+@pytest.fixture(scope="module")
+def plan() -> MotionPlan:
+    return load(SCENES / "groove.toml").plan
+
+
+@pytest.fixture
+def recalling(plan: MotionPlan) -> RecalledPlan:
+    return RecalledPlan(plan.segments)
+
+
+PHI = np.linspace(-1.0, TURN + 1.0, 101)
+
+
+def test_same_answers(plan: MotionPlan, recalling: RecalledPlan) -> None:
+    borders = plan.borders
+    for phi in (PHI, borders, PHI, PHI[::-1], borders):
+        for side in ("right", "left"):
+            assert np.array_equal(recalling.jet(phi, side), plan.jet(phi, side))
+
+
+def test_the_same_question_is_answered_once(recalling: RecalledPlan) -> None:
+    first = recalling.jet(PHI)
+    assert recalling.jet(PHI.copy()) is first
+    assert recalling.jet(PHI, "left") is not first
+    assert recalling.jet(PHI) is first
+    recalling.jet(PHI[1:])
+    assert recalling.jet(PHI) is not first
+
+
+def test_what_is_recalled_cannot_be_changed(recalling: RecalledPlan, plan: MotionPlan) -> None:
+    phi = PHI.copy()
+    found = recalling.jet(phi)
+    with pytest.raises(ValueError, match="read-only"):
+        found[0] = 1.0
+    phi += 0.5  # by whoever asked, in place
+    assert np.array_equal(recalling.jet(phi), plan.jet(PHI + 0.5))
+
+
+def test_much_is_not_kept(recalling: RecalledPlan, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(recalled, "MOST", 10)
+    assert recalling.jet(PHI) is not recalling.jet(PHI)
+    assert recalling.jet(PHI[:10]) is recalling.jet(PHI[:10])
