@@ -38,6 +38,17 @@ def piecewise_integral(
 ) -> Integral:
     """The integral of `function` from the first of `edges` to the last.
 
+    See `piecewise_integrals`; the error also has what is lost in the sum.
+    """
+    parts, error = piecewise_integrals(function, edges, tolerance)
+    return Integral(float(np.sum(parts)), error)
+
+
+def piecewise_integrals(
+    function: Callable[[FloatArray], FloatArray], edges: FloatArray, tolerance: float
+) -> tuple[FloatArray, float]:
+    """(m,) the integrals of `function` between neighbouring edges, and the error of their sum.
+
     Parameters
     ----------
     function : (n,) -> (n,), smooth between neighbouring edges.
@@ -46,9 +57,11 @@ def piecewise_integral(
         integral of the magnitude.
     """
     low, high = edges[:-1], edges[1:]
+    owner = np.arange(len(low))
+    out = np.zeros(len(low))
     parts, magnitude = _gauss(function, low, high)
     most = max(MOST_PIECES, 4 * len(low))
-    total, error, settled, scale = 0.0, 0.0, 0.0, 0.0
+    error, settled, scale = 0.0, 0.0, 0.0
     width = float(edges[-1] - edges[0])
     for _ in range(MOST_HALVINGS):
         middle = 0.5 * (low + high)
@@ -63,17 +76,18 @@ def piecewise_integral(
         if count > most:
             done[:] = True
         settled += float(np.sum(sizes[done]))
-        total += float(np.sum(finer[done]))
+        np.add.at(out, owner[done], finer[done])
         error += float(np.sum(change[done]))
         left = np.concatenate((~done, ~done))
         low, high, parts = lows[left], highs[left], halves[left]
+        owner = np.concatenate((owner, owner))[left]
         magnitude = magnitudes[left]
         if not len(low):
             break
     else:
-        total += float(np.sum(parts))
+        np.add.at(out, owner, parts)
         error += float(np.sum(magnitude))
-    return Integral(total, error + float(np.finfo(np.float64).eps) * scale)
+    return out, error + float(np.finfo(np.float64).eps) * scale
 
 
 def _gauss(

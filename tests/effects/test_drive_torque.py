@@ -12,13 +12,14 @@ from camgeo.check.finding import Finding
 from camgeo.design import Design
 from camgeo.effects import drive_torque
 from camgeo.effects.drive_torque import DriveTorque
-from camgeo.effects.drive_torque.flywheel import integrals, moment_of_inertia, stored_energy
+from camgeo.effects.drive_torque.flywheel import moment_of_inertia, stored_energy
 from camgeo.effects.effect import Request
 from camgeo.effects.force import Force, at_rates, total
 from camgeo.errors import EffectError, GeometryError
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray, merged
 from camgeo.numeric.peaks import grid_of
+from camgeo.numeric.quadrature import piecewise_integrals
 from camgeo.numeric.roots import roots_on_grid
 from camgeo.units import RPM, TURN
 from tests.effects.scenes import design
@@ -345,7 +346,7 @@ def test_integrals_that_cannot_be_had_say_so() -> None:
     def noise(phi: FloatArray) -> FloatArray:
         return np.asarray(1.0 + 1e-3 * np.sin(1e12 * phi))
 
-    _, error = integrals(noise, np.array([0.0, TURN]), 1e-9)
+    _, error = piecewise_integrals(noise, np.array([0.0, TURN]), 1e-9)
     assert error > 1e-9 * TURN
 
 

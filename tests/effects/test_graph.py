@@ -318,7 +318,7 @@ def test_a_design_has_one_graph_and_one_ledger(fakes: Fakes) -> None:
     assert plate.effect_findings == ()
     assert plate.effect_columns == ()
     assert plate.effects is plate.effects
-    assert plate.effects.subject.smooth_angles is plate.smooth_angles
+    assert plate.effects.subject.follower is plate.follower
 
     def compute(request: Request) -> Any:
         return Answer("angles", request, columns=()), request.subject.smooth_angles

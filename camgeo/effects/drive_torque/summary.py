@@ -8,13 +8,14 @@ from typing import Final, Protocol
 
 import numpy as np
 
-from camgeo.effects.drive_torque.flywheel import StoredEnergy, integrals, stored_energy
+from camgeo.effects.drive_torque.flywheel import StoredEnergy, stored_energy
 from camgeo.errors import EffectError
 from camgeo.motion.motion import Side
 from camgeo.motion.time_course import TimeCourse
 from camgeo.numeric.arrays import FloatArray
 from camgeo.numeric.extremes import Extremes
 from camgeo.numeric.peaks import piecewise_extremes
+from camgeo.numeric.quadrature import piecewise_integral
 from camgeo.units import TURN
 
 ROUNDING: Final = 1e-14
@@ -89,21 +90,21 @@ def summary(torque: Torque, fluctuation: float | None, tolerance: float) -> Summ
     peaks = piecewise_extremes(torque.torque, edges)
     static_peaks = piecewise_extremes(torque.static, torque.static_edges)
     largest = peaks.magnitude
-    parts, work_error = integrals(values, edges, tolerance)
-    mean = math.fsum(parts) / TURN
+    work = piecewise_integral(values, edges, tolerance)
+    mean = work.value / TURN
     if abs(mean) <= ROUNDING * largest:
         mean = 0.0  # what conserves energy does no work
-    parts, square_error = integrals(squares, edges, tolerance)
-    mean_square = max(math.fsum(parts), 0.0) / duration
+    square = piecewise_integral(squares, edges, tolerance)
+    mean_square = max(square.value, 0.0) / duration
     rms = math.sqrt(mean_square)
     stored = None
     if fluctuation is not None:
         stored = stored_energy(values, mean, edges, tolerance)
     error = 0.0
     if largest > 0.0:
-        errors = [work_error / TURN]
+        errors = [work.error / TURN]
         if rms > 0.0:
-            errors.append(0.5 * square_error / duration / rms)
+            errors.append(0.5 * square.error / duration / rms)
         if stored is not None:
             errors.append(stored.error / TURN)
         error = max(errors) / largest
