@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from camgeo.design import Design
-from camgeo.effects.lift_off import LiftOff
+from camgeo.effects.lift_off import LiftOff, crossing
 from camgeo.effects.lift_off.flanks import Change
 from camgeo.effects.lift_off.ranges import ranges_below, runs
-from camgeo.errors import GeometryError
+from camgeo.errors import EffectError, GeometryError
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray
 from camgeo.numeric.peaks import piecewise_extremes
@@ -458,6 +458,24 @@ def test_the_flight_is_that_of_an_integrator() -> None:
         )
         assert abs(lever[1] * rate + turning * d) == pytest.approx(impact.speed, rel=1e-5)
         assert impact.error <= 1e-10
+
+
+def test_the_tolerance_of_an_impact_is_kept_or_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    """With few nodes a cell, cells are halved until they are enough, or it is told."""
+    subject = groove(0.05)
+    exact = [each.speed for each in lift_off(subject).groove.impacts]
+    monkeypatch.setattr(crossing, "ORDERS", (3, 4))
+    errors = []
+    for tolerance in (1e-2, 1e-4):
+        found = subject.effects.retold("lift-off", tolerance).result("lift-off")
+        assert found.error <= tolerance
+        speeds = [each.speed for each in found.groove.impacts]
+        errors.append(max(abs(a / b - 1.0) for a, b in zip(speeds, exact, strict=True)))
+        assert errors[-1] <= tolerance
+    assert errors[1] < errors[0]
+    monkeypatch.setattr(crossing, "ORDERS", (1, 2))
+    with pytest.raises(EffectError, match="instead of the tolerance of 1e-10"):
+        subject.effects.retold("lift-off", 1e-10).result("lift-off")
 
 
 def test_the_impact_grows_with_the_backlash() -> None:

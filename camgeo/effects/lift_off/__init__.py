@@ -65,6 +65,8 @@ def compute(request: Request) -> LiftOff:
     GeometryError
         If the scene gives a margin for a roller in a groove, which leaves its flanks all the time,
         or a backlash for one that touches one flank only.
+    EffectError
+        If an impact speed cannot be told to the tolerance.
     """
     subject, spec = request.subject, request.spec
     contact: Contact = request.results["contact-force"]
@@ -76,7 +78,7 @@ def compute(request: Request) -> LiftOff:
                 key=f"effects.{NAME}.margin",
                 value=f"{spec.margin:g}",
             )
-        groove = of_groove(subject, contact, inertia, spec.backlash)
+        groove = of_groove(subject, contact, inertia, spec.backlash, request.tolerance)
         return LiftOff(groove.findings, groove=groove, error=groove.error)
     if spec.backlash > 0.0:
         raise GeometryError(
@@ -97,4 +99,5 @@ EFFECT: Final = Effect(
     parse=parse,
     needs=("contact-force",),
     uses=("inertia", "spring"),
+    numerical=True,
 )

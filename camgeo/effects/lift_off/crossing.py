@@ -23,6 +23,7 @@ import numpy as np
 from camgeo.effects.force import at_rates
 from camgeo.effects.lift_off.flanks import Change
 from camgeo.effects.lift_off.inputs import Flank, Inertia
+from camgeo.errors import EffectError
 from camgeo.numeric.arrays import FloatArray
 from camgeo.numeric.roots import bracketed_roots, sign_changes
 from camgeo.units import TURN
@@ -37,7 +38,13 @@ FIRST_CELL: Final = 2.0**-16
 a short flight is resolved as well as a long one."""
 
 LONGEST_CELL: Final = 0.25
-"""Share of a smooth piece that a cell has at most."""
+"""Share of a smooth piece that a cell has at most, before cells are halved."""
+
+MOST_HALVINGS: Final = 6
+"""Times that all cells are halved at most to reach a tolerance."""
+
+ROUNDING: Final = 1e-12
+"""An estimated error below this share is rounding, whatever the tolerance."""
 
 PROBES: Final = 65
 """Points of a cell among which the end of the flight is looked for."""
@@ -64,7 +71,12 @@ class Impact:
 
 
 def impact_after(
-    change: Change, flank: Flank, inertia: Inertia, edges: FloatArray, backlash: float
+    change: Change,
+    flank: Flank,
+    inertia: Inertia,
+    edges: FloatArray,
+    backlash: float,
+    tolerance: float,
 ) -> Impact | None:
     """The impact after `change`, None if the flight does not end within a turn.
 
@@ -74,12 +86,34 @@ def impact_after(
     inertia : its mass must be above 0 all over the flight.
     edges : (k,) cam angles [rad] from 0 to 2 pi between which forces are smooth.
     backlash : [mm], above 0.
+    tolerance : of the speed, as a share of it.
+
+    Raises
+    ------
+    EffectError
+        If the tolerance cannot be reached.
     """
-    rough, fine = (_flight(change, flank, inertia, edges, backlash, n) for n in ORDERS)
-    if fine is None:
-        return None
+    for halvings in range(MOST_HALVINGS + 1):
+        rough, fine = (
+            _flight(change, flank, inertia, edges, backlash, nodes, halvings) for nodes in ORDERS
+        )
+        if fine is None and rough is None:
+            return None
+        error = 1.0
+        if fine is not None and rough is not None and rough[2] == fine[2]:
+            error = abs(rough[1] - fine[1]) / abs(fine[1])
+        if error <= max(tolerance, ROUNDING):
+            break
+    else:
+        raise EffectError(
+            f"the impact speed after cam angle {math.degrees(change.leaving):.4f} deg reaches an"
+            f" error of {error:.3g} of itself instead of the tolerance of {tolerance:g}",
+            value=error,
+            limit=tolerance,
+            cam_angle=change.leaving,
+        )
+    assert fine is not None  # its error would be 1
     angle, speed, crossed = fine
-    error = 1.0 if rough is None or rough[2] != crossed else abs(rough[1] - speed) / abs(speed)
     return Impact(
         cam_angle=angle % TURN,
         duration=angle - change.leaving,
@@ -90,7 +124,13 @@ def impact_after(
 
 
 def _flight(
-    change: Change, flank: Flank, inertia: Inertia, edges: FloatArray, backlash: float, nodes: int
+    change: Change,
+    flank: Flank,
+    inertia: Inertia,
+    edges: FloatArray,
+    backlash: float,
+    nodes: int,
+    halvings: int,
 ) -> tuple[float, float, bool] | None:
     """Cam angle [rad] of the impact, rate of the gap [mm/s] there, and whether it has crossed."""
     x = np.cos(np.pi * (np.arange(nodes) + 0.5) / nodes)[::-1]
@@ -98,7 +138,7 @@ def _flight(
     course = flank.subject.time_course
     assert course is not None  # there is inertia, which needs a speed
     velocity = way = 0.0
-    for low, high in _cells(change.leaving, edges):
+    for low, high in _cells(change.leaving, edges, 0.5**halvings):
         angles = 0.5 * (low + high) + 0.5 * (high - low) * x
         phi = np.mod(angles, TURN)
         rates = course.rates(phi)
@@ -136,11 +176,14 @@ def _first(
     return min(found) if found else None
 
 
-def _cells(start: float, edges: FloatArray) -> Iterator[tuple[float, float]]:
-    """Cells [rad] from `start` on over one turn, short at first, none across one of `edges`."""
+def _cells(start: float, edges: FloatArray, share: float) -> Iterator[tuple[float, float]]:
+    """Cells [rad] from `start` on over one turn, short at first, none across one of `edges`.
+
+    `share` is their length by the usual one.
+    """
     ahead = np.concatenate((edges[:-1], edges[:-1] + TURN))
     stops = [start, *ahead[(ahead > start) & (ahead < start + TURN)], start + TURN]
-    size = FIRST_CELL
+    size = share * FIRST_CELL
     for low, high in itertools.pairwise(stops):
         length = high - low
         if length <= 8.0 * math.ulp(high):
@@ -152,4 +195,4 @@ def _cells(start: float, edges: FloatArray) -> Iterator[tuple[float, float]]:
                 end = high
             yield float(place), float(end)
             place = end
-            size = min(2.0 * size, LONGEST_CELL)
+            size = min(2.0 * size, share * LONGEST_CELL)

@@ -42,9 +42,13 @@ class OfGroove:
 
 
 def of_groove(
-    subject: Subject, contact: Contact, inertia: Inertia | None, backlash: float
+    subject: Subject,
+    contact: Contact,
+    inertia: Inertia | None,
+    backlash: float,
+    tolerance: float,
 ) -> OfGroove:
-    """All that is found of the groove."""
+    """All that is found of the groove; impact speeds to `tolerance`, as a share of them."""
     first, changes = flank_changes(contact)
     found = [_change(change) for change in changes[:LISTED]]
     if len(changes) > LISTED:
@@ -59,7 +63,8 @@ def of_groove(
         else:
             flank = Flank(subject, contact, 1, 0.0)
             impacts = tuple(
-                impact_after(change, flank, inertia, contact.edges, backlash) for change in changes
+                impact_after(change, flank, inertia, contact.edges, backlash, tolerance)
+                for change in changes
             )
             found += _impacts(changes, impacts, backlash)
     hits = [impact for impact in impacts if impact is not None]
