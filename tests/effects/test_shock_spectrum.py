@@ -140,3 +140,16 @@ def test_a_cam_that_only_rests_has_none_either() -> None:
     changes = (("to = 20", "to = 0"), ("inflection = 0.4", ""))
     with pytest.raises(EffectError, match="from rest to rest"):
         result("plate_translating", "", *changes)
+
+
+@pytest.mark.parametrize(
+    ("law", "highest"),
+    [("straight-line", 10), ("quadratic-parabola", 4), ("modified-sine", 4), ("modified-sine", 10)],
+)
+def test_what_stays_small_is_small_for_good(law: str, highest: int) -> None:
+    """The highest ratio may be a zero of the spectrum, with more than 1 % behind it."""
+    move = shock_of(LAWS[law])
+    _, quiet = measured(move, 0.0, float(highest))
+    beyond = np.linspace(highest if quiet is None else quiet, 60.0, 6001)
+    largest = float(np.max(move.residual(beyond, 0.0)))
+    assert (largest > QUIET * (1.0 + 1e-9)) == (quiet is None)

@@ -24,11 +24,17 @@ FIRST_SPAN: Final = 10.0
 """Ratios searched at first, in one go; further ones only while something there may count."""
 
 
+LONGEST: Final = 1000.0
+"""Ratio up to which it is looked for where the residual gets small for good; a jump of the velocity
+as large as the mean one leaves 1 % at a ratio of 32."""
+
+
 def measured(move: Shock, damping: float, end: float) -> tuple[Extreme, float | None]:
     """Two figures of the spectrum of `move` up to the ratio `end`.
 
     The largest residual from ratio 1 on, or over all of them if `end` is no higher, with its ratio;
-    and the ratio from which on it stays below `QUIET`: None if it does not, 0 if it always does.
+    and the ratio from which on it stays below `QUIET` for good: None if there is none up to `end`,
+    0 if it always does.
     Only as much of the spectrum is looked at as its bound leaves open.
     """
     low = 1.0 if end > 1.0 else 0.0
@@ -45,22 +51,23 @@ def measured(move: Shock, damping: float, end: float) -> tuple[Extreme, float | 
         low, high = high, min(end, 2.0 * high)
         further = piecewise_extremes(sided, _unit_edges(low, high)).highest
         worst = max(worst, further, key=lambda each: each.value)
-    # Beyond this ratio the bound says it.
+    # Beyond this ratio the bound says it; `end` itself may be a zero with more behind it.
     reach = FIRST_SPAN
-    while reach < end and move.bound(reach, damping) > QUIET:
+    while move.bound(reach, damping) > QUIET:
+        if reach > max(end, LONGEST):
+            return worst, None
         reach *= 2.0
-    reach = min(reach, end)
     grid = np.append(grid_of(_unit_edges(SMALLEST_RATIO, reach)).ravel(), reach)
     loud = np.flatnonzero(residual(grid) > QUIET)
     if not len(loud):
         return worst, 0.0
     last = int(loud[-1])
-    if last == len(grid) - 1:
+    if grid[last] >= end:
         return worst, None
     root = bracketed_roots(
         lambda ratios: residual(ratios) - QUIET, grid[last : last + 1], grid[last + 1 : last + 2]
     )
-    return worst, float(root[0])
+    return worst, float(root[0]) if root[0] <= end else None
 
 
 def _unit_edges(low: float, high: float) -> FloatArray:

@@ -1,0 +1,446 @@
+"""Writes docs/effects.md and its pictures: `python docs/effects_page.py`.
+
+The texts are in docs/effects, one file an effect; what stands in them as `<!-- word -->` is put in
+from the code: declarations, findings of the example scenes, tables and pictures; so are numbers, as
+`{name}`. A test holds the page to the texts and to the code; the pictures are renewed by running
+this and are not compared, for their bytes depend on matplotlib's version too.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable, Iterable, Sequence
+from functools import cache
+from itertools import pairwise
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+
+from camgeo.accuracy.effects import effect_rows
+from camgeo.cli.check import effect_findings
+from camgeo.cli.command import finding_lines
+from camgeo.cli.explain import GOALS, tree_lines
+from camgeo.design import Design
+from camgeo.effects.balance.holes import MOST_HOLES
+from camgeo.effects.contact_pressure.findings import HEAVY
+from camgeo.effects.contact_pressure.hertz import SHEAR_DEPTH, SHEAR_SHARE
+from camgeo.effects.friction.jamming import NEAR
+from camgeo.effects.graph import TOLERANCE
+from camgeo.effects.gravity import STANDARD_GRAVITY
+from camgeo.effects.lift_off.of_groove import LISTED
+from camgeo.effects.materials import MATERIALS, PER_CUBIC_CM
+from camgeo.effects.registry import EFFECTS, find_effect
+from camgeo.effects.shock_spectrum.measures import QUIET, measured
+from camgeo.effects.vibration.findings import AMPLIFICATION, SETTLED
+from camgeo.motion.laws import FAMILIES, make_law
+from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.oscillator.spectrum import Shock, shock_of
+from camgeo.numeric.peaks import Side, piecewise_extremes
+from camgeo.scene.load import load_scene
+from camgeo.scene.schema import schema
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+HERE: Final = Path(__file__).parent
+PAGE: Final = HERE / "effects.md"
+TEXTS: Final = HERE / "effects"
+IMAGES: Final = HERE / "images"
+SCENES: Final = HERE.parent / "fixtures" / "effects"
+
+NOTE: Final = (
+    "<!-- Made from docs/effects and the code by docs/effects_page.py; change it there. -->\n"
+)
+
+BEFORE: Final = ("conventions",)
+AFTER: Final = ("materials", "example", "accuracy")
+"""Texts before and after those of the effects."""
+
+FARTHEST: Final = 20.0
+"""Natural periods a move up to which the largest residuals of the laws are looked for."""
+
+QUIET_END: Final = 40.0
+"""From here on all of them are below the share that counts as small, by their bounds."""
+
+RATIOS: Final = (1.0, 1.5, 2.0, 3.0, 5.0, 10.0)
+"""From which on the table has the largest residual."""
+
+TOLERANCES: Final = (1e-3, 1e-6, 1e-9)
+"""Of the table of accuracy."""
+
+LEAST: Final = 1e-13
+"""Estimates of errors are told as no less: what is below is rounding and differs from machine to
+machine."""
+
+MARGIN: Final = 2.0
+"""Times what was estimated is told."""
+
+NUMBERS: Final[dict[str, Any]] = {
+    "gravity": STANDARD_GRAVITY / 1e3,
+    "near": math.degrees(NEAR),
+    "listed": LISTED,
+    "shear_share": SHEAR_SHARE,
+    "shear_depth": SHEAR_DEPTH,
+    "heavy": HEAVY,
+    "settled": f"{100.0 * SETTLED:g}",
+    "amplification": AMPLIFICATION,
+    "quiet": f"{100.0 * QUIET:g}",
+    "most_holes": MOST_HOLES,
+    "farthest": FARTHEST,
+    "tolerance": TOLERANCE,
+    "least": LEAST,
+}
+"""What stands in the texts by name."""
+
+PICTURES: Final[dict[str, tuple[str, tuple[str, ...]]]] = {
+    "effects-press-forces": (
+        "press",
+        (
+            "inertia force",
+            "weight force",
+            "load",
+            "spring force",
+            "jamming margin",
+            "contact force",
+        ),
+    ),
+    "effects-press-drive": (
+        "press",
+        ("drive torque", "static drive torque", "dynamic drive torque", "cam speed"),
+    ),
+    "effects-press-stress": (
+        "press",
+        ("contact pressure", "subsurface shear", "vibration deflection", "output acceleration"),
+    ),
+    "effects-groove": ("groove_lever", ("contact force", "drive torque", "static drive torque")),
+}
+"""Scene and columns of each picture over the cam angle."""
+
+SPECTRUM: Final = "effects-spectrum"
+
+ALT: Final = {
+    "effects-press-forces": "forces, jamming margin and contact force of press over the cam angle",
+    "effects-press-drive": "drive torque and speed of press over the cam angle",
+    "effects-press-stress": "contact pressure and vibration of press over the cam angle",
+    "effects-groove": "contact force and drive torque of groove_lever over the cam angle",
+    SPECTRUM: "shock spectra of the laws from rest to rest",
+}
+
+
+def page() -> str:
+    """The page's text."""
+    head, *rest = (section(name) for name in (*BEFORE, *EFFECTS, *AFTER))
+    title, _, below = head.partition("\n")
+    return f"{title}\n\n{NOTE}{below}" + "".join(f"\n{text}" for text in rest)
+
+
+def section(name: str) -> str:
+    """A text with what is put in."""
+    text = (TEXTS / f"{name}.md").read_text(encoding="utf-8")
+    text = re.sub(r"\{(\w+)(:[^}]*)?\}", _number_of, text)
+
+    def put(match: re.Match[str]) -> str:
+        word, *arguments = match[1].split()
+        return INSERTS[word](name, *arguments)
+
+    return re.sub(r"<!-- (.*?) -->\n", put, text)
+
+
+def _number_of(match: re.Match[str]) -> str:
+    return format(NUMBERS[match[1]], (match[2] or ":").removeprefix(":"))
+
+
+@cache
+def design(scene: str) -> Design:
+    """The example scene of that name."""
+    return Design(load_scene(str(SCENES / f"{scene}.toml")))
+
+
+# What is put in ---------------------------------------------------------------------------------
+
+
+def _declarations(_name: str) -> str:
+    """A row for each effect."""
+    heads = ("effect", "gives", "needs", "takes into account", "of the scene", "for others")
+    rows = []
+    for name in EFFECTS:
+        effect = find_effect(name)
+        rows.append(
+            [
+                f"[{name}](#{name})" + (", numerical" if effect.numerical else ""),
+                effect.title,
+                _named(effect.needs),
+                _named(effect.uses),
+                "; ".join(_of_scene(name)),
+                "" if effect.tabled else "yes",
+            ]
+        )
+    return _table(heads, rows)
+
+
+def _declared(name: str) -> str:
+    """Needs and kind of one effect in a line."""
+    effect = find_effect(name)
+    parts = []
+    if effect.needs:
+        parts.append(f"needs {_named(effect.needs)}")
+    if effect.uses:
+        parts.append(f"takes into account {_named(effect.uses)}")
+    if keys := _of_scene(name):
+        parts.append(f"the scene has {'; '.join(keys)}")
+    parts.append("numerical" if effect.numerical else "exact")
+    text = ". ".join(f"{part[0].upper()}{part[1:]}" for part in parts)
+    return f"*{text}.* Keys: [scene.md](scene.md#effects{name}).\n"
+
+
+def _of_scene(name: str) -> list[str]:
+    """What a scene must have for the effect besides what this needs."""
+    effect = find_effect(name)
+    found = [" or ".join(f"`{key}`" for key in keys) for keys in effect.keys]
+    required = schema()["properties"]["effects"]["properties"][name].get("required", [])
+    if effect.tabled:
+        found.append(f"`effects.{name}`")
+    found += [f"`effects.{name}.{key}`" for key in required]
+    return found
+
+
+def _named(names: Iterable[str]) -> str:
+    return ", ".join(f"[{name}](#{name})" for name in names)
+
+
+def _check(_name: str, scene: str, *effects: str) -> str:
+    """Part of what `camgeo check` prints of a scene."""
+    found = effect_findings(design(scene))
+    parts = ["\n".join((f"{name}:", *finding_lines(found[name]))) for name in effects]
+    return _block(f"$ camgeo check fixtures/effects/{scene}.toml\n...\n" + "\n\n".join(parts))
+
+
+def _explain(_name: str, scene: str) -> str:
+    """The lines of `camgeo explain` of a scene that tell of effects."""
+    fresh = Design(load_scene(str(SCENES / f"{scene}.toml")))
+    GOALS["check"](fresh)
+    lines = [line for line in tree_lines(fresh, fresh.ledger.runs) if "  effects." in line]
+    return _block("\n".join((f"{'all':>10}{'own':>10}", *lines)))
+
+
+def _picture(_name: str, file: str) -> str:
+    return f"![{ALT[file]}](images/{file}.png)\n"
+
+
+def _spectrum(name: str) -> str:
+    return _picture(name, SPECTRUM)
+
+
+def _residuals(_name: str) -> str:
+    """The largest residual from chosen ratios on, for each law from rest to rest."""
+    heads = ["law", *(f"from {ratio:g} on" for ratio in RATIOS), f"below {NUMBERS['quiet']} % from"]
+    rows = []
+    for names, shock in shocks():
+        assert shock.bound(QUIET_END) < QUIET
+        quiet = measured(shock, 0.0, QUIET_END)[1]
+        largest = [f"{100.0 * share:.3g}" for share in largest_residuals(shock)]
+        rows.append([names, *largest, f"{quiet:.3f}"])
+    return _table(heads, rows)
+
+
+@cache
+def shocks() -> tuple[tuple[str, Shock], ...]:
+    """The laws from rest to rest as they are without parameters; names of equal ones together."""
+    ratios = np.linspace(0.3, 5.3, 26)
+    found: list[tuple[list[str], Shock, FloatArray]] = []
+    for name, family in FAMILIES.items():
+        if "R-R" not in family.parameters:
+            continue
+        shock = shock_of(make_law(name, "R-R"))
+        values = shock.residual(ratios)
+        for names, _, others in found:
+            if np.allclose(values, others, rtol=0.0, atol=1e-9):
+                names.append(name)
+                break
+        else:
+            found.append(([name], shock, values))
+    return tuple((", ".join(names), shock) for names, shock, _ in found)
+
+
+def largest_residuals(shock: Shock) -> list[float]:
+    """The largest residual from each of `RATIOS` up to `FARTHEST`, as shares of the stroke."""
+
+    def residual(ratios: FloatArray, _side: Side) -> FloatArray:
+        return shock.residual(ratios)
+
+    largest, found = 0.0, []
+    for low, high in reversed([*pairwise((*RATIOS, FARTHEST))]):
+        edges = np.linspace(low, high, math.ceil(high - low) + 1)
+        largest = max(largest, piecewise_extremes(residual, edges).highest.value)
+        found.append(largest)
+    return found[::-1]
+
+
+def _materials(_name: str) -> str:
+    heads = ("name", "", "E [GPa]", "ν", "density [g/cm³]", "limit [MPa]", "source")
+    rows = [
+        [
+            f"`{each.name}`",
+            each.title,
+            f"{each.modulus / 1e3:g}",
+            f"{each.poisson:g}",
+            f"{each.density / PER_CUBIC_CM:g}",
+            "–" if each.pressure is None else f"{each.pressure:g}",
+            each.source,
+        ]
+        for each in MATERIALS.values()
+    ]
+    return _table(heads, rows)
+
+
+Estimates = dict[str, list[tuple[float | None, float | None]]]
+"""Estimate, None if exact, and difference from the best at each of `TOLERANCES`, by effect."""
+
+
+@cache
+def estimates(scene: str) -> Estimates:
+    """Of the numerical effects of a scene."""
+    found: Estimates = {}
+    for row in effect_rows(design(scene), TOLERANCES, tell=lambda _: None):
+        assert not row.fault, row.fault
+        found.setdefault(row.effect, []).append((row.error, row.difference))
+    return found
+
+
+def _accuracy(_name: str, scene: str, *more: str) -> str:
+    """Estimates of a scene's effects, and of `more`, each a scene and an effect: "scene/effect"."""
+    heads = ["effect", *(f"at {tolerance:g}" for tolerance in TOLERANCES), "off at the first"]
+    wanted = [(scene, effect) for effect in estimates(scene)]
+    for each in more:
+        other, _, effect = each.partition("/")
+        wanted.append((other, effect))
+    rows = []
+    for place, effect in wanted:
+        found = estimates(place)[effect]
+        shown = effect if place == scene else f"{effect} of {place}"
+        rows.append([shown, *(claim(error) for error, _ in found), claim(found[0][1] or 0.0)])
+    return _table(heads, rows)
+
+
+def claim(error: float | None) -> str:
+    """What the page tells of an estimate."""
+    if error is None:
+        return "exact"
+    return f"<= {rounded_up(max(MARGIN * error, LEAST)):.0e}".replace("e-0", "e-")
+
+
+def rounded_up(value: float) -> float:
+    """To one digit, upwards; `value` above 0."""
+    size = math.floor(math.log10(value))
+    digit = math.ceil(value / 10.0**size * (1.0 - 1e-12))
+    return float(f"{digit}e{size}")
+
+
+def _block(text: str) -> str:
+    return f"```text\n{text}\n```\n"
+
+
+def _table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    lines = [_row(heads), "|" + "---|" * len(heads), *map(_row, rows)]
+    return "\n".join(lines) + "\n"
+
+
+def _row(cells: Iterable[str]) -> str:
+    return f"| {' | '.join(cells)} |"
+
+
+INSERTS: Final[dict[str, Callable[..., str]]] = {
+    "declarations": _declarations,
+    "declared": _declared,
+    "check": _check,
+    "explain": _explain,
+    "picture": _picture,
+    "spectrum": _spectrum,
+    "residuals": _residuals,
+    "materials": _materials,
+    "accuracy": _accuracy,
+}
+
+
+# Pictures ---------------------------------------------------------------------------------------
+
+
+class Excerpt:
+    """A design with some of its effects' columns."""
+
+    def __init__(self, whole: Design, names: Sequence[str]) -> None:
+        self._whole = whole
+        columns = {column.name: column for column in whole.effect_columns}
+        self.effect_columns = tuple(columns[name] for name in names)
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._whole, name)
+
+
+def picture(file: str) -> bytes:
+    """The picture of that name."""
+    from camgeo_export.plots.file import figure_file
+
+    return figure_file(drawn_spectrum if file == SPECTRUM else lambda: drawn(file), ".png")
+
+
+def drawn(file: str) -> Figure:
+    """Columns of effects over the cam angle."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    from camgeo_export.plots import effects
+
+    scene, names = PICTURES[file]
+    shown: Any = Excerpt(design(scene), names)
+    figure = Figure(figsize=effects.size(shown))
+    FigureCanvasAgg(figure)
+    effects.draw(shown, figure)
+    return figure
+
+
+CURVES: Final = (
+    ("#7a7a7a", (0, (1, 1))),
+    ("#7a7a7a", (0, (5, 1.5))),
+    ("#8c5aa8", (0, (3, 1, 1, 1))),
+    ("#12365c", "-"),
+    ("#2f7fc1", (0, (6, 1.5))),
+    ("#b3261e", "-"),
+    ("#c27c0e", (0, (4, 1.5, 1, 1.5))),
+    ("#3f8f6b", (0, (6, 1.5))),
+)
+"""Colour and kind of line of each law."""
+
+
+def drawn_spectrum() -> Figure:
+    """The shock spectra of all laws from rest to rest."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(7.0, 4.4))
+    FigureCanvasAgg(figure)
+    axes = figure.subplots(gridspec_kw={"left": 0.11, "right": 0.97, "top": 0.92, "bottom": 0.12})
+    ratios = np.linspace(0.02, 8.0, 1597)
+    for (names, shock), (colour, dashes) in zip(shocks(), CURVES, strict=True):
+        shares = np.maximum(100.0 * shock.residual(ratios), 1e-6)
+        axes.semilogy(ratios, shares, color=colour, linestyle=dashes, linewidth=1.1, label=names)
+    axes.set_xlim(0.0, 8.0)
+    axes.set_ylim(2e-4, 1.5e2)
+    axes.set_xlabel("t_move / T_n, natural periods a move")
+    axes.set_ylabel("residual vibration [% of the stroke]")
+    axes.set_title("shock spectra, rest to rest, undamped")
+    axes.legend(loc="lower left", ncols=3, fontsize=7.0)
+    return figure
+
+
+def write() -> None:
+    """Page and pictures."""
+    PAGE.write_text(page(), encoding="utf-8")
+    for file in (*PICTURES, SPECTRUM):
+        (IMAGES / f"{file}.png").write_bytes(picture(file))
+
+
+if __name__ == "__main__":
+    write()
