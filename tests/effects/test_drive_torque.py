@@ -272,7 +272,7 @@ def test_warnings_of_lost_contact_and_shocks() -> None:
     assert not [each for each in held.findings if each.severity != "ok"]
     jumping = design("straight_moves", "")
     moved = drive(jumping, Contact(jumping, (inertia(jumping, 2e-3), spring(jumping, 900.0, 0.0))))
-    assert finding(moved, "shock").severity == "warning"
+    assert finding(moved, "shock").severity == "broken"
     light = drive(jumping, Contact(jumping, (spring(jumping, 900.0, 0.0),)))
     assert "shock" not in {each.name for each in light.findings}
 

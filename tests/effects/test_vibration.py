@@ -307,8 +307,9 @@ def test_extreme_frequencies_have_finite_answers(frequency: str) -> None:
     for damping in (0.0, 0.5):
         found = result("plate_translating", f"natural_frequency = {frequency}\ndamping = {damping}")
         for each in found.findings:
-            assert each.value is not None
-            assert math.isfinite(each.value)
+            # A harmonic may be the natural frequency itself, and be no part of the motion.
+            assert each.name == "resonance" or each.value is not None
+            assert each.value is None or math.isfinite(each.value)
         e = found.deflection(PHI, "right")
         if float(frequency) < 1.0:
             assert np.ptp(found.output(PHI, "right")) <= 1e-4  # of 20 mm

@@ -10,7 +10,7 @@ from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray, merged
 from camgeo.numeric.peaks import grid_of, piecewise_extremes
 from camgeo.numeric.ranges import stretch_below
-from camgeo.numeric.roots import roots_on_grid
+from camgeo.numeric.roots import Function, roots_on_grid
 
 
 def smooth_edges(balance: Balance) -> FloatArray:
@@ -29,8 +29,35 @@ def smooth_edges(balance: Balance) -> FloatArray:
     def leverage(phi: FloatArray) -> FloatArray:
         return balance.leverage(phi, "right")
 
-    found = (edges, roots_on_grid(demand, grid), roots_on_grid(leverage, grid))
+    inner = grid_of(merged(np.concatenate((edges, _dips(demand, grid)))))
+    found = (edges, roots_on_grid(demand, inner), roots_on_grid(leverage, grid))
     return merged(np.concatenate(found))
+
+
+def _dips(function: Function, grid: FloatArray) -> FloatArray:
+    """Places at which `function` has another sign than at the three points of `grid` around it.
+
+    A parabola through three points falls below the middle one by an eighth of the larger difference
+    at most; where twice that could change the sign, the least value is looked for.
+    """
+    values = function(grid.ravel()).reshape(grid.shape)
+    size = np.abs(values)
+    before, here, after = size[:, :-2], size[:, 1:-1], size[:, 2:]
+    signs = np.sign(values)
+    near = (signs[:, :-2] == signs[:, 1:-1]) & (signs[:, 2:] == signs[:, 1:-1])
+    near &= (here <= before) & (here <= after) & (here > 0.0)
+    near &= 4.0 * here <= np.maximum(before, after) - here
+    found = []
+    for row, column in np.argwhere(near):
+        sign = signs[row, column + 1]
+
+        def upright(phi: FloatArray, _side: Side, sign: float = sign) -> FloatArray:
+            return sign * function(phi)
+
+        lowest = piecewise_extremes(upright, grid[row, [column, column + 2]]).lowest
+        if lowest.value < 0.0:
+            found.append(lowest.place)
+    return np.array(found)
 
 
 def refuse_jamming(balance: Balance, edges: FloatArray) -> None:

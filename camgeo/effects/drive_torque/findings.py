@@ -141,7 +141,7 @@ def _shock(torque: LawfulTorque) -> list[Finding]:
     return [
         Finding(
             "shock",
-            "warning",
+            "broken",
             f"the velocity jumps at {int(np.sum(hit))} cam angles, first at"
             f" {math.degrees(first):.4f} deg: the torque is infinite there, and its impulses are in"
             " none of these figures",

@@ -133,8 +133,12 @@ class Told:
         forces = piecewise_extremes(self.force, edges)
         worst = max(forces.lowest, forces.highest, key=lambda end: abs(end.value))
         unit, what = ("N m", "torque") if self.rocks else ("N", "force")
-        shocks = [each for each in breaks(self.subject.plan) if each.order < 1]
-        if not shocks or not forces.magnitude:
+        shocks = [
+            each
+            for each in breaks(self.subject.plan)
+            if each.order < 1 and self.mass(np.array([each.cam_angle]), "right")[0] > 0.0
+        ]
+        if not shocks:
             return self._extreme("largest-inertia-force", f"largest inertia {what}", worst, unit)
         angle = shocks[0].cam_angle
         return Finding(

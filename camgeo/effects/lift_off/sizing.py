@@ -74,7 +74,7 @@ def _least(flank: Flank, per_unit: Quantity, now: float, edges: FloatArray) -> L
         """(n,) what the value has to be at least, 0 where nothing is missing."""
         effect, rest = parts(phi, side)
         found = np.zeros(len(phi))
-        np.divide(-rest, effect, out=found, where=(effect > blunt) & (rest < 0.0))
+        np.divide(-rest, effect, out=found, where=(effect > blunt) & (rest < -none))
         found[(np.abs(effect) <= blunt) & (rest < -none)] = BOUNDLESS
         return found
 

@@ -18,7 +18,6 @@ from camgeo.check.finding import Finding
 from camgeo.effects.effect import Column, Effect, Request
 from camgeo.effects.shock_spectrum.measures import QUIET, measured
 from camgeo.effects.shock_spectrum.moves import RestToRest, moves_of
-from camgeo.errors import EffectError
 from camgeo.motion.time_course import ConstantSpeed
 from camgeo.numeric.arrays import FloatArray
 from camgeo.numeric.extremes import Extreme
@@ -89,21 +88,18 @@ def compute(request: Request) -> ShockSpectrum:
     """The spectra of all moves.
 
     Without a speed of the cam it is taken to turn evenly; how fast does not matter.
-
-    Raises
-    ------
-    EffectError
-        If no move is from rest to rest.
+    A plan without a move from rest to rest has none, which is a warning.
     """
     spec: Spec = request.spec
     subject = request.subject
     course = subject.time_course or ConstantSpeed(1.0)
     moves = moves_of(subject, course)
     if not moves:
-        raise EffectError(
+        sentence = (
             "no move is from rest to rest, with velocity and acceleration 0 at both ends: there is"
-            " no residual vibration to speak of",
+            " no residual vibration to speak of"
         )
+        return ShockSpectrum((Finding(EFFECT.name, "warning", sentence),), (), spec.highest_ratio)
     spectra = tuple(
         Spectrum(move, spec.damping, *measured(move.shock, spec.damping, spec.highest_ratio))
         for move in moves

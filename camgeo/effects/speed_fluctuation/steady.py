@@ -176,9 +176,13 @@ def _solved(shaft: Shaft, mesh: Mesh, state: State, tolerance: float) -> tuple[S
 def _on_halves(state: State) -> State:
     """The polynomials through the nodes of all cells, at the nodes of their halves.
 
-    Integrals of alpha would give the same but for rounding, which a stiff motor magnifies.
+    Integrals of alpha would give the same but for rounding, which a stiff motor magnifies. Between
+    nodes that fall steeply a polynomial may pass 0, where no speed is: it is held above that, and
+    the cell, which does not have its solution then, is cut.
     """
     halves = np.einsum("hij,mj->mhi", rule().halves, state.all_nodes)
+    least = KEEP * np.min(state.base + state.all_nodes, axis=1)
+    halves = np.maximum(halves, least[:, np.newaxis, np.newaxis] - state.base)
     middles = halves[:, 0, -1]
     starts = np.append(np.stack((state.starts[:-1], middles), axis=1).ravel(), state.starts[-1])
     return State(state.base, starts, halves.reshape(-1, NODES))

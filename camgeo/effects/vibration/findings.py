@@ -31,6 +31,10 @@ AMPLIFICATION: Final = 10.0
 damping that is within 5 % of the natural frequency, and hardly reached from D = 0.05 on, as
 1 / (2 D) is about the most."""
 
+EXACT: Final = 1e12
+"""An amplification from here on is a rounded infinity: the harmonic is the natural frequency, and
+only a motion that does not have this harmonic has a steady state then."""
+
 SHARE: Final = 0.1
 """Of the largest deflection, below which a harmonic is not worth telling."""
 
@@ -182,12 +186,15 @@ def of_resonance(elastic: Elastic, most: float, telling: Telling) -> Iterator[Fi
         factor = abs(response.train.transfer(number * turn)) * (number * turn) ** 2
         part = 2.0 * abs(response.harmonic(number))
         near = factor > AMPLIFICATION and part > SHARE * most
+        amplified = f"amplified {factor:.4g} times, it"
+        if not factor < EXACT:
+            factor, amplified = None, "amplified without end, which the motion does not have: it"
         yield Finding(
             name="resonance",
             severity="warning" if near else "ok",
             sentence=(
                 f"harmonic {number} of the cam's speed is next to the natural frequency,"
-                f" {abs(rate) / turn:.6g} times that speed: amplified {factor:.4g} times, it"
+                f" {abs(rate) / turn:.6g} times that speed: {amplified}"
                 f" makes {telling.of(part)} of the deflection of {telling.of(most)}"
             ),
             value=factor,

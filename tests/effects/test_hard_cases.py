@@ -1,0 +1,606 @@
+"""Hard cases of the effects together: the right value or a clear finding, never anything else.
+
+Every scene here also passes `assert_sound`: findings, columns on both sides of all their borders,
+and JSON are finite, and no warning of Python is raised.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from typing import Any, Final
+
+import numpy as np
+import pytest
+
+from camgeo.check.finding import Finding
+from camgeo.design import Design
+from camgeo.errors import EffectError, SceneError
+from camgeo.motion.motion import Side
+from camgeo.motion.time_course import in_time
+from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.peaks import piecewise_extremes
+from camgeo.scene.load import parse_scene
+from camgeo.units import TURN
+from tests.effects.scenes import SCENES
+from tests.effects.test_random_scenes import NAMES, assert_sound, scene_text
+
+ROUNDING: Final = 1e-12
+"""A few thousand roundings of the largest force, as in the tests of the contact force."""
+
+EVERY: Final = """
+[effects.kinematics]
+[effects.inertia]
+{inertia}
+[effects.gravity]
+[effects.load]
+constant = {load}
+[effects.spring]
+{spring}
+[effects.friction]
+roller_pin = 0.01
+roller_pin_diameter = {pin}
+rolling = {rolling}
+{friction}
+[effects.contact-force]
+[effects.lift-off]
+[effects.drive-torque]
+fluctuation = 0.05
+[effects.speed-fluctuation]
+moment_of_inertia = 0.3
+no_load_speed = 100
+stall_torque = {stall}
+[effects.contact-pressure]
+width = {width}
+rating = 9000
+[effects.vibration]
+{vibration}
+[effects.shock-spectrum]
+[effects.balance]
+"""
+
+COMMON: Final = {"pin": "5", "rolling": "0.01", "width": "0.1", "stall": "400"}
+
+GUIDE: Final = {
+    "inertia": "mass = 1\nroller_mass = 0.1",
+    "load": "10",
+    "spring": "stiffness = 3\npreload = 300",
+    "friction": "guide = 0.05\nguide_viscous = 0.01",
+    "vibration": "stiffness = 900\ndamping = 0.03",
+}
+ROCKER: Final = {
+    "inertia": "moment_of_inertia = 0.01\nroller_mass = 0.1\nrocker_mass = 0.5",
+    "load": "1",
+    "spring": 'kind = "torsion"\ntorsional_stiffness = 30\npreload_torque = 40',
+    "friction": "pivot = 0.05\npivot_diameter = 15\npivot_viscous = 0.01",
+    "vibration": "torsional_stiffness = 9000\ndamping = 0.03",
+}
+LINKAGE: Final = {
+    "inertia": "mass = 1\nmoment_of_inertia = 0.01\nroller_mass = 0.1\ncoupler_mass = 0.2",
+    "load": "10",
+    "spring": "stiffness = 3\npreload = 300",
+    "friction": "pivot = 0.05\npivot_diameter = 15\nslider = 3\nguide_viscous = 0.01",
+    "vibration": "stiffness = 900\ndamping = 0.03",
+}
+
+HARMONIC: Final = """
+camgeo = 1
+name = "eccentric"
+
+[cam]
+rotation = "ccw"
+speed = 60
+
+[follower]
+kind = "translating-roller"
+base_radius = 40
+roller_radius = 10
+
+[[motion]]
+law = "simple-sine"
+span = 180
+to = 20
+
+[[motion]]
+law = "simple-sine"
+span = 180
+to = 0
+"""
+"""s = 10 mm (1 - cos phi): one harmonic. Turning once a second, omega is 2 pi."""
+
+
+def made(text: str, effects: str = "") -> Design:
+    return Design(parse_scene(f"{text}\n{effects}", str(SCENES / "scene.toml")))
+
+
+def with_speed(name: str, rev: str = "90") -> str:
+    """The fixture scene; at `rev` rev/min if it has no speed of its own."""
+    text = scene_text(name)
+    if "speed" in text:
+        return text
+    return text.replace("[follower]\n", f"speed = {rev}\n[follower]\n", 1)
+
+
+def changed(text: str, *changes: tuple[str, str]) -> str:
+    for old, new in changes:
+        assert text.count(old) == 1, old
+        text = text.replace(old, new)
+    return text
+
+
+def without_output(text: str) -> str:
+    """The scene without its tables of files, whose lengths are none of the cam."""
+    return text[: text.index("[output]")]
+
+
+def every(text: str, **data: str) -> str:
+    """Tables of all effects that suit the follower of `text`."""
+    own = LINKAGE if "[linkage]" in text else ROCKER if "oscillating" in text else GUIDE
+    return EVERY.format(**{**COMMON, **own, **data})
+
+
+def found(design: Design, effect: str, name: str) -> Finding:
+    (each,) = [each for each in design.effects.findings(effect) if each.name == name]
+    return each
+
+
+def names(design: Design, effect: str) -> set[str]:
+    return {each.name for each in design.effects.findings(effect)}
+
+
+NOT_ANSWERED: Final[dict[str, dict[str, str]]] = {
+    "straight_moves": {"speed-fluctuation": "shock"},
+    "swallow_tail": {"contact-pressure": "infinite-contact-pressure"},
+    "trimmed_ring": {"contact-pressure": "infinite-contact-pressure"},
+}
+"""A jump of the speed; a flank with a cusp under force."""
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_every_effect_of_every_scene(name: str) -> None:
+    """Measured lifts, a speed curve, inches, shocks, cusps, undercut: each as it may be."""
+    text = with_speed(name)
+    assert assert_sound(made(text, every(text))) == NOT_ANSWERED.get(name, {})
+
+
+REST: Final = "[[motion]]\ndwell = 360\n"
+
+
+@pytest.mark.parametrize("name", ["plate_translating", "shuttle", "setzhub", "groove"])
+def test_a_cam_that_never_moves_its_follower(name: str) -> None:
+    text = scene_text(name)
+    head, tail = text[: text.index("[[motion]]")], text[text.index("[part]") :]
+    design = made(head + REST + tail, every(text))
+    assert assert_sound(design) == {}
+    assert names(design, "shock-spectrum") == {"shock-spectrum"}
+    phi = np.linspace(0.0, TURN, 50)
+    normal = design.effect("contact-force").normal(phi, "right")
+    assert np.ptp(normal) <= ROUNDING * np.max(np.abs(normal))
+    # The roller turns on its pin and rolls: they alone take torque.
+    smooth = made(head + REST + tail, re.sub(r"\[effects.friction\][^[]*", "", every(text)))
+    assert not np.any(smooth.effect("drive-torque").torque(phi, "right"))
+    assert np.all(design.effect("drive-torque").torque(phi, "right") > 0.0)
+    assert not np.any(design.effect("vibration").deflection(phi, "right"))
+
+
+def test_a_rest_of_no_length_changes_nothing() -> None:
+    text = changed(scene_text("plate_translating"), ("dwell = 70", "dwell = 110"))
+    none = changed(text, ("[[motion]]\ndwell = 40\n", ""))
+    zero = changed(text, ("dwell = 40", "dwell = 0"))
+    one, other = made(none, every(text)), made(zero, every(text))
+    assert assert_sound(other) == {}
+    phi = np.linspace(0.0, TURN, 500, endpoint=False)
+    for here, there in zip(one.effect_columns, other.effect_columns, strict=True):
+        assert np.array_equal(here.values(phi, "right"), there.values(phi, "right")), here.name
+
+
+@pytest.mark.parametrize("ratio", [1, 3, 17])
+def test_resonance_without_damping(ratio: int) -> None:
+    """A motion of many harmonics resonates with each: that effect says so, others answer."""
+    text = scene_text("plate_translating")
+    effects = every(text, vibration=f"natural_frequency = {ratio}")
+    design = made(text, effects)
+    assert assert_sound(design) == {"vibration": "resonance"}
+    each = found(design, "vibration", "resonance")
+    assert each.severity == "broken"
+    assert each.value == pytest.approx(float(ratio), rel=1e-12)
+
+
+@pytest.mark.parametrize("ratio", [2, 3, 5])
+def test_no_resonance_with_a_harmonic_that_the_motion_does_not_have(ratio: int) -> None:
+    """s = h/2 (1 - cos phi) has one harmonic: its deflection is h/2 / (ratio^2 - 1) at most.
+
+    x'' + w^2 x = w^2 s has the steady state h/2 (1 - cos phi / (1 - 1 / ratio^2)) (any textbook of
+    vibrations, forced motion by a base that moves).
+    """
+    design = made(HARMONIC, f"[effects.vibration]\nnatural_frequency = {ratio}\n")
+    assert assert_sound(design) == {}
+    most = found(design, "vibration", "largest-motion-error").value
+    # The law is known to 1e-16, and the steady state to the tolerance of 1e-6 of the lift.
+    assert most == pytest.approx(10.0 / (ratio**2 - 1.0), rel=1e-6)
+    only = made(HARMONIC, "[effects.vibration]\nnatural_frequency = 1\n")
+    assert found(only, "vibration", "resonance").severity == "broken"
+
+
+def test_without_mass_nothing_vibrates_or_lifts_off() -> None:
+    text = scene_text("plate_translating")
+    design = made(text, every(text, inertia="mass = 0"))
+    assert assert_sound(design) == {}
+    phi = np.linspace(0.0, TURN, 500)
+    assert not np.any(design.effect("vibration").deflection(phi, "right"))
+    acceleration = in_time(design.plan.jet(phi), design.time_course, phi)[2]  # type: ignore[arg-type]
+    assert np.array_equal(design.effect("vibration").acceleration(phi, "right"), acceleration)
+    assert not np.any(design.effect("inertia").force.coefficients(phi, "right"))
+    weight = found(design, "gravity", "weight")
+    assert weight.value == 0.0
+    # Viscous friction in the guide is what is left of the speed: it pulls the roller off at last.
+    free = made(text, re.sub("guide_viscous = .*", "", every(text, inertia="mass = 0")))
+    speed = found(free, "lift-off", "lift-off-speed")
+    assert speed.value is None
+    assert speed.severity == "ok"
+
+
+@pytest.mark.parametrize("stiffness", ["1e9", "1e15"])
+def test_an_all_but_rigid_train(stiffness: str) -> None:
+    """It bends by a / w^2, and that by the smaller the stiffer it is: 1 kg at 1e15 N/mm."""
+    text = scene_text("plate_translating")
+    design = made(text, every(text, vibration=f"stiffness = {stiffness}\ndamping = 0.02"))
+    assert assert_sound(design) == {}
+    phi = np.linspace(0.0, TURN, 500)
+    timed = in_time(design.plan.jet(phi), design.time_course, phi)  # type: ignore[arg-type]
+    most = float(np.max(np.abs(timed[2]))) * 1.1e-3 / float(stiffness)
+    bent = design.effect("vibration").deflection(phi, "right")
+    # 1.1e-3 t; jerks come next, with 1 / w^3, and at w > 9e5 rad/s are a thousandth at most.
+    assert np.max(np.abs(bent)) <= 1.01 * most + 2.0**-52 * 20.0
+    heard = design.effect("vibration").acceleration(phi, "right")
+    assert np.max(np.abs(heard - timed[2])) <= 0.02 * np.max(np.abs(timed[2]))
+
+
+def test_an_all_but_rigid_spring() -> None:
+    text = scene_text("plate_translating")
+    spring = "stiffness = 1e15\npreload = 1e12"
+    design = made(text, every(text, spring=spring, friction="", pin="5", rolling="0.01"))
+    assert assert_sound(design) == {"speed-fluctuation": "stall"}
+    largest = found(design, "spring", "largest-spring-force")
+    assert largest.value == pytest.approx(1e12 + 1e15 * 20.0, rel=1e-12)
+
+
+TOUCHING: Final = [
+    # constant force, stiffness: the force at the top of the stroke is 0, and its slope too
+    (10e-3 * (2.0 * math.pi) ** 2, 0.0),
+    (9e-3 * (2.0 * math.pi) ** 2, 0.05e-3 * (2.0 * math.pi) ** 2),
+]
+
+
+@pytest.mark.parametrize(("preload", "stiffness"), TOUCHING)
+def test_a_force_that_touches_zero_and_does_not_cross_it(preload: float, stiffness: float) -> None:
+    """R = m s'' omega^2 + P + k s with s = h/2 (1 - cos phi).
+
+    It is least at the top, P + k h - m h/2 omega^2. The spring is the least that keeps contact, and
+    the speed that of lift-off.
+    """
+    spring = f"[effects.spring]\npreload = {preload!r}\nstiffness = {stiffness!r}\n"
+    tell = "[effects.contact-force]\n[effects.lift-off]\n[effects.drive-torque]\n"
+    pressure = "[effects.contact-pressure]\nwidth = 5\nrating = 900\n"
+    design = made(HARMONIC, f"[effects.inertia]\nmass = 1\n{spring}{tell}{pressure}")
+    assert assert_sound(design) == {}
+    largest = found(design, "contact-force", "largest-contact-force")
+    smallest = found(design, "contact-force", "smallest-contact-force")
+    assert largest.value is not None
+    assert smallest.value == pytest.approx(0.0, abs=ROUNDING * largest.value)
+    assert all(each.severity in ("ok", "warning") for each in design.effects.findings("lift-off"))
+    assert found(design, "lift-off", "lift-off").severity == "ok"
+    assert found(design, "lift-off", "contact-touches-zero").cam_angle == pytest.approx(
+        math.pi, abs=1e-4
+    )
+    assert "torque-without-contact" not in names(design, "drive-torque")
+    speed = found(design, "lift-off", "lift-off-speed")
+    assert speed.value == pytest.approx(60.0, rel=1e-9)
+    assert found(design, "lift-off", "least-preload").value == pytest.approx(preload, rel=1e-9)
+    least = found(design, "lift-off", "least-stiffness").value
+    assert least == pytest.approx(stiffness, rel=1e-9, abs=ROUNDING * preload)
+
+
+def groove_with(share: float) -> Design:
+    """A load of `share` of what makes the smallest force of the turn 0."""
+    text = scene_text("groove")
+    effects = "[effects.inertia]\nmoment_of_inertia = 0.01\n[effects.contact-force]\n"
+    bare = made(text, effects).effect("contact-force")
+
+    def needed(phi: FloatArray, side: Side) -> FloatArray:
+        return np.asarray(bare.required(phi, side)[2])
+
+    load = -piecewise_extremes(needed, bare.edges).lowest.value * math.pi**2 * 1e-3
+    return made(text, f"{effects}[effects.load]\nconstant = {share * load!r}\n[effects.lift-off]\n")
+
+
+def test_a_groove_force_that_touches_zero_does_not_change_the_flank() -> None:
+    for share in (1.0, 1.0001):
+        design = groove_with(share)
+        assert assert_sound(design) == {}
+        (steady,) = design.effects.findings("lift-off")
+        assert steady.value == 0.0
+        assert "all the turn" in steady.sentence
+
+
+@pytest.mark.parametrize("short", [1e-10, 1e-6, 1e-4, 1e-2])
+def test_a_groove_force_that_barely_crosses_zero_changes_the_flank(short: float) -> None:
+    """However short the stretch: its length goes with the root of what is missing."""
+    design = groove_with(1.0 - short)
+    assert assert_sound(design) == {}
+    changes = [each.cam_angle for each in design.effects.findings("lift-off")]
+    assert len(changes) == 2
+    first, second = changes
+    assert first is not None
+    assert second is not None
+    # R'' / R is about (2 pi / span)^2 / 2 for a move of 100 degrees.
+    assert 0.1 * math.sqrt(short) < second - first < 10.0 * math.sqrt(short)
+
+
+def jam(coefficient: float, overhang: float = 60.0) -> Design:
+    text = scene_text("plate_translating")
+    guide = f"guide = {coefficient!r}\nguide_length = 40\nguide_overhang = {overhang!r}"
+    return made(text, every(text, friction=guide))
+
+
+def test_friction_near_the_limit_of_jamming() -> None:
+    """Up to the coefficient at which the margin is 0 all effects answer; beyond it all say so."""
+    low, high = 0.05, 3.0
+    for _ in range(40):
+        middle = 0.5 * (low + high)
+        margin = found(jam(middle), "friction", "jamming-margin").value
+        assert margin is not None
+        low, high = (middle, high) if margin > 0.0 else (low, middle)
+    below, above = jam(low * (1.0 - 1e-6)), jam(high * (1.0 + 1e-6))
+    assert set(assert_sound(below)) <= {"speed-fluctuation"}
+    assert found(below, "friction", "jamming-margin").severity == "warning"
+    # A force that grows as 1 / margin.
+    largest = found(below, "contact-force", "largest-contact-force").value
+    usual = found(jam(0.05), "contact-force", "largest-contact-force").value
+    assert largest is not None
+    assert usual is not None
+    assert largest > 1e3 * usual
+    failed = assert_sound(above)
+    for name in ("contact-force", "lift-off", "drive-torque", "contact-pressure"):
+        assert failed[name] == "jamming"
+        each = found(above, name, "jamming")
+        assert each.severity == "broken"
+        assert each.cam_range is not None
+    assert found(above, "friction", "jamming-margin").severity == "broken"
+    with pytest.raises(EffectError, match="jams"):
+        above.effect("drive-torque")
+
+
+def test_transmission_angle_0() -> None:
+    """An offset as large as the base radius: the roller starts level with the cam axis.
+
+    The design is no cam mechanism and a command stops there; asked all the same, effects say why.
+    """
+    text = changed(scene_text("plate_translating"), ("offset = 12", "offset = 50"))
+    design = made(text, every(text, friction=""))
+    assert any(each.severity == "wrong" for each in design.findings)
+    for name in ("contact-force", "lift-off", "drive-torque", "contact-pressure"):
+        each = found(design, name, "jamming")
+        assert each.severity == "broken"
+        assert each.value == 0.0
+
+
+def test_a_rest_longer_than_the_transient() -> None:
+    """20 ms of a decay of 3 ms: what a rise leaves has gone when the rest ends."""
+    text = scene_text("plate_translating")
+    design = made(text, "[effects.vibration]\nnatural_frequency = 400\ndamping = 0.2\n")
+    assert assert_sound(design) == {}
+    ends = np.radians([30.0, 170.0, 360.0])
+    starts = np.radians([290.0, 130.0, 290.0])
+    w = 400.0 * TURN
+    states = design.effect("vibration").source.states
+    left, begun = states(ends, "left"), states(starts, "right")
+    for k, degrees in enumerate((100.0, 40.0, 70.0)):
+        decay = math.exp(-0.2 * w * degrees / 360.0)
+        amplitude = np.hypot(begun[0, k], begun[1, k] / w) / math.sqrt(1.0 - 0.2**2)
+        assert abs(left[0, k]) <= 1.3 * decay * amplitude + 1e-6 * 20.0 * 1e-6
+
+
+LENGTHS: Final = r"^(base_radius|roller_radius|offset|to|thickness|bore) = ([-\d.]+)$"
+
+
+@pytest.mark.parametrize("factor", [1e-3, 1e3])
+def test_tiny_and_huge_designs_are_similar(factor: float) -> None:
+    """All lengths times L, the same mass and speed: forces of inertia times L, torque times L^2."""
+    text = without_output(scene_text("plate_translating"))
+    text = changed(text, ("keyway = { width = 8, depth = 3.3, angle = 90 }\n", ""))
+
+    def scaled(match: re.Match[str]) -> str:
+        return f"{match[1]} = {float(match[2]) * factor!r}"
+
+    large = re.sub(LENGTHS, scaled, text, flags=re.MULTILINE)
+    data = {"width": f"{5.0 * factor!r}", "pin": f"{5.0 * factor!r}", "rolling": f"{factor!r}e-2"}
+    assert set(assert_sound(made(large, every(text, **data)))) <= {"speed-fluctuation"}
+    inertia = "[effects.inertia]\nmass = 1\n[effects.contact-force]\n[effects.drive-torque]\n"
+    inertia += "[effects.friction]\nguide = 0.1\n"
+    one, other = made(text, inertia), made(large, inertia)
+    phi = np.linspace(0.0, TURN, 333) + 1e-3
+    for effect, name, power in (
+        ("contact-force", "normal", 1),
+        ("drive-torque", "torque", 2),
+    ):
+        first = getattr(one.effect(effect), name)(phi, "right")
+        second = getattr(other.effect(effect), name)(phi, "right")
+        scale = np.max(np.abs(first))
+        assert np.max(np.abs(first - second / factor**power)) <= ROUNDING * scale
+
+
+@pytest.mark.parametrize("rev", ["1e-3", "1e4"])
+def test_very_slow_and_very_fast_cams(rev: str) -> None:
+    """Forces are c0 + c2 omega^2 to the last digits: nothing is lost at either end."""
+    text = changed(scene_text("plate_translating"), ("speed = 60", f"speed = {rev}"))
+    assert set(assert_sound(made(text, every(text)))) <= {"speed-fluctuation"}
+    effects = "[effects.inertia]\nmass = 1\n[effects.contact-force]\n"
+    here = made(text, effects).effect("contact-force")
+    usual = made(scene_text("plate_translating"), effects).effect("contact-force")
+    phi = np.linspace(0.0, TURN, 333) + 1e-3
+    ratio = (float(rev) / 60.0) ** 2
+    first, second = here.normal(phi, "right"), ratio * usual.normal(phi, "right")
+    assert np.max(np.abs(first - second)) <= ROUNDING * np.max(np.abs(second))
+
+
+def test_inches_are_millimetres() -> None:
+    """The same cam and springs, written in both units: the same findings but for their lengths."""
+    text = scene_text("inch")
+    effects = every(text, friction="guide = 0.1\nguide_length = 3.0\nguide_overhang = 1.5")
+    whole = f"{without_output(text)}\n{effects}"
+
+    def converted(match: re.Match[str]) -> str:
+        return f"{match[1]} = {float(match[2]) * 25.4!r}"
+
+    keys = "base_radius|roller_radius|to|thickness|bore|width|roller_pin_diameter|rolling"
+    metric = re.sub(
+        rf"^({keys}|guide_length|guide_overhang) = ([\d.]+)$", converted, whole, flags=re.MULTILINE
+    )
+    metric = metric.replace("width = 0.1875, depth = 0.094", "width = 4.7625, depth = 2.3876")
+    metric = metric.replace('length = "inch"', 'length = "mm"')
+    one, other = made(whole), made(metric)
+    assert assert_sound(one) == assert_sound(other) == {}
+    pairs = list(zip(one.effect_findings, other.effect_findings, strict=True))
+    assert len(pairs) > 40
+    for here, there in pairs:
+        assert (here.name, here.unit, here.severity) == (there.name, there.unit, there.severity)
+        if here.value is not None:
+            # The tolerance of the numerical effects is 1e-6.
+            assert here.value == pytest.approx(there.value, rel=2e-6, abs=1e-12), here.name
+
+
+def test_velocity_jumps() -> None:
+    """Each effect with a mass in it tells the shock; the rest is finite."""
+    text = scene_text("straight_moves")
+    design = made(text, every(text))
+    assert assert_sound(design) == {"speed-fluctuation": "shock"}
+    for effect, name in (
+        ("contact-force", "shock"),
+        ("drive-torque", "shock"),
+        ("speed-fluctuation", "shock"),
+        ("inertia", "largest-inertia-force"),
+        ("lift-off", "lift-off"),
+    ):
+        told = [each for each in design.effects.findings(effect) if each.name == name]
+        assert told, effect
+        assert all(each.severity in ("warning", "broken") for each in told), effect
+    # Without a mass there is no shock.
+    still = made(text, every(text, inertia="mass = 0"))
+    assert "shock" not in names(still, "contact-force") | names(still, "drive-torque")
+    assert found(still, "inertia", "largest-inertia-force").value == 0.0
+    assert assert_sound(still) == {}
+
+
+@pytest.mark.parametrize("name", ["swallow_tail", "trimmed_ring", "cut_lobe"])
+def test_cusps_and_undercut(name: str) -> None:
+    """Under force a cusp has no pressure; where the roller has lifted off before, it does not."""
+    text = scene_text(name)
+    slow = assert_sound(made(text, every(text)))
+    fast = re.sub(r"^speed = \d+", "speed = 2000", text, flags=re.MULTILINE)
+    design = made(fast, every(text))
+    assert "contact-pressure" not in assert_sound(design)
+    assert found_all(design, "lift-off", "lift-off")
+    assert (slow.get("contact-pressure") == "infinite-contact-pressure") == (name != "cut_lobe")
+
+
+def found_all(design: Design, effect: str, name: str) -> list[Finding]:
+    told = [each for each in design.effects.findings(effect) if each.name == name]
+    assert all(each.severity == "broken" for each in told)
+    return told
+
+
+def test_a_motor_too_weak() -> None:
+    text = scene_text("plate_translating")
+    effects = every(text, stall="0.001")
+    design = made(text, effects)
+    assert assert_sound(design) == {"speed-fluctuation": "stall"}
+    each = found(design, "speed-fluctuation", "stall")
+    assert each.severity == "broken"
+    assert each.value == pytest.approx(1e-3, rel=1e-12)
+
+
+def test_a_light_shaft_whose_speed_all_but_stops_between_two_nodes() -> None:
+    """The polynomials of a coarse mesh pass 0 there; the steady state is found all the same."""
+    effects = """
+[effects.inertia]
+moment_of_inertia = 0.1028
+[effects.spring]
+stiffness = 57.58
+preload = 3475
+anchor = [-0.1198, -8.535]
+attachment = [21.65, -67.26]
+[effects.speed-fluctuation]
+moment_of_inertia = 3.845e-06
+no_load_speed = 425
+stall_torque = 287.8
+"""
+    design = made(scene_text("trimmed_ring"), effects)
+    assert assert_sound(design) == {}
+    turn = design.effect("speed-fluctuation")
+    assert np.min(turn.omega(np.linspace(0.0, TURN, 5000))) > 0.0
+    # Without friction and load the motor does no work over a turn.
+    told = {each.name: each.value for each in turn.findings}
+    assert abs(told["motor-work"]) <= 1e-5 * TURN * told["largest-motor-torque"]
+
+
+@pytest.mark.parametrize("name", ["plate_translating", "ring", "shuttle"])
+def test_a_load_that_lifts_the_roller_off_everywhere(name: str) -> None:
+    """No flank carries: lost all the turn, at any speed; no pressure, and no life to tell."""
+    text = with_speed(name)
+    pull = {"plate_translating": "-1e4", "ring": "1e4", "shuttle": "-1e3"}[name]
+    design = made(text, every(text, load=pull, friction="", stall="1e6"))
+    assert assert_sound(design) == {}
+    (lost,) = found_all(design, "lift-off", "lift-off")
+    assert lost.cam_range == (0.0, TURN)
+    assert found(design, "lift-off", "lift-off-speed").value == 0.0
+    phi = np.linspace(0.0, TURN, 100)
+    pressure = design.effect("contact-pressure").columns[0].values(phi, "right")
+    assert not np.any(pressure)
+    assert "torque-without-contact" in names(design, "drive-torque")
+
+
+def test_a_speed_curve_is_the_same_as_its_time_course() -> None:
+    """Forces of a cam that is driven unevenly, by the accelerations in time."""
+    effects = "[effects.inertia]\nmass = 2\n[effects.contact-force]\n[effects.kinematics]\n"
+    design = made(scene_text("points"), effects)
+    assert assert_sound(design) == {}
+    phi = np.linspace(0.0, TURN, 777) + 1e-3
+    timed = in_time(design.motion.jet(phi), design.time_course, phi)  # type: ignore[arg-type]
+    force = 2e-3 * timed[2] / design.pitch_curve.leverage(phi)
+    told = design.effect("contact-force").normal(phi, "right")
+    assert np.max(np.abs(told - force)) <= ROUNDING * np.max(np.abs(force))
+
+
+@pytest.mark.parametrize(
+    ("effects", "key"),
+    [
+        ("[effects.vibration]\nnatural_frequency = 5\ndamping = 1.0", "effects.vibration.damping"),
+        ("[effects.spring]\nstiffness = nan\npreload = 1", "effects.spring.stiffness"),
+        ("[effects.spring]\nstiffness = inf\npreload = 1", "effects.spring.stiffness"),
+        ("[effects.inertia]\nmass = -1", "effects.inertia.mass"),
+        ("[effects.lift-off]", "effects.lift-off"),
+        ("[effects.speed-fluctuation]\nmoment_of_inertia = 0", "effects.speed-fluctuation"),
+        ("[effects.drive-torque]\ntolerance = 1e-20", "effects.drive-torque.tolerance"),
+    ],
+)
+def test_what_is_no_number_is_refused(effects: str, key: str) -> None:
+    with pytest.raises(SceneError) as refused:
+        made(scene_text("plate_translating"), effects)
+    keys: list[Any] = [fault.key for fault in refused.value.faults]
+    assert any(each.startswith(key) for each in keys), keys
+
+
+def test_a_harmonic_that_the_motion_does_not_have_is_no_resonance() -> None:
+    """A pure harmonic of the first order leaves a train alone that is tuned to the second."""
+    rise = '[[motion]]\nlaw = "simple-sine"\nspan = 180\nto = 20\n'
+    back = '[[motion]]\nlaw = "simple-sine"\nspan = 180\nto = 0\n'
+    text = (SCENES / "plate_translating.toml").read_text("utf-8")
+    head, tail = text[: text.index("[[motion]]")], text[text.index("[part]") :]
+    tuned = "[effects.vibration]\nnatural_frequency = 2\n"
+    made = Design(parse_scene(head + rise + back + tail + tuned))
+    # e = y / (r^2 - 1) of the amplitude 10 mm with r = 2.
+    found = {each.name: each for each in made.effects.findings("vibration")}
+    assert found["largest-motion-error"].value == pytest.approx(10.0 / 3.0, rel=1e-9)
+    assert found["resonance"].value is None
+    assert "which the motion does not have" in found["resonance"].sentence

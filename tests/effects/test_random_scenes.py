@@ -1,0 +1,375 @@
+"""Effects of scenes made up at random: numbers or a clear answer, nothing else.
+
+Whatever a scene says that its schema allows, each effect has to give finite numbers, or a finding
+that tells why not, or a fault of the scene with its key. A warning of Python is an error here, see
+`filterwarnings`.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+from functools import cache
+from random import Random
+from typing import Any, Final
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from camgeo.check.finding import Finding
+from camgeo.cli.command import finding_record
+from camgeo.design import Design
+from camgeo.effects.effect import Column
+from camgeo.effects.registry import EFFECTS
+from camgeo.errors import EffectError, Fault, GeometryError, SceneError
+from camgeo.numeric.arrays import FloatArray
+from camgeo.scene.load import parse_scene
+from camgeo.scene.schema import schema
+from camgeo.units import TURN
+from tests.effects.scenes import SCENES
+
+NAMES: Final = tuple(sorted(path.stem for path in SCENES.glob("*.toml")))
+
+ANGLES: Final = np.linspace(0.0, TURN, 97, endpoint=False)
+
+SEVERITIES: Final = ("ok", "warning", "broken", "fatal", "wrong")
+
+USUAL: Final[dict[str, tuple[float, float]]] = {
+    "mass": (1e-3, 1e2),
+    "moment": (1e-6, 1e1),
+    "force": (1.0, 1e4),
+    "load": (1.0, 1e3),
+    "torque": (1e-2, 1e3),
+    "stiffness": (1e-2, 1e4),
+    "torsional_stiffness": (1.0, 1e5),
+    "viscous": (1e-4, 1.0),
+    "viscous_torque": (1e-4, 1e1),
+    "coefficient": (1e-3, 0.4),
+    "length": (1e-2, 1e2),
+    "coordinate": (1e-1, 3e2),
+    "angle": (1.0, 360.0),
+    "share": (1e-3, 1.0),
+    "speed": (1.0, 1e3),
+    "stress": (1e2, 1e6),
+    "poisson": (0.1, 0.5),
+    "safety": (1.0, 3.0),
+    "hours": (1e1, 1e5),
+    "frequency": (0.5, 1e4),
+    "damping": (1e-3, 0.5),
+    "swing": (1e-3, 1e1),
+    "ratio": (1e-2, 2e1),
+    "density": (1e3, 1e4),
+    "grade": (1e-1, 1e4),
+    "effect_tolerance": (1e-8, 1e-2),
+}
+"""Ranges in which designers' numbers lie, by the definition of the schema, in its units."""
+
+SIGNED: Final = ("load", "coordinate", "angle")
+
+OF_GUIDE: Final = {
+    "friction": ("pivot", "pivot_diameter", "pivot_viscous", "slider"),
+    "inertia": (
+        "moment_of_inertia",
+        "rocker_mass",
+        "rocker_centre",
+        "coupler_mass",
+        "coupler_centre",
+        "coupler_moment",
+    ),
+    "spring": ("kind", "torsional_stiffness", "preload_torque", "anchor", "attachment"),
+    "vibration": ("torsional_stiffness", "limit_angle"),
+}
+"""Keys that a translating follower does not have."""
+
+OF_ROCKER: Final = {
+    "friction": ("guide", "guide_length", "guide_overhang", "guide_viscous", "slider"),
+    "inertia": ("mass", "coupler_mass", "coupler_centre", "coupler_moment"),
+    "spring": (),
+    "vibration": ("stiffness", "limit"),
+}
+OF_LINKAGE: Final = {
+    "friction": ("guide", "guide_length", "guide_overhang"),
+    "inertia": (),
+    "spring": (),
+    "vibration": ("torsional_stiffness", "limit_angle"),
+}
+
+SPRINGS: Final = (
+    ("stiffness", "preload"),
+    ("torsional_stiffness", "preload_torque", "kind"),
+    ("stiffness", "preload", "anchor", "attachment", "kind"),
+)
+
+
+@cache
+def scene_text(name: str) -> str:
+    return (SCENES / f"{name}.toml").read_text("utf-8")
+
+
+def number(rng: Random, kind: str, *, wild: bool) -> float:
+    """A number that the schema allows for `kind`."""
+    node = schema()["$defs"][kind]
+    least = float(node.get("minimum", node.get("exclusiveMinimum", 0.0)))
+    most = float(node.get("maximum", node.get("exclusiveMaximum", 1.0)))
+    if "minimum" in node and rng.random() < 0.1:
+        return max(least, 0.0)
+    low, high = USUAL[kind]
+    if wild:
+        low, high = max(least, 1e-12), most
+    found = math.exp(rng.uniform(math.log(low), math.log(high)))
+    found = float(f"{found:.4g}")
+    if kind in SIGNED and rng.random() < 0.5:
+        found = -found
+    found = min(max(found, least), most)
+    if "exclusiveMaximum" in node and found >= most:
+        found = 0.5 * most
+    return found
+
+
+def value(rng: Random, key: str, node: dict[str, Any], *, wild: bool) -> Any:
+    """A value for a key of a table; None where it takes a file."""
+    kind = node.get("$ref", "").rpartition("/")[2]
+    if kind == "file":
+        return None
+    if kind == "material":
+        return rng.choice(("steel", "steel-hardened", "cast-iron"))
+    if "enum" in node:
+        return rng.choice(("extension", "torsion", "compression"))
+    if kind:
+        return number(rng, kind, wild=wild)
+    if key == "coupler_centre":
+        return round(rng.random(), 3)
+    if key == "segments":
+        return [number(rng, "load", wild=wild) for _ in range(5)]
+    if node["type"] == "array":
+        return [number(rng, "coordinate", wild=wild) for _ in range(2)]
+    inner = node["properties"]
+    return {each: value(rng, each, inner[each], wild=wild) for each in inner}
+
+
+def keys_of(rng: Random, effect: str, properties: dict[str, Any], text: str) -> list[str]:
+    """Some of the keys of a table, most times those that suit the follower."""
+    rocks = "oscillating-roller" in text
+    foreign = OF_LINKAGE if "[linkage]" in text else OF_ROCKER if rocks else OF_GUIDE
+    keys = [each for each in properties if each not in foreign.get(effect, ())]
+    if rng.random() < 0.03:
+        keys = list(properties)
+    chosen = [each for each in keys if rng.random() < 0.6]
+    if effect == "spring":
+        suits = SPRINGS if rocks else SPRINGS[:1]
+        chosen = list(rng.choice(suits[1:] if rocks and "[linkage]" not in text else suits))
+    if effect == "vibration":
+        stiff = "torsional_stiffness" if rocks and "[linkage]" not in text else "stiffness"
+        one = rng.choice(("natural_frequency", stiff))
+        three = ("natural_frequency", "stiffness", "torsional_stiffness")
+        chosen = [one, *(each for each in chosen if each not in three)]
+    if effect == "load":
+        chosen = [
+            "segments" if text.count("[[motion]]") == 5 and rng.random() < 0.5 else "constant"
+        ]
+    if effect == "lift-off" and rng.random() < 0.95:
+        chosen = [each for each in chosen if (each == "backlash") == ('"groove"' in text)]
+    if effect == "speed-fluctuation":
+        chosen = ["moment_of_inertia", "no_load_speed", "stall_torque", *chosen[:1]]
+        chosen = [each for each in dict.fromkeys(chosen) if each != "file"]
+    if effect == "friction":
+        chosen += [f"{each}_diameter" for each in ("pivot", "roller_pin") if each in chosen]
+        if "guide_overhang" in chosen:
+            chosen.append("guide_length")
+    if effect == "inertia":
+        for part, mass in (("rocker", "rocker_mass"), ("coupler", "coupler_mass")):
+            if any(each.startswith(part) for each in chosen):
+                chosen.append(mass)
+    for each, other in (("hole_diameter", "hole_radius"), ("life", "rating")):
+        if each in chosen:
+            chosen.append(other)
+    return list(dict.fromkeys(chosen))
+
+
+def spelled(item: Any) -> str:
+    """A value as TOML has it."""
+    if isinstance(item, dict):
+        return "{ " + ", ".join(f"{key} = {spelled(each)}" for key, each in item.items()) + " }"
+    if isinstance(item, list):
+        return "[" + ", ".join(spelled(each) for each in item) + "]"
+    return json.dumps(item) if isinstance(item, str) else repr(float(item))
+
+
+def tables_of(rng: Random, text: str) -> str:
+    """Tables of some effects."""
+    known = schema()["properties"]["effects"]["properties"]
+    wild = rng.random() < 0.25
+    named = {each for each in EFFECTS if rng.random() < 0.45}
+    if rng.random() < 0.9 and named & {"gravity", "lift-off", "speed-fluctuation"}:
+        named |= {"inertia", "spring"}
+    lines = []
+    for effect in EFFECTS:
+        if effect not in named:
+            continue
+        lines.append(f"[effects.{effect}]")
+        properties = known[effect].get("properties", {})
+        for key in keys_of(rng, effect, properties, text):
+            if key == "kind":
+                kind = "torsion" if "torsional_stiffness" in lines[-1] + lines[-2] else "extension"
+                lines.append(f'kind = "{kind}"')
+                continue
+            item = value(rng, key, properties[key], wild=wild and rng.random() < 0.5)
+            if item is not None:
+                lines.append(f"{key} = {spelled(item)}")
+    return "\n".join(lines)
+
+
+def scene_of(rng: Random) -> tuple[str, str]:
+    """Name of the file, and text of a scene of the fixtures with effects and another speed."""
+    name = rng.choice(NAMES)
+    text = scene_text(name)
+    speed = f"speed = {number(rng, 'speed', wild=rng.random() < 0.1)!r}"
+    if name == "ring" and rng.random() < 0.8:
+        text = text.replace('rotation = "ccw"', f'rotation = "ccw"\n{speed}')
+    elif rng.random() < 0.5:
+        text = re.sub(r"^speed = \d+$", speed, text, count=1, flags=re.MULTILINE)
+    return str(SCENES / f"{name}.toml"), f"{text}\n{tables_of(rng, text)}\n"
+
+
+def within(node: dict[str, Any]) -> dict[str, Any]:
+    """Keys that a table may have, with what the schema says of each."""
+    while "$ref" in node:
+        node = schema()["$defs"][node["$ref"].rpartition("/")[2]]
+    found = dict(node.get("properties", {}))
+    for each in (node.get("items"), node.get("then"), node.get("else")):
+        found.update(within(each) if each else {})
+    return found
+
+
+def known_key(key: str) -> bool:
+    """Whether a scene may have `key`, e.g. "effects.spring.preload"."""
+    node: dict[str, Any] = schema()
+    for step in re.sub(r"\[\d+\]", "", key).split("."):
+        keys = within(node)
+        if step not in keys:
+            return False
+        node = keys[step]
+    return True
+
+
+def sides_of(column: Column, phi: FloatArray) -> FloatArray:
+    return np.stack([column.values(phi, "right"), column.values(phi, "left")])
+
+
+def assert_sound(design: Design) -> dict[str, str]:
+    """That all effects of `design` answer in finite numbers; gives why not, by effect, where not.
+
+    A design that is no cam mechanism is left alone, as commands leave it.
+    """
+    if any(each.severity == "wrong" for each in design.findings):
+        return {}
+    failed = {name: fault_of(design, name) for name in design.effect_names}
+    for name in (name for name, fault in failed.items() if not fault):
+        result = design.effect(name)
+        assert result.error is None or (math.isfinite(result.error) and result.error >= 0.0), name
+        assert_columns(design, name, result.columns)
+    return {name: fault for name, fault in failed.items() if fault}
+
+
+def fault_of(design: Design, name: str) -> str:
+    """The finding or the key that says why there is no result; empty if there is one."""
+    key = ""
+    findings: tuple[Finding, ...] | None = None
+    try:
+        findings = design.effects.findings(name)
+    except GeometryError as error:
+        key = error.key
+    if findings is None:
+        assert known_key(key), (name, key)
+        return f"key {key}"
+    assert_findings(name, findings)
+    try:
+        design.effect(name)
+    except (EffectError, GeometryError) as error:
+        told = str(error)
+    else:
+        return ""
+    assert told in findings[0].sentence
+    assert findings[0].severity == "broken"
+    return findings[0].name
+
+
+def assert_findings(name: str, findings: tuple[Finding, ...]) -> None:
+    for each in findings:
+        assert re.fullmatch(r"[a-z0-9]+(-[a-z0-9]+)*", each.name), each
+        assert each.severity in SEVERITIES, each
+        assert not re.search(r"\b(nan|inf|None)\b|\{", each.sentence), (name, each)
+        record = json.loads(json.dumps(finding_record(each), allow_nan=False))
+        assert record["sentence"], each
+        numbers = (each.value, each.limit, each.cam_angle, *(each.cam_range or ()))
+        assert all(math.isfinite(one) for one in numbers if one is not None), (name, each)
+        assert each.cam_angle is None or 0.0 <= each.cam_angle < TURN, (name, each)
+        assert each.value is None or isinstance(each.value, float), (name, each)
+        for end in each.cam_range or ():
+            assert 0.0 <= end <= TURN, (name, each)
+
+
+def assert_columns(design: Design, name: str, columns: tuple[Column, ...]) -> None:
+    for column in columns:
+        borders = np.asarray(column.borders)
+        assert np.all((borders >= 0.0) & (borders < TURN)), (name, column.name)
+        phi = np.concatenate((ANGLES, design.smooth_angles, borders))
+        values = sides_of(column, phi)
+        assert values.shape == (2, len(phi)), (name, column.name)
+        bad = ~np.all(np.isfinite(values), axis=0)
+        assert not np.any(bad), (name, column.name, np.degrees(phi[bad][:3]))
+        assert column.limit is None or math.isfinite(column.limit), (name, column.name)
+
+
+def sound_or_refused(file: str, text: str) -> dict[str, str]:
+    """Why effects of a scene have no answer, by effect; or its faults, by key."""
+    faults: tuple[Fault, ...] = ()
+    design = None
+    try:
+        design = Design(parse_scene(text, file))
+    except SceneError as error:
+        faults = error.faults
+    if design is not None:
+        return assert_sound(design)
+    assert faults
+    for fault in faults:
+        assert known_key(fault.key), fault
+        assert fault.message
+    return {fault.key: "fault" for fault in faults}
+
+
+@settings(max_examples=25)
+@given(st.randoms(use_true_random=False))
+def test_effects_of_any_scene_are_finite_or_refused(rng: Random) -> None:
+    sound_or_refused(*scene_of(rng))
+
+
+def test_the_scenes_are_not_all_refused() -> None:
+    """Most are computed: what is held above is held of effects, not of faults alone."""
+    seeds = range(30)
+    files, texts = zip(*(scene_of(Random(seed)) for seed in seeds), strict=True)
+    sound = 0
+    for file, text in zip(files, texts, strict=True):
+        try:
+            sound += len(parse_scene(text, file).effects) > 0
+        except SceneError:
+            continue
+    assert sound >= len(seeds) // 2
+
+
+@pytest.mark.parametrize(
+    ("key", "known"),
+    [
+        ("effects.spring.preload", True),
+        ("effects.vibration.second.mass_ratio", True),
+        ("motion[2].span", True),
+        ("cam.speed", True),
+        ("effects.spring.load", False),
+        ("effects.springs", False),
+    ],
+)
+def test_keys_are_told_from_others(key: str, known: bool) -> None:
+    assert known_key(key) == known
