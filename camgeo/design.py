@@ -100,7 +100,7 @@ class Design:
 
     @property
     def scene_hash(self) -> str:
-        """SHA-256 of the scene file, hexadecimal."""
+        """SHA-256 of the scene file without its effects, see `camgeo.scene.fingerprint`."""
         return self.specification.source.sha256
 
     @property

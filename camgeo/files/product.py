@@ -125,7 +125,7 @@ class Product(Protocol):
 
     @property
     def scene_hash(self) -> str:
-        """SHA-256 of the scene file, hexadecimal; empty for a design made without a file."""
+        """SHA-256 of the scene file without its effects, hexadecimal; empty without a file."""
 
     @property
     def scene_files(self) -> dict[str, str]:

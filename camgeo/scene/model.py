@@ -57,7 +57,8 @@ class SceneSource:
     Attributes
     ----------
     file : path as given, or empty for a scene that was not read from a file.
-    sha256 : of the file's bytes, hexadecimal.
+    sha256 : of the file's bytes without the tables of effects, hexadecimal, see
+        `camgeo.scene.fingerprint`.
     files : names of the files that the scene reads, each with the SHA-256 of its bytes.
     """
 
