@@ -1,0 +1,189 @@
+"""`camgeo crank-slide`: extremes, value table and diagram of an oscillating crank-slide."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from decimal import Decimal, InvalidOperation
+from functools import partial
+from pathlib import Path
+from typing import Final
+
+from camgeo.cli.command import FINE, Subparsers, new_parser, print_json, tell
+from camgeo.cli.crank_slide_told import document, lines
+from camgeo.cli.plot import RENDERERS, add_picture, check_picture
+from camgeo.errors import GeometryError
+from camgeo.mechanism.crank_slide import CrankSlide
+from camgeo.mechanism.crank_slide_drive import DrivenSlide, crank_for_swing
+from camgeo.mechanism.crank_slide_table import (
+    FULL_TURN,
+    NAMES,
+    PRINTED_STEP,
+    SlideTable,
+    slide_table,
+)
+from camgeo.units import RPM
+
+RENDERER: Final = "crank-slide"
+"""Entry point of the group `camgeo.renderers` that draws the diagram."""
+
+LOWEST, HIGHEST = 1e-100, 1e100
+"""Of lengths [mm] and speeds [rev/min]: what is made of them is far from overflow."""
+
+TABLE_OPTIONS: Final = ("step", "from", "to")
+
+
+def register(subparsers: Subparsers[argparse.ArgumentParser]) -> None:
+    """Add the command."""
+    parser = new_parser(
+        subparsers,
+        "crank-slide",
+        "tell extremes and time ratio of a crank-slide, its value table, its diagram",
+        "camgeo crank-slide --frame 150 --swing 60 --speed 90 -o crank-slide.png\n"
+        "  camgeo crank-slide --frame 150 --swing 60 --speed 90 --table --printed\n"
+        "  camgeo crank-slide --frame 50 --crank 80 --speed 90 --csv turning.csv --step 0.5",
+    )
+    parser.add_argument(
+        "--frame", metavar="MM", required=True, help="a, distance of the axes of crank and slide"
+    )
+    size = parser.add_mutually_exclusive_group(required=True)
+    size.add_argument(
+        "--swing", metavar="DEG", help="whole swing of the slide; the crank is a sin(swing/2)"
+    )
+    size.add_argument(
+        "--crank", metavar="MM", help="R, radius of the crank; with R > a the slide turns round"
+    )
+    parser.add_argument(
+        "--speed", metavar="RPM", required=True, help="speed of the crank in rev/min"
+    )
+    group = parser.add_argument_group("value table")
+    group.add_argument("--table", action="store_true", help="print the value table as CSV instead")
+    group.add_argument("--csv", metavar="FILE", help="write the value table to a file")
+    group.add_argument("--step", metavar="DEG", help="step of the crank angle, default 1")
+    group.add_argument("--from", metavar="DEG", help="first crank angle, default 0")
+    group.add_argument("--to", metavar="DEG", help="last crank angle, default 360")
+    group.add_argument(
+        "--printed", action="store_true", help="to three decimals, as the SAM exercise prints it"
+    )
+    parser.add_argument("--json", action="store_true", help="print JSON")
+    add_picture(parser)
+    parser.set_defaults(run=partial(run, parser))
+
+
+def run(parser: argparse.ArgumentParser, arguments: argparse.Namespace) -> int:
+    """Print extremes or table; write table and picture, both or none."""
+    check_picture(parser, arguments.output)
+    _check_options(parser, arguments)
+    driven = _driven(parser, arguments)
+    table = None
+    if arguments.table or arguments.csv is not None:
+        table = _table(parser, driven, arguments)
+    _write(driven, table, arguments)
+    shown = table if arguments.table else None
+    if arguments.json:
+        print_json(document(driven, shown, printed=arguments.printed))
+    elif shown is not None:
+        sys.stdout.write(_csv(shown, printed=arguments.printed))
+    else:
+        print("\n".join(lines(driven)))
+    return FINE
+
+
+# What is given ------------------------------------------------------------------------------------
+
+
+def _check_options(parser: argparse.ArgumentParser, arguments: argparse.Namespace) -> None:
+    if not arguments.table and arguments.csv is None:
+        given = [f"--{name}" for name in TABLE_OPTIONS if getattr(arguments, name) is not None]
+        given += ["--printed"] * arguments.printed
+        if given:
+            parser.error(f"{', '.join(given)}: allowed with --table or --csv only")
+    if arguments.csv is not None and arguments.output is not None:
+        table, picture = Path(arguments.csv), Path(arguments.output)
+        if table == picture:
+            parser.error("--csv and -o name the same file")
+        # Files are written as a set, whole or not at all, and a set lies in one folder.
+        if table.parent != picture.parent:
+            parser.error("--csv and -o must name files in the same folder")
+
+
+def _driven(parser: argparse.ArgumentParser, arguments: argparse.Namespace) -> DrivenSlide:
+    frame = _length(parser, "frame", arguments.frame, "mm")
+    if arguments.swing is None:
+        crank = _length(parser, "crank", arguments.crank, "mm")
+    else:
+        crank = crank_for_swing(frame, float(_number(parser, "swing", arguments.swing)))
+        if crank < LOWEST:
+            raise GeometryError(
+                f"makes a crank of {crank:g} mm; from {LOWEST:g} mm is allowed",
+                key="swing",
+                value=arguments.swing,
+            )
+    speed = _length(parser, "speed", arguments.speed, "rev/min")
+    return DrivenSlide(CrankSlide(crank, frame), speed * RPM)
+
+
+def _length(parser: argparse.ArgumentParser, key: str, text: str, unit: str) -> float:
+    value = float(_number(parser, key, text))
+    if not LOWEST <= value <= HIGHEST:
+        raise GeometryError(f"must be from {LOWEST:g} to {HIGHEST:g} {unit}", key=key, value=text)
+    return value
+
+
+def _number(parser: argparse.ArgumentParser, key: str, text: str) -> Decimal:
+    """The number in the text of an option; ends the command if there is none."""
+    try:
+        number = Decimal(text)
+    except InvalidOperation:
+        number = Decimal("NaN")
+    if not number.is_finite():
+        parser.error(f"argument --{key}: {text!r} is no number")
+    return number
+
+
+def _table(
+    parser: argparse.ArgumentParser, driven: DrivenSlide, arguments: argparse.Namespace
+) -> SlideTable:
+    defaults = (PRINTED_STEP, Decimal(0), FULL_TURN)
+    given = [
+        default
+        if getattr(arguments, key) is None
+        else _number(parser, key, getattr(arguments, key))
+        for key, default in zip(TABLE_OPTIONS, defaults, strict=True)
+    ]
+    return slide_table(driven, *given)
+
+
+# Files --------------------------------------------------------------------------------------------
+
+
+def _write(driven: DrivenSlide, table: SlideTable | None, arguments: argparse.Namespace) -> None:
+    files: dict[str, bytes] = {}
+    told = []
+    target = Path()
+    if arguments.csv is not None:
+        assert table is not None  # made for this file
+        target = Path(arguments.csv)
+        files[target.name] = _csv(table, printed=arguments.printed).encode()
+        told.append(f"{target}: {len(table.values)} rows")
+    if arguments.output is not None:
+        from importlib.metadata import entry_points
+
+        target = Path(arguments.output)
+        render = entry_points(group=RENDERERS)[RENDERER].load()
+        files[target.name] = render(driven, target.suffix)
+        told.append(f"{target}: phi, omega2, eps2")
+    if files:
+        from camgeo.files.transaction import write_set
+
+        write_set(target.parent, files, force=arguments.force)
+        for line in told:
+            tell(line)
+
+
+def _csv(table: SlideTable, *, printed: bool) -> str:
+    if printed:
+        return "".join(",".join(row) + "\n" for row in (NAMES, *table.printed()))
+    from camgeo.files.table import Table
+
+    return Table(NAMES, table.values).csv()

@@ -1,0 +1,205 @@
+"""A crank-slide whose crank turns evenly: its motion in time, extremes and strokes.
+
+All angles are counted the way round that the crank turns, as the table and the text of the SAM
+exercise count them. `camgeo.mechanism.crank_slide` counts the slide's angle the other way round, as
+equation (1) of the exercise does, so phi, omega_2 and eps_2 are the negatives of its values here.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from camgeo.errors import GeometryError
+from camgeo.mechanism.crank_slide import CrankSlide
+from camgeo.numeric.arrays import FloatArray
+from camgeo.units import TURN
+
+Quantity = Literal["angle", "velocity", "acceleration"]
+"""phi [rad], omega_2 [rad/s], eps_2 [rad/s^2]: the rows of `DrivenSlide.output`, in this order."""
+
+
+@dataclass(frozen=True, slots=True)
+class SlideExtreme:
+    """A largest or smallest value over one turn of the crank.
+
+    Attributes
+    ----------
+    quantity : which one.
+    largest : True for the largest value with its sign, False for the smallest.
+    value : of the quantity, by its closed form.
+    crank : crank angle theta in [0, 2 pi) [rad].
+    angle : phi at theta [rad]; -pi where a slide that turns round is at theta = 0.
+    time : from theta = 0 to theta [s].
+    """
+
+    quantity: Quantity
+    largest: bool
+    value: float
+    crank: float
+    angle: float
+    time: float
+
+
+@dataclass(frozen=True, slots=True)
+class Stroke:
+    """The swing of the slide from one of its ends to the other.
+
+    Attributes
+    ----------
+    start, end : crank angles [rad], ascending; `end` may exceed a turn.
+    duration : [s].
+    """
+
+    start: float
+    end: float
+    duration: float
+
+
+@dataclass(frozen=True, slots=True)
+class DrivenSlide:
+    """A crank-slide and the even speed of its crank.
+
+    Attributes
+    ----------
+    slide : its lengths.
+    speed : omega_0 [rad/s], positive.
+
+    Raises
+    ------
+    GeometryError
+        With key "speed", if that is not a positive number, or so large that a velocity or an
+        acceleration exceeds what a double holds.
+    """
+
+    slide: CrankSlide
+    speed: float
+
+    def __post_init__(self) -> None:
+        if not (self.speed > 0.0 and math.isfinite(self.speed)):
+            raise GeometryError(
+                "the speed of the crank must be a positive number",
+                key="speed",
+                value=f"{self.speed:g}",
+            )
+        largest = (
+            self.turn_time,
+            self.speed * self.slide.velocity_extremes.magnitude,
+            self.speed * self.speed * self.slide.largest_acceleration.value,
+        )
+        if not all(math.isfinite(value) for value in largest):
+            raise GeometryError(
+                "with this speed a time, a velocity or an acceleration of the slide is too large"
+                " for a number",
+                key="speed",
+                value=f"{self.speed:g}",
+            )
+
+    @property
+    def turn_time(self) -> float:
+        """Duration of one turn of the crank [s]."""
+        return TURN / self.speed
+
+    def output(self, theta: FloatArray) -> FloatArray:
+        """(3, n): phi [rad], omega_2 [rad/s], eps_2 [rad/s^2] at crank angles `theta` (n,) [rad].
+
+        Raises
+        ------
+        GeometryError
+            Where phi has no value, or a crank angle is no number: see `CrankSlide.angle`.
+        """
+        return np.asarray(0.0 - self.slide.in_time(theta, self.speed))
+
+    @property
+    def extremes(self) -> tuple[SlideExtreme, ...]:
+        """All extremes of one turn: angle, velocity, acceleration, each by ascending crank angle.
+
+        No angle for a slide that turns round. None at all for a = R, where the velocity is the same
+        everywhere, half the crank's, and the acceleration 0.
+        """
+        slide, speed = self.slide, self.speed
+        if slide.crank == slide.distance:
+            return ()
+        found = []
+        if slide.swings:
+            angle = slide.largest_angle
+            found += self._pair("angle", -angle.value, angle.place)
+        velocities = slide.velocity_extremes
+        # The smallest phi' is the largest omega_2: the sense of counting is the other one.
+        at_ends = [
+            self._extreme(
+                "velocity", True, -speed * velocities.lowest.value, velocities.lowest.place
+            ),
+            self._extreme(
+                "velocity", False, -speed * velocities.highest.value, velocities.highest.place
+            ),
+        ]
+        found += sorted(at_ends, key=lambda extreme: extreme.crank)
+        acceleration = slide.largest_acceleration
+        found += self._pair("acceleration", -speed * speed * acceleration.value, acceleration.place)
+        return tuple(found)
+
+    @property
+    def strokes(self) -> tuple[Stroke, Stroke] | None:
+        """The slow stroke, with the crank, and the quick one, against it; None if a <= R."""
+        if not self.slide.swings:
+            return None
+        first = self.slide.largest_angle.place
+        slow = Stroke(first, TURN - first, 2.0 * (math.pi - first) / self.speed)
+        return slow, Stroke(TURN - first, TURN + first, 2.0 * first / self.speed)
+
+    def _pair(self, quantity: Quantity, value: float, theta: float) -> list[SlideExtreme]:
+        """The extreme at `theta` in (0, pi), and its counterpart at 2 pi - theta."""
+        one = self._extreme(quantity, value > 0.0, value, theta)
+        mirrored = TURN - theta
+        time = mirrored / self.speed
+        return [one, SlideExtreme(quantity, value < 0.0, -value, mirrored, -one.angle, time)]
+
+    def _extreme(
+        self, quantity: Quantity, largest: bool, value: float, theta: float
+    ) -> SlideExtreme:
+        # sin pi is no zero in doubles, the slide's angle there is.
+        angle = 0.0 if theta == math.pi else float(self.output(np.array([theta]))[0, 0])
+        if quantity == "angle":
+            angle = value
+        return SlideExtreme(quantity, largest, value, theta, angle, theta / self.speed)
+
+
+def crank_for_swing(distance: float, swing: float) -> float:
+    """R = a sin(swing/2) [mm]: equation (4) of the SAM exercise, for the whole swing 2 phi_max.
+
+    R is rounded, and near 180 degrees with it the swing: by about an ulp over the cosine of half of
+    it.
+
+    Parameters
+    ----------
+    distance : a, of the axes [mm], positive.
+    swing : from one end to the other [deg], above 0, at most 180.
+
+    Raises
+    ------
+    GeometryError
+        With key "swing", outside this range, or so near 180 that no double between R and a is left.
+    """
+    if not 0.0 < swing <= 180.0:
+        raise GeometryError(
+            "the swing of a crank-slide must be above 0 and at most 180 degrees; a slide that turns"
+            " round has none, its crank is longer than the distance of the axes",
+            key="swing",
+            value=f"{swing:.17g}",
+        )
+    # The sine of 30 degrees is the only rational one of a rational angle between 0 and 90, and
+    # sin(pi/6) misses it by one spacing.
+    share = 0.5 if swing == 60.0 else math.sin(math.radians(0.5 * swing))
+    crank = distance * share
+    if crank >= distance and swing < 180.0:
+        raise GeometryError(
+            "so near to 180 degrees the crank cannot be told from the distance of the axes; state"
+            " the crank instead",
+            key="swing",
+            value=f"{swing:.17g}",
+        )
+    return crank
