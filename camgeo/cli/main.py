@@ -17,6 +17,7 @@ INTERRUPTED = 130
 
 COMMANDS = (
     "new",
+    "import",
     "check",
     "build",
     "verify",
@@ -24,11 +25,15 @@ COMMANDS = (
     "plot",
     "replay",
     "laws",
+    "crank-slide",
     "accuracy",
     "explain",
     "stability",
 )
-"""Modules of `camgeo.cli`, in the order of the help."""
+"""In the order of the help; each a module of `camgeo.cli`, with `-` for `_`."""
+
+MODULES = {"import": "import_"}
+"""Those whose name is a word of Python."""
 
 
 def parser(commands: Sequence[str] = COMMANDS) -> argparse.ArgumentParser:
@@ -44,7 +49,8 @@ def parser(commands: Sequence[str] = COMMANDS) -> argparse.ArgumentParser:
     top.add_argument("--version", action="version", version=f"camgeo {__version__}")
     subparsers = top.add_subparsers(metavar="COMMAND", required=True)
     for command in commands:
-        importlib.import_module(f"camgeo.cli.{command}").register(subparsers)
+        module = MODULES.get(command, command.replace("-", "_"))
+        importlib.import_module(f"camgeo.cli.{module}").register(subparsers)
     return top
 
 

@@ -239,6 +239,8 @@ class Writer(Protocol):
     ----------
     suffix : of the file, with its dot, e.g. ".dxf".
     needs : keys of the scene without which the format cannot be written, e.g. ("part.thickness",).
+
+    A writer may have `companions` too, a tuple of writers: the format's further files.
     """
 
     @property

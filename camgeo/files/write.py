@@ -14,7 +14,7 @@ from camgeo.errors import Fault, SceneError, ToleranceError
 from camgeo.files.product import Product
 from camgeo.files.specs import LARGEST_TOLERANCE, SMALLEST_TOLERANCE
 from camgeo.files.transaction import write_set
-from camgeo.files.writers import find_writer
+from camgeo.files.writers import find_writer, with_companions
 
 CERTIFICATE = "certificate.json"
 
@@ -92,8 +92,8 @@ def make_files(
     """
     contents: dict[str, bytes] = {}
     reports: list[FileReport] = []
-    for name in dict.fromkeys(formats):
-        writer = find_writer(name)
+    writers = [(name, find_writer(name)) for name in dict.fromkeys(formats)]
+    for name, writer in ((name, each) for name, one in writers for each in with_companions(one)):
         progress(f"{name}: computing")
         try:
             written = product.ledger.run(f"{name} file", partial(writer.write, product, tolerance))

@@ -16,6 +16,12 @@ def writer_names() -> tuple[str, ...]:
     return tuple(sorted(entry_points(group=GROUP).names))
 
 
+def with_companions(writer: Writer) -> tuple[Writer, ...]:
+    """The writers of all files of a format, `writer` the first; their suffixes differ."""
+    further: tuple[Writer, ...] = getattr(writer, "companions", ())
+    return (writer, *further)
+
+
 def find_writer(name: str) -> Writer:
     """Load the writer of format `name`; SceneError if there is none."""
     found: tuple[EntryPoint, ...] = tuple(entry_points(group=GROUP, name=name))

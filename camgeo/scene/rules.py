@@ -162,13 +162,15 @@ def linkage_drives_a_rocker(values: SoundValues) -> Iterator[Fault]:
 
 
 def formats_have_what_they_need(values: SoundValues) -> Iterator[Fault]:
-    """Solids and milling need a body, milling needs a tool."""
+    """Solids and milling need a body, milling needs a tool, opticurv's points a linkage."""
     formats = values.get("output", "formats") or ()
     for index, name in enumerate(formats):
         place = ("output", "formats", index)
         if name in SOLID_FORMATS and values.lacks("part", "thickness"):
             message = "needs [part] thickness"
             yield values.scene.fault(place, message)
+        if name == "asc" and values.lacks("linkage"):
+            yield values.scene.fault(place, "needs [linkage]")
         if name == "gcode" and values.lacks("output", "gcode"):
             yield values.scene.fault(place, "needs [output.gcode] with tool_diameter")
         if (

@@ -28,7 +28,7 @@ SETZHUB = str(SCENES / "setzhub.toml")
 
 NAMES = (
     "new", "check", "build", "verify", "table", "plot", "replay", "accuracy", "laws",
-    "explain", "stability",
+    "explain", "stability", "crank-slide", "import",
 )  # fmt: skip
 
 Capture = pytest.CaptureFixture[str]

@@ -1,0 +1,208 @@
+"""The point files: the columns of opticurv's source in their order, with correct values."""
+
+from __future__ import annotations
+
+import json
+import math
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import camgeo
+from camgeo.cli.main import main
+from camgeo.design import Design
+from camgeo.errors import SceneError
+from camgeo.numeric.arrays import FloatArray
+from camgeo.scene.load import parse_scene
+from camgeo.scene.ocv import import_project
+from camgeo_export.asc.writer import COLUMNS, POINTS, SECOND, WRITER, AscWriter
+from camgeo_export.errors import FileError
+from tests.reference import pitch_curve_of, reference, thesis_params
+
+FIXTURES = Path(__file__).parents[2] / "fixtures"
+
+EXAMPLES = {"querhub": "T4_querhub_ASSUMED", "schnitt": "T5_schnitt", "setzhub": "T6_setzhub",
+            "vorschub": "T7_vorschub"}  # fmt: skip
+
+
+@cache
+def design(name: str) -> Design:
+    """The cam of a project."""
+    data = (FIXTURES / "reference" / "ocv" / f"{name}.ocv").read_bytes()
+    return Design(parse_scene(import_project(data, name)))
+
+
+def numbers(data: bytes) -> FloatArray:
+    """(n, k) what a file holds, read without the writer."""
+    return np.array([[float(cell) for cell in row.split(",")] for row in data.decode().split()])
+
+
+@pytest.mark.parametrize("name", EXAMPLES)
+@pytest.mark.parametrize("writer", [WRITER, SECOND], ids=["1", "2"])
+def test_a_file_reads_back_to_the_bit(name: str, writer: AscWriter) -> None:
+    product = design(name)
+    written = writer.write(product, 0.001)
+    assert writer.measure(product, written.data) == 0.0
+    assert written.facts == {"rows": 720, "columns": len(writer.columns)}
+    assert numbers(written.data).shape == (720, len(writer.columns))
+    assert written.data == writer.write(product, 0.001).data
+    assert written.data.endswith(b"\n")
+    for odd in (b"\r", b" ", b"nan", b"-0,", b"-0\n"):
+        assert odd not in written.data
+
+
+def test_the_columns_stand_as_in_the_source() -> None:
+    """Source lines 1417 to 1432 and 1436 to 1441."""
+    assert (
+        *("phi", "s", "psi", "psi_rad", "psi'", "psi''", "x_Bik", "y_Bik", "x_i_vers", "y_i_vers"),
+        *("x_B_vers", "y_B_vers", "x_a_vers", "y_a_vers", "mue", "r_K"),
+    ) == COLUMNS
+    assert COLUMNS[8:14] == POINTS
+    assert (WRITER.suffix, SECOND.suffix) == ("1.asc", "2.asc")
+    assert WRITER.companions == (SECOND,)
+    first, second = (numbers(each.write(design("setzhub"), 1.0).data) for each in (WRITER, SECOND))
+    assert np.array_equal(first[:, 8:14], second)
+
+
+@pytest.mark.parametrize("name", EXAMPLES)
+def test_the_values_are_those_of_the_mechanism(name: str) -> None:
+    """Against the geometry itself: closed triangle, roller on the rocker, offset by the roller."""
+    product = design(name)
+    params = reference("thesis_examples.toml")[EXAMPLES[name]]["params"]
+    values = dict(zip(COLUMNS, numbers(WRITER.write(product, 1.0).data).T, strict=True))
+    assert np.array_equal(values["phi"], 0.5 * np.arange(720))
+    cam = values["x_B_vers"] + 1j * values["y_B_vers"]
+    axis = complex(params["x_A0"], params["y_A0"])
+    # 16 roundings of lengths below 512 mm.
+    close = 16.0 * 2.0**-53 * 512.0
+    assert abs(values["x_Bik"] + 1j * values["y_Bik"] - cam - axis).max() < close
+    # The disc turned clockwise by phi brings the roller centre onto the rocker; the pivot is 0.
+    fixed = axis + cam * np.exp(-1j * np.radians(values["phi"]))
+    assert abs(abs(fixed) - params["l_3"]).max() < close
+    swing = np.degrees(np.unwrap(np.angle(fixed / fixed[0])))
+    assert abs(swing - values["psi"]).max() < 1e-11
+    assert np.array_equal(values["psi_rad"], np.radians(values["psi"]))
+    for flank, side in (("i", 1.0), ("a", -1.0)):
+        point = values[f"x_{flank}_vers"] + 1j * values[f"y_{flank}_vers"]
+        assert abs(abs(point - cam) - params["r_R"]).max() < close
+        # In the cam's frame the pitch curve runs counter-clockwise: the inner flank is to its left.
+        along = np.roll(cam, -1) - np.roll(cam, 1)
+        assert np.all(side * ((point - cam) * along.conj()).imag > 0.0)
+
+
+@pytest.mark.parametrize("name", EXAMPLES)
+def test_the_values_are_those_of_the_formulas(name: str) -> None:
+    product = design(name)
+    curve = pitch_curve_of(thesis_params(EXAMPLES[name], -1))
+    values = dict(zip(COLUMNS, numbers(WRITER.write(product, 1.0).data).T, strict=True))
+    phi = np.radians(values["phi"])
+    jet = curve.motion.jet(phi)
+    assert np.array_equal(values["psi'"], jet[1] + 0.0)
+    assert np.array_equal(values["psi''"], jet[2] + 0.0)
+    assert np.array_equal(values["mue"], np.degrees(curve.transmission_angle(phi)))
+    assert np.array_equal(1.0 / values["r_K"], 1.0 / (1.0 / curve.curvature(phi)))
+
+
+def test_another_unit_changes_nothing_but_roundings() -> None:
+    text = import_project(
+        (FIXTURES / "reference" / "ocv" / "vorschub.ocv").read_bytes(), "vorschub"
+    )
+    lines = []
+    for line in text.splitlines():
+        key, _, rest = line.partition(" = ")
+        value = rest.split("  #")[0]
+        if key in ("arm", "base_radius", "roller_radius", "crank", "coupler", "to"):
+            line = f"{key} = {float(value) / 25.4!r}"
+        elif key == "pivot":
+            x, y = (float(each) / 25.4 for each in value.strip("[]").split(","))
+            line = f"pivot = [{x!r}, {y!r}]"
+        lines.append(line)
+    inch = "\n".join(lines).replace("[cam]", '[units]\nlength = "inch"\n[cam]', 1)
+    product = Design(parse_scene(inch))
+    for writer in (WRITER, SECOND):
+        data = writer.write(product, 1.0).data
+        assert writer.measure(product, data) == 0.0
+        there, here = numbers(writer.write(design("vorschub"), 1.0).data), numbers(data)
+        assert abs(there - here).max() < 1e-10
+
+
+@pytest.mark.parametrize(("place", "off"), [(1, 0.25), (6, 0.5), (7, 0.125), (8, 0.25), (13, 0.5)])
+def test_a_changed_length_is_measured(place: int, off: float) -> None:
+    product = design("setzhub")
+    rows = [line.split(",") for line in WRITER.write(product, 1.0).data.decode().splitlines()]
+    rows[300][place] = repr(float(rows[300][place]) + off)
+    data = "\n".join(",".join(row) for row in rows).encode()
+    assert WRITER.measure(product, data) == pytest.approx(off)
+
+
+@pytest.mark.parametrize("place", [0, 2, 3, 4, 5, 14, 15])
+def test_a_changed_angle_ratio_or_radius_is_refused(place: int) -> None:
+    product = design("setzhub")
+    rows = [line.split(",") for line in WRITER.write(product, 1.0).data.decode().splitlines()]
+    rows[300][place] = repr(float(rows[300][place]) + 1e-9)
+    with pytest.raises(FileError, match="angles, ratios or radii differ"):
+        WRITER.measure(product, "\n".join(",".join(row) for row in rows).encode())
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        (b"0,0,0,0,0,0,", b"0,0,0,0,0,", "other columns or rows"),
+        (b"0,0,0,0,0,0,", b"zero,0,0,0,0,0,", "not a number"),
+        (b"0,0,0,0,0,0,", b"0,nan,0,0,0,0,", "no finite number"),
+        (b"0,0,0,0,0,0,", b"0,0,0,nan,0,0,", "differ from this scene's"),
+        (b"\n0.5,0", b"\n", "differ|other columns"),
+    ],
+)
+def test_a_damaged_file_is_refused(old: bytes, new: bytes, message: str) -> None:
+    product = design("setzhub")
+    data = WRITER.write(product, 1.0).data
+    assert old in data
+    with pytest.raises(FileError, match=message):
+        WRITER.measure(product, data.replace(old, new, 1))
+
+
+def test_no_file_is_refused() -> None:
+    with pytest.raises(FileError, match="other columns or rows"):
+        SECOND.measure(design("setzhub"), b"")
+
+
+@pytest.mark.parametrize("scene", ["plate_translating", "shuttle"])
+def test_what_is_no_cam_linkage_is_refused(scene: str) -> None:
+    product = camgeo.load(FIXTURES / "scenes" / f"{scene}.toml")
+    assert product.linkage is None
+    with pytest.raises(SceneError, match=r"asc: needs \[linkage\]"):
+        WRITER.write(product, 0.001)
+
+
+def test_the_step_is_that_of_the_project() -> None:
+    text = import_project((FIXTURES / "reference" / "ocv" / "setzhub.ocv").read_bytes(), "setzhub")
+    product = Design(parse_scene(text.replace("step = 0.5", "step = 0.7")))
+    phi = numbers(WRITER.write(product, 1.0).data)[:, 0]
+    assert len(phi) == math.ceil(360.0 / 0.7)
+    # Each is rounded once; counted up, the last would be 1e-12 off.
+    assert phi[-1] == 359.8
+
+
+def test_a_build_writes_both_files(tmp_path: Path) -> None:
+    scene, out = tmp_path / "setzhub.toml", tmp_path / "out"
+    project = FIXTURES / "reference" / "ocv" / "setzhub.ocv"
+    assert main(["import", str(project), "-o", str(scene)]) == 0
+    # 1, for the least transmission angle breaks the default limit.
+    assert main(["build", str(scene), "-o", str(out), "--only", "asc"]) == 1
+    for writer, name in ((WRITER, "setzhub1.asc"), (SECOND, "setzhub2.asc")):
+        assert (out / name).read_bytes() == writer.write(design("setzhub"), 1.0).data
+    certificate = json.loads((out / "certificate.json").read_bytes())
+    files = [(each["file"], each["format"], each["deviation_mm"]) for each in certificate["files"]]
+    assert files == [("setzhub1.asc", "asc", 0.0), ("setzhub2.asc", "asc", 0.0)]
+
+
+def test_a_scene_may_ask_for_it_if_it_has_a_linkage() -> None:
+    text = (FIXTURES / "scenes" / "vorschub.toml").read_text(encoding="utf-8")
+    asked = text.replace('formats = ["dxf", ', 'formats = ["asc", "dxf", ')
+    assert parse_scene(asked).output.formats[0] == "asc"
+    head, _, tail = asked.partition("[linkage]")
+    with pytest.raises(SceneError, match=r'formats\[1\] = "asc": needs \[linkage\]'):
+        parse_scene(head + tail[tail.index("[[motion]]") :])
