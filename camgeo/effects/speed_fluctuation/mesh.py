@@ -48,7 +48,7 @@ def rule() -> Rule:
     """The rule of `NODES` nodes: the zeros of P_n - P_(n - 1), Legendre's polynomials."""
     series = np.zeros(NODES + 1)
     series[-2:] = -1.0, 1.0
-    x = np.sort(np.polynomial.legendre.legroots(series))
+    x = np.sort(np.polynomial.legendre.legroots(series).real)  # complex in type with numpy 2.5
     slope = np.polynomial.legendre.legder(series)
     for _ in range(2):  # Newton's steps to the last digits
         x = x - np.polynomial.legendre.legval(x, series) / np.polynomial.legendre.legval(x, slope)
