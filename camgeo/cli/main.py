@@ -19,6 +19,7 @@ COMMANDS = (
     "new",
     "import",
     "check",
+    "size",
     "build",
     "verify",
     "table",

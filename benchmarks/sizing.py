@@ -1,0 +1,109 @@
+"""Time of sizing: the smallest base circle, and the map of places of the cam axis that will do.
+
+For each scene, the best of some rounds, all in one process:
+
+- "smallest": the exact smallest base circle for the scene's transmission angle alone; and with the
+  rule for the radius of curvature, Flocke's construction and the ratings of all of them;
+- "map": 200 x 200 places of the cam axis about the answer, exactly, and by brute force: u and v of
+  the transmission angle of 720 cam angles at each place, with the motion evaluated once for all.
+  Beyond it the transmission angle as the rest of camgeo computes it, one place after the other,
+  for a share of the places, told for all of them.
+
+Brute force asks less than the exact map answers: it sees only its cam angles. The places at which
+the two differ are counted.
+
+    python benchmarks/sizing.py [--scenes setzhub,plate_translating,schnitt] [--rounds 5]
+        [--angles 720]
+"""
+
+from __future__ import annotations
+
+import argparse
+import platform
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+
+import camgeo
+from camgeo.check.sizing.exchange import smallest_place
+from camgeo.check.sizing.region import brute_map, feasible_map
+from camgeo.check.sizing.smallest import size
+from camgeo.check.sizing.task import Task, tangent_of
+from camgeo.errors import GeometryError
+from camgeo.numeric.arrays import FloatArray
+
+SCENES: Final = Path(__file__).parents[1] / "fixtures" / "scenes"
+POINTS: Final = 200
+EVERY: Final = 20
+"""One row and column in so many is asked of the pitch curve itself."""
+
+
+def main() -> None:
+    """Print the table."""
+    parser = argparse.ArgumentParser(description="Time of sizing.")
+    parser.add_argument("--scenes", default="setzhub,plate_translating,schnitt")
+    parser.add_argument("--rounds", type=int, default=5)
+    parser.add_argument("--angles", type=int, default=720)
+    arguments = parser.parse_args()
+    print(f"Python {platform.python_version()}, numpy {np.__version__}; ms, best of rounds")
+    head = ("angle alone", "with ratio", "map", "brute", "brute/map", "one by one", "differ")
+    print(f"{'scene':20}" + "".join(f"{name:>13}" for name in head))
+    for name in arguments.scenes.split(","):
+        measure(name, arguments.rounds, arguments.angles)
+
+
+def measure(name: str, rounds: int, angles: int) -> None:
+    """Print the row of a scene."""
+    design = camgeo.load(SCENES / f"{name}.toml")
+    task = Task(design.motion, design.follower, design.rotation, design.contact)
+    angle, ratio = design.transmission_angle_limit, design.specification.limits.radius_ratio
+    tangent = tangent_of(angle)
+    alone = best(lambda: smallest_place(task, tangent), rounds)
+    both = best(lambda: size(task, angle, ratio), rounds)
+    found = size(task, angle, ratio).answer
+    if found is None:
+        print(f"{name:20}infeasible")
+        return
+    columns = found.place.real + found.base_radius * np.linspace(-2.0, 2.0, POINTS)
+    rows = found.place.imag + found.base_radius * np.linspace(-3.0, 1.5, POINTS)
+    exact = best(lambda: feasible_map(task, tangent, columns, rows), rounds)
+    brute = best(lambda: brute_map(task, tangent, columns, rows, angles), rounds)
+    single = best(lambda: one_by_one(task, columns[::EVERY], rows[::EVERY], angles), rounds)
+    differ = np.sum(
+        feasible_map(task, tangent, columns, rows)
+        != brute_map(task, tangent, columns, rows, angles)
+    )
+    cells = (alone, both, exact, brute)
+    told = "".join(f"{1e3 * cell:13.2f}" for cell in cells)
+    print(f"{name:20}{told}{brute / exact:13.1f}{1e3 * EVERY**2 * single:13.0f}{differ:13d}")
+
+
+def one_by_one(task: Task, columns: FloatArray, rows: FloatArray, angles: int) -> int:
+    """How many of the places have a mechanism, each with its smallest transmission angle."""
+    phi = np.linspace(0.0, 2.0 * np.pi, angles, endpoint=False)
+    count = 0
+    for row in rows:
+        for column in columns:
+            try:
+                np.min(task.pitch_curve_at(complex(column, row)).transmission_angle(phi))
+            except GeometryError:
+                continue
+            count += 1
+    return count
+
+
+def best(call: Callable[[], object], rounds: int) -> float:
+    """Shortest time [s] of some calls."""
+    times = []
+    for _ in range(rounds):
+        start = time.perf_counter()
+        call()
+        times.append(time.perf_counter() - start)
+    return min(times)
+
+
+if __name__ == "__main__":
+    main()

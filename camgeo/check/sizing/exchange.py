@@ -1,0 +1,75 @@
+"""The smallest base circle for a transmission angle: a convex problem, solved by exchange.
+
+All cam angles give half-planes of which the cam axis has to lie in each. The place nearest to the
+roller centre is found for some of them, the ones it violates most are added, and so on until none
+is violated; the places of the worst violation are roots of a slope, so that this converges like
+Newton's method.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from camgeo.check.sizing.half_planes import nearest_point
+from camgeo.check.sizing.task import Task, tangent_of
+from camgeo.numeric.arrays import ComplexArray, FloatArray
+
+CLOSE = 2e-14
+"""A condition broken by this share of its terms is met, but for rounding."""
+
+MOST = 80
+"""Rounds; a dozen is usual."""
+
+BISECTIONS = 26
+
+
+def smallest_place(task: Task, tangent: float) -> complex | None:
+    """Place [mm] of the cam axis with the smallest base circle and mu >= atan(`tangent`).
+
+    None if there is no place that keeps it all round.
+    """
+    normals: ComplexArray = np.empty(0, dtype=np.complex128)
+    bounds: FloatArray = np.empty(0)
+    place: complex = task.start
+    for _ in range(MOST):
+        broken = False
+        for t in (tangent, -tangent):
+            found = task.slack(place, t)
+            size = (abs(place) + abs(task.start)) * math.hypot(1.0, t)
+            size += float(np.max(np.abs(bounds), initial=0.0))
+            worst = found.values < -CLOSE * size
+            if np.any(worst) or not len(bounds):
+                broken = broken or bool(np.any(worst))
+                more = task.half_planes(found.phi[worst], t)
+                normals = np.concatenate((normals, more[0]))
+                bounds = np.concatenate((bounds, more[1]))
+        if not broken:
+            return place
+        normals, bounds = _different(normals, bounds)
+        nearest = nearest_point(normals, bounds, task.start)
+        if nearest is None:
+            return None
+        if nearest == place:
+            return place
+        place = nearest
+    return place
+
+
+def largest_angle(task: Task) -> float:
+    """The largest transmission angle [rad] that some place keeps all round, from below."""
+    low, high = 0.0, math.radians(89.0)
+    for _ in range(BISECTIONS):
+        middle = 0.5 * (low + high)
+        if smallest_place(task, tangent_of(middle)) is None:
+            high = middle
+        else:
+            low = middle
+    return low
+
+
+def _different(normals: ComplexArray, bounds: FloatArray) -> tuple[ComplexArray, FloatArray]:
+    """Each half-plane once."""
+    rows = np.unique(np.column_stack((normals.real, normals.imag, bounds)), axis=0)
+    return rows[:, 0] + 1j * rows[:, 1], rows[:, 2]

@@ -1,0 +1,74 @@
+"""Flocke's construction of the cam axis (Wirsig section 2.4.1, eqs. 2.41 and 2.42 corrected).
+
+It takes the largest velocities of both senses at both end positions of the follower: more than any
+cam angle asks, so that its place always keeps the transmission angle, and lies farther out than it
+need. Only one end position, or velocities in the middle of the stroke, would not be safe.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from camgeo.check.sizing.half_planes import nearest_point
+from camgeo.check.sizing.task import Task
+from camgeo.curve.extremes import extremes
+from camgeo.mechanism.oscillating_roller import OscillatingRoller
+from camgeo.motion.extremes import lift_range
+from camgeo.motion.motion import Side
+from camgeo.numeric.arrays import ComplexArray, FloatArray
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Flocke:
+    """The construction and its proposal.
+
+    Attributes
+    ----------
+    normals, bounds : (8,) half-planes Re(conj(n) P) >= c of the region, see `Task`.
+    place : of the cam axis with the smallest base circle in it [mm]; None if it is empty.
+    """
+
+    normals: ComplexArray
+    bounds: FloatArray
+    place: complex | None
+
+
+def flocke(task: Task, tangent: float) -> Flocke:
+    """The construction for a transmission angle of atan(`tangent`)."""
+    lifts = np.repeat(lift_range(task.motion), 2)
+    rates = np.tile(_velocity_range(task), 2)
+    normals, bounds = [], []
+    for t in (tangent, -tangent):
+        p, q, turn = _ends(task, lifts, rates)
+        normals.append(np.conj((t + 1j) * turn))
+        bounds.append(t * q - p)
+    every, limits = np.concatenate(normals), np.concatenate(bounds)
+    return Flocke(every, limits, nearest_point(every, limits, task.start))
+
+
+def _ends(
+    task: Task, lifts: FloatArray, rates: FloatArray
+) -> tuple[FloatArray, FloatArray, ComplexArray]:
+    """p, q and r of `Terms` (n,) for lifts and velocities that need not belong together."""
+    follower = task.follower
+    if isinstance(follower, OscillatingRoller):
+        sense = follower.arm_side * follower.swing_sense
+        along = follower.arm_side * task.rotation * sense * rates
+        return np.zeros_like(lifts), follower.arm * (1.0 - along), np.exp(-1j * sense * lifts)
+    one = np.ones(len(lifts), dtype=np.complex128)
+    return follower.direction * lifts, task.rotation * follower.direction * rates, one
+
+
+def _velocity_range(task: Task) -> tuple[float, float]:
+    """Smallest and largest s' [mm or 1/rad] over the turn."""
+
+    def velocity(phi: FloatArray, side: Side) -> FloatArray:
+        return np.asarray(task.motion.jet(phi, side, 1)[1])
+
+    def acceleration(phi: FloatArray, side: Side) -> FloatArray:
+        return np.asarray(task.motion.jet(phi, side, 2)[2])
+
+    found = extremes(task.motion, velocity, acceleration)
+    return found.smallest()[0], found.largest()[0]

@@ -1,0 +1,138 @@
+"""Where the cam axis may lie, row by row of a grid: exact borders, not the grid's.
+
+The region of the transmission angle is convex: a row of equal Im P meets it in one interval. Its
+ends are the largest lower and the smallest upper bound of Re P over the cam angles.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from camgeo.check.sizing.bends import conditions, samples_of
+from camgeo.check.sizing.flocke import Flocke
+from camgeo.check.sizing.task import Task
+from camgeo.curve.pieces import smooth_pieces
+from camgeo.numeric.arrays import BoolArray, FloatArray
+
+SAMPLES = 65
+SECTIONS, STEPS = 8, 12
+"""A bracket is cut into sections, and the two about the best cut are the next one."""
+
+
+def row_limits(task: Task, tangent: float, rows: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Lower and upper end (k,), (k,) of Re P [mm] at Im P = `rows` (k,) [mm].
+
+    A row that does not meet the region has a lower end above its upper one. Ends are exact but for
+    rounding where the bound that decides is smooth over the cam angle.
+    """
+    share = np.linspace(1e-9, 1.0 - 1e-9, SAMPLES)
+    pieces = [
+        each.start + (each.end - each.start) * (share[:1] if each.dwell else share)
+        for each in smooth_pieces(task.motion)
+    ]
+    phi = np.concatenate(pieces)
+    edge = np.concatenate([np.arange(len(each)) for each in pieces])
+    last = np.concatenate([np.full(len(each), len(each) - 1) for each in pieces])
+    low = np.full(len(rows), -np.inf)
+    high = np.full(len(rows), np.inf)
+    left = phi[np.maximum(np.arange(len(phi)) - (edge > 0), 0)]
+    right = phi[np.minimum(np.arange(len(phi)) + (edge < last), len(phi) - 1)]
+    for t in (tangent, -tangent):
+        for upper in (False, True):
+            values = _bound(task, t, phi[np.newaxis, :], rows[:, np.newaxis], upper=upper)
+            best = np.argmax(values, axis=1)
+            ends = _refined(task, t, left[best], right[best], rows, upper=upper)
+            ends = np.maximum(ends, values[np.arange(len(rows)), best])
+            if upper:
+                high = np.minimum(high, -ends)
+            else:
+                low = np.maximum(low, ends)
+    start = task.terms(np.zeros(1))
+    low = np.where(rows < start.p[0], low, np.inf)
+    return low, high
+
+
+def _bound(
+    task: Task, tangent: float, phi: FloatArray, rows: FloatArray, *, upper: bool
+) -> FloatArray:
+    """Lower bound of Re P, or minus the upper one, from u >= `tangent` v; -inf where it has none.
+
+    `phi` and `rows` are broadcast; each cam angle is asked of the motion once.
+    """
+    terms = task.terms(phi.ravel())
+    factor = (tangent + 1j) * terms.turn
+    along, across = factor.real.reshape(phi.shape), factor.imag.reshape(phi.shape)
+    constant = (tangent * terms.q - terms.p).reshape(phi.shape)
+    rest = constant + across * rows
+    used = np.broadcast_to(along < 0.0 if upper else along > 0.0, rest.shape)
+    out = np.full(rest.shape, -np.inf)
+    np.divide(rest, np.broadcast_to(along, rest.shape), out=out, where=used)
+    if upper:
+        out[used] *= -1.0
+    return out
+
+
+def _refined(
+    task: Task,
+    tangent: float,
+    left: FloatArray,
+    right: FloatArray,
+    rows: FloatArray,
+    *,
+    upper: bool,
+) -> FloatArray:
+    """The largest bound (k,) in each bracket of cam angles, one for each row."""
+    share = np.arange(1.0, SECTIONS) / SECTIONS
+    best = np.full(len(rows), -np.inf)
+    each = np.arange(len(rows))
+    for _ in range(STEPS):
+        grid = left[:, np.newaxis] + (right - left)[:, np.newaxis] * share
+        values = _bound(task, tangent, grid, rows[:, np.newaxis], upper=upper)
+        index = np.argmax(values, axis=1)
+        best = np.maximum(best, values[each, index])
+        width = (right - left) / SECTIONS
+        left, right = grid[each, index] - width, grid[each, index] + width
+    return best
+
+
+def feasible_map(task: Task, tangent: float, columns: FloatArray, rows: FloatArray) -> BoolArray:
+    """(rows, columns) whether mu >= atan(`tangent`) all round with P at these places [mm]."""
+    low, high = row_limits(task, tangent, rows)
+    inside: BoolArray = (columns >= low[:, np.newaxis]) & (columns <= high[:, np.newaxis])
+    return inside
+
+
+def brute_map(
+    task: Task, tangent: float, columns: FloatArray, rows: FloatArray, angles: int
+) -> BoolArray:
+    """As `feasible_map`, by the transmission angle at so many cam angles at every place."""
+    terms = task.terms(np.linspace(0.0, 2.0 * np.pi, angles, endpoint=False))
+    out = np.empty((len(rows), len(columns)), dtype=np.bool_)
+    for number, row in enumerate(rows):
+        u, v = terms.across_and_along((columns + 1j * row)[:, np.newaxis])
+        out[number] = np.all((u > 0.0) & (u >= tangent * np.abs(v)), axis=1)
+    return out
+
+
+def ratio_map(task: Task, columns: FloatArray, rows: FloatArray, most: float) -> FloatArray:
+    """(rows, columns) largest r_R/r_K of the sign that matters, for a picture.
+
+    At a grid of cam angles, and `most` where it is larger or the roller centre stands still.
+    """
+    places = columns + 1j * rows[:, np.newaxis]
+    now = conditions(task, 0.0, most, samples_of(task))
+    with np.errstate(all="ignore"):  # a pitch curve may have cusps here
+        worst = np.array([now.worst_ratio(row) for row in places])
+    return np.where(worst <= most, np.maximum(worst, 0.0), most)
+
+
+def flocke_limits(found: Flocke, rows: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """As `row_limits`, for the region of Flocke's construction."""
+    low, high = np.full(len(rows), -np.inf), np.full(len(rows), np.inf)
+    for normal, bound in zip(found.normals, found.bounds, strict=True):
+        rest = bound - normal.imag * rows
+        if normal.real > 0.0:
+            low = np.maximum(low, rest / normal.real)
+        elif normal.real < 0.0:
+            high = np.minimum(high, rest / normal.real)
+    return low, high

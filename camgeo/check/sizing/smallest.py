@@ -1,0 +1,164 @@
+"""The smallest base circle for a transmission angle and the rule r_R <= ratio r_K (eq. 3.36)."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from camgeo.check.sizing.bends import signs_of, smallest_with_bends, worst_ratio
+from camgeo.check.sizing.exchange import largest_angle, smallest_place
+from camgeo.check.sizing.flocke import Flocke, flocke
+from camgeo.check.sizing.task import Task, tangent_of
+from camgeo.check.transmission_angle import transmission_angle_extremes
+from camgeo.curve.curvature import curvature_extremes
+from camgeo.errors import GeometryError
+from camgeo.units import TURN
+
+ACTIVE = 1e-9
+"""A condition this near to its limit decides: in rad for the angle, as a share for the ratio."""
+
+SAME = 1e-7
+"""Cam angles [rad] closer than this are the same place."""
+
+
+@dataclass(frozen=True, slots=True)
+class Active:
+    """A condition that decides the size.
+
+    Attributes
+    ----------
+    name : "transmission-angle" or "radius-ratio".
+    cam_angle : where it is at its limit [rad] in [0, 2 pi); in a rest, its beginning.
+    """
+
+    name: str
+    cam_angle: float
+
+
+@dataclass(frozen=True, slots=True)
+class Rating:
+    """What a place of the cam axis gives.
+
+    Attributes
+    ----------
+    place : see `Task` [mm].
+    base_radius : r_G [mm].
+    transmission_angle : the smallest [rad], with its cam angle [rad].
+    radius_ratio : the largest r_R/r_K, with its cam angle [rad].
+    """
+
+    place: complex
+    base_radius: float
+    transmission_angle: tuple[float, float]
+    radius_ratio: tuple[float, float]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Sizing:
+    """The answer.
+
+    Attributes
+    ----------
+    angle, ratio : what was required; mu [rad] and r_R/r_K.
+    construction : Flocke's.
+    flocke : its proposal rated; None if its region is empty.
+    for_angle : the smallest base circle for the transmission angle alone; None if there is none.
+    answer : that for both; None if there is none.
+    active : the conditions that decide it, at most two but for symmetry.
+    nearest_angle : largest transmission angle [rad] that can be had, if the required one cannot.
+    nearest_ratio : least r_R/r_K of a grid of places, if the required one was not found there.
+    """
+
+    angle: float
+    ratio: float
+    construction: Flocke
+    flocke: Rating | None
+    for_angle: Rating | None
+    answer: Rating | None
+    active: tuple[Active, ...]
+    nearest_angle: float | None = None
+    nearest_ratio: float | None = None
+
+
+def size(task: Task, angle: float, ratio: float) -> Sizing:
+    """Flocke's proposal and the smallest base circle.
+
+    Parameters
+    ----------
+    task : the mechanism.
+    angle : smallest transmission angle mu [rad], in (0, pi/2).
+    ratio : largest r_R/r_K, in (0, 1].
+
+    Raises
+    ------
+    GeometryError
+        If the angle or the ratio is out of range, or the follower does not move.
+    """
+    if not 0.0 < angle < math.radians(89.9):
+        raise GeometryError(
+            "must be above 0 and below 89.9 degrees",
+            key="transmission_angle",
+            value=f"{math.degrees(angle):g}",
+        )
+    if not 0.0 < ratio <= 1.0:
+        raise GeometryError("must be above 0 and at most 1", key="radius_ratio", value=f"{ratio:g}")
+    tangent = tangent_of(angle)
+    construction = flocke(task, tangent)
+    proposal = None if construction.place is None else rate(task, construction.place)
+    place = smallest_place(task, tangent)
+    if place is None:
+        nearest = largest_angle(task)
+        return Sizing(angle, ratio, construction, proposal, None, None, (), nearest)
+    inner = task.contact != "outer"
+    base, roller = abs(place - task.start), task.follower.roller_radius
+    if not base > 0.0:
+        raise GeometryError("there is nothing to size: the follower does not move", key="motion")
+    for_angle = rate(task, place)
+    covered = inner and base <= roller
+    if for_angle is not None and for_angle.radius_ratio[0] <= ratio and not covered:
+        active = active_conditions(task, for_angle, angle, ratio)
+        return Sizing(angle, ratio, construction, proposal, for_angle, for_angle, active)
+    least = max(base, roller * (1.0 + 1e-9)) if inner else base
+    found, seen = smallest_with_bends(task, tangent, ratio, least)
+    answer = None if found is None else rate(task, found)
+    if answer is None:
+        nearest_ratio = seen if math.isfinite(seen) else None
+        return Sizing(
+            angle, ratio, construction, proposal, for_angle, None, (), nearest_ratio=nearest_ratio
+        )
+    active = active_conditions(task, answer, angle, ratio)
+    return Sizing(angle, ratio, construction, proposal, for_angle, answer, active)
+
+
+def rate(task: Task, place: complex) -> Rating | None:
+    """What the cam axis at `place` gives; None if there is no such mechanism."""
+    try:
+        curve = task.pitch_curve_at(place)
+        angle = transmission_angle_extremes(curve).smallest()
+        ratio = worst_ratio(task, place)
+    except GeometryError:
+        return None
+    return Rating(place, abs(place - task.start), angle, ratio)
+
+
+def active_conditions(task: Task, rating: Rating, angle: float, ratio: float) -> tuple[Active, ...]:
+    """The conditions that are at their limits, by cam angle."""
+    curve = task.pitch_curve_at(rating.place)
+    angles = transmission_angle_extremes(curve)
+    found = [
+        Active("transmission-angle", float(phi) % TURN)
+        for phi in angles.phi[np.abs(angles.values - angle) <= ACTIVE]
+    ]
+    bends = curvature_extremes(curve)
+    for sign in signs_of(task):
+        near = np.abs(sign * task.follower.roller_radius * bends.values - ratio) <= ACTIVE
+        found += [Active("radius-ratio", float(phi) % TURN) for phi in bends.phi[near]]
+    kept: list[Active] = []
+    for each in sorted(found, key=lambda item: (item.name, item.cam_angle)):
+        if not any(
+            one.name == each.name and abs(one.cam_angle - each.cam_angle) < SAME for one in kept
+        ):
+            kept.append(each)
+    return tuple(kept)

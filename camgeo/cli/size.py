@@ -1,0 +1,147 @@
+"""`camgeo size`: the smallest base circle for a transmission angle and a ratio of radii."""
+
+from __future__ import annotations
+
+import argparse
+import math
+from functools import partial
+from pathlib import Path
+from typing import Final
+
+from camgeo.check.sizing.smallest import Sizing, rate, size
+from camgeo.check.sizing.task import Task
+from camgeo.cli.command import BROKEN, FINE, Subparsers, new_parser, print_json, tell
+from camgeo.cli.plot import RENDERERS, add_picture, check_picture
+from camgeo.cli.size_scene import resized
+from camgeo.cli.size_told import document, lines
+from camgeo.design import Design
+from camgeo.errors import Fault, GeometryError, SceneError
+from camgeo.scene.load import load_scene, parse_scene
+
+RENDERER: Final = "size"
+"""Entry point of the group `camgeo.renderers` that draws the region."""
+
+MARGIN: Final = 1e-11
+"""By how much [rad, and as a share of the ratio] a scene that is written keeps its limits: at the
+limit itself rounding would decide what `camgeo check` says."""
+
+
+def register(subparsers: Subparsers[argparse.ArgumentParser]) -> None:
+    """Add the command."""
+    parser = new_parser(
+        subparsers,
+        "size",
+        "tell the smallest base circle, with offset or pivot, that keeps the limits, and Flocke's"
+        " proposal",
+        "camgeo size fixtures/scenes/setzhub.toml -o size.png\n"
+        "  camgeo size my-cam.toml --transmission-angle 50 --scene my-smaller-cam.toml",
+    )
+    parser.add_argument("scene", metavar="SCENE", help="scene file (TOML)")
+    parser.add_argument(
+        "--transmission-angle",
+        metavar="DEG",
+        type=float,
+        help="smallest allowed, in degrees; default that of the scene",
+    )
+    parser.add_argument(
+        "--radius-ratio",
+        metavar="RATIO",
+        type=float,
+        help="largest allowed r_R/r_K, above 0 to 1; default that of the scene",
+    )
+    parser.add_argument(
+        "--scene",
+        metavar="FILE",
+        dest="target",
+        help="write the scene with the answer's base_radius and offset or pivot",
+    )
+    parser.add_argument("--json", action="store_true", help="print JSON")
+    add_picture(parser)
+    parser.set_defaults(run=partial(run, parser))
+
+
+def run(parser: argparse.ArgumentParser, arguments: argparse.Namespace) -> int:
+    """Print the answer; write picture and scene, both or none."""
+    check_picture(parser, arguments.output)
+    if arguments.output is not None and arguments.target is not None:
+        # Files are written as a set, whole or not at all, and a set lies in one folder.
+        if Path(arguments.output).parent != Path(arguments.target).parent:
+            parser.error("--scene and -o must name files in the same folder")
+        if Path(arguments.output) == Path(arguments.target):
+            parser.error("--scene and -o name the same file")
+    design = Design(load_scene(arguments.scene))
+    angle, ratio = _required(design, arguments)
+    task = Task(design.motion, design.follower, design.rotation, design.contact)
+    sizing = size(task, angle, ratio)
+    _write(design, task, sizing, arguments)
+    present = rate(task, task.present)
+    if arguments.json:
+        print_json(document(design, task, sizing, present))
+    else:
+        print("\n".join(lines(design, task, sizing, present)))
+    return FINE if sizing.answer is not None else BROKEN
+
+
+def _required(design: Design, arguments: argparse.Namespace) -> tuple[float, float]:
+    """Transmission angle [rad] and ratio that are asked for."""
+    angle, ratio = design.transmission_angle_limit, design.specification.limits.radius_ratio
+    if arguments.transmission_angle is not None:
+        angle = math.radians(arguments.transmission_angle)
+    if arguments.radius_ratio is not None:
+        ratio = arguments.radius_ratio
+    return angle, ratio
+
+
+def _write(design: Design, task: Task, sizing: Sizing, arguments: argparse.Namespace) -> None:
+    files: dict[str, bytes] = {}
+    told = []
+    target = Path()
+    if arguments.target is not None and sizing.answer is not None:
+        target = Path(arguments.target)
+        files[target.name] = _scene(design, task, sizing, arguments, target)
+        told.append(f"{target}: base radius {_told(design, sizing.answer.base_radius)}")
+    elif arguments.target is not None:
+        tell(f"{arguments.target}: not written, there is no such mechanism")
+    if arguments.output is not None:
+        from importlib.metadata import entry_points
+
+        target = Path(arguments.output)
+        render = entry_points(group=RENDERERS)[RENDERER].load()
+        files[target.name] = render(design.name, task, sizing, target.suffix)
+        told.append(f"{target}: region of the cam axis")
+    if files:
+        from camgeo.files.transaction import write_set
+
+        write_set(target.parent, files, force=arguments.force)
+        for line in told:
+            tell(line)
+
+
+def _scene(
+    design: Design, task: Task, sizing: Sizing, arguments: argparse.Namespace, target: Path
+) -> bytes:
+    """The scene with the answer; it has been read again and keeps its requirement."""
+    source = Path(arguments.scene)
+    if design.scene_files and target.resolve().parent != source.resolve().parent:
+        raise SceneError(
+            [Fault("--scene", str(target), "must lie beside SCENE, which reads files there")]
+        )
+    kept = size(task, sizing.angle + MARGIN, sizing.ratio * (1.0 - MARGIN))
+    if kept.answer is None:
+        raise GeometryError("the requirement can only just be met: no scene keeps it surely")
+    follower = task.follower_at(kept.answer.place)
+    text = resized(source.read_bytes().decode(), follower, design.millimetres)
+    written = Design(parse_scene(text, str(target.parent / target.name)))
+    again = Task(written.motion, written.follower, written.rotation, written.contact)
+    rating = rate(again, again.present)
+    if (
+        rating is None
+        or rating.transmission_angle[0] < sizing.angle
+        or rating.radius_ratio[0] > sizing.ratio
+    ):
+        raise GeometryError("the scene cannot be written back: rounding breaks its requirement")
+    return text.encode()
+
+
+def _told(design: Design, length: float) -> str:
+    return f"{length / design.millimetres:.6g} {design.unit}"

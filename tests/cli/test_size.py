@@ -1,0 +1,164 @@
+"""`camgeo size`: what it tells, the scene it writes, what it refuses."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+
+import pytest
+
+import camgeo
+from camgeo.cli.main import main
+from camgeo.cli.size_scene import resized
+from camgeo.errors import SceneError
+from camgeo.scene.new import template
+
+SCENES = Path(__file__).parents[2] / "fixtures" / "scenes"
+SETZHUB = str(SCENES / "setzhub.toml")
+
+Capture = pytest.CaptureFixture[str]
+
+
+def test_it_tells_the_answer(capsys: Capture) -> None:
+    assert main(["size", SETZHUB]) == 0
+    out = capsys.readouterr().out
+    assert "required: transmission angle at least 41 deg, r_R/r_K at most 0.7" in out
+    rows = {line[:24].strip(): line.split() for line in out.splitlines()}
+    assert rows["present design"][2] == "50.1990"
+    assert rows["smallest, exact"][2:5] == ["43.1442", "65.0964", "41.0000"]
+    assert "decided by the transmission angle of 41 deg at cam angle 158.95" in out
+    assert "Flocke's base circle is 23% larger" in out
+
+
+def test_flocke_is_optimistic_about_the_curvature(capsys: Capture) -> None:
+    assert main(["size", str(SCENES / "schnitt.toml")]) == 0
+    out = capsys.readouterr().out
+    assert "decided by r_R/r_K of 0.87 at cam angle" in out
+    assert "Flocke's proposal is optimistic" in out
+
+
+def test_json(capsys: Capture) -> None:
+    assert main(["size", SETZHUB, "--transmission-angle", "45", "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert told["required"]["transmission_angle_deg"] == pytest.approx(45.0)
+    smallest = told["smallest"]
+    assert smallest["transmission_angle_deg"]["value"] == pytest.approx(45.0, abs=1e-9)
+    assert math.hypot(*smallest["pivot_mm"]) == pytest.approx(smallest["pivot_distance_mm"])
+    x, y = smallest["pivot_mm"]
+    assert y / x == pytest.approx(62.0 / 40.46)  # the pivot stays in its direction
+    assert told["flocke"]["base_radius_mm"] > smallest["base_radius_mm"]
+    assert len(told["active"]) == 2
+    assert told["infeasible"] is None
+
+
+def test_infeasible_is_1_and_writes_no_scene(tmp_path: Path, capsys: Capture) -> None:
+    target = tmp_path / "sized.toml"
+    call = ["size", SETZHUB, "--transmission-angle", "80", "--scene", str(target)]
+    assert main(call) == 1
+    captured = capsys.readouterr()
+    assert (
+        "infeasible: no place of the cam axis keeps a transmission angle of 80 deg" in captured.out
+    )
+    assert "the largest that can be kept is 78.06" in captured.out
+    assert "not written" in captured.err
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    "scene",
+    ["plate_translating", "setzhub", "schnitt", "groove", "ring", "inch", "vorschub"],
+)
+def test_the_scene_written_keeps_its_limits(scene: str, tmp_path: Path, capsys: Capture) -> None:
+    source, target = SCENES / f"{scene}.toml", tmp_path / "sized.toml"
+    assert main(["size", str(source), "--json", "--scene", str(target)]) == 0
+    told = json.loads(capsys.readouterr().out)
+    before, after = camgeo.load(source), camgeo.load(target)
+    assert after.base_radius == pytest.approx(told["smallest"]["base_radius_mm"], rel=1e-9)
+    limit = math.degrees(before.transmission_angle_limit)
+    for finding in after.findings:
+        if finding.name == "transmission-angle":
+            assert finding.severity == "ok"
+            assert finding.value is not None
+            assert limit <= finding.value
+        if finding.name.startswith("radius-ratio"):
+            assert finding.severity == "ok"
+    # Nothing but the sizes is another one.
+    changed = ("base_radius", "offset", "pivot")
+    old, new = (
+        [line for line in text.splitlines() if not line.startswith(changed)]
+        for text in (source.read_text(), target.read_text())
+    )
+    assert old == new
+    assert after.motion.jet(before.smooth_angles).tolist() == (
+        before.motion.jet(before.smooth_angles).tolist()
+    )
+
+
+def test_comments_stay_and_a_missing_offset_is_added(tmp_path: Path) -> None:
+    source = tmp_path / "mine.toml"
+    for kind in ("translating-roller", "oscillating-roller"):
+        text = template(kind)
+        source.write_text(text)
+        follower = camgeo.load(source).follower
+        written = resized(text, follower, 1.0)
+        assert [line.partition("#")[2] for line in written.splitlines()] == [
+            line.partition("#")[2] for line in text.splitlines()
+        ]
+    text = (SCENES / "ring.toml").read_text()
+    assert "\noffset" not in text
+    follower = camgeo.load(SCENES / "ring.toml").follower
+    assert "\nbase_radius = 60.0\noffset = 0.0\n" in resized(text, follower, 1.0)
+
+
+def test_a_follower_in_one_line_cannot_be_written_back(tmp_path: Path) -> None:
+    follower = camgeo.load(SCENES / "ring.toml").follower
+    with pytest.raises(SceneError, match="table \\[follower\\]"):
+        resized('follower = { kind = "translating-roller" }\n', follower, 1.0)
+
+
+@pytest.mark.parametrize(
+    ("options", "told"),
+    [
+        (["--transmission-angle", "0"], "transmission_angle = 0: must be above 0"),
+        (["--transmission-angle", "90"], "transmission_angle = 90"),
+        (["--transmission-angle", "nan"], "transmission_angle = nan"),
+        (["--radius-ratio", "0"], "radius_ratio = 0: must be above 0"),
+        (["--radius-ratio", "2"], "radius_ratio = 2"),
+    ],
+)
+def test_wrong_requirements_are_2(options: list[str], told: str, capsys: Capture) -> None:
+    assert main(["size", SETZHUB, *options]) == 2
+    assert told in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        ["--transmission-angle", "x"],
+        ["-o", "size.gif"],
+        ["-o", "a/size.png", "--scene", "b/sized.toml"],
+    ],
+)
+def test_wrong_calls_are_2(options: list[str], capsys: Capture) -> None:
+    with pytest.raises(SystemExit) as stopped:
+        main(["size", SETZHUB, *options])
+    assert stopped.value.code == 2
+
+
+def test_nothing_is_written_over(tmp_path: Path, capsys: Capture) -> None:
+    target = tmp_path / "mine.toml"
+    target.write_text("mine")
+    call = ["size", SETZHUB, "--scene", str(target), "-o", str(tmp_path / "size.svg")]
+    assert main(call) == 2
+    assert target.read_text() == "mine"
+    assert [path.name for path in tmp_path.iterdir()] == ["mine.toml"]
+    assert main([*call, "--force"]) == 0
+    assert b"<svg" in (tmp_path / "size.svg").read_bytes()
+
+
+def test_a_scene_with_files_stays_beside_them(tmp_path: Path, capsys: Capture) -> None:
+    source = str(SCENES / "measured.toml")
+    assert main(["size", source, "--scene", str(tmp_path / "sized.toml")]) == 2
+    assert "must lie beside SCENE" in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == []
