@@ -115,6 +115,7 @@ def _paths(names: list[str]) -> tuple[Path, ...]:
 def _scenes(named: str | None) -> Callable[[Path, str], Against]:
     """What finds the scene of a file; each scene is read once."""
     from camgeo.files.verify import Against, scene_file
+    from camgeo.scene.fingerprint import scene_hash
 
     known: dict[str, Against] = {}
 
@@ -127,7 +128,7 @@ def _scenes(named: str | None) -> Callable[[Path, str], Against]:
     def find(folder: Path, sha256: str) -> Against:
         if named is not None:
             return load(named)
-        return load(str(scene_file((folder, folder / "..", Path()), sha256)))
+        return load(str(scene_file((folder, folder / "..", Path()), sha256, scene_hash)))
 
     return find
 

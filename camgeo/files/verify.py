@@ -253,8 +253,12 @@ def _is_verification(path: Path) -> bool:
     return isinstance(found, dict) and found.get("kind") == KIND
 
 
-def scene_file(folders: tuple[Path, ...], sha256: str) -> Path:
+def scene_file(folders: tuple[Path, ...], sha256: str, digest: Callable[[bytes], str]) -> Path:
     """The TOML file with this SHA-256, or these first digits of it, in one of `folders`.
+
+    Parameters
+    ----------
+    digest : from the bytes of a scene file to its SHA-256, hexadecimal.
 
     Raises
     ------
@@ -265,10 +269,10 @@ def scene_file(folders: tuple[Path, ...], sha256: str) -> Path:
         for folder in dict.fromkeys(folder.resolve() for folder in folders):
             for path in sorted(folder.glob("*.toml")):
                 try:
-                    digest = hashlib.sha256(path.read_bytes()).hexdigest()
+                    found = digest(path.read_bytes())
                 except OSError:
                     continue
-                if digest.startswith(sha256):
+                if found.startswith(sha256):
                     return path
         places = "its folder, the folder above it and the present one"
         message = f"no scene with SHA-256 {sha256[:SHORT]}... in {places}; name it with --scene"

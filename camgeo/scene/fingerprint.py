@@ -6,9 +6,24 @@ with and without them, neither does the hash that stands in them.
 
 from __future__ import annotations
 
-from camgeo.scene.document import Document
+import contextlib
+import hashlib
+
+from camgeo.errors import SceneError
+from camgeo.scene.document import Document, document
 
 TABLE = "effects"
+
+
+def scene_hash(data: bytes) -> str:
+    """SHA-256 of the bytes of a scene file, hexadecimal, as it stands in the files made from it.
+
+    Of what is no TOML it is that of all its bytes.
+    """
+    if TABLE.encode() in data:
+        with contextlib.suppress(SceneError):
+            data = without_effects(data, document(data, ""))
+    return hashlib.sha256(data).hexdigest()
 
 
 def without_effects(data: bytes, scene: Document) -> bytes:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import errno
-import hashlib
 from os import PathLike
 from pathlib import Path
 from typing import Final
@@ -11,7 +10,7 @@ from typing import Final
 from camgeo.errors import Fault, SceneError
 from camgeo.scene.build import Builder
 from camgeo.scene.document import MOST_BYTES, document
-from camgeo.scene.fingerprint import without_effects
+from camgeo.scene.fingerprint import scene_hash
 from camgeo.scene.model import Scene, SceneSource
 from camgeo.scene.rules import broken_rules
 from camgeo.scene.sound import SoundValues
@@ -59,7 +58,7 @@ def parse_scene(text: str, file: str = "") -> Scene:
 
 def _scene(data: bytes, file: str) -> Scene:
     text = document(data, file)
-    source = SceneSource(file, hashlib.sha256(without_effects(data, text)).hexdigest())
+    source = SceneSource(file, scene_hash(data))
     verdict = judge(text)
     if (VERSION_KEY,) in verdict.bad and VERSION_KEY in text.exact:
         # A scene of another version has other keys; what this schema says of them misleads.

@@ -76,6 +76,19 @@ def test_scene_is_found_by_its_hash(
     assert main(["verify", str(folder / "vorschub.dxf")]) == 0
 
 
+def test_scene_is_found_whatever_effects_it_names(
+    folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Files stay those of the scene when a table of an effect is added to it."""
+    monkeypatch.chdir(tmp_path)
+    text = SCENE.read_text("utf-8")
+    other = text.replace("roller_radius = ", "roller_radius = 1", 1)
+    (folder / "scene.toml").write_text(f"{other}\n[effects.kinematics]\n", "utf-8")
+    assert main(["verify", str(folder / "vorschub.dxf")]) == 2
+    (folder / "scene.toml").write_text(f"{text}\n[effects.kinematics]\n", "utf-8")
+    assert main(["verify", str(folder / "vorschub.dxf")]) == 0
+
+
 def test_scene_that_is_not_found_is_told(
     folder: Path,
     tmp_path: Path,
