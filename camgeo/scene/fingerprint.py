@@ -6,7 +6,6 @@ with and without them, neither does the hash that stands in them.
 
 from __future__ import annotations
 
-import contextlib
 import hashlib
 
 from camgeo.errors import SceneError
@@ -20,10 +19,15 @@ def scene_hash(data: bytes) -> str:
 
     Of what is no TOML it is that of all its bytes.
     """
-    if TABLE.encode() in data:
-        with contextlib.suppress(SceneError):
-            data = without_effects(data, document(data, ""))
-    return hashlib.sha256(data).hexdigest()
+    try:
+        return hash_of(data, document(data, ""))
+    except SceneError:
+        return hashlib.sha256(data).hexdigest()
+
+
+def hash_of(data: bytes, scene: Document) -> str:
+    """The same of a file that is taken apart already, into `scene`."""
+    return hashlib.sha256(without_effects(data, scene)).hexdigest()
 
 
 def without_effects(data: bytes, scene: Document) -> bytes:

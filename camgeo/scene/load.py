@@ -10,7 +10,7 @@ from typing import Final
 from camgeo.errors import Fault, SceneError
 from camgeo.scene.build import Builder
 from camgeo.scene.document import MOST_BYTES, document
-from camgeo.scene.fingerprint import scene_hash
+from camgeo.scene.fingerprint import hash_of
 from camgeo.scene.model import Scene, SceneSource
 from camgeo.scene.rules import broken_rules
 from camgeo.scene.sound import SoundValues
@@ -58,7 +58,7 @@ def parse_scene(text: str, file: str = "") -> Scene:
 
 def _scene(data: bytes, file: str) -> Scene:
     text = document(data, file)
-    source = SceneSource(file, scene_hash(data))
+    source = SceneSource(file, hash_of(data, text))
     verdict = judge(text)
     if (VERSION_KEY,) in verdict.bad and VERSION_KEY in text.exact:
         # A scene of another version has other keys; what this schema says of them misleads.
