@@ -7,7 +7,7 @@ files need are imported only then, so that a check stays as quick as its sums.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from decimal import Decimal
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal
@@ -76,6 +76,10 @@ UNDERCUT = ("cusp-", "undercut-", "global-undercut-")
 
 NO_OUTLINE = ("wrong", "fatal")
 """Severities with which no outline is made."""
+
+
+RETURN = "return"
+"""What marks the return disc: its files are NAME-return, its findings begin with "return: "."""
 
 
 @dataclass(frozen=True)
@@ -227,6 +231,24 @@ class Design:
         """What rolls on the disc."""
         return self.specification.follower
 
+    @cached_property
+    def returning(self) -> Design | None:
+        """The return disc of a conjugate pair, a design of its own; None if there is none.
+
+        It has the motion, part, output and limits of this one, its own follower, and no effects.
+        """
+        follower = self.specification.returning
+        if follower is None:
+            return None
+        spec = replace(  # type: ignore[type-var]
+            self.specification,
+            name=f"{self.name}-{RETURN}",
+            follower=follower,
+            returning=None,
+            effects={},
+        )
+        return Design(spec)
+
     def pitch(self, phi: FloatArray) -> FloatArray:
         """(n, 2) [mm] points of the pitch curve at `phi` (n,) [rad]."""
         return _columns(self.pitch_curve.point(phi))
@@ -315,7 +337,9 @@ class Design:
         from camgeo.effects.graph import Effects  # few scenes name an effect
         from camgeo.effects.recalling import Recalling
 
-        return Effects(Recalling(self), self.specification.effects, self.ledger)
+        # A pair holds the follower as a groove does: the force changes sides and lifts nothing off.
+        contact = self.contact if self.specification.returning is None else "groove"
+        return Effects(Recalling(self, contact), self.specification.effects, self.ledger)
 
     @property
     def effect_names(self) -> tuple[str, ...]:
@@ -376,7 +400,18 @@ class Design:
 
     @lazy
     def findings(self) -> tuple[Finding, ...]:
-        """What the checks find, the good with the bad, worst first."""
+        """What the checks find, the good with the bad, worst first.
+
+        Of a conjugate pair also what they find of the return disc, and of both together.
+        """
+        found = [*self.disc_findings, *self._pair_findings()]
+        found += check_motion(self.specification.plan, self._plan_unit)
+        found += check_speed(self.specification.plan, self.time_course, self._plan_unit)
+        return tuple(sorted(found, key=lambda finding: WORST_FIRST.index(finding.severity)))
+
+    @cached_property
+    def disc_findings(self) -> tuple[Finding, ...]:
+        """What the checks find of the mechanism and of the disc, without the motion."""
         found: list[Finding] = []
         follower = self.specification.follower
         found += check_follower(follower, runs_on_inner=self.contact != "outer")
@@ -398,9 +433,30 @@ class Design:
                 found += check_undercut(flank, name, self.bends, self._severity)
                 found += self._outline_findings(name, flank) if mechanism else ()
             found += check_closure(self.pitch_curve, self._severity)
-        found += check_motion(self.specification.plan, self._plan_unit)
-        found += check_speed(self.specification.plan, self.time_course, self._plan_unit)
-        return tuple(sorted(found, key=lambda finding: WORST_FIRST.index(finding.severity)))
+        return tuple(found)
+
+    def _pair_findings(self) -> list[Finding]:
+        """What the checks find of the return disc and of both discs together; nothing of one."""
+        other = self.returning
+        if other is None:
+            return []
+        from camgeo.check.conjugate import check_pair  # few cams are pairs
+
+        # The linkage, which both discs share, is told once.
+        shared = check_linkage(self.motion) if isinstance(self.motion, LinkedMotion) else ()
+        found = [
+            replace(each, name=f"{RETURN}: {each.name}", sentence=f"{RETURN} disc: {each.sentence}")
+            for each in other.disc_findings
+            if each not in shared
+        ]
+        limits, tolerance = self.specification.limits, self.specification.output.tolerance
+        if _fatal(shared):
+            return found
+        try:
+            pair = check_pair(self.pitch_curve, other.pitch_curve, tolerance, limits.closing_error)
+        except GeometryError:  # a cusp, which the findings of its disc tell
+            return found
+        return [*found, *pair]
 
     @property
     def _severity(self) -> Severity:
@@ -480,11 +536,17 @@ class Design:
 
         return Path(Envelope(WorkingCurve(self.pitch_curve, 0.0)).elements)
 
-    def _require_outline(self) -> None:
+    def _require_outline(self, *, of_return: bool = False) -> None:
+        """Raise UndercutError if there is no such disc, or with `of_return` no return disc."""
         from camgeo.errors import UndercutError
 
-        if not self.has_outline:
-            forbidding = (f.sentence for f in self.findings if f.severity in NO_OUTLINE)
+        forbidding = [
+            finding.sentence
+            for finding in self.findings
+            if finding.severity in NO_OUTLINE
+            and (of_return or not finding.name.startswith(f"{RETURN}: "))
+        ]
+        if forbidding:
             raise UndercutError("; ".join(forbidding))
 
     def pitch_contour(self, tolerance: float) -> Fit:
@@ -630,6 +692,8 @@ class Design:
     ) -> Report:
         """Write the files and their certificate into `folder`, all of them or none.
 
+        Of a conjugate pair those of both discs.
+
         Parameters
         ----------
         folder : made if it does not exist.
@@ -641,7 +705,7 @@ class Design:
         Raises
         ------
         UndercutError
-            If the cam has no outline.
+            If the cam has no outline, or its return disc none.
         ToleranceError
             If the tolerance cannot be reached.
         OutputError
@@ -649,6 +713,8 @@ class Design:
         """
         from camgeo.files.write import write_files
 
+        if self.returning is not None:  # files of both discs or of none
+            self._require_outline(of_return=True)
         output = self.specification.output
         return write_files(
             self,

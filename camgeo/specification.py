@@ -87,6 +87,9 @@ class Specification(Protocol):
     def linkage(self) -> SliderCrank | None: ...
 
     @property
+    def returning(self) -> TranslatingRoller | OscillatingRoller | None: ...
+
+    @property
     def contact(self) -> Contact: ...
 
     @property

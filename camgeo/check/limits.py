@@ -21,11 +21,14 @@ class Limits:
     transmission_angle : smallest allowed [rad].
     radius_ratio : largest allowed r_R / r_K (Wirsig eq. 3.36: r_K >= r_R / 0.7).
     undercut : whether a disc that undercuts is refused, or trimmed to what is left of it.
+    closing_error : largest allowed play or squeeze of a conjugate pair whose discs are true to the
+        tolerance, as way of the main roller [mm].
     """
 
     transmission_angle: float | None = None
     radius_ratio: float = 0.7
     undercut: Literal["refuse", "trim"] = "refuse"
+    closing_error: float = 0.02
 
 
 def default_transmission_angle(*, translating: bool, speed: float | None) -> float:

@@ -9,7 +9,15 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
-from camgeo.cli.command import FINE, Subparsers, identity, new_parser, print_json, tell
+from camgeo.cli.command import (
+    FINE,
+    Subparsers,
+    identity,
+    new_parser,
+    print_json,
+    tell,
+    tell_main_disc,
+)
 from camgeo.cli.plot import RENDERERS, add_picture, check_picture
 from camgeo.cli.progress import Progress
 from camgeo.design import Design
@@ -86,6 +94,7 @@ def run(parser: argparse.ArgumentParser, arguments: argparse.Namespace) -> int:
     design = Design(load_scene(arguments.scene))
     from camgeo.accuracy.survey import TOLERANCES, survey
 
+    tell_main_disc(design, "figures")
     ripple = arguments.ripple or design.specification.output.accuracy_ripple
     with Progress() as progress:
         found = survey(design, asked or TOLERANCES, ripple=ripple, tell=progress)

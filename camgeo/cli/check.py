@@ -49,6 +49,10 @@ def run(arguments: argparse.Namespace) -> int:
         records = [finding_record(finding) for finding in findings]
         document = {**identity(design), "motion": motion_record(design), "findings": records}
         document["outlines"] = {name: outline_record(design, name) for name, _ in design.flanks}
+        if design.returning is not None:
+            other = design.returning
+            outlines = {name: outline_record(other, name) for name, _ in other.flanks}
+            document["return"] = {"name": other.name, "outlines": outlines}
         document["cures"] = [cure_record(cure) for cure in design.cures]
         if effects:
             document["effects"] = {

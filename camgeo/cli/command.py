@@ -124,3 +124,9 @@ def identity(design: Design) -> dict[str, Any]:
     if design.scene_files:
         scene["files"] = design.scene_files
     return {"camgeo": design.version, "scene": scene}
+
+
+def tell_main_disc(design: Design, what: str) -> None:
+    """Say of a conjugate pair that `what`, in the plural, is of the main disc alone."""
+    if design.specification.returning is not None:
+        tell(f"{what} of the main disc; the return disc, {design.name}-return, is not covered")

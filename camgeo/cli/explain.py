@@ -7,7 +7,7 @@ from collections.abc import Callable
 from typing import Any, Final
 
 from camgeo.cli.check import effect_findings
-from camgeo.cli.command import FINE, Subparsers, identity, new_parser, print_json
+from camgeo.cli.command import FINE, Subparsers, identity, new_parser, print_json, tell_main_disc
 from camgeo.cli.progress import Progress
 from camgeo.design import Design
 from camgeo.lazy import Run, lazy_names
@@ -70,6 +70,7 @@ def run(arguments: argparse.Namespace) -> int:
     GOALS[arguments.command](design)
     runs = design.ledger.runs
     alone = left_alone(design)
+    tell_main_disc(design, "times and quantities")
     if arguments.json:
         document: dict[str, Any] = {**identity(design), "command": arguments.command}
         document["computed"] = [run_record(design, each) for each in runs]

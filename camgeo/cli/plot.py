@@ -5,13 +5,16 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from camgeo.cli.command import FINE, Subparsers, new_parser, tell
+from camgeo.cli.command import FINE, Subparsers, new_parser, tell, tell_main_disc
 from camgeo.design import Design
 from camgeo.errors import Fault, SceneError
 from camgeo.scene.load import load_scene
 
 GROUP = "camgeo.plots"
 RENDERERS = "camgeo.renderers"
+CAM = "cam"
+"""The plot that shows both discs of a conjugate pair."""
+
 EFFECTS = "effects"
 """The plot of the effects that a scene names; others can be drawn of every scene."""
 
@@ -65,6 +68,8 @@ def run(arguments: argparse.Namespace) -> int:
     data: bytes = render(tuple(wanted), design, target.suffix)
     write_set(target.parent, {target.name: data}, force=arguments.force)
     tell(f"{target}: {', '.join(wanted)}")
+    if set(wanted) - {CAM}:
+        tell_main_disc(design, "curves")
     return FINE
 
 

@@ -18,6 +18,7 @@ from camgeo.cli.plot import RENDERERS, SUFFIXES
 from camgeo.contour.contour import Contour
 from camgeo.design import Design
 from camgeo.errors import Fault, SceneError
+from camgeo.files.product import disc_of
 from camgeo.files.table import Table
 from camgeo.files.value_table import cam_angles
 from camgeo.motion.time_course import in_time
@@ -26,7 +27,7 @@ from camgeo.numeric.extremes import Extreme
 from camgeo.outline.replay import CORNER, Contact, replay_contour, replay_outline
 from camgeo.outline.replay_result import Replay
 from camgeo.scene.load import load_scene
-from camgeo.units import LengthUnit
+from camgeo.units import TURN, LengthUnit
 
 READERS: Final = "camgeo.readers"
 """Entry points that read contours from files, by what the file's name ends in without the dot."""
@@ -45,6 +46,9 @@ write."""
 FLAT: Final = 1e-3
 """Corners of a drawing up to this angle [degrees] are not counted: pieces of 0.1 mm whose ends are
 written with six decimals meet at angles of this size."""
+
+TOUCHING: Final = 1e-9
+"""Rollers that are squeezed by up to this [mm] touch: rounding."""
 
 OUTLINE_SAMPLES: Final = 3601
 
@@ -74,15 +78,17 @@ def register(subparsers: Subparsers[argparse.ArgumentParser]) -> None:
         " acceleration, shocks, against what is demanded",
         "camgeo replay fixtures/scenes/setzhub.toml\n"
         "  camgeo replay fixtures/scenes/setzhub.toml out/setzhub.dxf -o ripple.png\n"
-        "  camgeo replay my-cam.toml measured.csv --unit mm --json",
+        "  camgeo replay my-cam.toml measured.csv --unit mm --json\n"
+        "  camgeo replay pair.toml out/pair.dxf out/pair-return.dxf",
     )
     parser.add_argument("scene", metavar="SCENE", help="scene file (TOML)")
     parser.add_argument(
-        "contour",
+        "contours",
         metavar="CONTOUR",
-        nargs="?",
+        nargs="*",
         help="drawing (DXF), or vertices (CSV: x, y, bulge), in the axes of the scene's cam;"
-        " default the scene's real outline",
+        " default the scene's real outline. Of a conjugate pair one of each disc, or of one disc"
+        " alone: that of the return disc has a name that ends in -return",
     )
     parser.add_argument("--layer", metavar="NAME", help="layer of the drawing; default CUT, or all")
     parser.add_argument(
@@ -122,26 +128,79 @@ def run(parser: argparse.ArgumentParser, arguments: argparse.Namespace) -> int:
         parser.error(f"argument -o: {arguments.output!r} must end in one of {allowed}")
     design = Design(load_scene(arguments.scene))
     flank: Contact = arguments.flank or ("outer" if design.contact == "outer" else "inner")
-    angle = math.radians(float(step))
-    if arguments.contour is None:
-        source = "the real outline"
-        outline = design.outline(flank)
-        replay = replay_outline(design.pitch_curve, outline.path, step=angle)
-    else:
-        source = Path(arguments.contour).name
-        contour = _contour(design, flank, arguments)
-        corner = max(math.radians(arguments.corner), CORNER)
-        replay = replay_contour(design.pitch_curve, contour, flank, step=angle, corner=corner)
+    found = [
+        _replayed(disc, file, flank, float(step), arguments)
+        for disc, file in _discs(parser, design, flank, arguments.contours)
+    ]
+    pair = (found[0].replay, found[1].replay) if len(found) == 2 else None
+    first = found[0]
     scale = _scale(design)
     if target is not None:
-        _write(target, design, replay, scale, step, f"{flank} flank, {source}", arguments)
-    record = _record(design, replay, scale)
+        what = f"{flank} flank, {first.source}"
+        _write(target, first.disc, first.replay, scale, step, what, arguments, pair)
+    records = [_record(each.disc, each.replay, scale) for each in found]
+    closing = None if pair is None else _closing(design, *pair)
     if arguments.json:
-        print_json({**identity(design), "contour": source, "flank": flank, **record})
+        told = {"contour": first.source, "flank": flank, **records[0]}
+        if closing is not None:
+            other = found[1]
+            told["return"] = {"name": other.disc.name, "contour": other.source, **records[1]}
+            told["closing"] = closing
+        print_json({**identity(first.disc), **told})
     else:
-        print(f"{design.name}: the roller on {source}, {flank} flank")
-        print("\n".join(_lines(record)))
+        for each, record in zip(found, records, strict=True):
+            print(f"{each.disc.name}: the roller on {each.source}, {flank} flank")
+            print("\n".join(_lines(record)))
+        if closing is not None:
+            print(f"{design.name}: both discs")
+            print("\n".join(_closing_lines(closing)))
     return FINE
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Replayed:
+    """A disc, what its roller was replayed on, and what came of it."""
+
+    disc: Design
+    source: str
+    replay: Replay
+
+
+def _discs(
+    parser: argparse.ArgumentParser, design: Design, flank: Contact, files: list[str]
+) -> list[tuple[Design, str | None]]:
+    """The discs to replay, the main one first, each with its file or None for its real outline."""
+    other = design.returning
+    if len(files) > (1 if other is None else 2):
+        parser.error(
+            "argument CONTOUR: one file at most, for the scene has one disc"
+            if other is None
+            else "argument CONTOUR: two files at most, one of each disc"
+        )
+    if other is None or flank == "outer":
+        return [(design, files[0] if files else None)]
+    if not files:
+        return [(design, None), (other, None)]
+    discs = [other if disc_of(design, Path(file).stem) is other else design for file in files]
+    if len(files) == 1:
+        return [(discs[0], files[0])]
+    if discs[0] is other and discs[1] is design:
+        files = files[::-1]
+    return [(design, files[0]), (other, files[1])]
+
+
+def _replayed(
+    disc: Design, file: str | None, flank: Contact, step: float, arguments: argparse.Namespace
+) -> _Replayed:
+    """The roller of a disc on its outline, or on the contour of a file; `step` in degrees."""
+    angle = math.radians(step)
+    if file is None:
+        replay = replay_outline(disc.pitch_curve, disc.outline(flank).path, step=angle)
+        return _Replayed(disc, "the real outline", replay)
+    contour = _contour(disc, flank, Path(file), arguments)
+    corner = max(math.radians(arguments.corner), CORNER)
+    replay = replay_contour(disc.pitch_curve, contour, flank, step=angle, corner=corner)
+    return _Replayed(disc, Path(file).name, replay)
 
 
 def _step(parser: argparse.ArgumentParser, text: str | None) -> Decimal:
@@ -164,13 +223,12 @@ def _scale(design: Design) -> Scale:
     return Scale(design.unit, 1.0 / design.millimetres)
 
 
-def _contour(design: Design, flank: Contact, arguments: argparse.Namespace) -> Contour:
+def _contour(design: Design, flank: Contact, file: Path, arguments: argparse.Namespace) -> Contour:
     """The contour of the file whose area is nearest to that of the flank."""
     from importlib.metadata import entry_points
 
     from camgeo.contour.simple import crossing
 
-    file = Path(arguments.contour)
     names = sorted(entry_points(group=READERS).names)
     kind = file.suffix.removeprefix(".").lower()
     if kind not in names:
@@ -257,6 +315,30 @@ def _in_time(design: Design, replay: Replay, scale: Scale) -> dict[str, float]:
     return out
 
 
+def _closing(design: Design, main: Replay, other: Replay) -> dict[str, Any]:
+    """Play and squeeze of a conjugate pair, as way of the main roller [mm]."""
+    from camgeo.outline.closing import closing_error  # few cams are pairs
+
+    found = closing_error(main, other)
+    scale = abs(design.follower.reach)
+
+    def at(extreme: Extreme) -> dict[str, float]:
+        place = math.degrees(extreme.place % TURN)
+        return {"value": scale * extreme.value + 0.0, "cam_angle_deg": place}
+
+    return {"unit": "mm", "largest_play": at(found.highest), "smallest_play": at(found.lowest)}
+
+
+def _closing_lines(closing: dict[str, Any]) -> list[str]:
+    """Play, and squeeze where it is negative."""
+    lines = []
+    for name in ("largest play", "smallest play"):
+        told = closing[name.replace(" ", "_")]
+        tail = ": the rollers are squeezed there" if told["value"] < -TOUCHING else ""
+        lines.append(f"{name:22}{_at(told, 'mm')}, as way of the main roller{tail}")
+    return lines
+
+
 def _lines(record: dict[str, Any]) -> list[str]:
     unit = record["unit"]
     lines = [
@@ -314,13 +396,14 @@ def _write(
     step: Decimal,
     what: str,
     arguments: argparse.Namespace,
+    pair: tuple[Replay, Replay] | None,
 ) -> None:
     from importlib.metadata import entry_points
 
     from camgeo.files.transaction import write_set
 
     if target.suffix == ".csv":
-        table = _table(replay, scale, step)
+        table = _table(replay, scale, step, pair)
         data, told = table.csv().encode(), f"{len(table.values)} rows"
     else:
         render: Callable[..., bytes] = entry_points(group=RENDERERS)[RENDERER].load()
@@ -337,14 +420,16 @@ def _write(
     tell(f"{target}: {told}")
 
 
-def _table(replay: Replay, scale: Scale, step: Decimal) -> Table:
-    """One row for every `step` degrees, right-hand values."""
+def _table(
+    replay: Replay, scale: Scale, step: Decimal, pair: tuple[Replay, Replay] | None
+) -> Table:
+    """One row for every `step` degrees, right-hand values; of a pair with the play between them."""
     degrees = cam_angles(step)
     phi: FloatArray = np.radians(degrees)
     demanded = replay.course.motion.jet(phi, "right", 2) * scale.factor
     actual = replay.course.jet(phi) * scale.factor
     unit = scale.unit
-    names = (
+    names: tuple[str, ...] = (
         "phi [deg]",
         f"s demanded [{unit}]",
         f"s [{unit}]",
@@ -354,7 +439,7 @@ def _table(replay: Replay, scale: Scale, step: Decimal) -> Table:
         f"s' demanded [{unit}/rad]",
         f"s'' demanded [{unit}/rad^2]",
     )
-    columns = (
+    columns: tuple[FloatArray, ...] = (
         degrees,
         demanded[0],
         actual[0],
@@ -364,4 +449,9 @@ def _table(replay: Replay, scale: Scale, step: Decimal) -> Table:
         demanded[1],
         demanded[2],
     )
+    if pair is not None:
+        from camgeo.outline.closing import play
+
+        names += (f"play [{unit}]",)
+        columns += (play(*pair, phi) * scale.factor,)
     return Table(names, np.column_stack(columns))

@@ -10,7 +10,15 @@ from typing import Final
 
 from camgeo.check.sizing.smallest import Sizing, rate, size
 from camgeo.check.sizing.task import Task
-from camgeo.cli.command import BROKEN, FINE, Subparsers, new_parser, print_json, tell
+from camgeo.cli.command import (
+    BROKEN,
+    FINE,
+    Subparsers,
+    new_parser,
+    print_json,
+    tell,
+    tell_main_disc,
+)
 from camgeo.cli.plot import RENDERERS, add_picture, check_picture
 from camgeo.cli.size_scene import resized
 from camgeo.cli.size_told import document, lines
@@ -70,6 +78,7 @@ def run(parser: argparse.ArgumentParser, arguments: argparse.Namespace) -> int:
         if Path(arguments.output) == Path(arguments.target):
             parser.error("--scene and -o name the same file")
     design = Design(load_scene(arguments.scene))
+    tell_main_disc(design, "sizes")
     angle, ratio = _required(design, arguments)
     task = Task(design.motion, design.follower, design.rotation, design.contact)
     sizing = size(task, angle, ratio)

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from camgeo.cli.command import FINE, Subparsers, new_parser, print_json, tell
+from camgeo.cli.command import FINE, Subparsers, new_parser, print_json, tell, tell_main_disc
 from camgeo.cli.law_options import add_law_options, given_options, law_from
 from camgeo.design import Design
 from camgeo.files.table import Table
@@ -76,7 +76,9 @@ def _of_scene(parser: argparse.ArgumentParser, arguments: argparse.Namespace) ->
                 f"argument --step: {arguments.step} degrees;"
                 f" from {SMALLEST_STEP} to {LARGEST_STEP} are allowed"
             )
-    table = Design(load_scene(arguments.scene)).table(step)
+    design = Design(load_scene(arguments.scene))
+    table = design.table(step)
+    tell_main_disc(design, "curves")
     return _deliver(table, table.csv, arguments)
 
 

@@ -13,13 +13,18 @@ from camgeo.motion.recalled import RecalledPlan
 if TYPE_CHECKING:
     from camgeo.effects.effect import Subject
     from camgeo.motion.motion import Motion
+    from camgeo.part.spec import Contact
 
 
 class Recalling:
-    """The `subject`, with its motion and curves made from a `RecalledPlan`; the rest is its own."""
+    """The `subject`, with its motion and curves made from a `RecalledPlan`; the rest is its own.
 
-    def __init__(self, subject: Subject) -> None:
+    Its effects see it with the `contact` that is given, or with its own.
+    """
+
+    def __init__(self, subject: Subject, contact: Contact | None = None) -> None:
         self._subject = subject
+        self.contact: Contact = subject.contact if contact is None else contact
 
     @cached_property
     def plan(self) -> RecalledPlan:

@@ -136,6 +136,10 @@ class Product(Protocol):
         """Version of camgeo."""
 
     @property
+    def returning(self) -> Product | None:
+        """The return disc of a conjugate pair, whose files have its own name; None of one disc."""
+
+    @property
     def ledger(self) -> Ledger:
         """What was computed of it, and how long it took."""
 
@@ -215,6 +219,24 @@ class Product(Protocol):
         """(n,) values at `phi` (n,) [rad]: "s", "s1", "s2", "s3" (lift and derivatives, mm or rad
         per rad^k), "transmission_angle" [rad], "curvature" [1/mm].
         """
+
+
+def discs(product: Product) -> tuple[Product, ...]:
+    """The disc, and behind it the return disc of a conjugate pair."""
+    other = product.returning
+    return (product,) if other is None else (product, other)
+
+
+def disc_of(product: Product, stem: str) -> Product:
+    """The disc of which a file named `stem` without its ending is: `product` or its return disc.
+
+    A name that ends as the return disc's does is that of a return disc, whatever comes before.
+    """
+    other = product.returning
+    if other is None or stem == product.name:
+        return product
+    mark = other.name.removeprefix(product.name)
+    return other if stem.lower().endswith(mark) else product
 
 
 @dataclass(frozen=True, slots=True)

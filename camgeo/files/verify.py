@@ -12,7 +12,7 @@ from typing import Final
 
 from camgeo.errors import CamgeoError, Fault, SceneError
 from camgeo.files.certificate import Certificate, certificate_in
-from camgeo.files.product import Product
+from camgeo.files.product import Product, disc_of
 from camgeo.files.transaction import write_set
 from camgeo.files.verification import (
     KIND,
@@ -149,7 +149,7 @@ def _verdict(
     if certificate is not None and (not named or certificate.scene.startswith(named)):
         named = certificate.scene  # the whole of it, where the file has its first digits only
     against = scenes(path.parent, named)
-    product = against.product
+    product = disc_of(against.product, path.stem)
     checks += _scene(product, origin, certificate)
     tolerance = _tolerance(path.name, wanted, origin, certificate, against)
     if origin.tolerance is not None and certificate is not None:

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from camgeo.errors import Fault, SceneError, ToleranceError
-from camgeo.files.product import Product
+from camgeo.files.product import Product, Writer, Written, discs
 from camgeo.files.specs import LARGEST_TOLERANCE, SMALLEST_TOLERANCE
 from camgeo.files.transaction import write_set
 from camgeo.files.writers import find_writer, with_companions
@@ -88,31 +88,43 @@ def make_files(
 ) -> tuple[dict[str, bytes], tuple[FileReport, ...]]:
     """The files by their names, the certificate last, and what is told of each; none is written.
 
-    Raises as `Design.write`.
+    Of a conjugate pair the files of the main disc, then those of the return disc. Raises as
+    `Design.write`.
     """
     contents: dict[str, bytes] = {}
     reports: list[FileReport] = []
-    writers = [(name, find_writer(name)) for name in dict.fromkeys(formats)]
-    for name, writer in ((name, each) for name, one in writers for each in with_companions(one)):
-        progress(f"{name}: computing")
-        try:
-            written = product.ledger.run(f"{name} file", partial(writer.write, product, tolerance))
-        except ToleranceError as error:
-            # The writer asked for a share of it; what the user knows is the whole.
-            raise ToleranceError(f"{name}: {error.reason}", tolerance, error.reached) from error
-        progress(f"{name}: reading back")
-        deviation = product.ledger.run(
-            f"{name} file, measured", partial(writer.measure, product, written.data)
-        )
-        if deviation is not None and not deviation <= tolerance:
-            raise ToleranceError(f"the {name} file, read back, is off", tolerance, deviation)
-        file = f"{product.name}{writer.suffix}"
-        contents[file] = written.data
-        reports.append(
-            FileReport(file, name, len(written.data), tolerance, deviation, written.facts)
-        )
+    found = [(name, find_writer(name)) for name in dict.fromkeys(formats)]
+    writers = [(name, each) for name, one in found for each in with_companions(one)]
+    for disc in discs(product):
+        for name, writer in writers:
+            told = name if disc is product else f"{name} of {disc.name}"
+            written, deviation = _make(disc, told, writer, tolerance, progress)
+            file = f"{disc.name}{writer.suffix}"
+            contents[file] = written.data
+            reports.append(
+                FileReport(file, name, len(written.data), tolerance, deviation, written.facts)
+            )
     contents[CERTIFICATE] = _certificate(product, tolerance, reports, contents)
     return contents, tuple(reports)
+
+
+def _make(
+    disc: Product, name: str, writer: Writer, tolerance: float, progress: Progress
+) -> tuple[Written, float | None]:
+    """One file of one disc, and its deviation as read back [mm]; `name` is for messages."""
+    progress(f"{name}: computing")
+    try:
+        written = disc.ledger.run(f"{name} file", partial(writer.write, disc, tolerance))
+    except ToleranceError as error:
+        # The writer asked for a share of it; what the user knows is the whole.
+        raise ToleranceError(f"{name}: {error.reason}", tolerance, error.reached) from error
+    progress(f"{name}: reading back")
+    deviation = disc.ledger.run(
+        f"{name} file, measured", partial(writer.measure, disc, written.data)
+    )
+    if deviation is not None and not deviation <= tolerance:
+        raise ToleranceError(f"the {name} file, read back, is off", tolerance, deviation)
+    return written, deviation
 
 
 def _certificate(

@@ -117,6 +117,21 @@ class Builder:
             ),
         )
 
+    def returning(self, follower: Follower) -> Follower | None:
+        """The return roller of a conjugate pair; None if there is none, or none that works."""
+        table: dict[str, Any] | None = self.values.get("follower", "return")
+        if table is None:
+            return None
+        # few scenes have one
+        from camgeo.mechanism.conjugate import return_on_carriage, return_on_lever
+
+        lengths = ("spacing", "offset", "arm", "roller_radius")
+        given = _given(table, dict.fromkeys(lengths, self._mm))
+        if isinstance(follower, TranslatingRoller):
+            return self._engine(("follower",), lambda: return_on_carriage(follower, **given))
+        angle = math.radians(table["arm_angle"])
+        return self._engine(("follower",), lambda: return_on_lever(follower, angle, **given))
+
     def linkage(self) -> SliderCrank | None:
         """The linkage; None if there is none, or none that works."""
         table: dict[str, Any] | None = self.values.get("linkage")
@@ -167,6 +182,7 @@ class Builder:
         plan: MotionPlan,
         follower: Follower,
         linkage: SliderCrank | None,
+        returning: Follower | None,
         speed_curve: SpeedCurve | None,
         effects: dict[str, dict[str, Any]],
         source: SceneSource,
@@ -184,6 +200,7 @@ class Builder:
             plan=plan,
             follower=follower,
             linkage=linkage,
+            returning=returning,
             speed_curve=speed_curve,
             contact=get("follower", "contact") or "inner",
             limits=self._limits(),
@@ -199,7 +216,7 @@ class Builder:
         return Limits(
             transmission_angle=None if angle is None else math.radians(angle),
             undercut=table.get("undercut", "refuse"),
-            **_given(table, {"radius_ratio": 1.0}),
+            **_given(table, {"radius_ratio": 1.0, "closing_error": self._mm}),
         )
 
     def _part(self) -> PartSpec | None:

@@ -70,6 +70,7 @@ def _scene(data: bytes, file: str) -> Scene:
     moves = not any(fault.key.startswith("motion") for fault in faults)
     plan = builder.plan() if moves else None
     follower, linkage, speed_curve = builder.follower(), builder.linkage(), builder.speed_curve()
+    returning = None if follower is None else builder.returning(follower)
     effects = builder.effects()
     if plan is not None and follower is not None and linkage is not None:
         builder.join(plan, follower, linkage)
@@ -77,4 +78,4 @@ def _scene(data: bytes, file: str) -> Scene:
     if faults or plan is None or follower is None:
         last = len(text.lines) + MOST_BYTES
         raise SceneError(sorted(faults, key=lambda fault: fault.line or last), file)
-    return builder.scene(plan, follower, linkage, speed_curve, effects, source)
+    return builder.scene(plan, follower, linkage, returning, speed_curve, effects, source)

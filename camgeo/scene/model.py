@@ -81,6 +81,7 @@ class Scene:
     plan : the motion; of the slider if there is a linkage, else of the follower.
     follower : what rolls on the disc.
     linkage : between motion and rocker; None if the motion is the follower's own.
+    returning : the second roller, on the return disc of a conjugate pair; None if there is none.
     contact : the flank on which the roller runs.
     limits : what the design is held to.
     part : the disc as a body; None if the scene has no `[part]`.
@@ -97,6 +98,7 @@ class Scene:
     plan: MotionPlan
     follower: Follower
     linkage: SliderCrank | None = None
+    returning: Follower | None = None
     speed_curve: SpeedCurve | None = None
     contact: Contact = "inner"
     limits: Limits = field(default_factory=Limits)

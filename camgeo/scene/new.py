@@ -7,7 +7,10 @@ from typing import Final
 
 TEMPLATES: Final = pathlib.Path(__file__).with_name("templates")
 
-KINDS: Final = ("translating-roller", "oscillating-roller", "slider-crank", "groove")
+KINDS: Final = (
+    "translating-roller", "oscillating-roller", "slider-crank", "groove",
+    "conjugate-lever", "conjugate-carriage",
+)  # fmt: skip
 """What `template` has a scene for; the first is the default of the command line."""
 
 

@@ -45,6 +45,16 @@ DEFAULT_TOLERANCE: Final = OutputSpec().tolerance
 SHAPES: Final = ("inflection", "curved", "sine", "cosine")
 """Keys of a move that shape its law."""
 
+ONE_CONTACT: Final = (
+    "spring",
+    "friction",
+    "contact-force",
+    "lift-off",
+    "contact-pressure",
+    "balance",
+)
+"""Effects that suppose that one disc carries one roller all over the turn."""
+
 MACHINES: Final = ("linuxcnc",)
 """Machine profiles that come with camgeo; any other is a file."""
 
@@ -159,6 +169,24 @@ def linkage_drives_a_rocker(values: SoundValues) -> Iterator[Fault]:
     if values.has("linkage") and values.get("follower", "kind") == "translating-roller":
         message = 'a linkage drives a rocker: it needs kind = "oscillating-roller"'
         yield values.scene.fault(("follower", "kind"), message)
+
+
+def a_return_disc_has_a_main_disc(values: SoundValues) -> Iterator[Fault]:
+    """A conjugate pair is two plate cams, and the effects that know one contact have two there."""
+    place = ("follower", "return")
+    if not values.has(*place):
+        if values.has("limits", "closing_error") and values.lacks(*place):
+            message = "belongs to a conjugate pair: it needs [follower.return]"
+            yield values.scene.fault(("limits", "closing_error"), message)
+        return
+    contact = values.get("follower", "contact")
+    if contact in ("outer", "groove"):
+        message = 'belongs to contact "inner": both discs of a conjugate pair are plate cams'
+        yield values.scene.fault(place, message)
+    for name in ONE_CONTACT:
+        if values.has("effects", name):
+            message = "knows one disc and one contact; a conjugate pair, [follower.return], has two"
+            yield values.scene.fault(("effects", name), message)
 
 
 def formats_have_what_they_need(values: SoundValues) -> Iterator[Fault]:
@@ -284,6 +312,10 @@ def _largest_length(values: SoundValues) -> float | None:
         abs(values.get("follower", key) or 0.0)
         for key in ("base_radius", "roller_radius", "offset", "arm")
     ]
+    lengths += [
+        abs(values.get("follower", "return", key) or 0.0)
+        for key in ("spacing", "offset", "arm", "roller_radius")
+    ]
     pivot = values.get("follower", "pivot")
     if pivot is not None:
         lengths.append(math.hypot(*pivot))
@@ -301,6 +333,7 @@ RULES: Final[tuple[Rule, ...]] = (
     one_speed,
     swing_is_possible,
     linkage_drives_a_rocker,
+    a_return_disc_has_a_main_disc,
     formats_have_what_they_need,
     contact_and_part_agree,
     part_is_possible,

@@ -17,7 +17,7 @@ from camgeo.contour.contour import Contour
 from camgeo.contour.fit import Effort, Fit
 from camgeo.contour.spline import Arc, SplineContour, SplineFit
 from camgeo.effects.effect import Column
-from camgeo.files.product import CutOff, FollowerSketch, PlanSegment, PlanSketch
+from camgeo.files.product import CutOff, FollowerSketch, PlanSegment, PlanSketch, Product
 from camgeo.files.specs import DxfSpec
 from camgeo.files.table import Table
 from camgeo.lazy import Ledger
@@ -108,6 +108,7 @@ class StubProduct:
     contact: Contact = "inner"
     cut_off: tuple[CutOff, ...] = ()
     effect_columns: tuple[Column, ...] = ()
+    returning: Product | None = None
     ledger: Ledger = field(default_factory=Ledger, compare=False)
     findings: tuple[Finding, ...] = field(
         default=(Finding("transmission-angle", "ok", "fine", 70.0, 60.0, "deg"),)

@@ -1,6 +1,7 @@
 """The cam: disc with bore, pitch curve, base circle, and the roller at cam angle 0.
 
-The disc is the real one: what is cut off from an undercut flank is drawn beside it.
+The disc is the real one: what is cut off from an undercut flank is drawn beside it. Of a conjugate
+pair the return disc and its roller are drawn over the main disc, dashed.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, FancyArrowPatch
 from matplotlib.path import Path
 
-from camgeo.errors import UndercutError
+from camgeo.errors import GeometryError, UndercutError
 from camgeo.files.product import Product
 from camgeo.numeric.arrays import ComplexArray
 from camgeo.part.part import Part
@@ -27,6 +28,8 @@ SAGITTA = 1e-4
 
 PITCH_STYLE: Any = {"color": AUXILIARY, "linewidth": 1.0, "dashes": (10, 3, 2, 3)}
 BASE_STYLE: Any = {"color": AUXILIARY, "linewidth": 0.8, "dashes": (5, 4)}
+
+RETURN_STYLE: Any = {"color": "#b3541e", "linewidth": 1.4, "dashes": (6, 2)}
 
 ARROW = np.radians(np.linspace(200.0, 320.0, 61))
 """Directions [rad] of the arrow about the axis."""
@@ -48,6 +51,8 @@ def draw(product: Product, figure: Figure | SubFigure) -> None:
         lines = flanks.draw(axes, product, found, scale)
     else:
         lines = disc.draw(axes, part, scale, SAGITTA * product.base_radius)
+    if product.returning is not None:
+        lines = [*lines, *_return_disc(axes, product.returning, scale)]
     columns = product.curve("pitch", cam_angles()) * scale
     pitch = columns[:, 0] + 1j * columns[:, 1]
     axes.plot(pitch.real, pitch.imag, **PITCH_STYLE)
@@ -88,6 +93,9 @@ def draw(product: Product, figure: Figure | SubFigure) -> None:
     else:
         edges = Line2D([], [], color=LINE, linewidth=disc.EDGE, label="edges of the disc")
         marks = cut_off.handles("cut off") if found else []
+    if product.returning is not None:
+        edges.set_label("edges of the main disc")
+        marks = [Line2D([], [], label="return disc and its roller", **RETURN_STYLE), *marks]
     _legend(axes, figure, edges, marks)
 
 
@@ -97,6 +105,29 @@ def _part(product: Product) -> Part | None:
         return product.part
     except UndercutError:
         return None
+
+
+def _return_disc(axes: Axes, disc: Product, scale: float) -> list[ComplexArray]:
+    """Flank of the return disc, its roller at cam angle 0 and what holds that; returns the lines.
+
+    The flank is drawn as it runs, whole: its own picture shows what is cut off from it.
+    """
+    try:
+        flank = disc.curve("inner", cam_angles())
+    except GeometryError:  # the roller centre stands still in the cam, which the findings tell
+        flank = np.empty((0, 2))
+    columns = np.concatenate([flank, disc.curve("pitch", np.zeros(1))]) * scale
+    points = columns[:, 0] + 1j * columns[:, 1]
+    roller = complex(points[-1])
+    rim = roller + disc.roller_radius * scale * np.exp(1j * cam_angles())
+    sketch = disc.follower_sketch
+    lines = [points[:-1], rim]
+    if sketch.kind == "pivot":
+        lines.append(np.array([roller, sketch.end * scale]))
+    for line in lines:
+        axes.plot(line.real, line.imag, zorder=2.8, **RETURN_STYLE)
+    axes.plot(roller.real, roller.imag, "+", color=RETURN_STYLE["color"], markersize=6, zorder=2.8)
+    return lines
 
 
 def _legend(axes: Axes, figure: Figure | SubFigure, edges: Line2D, marks: list[Line2D]) -> None:

@@ -1,0 +1,120 @@
+"""Checks of a conjugate pair: whether the two discs hold the follower between them, and how well.
+
+A normal force N of a disc on its roller does the work N dn on the follower, n counted outward and
+dn/dq the leverage (`camgeo.curve.pitch_curve.PitchCurve.leverage`). Discs only push. So the pair
+holds the follower both ways where the two leverages have opposite signs, and a disc whose flank is
+off by t along its normal lets the follower off by t / |dn/dq|.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+import numpy as np
+
+from camgeo.check.finding import Finding
+from camgeo.curve.extremes import extremes
+from camgeo.curve.pitch_curve import PitchCurve
+from camgeo.motion.motion import Side
+from camgeo.numeric.arrays import FloatArray
+
+VANISHING: Final = 1e-12
+"""A product of sines of transmission angles up to this is 0: rounding of the rollers' places."""
+
+
+def check_pair(
+    main: PitchCurve, other: PitchCurve, tolerance: float, limit: float
+) -> tuple[Finding, ...]:
+    """Form closure of a pair of discs, and the error with which the pair closes.
+
+    Parameters
+    ----------
+    main, other : pitch curves of the main disc and of the return disc, of one motion.
+    tolerance : by which either flank may be off along its normal [mm].
+    limit : largest closing error allowed, as way of the main roller [mm].
+
+    Without form closure there is no closing error. Raises GeometryError where Z' of one of the
+    curves vanishes.
+    """
+    closed = _check_form_closure(main, other)
+    if closed.severity != "ok":
+        return (closed,)
+    return (closed, _check_closing_error(main, other, tolerance, limit))
+
+
+def leverage_slope(curve: PitchCurve, phi: FloatArray, side: Side) -> FloatArray:
+    """(n,) d/dphi of `PitchCurve.leverage`, by the chain rule [1 or mm/rad, per rad].
+
+    With dn/dq = reach u / |Z'| and |Z'|^2 = u^2 + w^2 it is reach w (w u' - u w') / |Z'|^3.
+    """
+    tangent = curve.follower.tangent_jet(curve.motion.jet(phi, side), curve.rotation)
+    (u, u1), (w, w1) = tangent.u, tangent.w
+    speed = np.hypot(u, w)
+    return np.asarray(curve.follower.reach * (w / speed) * ((w * u1 - u * w1) / (speed * speed)))
+
+
+def _check_form_closure(main: PitchCurve, other: PitchCurve) -> Finding:
+    """Hold the product of the leverages, as sines of the transmission angles, below 0."""
+    scale = 1.0 / abs(main.follower.reach * other.follower.reach)
+
+    def product(phi: FloatArray, side: Side) -> FloatArray:
+        return scale * main.leverage(phi, side) * other.leverage(phi, side)
+
+    def slope(phi: FloatArray, side: Side) -> FloatArray:
+        first, second = main.leverage(phi, side), other.leverage(phi, side)
+        one = leverage_slope(main, phi, side) * second
+        return np.asarray(one + first * leverage_slope(other, phi, side))
+
+    value, phi = extremes(main, product, slope).largest()
+    broken = value >= -VANISHING
+    place = f"at cam angle {math.degrees(phi):.4f} deg"
+    told = f"product of the leverages as sines of the transmission angles {value + 0.0:.4f} {place}"
+    return Finding(
+        name="form-closure",
+        severity="broken" if broken else "ok",
+        sentence=(
+            f"the two discs do not hold the follower between them: {told}, where they do not push"
+            " it in opposite senses"
+            if broken
+            else f"the two discs push the follower in opposite senses over the whole turn; largest"
+            f" {told}"
+        ),
+        value=value + 0.0,
+        limit=0.0,
+        cam_angle=phi,
+    )
+
+
+def _check_closing_error(
+    main: PitchCurve, other: PitchCurve, tolerance: float, limit: float
+) -> Finding:
+    """Hold the play or squeeze that two discs true to `tolerance` may have to `limit`."""
+    scale = tolerance * abs(main.follower.reach)
+
+    def play(phi: FloatArray, side: Side) -> FloatArray:
+        either = (1.0 / np.abs(curve.leverage(phi, side)) for curve in (main, other))
+        return scale * sum(either, start=np.zeros(len(phi)))
+
+    def slope(phi: FloatArray, side: Side) -> FloatArray:
+        total = np.zeros(len(phi))
+        for curve in (main, other):
+            lever = curve.leverage(phi, side)
+            total -= leverage_slope(curve, phi, side) / (lever * np.abs(lever))
+        return total
+
+    value, phi = extremes(main, play, slope).largest()
+    broken = value > limit
+    return Finding(
+        name="closing-error",
+        severity="broken" if broken else "ok",
+        sentence=(
+            f"with both discs true to {tolerance:g} mm the rollers have at most {value:.6f} mm of"
+            f" play or squeeze, as way of the main roller, at cam angle {math.degrees(phi):.4f}"
+            f" deg, {'above' if broken else 'at most'} {limit:g} mm"
+        ),
+        value=value,
+        limit=limit,
+        unit="mm",
+        cam_angle=phi,
+    )

@@ -1,0 +1,253 @@
+"""The files of both discs of a conjugate pair: read back, held together, verified, certified."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+import shutil
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from ezdxf.filemanagement import readfile
+
+from camgeo import load
+from camgeo.cli.main import main, parser
+from camgeo.design import Design
+from camgeo.errors import UndercutError
+from camgeo.mechanism.oscillating_roller import OscillatingRoller
+from camgeo.mechanism.translating_roller import TranslatingRoller
+from camgeo.numeric.arrays import ComplexArray
+from tests.end_to_end.built import SCENES
+from tests.measuring import DensePath, Outline
+from tests.pairs import Carriage, Lever, carriage_of, lever_of
+
+Capture = pytest.CaptureFixture[str]
+
+FOLDER = SCENES[0].parent
+
+NAMES = ("conjugate_lever", "conjugate_carriage")
+
+FORMATS = "dxf,gcode,stl,3mf,csv"
+
+DENSE = 60_001
+
+
+def body_of(design: Design) -> Lever | Carriage:
+    """The rigid follower by the dimensions that stand in the scene file."""
+    if isinstance(design.follower, OscillatingRoller):
+        return lever_of(design.follower, math.radians(84.0), 70.0)
+    assert isinstance(design.follower, TranslatingRoller)
+    return carriage_of(design.follower, 135.0, -5.0)
+
+
+@pytest.fixture(scope="module", params=NAMES)
+def built(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The scene and the files of both discs."""
+    folder = tmp_path_factory.mktemp(request.param)
+    scene = shutil.copy(FOLDER / f"{request.param}.toml", folder)
+    assert main(["build", str(scene), "-o", str(folder), "--only", FORMATS]) == 0
+    return folder / f"{request.param}.toml"
+
+
+def drawn(file: Path) -> Outline:
+    """The largest closed polyline on layer CUT."""
+    found = []
+    for entity in readfile(file).modelspace().query('LWPOLYLINE[layer=="CUT"]'):
+        rows = np.array(list(entity.get_points("xyb")))  # type: ignore[attr-defined]
+        starts = rows[:, 0] + 1j * rows[:, 1]
+        found.append(Outline.through(starts, 4.0 * np.arctan(rows[:, 2])))
+    return max(found, key=lambda outline: abs(outline.area))
+
+
+def centres(design: Design) -> tuple[ComplexArray, ComplexArray]:
+    """Dense roller centres of main and return roller in the cam, by the rigid follower."""
+    phi = np.linspace(0.0, 2.0 * math.pi, DENSE)
+    both = body_of(design).rollers(design.lift(phi)[0])
+    turn = np.exp(-1j * design.rotation * phi)
+    return both[0] * turn, both[1] * turn
+
+
+def test_both_drawings_touch_the_rollers_of_the_rigid_follower(built: Path) -> None:
+    """All points of either drawing are the roller's radius from its centres' path.
+
+    Chords of the dense path are 90 mm / 60,000 * 2 pi = 0.01 mm long, h^2/8 kappa = 4e-7 mm off.
+    """
+    design = load(built)
+    tolerance = design.specification.output.tolerance
+    other = design.returning
+    assert other is not None
+    for disc, path in zip((design, other), centres(design), strict=True):
+        outline = drawn(built.with_name(f"{disc.name}.dxf"))
+        points = outline.dense(4000)
+        off = np.abs(DensePath(path).distances(points) - disc.roller_radius)
+        assert np.max(off) <= tolerance + 5e-7
+        # And at every cam angle the roller reaches the drawing, and no farther.
+        reached = np.abs(outline.distances(path[::50]) - disc.roller_radius)
+        assert np.max(reached) <= tolerance + 1e-9
+
+
+def test_the_written_contours_close_within_what_the_check_says(
+    built: Path, capsys: Capture
+) -> None:
+    """The bound is met to half at least: the tolerance is used up by either contour."""
+    files = [str(built.with_name(f"{built.stem}{end}.dxf")) for end in ("-return", "")]
+    capsys.readouterr()
+    assert main(["replay", str(built), *files, "--json"]) == 0
+    told: dict[str, Any] = json.loads(capsys.readouterr().out)
+    assert told["contour"] == f"{built.stem}.dxf"
+    assert told["return"]["contour"] == f"{built.stem}-return.dxf"
+    closing = next(f for f in load(built).findings if f.name == "closing-error")
+    assert closing.value is not None
+    play, squeeze = (told["closing"][f"{which}_play"]["value"] for which in ("largest", "smallest"))
+    assert squeeze < 0.0 < play
+    # The roller on a disc that is off touches it beside its place, where the leverage is another.
+    bound = 1.001 * closing.value
+    assert 0.5 * bound < max(play, -squeeze) <= bound
+
+
+def test_the_real_outlines_close_exactly(built: Path, capsys: Capture) -> None:
+    capsys.readouterr()
+    assert main(["replay", str(built), "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert told["closing"]["largest_play"]["value"] == 0.0
+    assert told["closing"]["smallest_play"]["value"] == 0.0
+
+
+def test_one_certificate_covers_both_discs(built: Path) -> None:
+    certificate = json.loads(built.with_name("certificate.json").read_text())
+    records = {record["file"]: record for record in certificate["files"]}
+    ends = (".dxf", ".ngc", ".stl", ".3mf", ".csv")
+    stems = (built.stem, f"{built.stem}-return")
+    assert set(records) == {f"{stem}{end}" for stem in stems for end in ends}
+    for name, record in records.items():
+        data = built.with_name(name).read_bytes()
+        assert record["sha256"] == hashlib.sha256(data).hexdigest()
+        assert record["deviation_mm"] <= record["tolerance_mm"]
+    names = {finding["name"] for finding in certificate["findings"]}
+    assert {"form-closure", "closing-error", "transmission-angle"} <= names
+    assert "return: transmission-angle" in names
+
+
+def test_a_second_build_writes_the_same_bytes(built: Path, tmp_path: Path) -> None:
+    assert main(["build", str(built), "-o", str(tmp_path), "--only", FORMATS]) == 0
+    for path in tmp_path.iterdir():
+        assert path.read_bytes() == built.with_name(path.name).read_bytes()
+
+
+def test_both_discs_are_verified(built: Path, tmp_path: Path, capsys: Capture) -> None:
+    for path in built.parent.iterdir():
+        shutil.copy(path, tmp_path)
+    capsys.readouterr()
+    assert main(["verify", str(tmp_path), "--json"]) == 0
+    records = {each["file"]: each for each in json.loads(capsys.readouterr().out)["files"]}
+    for end in (".dxf", ".ngc", ".stl", ".3mf"):
+        assert records[f"{built.stem}{end}"]["scene"]["name"] == built.stem
+        assert records[f"{built.stem}-return{end}"]["scene"]["name"] == f"{built.stem}-return"
+
+
+@pytest.mark.parametrize("end", [".dxf", ".ngc", ".stl", ".3mf"])
+def test_a_main_disc_in_place_of_the_return_disc_fails(
+    built: Path, end: str, tmp_path: Path, capsys: Capture
+) -> None:
+    shutil.copy(built, tmp_path)
+    shutil.copy(built.with_name(f"{built.stem}{end}"), tmp_path / f"{built.stem}-return{end}")
+    capsys.readouterr()
+    assert main(["verify", str(tmp_path), "--json", "--scene", str(built)]) == 1
+    (record,) = json.loads(capsys.readouterr().out)["files"]
+    assert "deviation" in {each["name"] for each in record["checks"] if each["ok"] is False}
+
+
+def test_a_drawing_of_the_return_disc_alone_is_replayed_on_it(built: Path, capsys: Capture) -> None:
+    file = str(built.with_name(f"{built.stem}-return.dxf"))
+    capsys.readouterr()
+    assert main(["replay", str(built), file, "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert "closing" not in told
+    unit = {"mm": 1.0, "deg": math.radians(70.0)}[told["unit"]]
+    assert abs(told["lift_error"]["value"]) * unit < 2e-3
+
+
+def test_the_table_of_a_replay_has_the_play(built: Path, tmp_path: Path) -> None:
+    table = tmp_path / "replay.csv"
+    files = [str(built.with_name(f"{built.stem}{end}.dxf")) for end in ("", "-return")]
+    assert main(["replay", str(built), *files, "--step", "1", "-o", str(table)]) == 0
+    head, *rows = table.read_text().splitlines()
+    assert head.split(",")[-1].startswith("play [")
+    assert len(rows) == 360
+
+
+def test_too_many_contours_are_refused(built: Path, capsys: Capture) -> None:
+    plate = str(FOLDER / "plate_translating.toml")
+    for scene, files, said in ((str(built), 3, "one of each disc"), (plate, 2, "has one disc")):
+        arguments = parser(("replay",)).parse_args(["replay", scene, *["a.dxf"] * files])
+        with pytest.raises(SystemExit) as caught:
+            arguments.run(arguments)
+        assert caught.value.code == 2
+        assert said in capsys.readouterr().err
+
+
+def test_check_tells_both_discs(built: Path, capsys: Capture) -> None:
+    capsys.readouterr()
+    assert main(["check", str(built)]) == 0
+    text = capsys.readouterr().out
+    assert "return disc: inner flank: no cusp and no local undercut" in text
+    assert "form-closure" in text
+    assert "closing-error" in text
+    assert main(["check", str(built), "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert told["return"]["name"] == f"{built.stem}-return"
+    area = told["return"]["outlines"]["inner"]["area_mm2"]
+    outline = drawn(built.with_name(f"{built.stem}-return.dxf"))
+    # The tolerance along an outline of less than 500 mm.
+    assert area == pytest.approx(abs(outline.area), abs=0.5)
+
+
+@pytest.mark.parametrize("words", [["table"], ["explain"], ["size"]])
+def test_commands_of_one_disc_say_so(built: Path, words: list[str], capsys: Capture) -> None:
+    capsys.readouterr()
+    assert main([*words, str(built)]) == 0
+    assert f"the return disc, {built.stem}-return, is not covered" in capsys.readouterr().err
+
+
+def test_the_picture_of_the_cam_shows_both_discs(built: Path, tmp_path: Path) -> None:
+    target = tmp_path / "both.svg"
+    assert main(["plot", str(built), "cam", "-o", str(target)]) == 0
+    assert "return disc and its roller" in target.read_text()
+
+
+def test_a_return_disc_that_undercuts_is_refused_with_the_main_disc(tmp_path: Path) -> None:
+    """Nothing is written of either; the picture still shows the main disc as the body it is."""
+    scene = tmp_path / "undercut.toml"
+    text = (FOLDER / "conjugate_lever.toml").read_text()
+    scene.write_text(text.replace("roller_radius = 12", "roller_radius = 46"))
+    design = load(scene)
+    assert main(["build", str(scene), "-o", str(tmp_path / "out"), "--only", "dxf"]) == 1
+    with pytest.raises(UndercutError, match=r"^return disc: inner flank"):
+        design.write(tmp_path / "out", ["dxf"])
+    assert not (tmp_path / "out").exists()
+    assert main(["plot", str(scene), "cam", "-o", str(tmp_path / "cam.svg")]) == 0
+    picture = (tmp_path / "cam.svg").read_text()
+    assert "edges of the main disc" in picture
+    assert "no outline" not in picture
+
+
+def test_a_trimmed_return_disc_leaves_play(tmp_path: Path, capsys: Capture) -> None:
+    """What the roller loses on a disc that is cut off is play, and the main disc loses nothing."""
+    scene = tmp_path / "trimmed.toml"
+    text = (FOLDER / "conjugate_lever.toml").read_text()
+    text = text.replace("roller_radius = 12", "roller_radius = 46")
+    scene.write_text(text.replace("[part]", '[limits]\nundercut = "trim"\n\n[part]'))
+    assert main(["replay", str(scene), "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert told["lost_stroke"]["value"] == 0.0
+    lost = math.radians(told["return"]["lost_stroke"]["value"])
+    assert lost > 0.0
+    # As way of the main roller, 75 mm from the pivot.
+    assert told["closing"]["largest_play"]["value"] == pytest.approx(75.0 * lost, rel=1e-9)
+    # Rounding of 100 mm at the ends of what is cut off.
+    assert told["closing"]["smallest_play"]["value"] == pytest.approx(0.0, abs=1e-12)
+    assert main(["replay", str(scene)]) == 0
+    assert "squeezed" not in capsys.readouterr().out

@@ -1,0 +1,162 @@
+"""Scenes with [follower.return]: what is read, and what is refused with all its faults."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from camgeo.design import Design
+from camgeo.errors import SceneError
+from camgeo.mechanism.oscillating_roller import OscillatingRoller
+from camgeo.mechanism.translating_roller import TranslatingRoller
+from camgeo.scene.load import parse_scene
+from camgeo.scene.rules import ONE_CONTACT
+from camgeo.units import TURN
+from tests.pairs import lever_of
+from tests.scene.scenes import FIXTURES, spoilt
+
+LEVER = (FIXTURES / "conjugate_lever.toml").read_text()
+CARRIAGE = (FIXTURES / "conjugate_carriage.toml").read_text()
+SETZHUB = (FIXTURES / "setzhub.toml").read_text()
+
+FAULTS: list[tuple[str, list[tuple[str, str]], str]] = [
+    (LEVER, [("arm_angle = 84", "arm_angle = 0")], "above -360 and below 360 .*, and not 0"),
+    (LEVER, [("arm_angle = 84", "arm_angle = 360")], "above -360 and below 360"),
+    (LEVER, [("arm_angle = 84\n", "")], "follower.return.arm_angle: is missing: Angle from"),
+    (LEVER, [("arm_angle = 84", "spacing = 84")], "return.spacing = 84: belongs to the return"),
+    (LEVER, [("arm = 70", "arm = -70")], "follower.return.arm = -70: must be a positive"),
+    (LEVER, [("arm_angle", "arm_angel")], r"did you mean arm_angle\?"),
+    (LEVER, [("[follower.return]", "[follower.returns]")], r"did you mean return\?"),
+    (CARRIAGE, [("spacing = 135", "spacing = 57")], "return.spacing = 57: the return roller must"),
+    (CARRIAGE, [("spacing = 135\n", "")], "follower.return.spacing: is missing: Distance"),
+    (
+        LEVER,
+        [('contact = "inner"', 'contact = "groove"'), ("bore = 24", "bore = 24\nrim = 200")],
+        'follower.return: belongs to contact "inner"',
+    ),
+    (
+        CARRIAGE,
+        [("tolerance = 0.001", "tolerance = 1e-7"), ("spacing = 135", "spacing = 13500")],
+        "output.tolerance = 1e-7: must be at least 1e-10 of the largest length, 13500 mm",
+    ),
+    (
+        SETZHUB,
+        [("[limits]", "[limits]\nclosing_error = 0.1")],
+        r"limits.closing_error = 0.1: belongs to a conjugate pair",
+    ),
+]
+
+
+def faults_of(text: str) -> str:
+    with pytest.raises(SceneError) as caught:
+        parse_scene(text)
+    return str(caught.value)
+
+
+@pytest.mark.parametrize(("text", "changes", "expected"), FAULTS, ids=range(len(FAULTS)))
+def test_faults(text: str, changes: list[tuple[str, str]], expected: str) -> None:
+    if "limits" in changes[0][0] and "[limits]" not in text:
+        text += "\n[limits]\n"
+    with pytest.raises(SceneError, match=expected):
+        parse_scene(spoilt(text, *changes))
+
+
+def test_a_return_arm_on_the_line_of_centres_is_told_with_its_key() -> None:
+    follower = parse_scene(LEVER).follower
+    assert isinstance(follower, OscillatingRoller)
+    angle = math.degrees(follower.start_angle)
+    told = faults_of(LEVER.replace("arm_angle = 84", f"arm_angle = {angle!r}"))
+    assert f"follower.return.arm_angle = {angle!r}: the return arm lies on the line" in told
+
+
+def test_all_faults_are_told_at_once() -> None:
+    text = LEVER.replace("arm_angle = 84", "arm_angle = 400").replace("dwell = 40", "dwell = 41")
+    text += "\n[effects.lift-off]\n[effects.spring]\nstiffness = 9\npreload = 260\n"
+    told = faults_of(text)
+    for key in ("follower.return.arm_angle", "motion", "effects.lift-off", "effects.spring"):
+        assert f"{key}" in told
+
+
+@pytest.mark.parametrize("name", ONE_CONTACT)
+def test_effects_of_one_contact_are_refused(name: str) -> None:
+    assert f"effects.{name}: knows one disc and one contact" in faults_of(
+        f"{LEVER}\n[effects.{name}]\n"
+    )
+
+
+def test_lengths_are_in_the_unit_of_the_scene() -> None:
+    inch = '[units]\nlength = "inch"\n\n[limits]\nclosing_error = 1\n[cam]'
+    text = CARRIAGE.replace("[cam]", inch)
+    text = text.replace("base_radius = 58", "base_radius = 2").replace("offset = 6", "offset = 0.5")
+    text = text.replace("spacing = 135", "spacing = 5").replace("offset = -5", "offset = -0.25")
+    text = text.replace("roller_radius = 12", "roller_radius = 0.5")
+    text = text.replace("roller_radius = 10", "roller_radius = 0.25").replace("to = 18", "to = 0.5")
+    text = text.replace("bore = 25", "bore = 1").replace("diameter = 12", "diameter = 0.5")
+    scene = parse_scene(text)
+    returning = scene.returning
+    assert isinstance(returning, TranslatingRoller)
+    assert returning.roller_radius == pytest.approx(6.35, rel=1e-15)
+    assert returning.offset == pytest.approx(6.35, rel=1e-15)
+    assert returning.start_height == pytest.approx(25.4 * (5.0 - math.sqrt(4.0 - 0.25)), rel=1e-14)
+    assert scene.limits.closing_error == pytest.approx(25.4)
+
+
+def test_behind_a_linkage_both_rollers_move_with_the_crank() -> None:
+    """The lever is placed by the slider-crank's angle, its rollers by formulas of our own."""
+    text = SETZHUB.replace("[linkage]", "[follower.return]\narm_angle = -95\narm = 60\n\n[linkage]")
+    design = Design(parse_scene(text))
+    follower, other = design.follower, design.returning
+    assert isinstance(follower, OscillatingRoller)
+    assert other is not None
+    body = lever_of(follower, math.radians(-95.0), 60.0)
+    phi = np.linspace(0.0, TURN, 100)
+    turn = np.exp(-1j * design.rotation * phi)
+    main, back = body.rollers(design.lift(phi)[0])
+    # Rounding of a triangle of some 100 mm whose angles are 20 degrees at least.
+    assert np.max(np.abs(design.pitch_curve.point(phi) - main * turn)) < 1e-12 * 100.0
+    assert np.max(np.abs(other.pitch_curve.point(phi) - back * turn)) < 1e-12 * 100.0
+
+
+def test_the_drive_torque_of_a_pair_is_that_of_the_motion() -> None:
+    """Virtual work knows no disc: the same as with one, and nothing about a lost contact."""
+    effects = "\n[effects.inertia]\nmoment_of_inertia = 0.05\n[effects.drive-torque]\n"
+    pair = Design(parse_scene(LEVER + effects))
+    table = LEVER[LEVER.index("[follower.return]") : LEVER.index("[[motion]]")]
+    alone = Design(parse_scene(LEVER.replace(table, "") + effects))
+    phi = np.linspace(0.0, TURN, 721)
+    for one, two in zip(pair.effect_columns, alone.effect_columns, strict=True):
+        assert one.name == two.name
+        assert np.array_equal(one.values(phi, "right"), two.values(phi, "right"))
+    assert "torque-without-contact" in {each.name for each in alone.effect_findings}
+    assert "torque-without-contact" not in {each.name for each in pair.effect_findings}
+
+
+def test_the_return_disc_is_a_design_of_its_own() -> None:
+    effects = "\n[effects.inertia]\nmoment_of_inertia = 0.05\n"
+    design = Design(parse_scene(LEVER + effects))
+    other = design.returning
+    assert other is not None
+    assert other is design.returning
+    assert other.name == "conjugate_lever-return"
+    assert other.effect_names == ()
+    assert other.returning is None
+    assert other.motion == design.motion
+    assert (other.scene_hash, other.rotation) == (design.scene_hash, design.rotation)
+    told = {each.name for each in design.findings}
+    own = {each.name for each in other.findings} - {"laws", "joints"}
+    assert {f"return: {name}" for name in own if not name.startswith("largest-")} <= told
+    told_of = [each for each in design.findings if each.name.startswith("return: ")]
+    assert all(each.sentence.startswith("return disc: ") for each in told_of)
+
+
+def test_a_return_disc_that_undercuts_leaves_no_outline() -> None:
+    text = LEVER.replace("roller_radius = 12", "roller_radius = 46")
+    design = Design(parse_scene(text))
+    assert design.returning is not None
+    bad = {each.name for each in design.findings if each.severity == "fatal"}
+    assert bad
+    assert all(name.startswith("return: ") for name in bad)
+    assert not design.has_outline
+    assert not design.returning.has_outline
