@@ -133,6 +133,16 @@ class Design:
         return self.specification.follower.roller_radius
 
     @property
+    def side_clearance(self) -> float:
+        """Groove's width less the roller's diameter [mm]; 0 without groove."""
+        return self.specification.side_clearance
+
+    @property
+    def flank_distance(self) -> float:
+        """Distance of either flank from the pitch curve [mm]: r_R, or half the groove's width."""
+        return self.roller_radius + 0.5 * self.side_clearance
+
+    @property
     def effort(self) -> Effort:
         """How hard the fits of its contours try."""
         return self.specification.output.fit
@@ -169,12 +179,12 @@ class Design:
     @lazy
     def inner_curve(self) -> WorkingCurve:
         """The inner working curve."""
-        return WorkingCurve(self.pitch_curve, -self.roller_radius)
+        return WorkingCurve(self.pitch_curve, -self.flank_distance)
 
     @lazy
     def outer_curve(self) -> WorkingCurve:
         """The outer working curve."""
-        return WorkingCurve(self.pitch_curve, self.roller_radius)
+        return WorkingCurve(self.pitch_curve, self.flank_distance)
 
     @lazy
     def bends(self) -> Extremes:
@@ -208,7 +218,11 @@ class Design:
         return self.inner_outline if flank == "inner" else self.outer_outline
 
     def replay(self, flank: str) -> Replay:
-        """The roller pressed against what is left of the "inner" or "outer" flank."""
+        """The roller pressed against what is left of the "inner" or "outer" flank.
+
+        In a groove with side clearance it is a roller without play: what it loses comes on top of
+        the play.
+        """
         from camgeo.outline.replay import replay_outline  # only what undercuts needs it
 
         path = self.outline(flank).path
@@ -414,7 +428,8 @@ class Design:
         """What the checks find of the mechanism and of the disc, without the motion."""
         found: list[Finding] = []
         follower = self.specification.follower
-        found += check_follower(follower, runs_on_inner=self.contact != "outer")
+        inner = self.contact != "outer"
+        found += check_follower(follower, runs_on_inner=inner, clearance=self.side_clearance)
         regular = True
         if isinstance(self.motion, LinkedMotion):
             of_linkage = check_linkage(self.motion)
@@ -429,9 +444,13 @@ class Design:
             ratio = self.specification.limits.radius_ratio
             mechanism = not any(finding.severity == "wrong" for finding in found)
             for name, flank in self.flanks:
-                found.append(check_radius_ratio(flank, name, self.bends, ratio))
+                found.append(check_radius_ratio(flank, name, self.bends, ratio, self.roller_radius))
                 found += check_undercut(flank, name, self.bends, self._severity)
                 found += self._outline_findings(name, flank) if mechanism else ()
+            if self.side_clearance > 0.0:
+                from camgeo.check.side_clearance import check_side_clearance  # few grooves have it
+
+                found.append(check_side_clearance(self.pitch_curve, self.side_clearance))
             found += check_closure(self.pitch_curve, self._severity)
         return tuple(found)
 
@@ -491,8 +510,16 @@ class Design:
         from camgeo.check.cures import Cam, cures  # a search, and few cams need one
 
         spec = self.specification
-        cam = Cam(spec.plan, spec.linkage, spec.follower, spec.rotation, spec.contact)
-        return cures(cam)
+        return cures(
+            Cam(
+                spec.plan,
+                spec.linkage,
+                spec.follower,
+                spec.rotation,
+                spec.contact,
+                spec.side_clearance,
+            )
+        )
 
     @property
     def has_outline(self) -> bool:

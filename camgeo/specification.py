@@ -93,6 +93,9 @@ class Specification(Protocol):
     def contact(self) -> Contact: ...
 
     @property
+    def side_clearance(self) -> float: ...
+
+    @property
     def limits(self) -> Limits: ...
 
     @property

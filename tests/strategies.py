@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import cmath
 import math
+from dataclasses import replace
 from decimal import Decimal
 
 import numpy as np
@@ -12,6 +13,7 @@ from hypothesis import strategies as st
 
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.errors import GeometryError
+from camgeo.mechanism.linkage import LinkedMotion
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.mechanism.slider_crank import SliderCrank
 from camgeo.mechanism.translating_roller import TranslatingRoller
@@ -240,3 +242,37 @@ def slider_cranks(draw: st.DrawFn, stroke: float = 8.0) -> SliderCrank:
     strokes = np.linspace(0.0, stroke, 17)
     assume(np.max(linkage.missing_length(strokes)) < -2.0)
     return linkage
+
+
+@st.composite
+def linked_pitch_curves(draw: st.DrawFn, names: tuple[str, ...] = SMOOTH) -> PitchCurve:
+    """A pitch curve of a rocker behind a slider-crank; strokes of at most 8 mm.
+
+    The rocker keeps 10 degrees off the line of centres all over the stroke.
+    """
+    linkage = draw(slider_cranks(8.0))
+    swing = linkage.crank_angle(np.linspace(0.0, 8.0, 17)) - linkage.crank_angle(np.zeros(1))
+    swing *= -1.0 if linkage.mirrored else 1.0
+    side = draw(signs())
+    low, high = float(np.min(side * swing)), float(np.max(side * swing))
+    margin = math.radians(10.0)
+    assume(high - low < math.pi - 3.0 * margin)
+    start = draw(st.floats(margin - low, math.pi - margin - high))
+    distance, arm = draw(st.floats(80.0, 160.0)), draw(st.floats(50.0, 75.0))
+    follower = OscillatingRoller(
+        pivot=cmath.rect(distance, draw(st.floats(-math.pi, math.pi))),
+        arm=arm,
+        base_radius=math.sqrt(distance**2 + arm**2 - 2.0 * distance * arm * math.cos(start)),
+        roller_radius=draw(st.floats(2.0, 12.0)),
+        arm_side=side,
+        direction=None,
+    )
+    motion = LinkedMotion(draw(plans(names, 8.0)), linkage)
+    return PitchCurve(motion, follower, draw(signs()))
+
+
+def with_roller(curve: PitchCurve, radius: float) -> PitchCurve:
+    """The same mechanism with a roller of another radius [mm], or 0 for a knife edge."""
+    follower = curve.follower
+    assert isinstance(follower, TranslatingRoller | OscillatingRoller)
+    return replace(curve, follower=replace(follower, roller_radius=radius))

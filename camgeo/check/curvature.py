@@ -2,7 +2,8 @@
 
 All of them read 1 + d kappa of the flank, d = -r_R for the inner, +r_R for the outer working
 curve: 1 - (that) is r_R / r_K of the sign of curvature that matters, at most 0.7 by the rule of
-thumb (Wirsig eq. 3.36); 1 is a cusp, more is undercut.
+thumb (Wirsig eq. 3.36); 1 is a cusp, more is undercut. The flanks of a groove with side clearance
+c lie at d = -+(r_R + c/2): cusp and undercut are of that d, the rule of thumb is of the roller.
 """
 
 from __future__ import annotations
@@ -18,11 +19,28 @@ from camgeo.outline.cusps import CUSP, INSIDE, undercut_ranges
 from camgeo.units import TURN
 
 
-def check_radius_ratio(flank: WorkingCurve, name: str, bends: Extremes, limit: float) -> Finding:
-    """Hold the roller radius to the smallest r_K that matters: r_R <= `limit` r_K (eq. 3.36)."""
+def check_radius_ratio(
+    flank: WorkingCurve,
+    name: str,
+    bends: Extremes,
+    limit: float,
+    roller_radius: float | None = None,
+) -> Finding:
+    """Hold the roller radius to the smallest r_K that matters: r_R <= `limit` r_K (eq. 3.36).
+
+    `roller_radius` [mm] is that of the roller if it has play; None if the flank is its envelope.
+    """
     kappa, phi = _tightest(flank, bends)
-    roller = abs(flank.distance)
-    ratio = -flank.distance * kappa
+    roller = abs(flank.distance) if roller_radius is None else roller_radius
+    ratio = -math.copysign(roller, flank.distance) * kappa
+    if roller == 0.0:
+        return Finding(
+            name=f"radius-ratio-{name}",
+            severity="ok",
+            sentence=f"{name} flank: a knife edge, r_R = 0, fits any radius of curvature",
+            value=0.0,
+            limit=limit,
+        )
     if ratio <= 0.0:
         bend = "concave" if flank.distance < 0.0 else "convex"
         return Finding(
@@ -73,8 +91,8 @@ def check_undercut(
                 name=f"cusp-{name}",
                 severity=severity,
                 sentence=(
-                    f"{name} flank: cusp at cam angle {math.degrees(phi):.6f} deg, the roller"
-                    f" radius equals the pitch curve's radius of curvature, {1 / abs(kappa):.6g} mm"
+                    f"{name} flank: cusp at cam angle {math.degrees(phi):.6f} deg, {_what(flank)}"
+                    f" equals the pitch curve's radius of curvature, {1 / abs(kappa):.6g} mm"
                 ),
                 value=margin,
                 limit=0.0,
@@ -113,6 +131,12 @@ def _undercut(
         cam_angle=float(bends.phi[inside[worst]]) % TURN,
         cam_range=(start, end),
     )
+
+
+def _what(flank: WorkingCurve) -> str:
+    """What the flank's distance from the pitch curve is called."""
+    played = abs(flank.distance) != flank.pitch.follower.roller_radius
+    return "half the groove's width" if played else "the roller radius"
 
 
 def _tightest(flank: WorkingCurve, bends: Extremes) -> tuple[float, float]:

@@ -10,24 +10,29 @@ LOCKED = 1e-9
 """A guide within this share of the base radius of a tangent to the base circle is one."""
 
 
-def check_follower(follower: Follower, *, runs_on_inner: bool) -> tuple[Finding, ...]:
+def check_follower(
+    follower: Follower, *, runs_on_inner: bool, clearance: float = 0.0
+) -> tuple[Finding, ...]:
     """A roller that reaches over the cam axis, a guide on which the follower locks; else nothing.
 
-    `runs_on_inner` is True if the roller runs on the inner working curve, alone or in a groove.
+    `runs_on_inner` is True if the roller runs on the inner working curve, alone or in a groove,
+    which is wider than the roller by `clearance` [mm].
     """
     found = []
-    if runs_on_inner and follower.roller_radius >= follower.base_radius:
+    half = follower.roller_radius + 0.5 * clearance
+    if runs_on_inner and half >= follower.base_radius:
+        what = "the roller" if clearance == 0.0 else "half the groove's width"
         found.append(
             Finding(
                 name="roller-over-axis",
                 severity="wrong",
                 sentence=(
-                    f"the roller ({follower.roller_radius:g} mm) is not smaller than the base"
+                    f"{what} ({half:g} mm) is not smaller than the base"
                     f" circle ({follower.base_radius:g} mm): it covers the cam axis, and its inner"
                     " working curve lies on the other side; make follower.roller_radius smaller or"
                     " follower.base_radius larger"
                 ),
-                value=follower.roller_radius,
+                value=half,
                 limit=follower.base_radius,
                 unit="mm",
             )

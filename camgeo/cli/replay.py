@@ -195,7 +195,8 @@ def _replayed(
     """The roller of a disc on its outline, or on the contour of a file; `step` in degrees."""
     angle = math.radians(step)
     if file is None:
-        replay = replay_outline(disc.pitch_curve, disc.outline(flank).path, step=angle)
+        path, clearance = disc.outline(flank).path, disc.side_clearance
+        replay = replay_outline(disc.pitch_curve, path, step=angle, clearance=clearance)
         return _Replayed(disc, "the real outline", replay)
     contour = _contour(disc, flank, Path(file), arguments)
     corner = max(math.radians(arguments.corner), CORNER)

@@ -80,7 +80,7 @@ def run(parser: argparse.ArgumentParser, arguments: argparse.Namespace) -> int:
     design = Design(load_scene(arguments.scene))
     tell_main_disc(design, "sizes")
     angle, ratio = _required(design, arguments)
-    task = Task(design.motion, design.follower, design.rotation, design.contact)
+    task = _task(design)
     sizing = size(task, angle, ratio)
     _write(design, task, sizing, arguments)
     present = rate(task, task.present)
@@ -89,6 +89,12 @@ def run(parser: argparse.ArgumentParser, arguments: argparse.Namespace) -> int:
     else:
         print("\n".join(lines(design, task, sizing, present)))
     return FINE if sizing.answer is not None else BROKEN
+
+
+def _task(design: Design) -> Task:
+    return Task(
+        design.motion, design.follower, design.rotation, design.contact, design.side_clearance
+    )
 
 
 def _required(design: Design, arguments: argparse.Namespace) -> tuple[float, float]:
@@ -141,7 +147,7 @@ def _scene(
     follower = task.follower_at(kept.answer.place)
     text = resized(source.read_bytes().decode(), follower, design.millimetres)
     written = Design(parse_scene(text, str(target.parent / target.name)))
-    again = Task(written.motion, written.follower, written.rotation, written.contact)
+    again = _task(written)
     rating = rate(again, again.present)
     if (
         rating is None

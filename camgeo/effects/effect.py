@@ -55,6 +55,14 @@ class Subject(Protocol):
         """The flank on which the roller runs."""
 
     @property
+    def side_clearance(self) -> float:
+        """Groove's width less the roller's diameter [mm]; 0 without groove."""
+
+    @property
+    def flank_distance(self) -> float:
+        """Distance of either flank from the pitch curve [mm]: r_R, or half the groove's width."""
+
+    @property
     def plan(self) -> MotionPlan:
         """The motion that the scene demands: the slider's if there is a linkage."""
 

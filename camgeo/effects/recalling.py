@@ -45,12 +45,12 @@ class Recalling:
     @cached_property
     def inner_curve(self) -> WorkingCurve:
         """See `Subject`."""
-        return WorkingCurve(self.pitch_curve, -self._subject.follower.roller_radius)
+        return WorkingCurve(self.pitch_curve, -self._subject.flank_distance)
 
     @cached_property
     def outer_curve(self) -> WorkingCurve:
         """See `Subject`."""
-        return WorkingCurve(self.pitch_curve, self._subject.follower.roller_radius)
+        return WorkingCurve(self.pitch_curve, self._subject.flank_distance)
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self._subject, name)

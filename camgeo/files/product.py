@@ -170,7 +170,11 @@ class Product(Protocol):
 
     @property
     def roller_radius(self) -> float:
-        """Radius r_R of the roller [mm]."""
+        """Radius r_R of the roller [mm], 0 for a knife edge."""
+
+    @property
+    def flank_distance(self) -> float:
+        """Distance of either flank from the pitch curve [mm]: r_R, or half the groove's width."""
 
     @property
     def rotation(self) -> int:

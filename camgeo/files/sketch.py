@@ -43,7 +43,12 @@ def plan_sketch(
 
 
 def cut_off_sketches(curve: WorkingCurve, outline: Outline, flank: str) -> tuple[CutOff, ...]:
-    """What a picture shows of the corners of `outline`, the real one of the flank `curve`."""
+    """What a picture shows of the corners of `outline`, the real one of the flank `curve`.
+
+    Nothing for a knife edge: the corners of its flank are those of the pitch curve, none is cut.
+    """
+    if curve.distance == 0.0:
+        return ()
     envelope, pivots = Envelope(curve), outline.path.pivots
     return tuple(_cut_off(envelope, each, flank) for each in pivots if each.distance == 0.0)
 

@@ -80,7 +80,7 @@ def real_outline(flank: WorkingCurve, bends: Extremes | None = None) -> Outline:
     GeometryError
         If the roller centre stands still in the cam (Z' = 0), or it cannot be decided what is left.
     """
-    if flank.distance < 0.0:
+    if flank.distance <= 0.0:
         _require_axis(flank)
     _require_simple(flank.pitch)
     envelope = Envelope(flank)

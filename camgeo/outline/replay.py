@@ -19,6 +19,7 @@ from camgeo.errors import GeometryError
 from camgeo.mechanism.follower_path import FollowerPath, path_of
 from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.motion.motion import Motion, Side
+from camgeo.motion.plan import SNAP
 from camgeo.numeric.arrays import FloatArray, IntArray, ascending
 from camgeo.numeric.extremes import Extreme
 from camgeo.outline.path import Path, Stretch
@@ -79,7 +80,12 @@ def replay_contour(
 
 
 def replay_outline(
-    pitch: PitchCurve, outline: Path, *, step: float = STEP, corner: float = CORNER
+    pitch: PitchCurve,
+    outline: Path,
+    *,
+    step: float = STEP,
+    corner: float = CORNER,
+    clearance: float = 0.0,
 ) -> Replay:
     """The roller of `pitch` on a real outline, exactly.
 
@@ -87,24 +93,33 @@ def replay_outline(
     it runs over the outline's corners: it cannot touch another stretch there, for the roller that
     touches a stretch has its own cam angle.
 
+    With a `clearance` [mm] the outline is a flank of a groove that is wider than the roller by it;
+    pressed against the flank the roller is off by about half of it everywhere.
+
     Raises
     ------
     GeometryError
-        If the outline has no stretches, or the roller finds no corner where one is missing.
+        If the outline has no stretches, or the roller finds no corner where one is missing; with
+        clearance if the outline is not the whole flank, or the clearance is too large.
     """
     stretches = outline.stretches
     if not stretches:
         raise GeometryError("an outline without any stretch of the working curve holds no roller")
     distance = stretches[0].curve.distance
-    press = -1 if distance < 0.0 else 1
+    press = -1 if math.copysign(1.0, distance) < 0.0 else 1  # -0 on the inside of a knife edge
     radius = abs(distance)
     # A pivot at no distance from the roller centre is the roller's turn about its own centre.
     pivots = [each for each in outline.offset(-distance).pivots if each.distance != 0.0]
     if any(abs(abs(each.distance) - radius) > DROP * radius for each in pivots):
         raise GeometryError("the outline has an arc where the roller must find a corner")
     path = path_of(pitch.follower, pitch.rotation)
+    if clearance > 0.0:
+        from camgeo.outline.replay_play import course_with_play  # few grooves have play
+
+        played = course_with_play(pitch, outline, path, press, clearance)
+        return _replay(pitch, played, press, step, corner)
     centres = np.array([each.centre for each in pivots], dtype=np.complex128)
-    found = branches(circles(centres, radius), path)
+    found = branches(circles(centres, radius or 1.0), path)  # a knife edge has no such pivots
     starts, ends = _gaps(stretches)
     shares = np.arange(1, INNER_SAMPLES + 1) / (INNER_SAMPLES + 1.0)
     within = (starts[:, None] + (ends - starts)[:, None] * shares).ravel() % TURN
@@ -120,8 +135,8 @@ def _gaps(stretches: tuple[Stretch, ...]) -> tuple[FloatArray, FloatArray]:
     starts = np.array([each.end % TURN for each in stretches])
     ends = np.roll([each.start for each in stretches], -1)
     widths = np.remainder(ends - starts, TURN)
-    if len(stretches) == 1 and stretches[0].end - stretches[0].start >= TURN:
-        widths[:] = 0.0
+    # Where a stretch follows at once, across a turn of the roller, a full turn more may be rounded.
+    widths[np.minimum(widths, TURN - widths) <= SNAP] = 0.0
     gaps = np.flatnonzero(widths > 0.0)
     return starts[gaps], starts[gaps] + widths[gaps]
 
@@ -141,7 +156,7 @@ def _replay(
     grid = np.arange(count, dtype=np.float64) * (TURN / count)
     besides = np.empty(0) if within is None else within
     grid = ascending(np.concatenate((grid, [peak.place for peak in peaks], besides)))
-    special = ascending(np.concatenate((course.borders, motion.breaks)))
+    special = ascending(np.concatenate((course.borders, course.breaks)))
     lifts = [course.lift(special, side) for side in SIDES]
     dropped = np.abs(lifts[1] - lifts[0]) > DROP * _size(pitch)
     drops = Jumps(special[dropped], lifts[0][dropped], lifts[1][dropped])

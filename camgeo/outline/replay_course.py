@@ -9,6 +9,7 @@ place; so it is known for all cam angles, not for sampled ones.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
@@ -20,7 +21,7 @@ from camgeo.outline.roller_path import Branches
 from camgeo.units import TURN
 
 AS_DEMANDED = -1
-"""Number of the branch that is the demanded motion itself."""
+"""Number of the branch that is the demanded motion itself, or that with the roller's play."""
 
 SEAM = 1e-9
 """Width [rad] up to which a range without any branch is a seam: two branches meet there, and their
@@ -34,6 +35,15 @@ HALF_ARC = 0.52
 """Half an arc of at most an eighth of a turn in times of its chord, at most: pi/16 / sin(pi/8)."""
 
 
+class Played(Protocol):
+    """The motion with play; `camgeo.outline.replay_play.PlayedLift` is one."""
+
+    @property
+    def breaks(self) -> FloatArray: ...
+
+    def jet(self, phi: FloatArray, side: Side = "right") -> FloatArray: ...
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Course:
     """The lift of a roller that is pressed against a disc, over the cam angle.
@@ -45,6 +55,7 @@ class Course:
     branches : what the roller may run on.
     borders : (k,) cam angles [rad] in [0, 2 pi), ascending, at which the branch changes.
     numbers : (k,) branch from each border to the next, or AS_DEMANDED.
+    played : the motion that a roller with play makes where it is AS_DEMANDED; None without play.
     """
 
     path: FollowerPath
@@ -52,6 +63,19 @@ class Course:
     branches: Branches
     borders: FloatArray
     numbers: IntArray
+    played: Played | None = None
+
+    @property
+    def breaks(self) -> FloatArray:
+        """(m,) cam angles [rad] where a derivative of the demanded or the played lift may jump."""
+        if self.played is None:
+            return self.motion.breaks
+        return ascending(np.concatenate((self.motion.breaks, self.played.breaks)))
+
+    def _as_demanded(self, phi: FloatArray, side: Side, order: int) -> FloatArray:
+        if self.played is not None:
+            return self.played.jet(phi, side)[: order + 1]
+        return self.motion.jet(phi, side, order)[: order + 1]
 
     def number(self, phi: FloatArray, side: Side = "right") -> IntArray:
         """(n,) the branch at `phi` (n,) [rad]."""
@@ -66,7 +90,7 @@ class Course:
         out = np.empty(len(phi))
         demanded = number == AS_DEMANDED
         if np.any(demanded):
-            out[demanded] = self.motion.jet(phi[demanded], side, 1)[0]
+            out[demanded] = self._as_demanded(phi[demanded], side, 1)[0]
         held = ~demanded
         if np.any(held):
             index = number[held]
@@ -87,7 +111,7 @@ class Course:
         out = np.empty((3, len(phi)))
         demanded = number == AS_DEMANDED
         if np.any(demanded):
-            out[:, demanded] = self.motion.jet(phi[demanded], side, 2)[:3]
+            out[:, demanded] = self._as_demanded(phi[demanded], side, 2)
         held = ~demanded
         if np.any(held):
             angles, index = phi[held], number[held]

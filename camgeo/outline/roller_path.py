@@ -96,7 +96,7 @@ def parallel(contour: LinesAndArcs, distance: float) -> Parallel:
     """The parallel of `contour` at `distance` [mm], positive to its right-hand side.
 
     Between pieces that meet at an angle the arc about the vertex, run backwards where the contour
-    turns in.
+    turns in; none at distance 0, where a knife edge goes from piece to piece.
 
     Raises
     ------
@@ -125,6 +125,8 @@ def parallel(contour: LinesAndArcs, distance: float) -> Parallel:
         np.where(arc, 0.0, np.abs(chords))[kept],
         used[kept],
     )
+    if distance == 0.0:
+        return pieces
     following = np.roll(first, -1)
     turns = np.angle(following * last.conj())
     # Of a spike the sign of the turn is rounding, and beside a cusp of two arcs they may cross:

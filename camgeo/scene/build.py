@@ -203,6 +203,7 @@ class Builder:
             returning=returning,
             speed_curve=speed_curve,
             contact=get("follower", "contact") or "inner",
+            side_clearance=self._mm * (get("follower", "side_clearance") or 0.0),
             limits=self._limits(),
             part=self._part(),
             effects=effects,

@@ -83,6 +83,7 @@ class Scene:
     linkage : between motion and rocker; None if the motion is the follower's own.
     returning : the second roller, on the return disc of a conjugate pair; None if there is none.
     contact : the flank on which the roller runs.
+    side_clearance : groove's width less the roller's diameter [mm]; 0 without groove.
     limits : what the design is held to.
     part : the disc as a body; None if the scene has no `[part]`.
     effects : what the scene says of each effect that it names, in its order, numbers in the units
@@ -101,6 +102,7 @@ class Scene:
     returning: Follower | None = None
     speed_curve: SpeedCurve | None = None
     contact: Contact = "inner"
+    side_clearance: float = 0.0
     limits: Limits = field(default_factory=Limits)
     part: PartSpec | None = None
     effects: Mapping[str, Mapping[str, Any]] = field(default_factory=lambda: MappingProxyType({}))

@@ -8,9 +8,14 @@ from typing import Final
 TEMPLATES: Final = pathlib.Path(__file__).with_name("templates")
 
 KINDS: Final = (
-    "translating-roller", "oscillating-roller", "slider-crank", "groove",
-    "conjugate-lever", "conjugate-carriage",
-)  # fmt: skip
+    "translating-roller",
+    "oscillating-roller",
+    "knife-edge",
+    "groove",
+    "conjugate-carriage",
+    "conjugate-lever",
+    "slider-crank",
+)
 """What `template` has a scene for; the first is the default of the command line."""
 
 

@@ -31,6 +31,9 @@ SMALLEST_POSITION: Final = 1e-30
 """Smallest position that is not 0; with less, velocities of up to 1e12 as parts of the stroke are
 beyond what a double can hold when they are multiplied."""
 
+SMALLEST_LENGTH: Final = 1e-9
+"""Smallest length that is not 0, as of the schema's `length`, in the scene's unit."""
+
 FINEST_PART: Final = 1e-10
 """Smallest ratio of tolerance to the mechanism's largest length: 200,000 chords a turn."""
 
@@ -227,6 +230,27 @@ def contact_and_part_agree(values: SoundValues) -> Iterator[Fault]:
         yield values.scene.fault(("part", "bore"), message)
 
 
+def roller_is_possible(values: SoundValues) -> Iterator[Fault]:
+    """A roller or a knife edge, and a groove about a roller that it does not dwarf."""
+    groove = values.get("follower", "contact") == "groove"
+    radius = values.get("follower", "roller_radius")
+    play = values.get("follower", "side_clearance")
+    for key, value in (("roller_radius", radius), ("side_clearance", play)):
+        if value is not None and 0.0 < value < SMALLEST_LENGTH:
+            yield values.scene.fault(("follower", key), f"must be 0, or {SMALLEST_LENGTH:g} to 1e9")
+    if radius == 0.0 and groove:
+        message = "must be above 0: a groove holds a roller, a knife edge has no groove"
+        yield values.scene.fault(("follower", "roller_radius"), message)
+    if play is None or not values.sound("follower", "contact"):
+        return
+    if not groove:
+        message = 'belongs to contact "groove"; a roller on one flank has no play'
+        yield values.scene.fault(("follower", "side_clearance"), message)
+    elif radius is not None and radius > 0.0 and not play < 2.0 * radius:
+        message = f"must be less than the roller's diameter, {2.0 * radius:g}"
+        yield values.scene.fault(("follower", "side_clearance"), message)
+
+
 def part_is_possible(values: SoundValues) -> Iterator[Fault]:
     """Groove within the thickness, keyway within the bore."""
     depth = values.get("part", "groove_depth")
@@ -249,11 +273,16 @@ def tool_fits(values: SoundValues) -> Iterator[Fault]:
     tool = values.get(*place)
     if tool is None:
         return
-    roller = values.get("follower", "roller_radius")
     contact = values.get("follower", "contact")
-    if contact == "groove" and roller is not None and tool > 2.0 * roller:
-        message = f"must not exceed the width of the groove, the roller's diameter {2 * roller:g}"
-        yield values.scene.fault(place, message)
+    roller = values.exact("follower", "roller_radius")
+    if contact == "groove" and roller is not None and values.sound("follower", "side_clearance"):
+        play = values.exact("follower", "side_clearance") or Decimal(0)
+        width = 2 * roller + play  # as they are written: a cutter may fill the groove
+        written = values.exact(*place)
+        if written is not None and written > width:
+            what = "the roller's diameter and side_clearance" if play else "the roller's diameter"
+            message = f"must not exceed the width of the groove, {what} {float(width):g}"
+            yield values.scene.fault(place, message)
     bore = values.get("part", "bore")
     if contact != "outer" and bore is not None and tool > bore:
         yield values.scene.fault(place, f"must not exceed the bore to be milled, {bore:g}")
@@ -336,6 +365,7 @@ RULES: Final[tuple[Rule, ...]] = (
     a_return_disc_has_a_main_disc,
     formats_have_what_they_need,
     contact_and_part_agree,
+    roller_is_possible,
     part_is_possible,
     tool_fits,
     tolerance_is_possible,

@@ -12,6 +12,9 @@ from camgeo.outline.path import Path
 from camgeo.part.part import Part
 from camgeo.part.spec import Contact, PartSpec
 
+SAME = 2.0**-48
+"""Radii that differ by less, as a share of them, are one: what a sum of two lengths rounds to."""
+
 
 @dataclass(frozen=True, slots=True)
 class CutterPath:
@@ -77,28 +80,29 @@ def cutter_paths(
 
 
 def _groove_paths(inner: Path, outer: Path, tool_radius: float, depth: float) -> list[CutterPath]:
-    """One round of a cutter like the roller on the pitch curve, or one along each flank.
+    """One round of a cutter as wide as the groove on the pitch curve, or one along each flank.
 
     What the roller sweeps where a flank is trimmed is wider than two rounds along what is left of
-    the flanks; there only a cutter like the roller clears it for certain.
+    the flanks; there only a cutter as wide as the groove clears it for certain.
     """
-    pitch = inner.stretches[0].curve.pitch
-    roller = pitch.follower.roller_radius
-    side = roller - tool_radius
-    if side < 0.0 or 2.0 * tool_radius < roller:
+    curve = outer.stretches[0].curve
+    pitch, half = curve.pitch, curve.distance
+    like = "the roller" if half == pitch.follower.roller_radius else "the groove"
+    side = half - tool_radius
+    if abs(side) <= SAME * half:
+        centre = Path(Envelope(WorkingCurve(pitch, 0.0)).elements)
+        return [CutterPath("groove", centre, None, 0, 0.0, depth)]
+    if side < 0.0 or 2.0 * tool_radius < half:
         raise GeometryError(
-            "the cutter of a groove must not be larger than the roller, and at least half as large,"
-            f" so that two rounds clear it: from {roller:g} to {2.0 * roller:g} mm",
+            f"the cutter of a groove must not be larger than {like}, and at least half as large,"
+            f" so that two rounds clear it: from {half:g} to {2.0 * half:g} mm",
             key="output.gcode.tool_diameter",
             value=f"{2.0 * tool_radius:g}",
         )
-    if side == 0.0:
-        centre = Path(Envelope(WorkingCurve(pitch, 0.0)).elements)
-        return [CutterPath("groove", centre, None, 0, 0.0, depth)]
     if not (inner.is_whole and outer.is_whole):
         raise GeometryError(
-            "a flank of the groove is trimmed or has a corner: only a cutter like the roller,"
-            f" {2.0 * roller:g} mm, clears all that the roller passes over",
+            f"a flank of the groove is trimmed or has a corner: only a cutter like {like},"
+            f" {2.0 * half:g} mm, clears all that the roller passes over",
             key="output.gcode.tool_diameter",
             value=f"{2.0 * tool_radius:g}",
         )

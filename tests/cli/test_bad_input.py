@@ -29,7 +29,7 @@ BAD = {
     ),
     "negative radius": (
         spoilt(PLATE, ("roller_radius = 10", "roller_radius = -10")),
-        r"line 11: follower\.roller_radius = -10: must be a positive number",
+        r"line 11: follower\.roller_radius = -10: must be 0 \(a knife edge\), or",
     ),
     "spans of 359.999": (
         spoilt(PLATE, ("span = 100", "span = 99.999")),
@@ -82,7 +82,7 @@ def test_one_message_and_no_file(
 def test_all_faults_at_once(tmp_path: Path, capsys: Capture) -> None:
     scene = tmp_path / "scene.toml"
     scene.write_text(
-        spoilt(PLATE, ("span = 100", "span = -1"), ("roller_radius = 10", "roller_radius = 0"))
+        spoilt(PLATE, ("span = 100", "span = -1"), ("roller_radius = 10", "roller_radius = -1"))
     )
     assert main(["check", str(scene)]) == 2
     err = capsys.readouterr().err

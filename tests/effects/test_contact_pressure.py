@@ -213,7 +213,9 @@ def test_roller_radii_give_the_radius_that_is_needed(needed: float, curvature: f
 # -- the contact over the cam angle --------------------------------------------------------------
 
 
-@by_flank
+@pytest.mark.parametrize(
+    ("scene", "sense"), [*FLANKS, ("groove_clearance", INNER), ("groove_clearance", OUTER)]
+)
 def test_the_relative_curvature_is_that_of_roller_and_flank(scene: str, sense: int) -> None:
     """1/R = 1/r_R + that of the working curve, the outer one mirrored; (1 + d kappa) and its
     inverse round a few times each."""
@@ -354,6 +356,26 @@ def test_the_needed_roller_radius_gives_the_safety_that_is_asked_for(
     phi = np.array([first.largest.place])
     there = max(float(contact.pressure(phi, side)[0]) for side in ("right", "left"))
     assert there == pytest.approx(0.5 * limit, rel=1e-12)
+
+
+def test_the_needed_roller_radius_keeps_the_play_of_a_groove() -> None:
+    clearance = ("side_clearance = 0.08", "side_clearance = 3")
+    tool = ("tool_diameter = 12", "tool_diameter = 6")
+    table = {"limit": 1600.0, "width": 3.0}
+    cam = scene("groove_clearance", clearance, tool)
+    first = pressed(cam, steady(500.0), table)
+    needed = value(first, "needed-roller-radius")
+    again = scene("groove_clearance", clearance, tool, ("radius = 8", f"radius = {needed!r}"))
+    contact = pressed(again, steady(500.0), table).contact
+    phi = np.array([first.largest.place])
+    there = max(float(contact.pressure(phi, side)[0]) for side in ("right", "left"))
+    assert there == pytest.approx(1600.0, rel=1e-12)
+
+
+def test_a_knife_edge_has_no_pressure() -> None:
+    with pytest.raises(GeometryError, match="knife edge") as caught:
+        pressed(scene("knife_edge"), steady(500.0), {"width": 3.0})
+    assert caught.value.key == "follower.roller_radius"
 
 
 def test_a_roller_that_is_too_large_is_told_the_largest_one() -> None:

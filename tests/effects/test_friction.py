@@ -430,6 +430,8 @@ def test_the_values_are_smooth_between_the_borders() -> None:
         ("plate_translating", {"pivot": 0.1, "pivot_diameter": 9.0}, "pivot"),
         ("plate_translating", {"pivot_viscous": 0.1}, "pivot_viscous"),
         ("setzhub", {"guide": 0.1}, "guide"),
+        ("knife_edge", {"rolling": 0.01}, "rolling"),
+        ("knife_edge", {"roller_pin": 0.1, "roller_pin_diameter": 5.0}, "roller_pin"),
     ],
 )
 def test_parts_that_the_follower_does_not_have(

@@ -136,7 +136,10 @@ def without_output(text: str) -> str:
 def every(text: str, **data: str) -> str:
     """Tables of all effects that suit the follower of `text`."""
     own = LINKAGE if "[linkage]" in text else ROCKER if "oscillating" in text else GUIDE
-    return EVERY.format(**{**COMMON, **own, **data})
+    tables = EVERY.format(**{**COMMON, **own, **data})
+    if "\nroller_radius = 0\n" in text:  # a knife edge has no friction of a roller
+        tables = re.sub(r"^roll(er_pin|er_pin_diameter|ing) = .*\n", "", tables, flags=re.MULTILINE)
+    return tables
 
 
 def found(design: Design, effect: str, name: str) -> Finding:
@@ -152,8 +155,12 @@ NOT_ANSWERED: Final[dict[str, dict[str, str]]] = {
     "straight_moves": {"speed-fluctuation": "shock"},
     "swallow_tail": {"contact-pressure": "infinite-contact-pressure"},
     "trimmed_ring": {"contact-pressure": "infinite-contact-pressure"},
+    "knife_edge": {
+        "contact-pressure": "key follower.roller_radius",
+        "speed-fluctuation": "shock",
+    },
 }
-"""A jump of the speed; a flank with a cusp under force."""
+"""A jump of the speed; a flank with a cusp under force; a knife edge."""
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -521,3 +521,29 @@ def test_a_backlash_on_a_plate_is_refused() -> None:
     with pytest.raises(GeometryError, match="groove") as caught:
         design("plate_translating", tables).effect("lift-off")
     assert caught.value.key == "effects.lift-off.backlash"
+
+
+def with_play(backlash: str = "") -> Design:
+    tables = "[effects.inertia]\nmass = 1\n[effects.contact-force]\n[effects.lift-off]\n"
+    return design("groove_clearance", tables + backlash)
+
+
+def test_the_side_clearance_of_the_groove_is_the_backlash() -> None:
+    told = one(lift_off(with_play()), "largest-impact-speed")
+    assert "0.08 mm" in told.sentence
+    same = one(lift_off(with_play("backlash = 0.08\n")), "largest-impact-speed")
+    assert same == told
+    tight = design(
+        "groove_clearance",
+        "[effects.inertia]\nmass = 1\n[effects.contact-force]\n"
+        "[effects.lift-off]\nbacklash = 0.08\n",
+        ("side_clearance = 0.08\n", ""),
+    )
+    # Impacts are those of the pitch curve, to first order in the clearance.
+    assert one(lift_off(tight), "largest-impact-speed").value == told.value
+
+
+def test_a_backlash_that_contradicts_the_side_clearance_is_refused() -> None:
+    with pytest.raises(GeometryError, match=r"side_clearance, 0\.08 mm") as caught:
+        with_play("backlash = 0.05\n").effect("lift-off")
+    assert caught.value.key == "effects.lift-off.backlash"

@@ -242,7 +242,8 @@ def within(node: dict[str, Any]) -> dict[str, Any]:
     while "$ref" in node:
         node = schema()["$defs"][node["$ref"].rpartition("/")[2]]
     found = dict(node.get("properties", {}))
-    for each in (node.get("items"), node.get("then"), node.get("else")):
+    kinds = (each["then"] for each in node.get("allOf", ()))
+    for each in (node.get("items"), node.get("then"), node.get("else"), *kinds):
         found.update(within(each) if each else {})
     return found
 

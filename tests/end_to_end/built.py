@@ -15,7 +15,7 @@ from camgeo.design import Design
 from camgeo.numeric.arrays import ComplexArray
 from camgeo.part.spec import PartSpec
 from camgeo.toolpath.spec import GcodeSpec
-from tests.end_to_end.exact import TURN, Flank, Kept, bore_area, bore_length
+from tests.end_to_end.exact import TURN, Flank, Kept, bore_area, bore_length, half_width
 from tests.end_to_end.trimmed import kept_of, pitch_of
 from tests.measuring import DensePath
 
@@ -97,7 +97,7 @@ class Built:
     def flank(self, name: str, outward: float = 0.0) -> Flank:
         """What is left of the "inner" or "outer" flank; its parallel `outward` [mm] farther out."""
         side = -1.0 if name == "inner" else 1.0
-        distance = side * self.design.roller_radius + outward
+        distance = side * half_width(self.design) + outward
         return Flank(self.design, distance, self._kept[name])
 
     @property

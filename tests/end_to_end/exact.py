@@ -136,6 +136,12 @@ class Flank:
         return float(np.sum(weights * np.abs(self.rates(phi)[1]))) + arcs
 
 
+def half_width(design: Design) -> float:
+    """Distance of the flanks from the pitch curve [mm]: half of roller and play together."""
+    diameter = 2.0 * design.roller_radius
+    return (diameter + design.specification.side_clearance) / 2.0
+
+
 def bore_area(spec: PartSpec) -> float:
     """Area [mm^2] of the bore with its keyway: the circle and the slot beyond it."""
     if spec.bore is None:

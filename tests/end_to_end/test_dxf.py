@@ -8,6 +8,7 @@ from ezdxf.entities.lwpolyline import LWPolyline
 from ezdxf.filemanagement import readfile
 
 from tests.end_to_end.built import CHORDS, DENSE, Built
+from tests.end_to_end.exact import half_width
 from tests.measuring import DensePath, Outline
 
 UNITS = {"mm": (4, 1, 1.0), "inch": (1, 0, 25.4)}
@@ -102,7 +103,7 @@ def test_where_the_roller_turns_the_flank_is_its_arc(built: Built) -> None:
         for hinge, arm, sweep in flank.turns:
             if hinge in flank.corners:
                 continue
-            assert abs(arm) == pytest.approx(built.design.roller_radius, abs=ROUNDING)
+            assert abs(arm) == pytest.approx(half_width(built.design), abs=ROUNDING)
             turned = 0.0
             for outline in outlines:
                 about = (outline.sweeps != 0.0) & (np.abs(outline.centres - hinge) < ROUNDING)

@@ -8,14 +8,20 @@ import numpy as np
 import pytest
 
 from tests.end_to_end.built import CHORDS, DENSE, Built
-from tests.end_to_end.exact import TURN
+from tests.end_to_end.exact import TURN, half_width
 from tests.measuring import DensePath
 from tests.reference import hard_case
 
 PITCH = 400_000
 """Points of the pitch curve: chords of 6e-3 mm at most."""
 
-CORNERS = {"swallow_tail": 1, "cut_lobe": 1, "trimmed_ring": 2, "straight_moves": 2}
+CORNERS = {
+    "swallow_tail": 1,
+    "cut_lobe": 1,
+    "trimmed_ring": 2,
+    "straight_moves": 2,
+    "knife_edge": 1,
+}
 
 CROSSINGS = {
     "swallow_tail": ("HC21c", "crossing_phi1_deg", "crossing_phi2_deg"),
@@ -30,8 +36,8 @@ def test_what_is_left_is_clear_of_the_roller(built: Built) -> None:
     pitch = DensePath(built.pitch.dense(PITCH))
     for flank in built.flanks:
         away = pitch.distances(flank.dense(DENSE // 10))
-        assert np.min(away) >= built.design.roller_radius - CHORDS
-        assert np.max(away) <= built.design.roller_radius + CHORDS
+        assert np.min(away) >= half_width(built.design) - CHORDS
+        assert np.max(away) <= half_width(built.design) + CHORDS
 
 
 def test_corners_are_where_they_should_be(built: Built) -> None:

@@ -18,6 +18,7 @@ BROKEN = {
     "cut_lobe": {"global-undercut-inner", "lobe-inner", "lost-stroke-inner"},
     "trimmed_ring": {"radius-ratio-outer", "undercut-outer", "lost-stroke-outer"},
     "straight_moves": {"lost-stroke-inner", "tangent-closure", "shock"},
+    "knife_edge": {"tangent-closure", "shock"},
 }
 """What the scenes that are trimmed break, and no other."""
 

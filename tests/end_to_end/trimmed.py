@@ -13,7 +13,7 @@ import numpy as np
 
 from camgeo.design import Design
 from camgeo.numeric.arrays import FloatArray
-from tests.end_to_end.exact import TURN, WHOLE, Flank, Kept
+from tests.end_to_end.exact import TURN, WHOLE, Flank, Kept, half_width
 from tests.measuring import DensePath
 
 SAMPLES = 5_000
@@ -49,7 +49,7 @@ def kept_of(design: Design, side: int) -> Kept:
     """What is left of the inner (-1) or outer (+1) flank; whole if the scene does not trim."""
     if design.specification.limits.undercut != "trim":
         return WHOLE
-    flank = Flank(design, side * design.roller_radius)
+    flank = Flank(design, side * half_width(design))
     runs = _runs(flank)
     following = {k: _next(flank, runs, k) for k in range(len(runs))}
     for k, j in following.items():

@@ -123,6 +123,10 @@ class StubProduct:
         return 40.0 * self.scale
 
     @property
+    def flank_distance(self) -> float:
+        return self.roller_radius
+
+    @property
     def roller_radius(self) -> float:
         return 8.0 * self.scale
 

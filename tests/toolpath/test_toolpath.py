@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -145,6 +146,15 @@ def test_groove_with_a_tool_like_the_roller() -> None:
     assert abs(path.starts[0] - path.ends[-1]) == 0.0
     # It plunges on the path itself from pass to pass and goes up once, at the end.
     assert sum(isinstance(move, Rapid) for move in operation.moves) == 2
+
+
+def test_groove_with_side_clearance() -> None:
+    """The groove counts, 16 mm wide, and not the roller in it, 15.7 mm."""
+    played = replace(PITCH, follower=TranslatingRoller(40.0, ROLLER - 0.15, 6.0))
+    assert "groove" in _operations(_toolpath("groove", 2.0 * ROLLER, pitch=played))
+    assert "groove" not in _operations(_toolpath("groove", 15.7, pitch=played))
+    with pytest.raises(GeometryError, match=r"larger than the groove.* from 8 to 16 mm"):
+        _toolpath("groove", 16.001, pitch=played)
 
 
 @pytest.mark.parametrize("tool", [7.9, 2.0, 16.1])

@@ -45,6 +45,7 @@ class Cam:
     follower : the roller follower.
     rotation : +1 for a cam that turns counter-clockwise, -1 clockwise.
     contact : the flank on which the roller runs; both for a groove.
+    clearance : groove's width less the roller's diameter [mm].
     """
 
     plan: MotionPlan
@@ -52,6 +53,7 @@ class Cam:
     follower: TranslatingRoller | OscillatingRoller
     rotation: int
     contact: Literal["inner", "outer", "groove"]
+    clearance: float = 0.0
     _made: Motion | None = field(default=None, repr=False, compare=False)
 
     @property
@@ -67,9 +69,14 @@ class Cam:
 
     @property
     def distances(self) -> tuple[float, ...]:
-        """d [mm] of each flank in use: -r_R for the inner one, +r_R for the outer one."""
-        roller = self.follower.roller_radius
-        return {"inner": (-roller,), "outer": (roller,), "groove": (-roller, roller)}[self.contact]
+        """d [mm] of each flank in use: negative for the inner one, positive for the outer one."""
+        half = self.flank_distance
+        return {"inner": (-half,), "outer": (half,), "groove": (-half, half)}[self.contact]
+
+    @property
+    def flank_distance(self) -> float:
+        """Distance of either flank from the pitch curve [mm]: r_R, or half the groove's width."""
+        return self.follower.roller_radius + 0.5 * self.clearance
 
     def flanks(self) -> Flanks:
         """The working curves in use."""
@@ -101,7 +108,8 @@ def margin(cam: Cam) -> float | None:
 
 def bends_of(cam: Cam) -> Extremes | None:
     """The extremes of the pitch curve's curvature; None as of `margin`."""
-    if check_follower(cam.follower, runs_on_inner=cam.contact != "outer"):
+    inner = cam.contact != "outer"
+    if check_follower(cam.follower, runs_on_inner=inner, clearance=cam.clearance):
         return None
     try:
         return curvature_extremes(cam.pitch_curve())

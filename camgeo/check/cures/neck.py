@@ -41,7 +41,7 @@ class Neck:
     Attributes
     ----------
     first, second : its ends; as shares of segments they outlast a change of the spans.
-    clearance : its length less twice the roller radius [mm].
+    clearance : its length less twice the distance of the flanks from the pitch curve [mm].
     """
 
     first: Place
@@ -77,7 +77,7 @@ def _neck(cam: Cam, first: float, second: float) -> Neck | None:
     # The flank lies in the chord at both its ends, or at neither.
     if not any(np.all(distance * facing > 0.0) for distance in cam.distances):
         return None
-    clearance = abs(chord) - 2.0 * cam.follower.roller_radius
+    clearance = abs(chord) - 2.0 * cam.flank_distance
     return Neck(_place(cam, ends[0]), _place(cam, ends[1]), clearance)
 
 

@@ -33,7 +33,8 @@ def base_radius(cam: Cam, _: Pairs, crossed: Crossed) -> Cure:
 def roller_radius(cam: Cam, _: Pairs, crossed: Crossed) -> Cure:
     """A smaller roller: at most the smallest r_K that matters, in closed form (Wirsig eq. 3.36).
 
-    Smaller still, by bisection, where the flank of that roller crosses itself.
+    In a groove with side clearance c at most r_K - c/2; the clearance is kept. Smaller still, by
+    bisection, where the flank of that roller crosses itself.
     """
     key, old = "follower.roller_radius", cam.follower.roller_radius
     bends = bends_of(cam)
@@ -41,7 +42,10 @@ def roller_radius(cam: Cam, _: Pairs, crossed: Crossed) -> Cure:
     convex, concave = bends.largest()[0], -bends.smallest()[0]
     kappas = {"inner": (convex,), "outer": (concave,), "groove": (convex, concave)}[cam.contact]
     kappa = max(kappas)
-    regular = min(old, 1.0 / kappa) if kappa > 0.0 else old
+    regular = min(old, 1.0 / kappa - 0.5 * cam.clearance) if kappa > 0.0 else old
+    if regular <= BEYOND * old:
+        reason = "the play of the groove alone exceeds the radius of curvature"
+        return no_cure("roller radius", key, old, "mm", reason)
     limit: float | None = regular
     near = regular * (1.0 - BEYOND)
     if not is_sound(cam.sized(roller_radius=near), crossed):

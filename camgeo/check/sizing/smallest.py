@@ -104,6 +104,8 @@ def size(task: Task, angle: float, ratio: float) -> Sizing:
         )
     if not 0.0 < ratio <= 1.0:
         raise GeometryError("must be above 0 and at most 1", key="radius_ratio", value=f"{ratio:g}")
+    if task.clearance > 0.0:  # beyond it, the flanks of a groove with play come to a cusp
+        ratio = min(ratio, task.follower.roller_radius / task.flank_distance)
     tangent = tangent_of(angle)
     construction = flocke(task, tangent)
     proposal = None if construction.place is None else rate(task, construction.place)
@@ -112,15 +114,15 @@ def size(task: Task, angle: float, ratio: float) -> Sizing:
         nearest = largest_angle(task)
         return Sizing(angle, ratio, construction, proposal, None, None, (), nearest)
     inner = task.contact != "outer"
-    base, roller = abs(place - task.start), task.follower.roller_radius
+    base, half = abs(place - task.start), task.flank_distance
     if not base > 0.0:
         raise GeometryError("there is nothing to size: the follower does not move", key="motion")
     for_angle = rate(task, place)
-    covered = inner and base <= roller
+    covered = inner and base <= half
     if for_angle is not None and for_angle.radius_ratio[0] <= ratio and not covered:
         active = active_conditions(task, for_angle, angle, ratio)
         return Sizing(angle, ratio, construction, proposal, for_angle, for_angle, active)
-    least = max(base, roller * (1.0 + 1e-9)) if inner else base
+    least = max(base, half * (1.0 + 1e-9)) if inner else base
     found, seen = smallest_with_bends(task, tangent, ratio, least)
     answer = None if found is None else rate(task, found)
     if answer is None:

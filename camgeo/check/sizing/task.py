@@ -75,12 +75,19 @@ class Task:
     follower : the present design; arm, roller radius and directions are kept.
     rotation : +1 for a cam that turns counter-clockwise, -1 clockwise.
     contact : the flank on which the roller runs; both for a groove.
+    clearance : groove's width less the roller's diameter [mm].
     """
 
     motion: Motion
     follower: TranslatingRoller | OscillatingRoller
     rotation: int
     contact: Literal["inner", "outer", "groove"]
+    clearance: float = 0.0
+
+    @property
+    def flank_distance(self) -> float:
+        """Distance of either flank from the pitch curve [mm]: r_R, or half the groove's width."""
+        return self.follower.roller_radius + 0.5 * self.clearance
 
     @property
     def start(self) -> complex:

@@ -65,13 +65,20 @@ def compute(request: Request) -> ContactPressure:
     Raises
     ------
     GeometryError
-        If neither the effect's table nor that of the part has the width of the contact, if it is
-        wider than the part, or if a life is asked for of a cam without speed.
+        If the follower has a knife edge, if neither the effect's table nor that of the part has the
+        width of the contact, if it is wider than the part, or if a life is asked for of a cam
+        without speed.
     EffectError
         If a cusp or undercut is under force, or the life cannot be brought within the tolerance.
     """
     subject = request.subject
     spec: Spec = request.spec
+    if subject.follower.roller_radius == 0.0:
+        raise GeometryError(
+            "is 0, a knife edge: pressure needs a roller that bears on a line of some width",
+            key="follower.roller_radius",
+            value="0",
+        )
     force: _ContactForce = request.results["contact-force"]
     contact = Contact(subject, force.normal, spec.modulus, _width(subject, spec))
     edges = merged(np.concatenate((subject.smooth_angles, force.edges)))
@@ -136,12 +143,15 @@ def _worst(contact: Contact, angle: float, square: float) -> Worst:
     side = min(sides, key=lambda each: abs(float(contact.square(phi, each)[0]) - square))
     load, radius = contact.load_and_radius(phi, side)
     sense = int(contact.carried(phi, side)[1][0])
+    # Of the curve on which the centre of a roller with play runs, half the clearance aside.
+    bend = sense * float(contact.curvature(phi, side)[0])
+    bend /= 1.0 - 0.5 * contact.subject.side_clearance * bend
     return Worst(
         angle=angle % TURN,
         flank=FLANKS[sense],
         load=float(load[0]),
         radius=float(radius[0]),
-        curvature=sense * float(contact.curvature(phi, side)[0]),
+        curvature=bend,
         roller=contact.subject.follower.roller_radius,
         width=contact.width,
     )

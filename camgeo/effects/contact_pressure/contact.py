@@ -8,6 +8,10 @@ relative curvature comes to
 
     1/R = 1/r_R + s kappa/(1 + d kappa) = 1/(r_R (1 + d kappa)),       R = r_R (1 + d kappa).
 
+In a groove with side clearance c, d = -s (r_R + c/2), and the same sum comes to
+
+    R = r_R (1 + d kappa)/(1 - s c/2 kappa).
+
 So R vanishes at a cusp of the flank and nowhere else, and a flank without undercut is never bent
 more tightly than the roller that lies in it.
 """
@@ -84,8 +88,12 @@ class Contact:
     def load_and_radius(self, phi: FloatArray, side: Side) -> tuple[FloatArray, FloatArray]:
         """(n,) F [N] and (n,) R [mm]."""
         load, sense = self.carried(phi, side)
-        roller = self.subject.follower.roller_radius
-        return load, roller * (1.0 - sense * roller * self.curvature(phi, side))
+        roller, half = self.subject.follower.roller_radius, self.subject.flank_distance
+        kappa = sense * self.curvature(phi, side)
+        radius = roller * (1.0 - half * kappa)
+        # 1/R = 1/r_R + kappa/(1 - d kappa), d the flank's distance: r_R but in a groove with play.
+        share = 1.0 - (half - roller) * kappa
+        return load, np.divide(radius, share, out=radius, where=radius > 0.0)
 
     def square(self, phi: FloatArray, side: Side) -> FloatArray:
         """(n,) p^2 [MPa^2], which is smooth where F and the curvature are; 0 without force.

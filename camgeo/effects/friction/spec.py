@@ -50,6 +50,7 @@ class Spec:
 DIAMETERS: Final = {"pivot": "pivot_diameter", "roller_pin": "roller_pin_diameter"}
 
 OF_GUIDE: Final = ("guide", "guide_length", "guide_overhang")
+OF_ROLLER: Final = ("roller_pin", "roller_pin_diameter", "rolling")
 OF_PIVOT: Final = ("pivot", "pivot_diameter", "pivot_viscous")
 
 
@@ -89,6 +90,8 @@ def refuse_misfits(spec: Spec, subject: Subject) -> None:
         misfits["slider"] = "is for the slider of a linkage, and there is none"
     if rocker and not linked:
         misfits["guide_viscous"] = "is for translating followers and for sliders of linkages"
+    if subject.follower.roller_radius == 0.0:
+        misfits |= dict.fromkeys(OF_ROLLER, "is for rollers: the follower has a knife edge")
     for key in spec.given:
         if key in misfits:
             raise GeometryError(misfits[key], key=f"effects.friction.{key}")

@@ -124,11 +124,13 @@ class Statics:
         jet = subject.motion.jet(phi, side, 1)
         relative = follower.relative_jet(jet, sigma, 1)
         speed = subject.pitch_curve.speed(relative)
-        against_cam = (-sense * sigma) * speed / follower.roller_radius
+        # A knife edge does not roll, and has neither pin nor rolling friction.
+        per_radius = 1.0 / follower.roller_radius if follower.roller_radius > 0.0 else 0.0
+        against_cam = (-sense * sigma * per_radius) * speed
         spin = (sigma + against_cam) - relative.turning
         pin = (-0.5 * spec.roller_pin * spec.roller_pin_diameter) * np.sign(spin)
         rolling = sense * sigma * spec.rolling
-        tangential = (-sense * sigma / follower.roller_radius) * (pin + rolling)
+        tangential = (-sense * sigma * per_radius) * (pin + rolling)
         outward = math.copysign(1.0, follower.reach)
         # v of a rocker is counted against sigma times that of a guide, see their `relative_jet`.
         ahead = -sigma * outward if self.rocks else outward

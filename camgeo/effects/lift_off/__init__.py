@@ -26,11 +26,11 @@ class Spec:
     Attributes
     ----------
     margin : contact force that has to remain [N].
-    backlash : clearance of the roller in a groove [mm].
+    backlash : clearance of the roller in a groove [mm]; None if it is the scene's side clearance.
     """
 
     margin: float = 0.0
-    backlash: float = 0.0
+    backlash: float | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -54,7 +54,7 @@ class LiftOff:
 
 def parse(table: Mapping[str, Any]) -> Spec:
     """From the table of the scene."""
-    return Spec(table.get("margin", 0.0), table.get("backlash", 0.0))
+    return Spec(table.get("margin", 0.0), table.get("backlash"))
 
 
 def compute(request: Request) -> LiftOff:
@@ -64,7 +64,8 @@ def compute(request: Request) -> LiftOff:
     ------
     GeometryError
         If the scene gives a margin for a roller in a groove, which leaves its flanks all the time,
-        or a backlash for one that touches one flank only.
+        or a backlash for one that touches one flank only, or one that is not the side clearance of
+        its groove.
     EffectError
         If an impact speed cannot be told to the tolerance.
     """
@@ -78,9 +79,10 @@ def compute(request: Request) -> LiftOff:
                 key=f"effects.{NAME}.margin",
                 value=f"{spec.margin:g}",
             )
-        groove = of_groove(subject, contact, inertia, spec.backlash, request.tolerance)
+        backlash = _backlash(spec, subject.side_clearance)
+        groove = of_groove(subject, contact, inertia, backlash, request.tolerance)
         return LiftOff(groove.findings, groove=groove, error=groove.error)
-    if spec.backlash > 0.0:
+    if spec.backlash is not None:
         raise GeometryError(
             'a backlash is for a roller in a groove, contact = "groove"',
             key=f"effects.{NAME}.backlash",
@@ -90,6 +92,23 @@ def compute(request: Request) -> LiftOff:
     sense = 1 if subject.contact == "inner" else -1
     flank = of_flank(Flank(subject, contact, sense, spec.margin, inertia), spring)
     return LiftOff(flank.findings, flank=flank)
+
+
+def _backlash(spec: Spec, side_clearance: float) -> float:
+    """The clearance [mm] that the roller crosses.
+
+    A groove that is as wide as the roller may be said to have a backlash, by wear for instance.
+    """
+    if spec.backlash is None:
+        return side_clearance
+    if side_clearance > 0.0 and spec.backlash != side_clearance:
+        raise GeometryError(
+            f"contradicts [follower] side_clearance, {side_clearance:g} mm: leave it out, or give"
+            " the same",
+            key=f"effects.{NAME}.backlash",
+            value=f"{spec.backlash:g}",
+        )
+    return spec.backlash
 
 
 EFFECT: Final = Effect(

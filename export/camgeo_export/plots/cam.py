@@ -34,6 +34,9 @@ RETURN_STYLE: Any = {"color": "#b3541e", "linewidth": 1.4, "dashes": (6, 2)}
 ARROW = np.radians(np.linspace(200.0, 320.0, 61))
 """Directions [rad] of the arrow about the axis."""
 
+KNIFE = 0.1
+"""Size by which a knife edge is drawn, which has none, relative to the base radius."""
+
 BELOW = 0.452
 """Distance of the legend from the axes [inch], room for their label and numbers."""
 
@@ -66,7 +69,7 @@ def draw(product: Product, figure: Figure | SubFigure) -> None:
     _rotation_arrow(axes, product.rotation, 0.45 * base)
     _centre_mark(axes, 0.1 * base)
     drawn = [*lines, circle, pitch, *(each.course * scale for each in found)]
-    radius = product.roller_radius * scale
+    radius = _size(product) * scale
     guide = np.array([roller, end])
     _frame(axes, [*drawn, guide], roller, radius)
     if found:
@@ -96,7 +99,7 @@ def draw(product: Product, figure: Figure | SubFigure) -> None:
     if product.returning is not None:
         edges.set_label("edges of the main disc")
         marks = [Line2D([], [], label="return disc and its roller", **RETURN_STYLE), *marks]
-    _legend(axes, figure, edges, marks)
+    _legend(axes, figure, edges, marks, product)
 
 
 def _part(product: Product) -> Part | None:
@@ -130,14 +133,22 @@ def _return_disc(axes: Axes, disc: Product, scale: float) -> list[ComplexArray]:
     return lines
 
 
-def _legend(axes: Axes, figure: Figure | SubFigure, edges: Line2D, marks: list[Line2D]) -> None:
+def _legend(
+    axes: Axes,
+    figure: Figure | SubFigure,
+    edges: Line2D,
+    marks: list[Line2D],
+    product: Product,
+) -> None:
+    round_ = product.roller_radius > 0.0
     handles = [
         edges,
         Line2D([], [], label="pitch curve", **PITCH_STYLE),
         Line2D([], [], label="base circle", **BASE_STYLE),
         Line2D(
-            [], [], linestyle="none", marker="o", markersize=9, markerfacecolor="white",
-            markeredgecolor="black", label="roller at φ = 0",
+            [], [], linestyle="none", marker="o" if round_ else "+", markersize=9,
+            markerfacecolor="white", markeredgecolor="black",
+            label=f"{'roller' if round_ else 'knife edge'} at φ = 0",
         ),
         *marks,
     ]  # fmt: skip
@@ -149,9 +160,14 @@ def _legend(axes: Axes, figure: Figure | SubFigure, edges: Line2D, marks: list[L
     )  # fmt: skip
 
 
+def _size(product: Product) -> float:
+    """Radius [mm] of the roller, or the size by which a knife edge is drawn."""
+    return product.roller_radius or KNIFE * product.base_radius
+
+
 def _follower(axes: Axes, product: Product, roller: complex, scale: float) -> complex:
     """The roller at cam angle 0 and the line to its pivot, or along its guide; where that ends."""
-    radius = product.roller_radius * scale
+    radius = _size(product) * scale
     sketch = product.follower_sketch
     end = sketch.end * scale
     along = (end - roller) / abs(end - roller)
@@ -161,10 +177,11 @@ def _follower(axes: Axes, product: Product, roller: complex, scale: float) -> co
         for side in (0.3j, -0.3j):
             _segment(axes, end + (side - 1.5) * radius * along, end + side * radius * along, 2.4)
     _segment(axes, roller, end, 1.2)
-    axes.add_patch(
-        Circle((roller.real, roller.imag), radius, facecolor="white", edgecolor="black",
-               linewidth=1.2, zorder=4)
-    )  # fmt: skip
+    if product.roller_radius > 0.0:
+        axes.add_patch(
+            Circle((roller.real, roller.imag), radius, facecolor="white", edgecolor="black",
+                   linewidth=1.2, zorder=4)
+        )  # fmt: skip
     axes.plot(roller.real, roller.imag, "+", color="black", markersize=6, zorder=5)
     if sketch.kind == "pivot":
         axes.plot(

@@ -1,4 +1,4 @@
-"""Curvature of the pitch curve, and where an offset by the roller radius comes to a cusp."""
+"""Curvature of the pitch curve, and where a flank comes to a cusp."""
 
 from __future__ import annotations
 
@@ -13,16 +13,19 @@ size = (7.0, 3.6)
 
 
 def draw(product: Product, figure: Figure | SubFigure) -> None:
-    """Draw the curvature over the cam angle with the limits of +-1/r_R."""
+    """Draw the curvature over the cam angle with the limits of +-1/d, d the flanks' distance."""
     phi = diagram_angles(product.joints)
     scale = MM_PER[product.unit]
-    limit = scale / product.roller_radius
     axes = figure.subplots(gridspec_kw=frame(figure))
     curvature = product.quantity("curvature", phi) * scale
     axes.plot(np.degrees(phi), curvature, color=LINE, label="pitch curve")
-    for sign in (1.0, -1.0):
-        label = "cusp of a flank, ±1/r$_R$" if sign > 0.0 else None
-        axes.axhline(sign * limit, color=LIMIT, linestyle="--", linewidth=1.0, label=label)
+    distance = product.flank_distance
+    name = "r$_R$" if distance == product.roller_radius else "(r$_R$ + c/2)"
+    for sign in (1.0, -1.0) if distance > 0.0 else ():  # a knife edge follows any curvature
+        label = f"cusp of a flank, ±1/{name}" if sign > 0.0 else None
+        axes.axhline(
+            sign * scale / distance, color=LIMIT, linestyle="--", linewidth=1.0, label=label
+        )
     axes.axhline(0.0, color="black", linewidth=0.5)
     over_cam_angle(axes, product.joints)
     axes.set_ylabel(f"curvature κ [1/{product.unit}]")
