@@ -67,9 +67,23 @@ def hard_case(name: str) -> tuple[dict[str, Any], dict[str, Any]]:
 
 
 def mechanisms() -> dict[str, dict[str, Any]]:
-    """The mechanisms of `mechanism_values.json` by name."""
+    """The cams of `mechanism_values.json` by name."""
+    return {name: case for name, case in _cases().items() if not _is_crank_slide(case)}
+
+
+def crank_slides() -> dict[str, dict[str, Any]]:
+    """The crank-slides of `mechanism_values.json` by name."""
+    return {name: case for name, case in _cases().items() if _is_crank_slide(case)}
+
+
+@cache
+def _cases() -> dict[str, dict[str, Any]]:
     cases: dict[str, dict[str, Any]] = reference("mechanism_values.json")["mechanisms"]
     return cases
+
+
+def _is_crank_slide(case: dict[str, Any]) -> bool:
+    return bool(case["params"]["kind"] == "crank_slide")
 
 
 def law_cases() -> list[dict[str, Any]]:

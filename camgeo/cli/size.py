@@ -8,6 +8,7 @@ from functools import partial
 from pathlib import Path
 from typing import Final
 
+from camgeo.check.sizing.arm import size_with_arm
 from camgeo.check.sizing.smallest import Sizing, rate, size
 from camgeo.check.sizing.task import Task
 from camgeo.cli.command import (
@@ -24,6 +25,8 @@ from camgeo.cli.size_scene import resized
 from camgeo.cli.size_told import document, lines
 from camgeo.design import Design
 from camgeo.errors import Fault, GeometryError, SceneError
+from camgeo.mechanism.oscillating_roller import OscillatingRoller
+from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.scene.load import load_scene, parse_scene
 
 RENDERER: Final = "size"
@@ -58,6 +61,13 @@ def register(subparsers: Subparsers[argparse.ArgumentParser]) -> None:
         help="largest allowed r_R/r_K, above 0 to 1; default that of the scene",
     )
     parser.add_argument(
+        "--arm",
+        nargs=2,
+        metavar=("LOW", "HIGH"),
+        type=float,
+        help="look for the arm of a rocker too, between two lengths in the scene's unit",
+    )
+    parser.add_argument(
         "--scene",
         metavar="FILE",
         dest="target",
@@ -77,13 +87,19 @@ def run(parser: argparse.ArgumentParser, arguments: argparse.Namespace) -> int:
             parser.error("--scene and -o must name files in the same folder")
         if Path(arguments.output) == Path(arguments.target):
             parser.error("--scene and -o name the same file")
+    if arguments.arm is not None and arguments.output is not None:
+        parser.error("-o draws places for one arm: write the scene with --scene, and draw that one")
     design = Design(load_scene(arguments.scene))
     tell_main_disc(design, "sizes")
     angle, ratio = _required(design, arguments)
     task = _task(design)
-    sizing = size(task, angle, ratio)
-    _write(design, task, sizing, arguments)
     present = rate(task, task.present)
+    if arguments.arm is not None:
+        low, high = (design.millimetres * arm for arm in arguments.arm)
+        task, sizing = size_with_arm(task, angle, ratio, low, high)
+    else:
+        sizing = size(task, angle, ratio)
+    _write(design, task, sizing, arguments)
     if arguments.json:
         print_json(document(design, task, sizing, present))
     else:
@@ -92,9 +108,12 @@ def run(parser: argparse.ArgumentParser, arguments: argparse.Namespace) -> int:
 
 
 def _task(design: Design) -> Task:
-    return Task(
-        design.motion, design.follower, design.rotation, design.contact, design.side_clearance
-    )
+    """What is to be sized; SceneError with key follower.kind for any but a roller follower."""
+    follower: object = design.follower
+    if not isinstance(follower, TranslatingRoller | OscillatingRoller):
+        told = "only translating-roller and oscillating-roller can be sized"
+        raise SceneError([Fault("follower.kind", type(follower).__name__, told)])
+    return Task(design.motion, follower, design.rotation, design.contact, design.side_clearance)
 
 
 def _required(design: Design, arguments: argparse.Namespace) -> tuple[float, float]:
@@ -145,7 +164,9 @@ def _scene(
     if kept.answer is None:
         raise GeometryError("the requirement can only just be met: no scene keeps it surely")
     follower = task.follower_at(kept.answer.place)
-    text = resized(source.read_bytes().decode(), follower, design.millimetres)
+    text = resized(
+        source.read_bytes().decode(), follower, design.millimetres, arm=arguments.arm is not None
+    )
     written = Design(parse_scene(text, str(target.parent / target.name)))
     again = _task(written)
     rating = rate(again, again.present)

@@ -13,8 +13,10 @@ HEADER: Final = re.compile(r"^[ \t]*\[[ \t]*follower[ \t]*\][^\n]*\n", re.MULTIL
 NEXT: Final = re.compile(r"^[ \t]*\[\[?[ \t]*[\"'A-Za-z]", re.MULTILINE)
 
 
-def resized(text: str, follower: TranslatingRoller | OscillatingRoller, unit: float) -> str:
-    """The text with base_radius and offset or pivot of `follower`.
+def resized(
+    text: str, follower: TranslatingRoller | OscillatingRoller, unit: float, *, arm: bool = False
+) -> str:
+    """The text with base_radius and offset or pivot of `follower`, and with its `arm` if asked.
 
     Parameters
     ----------
@@ -35,6 +37,8 @@ def resized(text: str, follower: TranslatingRoller | OscillatingRoller, unit: fl
     if isinstance(follower, OscillatingRoller):
         pivot = follower.pivot / unit
         table = _set(table, "pivot", f"[{_number(pivot.real)}, {_number(pivot.imag)}]")
+        if arm:
+            table = _set(table, "arm", _number(follower.arm / unit))
     else:
         table = _set(table, "offset", _number(follower.offset / unit), beside="base_radius")
     return text[: header.end()] + table + text[end:]

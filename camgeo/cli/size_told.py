@@ -33,14 +33,18 @@ def lines(design: Design, task: Task, sizing: Sizing, present: Rating | None) ->
         _row(design, "mu alone, exact", task, sizing.for_angle),
         _row(design, "smallest, exact", task, sizing.answer),
     ]
+    arm, present_arm = (getattr(each.follower, "arm", 0.0) for each in (task, design))
+    if arm != present_arm:
+        told = f"{arm / design.millimetres:.4f} {design.unit}"
+        found.append(f"all but the present design with an arm of {told}")
     if sizing.answer is not None:
         found.append("decided by " + " and ".join(_active(each, sizing) for each in sizing.active))
     else:
-        found.append(reason(sizing))
+        found.append(reason(design, sizing))
     return [*found, *_of_flocke(sizing)]
 
 
-def reason(sizing: Sizing) -> str:
+def reason(design: Design, sizing: Sizing) -> str:
     """Why there is no answer, and what there is instead."""
     if sizing.for_angle is None:
         nearest = math.degrees(sizing.nearest_angle or 0.0)
@@ -49,13 +53,16 @@ def reason(sizing: Sizing) -> str:
             f" {math.degrees(sizing.angle):g} deg over the whole turn, for the swing is too large;"
             f" the largest that can be kept is {math.floor(nearest * 1e4) / 1e4:.4f} deg"
         )
+    reach = sizing.reach or 0.0
+    sure = "there is no place" if sizing.none_below > reach else "no place was found"
     told = (
         "infeasible: where the transmission angle is kept, the roller is too large for the"
-        f" curvature of the pitch curve; no place was found with r_R/r_K at most {sizing.ratio:g}"
+        f" curvature of the pitch curve; {sure} with r_R/r_K at most {sizing.ratio:g} up to a base"
+        f" radius of {reach / design.millimetres:.4g} {design.unit}"
     )
     if sizing.nearest_ratio is None:
         return told
-    return f"{told}; the least found is about {sizing.nearest_ratio:.3g}"
+    return f"{told}; the least that was found is about {sizing.nearest_ratio:.3g}"
 
 
 def _of_flocke(sizing: Sizing) -> list[str]:
@@ -129,7 +136,7 @@ def document(design: Design, task: Task, sizing: Sizing, present: Rating | None)
             {"condition": each.name, "cam_angle_deg": math.degrees(each.cam_angle)}
             for each in sizing.active
         ],
-        "infeasible": None if sizing.answer is not None else reason(sizing),
+        "infeasible": None if sizing.answer is not None else reason(design, sizing),
         "nearest": {
             "transmission_angle_deg": None
             if sizing.nearest_angle is None
@@ -145,6 +152,7 @@ def _record(task: Task, rating: Rating | None) -> dict[str, Any] | None:
     follower = task.follower_at(rating.place)
     record: dict[str, Any] = {"base_radius_mm": rating.base_radius}
     if isinstance(follower, OscillatingRoller):
+        record["arm_mm"] = follower.arm
         record["pivot_mm"] = [follower.pivot.real, follower.pivot.imag]
         record["pivot_distance_mm"] = abs(rating.place)
     else:

@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from camgeo.check.sizing.bends import conditions
-from camgeo.check.sizing.smallest import rate, size
+import camgeo
+from camgeo.check.sizing import bends
+from camgeo.check.sizing.conditions import conditions
+from camgeo.check.sizing.smallest import active_conditions, rate, size
 from camgeo.check.sizing.task import tangent_of
+from camgeo.cli.size_told import reason
 from camgeo.errors import GeometryError
-from tests.check.sizing_scenes import BENT, EASY, required
+from tests.check.sizing_scenes import BENT, EASY, SCENES, required
 
 
 @pytest.mark.parametrize("name", [*EASY, *BENT])
@@ -71,14 +75,40 @@ def test_an_angle_that_no_place_keeps() -> None:
     assert nearest.for_angle is not None
 
 
-def test_a_ratio_that_no_place_keeps() -> None:
-    """A very large roller: the circles that would do lie beyond what is looked at."""
+def test_however_large_the_roller_a_large_cam_takes_it() -> None:
+    """Far out the pitch curve is a circle: r_G is about r_R/ratio there."""
+    for name in ("vorschub", "groove"):
+        task, angle, _ = required(name)
+        roller = task.follower.roller_radius
+        found = size(task, angle, 1e-3)
+        assert found.answer is not None
+        assert found.answer.radius_ratio[0] <= 1e-3 * (1.0 + 1e-9)
+        assert found.answer.base_radius == pytest.approx(roller / 1e-3, rel=0.1)
+    huge = replace(task, follower=replace(task.follower, roller_radius=500.0))
+    answer = size(huge, angle, 0.7).answer
+    assert answer is not None
+    assert {each.name for each in active_conditions(huge, answer, angle, 0.7)} == {
+        "transmission-angle",
+        "radius-ratio",
+    }
+
+
+def test_a_ratio_that_no_place_keeps(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Only where no large cam is looked at: see above."""
+    monkeypatch.setattr(bends, "REACH", 1.5)
+    monkeypatch.setattr(bends, "ROOM", 0.0)
     task, angle, _ = required("vorschub")
     found = size(task, angle, 1e-3)
     assert found.answer is None
     assert found.for_angle is not None
+    assert found.none_below == math.inf
+    assert found.reach == pytest.approx(1.5 * found.for_angle.base_radius)
     assert found.nearest_ratio is not None
     assert found.nearest_ratio > 1e-3
+    design = camgeo.load(SCENES / "vorschub.toml")
+    told = reason(design, found)
+    assert "there is no place with r_R/r_K at most 0.001 up to a base radius of" in told
+    assert f"the least that was found is about {found.nearest_ratio:.3g}" in told
 
 
 @pytest.mark.parametrize(

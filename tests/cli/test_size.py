@@ -12,6 +12,7 @@ import camgeo
 from camgeo.cli.main import main
 from camgeo.cli.size_scene import resized
 from camgeo.errors import SceneError
+from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.scene.new import template
 
 SCENES = Path(__file__).parents[2] / "fixtures" / "scenes"
@@ -50,6 +51,34 @@ def test_json(capsys: Capture) -> None:
     assert told["flocke"]["base_radius_mm"] > smallest["base_radius_mm"]
     assert len(told["active"]) == 2
     assert told["infeasible"] is None
+
+
+def test_an_arm_is_looked_for_and_written(tmp_path: Path, capsys: Capture) -> None:
+    target = tmp_path / "sized.toml"
+    call = ["size", SETZHUB, "--arm", "40", "60", "--scene", str(target)]
+    assert main(call) == 0
+    assert "all but the present design with an arm of 40.0000 mm" in capsys.readouterr().out
+    after = camgeo.load(target)
+    assert isinstance(after.follower, OscillatingRoller)
+    assert after.follower.arm == 40.0
+    assert main(["size", str(target), "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert told["smallest"]["arm_mm"] == 40.0
+    assert told["smallest"]["base_radius_mm"] == pytest.approx(after.base_radius, rel=1e-9)
+
+
+def test_an_arm_is_refused_where_there_is_none(capsys: Capture) -> None:
+    scene = str(SCENES / "plate_translating.toml")
+    assert main(["size", scene, "--arm", "40", "60"]) == 2
+    assert "follower.kind = translating-roller" in capsys.readouterr().err
+
+
+def test_other_followers_are_refused(monkeypatch: pytest.MonkeyPatch, capsys: Capture) -> None:
+    monkeypatch.setattr(camgeo.design.Design, "follower", property(lambda _: object()))
+    assert main(["size", SETZHUB]) == 2
+    told = capsys.readouterr().err
+    assert "follower.kind" in told
+    assert "only translating-roller and oscillating-roller can be sized" in told
 
 
 def test_infeasible_is_1_and_writes_no_scene(tmp_path: Path, capsys: Capture) -> None:
@@ -137,6 +166,7 @@ def test_wrong_requirements_are_2(options: list[str], told: str, capsys: Capture
     [
         ["--transmission-angle", "x"],
         ["-o", "size.gif"],
+        ["-o", "size.png", "--arm", "40", "60"],
         ["-o", "a/size.png", "--scene", "b/sized.toml"],
     ],
 )

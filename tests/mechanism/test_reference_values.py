@@ -1,23 +1,28 @@
-"""All cams of `mechanism_values.json` at all their cam angles."""
+"""All mechanisms of `mechanism_values.json` at all their angles: every quantity that it has."""
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from camgeo.curve.pitch_curve import PitchCurve
+from camgeo.errors import GeometryError
+from camgeo.mechanism.crank_slide import CrankSlide
 from camgeo.mechanism.linkage import LinkedMotion
-from camgeo.mechanism.translating_roller import TranslatingRoller
+from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from tests.reference import (
     column,
     complex_column,
+    crank_slides,
     inner_of,
     mechanisms,
     outer_of,
     pitch_curve_of,
+    reference,
     stroke_of,
 )
 
@@ -42,64 +47,121 @@ def quantities(curve: PitchCurve, name: str) -> dict[str, tuple[Quantity, Quanti
     """Found and true values of everything that the reference gives, by its names there."""
     rows = mechanisms()[name]["rows"]
     phi = np.radians(column(rows, "phi_deg"))
-    kappa = curve.curvature(phi)
-    pairs: dict[str, tuple[Quantity, Quantity]] = {
-        key: (values, complex_column(rows, key))
-        for key, values in zip(("Z", "Z1", "Z2", "Z3"), curve.jet(phi), strict=True)
+    kappa, relative = curve.curvature(phi), curve.relative_jet(phi)
+    fixed = (relative.along[0] + 1j * relative.across[0]) * np.exp(1j * relative.axis)
+    rocker = isinstance(curve.follower, OscillatingRoller)
+    # From the rocker, or from the x axis, to the normal; v of a guide is sigma times Wirsig's.
+    along = -relative.v if rocker else curve.rotation * relative.v
+    signed = np.arctan2(np.abs(relative.u), along)
+    found: dict[str, Quantity] = dict(zip(("Z", "Z1", "Z2", "Z3"), curve.jet(phi), strict=True))
+    found |= {
+        "W": fixed,
+        "r": np.abs(curve.point(phi)),
+        "inner": inner_of(curve).point(phi),
+        "outer": outer_of(curve).point(phi),
+        "mu": np.degrees(curve.transmission_angle(phi)),
+        "mu_s": np.degrees(signed),
+        "kappa": kappa,
+        "rho": 1.0 / kappa,
+        **_of_the_motion(curve, phi, name),
     }
-    pairs |= {
-        "point": (curve.point(phi), complex_column(rows, "Z")),
-        "inner": (inner_of(curve).point(phi), complex_column(rows, "inner")),
-        "outer": (outer_of(curve).point(phi), complex_column(rows, "outer")),
-        "mu": (np.degrees(curve.transmission_angle(phi)), column(rows, "mu")),
-        "pressure": (np.degrees(curve.pressure_angle(phi)), 90.0 - column(rows, "mu")),
-        "kappa": (kappa, column(rows, "kappa")),
-        "rho": (1.0 / kappa, column(rows, "rho")),
+    pairs = {
+        key: (values, complex_column(rows, key) if np.iscomplexobj(values) else column(rows, key))
+        for key, values in found.items()
     }
-    follower = curve.follower
-    if "s" in rows[0]:
-        for key, values in zip(("s", "s1", "s2", "s3"), stroke_of(curve).jet(phi), strict=True):
-            pairs[key] = (values, column(rows, key))
-    if not isinstance(follower, TranslatingRoller):
-        swing = curve.motion.jet(phi)
-        if not isinstance(curve.motion, LinkedMotion):  # there lift is counted outward or inward
-            swing = mechanisms()[name]["params"]["kappa"] * swing
-        swing[0] = np.degrees(swing[0])
-        for key, values in zip(("psi", "psi1", "psi2", "psi3"), swing, strict=True):
-            pairs[key] = (values, column(rows, key))
+    pairs["point"] = (curve.point(phi), complex_column(rows, "Z"))
+    pairs["pressure"] = (np.degrees(curve.pressure_angle(phi)), 90.0 - column(rows, "mu"))
     return pairs
 
 
+def _of_the_motion(curve: PitchCurve, phi: FloatArray, name: str) -> dict[str, Quantity]:
+    """Stroke, rocker and linkage, as far as there are such; angles in degrees."""
+    case, motion = mechanisms()[name], curve.motion
+    found: dict[str, Quantity] = {}
+    if "s" in case["rows"][0]:
+        found |= dict(zip(("s", "s1", "s2", "s3"), stroke_of(curve).jet(phi), strict=True))
+    if isinstance(curve.follower, OscillatingRoller):
+        swing = motion.jet(phi)
+        found["psi_t"] = np.degrees(curve.follower.rocker_angle(swing[0]))
+        if not isinstance(motion, LinkedMotion):  # there lift is counted outward or inward
+            swing = case["params"]["kappa"] * swing
+        swing[0] = np.degrees(swing[0])
+        found |= dict(zip(("psi", "psi1", "psi2", "psi3"), swing, strict=True))
+    if isinstance(motion, LinkedMotion):
+        stroke = motion.slider.jet(phi)[0]
+        pin, tip = motion.linkage.joints(stroke)
+        coupler = pin - tip
+        if motion.linkage.mirrored:  # the reference sees the linkage from the front
+            coupler = -np.conj(coupler)
+        found["coupler_angle"] = np.degrees(np.angle(coupler))
+        found["theta"] = np.degrees(motion.linkage.crank_angle(stroke))
+    return found
+
+
 def deviations(curve: PitchCurve, name: str) -> dict[str, float]:
-    return {key: deviation(*pair) for key, pair in quantities(curve, name).items()}
+    pairs = quantities(curve, name)
+    if "coupler_angle" in pairs:  # a coupler parallel to the guide is at 180 degrees or at -180
+        found, true = pairs["coupler_angle"]
+        apart = np.angle(np.exp(1j * np.radians(found - true)))
+        pairs["coupler_angle"] = (true + np.degrees(apart), true)
+    return {key: deviation(*pair) for key, pair in pairs.items()}
+
+
+def test_the_reference_is_whole() -> None:
+    assert set(reference("mechanism_values.json")) == {"readme", "mechanisms"}
+    assert (len(mechanisms()), len(crank_slides())) == (18, 4)
+    for case in (*mechanisms().values(), *crank_slides().values()):
+        assert set(case) == {"params", "derived", "rows"}
+        assert len(case["rows"]) == 49
 
 
 @by_name
 def test_every_quantity_at_every_angle(name: str) -> None:
     case = mechanisms()[name]
-    assert len(case["rows"]) == 49
     found = deviations(pitch_curve_of(case["params"]), name)
-    kind = case["params"]["kind"]
-    asked = {"Z", "Z1", "Z2", "Z3", "inner", "outer", "mu", "kappa", "rho"}
-    asked |= {"s", "s1", "s2", "s3"} if kind != "osc" else set()
-    asked |= {"psi", "psi1", "psi2", "psi3"} if kind != "trans" else set()
-    assert asked <= set(found)
+    for row in case["rows"]:
+        assert set(row) - {"phi_deg"} == set(found) - {"point", "pressure"}
     assert {key: value for key, value in found.items() if not value <= LIMIT} == {}
 
 
 @by_name
-def test_start_angle_of_the_rocker_and_of_the_crank(name: str) -> None:
+def test_what_is_derived(name: str) -> None:
+    """Triangle and start of the rocker, and of the crank."""
     case = mechanisms()[name]
     curve, derived = pitch_curve_of(case["params"]), case["derived"]
-    if isinstance(curve.follower, TranslatingRoller):
-        assert derived == {}
-        return
-    start = np.degrees(curve.follower.start_angle)  # type: ignore[attr-defined]
-    assert start == pytest.approx(float(derived["psiG"]), rel=LIMIT)
+    found: dict[str, float] = {}
+    if isinstance(curve.follower, OscillatingRoller):
+        found["psiG"] = math.degrees(curve.follower.start_angle)
     if isinstance(curve.motion, LinkedMotion):
-        assert np.degrees(curve.motion.linkage.start_angle) == pytest.approx(
-            float(derived["theta0"]), rel=LIMIT
-        )
+        assert isinstance(curve.follower, OscillatingRoller)
+        found["theta0"] = math.degrees(curve.motion.linkage.start_angle)
+        found["l1"] = curve.follower.centre_distance
+        found["alphaA"] = math.degrees(np.angle(-curve.follower.pivot))
+    true = {key: float(value) for key, value in derived.items()}
+    assert found == pytest.approx(true, rel=LIMIT, abs=0.0)
+
+
+@pytest.mark.parametrize("name", crank_slides())
+def test_every_crank_slide_at_every_angle(name: str) -> None:
+    case = crank_slides()[name]
+    params, rows = case["params"], case["rows"]
+    assert set(params) == {"kind", "beta", "n"}
+    assert case["derived"] == {}
+    slide = CrankSlide(75.0, 75.0 * params["beta"])  # exact for all of these
+    speed = 2.0 * math.pi * params["n"]
+    if slide.crank == slide.distance:  # pin in the slide's axis, where the reference has nan
+        assert {rows[0][key] for key in ("phi_out_deg", "omega2", "eps2")} == {"nan"}
+        for row in (rows[0], rows[-1]):
+            with pytest.raises(GeometryError, match="undefined"):
+                slide.in_time(np.radians([row["phi_deg"]]), speed)
+        rows = rows[1:-1]
+    theta = np.radians(column(rows, "phi_deg"))
+    phi, omega, eps = slide.in_time(theta, speed)
+    found = {"phi_out_deg": np.degrees(phi), "omega2": omega, "eps2": eps}
+    for row in case["rows"]:
+        assert set(row) - {"phi_deg"} == set(found)
+    wrong = {key: deviation(values, column(rows, key)) for key, values in found.items()}
+    assert {key: value for key, value in wrong.items() if not value <= LIMIT} == {}
 
 
 @pytest.mark.parametrize("name", ["trans_F_sp_e12", "osc_P_sm", "T6_setzhub_sm_program"])

@@ -1,86 +1,49 @@
 """The smallest base circle where the roller against r_K decides too: no convex problem.
 
-Seen from the roller centre at cam angle 0 the cam axis lies in a direction theta in (-pi, 0). Along
-each direction the nearest place is looked for that meets all conditions at a set of cam angles, and
-the direction with the smallest of them is enclosed. Then the cam angles at which the found place is
-extreme join the set, until it meets the conditions at all of them.
+Seen from the roller centre at cam angle 0 the cam axis lies in a direction theta in (-pi, 0). Cells
+of places that surely break a condition at one of some cam angles are excluded, which leaves the
+neighbourhoods of the nearest places (`cells`); there the nearest place is looked for along each
+direction, and the direction with the smallest of them is enclosed. Then the cam angles at which the
+found place is extreme join the set, until it meets the conditions at all of them.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
 import numpy as np
 
-from camgeo.check.sizing.task import Task, Terms
+from camgeo.check.sizing.cells import Start, nearest_cells, within
+from camgeo.check.sizing.conditions import Conditions, conditions, samples_of, signs_of
+from camgeo.check.sizing.task import Task
 from camgeo.curve.curvature import curvature_extremes
-from camgeo.curve.pieces import smooth_pieces
 from camgeo.errors import GeometryError
-from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray
+from camgeo.numeric.arrays import FloatArray
 
-SAMPLES = 17
-"""Cam angles per piece to begin with; the exchange adds those that matter."""
+REACH, ROOM = 40.0, 4.0
+"""The largest base radius that is looked at: in times of that for the transmission angle, and of
+r_R/ratio. Far out the pitch curve is a circle but for little: r_K is there the base radius."""
 
-DIRECTIONS, RADII = 121, 161
-"""Of the grid on which the neighbourhood of the smallest circle is found. A range of places
-narrower than its cells may be passed over: 1.5 degrees by 2 per cent."""
-
-CELL = 1.5 * np.pi / DIRECTIONS
-NEAR, MOST_RUNS = 1, 3
-"""Directions that reach within a cell of the nearest belong to a run; these many are followed."""
-
-Start = tuple[float, float, float]
-"""Direction, base radius, and half the width of directions to look in."""
-
-REACH = 40.0
-"""The largest base radius that is looked at, in times of that for the transmission angle."""
+DIRECTIONS, RADII = 61, 81
+"""Of the grid of places on which the least ratio is looked for where none is small enough."""
 
 ZOOM, STEPS = 8.0, 15
 """Each step encloses the direction eight times closer."""
 
-HALVINGS = 54
-ROUNDS = 12
+WIDTH = 1e-2
+"""Half the directions [rad] about the last place in which the next one is looked for."""
+
+JUMP = 1e-3
+"""A nearest place that lies this much beyond the bound of the cells sends them out again."""
+
+BELOW, ABOVE = 0.06, 0.03
+"""How far about the last radius the next one is looked for at first; a third of it each step."""
+
+HALVINGS = 48
+ROUNDS = 60
 CLOSE = 1e-12
 """Conditions broken by this share of what they are made of are met."""
-
-BLOCK = 4_000_000
-"""Values at a time."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Conditions:
-    """All conditions at a set of cam angles; `ratio` is the largest r_R/r_K."""
-
-    terms: Terms
-    tangent: float
-    roller: float
-    ratio: float
-    signs: tuple[float, ...]
-
-    def met(self, places: ComplexArray) -> BoolArray:
-        """(k,) whether the places (k,) keep all of them."""
-        block = max(1, BLOCK // max(len(self.terms.q), 1))
-        parts = [self._met(places[i : i + block]) for i in range(0, len(places), block)]
-        return np.concatenate(parts) if parts else np.empty(0, dtype=np.bool_)
-
-    def _met(self, places: ComplexArray) -> BoolArray:
-        u, v = self.terms.across_and_along(places[:, np.newaxis])
-        met = np.asarray(np.all(u >= self.tangent * np.abs(v), axis=1) & np.all(u > 0.0, axis=1))
-        if np.any(met):
-            met[met] = self.worst_ratio(places[met]) <= self.ratio
-        return met
-
-    def worst_ratio(self, places: ComplexArray) -> FloatArray:
-        """(k,) largest r_R/r_K of the sign that matters; Z' must not vanish."""
-        kappa = self.terms.curvature(places[:, np.newaxis])
-        worst = [np.max(sign * kappa, axis=1) for sign in self.signs]
-        return np.asarray(self.roller * np.max(worst, axis=0))
-
-
-def signs_of(task: Task) -> tuple[float, ...]:
-    """Signs of the curvature that matter: +1 convex for an inner flank, -1 concave for an outer."""
-    return {"inner": (1.0,), "outer": (-1.0,), "groove": (1.0, -1.0)}[task.contact]
 
 
 def worst_ratio(task: Task, place: complex) -> tuple[float, float]:
@@ -94,35 +57,28 @@ def worst_ratio(task: Task, place: complex) -> tuple[float, float]:
     return max(task.follower.roller_radius * sign * kappa, 0.0), phi
 
 
-def samples_of(task: Task) -> FloatArray:
-    """(n,) cam angles [rad] inside all pieces, the ends of each among them but for rounding."""
-    share = np.linspace(0.0, 1.0, SAMPLES)
-    share[0], share[-1] = 1e-9, 1.0 - 1e-9
-    found = [
-        piece.start + (piece.end - piece.start) * (share[:1] if piece.dwell else share)
-        for piece in smooth_pieces(task.motion)
-    ]
-    return np.concatenate(found)
+@dataclass(frozen=True, slots=True)
+class Nearest:
+    """The place of the smallest base circle for mu and r_R/r_K.
+
+    Attributes
+    ----------
+    place : [mm]; None if none was found.
+    bound : base radius [mm] below which there surely is no place; infinite if there is none up to
+        the largest that is looked at.
+    least_ratio : without a place, the smallest r_R/r_K of a grid of places that keep the
+        transmission angle; infinite if there are none.
+    reach : largest base radius [mm] that was looked at.
+    """
+
+    place: complex | None
+    bound: float
+    least_ratio: float
+    reach: float
 
 
-def conditions(task: Task, tangent: float, ratio: float, phi: FloatArray) -> Conditions:
-    """The conditions at the cam angles `phi` (n,) [rad], and on both sides of each break."""
-    breaks = task.motion.breaks
-    right = task.terms(np.concatenate((phi, breaks)))
-    left = task.terms(breaks, "left")
-    terms = Terms(
-        *(
-            np.concatenate((getattr(right, each.name), getattr(left, each.name)))
-            for each in fields(Terms)
-        )
-    )
-    return Conditions(terms, tangent, task.follower.roller_radius, ratio, signs_of(task))
-
-
-def smallest_with_bends(
-    task: Task, tangent: float, ratio: float, least: float
-) -> tuple[complex | None, float]:
-    """Place [mm] of the smallest base circle for mu and r_R/r_K, and the least ratio seen.
+def smallest_with_bends(task: Task, tangent: float, ratio: float, least: float) -> Nearest:
+    """The smallest base circle for mu and r_R/r_K.
 
     Parameters
     ----------
@@ -130,28 +86,34 @@ def smallest_with_bends(
     ratio : largest r_R/r_K.
     least : base radius [mm] below which there is no place, that for the transmission angle alone.
 
-    Returns
-    -------
-    None if the grid shows no such place; the second value is then the smallest r_R/r_K of the
-    places of the grid that keep the transmission angle (infinite if there are none).
+    Raises
+    ------
+    GeometryError
+        If the search does not settle.
     """
+    reach = max(REACH * least, ROOM * (task.follower.roller_radius / ratio + abs(task.start)))
     phi = samples_of(task)
-    starts: tuple[Start, ...] = ()
+    last: tuple[Start, ...] = ()
+    bound = least
     for _ in range(ROUNDS):
         now = conditions(task, tangent, ratio, phi)
-        fresh = _coarse(task, now, least)
-        if not fresh and not starts:
-            return None, _least_ratio(task, now, least)
-        reached = [_enclosed(task, now, start, least) for start in (*starts, *fresh)]
+        reached = [_enclosed(task, now, start, least) for start in last]
+        radius = min((each[1] for each in reached), default=math.inf)
+        # Conditions are only added, so the nearest place only moves away; the cells are asked again
+        # where it has moved by more than they left open.
+        if not radius <= bound * (1.0 + JUMP):
+            found = nearest_cells(now, task.start, least, reach)
+            if not found.starts:
+                return Nearest(None, found.bound, _least_ratio(task, now, least, reach), reach)
+            bound = found.bound
+            reached += [_enclosed(task, now, start, least) for start in found.starts]
+            reached += [start[:2] for start in found.starts]
         theta, radius = min(reached, key=lambda each: each[1])
-        if not np.isfinite(radius):
-            starts = ()
-            continue
         place = complex(task.start + radius * np.exp(1j * theta))
         extreme, broken = _extreme_angles(task, place, tangent, ratio)
         if not broken:
-            return place, 0.0
-        starts = ((theta, radius, CELL),)
+            return Nearest(place, bound, 0.0, reach)
+        last = ((theta, radius, WIDTH),)
         phi = np.unique(np.concatenate((phi, extreme)))
     raise GeometryError("the smallest base circle could not be enclosed: the search did not settle")
 
@@ -174,36 +136,10 @@ def _extreme_angles(
     return np.concatenate(angles), broken
 
 
-def _grid(task: Task, least: float) -> tuple[FloatArray, FloatArray, ComplexArray]:
+def _least_ratio(task: Task, now: Conditions, least: float, reach: float) -> float:
     theta = -np.pi + np.pi * (np.arange(DIRECTIONS) + 0.5) / DIRECTIONS
-    radii = np.geomspace(least, REACH * least, RADII)
-    places = task.start + radii * np.exp(1j * theta)[:, np.newaxis]
-    return theta, radii, places
-
-
-def _coarse(task: Task, now: Conditions, least: float) -> tuple[Start, ...]:
-    """Where on the grid the smallest circles are: runs of directions that reach about as near."""
-    theta, radii, places = _grid(task, least)
-    met = now.met(places.ravel()).reshape(places.shape)
-    first = np.where(np.any(met, axis=1), np.argmax(met, axis=1), len(radii) + NEAR)
-    best = int(np.min(first))
-    if best >= len(radii):
-        return ()
-    near = np.flatnonzero(first <= best + NEAR)
-    runs = np.split(near, np.flatnonzero(np.diff(near) > 1) + 1)
-    runs.sort(key=lambda run: int(np.min(first[run])))
-    return tuple(
-        (
-            float(0.5 * (theta[run[0]] + theta[run[-1]])),
-            float(radii[np.min(first[run])]),
-            float(0.5 * (theta[run[-1]] - theta[run[0]])) + CELL,
-        )
-        for run in runs[:MOST_RUNS]
-    )
-
-
-def _least_ratio(task: Task, now: Conditions, least: float) -> float:
-    places = _grid(task, least)[2].ravel()
+    radii = np.geomspace(least, reach, RADII)
+    places = (task.start + radii * np.exp(1j * theta)[:, np.newaxis]).ravel()
     free = Conditions(now.terms, now.tangent, 0.0, 1.0, now.signs)
     kept = places[free.met(places)]
     return float(np.min(now.worst_ratio(kept))) if len(kept) else math.inf
@@ -212,28 +148,33 @@ def _least_ratio(task: Task, now: Conditions, least: float) -> float:
 def _enclosed(task: Task, now: Conditions, start: Start, least: float) -> tuple[float, float]:
     """Direction and base radius of the smallest circle near `start`; infinite if there is none."""
     best, radius, width = start
-    for _ in range(STEPS):
+    share = 1.0
+    for step in range(STEPS):
+        # Cam angles at which all of the neighbourhood keeps the conditions need not be asked.
+        places = np.array([task.start + radius * np.exp(1j * best)])
+        near = within(now, places, 1.1 * radius * (width + BELOW * share))
         theta = np.clip(best + width * np.linspace(-1.0, 1.0, 33), -np.pi, 0.0)
-        reached = _nearest_along(task, now, theta, least, radius)
+        scan = radius * np.linspace(1.0 - BELOW * share, 1.0 + ABOVE * share, 46)
+        reached = _nearest_along(task, near, theta, np.maximum(scan, least), HALVINGS - step)
         index = int(np.argmin(reached))
         if not np.isfinite(reached[index]):
             return best, math.inf
         best, radius = float(theta[index]), float(reached[index])
         width /= ZOOM
+        share /= 3.0
     return best, radius
 
 
 def _nearest_along(
-    task: Task, now: Conditions, theta: FloatArray, least: float, about: float
+    task: Task, now: Conditions, theta: FloatArray, scan: FloatArray, halvings: int
 ) -> FloatArray:
-    """(k,) smallest base radius in each direction near `about` [mm]; infinite if there is none."""
+    """(k,) smallest base radius of the range of `scan` in each direction; infinite if none."""
     ways = np.exp(1j * theta)
-    scan = np.linspace(max(least, 0.94 * about), 1.03 * about, 46)
     met = now.met((task.start + scan * ways[:, np.newaxis]).ravel()).reshape(len(theta), -1)
     some = np.any(met, axis=1)
     first = np.argmax(met, axis=1)
     good, bad = scan[first], scan[np.maximum(first - 1, 0)]
-    for _ in range(HALVINGS):
+    for _ in range(halvings):
         middle = 0.5 * (good + bad)
         fine = now.met(task.start + middle * ways)
         good, bad = np.where(fine, middle, good), np.where(fine, bad, middle)

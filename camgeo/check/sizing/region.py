@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from camgeo.check.sizing.bends import conditions, samples_of
+from camgeo.check.sizing.conditions import conditions, samples_of
 from camgeo.check.sizing.flocke import Flocke
 from camgeo.check.sizing.task import Task
 from camgeo.curve.pieces import smooth_pieces

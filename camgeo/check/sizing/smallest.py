@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from camgeo.check.sizing.bends import signs_of, smallest_with_bends, worst_ratio
+from camgeo.check.sizing.bends import smallest_with_bends, worst_ratio
+from camgeo.check.sizing.conditions import signs_of
 from camgeo.check.sizing.exchange import largest_angle, smallest_place
 from camgeo.check.sizing.flocke import Flocke, flocke
 from camgeo.check.sizing.task import Task, tangent_of
@@ -68,7 +69,9 @@ class Sizing:
     answer : that for both; None if there is none.
     active : the conditions that decide it, at most two but for symmetry.
     nearest_angle : largest transmission angle [rad] that can be had, if the required one cannot.
-    nearest_ratio : least r_R/r_K of a grid of places, if the required one was not found there.
+    nearest_ratio : least r_R/r_K of a grid of places, if the required one was not found.
+    none_below : base radius [mm] below which there surely is no place for both.
+    reach : largest base radius [mm] that was looked at for both; None if the angle decides alone.
     """
 
     angle: float
@@ -80,6 +83,8 @@ class Sizing:
     active: tuple[Active, ...]
     nearest_angle: float | None = None
     nearest_ratio: float | None = None
+    none_below: float = 0.0
+    reach: float | None = None
 
 
 def size(task: Task, angle: float, ratio: float) -> Sizing:
@@ -120,18 +125,23 @@ def size(task: Task, angle: float, ratio: float) -> Sizing:
     for_angle = rate(task, place)
     covered = inner and base <= half
     if for_angle is not None and for_angle.radius_ratio[0] <= ratio and not covered:
-        active = active_conditions(task, for_angle, angle, ratio)
-        return Sizing(angle, ratio, construction, proposal, for_angle, for_angle, active)
+        decided = active_conditions(task, for_angle, angle, ratio)
+        return Sizing(angle, ratio, construction, proposal, for_angle, for_angle, decided)
     least = max(base, half * (1.0 + 1e-9)) if inner else base
-    found, seen = smallest_with_bends(task, tangent, ratio, least)
-    answer = None if found is None else rate(task, found)
+    found = smallest_with_bends(task, tangent, ratio, least)
+    answer = None if found.place is None else rate(task, found.place)
     if answer is None:
-        nearest_ratio = seen if math.isfinite(seen) else None
-        return Sizing(
-            angle, ratio, construction, proposal, for_angle, None, (), nearest_ratio=nearest_ratio
-        )
-    active = active_conditions(task, answer, angle, ratio)
-    return Sizing(angle, ratio, construction, proposal, for_angle, answer, active)
+        nearest_ratio = found.least_ratio if math.isfinite(found.least_ratio) else None
+        active: tuple[Active, ...] = ()
+    else:
+        nearest_ratio = None
+        active = active_conditions(task, answer, angle, ratio)
+    return Sizing(
+        *(angle, ratio, construction, proposal, for_angle, answer, active),
+        nearest_ratio=nearest_ratio,
+        none_below=found.bound,
+        reach=found.reach,
+    )
 
 
 def rate(task: Task, place: complex) -> Rating | None:

@@ -1,0 +1,22 @@
+"""docs/sizing.md has what its script computes, and its picture is there."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from tests.pages import page_maker
+
+DOCS = Path(__file__).resolve().parents[1] / "docs"
+
+
+def test_the_page_is_made_by_its_script() -> None:
+    written = (DOCS / "sizing.md").read_text(encoding="utf-8")
+    assert page_maker("sizing_page").page() == written, "run python docs/sizing_page.py"
+
+
+def test_the_page_has_its_picture_and_readme_the_page() -> None:
+    picture = page_maker("sizing_page").PICTURE
+    assert f"(images/{picture.name})" in (DOCS / "sizing.md").read_text(encoding="utf-8")
+    drawn = picture.read_bytes()
+    assert drawn.startswith(b"<?xml")
+    assert "(docs/sizing.md)" in (DOCS.parent / "README.md").read_text(encoding="utf-8")
