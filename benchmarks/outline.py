@@ -64,6 +64,7 @@ from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.design import Design
 from camgeo.errors import ToleranceError
+from camgeo.mechanism.kinds import require_roller
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.mechanism.slider_crank import SliderCrank
 from camgeo.mechanism.translating_roller import TranslatingRoller
@@ -141,7 +142,7 @@ def all_cams() -> list[Cam]:
             title = name if len(design.flanks) == 1 else f"{name} {flank}"
             found.append(
                 Cam(
-                    title, scene.plan, design.motion, scene.linkage, scene.follower,
+                    title, scene.plan, design.motion, scene.linkage, require_roller(scene.follower),
                     scene.rotation, curve.distance,
                 )
             )  # fmt: skip

@@ -55,6 +55,7 @@ if TYPE_CHECKING:
     from camgeo.files.specs import DxfSpec
     from camgeo.files.table import Table
     from camgeo.files.write import Report
+    from camgeo.mechanism.kinds import AnyFollower
     from camgeo.motion.time_course import TimeCourse
     from camgeo.outline.outline import Outline
     from camgeo.outline.path import Path
@@ -129,7 +130,7 @@ class Design:
 
     @property
     def roller_radius(self) -> float:
-        """r_R [mm]."""
+        """r_R [mm]; 0 for a flat face."""
         return self.specification.follower.roller_radius
 
     @property
@@ -141,6 +142,11 @@ class Design:
     def flank_distance(self) -> float:
         """Distance of either flank from the pitch curve [mm]: r_R, or half the groove's width."""
         return self.roller_radius + 0.5 * self.side_clearance
+
+    @property
+    def is_flat(self) -> bool:
+        """Whether a flat face touches the cam, and no roller."""
+        return self.specification.follower.is_flat
 
     @property
     def effort(self) -> Effort:
@@ -173,7 +179,7 @@ class Design:
 
     @lazy
     def pitch_curve(self) -> PitchCurve:
-        """The pitch curve in cam coordinates."""
+        """The pitch curve in cam coordinates; of a flat face the outline itself."""
         return PitchCurve(self.motion, self.specification.follower, self.rotation)
 
     @lazy
@@ -195,6 +201,8 @@ class Design:
         from camgeo.outline.sure_bends import sure_bends
 
         bends = curvature_extremes(self.pitch_curve)
+        if self.is_flat:  # whose own check leaves no undercut
+            return bends
         for _, flank in self.flanks:
             bends = sure_bends(flank, bends)
         return bends
@@ -204,7 +212,8 @@ class Design:
         """What is left of the inner flank, see `camgeo.outline.outline.real_outline`."""
         from camgeo.outline.outline import real_outline
 
-        return real_outline(self.inner_curve, self.bends)
+        bends = None if self.is_flat else self.bends
+        return real_outline(self.inner_curve, bends)
 
     @lazy
     def outer_outline(self) -> Outline:
@@ -241,8 +250,8 @@ class Design:
         return self.specification.linkage
 
     @property
-    def follower(self) -> TranslatingRoller | OscillatingRoller:
-        """What rolls on the disc."""
+    def follower(self) -> AnyFollower:
+        """What touches the disc."""
         return self.specification.follower
 
     @cached_property
@@ -299,6 +308,12 @@ class Design:
     def transmission_angle(self, phi: FloatArray, side: Side = "right") -> FloatArray:
         """(n,) [rad] in [0, pi/2]: transmission angle mu."""
         return self.pitch_curve.transmission_angle(phi, side)
+
+    def contact_place(self, phi: FloatArray, side: Side = "right") -> FloatArray:
+        """(n,) [mm] place of the contact along a flat face; `is_flat` tells that there is one."""
+        from camgeo.outline.convex import touch
+
+        return np.asarray(touch(self.pitch_curve, np.atleast_1d(phi), side).contact[0])
 
     @property
     def _plan_unit(self) -> Literal["mm", "deg"]:
@@ -409,8 +424,8 @@ class Design:
         limit = self.specification.limits.transmission_angle
         if limit is not None:
             return limit
-        translating = isinstance(self.specification.follower, TranslatingRoller)
-        return default_transmission_angle(translating=translating, speed=self.specification.speed)
+        spec = self.specification
+        return default_transmission_angle(translating=not spec.follower.rocks, speed=spec.speed)
 
     @lazy
     def findings(self) -> tuple[Finding, ...]:
@@ -435,11 +450,13 @@ class Design:
             of_linkage = check_linkage(self.motion)
             found += of_linkage
             regular = not _fatal(of_linkage)
-        if regular:
+        if regular and follower.is_flat:
+            found += self._flat_findings()
+        elif regular:
             stands = check_standstill(self.pitch_curve)
             found += stands
             regular = not stands
-        if regular:
+        if regular and not follower.is_flat:
             found.append(check_transmission_angle(self.pitch_curve, self.transmission_angle_limit))
             ratio = self.specification.limits.radius_ratio
             mechanism = not any(finding.severity == "wrong" for finding in found)
@@ -477,6 +494,18 @@ class Design:
             return found
         return [*found, *pair]
 
+    def _flat_findings(self) -> list[Finding]:
+        """Whether there is a cam for a flat face, and how the face is used."""
+        from camgeo.check.convexity import check_convexity  # few cams have a flat face
+        from camgeo.check.face import check_face
+
+        found = [*check_convexity(self.pitch_curve)]
+        if not _fatal(found):
+            found.append(check_transmission_angle(self.pitch_curve, self.transmission_angle_limit))
+            found += check_face(self.pitch_curve)
+            found += check_closure(self.pitch_curve)
+        return found
+
     @property
     def _severity(self) -> Severity:
         """Of a disc that undercuts: whether it is made all the same."""
@@ -508,13 +537,14 @@ class Design:
         if not any(f.name.startswith(UNDERCUT) and f.severity != "ok" for f in self.findings):
             return ()
         from camgeo.check.cures import Cam, cures  # a search, and few cams need one
+        from camgeo.mechanism.kinds import require_roller
 
         spec = self.specification
         return cures(
             Cam(
                 spec.plan,
                 spec.linkage,
-                spec.follower,
+                require_roller(spec.follower),
                 spec.rotation,
                 spec.contact,
                 spec.side_clearance,
@@ -649,7 +679,7 @@ class Design:
     @property
     def lift_unit(self) -> Literal["mm", "rad"]:
         """Unit of the follower's lift."""
-        return "mm" if isinstance(self.specification.follower, TranslatingRoller) else "rad"
+        return "rad" if self.specification.follower.rocks else "mm"
 
     @property
     def follower_sketch(self) -> FollowerSketch:
@@ -657,8 +687,13 @@ class Design:
         from camgeo.files.product import FollowerSketch
 
         follower = self.specification.follower
+        if follower.is_flat:
+            from camgeo.files.sketch import flat_sketch  # few cams have a flat face
+
+            return flat_sketch(self.pitch_curve)
         if isinstance(follower, OscillatingRoller):
             return FollowerSketch("pivot", follower.pivot)
+        assert isinstance(follower, TranslatingRoller)  # the other roller there is
         out = complex(math.cos(follower.guide_angle), math.sin(follower.guide_angle))
         foot = -1j * out * follower.offset
         return FollowerSketch(

@@ -7,9 +7,7 @@ from decimal import Decimal
 from typing import TYPE_CHECKING, Any, Protocol
 
 from camgeo.check.limits import Limits
-from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.mechanism.slider_crank import SliderCrank
-from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.motion.plan import MotionPlan
 from camgeo.part.spec import Contact, PartSpec
 from camgeo.units import LengthUnit
@@ -17,6 +15,7 @@ from camgeo.units import LengthUnit
 if TYPE_CHECKING:
     from camgeo.contour.fit import Effort
     from camgeo.files.specs import DxfSpec
+    from camgeo.mechanism.kinds import AnyFollower, RollerFollower
     from camgeo.motion.time_course import SpeedCurve
     from camgeo.toolpath.spec import GcodeSpec
 
@@ -81,13 +80,13 @@ class Specification(Protocol):
     def plan(self) -> MotionPlan: ...
 
     @property
-    def follower(self) -> TranslatingRoller | OscillatingRoller: ...
+    def follower(self) -> AnyFollower: ...
 
     @property
     def linkage(self) -> SliderCrank | None: ...
 
     @property
-    def returning(self) -> TranslatingRoller | OscillatingRoller | None: ...
+    def returning(self) -> RollerFollower | None: ...
 
     @property
     def contact(self) -> Contact: ...

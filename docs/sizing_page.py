@@ -13,6 +13,7 @@ from camgeo.check.sizing.arm import size_with_arm
 from camgeo.check.sizing.smallest import Rating, Sizing, rate, size
 from camgeo.check.sizing.task import Task
 from camgeo.design import Design
+from camgeo.mechanism.kinds import require_roller
 
 HERE: Final = Path(__file__).parent
 PAGE: Final = HERE / "sizing.md"
@@ -103,7 +104,8 @@ best arm of {low:g} to {high:g} mm for the scene above with other rollers.
 
 def task_of(design: Design) -> Task:
     """What is sized."""
-    return Task(design.motion, design.follower, design.rotation, design.contact)
+    follower = require_roller(design.follower)
+    return Task(design.motion, follower, design.rotation, design.contact)
 
 
 def sized() -> tuple[Design, Task, Sizing]:

@@ -14,7 +14,20 @@ from camgeo.numeric.arrays import FloatArray
 
 
 def transmission_angle_extremes(curve: PitchCurve) -> Extremes:
-    """All local extremes of the transmission angle [rad]; Z' must not vanish."""
+    """All local extremes of the transmission angle [rad]; Z' must not vanish.
+
+    That of a flat face depends on the place of the contact alone.
+    """
+    if curve.follower.is_flat:
+        from camgeo.outline.convex import touch  # few cams have a flat face
+
+        def place(phi: FloatArray, side: Side) -> FloatArray:
+            return np.asarray(touch(curve, phi, side).contact[0])
+
+        def wander(phi: FloatArray, side: Side) -> FloatArray:
+            return np.asarray(touch(curve, phi, side).contact[1])
+
+        return extremes(curve, curve.transmission_angle, wander, place)
 
     def slope(phi: FloatArray, side: Side) -> FloatArray:
         motion = curve.motion.jet(phi, side)

@@ -21,6 +21,7 @@ from camgeo.errors import Fault, SceneError
 from camgeo.files.product import disc_of
 from camgeo.files.table import Table
 from camgeo.files.value_table import cam_angles
+from camgeo.mechanism.kinds import require_roller
 from camgeo.motion.time_course import in_time
 from camgeo.numeric.arrays import FloatArray
 from camgeo.numeric.extremes import Extreme
@@ -127,6 +128,7 @@ def run(parser: argparse.ArgumentParser, arguments: argparse.Namespace) -> int:
         allowed = ", ".join((".csv", *SUFFIXES))
         parser.error(f"argument -o: {arguments.output!r} must end in one of {allowed}")
     design = Design(load_scene(arguments.scene))
+    require_roller(design.follower)
     flank: Contact = arguments.flank or ("outer" if design.contact == "outer" else "inner")
     found = [
         _replayed(disc, file, flank, float(step), arguments)

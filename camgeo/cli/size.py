@@ -25,8 +25,7 @@ from camgeo.cli.size_scene import resized
 from camgeo.cli.size_told import document, lines
 from camgeo.design import Design
 from camgeo.errors import Fault, GeometryError, SceneError
-from camgeo.mechanism.oscillating_roller import OscillatingRoller
-from camgeo.mechanism.translating_roller import TranslatingRoller
+from camgeo.mechanism.kinds import require_roller
 from camgeo.scene.load import load_scene, parse_scene
 
 RENDERER: Final = "size"
@@ -108,11 +107,8 @@ def run(parser: argparse.ArgumentParser, arguments: argparse.Namespace) -> int:
 
 
 def _task(design: Design) -> Task:
-    """What is to be sized; SceneError with key follower.kind for any but a roller follower."""
-    follower: object = design.follower
-    if not isinstance(follower, TranslatingRoller | OscillatingRoller):
-        told = "only translating-roller and oscillating-roller can be sized"
-        raise SceneError([Fault("follower.kind", type(follower).__name__, told)])
+    """What is to be sized; GeometryError with key follower.kind for any but a roller follower."""
+    follower = require_roller(design.follower)
     return Task(design.motion, follower, design.rotation, design.contact, design.side_clearance)
 
 

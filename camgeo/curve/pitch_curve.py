@@ -1,4 +1,7 @@
-"""Pitch curve: the path of the roller centre in the turning cam, Z(phi)."""
+"""Pitch curve: the path of the roller centre in the turning cam, Z(phi).
+
+Of a flat face it is the path of the contact: the outline of the cam itself.
+"""
 
 from __future__ import annotations
 
@@ -52,11 +55,14 @@ class PitchCurve:
         self, phi: FloatArray, side: Side = "right", order: int = FULL_ORDER
     ) -> RelativeJet:
         """R_0 to R_`order`, u, v at `phi` (n,) [rad], see `camgeo.mechanism.follower`."""
-        jet = self.motion.jet(phi, side, order)
+        jet = self.motion.jet(phi, side, min(order + self.follower.ahead, FULL_ORDER))
         return self.follower.relative_jet(jet, self.rotation, order)
 
     def jet(self, phi: FloatArray, side: Side = "right") -> ComplexArray:
-        """(4, n) complex [mm/rad^k]: Z, Z', Z'', Z''' at the cam angles `phi` (n,) [rad]."""
+        """(4, n) complex [mm/rad^k]: Z, Z', Z'', Z''' at the cam angles `phi` (n,) [rad].
+
+        (3, n) of a flat face, which has no Z'''.
+        """
 
         def block(angles: FloatArray) -> ComplexArray:
             relative = self.relative_jet(angles, side)
@@ -141,13 +147,14 @@ class PitchCurve:
 
         A normal force N of the cam on the roller, positive outwards, does the work N dn on the
         follower, and asks for the torque N dn/dq q' at the cam (principle of virtual work). Its
-        magnitude is sin mu, or l_3 sin mu for an oscillating follower; it is positive where a
-        positive lift moves the roller outwards. Raises GeometryError where Z' = 0.
+        magnitude is sin mu, or l_3 sin mu for an oscillating follower, and of a flat face that
+        rocks the lever of the contact about the pivot; it is positive where a positive lift moves
+        the follower outwards. Raises GeometryError where Z' = 0.
         """
 
         def block(angles: FloatArray) -> FloatArray:
             relative = self.relative_jet(angles, side, order=1)
-            along: FloatArray = self.follower.reach * relative.u / self.speed(relative)
+            along: FloatArray = relative.reach * relative.u / self.speed(relative)
             return along
 
         return in_blocks(block, np.atleast_1d(phi))
@@ -159,10 +166,16 @@ class PitchCurve:
         ------
         GeometryError
             Where the roller centre stands still in the cam: the rocker lies on the line of centres
-            and l_3 (1 - sigma psi') = l_1 (hard case HC18).
+            and l_3 (1 - sigma psi') = l_1 (hard case HC18). Or where
+            the contact of a flat face does.
         """
         size = np.sqrt(relative.u * relative.u + relative.v * relative.v)
         if len(size) and np.min(size) <= STANDSTILL * self.follower.base_radius:
+            if self.follower.is_flat:
+                raise GeometryError(
+                    "the contact of the flat face stands still in the turning cam (Z' = 0): the"
+                    " outline has a cusp and no normal there"
+                )
             raise GeometryError(
                 "the roller centre stands still in the turning cam (Z' = 0): the pitch curve has a"
                 " cusp and no normal there; the rocker lies on the line of centres and"
@@ -172,17 +185,19 @@ class PitchCurve:
 
     def speed_bounds(self, low: FloatArray, high: FloatArray) -> FloatArray:
         """(3, n) upper bounds of |Z'|, |Z''|, |Z'''| over cells [low, high] (n,) [rad]."""
-        return self.follower.speed_bounds(*self.motion.jet_and_bounds(low, high))
+        middle, bounds = self.motion.jet_and_bounds(low, high)
+        return self.follower.speed_bounds(middle, bounds, 0.5 * (high - low), self.rotation)
 
     def jet_and_bounds(self, low: FloatArray, high: FloatArray) -> tuple[ComplexArray, FloatArray]:
         """(4, n) Z to Z''' in the middle of the cells [low, high] (n,) [rad], and `speed_bounds`.
 
-        The motion, which is most of the work, is evaluated once for both.
+        (3, n) of a flat face, as `jet`. The motion, most of the work, is evaluated once for both.
         """
         middle, bounds = self.motion.jet_and_bounds(low, high)
         relative = self.follower.relative_jet(middle, self.rotation)
         jet = self.in_cam(relative, 0.5 * (low + high), relative.along, relative.across)
-        return jet, self.follower.speed_bounds(middle, bounds)
+        half = 0.5 * (high - low)
+        return jet, self.follower.speed_bounds(middle, bounds, half, self.rotation)
 
 
 def transmission_angle(relative: RelativeJet) -> FloatArray:

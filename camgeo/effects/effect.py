@@ -21,9 +21,8 @@ from camgeo.numeric.arrays import FloatArray
 if TYPE_CHECKING:  # an effect imports what it computes with itself
     from camgeo.curve.pitch_curve import PitchCurve
     from camgeo.curve.working_curve import WorkingCurve
-    from camgeo.mechanism.oscillating_roller import OscillatingRoller
+    from camgeo.mechanism.kinds import AnyFollower
     from camgeo.mechanism.slider_crank import SliderCrank
-    from camgeo.mechanism.translating_roller import TranslatingRoller
     from camgeo.motion.motion import Motion
     from camgeo.motion.plan import MotionPlan
     from camgeo.motion.time_course import TimeCourse
@@ -70,7 +69,7 @@ class Subject(Protocol):
     def linkage(self) -> SliderCrank | None: ...
 
     @property
-    def follower(self) -> TranslatingRoller | OscillatingRoller: ...
+    def follower(self) -> AnyFollower: ...
 
     @property
     def motion(self) -> Motion:

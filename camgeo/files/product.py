@@ -38,10 +38,12 @@ class FollowerSketch:
     ----------
     kind : "guide" for a translating follower, "pivot" for an oscillating one.
     end : complex [mm], the pivot, or any point of the guide further out than the roller centre.
+    face : complex [mm], the two ends of a flat face; None for a roller.
     """
 
     kind: Literal["guide", "pivot"]
     end: complex
+    face: tuple[complex, complex] | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -175,6 +177,12 @@ class Product(Protocol):
     @property
     def flank_distance(self) -> float:
         """Distance of either flank from the pitch curve [mm]: r_R, or half the groove's width."""
+
+    @property
+    def is_flat(self) -> bool:
+        """Whether a flat face touches the cam, whose contact runs on the outline itself: there is
+        no pitch curve beside it.
+        """
 
     @property
     def rotation(self) -> int:

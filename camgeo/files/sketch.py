@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import cmath
 import math
-from typing import Literal
+from typing import Literal, cast
 
 import numpy as np
 
+from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.curve.working_curve import WorkingCurve
-from camgeo.files.product import DWELL, CutOff, PlanSegment, PlanSketch
+from camgeo.files.product import DWELL, CutOff, FollowerSketch, PlanSegment, PlanSketch
+from camgeo.mechanism.kinds import AnyFlat
+from camgeo.mechanism.oscillating_flat import OscillatingFlat
 from camgeo.motion.joints import breaks, joints
 from camgeo.motion.plan import Dwell, MotionPlan, Move, Segment
 from camgeo.numeric.arrays import frozen
@@ -40,6 +44,31 @@ def plan_sketch(
         if segment.span > 0
     )
     return PlanSketch(of, unit, joints(plan), breaks(plan), segments, speed)
+
+
+def flat_sketch(curve: PitchCurve) -> FollowerSketch:
+    """What a picture shows of a flat follower, at cam angle 0.
+
+    The face as long as the scene says, else as the contact needs it.
+    """
+    from camgeo.outline.convex import contact_extremes  # few cams have a flat face
+
+    follower = cast("AnyFlat", curve.follower)  # asked for those only
+    ends = follower.face
+    if ends is None:
+        places = contact_extremes(curve)
+        ends = places.smallest()[0], places.largest()[0]
+    if isinstance(follower, OscillatingFlat):
+        line = -follower.pivot / abs(follower.pivot)
+        along = line * cmath.exp(1j * follower.arm_side * follower.start_angle)
+        foot = follower.pivot + 1j * follower.arm_side * along * follower.face_offset
+        ends = min(0.0, ends[0]), max(0.0, ends[1])  # to the pivot
+        face = (foot + along * ends[0], foot + along * ends[1])
+        return FollowerSketch("pivot", follower.pivot, face)
+    out = cmath.exp(1j * follower.guide_angle)
+    along, foot = -1j * out, out * follower.base_radius
+    face = (foot + along * ends[0], foot + along * ends[1])
+    return FollowerSketch("guide", 2.0 * foot, face)
 
 
 def cut_off_sketches(curve: WorkingCurve, outline: Outline, flank: str) -> tuple[CutOff, ...]:

@@ -40,6 +40,11 @@ class Tabulated(Protocol):
     @property
     def has_linkage(self) -> bool: ...
 
+    @property
+    def is_flat(self) -> bool: ...
+
+    def contact_place(self, phi: FloatArray) -> FloatArray: ...
+
     def stroke(self, phi: FloatArray) -> Jet: ...
 
     def lift(self, phi: FloatArray) -> Jet: ...
@@ -77,7 +82,8 @@ def value_table(design: Tabulated, step: Decimal) -> Table:
     """One row for every `step` degrees of cam angle; right-hand values at the joints.
 
     With a speed also the time, and velocity, acceleration and jerk in time; then the effects that
-    the scene calls for.
+    the scene calls for. A flat face has one curve, the outline on which its contact runs, and the
+    place of the contact on the face.
     """
     degrees = cam_angles(step)
     phi = np.radians(degrees)
@@ -94,13 +100,18 @@ def value_table(design: Tabulated, step: Decimal) -> Table:
         for mark, rate, values in zip(marks[1:], ("1", "1/rad", "1/rad^2"), swing[1:], strict=True):
             columns.append((f"psi{mark} [{rate}]", values))
     columns += _in_time(design, phi)
-    for name, points in (
-        ("pitch", design.pitch(phi)),
-        ("inner", design.inner(phi)),
-        ("outer", design.outer(phi)),
-    ):
+    curves = [("contact", design.pitch(phi))]
+    if not design.is_flat:
+        curves = [
+            ("pitch", design.pitch(phi)),
+            ("inner", design.inner(phi)),
+            ("outer", design.outer(phi)),
+        ]
+    for name, points in curves:
         columns.append((f"{name} x [{unit}]", points[:, 0] / mm))
         columns.append((f"{name} y [{unit}]", points[:, 1] / mm))
+    if design.is_flat:
+        columns.append((f"on face [{unit}]", design.contact_place(phi) / mm))
     columns.append(("mu [deg]", np.degrees(design.transmission_angle(phi))))
     columns.append((f"kappa [1/{unit}]", design.curvature(phi) * mm))
     columns.append((f"r_K [{unit}]", design.radius_of_curvature(phi) / mm))

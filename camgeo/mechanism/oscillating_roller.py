@@ -77,6 +77,21 @@ class OscillatingRoller:
         return 1 if self.direction is None else self.direction * self.arm_side
 
     @property
+    def rocks(self) -> bool:
+        """See `Follower`."""
+        return True
+
+    @property
+    def is_flat(self) -> bool:
+        """See `Follower`."""
+        return False
+
+    @property
+    def ahead(self) -> int:
+        """See `Follower`."""
+        return 0
+
+    @property
     def reach(self) -> float:
         """See `Follower`: l_3, negative if a positive lift turns the rocker clockwise."""
         return self.swing_sense * self.arm
@@ -122,7 +137,7 @@ class OscillatingRoller:
             along[3] = tip_along * real - tip_across * imaginary
             across[3] = tip_across * real + tip_along * imaginary
             across[3] -= rotation * l1
-        return RelativeJet(along, across, cmath.phase(-self.pivot), u, v, turning)
+        return RelativeJet(along, across, cmath.phase(-self.pivot), u, v, turning, self.reach)
 
     def tangent_jet(self, jet: Jet, rotation: int) -> TangentJet:
         """See `Follower.tangent_jet`."""
@@ -136,7 +151,7 @@ class OscillatingRoller:
         swerve = l3 * (w[0] * chi1 * chi2 + across * (chi3 + chi1 * relative * relative))
         return TangentJet(u, w, chi1, swerve)
 
-    def speed_bounds(self, jet: Jet, bounds: Jet) -> FloatArray:
+    def speed_bounds(self, jet: Jet, bounds: Jet, half: FloatArray, rotation: int) -> FloatArray:
         """See `Follower.speed_bounds`."""
         l1, l3 = self.centre_distance, self.arm
         omega = 1.0 + bounds[1]

@@ -51,6 +51,21 @@ class TranslatingRoller:
             )
 
     @property
+    def rocks(self) -> bool:
+        """See `Follower`."""
+        return False
+
+    @property
+    def is_flat(self) -> bool:
+        """See `Follower`."""
+        return False
+
+    @property
+    def ahead(self) -> int:
+        """See `Follower`."""
+        return 0
+
+    @property
     def reach(self) -> float:
         """See `Follower`: kappa_F."""
         return float(self.direction)
@@ -83,7 +98,7 @@ class TranslatingRoller:
             across[3] += self.direction * jet[3]
             across[3] += rotation * e
         axis = self.guide_angle - math.pi / 2.0
-        return RelativeJet(along, across, axis, height, v, 0.0)
+        return RelativeJet(along, across, axis, height, v, 0.0, self.reach)
 
     def tangent_jet(self, jet: Jet, rotation: int) -> TangentJet:
         """See `Follower.tangent_jet`."""
@@ -94,7 +109,7 @@ class TranslatingRoller:
         swerve = u[0] * (self.direction * (jet[1] + jet[3]))
         return TangentJet(u, w, np.zeros_like(swerve), swerve)
 
-    def speed_bounds(self, jet: Jet, bounds: Jet) -> FloatArray:
+    def speed_bounds(self, jet: Jet, bounds: Jet, half: FloatArray, rotation: int) -> FloatArray:
         """See `Follower.speed_bounds`."""
         height = np.abs(self.start_height + self.direction * jet[0]) + bounds[0]
         radius = np.hypot(self.offset, height)

@@ -29,7 +29,7 @@ from camgeo.outline.clearance import (
 from camgeo.outline.crossings import Node, find_crossings, find_nodes
 from camgeo.outline.cusps import backward_ranges
 from camgeo.outline.envelope import Envelope
-from camgeo.outline.path import Element, Path, Pivot, Stretch
+from camgeo.outline.path import Element, Path, Pivot, Stretch, whole
 from camgeo.units import TURN
 
 NEIGHBOURHOOD = 1.0
@@ -77,9 +77,12 @@ def real_outline(flank: WorkingCurve, bends: Extremes | None = None) -> Outline:
     ------
     UndercutError
         If nothing is left of the disc: the roller reaches over the cam axis, or covers everything.
+        Or if the cam of a flat face is not convex.
     GeometryError
         If the roller centre stands still in the cam (Z' = 0), or it cannot be decided what is left.
     """
+    if flank.pitch.follower.is_flat:
+        return _convex_outline(flank)
     if flank.distance <= 0.0:
         _require_axis(flank)
     _require_simple(flank.pitch)
@@ -111,6 +114,15 @@ def real_outline(flank: WorkingCurve, bends: Extremes | None = None) -> Outline:
         )
     lobes = tuple(path for k, path in enumerate(paths) if k != main[0])
     return Outline(paths[main[0]], lobes, _dropped(paths[main[0]]))
+
+
+def _convex_outline(flank: WorkingCurve) -> Outline:
+    """All of the contact curve of a flat face: see `camgeo.outline.convex` why nothing crosses."""
+    from camgeo.outline.convex import convexity  # few cams have a flat face
+
+    if not convexity(flank.pitch).is_convex:
+        raise UndercutError("a flat face touches only a convex cam, and this one is not")
+    return Outline(whole(flank), (), ())
 
 
 def _require_axis(flank: WorkingCurve) -> None:

@@ -17,7 +17,6 @@ from camgeo.curve.extremes import Quantity, extremes
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.errors import GeometryError
 from camgeo.mechanism.follower_path import FollowerPath, path_of
-from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.motion.motion import Motion, Side
 from camgeo.motion.plan import SNAP
 from camgeo.numeric.arrays import FloatArray, IntArray, ascending
@@ -222,7 +221,7 @@ def _shocks(path: FollowerPath, left: _Samples, right: _Samples, corner: float) 
 
 def _size(pitch: PitchCurve) -> float:
     """The scale of the lift [mm or rad]."""
-    return pitch.follower.base_radius if isinstance(pitch.follower, TranslatingRoller) else 1.0
+    return 1.0 if pitch.follower.rocks else pitch.follower.base_radius
 
 
 def _peak(motion: Motion, order: int) -> Extreme:

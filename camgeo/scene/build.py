@@ -23,7 +23,7 @@ from camgeo.part.spec import Keyway, PartSpec
 from camgeo.scene.data_files import DataFiles
 from camgeo.scene.folder import beside
 from camgeo.scene.keys import Path
-from camgeo.scene.model import Follower, OutputSpec, Scene, SceneSource
+from camgeo.scene.model import OutputSpec, Scene, SceneSource
 from camgeo.scene.motion import MotionRequests
 from camgeo.scene.rules import MACHINES
 from camgeo.scene.sound import SoundValues
@@ -31,6 +31,7 @@ from camgeo.toolpath.spec import GcodeSpec
 from camgeo.units import RPM, TURN
 
 if TYPE_CHECKING:
+    from camgeo.mechanism.kinds import AnyFlat, AnyFollower, RollerFollower
     from camgeo.motion.time_course import SpeedCurve
 
 Built = TypeVar("Built")
@@ -84,7 +85,7 @@ class Builder:
         name: str = self.values.get(*key)
         return self._engine(key, lambda: read_speed_table(data, name))
 
-    def follower(self) -> Follower | None:
+    def follower(self) -> AnyFollower | None:
         """The follower; None if its table is not sound or there is no such mechanism."""
         values = self.values
         if not values.sound("follower"):
@@ -92,6 +93,8 @@ class Builder:
         table: dict[str, Any] = values.get("follower")
         direction = SIGNS[table.get("direction", "outward")]
         base_radius = self._mm * table["base_radius"]
+        if values.flat:
+            return self._flat(table, direction, base_radius)
         roller_radius = self._mm * table["roller_radius"]
         if table["kind"] == "translating-roller":
             return self._engine(
@@ -117,7 +120,32 @@ class Builder:
             ),
         )
 
-    def returning(self, follower: Follower) -> Follower | None:
+    def _flat(self, table: dict[str, Any], direction: int, base_radius: float) -> AnyFlat | None:
+        """A flat-faced follower, see `follower`."""
+        from camgeo.mechanism.oscillating_flat import OscillatingFlat  # few cams have a flat face
+        from camgeo.mechanism.translating_flat import TranslatingFlat
+
+        face = tuple(self._mm * end for end in table["face"]) if "face" in table else None
+        if table["kind"] == "translating-flat":
+            return TranslatingFlat(
+                base_radius=base_radius,
+                guide_angle=math.radians(table.get("guide_angle", 90.0)),
+                direction=direction,
+                face=face,
+            )
+        return self._engine(
+            ("follower",),
+            lambda: OscillatingFlat(
+                pivot=self._mm * complex(*table["pivot"]),
+                base_radius=base_radius,
+                face_offset=self._mm * table.get("face_offset", 0.0),
+                arm_side=SIGNS[table.get("arm_side", "ccw")],
+                direction=None if self.values.has("linkage") else direction,
+                face=face,
+            ),
+        )
+
+    def returning(self, follower: AnyFollower) -> RollerFollower | None:
         """The return roller of a conjugate pair; None if there is none, or none that works."""
         table: dict[str, Any] | None = self.values.get("follower", "return")
         if table is None:
@@ -129,6 +157,7 @@ class Builder:
         given = _given(table, dict.fromkeys(lengths, self._mm))
         if isinstance(follower, TranslatingRoller):
             return self._engine(("follower",), lambda: return_on_carriage(follower, **given))
+        assert isinstance(follower, OscillatingRoller)  # the only other kind that may have one
         angle = math.radians(table["arm_angle"])
         return self._engine(("follower",), lambda: return_on_lever(follower, angle, **given))
 
@@ -151,19 +180,21 @@ class Builder:
             ),
         )
 
-    def join(self, plan: MotionPlan, follower: Follower, linkage: SliderCrank) -> None:
+    def join(self, plan: MotionPlan, follower: AnyFollower, linkage: SliderCrank) -> None:
         """Check that the linkage makes the motion, and moves the roller as the scene says."""
         linked = self._engine(("linkage",), lambda: LinkedMotion(plan, linkage))
         stated = self.values.get("follower", "direction")
-        if linked is None or stated is None or not isinstance(follower, OscillatingRoller):
+        if linked is None or stated is None or not follower.rocks:
             return
+        arm_side = SIGNS[self.values.get("follower", "arm_side") or "ccw"]
         strokes = [segment.to for segment in plan.segments if not isinstance(segment, Dwell)]
         farthest = max(strokes, key=abs, default=0.0)
         jet = np.array([[farthest], [0.0], [0.0], [0.0]])
         swing = float(linkage.transform(jet)[0, 0])
-        if swing * farthest * follower.arm_side * SIGNS[stated] < 0.0:
+        if swing * farthest * arm_side * SIGNS[stated] < 0.0:
             found = "inward" if stated == "outward" else "outward"
-            message = f"contradicts the linkage, which moves the roller {found}"
+            what = "face" if follower.is_flat else "roller"
+            message = f"contradicts the linkage, which moves the {what} {found}"
             hint = f'leave it out, write "{found}", or turn one of the linkage\'s choices'
             self.faults.append(self.values.scene.fault(("follower", "direction"), message, hint))
 
@@ -180,9 +211,9 @@ class Builder:
     def scene(
         self,
         plan: MotionPlan,
-        follower: Follower,
+        follower: AnyFollower,
         linkage: SliderCrank | None,
-        returning: Follower | None,
+        returning: RollerFollower | None,
         speed_curve: SpeedCurve | None,
         effects: dict[str, dict[str, Any]],
         source: SceneSource,

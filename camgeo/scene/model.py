@@ -10,9 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from camgeo.check.limits import Limits
 from camgeo.files.specs import DxfSpec
-from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.mechanism.slider_crank import SliderCrank
-from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.motion.plan import MotionPlan
 from camgeo.part.spec import Contact, PartSpec
 from camgeo.toolpath.spec import GcodeSpec
@@ -20,9 +18,8 @@ from camgeo.units import LengthUnit
 
 if TYPE_CHECKING:
     from camgeo.contour.fit import Effort
+    from camgeo.mechanism.kinds import AnyFollower, RollerFollower
     from camgeo.motion.time_course import SpeedCurve
-
-Follower = TranslatingRoller | OscillatingRoller
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,7 +76,7 @@ class Scene:
     speed : of the disc, positive [rad/s], the mean one if it varies; None if the scene gives none.
     speed_curve : how the speed varies over the turn; None if it does not.
     plan : the motion; of the slider if there is a linkage, else of the follower.
-    follower : what rolls on the disc.
+    follower : what touches the disc.
     linkage : between motion and rocker; None if the motion is the follower's own.
     returning : the second roller, on the return disc of a conjugate pair; None if there is none.
     contact : the flank on which the roller runs.
@@ -97,9 +94,9 @@ class Scene:
     rotation: int
     speed: float | None
     plan: MotionPlan
-    follower: Follower
+    follower: AnyFollower
     linkage: SliderCrank | None = None
-    returning: Follower | None = None
+    returning: RollerFollower | None = None
     speed_curve: SpeedCurve | None = None
     contact: Contact = "inner"
     side_clearance: float = 0.0

@@ -11,6 +11,8 @@ KINDS: Final = (
     "translating-roller",
     "oscillating-roller",
     "knife-edge",
+    "translating-flat",
+    "oscillating-flat",
     "groove",
     "conjugate-carriage",
     "conjugate-lever",

@@ -13,7 +13,7 @@ from camgeo.motion.laws import find_family
 from camgeo.motion.planning import AUTO
 from camgeo.scene.folder import beside
 from camgeo.scene.model import OutputSpec
-from camgeo.scene.sound import SoundValues
+from camgeo.scene.sound import ROCKERS, SoundValues
 
 TURN: Final = Decimal(360)
 """What the spans add up to [degrees]."""
@@ -57,6 +57,11 @@ ONE_CONTACT: Final = (
     "balance",
 )
 """Effects that suppose that one disc carries one roller all over the turn."""
+
+FOR_ROLLERS: Final = "is for roller followers"
+
+EFFECTS_OF_FLATS: Final = ("kinematics",)
+"""Effects that a flat face has too."""
 
 MACHINES: Final = ("linuxcnc",)
 """Machine profiles that come with camgeo; any other is a file."""
@@ -169,8 +174,10 @@ def swing_is_possible(values: SoundValues) -> Iterator[Fault]:
 
 def linkage_drives_a_rocker(values: SoundValues) -> Iterator[Fault]:
     """Only a rocker can be driven through a linkage."""
-    if values.has("linkage") and values.get("follower", "kind") == "translating-roller":
-        message = 'a linkage drives a rocker: it needs kind = "oscillating-roller"'
+    kind = values.get("follower", "kind")
+    if values.has("linkage") and kind is not None and kind not in ROCKERS:
+        needed = " or ".join(f'"{rocker}"' for rocker in ROCKERS)
+        message = f"a linkage drives a rocker: it needs kind = {needed}"
         yield values.scene.fault(("follower", "kind"), message)
 
 
@@ -192,6 +199,32 @@ def a_return_disc_has_a_main_disc(values: SoundValues) -> Iterator[Fault]:
             yield values.scene.fault(("effects", name), message)
 
 
+def face_has_a_length(values: SoundValues) -> Iterator[Fault]:
+    """A face ends behind its beginning."""
+    face = values.get("follower", "face")
+    if face is not None and not face[0] < face[1]:
+        message = "must end beyond where it begins, [from, to]"
+        yield values.scene.fault(("follower", "face"), message)
+
+
+def rollers_have_what_is_theirs(values: SoundValues) -> Iterator[Fault]:
+    """What a flat face does not have: a ratio to its radius, undercut to be trimmed, most effects.
+
+    A flat face touches only what is convex: of a cam that is not, nothing can be left.
+    """
+    if not values.flat:
+        return
+    if values.get("limits", "undercut") == "trim":
+        message = f'{FOR_ROLLERS}; a cam for a flat face is convex or not made: "refuse"'
+        yield values.scene.fault(("limits", "undercut"), message)
+    if values.has("limits", "radius_ratio"):
+        yield values.scene.fault(("limits", "radius_ratio"), FOR_ROLLERS)
+    named = values.scene.plain.get("effects")
+    for name in named if isinstance(named, dict) else ():
+        if name not in EFFECTS_OF_FLATS:
+            yield values.scene.fault(("effects", name), FOR_ROLLERS)
+
+
 def formats_have_what_they_need(values: SoundValues) -> Iterator[Fault]:
     """Solids and milling need a body, milling needs a tool, opticurv's points a linkage."""
     formats = values.get("output", "formats") or ()
@@ -200,7 +233,9 @@ def formats_have_what_they_need(values: SoundValues) -> Iterator[Fault]:
         if name in SOLID_FORMATS and values.lacks("part", "thickness"):
             message = "needs [part] thickness"
             yield values.scene.fault(place, message)
-        if name == "asc" and values.lacks("linkage"):
+        if name == "asc" and values.flat:
+            yield values.scene.fault(place, FOR_ROLLERS)
+        elif name == "asc" and values.lacks("linkage"):
             yield values.scene.fault(place, "needs [linkage]")
         if name == "gcode" and values.lacks("output", "gcode"):
             yield values.scene.fault(place, "needs [output.gcode] with tool_diameter")
@@ -339,7 +374,7 @@ def _largest_length(values: SoundValues) -> float | None:
         return None
     lengths: list[float] = [
         abs(values.get("follower", key) or 0.0)
-        for key in ("base_radius", "roller_radius", "offset", "arm")
+        for key in ("base_radius", "roller_radius", "offset", "arm", "face_offset")
     ]
     lengths += [
         abs(values.get("follower", "return", key) or 0.0)
@@ -363,6 +398,8 @@ RULES: Final[tuple[Rule, ...]] = (
     swing_is_possible,
     linkage_drives_a_rocker,
     a_return_disc_has_a_main_disc,
+    face_has_a_length,
+    rollers_have_what_is_theirs,
     formats_have_what_they_need,
     contact_and_part_agree,
     roller_is_possible,

@@ -4,11 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Collection
 from decimal import Decimal
-from typing import Any
+from typing import Any, Final
 
 from camgeo.scene.document import Document
 from camgeo.scene.keys import Path, value_at
 from camgeo.units import MM_PER, LengthUnit
+
+ROCKERS: Final = ("oscillating-roller", "oscillating-flat")
+"""Kinds of followers that swing about a pivot."""
+
+FLATS: Final = ("translating-flat", "oscillating-flat")
+"""Kinds of followers that touch the cam with a flat face."""
 
 
 class SoundValues:
@@ -70,7 +76,12 @@ class SoundValues:
         return len(motion) if isinstance(motion, list) else 0
 
     @property
+    def flat(self) -> bool:
+        """Whether the follower has a flat face."""
+        return self.get("follower", "kind") in FLATS
+
+    @property
     def angular(self) -> bool:
         """Whether positions of the motion are angles: an oscillating follower without linkage."""
         kind = self.get("follower", "kind")
-        return kind == "oscillating-roller" and self.lacks("linkage")
+        return kind in ROCKERS and self.lacks("linkage")

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import camgeo
 from camgeo.check.sizing.task import Task
+from camgeo.mechanism.kinds import require_roller
 
 SCENES = Path(__file__).parents[2] / "fixtures" / "scenes"
 EASY = ["plate_translating", "setzhub", "ring", "querhub", "straight_moves"]
@@ -15,6 +16,7 @@ BENT = ["schnitt", "groove", "vorschub"]
 
 def required(name: str) -> tuple[Task, float, float]:
     design = camgeo.load(SCENES / f"{name}.toml")
-    task = Task(design.motion, design.follower, design.rotation, design.contact)
+    follower = require_roller(design.follower)
+    task = Task(design.motion, follower, design.rotation, design.contact)
     limits = design.specification.limits
     return task, design.transmission_angle_limit, limits.radius_ratio

@@ -12,6 +12,7 @@ import camgeo
 from camgeo.cli.main import main
 from camgeo.cli.size_scene import resized
 from camgeo.errors import SceneError
+from camgeo.mechanism.kinds import require_roller
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.scene.new import template
 
@@ -73,12 +74,14 @@ def test_an_arm_is_refused_where_there_is_none(capsys: Capture) -> None:
     assert "follower.kind = translating-roller" in capsys.readouterr().err
 
 
-def test_other_followers_are_refused(monkeypatch: pytest.MonkeyPatch, capsys: Capture) -> None:
-    monkeypatch.setattr(camgeo.design.Design, "follower", property(lambda _: object()))
-    assert main(["size", SETZHUB]) == 2
+@pytest.mark.parametrize("kind", ["translating-flat", "oscillating-flat"])
+def test_other_followers_are_refused(kind: str, tmp_path: Path, capsys: Capture) -> None:
+    scene = tmp_path / "scene.toml"
+    scene.write_text(template(kind))
+    assert main(["size", str(scene)]) == 2
     told = capsys.readouterr().err
-    assert "follower.kind" in told
-    assert "only translating-roller and oscillating-roller can be sized" in told
+    assert f"follower.kind = {kind}" in told
+    assert "is for roller followers" in told
 
 
 def test_infeasible_is_1_and_writes_no_scene(tmp_path: Path, capsys: Capture) -> None:
@@ -129,19 +132,19 @@ def test_comments_stay_and_a_missing_offset_is_added(tmp_path: Path) -> None:
     for kind in ("translating-roller", "oscillating-roller"):
         text = template(kind)
         source.write_text(text)
-        follower = camgeo.load(source).follower
+        follower = require_roller(camgeo.load(source).follower)
         written = resized(text, follower, 1.0)
         assert [line.partition("#")[2] for line in written.splitlines()] == [
             line.partition("#")[2] for line in text.splitlines()
         ]
     text = (SCENES / "ring.toml").read_text()
     assert "\noffset" not in text
-    follower = camgeo.load(SCENES / "ring.toml").follower
+    follower = require_roller(camgeo.load(SCENES / "ring.toml").follower)
     assert "\nbase_radius = 60.0\noffset = 0.0\n" in resized(text, follower, 1.0)
 
 
 def test_a_follower_in_one_line_cannot_be_written_back(tmp_path: Path) -> None:
-    follower = camgeo.load(SCENES / "ring.toml").follower
+    follower = require_roller(camgeo.load(SCENES / "ring.toml").follower)
     with pytest.raises(SceneError, match="table \\[follower\\]"):
         resized('follower = { kind = "translating-roller" }\n', follower, 1.0)
 

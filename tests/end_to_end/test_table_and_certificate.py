@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import cmath
 import csv
 import hashlib
 from xml.etree import ElementTree as ET
 
 import numpy as np
 
+from camgeo.design import Design
+from camgeo.mechanism.oscillating_flat import OscillatingFlat
+from camgeo.mechanism.translating_flat import TranslatingFlat
+from camgeo.numeric.arrays import ComplexArray, FloatArray
 from tests.end_to_end.built import SCENES, Built
 
 PNG = b"\x89PNG\r\n\x1a\n"
@@ -33,11 +38,16 @@ def test_table_holds_the_values_of_the_design(built: Built) -> None:
     assert np.array_equal(degrees, step * np.arange(round(360.0 / step)))
     phi = np.radians(degrees)
     design, unit, mm = built.design, built.design.unit, built.design.millimetres
-    for name, points in (
-        ("pitch", design.pitch(phi)),
-        ("inner", design.inner(phi)),
-        ("outer", design.outer(phi)),
-    ):
+    curves = [("pitch", design.pitch), ("inner", design.inner), ("outer", design.outer)]
+    if design.is_flat:
+        curves = [("contact", design.pitch)]
+        # The contact lies where the face does, turned back by the cam angle.
+        contact = design.pitch(phi) @ [1.0, 1j] * np.exp(1j * design.rotation * phi)
+        foot = _foot_and_direction(design, phi)
+        placed = foot[0] + foot[1] * columns[f"on face [{unit}]"] * mm
+        assert np.max(np.abs(contact - placed)) <= 1e-12 * design.base_radius
+    for name, curve in curves:
+        points = curve(phi)
         assert np.array_equal(columns[f"{name} x [{unit}]"] * 1.0, points[:, 0] / mm)
         assert np.array_equal(columns[f"{name} y [{unit}]"] * 1.0, points[:, 1] / mm)
     assert np.array_equal(columns["mu [deg]"], np.degrees(design.transmission_angle(phi)))
@@ -51,6 +61,19 @@ def test_table_holds_the_values_of_the_design(built: Built) -> None:
     assert ("psi [deg]" in columns) == (design.lift_unit == "rad")
     if design.lift_unit == "rad":
         assert np.array_equal(columns["psi [deg]"], np.degrees(design.lift(phi)[0]))
+
+
+def _foot_and_direction(design: Design, phi: FloatArray) -> tuple[ComplexArray, ComplexArray]:
+    """From where a flat face counts, and its direction, both in the fixed frame."""
+    follower, lift = design.follower, design.lift(phi)[0]
+    if isinstance(follower, TranslatingFlat):
+        out = np.exp(1j * follower.guide_angle)
+        return out * (follower.base_radius + follower.direction * lift), -1j * out + 0.0 * phi
+    assert isinstance(follower, OscillatingFlat)
+    along = np.exp(
+        1j * (cmath.phase(-follower.pivot) + follower.arm_side * follower.face_angle(lift))
+    )
+    return follower.pivot + 1j * follower.arm_side * follower.face_offset * along, along
 
 
 def test_table_tells_the_motion_in_time(built: Built) -> None:

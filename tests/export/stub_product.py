@@ -167,6 +167,10 @@ class StubProduct:
         )
         return Part((rim, bore), flanks, self.thickness, 3.0)
 
+    @property
+    def is_flat(self) -> bool:
+        return False
+
     def pitch_contour(self, tolerance: float) -> Fit:
         contour = bulged(self.pitch_radius, self.centre, tolerance)
         return Fit(contour, SPEND * tolerance, tolerance)

@@ -17,6 +17,7 @@ from camgeo.check.sizing.smallest import Sizing, size
 from camgeo.check.sizing.task import Task
 from camgeo.cli.plot import RENDERERS
 from camgeo.cli.size import RENDERER
+from camgeo.mechanism.kinds import require_roller
 from camgeo_export.plots.size import draw, render, seen, window
 from camgeo_export.plots.style import RC
 
@@ -25,7 +26,8 @@ SCENES = Path(__file__).parents[2] / "fixtures" / "scenes"
 
 def sized(name: str, angle: float | None = None) -> tuple[Task, Sizing]:
     design = camgeo.load(SCENES / f"{name}.toml")
-    task = Task(design.motion, design.follower, design.rotation, design.contact)
+    follower = require_roller(design.follower)
+    task = Task(design.motion, follower, design.rotation, design.contact)
     required = design.transmission_angle_limit if angle is None else angle
     return task, size(task, required, design.specification.limits.radius_ratio)
 

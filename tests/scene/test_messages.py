@@ -74,8 +74,8 @@ FAULTS: list[tuple[str, list[Change], str]] = [
     # the follower
     (
         PLATE,
-        [("translating-roller", "translating-flat")],
-        'not available in this version; available: "translating-roller", "oscillating-roller"',
+        [("translating-roller", "translating-flat"), ("offset = 12", "face = [-9, 9]")],
+        "roller_radius = 10: belongs to a translating-roller follower; this is a translating-flat",
     ),
     (
         PLATE,
@@ -95,7 +95,7 @@ FAULTS: list[tuple[str, list[Change], str]] = [
     (
         PLATE,
         [("[[motion]]\ndwell = 30", "[linkage]\n[[motion]]\ndwell = 30")],
-        'a linkage drives a rocker: it needs kind = "oscillating-roller"',
+        'a linkage drives a rocker: it needs kind = "oscillating-roller" or "oscillating-flat"',
     ),
     # the motion
     (PLATE, [("span = 100", "span = 99.999")], "line 13: motion: the spans add up to 359.999 deg"),

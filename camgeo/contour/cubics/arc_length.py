@@ -71,10 +71,13 @@ class Traced:
         tangents = jet[1] / speed
         points = jet[0] + (1j * pitch.rotation * curve.distance) * tangents
         bend = curvature(relative, speed, pitch.rotation)
-        (_, a1, a2, a3), (_, b1, b2, b3) = relative.along, relative.across
-        cube = speed * speed * speed
-        growth = (a1 * a2 + b1 * b2) / (speed * speed)
-        slope = pitch.rotation * (b1 * a3 - a1 * b3) / cube - 3.0 * bend * growth
+        if pitch.follower.is_flat:  # which has no R_3
+            slope = pitch.curvature_slope(phi, side)
+        else:
+            (_, a1, a2, a3), (_, b1, b2, b3) = relative.along, relative.across
+            cube = speed * speed * speed
+            growth = (a1 * a2 + b1 * b2) / (speed * speed)
+            slope = pitch.rotation * (b1 * a3 - a1 * b3) / cube - 3.0 * bend * growth
         return cls(points, tangents, speed, 1.0 + curve.distance * bend, bend, slope)
 
     def rows(self, which: slice | list[int], shape: tuple[int, ...] = ()) -> Traced:

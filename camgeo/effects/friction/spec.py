@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
 
 from camgeo.errors import GeometryError
-from camgeo.mechanism.oscillating_roller import OscillatingRoller
 
 if TYPE_CHECKING:
     from camgeo.effects.effect import Subject
@@ -78,7 +77,7 @@ def parse(table: Mapping[str, Any]) -> Spec:
 
 def refuse_misfits(spec: Spec, subject: Subject) -> None:
     """Raise GeometryError with the key of a value that has no place on this follower."""
-    rocker = isinstance(subject.follower, OscillatingRoller)
+    rocker = subject.follower.rocks
     linked = subject.linkage is not None
     misfits = dict.fromkeys(
         OF_GUIDE if rocker else OF_PIVOT,

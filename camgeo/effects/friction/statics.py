@@ -39,7 +39,6 @@ import numpy as np
 
 from camgeo.effects.friction.senses import Senses
 from camgeo.effects.friction.spec import Spec
-from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray
 from camgeo.units import TURN
@@ -99,7 +98,7 @@ class Statics:
     @property
     def rocks(self) -> bool:
         """Whether the follower is a rocker."""
-        return isinstance(self.subject.follower, OscillatingRoller)
+        return self.subject.follower.rocks
 
     @property
     def reach(self) -> float:

@@ -11,6 +11,7 @@ import numpy as np
 
 from camgeo.effects.inertia.spec import InertiaSpec
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
+from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 
@@ -19,7 +20,6 @@ if TYPE_CHECKING:
 
     from camgeo.effects.effect import Subject
     from camgeo.mechanism.slider_crank import SliderCrank
-    from camgeo.mechanism.translating_roller import TranslatingRoller
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -59,6 +59,7 @@ def masses_of(subject: Subject, spec: InertiaSpec) -> tuple[Mass, ...]:
             found.append(Mass("slider", spec.mass, slider.place, slider.per_lift))
             found.append(Mass("coupler", spec.coupler_mass, coupler.place, coupler.per_lift))
     else:
+        assert isinstance(follower, TranslatingRoller)  # flat faces have no effects by now
         guided = _OnGuide(subject, follower)
         found.append(Mass("follower", spec.mass, guided.place, guided.per_lift))
         found.append(Mass("roller", spec.roller_mass, guided.place, guided.per_lift))

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
 
 from camgeo.errors import GeometryError
-from camgeo.mechanism.oscillating_roller import OscillatingRoller
 
 if TYPE_CHECKING:
     from camgeo.effects.effect import Subject
@@ -45,7 +44,7 @@ class InertiaSpec:
 
     def check(self, subject: Subject) -> None:
         """Raise GeometryError, with the key of the scene, if the mechanism has no such mass."""
-        rocks = isinstance(subject.follower, OscillatingRoller)
+        rocks = subject.follower.rocks
         linked = subject.linkage is not None
         refused: list[tuple[tuple[str, ...], str]] = []
         if not rocks:

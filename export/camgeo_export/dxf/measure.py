@@ -34,13 +34,13 @@ def measure(product: Product, data: bytes) -> float:
         return cut
     pitch = drawing.contours("PITCH_CURVE")
     circles = drawing.circles("BASE_CIRCLE")
-    if len(pitch) != 1 or len(circles) != 1:
+    if len(pitch) != (0 if product.is_flat else 1) or len(circles) != 1:
         raise FileError("the drawing lacks its pitch curve or its base circle")
     centre, radius = circles[0]
     return max(
         cut,
-        product.pitch_deviation(pitch[0].counter_clockwise()),
         abs(centre) + abs(radius - product.base_radius),
+        *(product.pitch_deviation(each.counter_clockwise()) for each in pitch),
     )
 
 

@@ -31,7 +31,9 @@ from camgeo_export.matching import reach_of
 INSUNITS: dict[LengthUnit, int] = {"mm": 4, "inch": 1}
 MEASUREMENT: dict[LengthUnit, int] = {"mm": 1, "inch": 0}
 
-LAYERS = {"CUT": 7, "PITCH_CURVE": 3, "BASE_CIRCLE": 5, "CENTRE": 1}
+PITCH = "PITCH_CURVE"
+
+LAYERS = {"CUT": 7, PITCH: 3, "BASE_CIRCLE": 5, "CENTRE": 1}
 """Layers with their colour numbers."""
 
 FIT_SHARE = 0.98
@@ -59,7 +61,8 @@ class DxfWriter:
         straight = product.dxf.entity == "polyline"
         share = FIT_SHARE * tolerance
         cut = [_cut(boundary, product, share) for boundary in product.part.boundaries]
-        pitch = _pitch(product, tolerance, straight) if product.dxf.auxiliary else None
+        has_pitch = product.dxf.auxiliary and not product.is_flat
+        pitch = _pitch(product, tolerance, straight) if has_pitch else None
         # ezdxf stamps time and random identifiers on a file at its making and at its writing
         with _fixed_metadata():
             document = new("R2010", units=INSUNITS[product.unit])
@@ -134,7 +137,7 @@ def _describe(document: Drawing, product: Product, tolerance: float) -> None:
 def _draw(space: Modelspace, product: Product, cut: list[Curve], pitch: Contour | None) -> None:
     scale = MM_PER[product.unit]
     for name, colour in LAYERS.items():
-        if name == "CUT" or pitch is not None:
+        if name == "CUT" or (product.dxf.auxiliary and (pitch is not None or name != PITCH)):
             space.doc.layers.add(name, color=colour)
     for contour in cut:
         if isinstance(contour, SplineContour):
@@ -144,14 +147,16 @@ def _draw(space: Modelspace, product: Product, cut: list[Curve], pitch: Contour 
     drawn = cut
     if pitch is not None:
         drawn = [*cut, pitch]
+    if product.dxf.auxiliary:
         _auxiliary(space, product, pitch, scale)
     reach = max(reach_of(contour) for contour in drawn) / scale
     space.reset_extents((-reach, -reach, 0.0), (reach, reach, 0.0))
 
 
-def _auxiliary(space: Modelspace, product: Product, pitch: Contour, scale: float) -> None:
-    """Pitch curve, base circle and a cross at the cam axis."""
-    _polyline(space, pitch, scale, "PITCH_CURVE")
+def _auxiliary(space: Modelspace, product: Product, pitch: Contour | None, scale: float) -> None:
+    """Pitch curve if there is one, base circle and a cross at the cam axis."""
+    if pitch is not None:
+        _polyline(space, pitch, scale, PITCH)
     radius = product.base_radius / scale
     space.add_circle((0.0, 0.0), radius, dxfattribs={"layer": "BASE_CIRCLE"})
     mark = MARK_SHARE * radius

@@ -1,4 +1,4 @@
-"""The cam: disc with bore, pitch curve, base circle, and the roller at cam angle 0.
+"""The cam: disc with bore, pitch curve, base circle, and the roller or face at cam angle 0.
 
 The disc is the real one: what is cut off from an undercut flank is drawn beside it. Of a conjugate
 pair the return disc and its roller are drawn over the main disc, dashed.
@@ -31,6 +31,9 @@ BASE_STYLE: Any = {"color": AUXILIARY, "linewidth": 0.8, "dashes": (5, 4)}
 
 RETURN_STYLE: Any = {"color": "#b3541e", "linewidth": 1.4, "dashes": (6, 2)}
 
+FACE = 2.4
+"""Width of the line that is a flat face [pt]."""
+
 ARROW = np.radians(np.linspace(200.0, 320.0, 61))
 """Directions [rad] of the arrow about the axis."""
 
@@ -58,19 +61,21 @@ def draw(product: Product, figure: Figure | SubFigure) -> None:
         lines = [*lines, *_return_disc(axes, product.returning, scale)]
     columns = product.curve("pitch", cam_angles()) * scale
     pitch = columns[:, 0] + 1j * columns[:, 1]
-    axes.plot(pitch.real, pitch.imag, **PITCH_STYLE)
+    if not product.is_flat:
+        axes.plot(pitch.real, pitch.imag, **PITCH_STYLE)
     base = product.base_radius * scale
     circle = base * np.exp(1j * cam_angles())
     axes.plot(circle.real, circle.imag, **BASE_STYLE)
     if found:
         cut_off.draw(axes, found, scale)
     roller = complex(pitch[0])
-    end = _follower(axes, product, roller, scale)
+    end = (_flat if product.is_flat else _follower)(axes, product, roller, scale)
     _rotation_arrow(axes, product.rotation, 0.45 * base)
     _centre_mark(axes, 0.1 * base)
     drawn = [*lines, circle, pitch, *(each.course * scale for each in found)]
     radius = _size(product) * scale
-    guide = np.array([roller, end])
+    ends = [point * scale for point in product.follower_sketch.face or ()]
+    guide = np.array([roller, end, *ends])
     _frame(axes, [*drawn, guide], roller, radius)
     if found:
         size = max(float(np.ptp(line.real)) for line in lines) / scale
@@ -140,18 +145,18 @@ def _legend(
     marks: list[Line2D],
     product: Product,
 ) -> None:
-    round_ = product.roller_radius > 0.0
-    handles = [
-        edges,
-        Line2D([], [], label="pitch curve", **PITCH_STYLE),
-        Line2D([], [], label="base circle", **BASE_STYLE),
-        Line2D(
+    base = Line2D([], [], label="base circle", **BASE_STYLE)
+    if product.is_flat:
+        face = Line2D([], [], color="black", linewidth=FACE, label="face at φ = 0")
+        handles = [edges, base, face, *marks]
+    else:
+        round_ = product.roller_radius > 0.0
+        roller = Line2D(
             [], [], linestyle="none", marker="o" if round_ else "+", markersize=9,
             markerfacecolor="white", markeredgecolor="black",
             label=f"{'roller' if round_ else 'knife edge'} at φ = 0",
-        ),
-        *marks,
-    ]  # fmt: skip
+        )  # fmt: skip
+        handles = [edges, Line2D([], [], label="pitch curve", **PITCH_STYLE), base, roller, *marks]
     axes.apply_aspect()
     height = axes.get_position().height * figure.bbox.height / figure.dpi
     axes.legend(
@@ -183,6 +188,24 @@ def _follower(axes: Axes, product: Product, roller: complex, scale: float) -> co
                    linewidth=1.2, zorder=4)
         )  # fmt: skip
     axes.plot(roller.real, roller.imag, "+", color="black", markersize=6, zorder=5)
+    if sketch.kind == "pivot":
+        axes.plot(
+            end.real, end.imag, "o", color="black", markerfacecolor="white", markersize=6, zorder=5
+        )
+    return end
+
+
+def _flat(axes: Axes, product: Product, contact: complex, scale: float) -> complex:
+    """The flat face at cam angle 0, with the stem along its guide or the lever to its pivot."""
+    sketch = product.follower_sketch
+    assert sketch.face is not None  # of a flat follower
+    start, stop = (point * scale for point in sketch.face)
+    end = sketch.end * scale
+    along = (stop - start) / abs(stop - start)
+    foot = start + along * ((end - start) * along.conjugate()).real
+    _segment(axes, start, stop, FACE)
+    _segment(axes, foot, end, 1.2)
+    axes.plot(contact.real, contact.imag, "+", color="black", markersize=6, zorder=5)
     if sketch.kind == "pivot":
         axes.plot(
             end.real, end.imag, "o", color="black", markerfacecolor="white", markersize=6, zorder=5

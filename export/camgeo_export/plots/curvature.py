@@ -18,10 +18,11 @@ def draw(product: Product, figure: Figure | SubFigure) -> None:
     scale = MM_PER[product.unit]
     axes = figure.subplots(gridspec_kw=frame(figure))
     curvature = product.quantity("curvature", phi) * scale
-    axes.plot(np.degrees(phi), curvature, color=LINE, label="pitch curve")
+    what = "outline" if product.is_flat else "pitch curve"
+    axes.plot(np.degrees(phi), curvature, color=LINE, label=what)
     distance = product.flank_distance
     name = "r$_R$" if distance == product.roller_radius else "(r$_R$ + c/2)"
-    for sign in (1.0, -1.0) if distance > 0.0 else ():  # a knife edge follows any curvature
+    for sign in (1.0, -1.0) if distance > 0.0 else ():  # knife edge and flat face have none
         label = f"cusp of a flank, ±1/{name}" if sign > 0.0 else None
         axes.axhline(
             sign * scale / distance, color=LIMIT, linestyle="--", linewidth=1.0, label=label
@@ -29,5 +30,5 @@ def draw(product: Product, figure: Figure | SubFigure) -> None:
     axes.axhline(0.0, color="black", linewidth=0.5)
     over_cam_angle(axes, product.joints)
     axes.set_ylabel(f"curvature κ [1/{product.unit}]")
-    axes.set_title(f"{product.name}: curvature of the pitch curve")
+    axes.set_title(f"{product.name}: curvature of the {what}")
     axes.legend(loc="best")

@@ -112,7 +112,9 @@ def _unit(drawing: DxfFile, product: Product, reading: Reading) -> Check:
 
 def _contents(drawing: DxfFile, product: Product) -> Check:
     """Nothing but what our writer draws, and all of its layers."""
-    allowed = OURS if product.dxf.auxiliary else OURS[:1]
+    allowed: tuple[str, ...] = OURS if product.dxf.auxiliary else OURS[:1]
+    if product.is_flat:
+        allowed = tuple(name for name in allowed if name != "PITCH_CURVE")
     for entity in drawing.entities:
         if entity.layer not in allowed or entity.kind not in CURVES:
             note = f"{entity.kind} on layer {entity.layer} is not part of the drawing"
@@ -143,13 +145,14 @@ def _read(data: bytes, reading: Reading, layer: str | None, gap: float) -> tuple
 def _auxiliary(
     product: Product, data: bytes, reading: Reading, tolerance: float, rounded: float | None
 ) -> list[Check]:
-    """The pitch curve and the base circle of our drawings."""
+    """The pitch curve, if there is one, and the base circle of our drawings."""
     checks = []
-    try:
-        (pitch,) = _contours(data, reading, "PITCH_CURVE", tolerance)[0]
-        checks += contour_checks(_pitch(product), pitch, tolerance, rounded=rounded)
-    except (CamgeoError, ValueError) as error:
-        checks.append(failed("deviation", str(error), "pitch curve"))
+    if not product.is_flat:
+        try:
+            (pitch,) = _contours(data, reading, "PITCH_CURVE", tolerance)[0]
+            checks += contour_checks(_pitch(product), pitch, tolerance, rounded=rounded)
+        except (CamgeoError, ValueError) as error:
+            checks.append(failed("deviation", str(error), "pitch curve"))
     try:
         (circle,) = _contours(data, reading, "BASE_CIRCLE", tolerance)[0]
         assert isinstance(circle, Contour)  # it is drawn as a circle

@@ -1,0 +1,89 @@
+"""What flat faces have in common: the support function of the cam, and its envelope.
+
+The face is the line Re(conj(n) F) = h in the fixed frame, n = exp(i nu) its normal away from the
+cam axis and h its distance from it. In the cam the normal has the angle theta = nu - sigma phi, and
+the point of contact follows from the face and its rate, theta' = nu' - sigma:
+
+    Z = (h + i h'/theta') exp(i theta).
+
+With the turn tau = 1 - sigma nu' of the normal in the cam, against the sense in which the cam
+turns,
+
+    Z' = p t, t = -i sigma exp(i theta), p = tau h + (h'/tau)',
+
+so that rho = p / tau is the signed radius of curvature of the outline. The cam is convex, and the
+face can touch it all along, where tau > 0 and p > 0; p = 0 is a cusp, p < 0 undercut, and with
+tau <= 0 the face turns back in the cam.
+
+What a bound of Z''' is where there is none. Z'' takes the lift's third derivative, which has no
+derivative that a motion tells. Let |Z''(x) - Z''(m)| <= A |x - m| + D over a cell of half-width H
+about its middle m: A from all that is smooth, D from the change of the third derivative. The bound
+that is given for |Z'''| is V = A + 3 D / H. All that is ever done with it holds:
+
+- The remainder of the parabola that Z osculates in the middle is at most A H^3/6 + D H^2/2, which
+  is V H^3/6.
+- Z' is off the straight line of its parabola by at most A H^2/2 + D H <= V H^2/2.
+- Z'' changes by at most A H + D <= V H.
+
+The same three hold for a scalar product of Z with a fixed vector, for its distance from a point and
+for the direction of Z', whose own parts are smooth: there A is the part that needs no Z'''.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from camgeo.mechanism.follower import Follower
+from camgeo.motion.motion import FULL_ORDER, Jet
+from camgeo.numeric.arrays import FloatArray
+
+HIGHEST = FULL_ORDER - 1
+"""Order of the highest derivative of Z: each takes one more of the lift."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Touch:
+    """A flat face and its contact at n cam angles.
+
+    Attributes
+    ----------
+    distance : (n,) h [mm], cam axis to face.
+    contact : (2, n) [mm/rad^k] place of the contact along the face, and its derivative, see
+        `FlatFollower`.
+    turn : (2, n) tau and tau' [1/rad]; tau is positive where the face turns onward in the cam.
+    pace : (2, n) [mm/rad^k] p and p'; p is infinite where tau = 0.
+    """
+
+    distance: FloatArray
+    contact: FloatArray
+    turn: FloatArray
+    pace: FloatArray
+
+
+class FlatFollower(Follower, Protocol):
+    """A follower with a flat face.
+
+    Attributes
+    ----------
+    face : where the face begins and ends [mm], as `Touch.contact` counts; None if it is as long as
+        it needs to be.
+    facing : +1 if the place of the contact counts to the right, looking along the normal away from
+        the cam axis, -1 to the left.
+    """
+
+    @property
+    def facing(self) -> int: ...
+
+    @property
+    def face(self) -> tuple[float, float] | None: ...
+
+    def touch(self, jet: Jet, rotation: int) -> Touch:
+        """The contact for lifts `jet` (4, n); `rotation` as of `Follower.relative_jet`."""
+
+
+def spread(change: FloatArray, half: FloatArray) -> FloatArray:
+    """(n,) 3 D / H, see the module; 0 for cells without width, in which nothing changes."""
+    return np.divide(3.0 * change, half, out=np.zeros_like(change), where=half > 0.0)

@@ -1,0 +1,119 @@
+"""Translating flat-faced follower: a flat face square across a straight guide."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from camgeo.mechanism.face import HIGHEST, Touch, spread
+from camgeo.mechanism.follower import RelativeJet, TangentJet
+from camgeo.motion.motion import FULL_ORDER, Jet
+from camgeo.numeric.arrays import FloatArray
+
+
+@dataclass(frozen=True, slots=True)
+class TranslatingFlat:
+    """Translating follower whose face is square across the guide.
+
+    With nu = `guide_angle` and h = r_G + kappa_F s in `camgeo.mechanism.face` the turn is 1, and
+
+        Z = (h - i sigma h') exp(i theta), rho = h + h''.
+
+    The contact lies h' sigma to the right of the foot of the cam axis, looking along the guide
+    outward: a cam that turns counter-clockwise lifts the follower with its right-hand side. Where
+    the guide itself lies has no influence on the cam, but on the moments in the guide.
+
+    Attributes
+    ----------
+    base_radius : r_G, cam axis to face at cam angle 0 [mm].
+    guide_angle : direction of the guide away from the cam, from the x axis [rad].
+    direction : kappa_F, +1 if a positive lift moves the face outward (F-cam), -1 inward (P-cam).
+    face : where the face begins and ends [mm], along the face from the foot of the cam axis on it,
+        positive to the right when looking along the guide; None if it is as long as it needs to be.
+    """
+
+    base_radius: float
+    guide_angle: float = math.pi / 2.0
+    direction: int = 1
+    face: tuple[float, float] | None = None
+
+    @property
+    def rocks(self) -> bool:
+        """See `Follower`."""
+        return False
+
+    @property
+    def is_flat(self) -> bool:
+        """See `Follower`."""
+        return True
+
+    @property
+    def ahead(self) -> int:
+        """See `Follower`."""
+        return 1
+
+    @property
+    def roller_radius(self) -> float:
+        """See `Follower`: 0."""
+        return 0.0
+
+    @property
+    def facing(self) -> int:
+        """See `FlatFollower`: to the right."""
+        return 1
+
+    @property
+    def reach(self) -> float:
+        """See `Follower`: kappa_F."""
+        return float(self.direction)
+
+    def _distance(self, jet: Jet) -> Jet:
+        """h and its derivatives, as many as of the lift."""
+        distance = self.direction * jet
+        distance[0] += self.base_radius
+        return distance
+
+    def touch(self, jet: Jet, rotation: int) -> Touch:
+        """See `FlatFollower.touch`."""
+        h = self._distance(jet)
+        turn = np.stack((np.ones_like(h[0]), np.zeros_like(h[0])))
+        return Touch(h[0], rotation * h[1:3], turn, h[:2] + h[2:4])
+
+    def relative_jet(self, jet: Jet, rotation: int, order: int = FULL_ORDER) -> RelativeJet:
+        """See `Follower.relative_jet`. The first axis points to the right of the guide."""
+        order = min(order, HIGHEST)
+        h = self._distance(jet[: order + 2])
+        along, across = np.zeros((2, order + 1, jet.shape[1]))
+        pace = h[0] + h[2]
+        np.multiply(h[1], float(rotation), out=along[0])
+        across[0] = h[0]
+        np.multiply(pace, float(rotation), out=along[1])
+        if order > 1:
+            np.add(h[1], h[3], out=along[2])
+            along[2] *= rotation
+            np.negative(pace, out=across[2])
+        axis = self.guide_angle - math.pi / 2.0
+        return RelativeJet(along, across, axis, pace, np.zeros_like(pace), 0.0, self.reach)
+
+    def tangent_jet(self, jet: Jet, rotation: int) -> TangentJet:
+        """See `Follower.tangent_jet`: Z' lies along the face, w = 0."""
+        h = self._distance(jet)
+        u = h[:2] + h[2:4]
+        none = np.zeros_like(u)
+        return TangentJet(u, none, none[0], u[0] * u[1])
+
+    def speed_bounds(self, jet: Jet, bounds: Jet, half: FloatArray, rotation: int) -> FloatArray:
+        """See `Follower.speed_bounds`.
+
+        Z'' = (sigma (h' + h''') - i (h + h'')) exp(i (axis - sigma phi)): with h''' as it is in the
+        middle its rate is at most |h| + 2 (|h'| + |h''| + |h'''|), and h''' changes by no more than
+        what it is there and its bound together.
+        """
+        height = np.abs(self.base_radius + self.direction * jet[0]) + bounds[0]
+        rest = bounds[1] + bounds[2] + bounds[3]
+        change = np.abs(jet[3]) + bounds[3]
+        return np.stack(
+            (height + bounds[2], height + rest, height + 2.0 * rest + spread(change, half))
+        )

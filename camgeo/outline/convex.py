@@ -1,0 +1,160 @@
+"""Whether a flat face can touch all of a cam: the extremes of what must be positive.
+
+A face touches only what is convex. With the turn tau and the radius of curvature rho of
+`camgeo.mechanism.face`, the outline's tangent turns one way where tau > 0, once in all, as the
+follower comes back to where it was; and it is run through forwards where rho > 0. A closed curve
+whose tangent turns once and one way has no crossing and is convex: no search is needed to see that
+all of it is left. The cam axis lies inside where the face keeps clear of it, h > 0.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import cast
+
+import numpy as np
+
+from camgeo.curve.closure import joints
+from camgeo.curve.extremes import Extremes, extremes
+from camgeo.curve.pitch_curve import PitchCurve
+from camgeo.curve.turn_cells import turn_cells
+from camgeo.mechanism.face import FlatFollower, Touch
+from camgeo.motion.motion import Side
+from camgeo.numeric.arrays import FloatArray, ascending
+
+SMALLEST = 1e-9
+"""Radius of curvature, as a share of the base radius, that counts as a cusp, and jump of the
+contact that counts as none: a thousand times what is lost in the sums."""
+
+HALVINGS = 40
+"""Rounds of halving at most, until no cell is left in which a cusp could hide."""
+
+Extreme = tuple[float, float]
+"""A value and its cam angle [rad]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Convexity:
+    """What decides whether a flat face can touch all of the cam.
+
+    Attributes
+    ----------
+    turn : smallest tau.
+    radius : smallest rho [mm]; minus infinity where tau <= 0, which leaves no radius.
+    clearance : smallest distance h of the face from the cam axis [mm].
+    jump : largest jump of the contact along the face [mm], positive in the direction in which it
+        runs along the outline: there a straight stretch of the outline lies flush with the face.
+        Negative where it jumps back, which no outline does. 0 without a shock.
+    jumps : at how many cam angles it jumps.
+    size : length [mm] to which the rest is to be held.
+    """
+
+    turn: Extreme
+    radius: Extreme
+    clearance: Extreme
+    jump: Extreme
+    jumps: int
+    size: float
+
+    @property
+    def is_convex(self) -> bool:
+        """Whether there is such a cam."""
+        least = SMALLEST * self.size
+        return self.turn[0] > 0.0 and self.jumps == 0 and min(self.radius[0], self.lowest) > least
+
+    @property
+    def lowest(self) -> float:
+        """`clearance` without its place [mm]."""
+        return self.clearance[0]
+
+
+def touch(curve: PitchCurve, phi: FloatArray, side: Side = "right") -> Touch:
+    """The contact of the flat follower of `curve` at `phi` (n,) [rad]."""
+    follower = cast("FlatFollower", curve.follower)  # asked for those only
+    return follower.touch(curve.motion.jet(phi, side), curve.rotation)
+
+
+def convexity(curve: PitchCurve) -> Convexity:
+    """What is known of the contact curve of a flat follower."""
+    size = curve.follower.base_radius
+    turn = extremes(
+        curve,
+        lambda phi, side: touch(curve, phi, side).turn[0],
+        lambda phi, side: touch(curve, phi, side).turn[1],
+    ).smallest()
+    clearance = _distances(curve).smallest()
+    radius = (-np.inf, turn[1]) if turn[0] <= 0.0 else _smallest_radius(curve)
+    jump, count = _jumps(curve, SMALLEST * size)
+    return Convexity(turn, radius, clearance, jump, count, size)
+
+
+def contact_extremes(curve: PitchCurve) -> Extremes:
+    """All local extremes [mm] of the place of the contact along the face; tau must be positive."""
+    return extremes(
+        curve,
+        lambda phi, side: touch(curve, phi, side).contact[0],
+        lambda phi, side: touch(curve, phi, side).contact[1],
+    )
+
+
+def _distances(curve: PitchCurve) -> Extremes:
+    """Extremes of h: where the follower turns, and where a rocker's face stands square."""
+
+    def velocity(phi: FloatArray, side: Side) -> FloatArray:
+        return np.asarray(curve.motion.jet(phi, side)[1])
+
+    def contact(phi: FloatArray, side: Side) -> FloatArray:
+        return np.asarray(touch(curve, phi, side).contact[0])
+
+    slopes = (velocity, contact) if curve.follower.rocks else (velocity,)
+    return extremes(curve, lambda phi, side: touch(curve, phi, side).distance, *slopes)
+
+
+def _smallest_radius(curve: PitchCurve) -> Extreme:
+    """Smallest rho = p / tau, tau being positive.
+
+    Where its slope changes its sign; and as two changes between neighbouring samples would escape,
+    p is held to 0 over cells, which are halved until none can reach it. |Z''| bounds |p'|.
+    """
+
+    def radius(phi: FloatArray, side: Side) -> FloatArray:
+        at = touch(curve, phi, side)
+        return np.asarray(at.pace[0] / at.turn[0])
+
+    def slope(phi: FloatArray, side: Side) -> FloatArray:
+        at = touch(curve, phi, side)
+        return np.asarray(at.pace[1] * at.turn[0] - at.pace[0] * at.turn[1])
+
+    found = extremes(curve, radius, slope).smallest()
+    if found[0] <= SMALLEST * curve.follower.base_radius:
+        return found
+    low, high = turn_cells(curve)
+    for _ in range(HALVINGS):
+        middle, half = 0.5 * (low + high), 0.5 * (high - low)
+        at = touch(curve, middle)
+        least = int(np.argmin(at.pace[0]))
+        if at.pace[0, least] <= 0.0:  # seen by no sample
+            return float(at.pace[0, least] / at.turn[0, least]), float(middle[least])
+        near = at.pace[0] <= half * curve.speed_bounds(low, high)[1]
+        if not np.any(near):
+            break
+        low, middle, high = low[near], middle[near], high[near]
+        low, high = np.concatenate((low, middle)), np.concatenate((middle, high))
+    return found
+
+
+def _jumps(curve: PitchCurve, least: float) -> tuple[Extreme, int]:
+    """The worst jump of the contact along the outline: the largest one back, else forward."""
+    phi = ascending(np.append(curve.breaks, 0.0))
+    before, after = (touch(curve, phi, side).contact[0] for side in ("left", "right"))
+    gaps = joints(curve).gaps
+    jumping = gaps > least
+    if not np.any(jumping):
+        return (0.0, 0.0), 0
+    facing = cast("FlatFollower", curve.follower).facing
+    # The outline runs along the face, to the right for sigma = +1: t = -i sigma n.
+    ways = curve.rotation * facing * (after - before)
+    worst = int(np.argmin(np.where(jumping, ways, np.inf)))
+    if ways[worst] > 0.0:
+        worst = int(np.argmax(np.where(jumping, ways, -np.inf)))
+    return (float(ways[worst]), float(phi[worst])), int(np.count_nonzero(jumping))

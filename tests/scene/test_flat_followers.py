@@ -1,0 +1,123 @@
+"""Flat-faced followers in scenes: what is theirs, what belongs to rollers, and linkages."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import pytest
+
+from camgeo.cli.main import main
+from camgeo.design import Design
+from camgeo.errors import SceneError
+from camgeo.mechanism.oscillating_flat import OscillatingFlat
+from camgeo.mechanism.translating_flat import TranslatingFlat
+from camgeo.scene.load import parse_scene
+from camgeo.scene.new import template
+
+SCENES = Path(__file__).parents[2] / "fixtures" / "scenes"
+
+TAPPET, ROCKER = template("translating-flat"), template("oscillating-flat")
+
+LINKAGE = """
+[linkage]
+kind = "slider-crank"
+crank = 160.5
+coupler = 122.87
+crank_deflection = 34.68
+crank_leans = "away"
+slider_side = "right"
+stroke_direction = "right"
+branch = "ccw"
+"""
+
+
+def changed(text: str, *changes: tuple[str, str]) -> str:
+    for old, new in changes:
+        assert old in text
+        text = text.replace(old, new, 1)
+    return text
+
+
+def test_all_that_is_for_rollers_is_refused_at_once() -> None:
+    text = changed(
+        TAPPET,
+        ("base_radius = 40", "base_radius = 40\nroller_radius = 5\ncontact = 'inner'\noffset = 2"),
+        ("face = [-16, 16]", "face = [16, -16]"),
+        ("\n[part]", "\n[limits]\nundercut = 'trim'\nradius_ratio = 0.6\n[part]"),
+        ("\n[output]", "\n[effects.kinematics]\n[effects.inertia]\nmass = 1\n[output]"),
+        ('["dxf"', '["asc", "dxf"'),
+    )
+    with pytest.raises(SceneError) as error:
+        parse_scene(text)
+    faults = {fault.key: fault.message for fault in error.value.faults}
+    for key in ("follower.roller_radius", "follower.contact", "follower.offset"):
+        assert "belongs to a translating-roller follower" in faults.pop(key)
+    assert "must end beyond where it begins" in faults.pop("follower.face")
+    assert faults.pop("limits.undercut").startswith("is for roller followers")
+    for key in ("limits.radius_ratio", "effects.inertia", "output.formats[1]"):
+        assert "is for roller followers" in faults.pop(key)
+    assert not faults
+
+
+def test_effects_that_are_no_table_are_one_fault() -> None:
+    text = changed(TAPPET, ("camgeo = 1 ", "effects = 3\ncamgeo = 1 "))
+    with pytest.raises(SceneError) as error:
+        parse_scene(text)
+    assert {fault.key for fault in error.value.faults} == {"effects"}
+
+
+def test_lengths_and_angles_are_converted() -> None:
+    inch = changed(
+        TAPPET,
+        ('"mm" ', '"inch" '), ("base_radius = 40", "base_radius = 1.5"), ("= 90 ", "= 60 "),
+        ("to = 12", "to = 0.5"), ("[-16, 16]", "[-0.75, 1]"), ("bore = 20", "bore = 0.75"),
+        ("{ width = 6, depth = 2.8 }", "{ width = 0.2, depth = 0.1 }"),
+        ("tolerance = 0.001", "tolerance = 0.0001"), ("diameter = 10", "diameter = 0.5"),
+    )  # fmt: skip
+    follower = parse_scene(inch).follower
+    assert follower == TranslatingFlat(1.5 * 25.4, math.radians(60.0), 1, (-0.75 * 25.4, 25.4))
+    rocker = parse_scene(ROCKER).follower
+    assert rocker == OscillatingFlat(-96.0 + 30.0j, 45.0, 6.0, 1, 1, (65.0, 125.0))
+    assert Design(parse_scene(ROCKER)).lift_unit == "rad"
+    assert Design(parse_scene(TAPPET)).lift_unit == "mm"
+
+
+def test_a_linkage_drives_a_flat_rocker() -> None:
+    linked = changed(
+        ROCKER, ("[[motion]]", f"{LINKAGE}\n[[motion]]"), ('direction = "outward"', "#"),
+        ("to = 12", "to = 4"), ("base_radius = 45", "base_radius = 55"),
+        ("face_offset = 6", "face_offset = 16"),
+    )  # fmt: skip
+    design = Design(parse_scene(linked))
+    follower = design.follower
+    assert isinstance(follower, OscillatingFlat)
+    assert follower.direction is None
+    assert design.has_outline
+    for word in ("outward", "inward"):
+        stated = changed(linked, ("face_offset = 16", f'direction = "{word}"\nface_offset = 16'))
+        try:
+            parse_scene(stated)
+        except SceneError as error:
+            (fault,) = error.faults
+            assert fault.key == "follower.direction"
+            assert "which moves the face" in fault.message
+            break
+    else:
+        pytest.fail("one of both directions contradicts the linkage")
+
+
+@pytest.mark.parametrize("command", ["replay", "size"])
+def test_commands_for_rollers_say_so(command: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main([command, str(SCENES / "tappet.toml")]) == 2
+    told = capsys.readouterr().err
+    assert "follower.kind = translating-flat" in told
+    assert "for roller followers" in told
+
+
+def test_a_cam_that_is_not_convex_is_not_made(tmp_path: Path) -> None:
+    scene = tmp_path / "small.toml"
+    scene.write_text(changed(TAPPET, ("base_radius = 40", "base_radius = 5")))
+    assert main(["build", str(scene), "-o", str(tmp_path / "out")]) == 1
+    assert not (tmp_path / "out").exists()
+    assert main(["plot", str(scene), "-o", str(tmp_path / "small.png")]) == 0
