@@ -138,11 +138,14 @@ def all_cams() -> list[Cam]:
     for name in SCENES:
         scene = load_scene(FIXTURES / "scenes" / f"{name}.toml")
         design = Design(scene)
+        linkage = scene.linkage
+        if linkage is not None and not isinstance(linkage, SliderCrank):
+            continue  # there are no exact values of the others
         for flank, curve in design.flanks:
             title = name if len(design.flanks) == 1 else f"{name} {flank}"
             found.append(
                 Cam(
-                    title, scene.plan, design.motion, scene.linkage, require_roller(scene.follower),
+                    title, scene.plan, design.motion, linkage, require_roller(scene.follower),
                     scene.rotation, curve.distance,
                 )
             )  # fmt: skip

@@ -33,7 +33,6 @@ from camgeo.errors import GeometryError
 from camgeo.lazy import Ledger, lazy
 from camgeo.mechanism.linkage import LinkedMotion
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
-from camgeo.mechanism.slider_crank import SliderCrank
 from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.motion.motion import Jet, Motion, Side
 from camgeo.motion.plan import MotionPlan
@@ -51,11 +50,12 @@ if TYPE_CHECKING:
     from camgeo.contour.fit import Effort, Fit
     from camgeo.effects.effect import Column
     from camgeo.effects.graph import Effects
-    from camgeo.files.product import CutOff, FollowerSketch, PlanSketch
+    from camgeo.files.product import CutOff, Demanded, FollowerSketch, PlanSketch
     from camgeo.files.specs import DxfSpec
     from camgeo.files.table import Table
     from camgeo.files.write import Report
     from camgeo.mechanism.kinds import AnyFollower
+    from camgeo.mechanism.linkage_protocol import Linkage
     from camgeo.motion.time_course import TimeCourse
     from camgeo.outline.outline import Outline
     from camgeo.outline.path import Path
@@ -241,13 +241,25 @@ class Design:
 
     @property
     def plan(self) -> MotionPlan:
-        """The motion that the scene demands: the slider's if there is a linkage."""
+        """The motion that the scene demands: that of the far end of a linkage, if there is one."""
         return self.specification.plan
 
     @property
-    def linkage(self) -> SliderCrank | None:
+    def linkage(self) -> Linkage | None:
         """Between the plan and the follower's own motion."""
         return self.specification.linkage
+
+    @property
+    def demand_unit(self) -> Literal["mm", "rad"]:
+        """Unit of the motion that the scene demands."""
+        linkage = self.linkage
+        return self.lift_unit if linkage is None else linkage.unit
+
+    @property
+    def demanded_of(self) -> Demanded:
+        """Whose motion the scene demands: the follower's, or that of a linkage's far end."""
+        linkage = self.linkage
+        return "follower" if linkage is None else linkage.member
 
     @property
     def follower(self) -> AnyFollower:
@@ -289,7 +301,7 @@ class Design:
         return self.motion.jet(np.atleast_1d(phi), side)
 
     def stroke(self, phi: FloatArray, side: Side = "right") -> Jet:
-        """(4, n) what the motion plan demands; the slider's stroke if there is a linkage."""
+        """(4, n) what the motion plan demands, of the far end of a linkage if there is one."""
         return self.specification.plan.jet(np.atleast_1d(phi), side)
 
     def curvature(self, phi: FloatArray, side: Side = "right") -> FloatArray:
@@ -318,7 +330,7 @@ class Design:
     @property
     def _plan_unit(self) -> Literal["mm", "deg"]:
         """Unit in which positions of the plan are told."""
-        return "mm" if self.has_linkage or self.lift_unit == "mm" else "deg"
+        return "mm" if self.demand_unit == "mm" else "deg"
 
     @lazy
     def time_course(self) -> TimeCourse | None:
@@ -333,7 +345,7 @@ class Design:
     def in_time(self, phi: FloatArray, side: Side = "right") -> FloatArray:
         """(4, n) lift, velocity, acceleration, jerk [mm or rad per s^k] at `phi` (n,) [rad].
 
-        Of the motion that the scene demands: the slider's, if there is a linkage. Raises
+        Of the motion that the scene demands, before any linkage. Raises
         GeometryError if the scene gives no speed.
         """
         if self.time_course is None:
@@ -722,8 +734,8 @@ class Design:
         spec = self.specification
         return plan_sketch(
             spec.plan,
-            of="slider" if self.has_linkage else "follower",
-            unit="mm" if self.has_linkage else self.lift_unit,
+            of=self.demanded_of,
+            unit=self.demand_unit,
             speed=spec.speed if spec.speed_curve is None else None,
         )
 
@@ -736,7 +748,7 @@ class Design:
 
     @property
     def has_linkage(self) -> bool:
-        """True if the motion plan is that of a slider in front of a linkage."""
+        """True if the motion plan is that of the far end of a linkage."""
         return self.specification.linkage is not None
 
     @property

@@ -7,7 +7,6 @@ from decimal import Decimal
 from typing import TYPE_CHECKING, Any, Protocol
 
 from camgeo.check.limits import Limits
-from camgeo.mechanism.slider_crank import SliderCrank
 from camgeo.motion.plan import MotionPlan
 from camgeo.part.spec import Contact, PartSpec
 from camgeo.units import LengthUnit
@@ -16,6 +15,7 @@ if TYPE_CHECKING:
     from camgeo.contour.fit import Effort
     from camgeo.files.specs import DxfSpec
     from camgeo.mechanism.kinds import AnyFollower, RollerFollower
+    from camgeo.mechanism.linkage_protocol import Linkage
     from camgeo.motion.time_course import SpeedCurve
     from camgeo.toolpath.spec import GcodeSpec
 
@@ -83,7 +83,7 @@ class Specification(Protocol):
     def follower(self) -> AnyFollower: ...
 
     @property
-    def linkage(self) -> SliderCrank | None: ...
+    def linkage(self) -> Linkage | None: ...
 
     @property
     def returning(self) -> RollerFollower | None: ...

@@ -270,6 +270,7 @@ def _hc05_motion(params: Values) -> LinkedMotion:
 def _hc05(params: Values, expected: Values) -> list[Measured]:
     motion = _hc05_motion(params)
     linkage = motion.linkage
+    assert isinstance(linkage, SliderCrank)
     probe = motion.jet(angles(expected["phi_probe_deg"]))[:, 0]
     full = linkage.crank_angle(np.array([float(params["s_H"])]))[0]
     theta = math.degrees(linkage.start_angle + probe[0])
@@ -347,7 +348,7 @@ def _hc25(_: Values, expected: Values) -> list[Measured]:
 def _hc25_words(_: Values) -> list[str]:
     params = thesis_params("T6_setzhub", -1) | {"q23": "erster"}
     motion = LinkedMotion(plan_of(params, float(params["s_H"])), slider_crank_of(params))
-    return [finding.sentence for finding in check_linkage(motion)]
+    return [found.sentence for found in check_linkage(motion) if found.severity != "ok"]
 
 
 def _hc26(params: Values, expected: Values) -> list[Measured]:

@@ -180,7 +180,7 @@ def thesis_params(name: str, sigma: int) -> dict[str, Any]:
 
 def stroke_of(curve: PitchCurve) -> Motion:
     """What the motion plan demands: the slider's motion if there is a linkage."""
-    return curve.motion.slider if isinstance(curve.motion, LinkedMotion) else curve.motion
+    return curve.motion.demanded if isinstance(curve.motion, LinkedMotion) else curve.motion
 
 
 def inner_of(curve: PitchCurve) -> WorkingCurve:

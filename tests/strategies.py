@@ -13,6 +13,8 @@ from hypothesis import strategies as st
 
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.errors import GeometryError
+from camgeo.mechanism.crank_slider import CrankSlider
+from camgeo.mechanism.four_bar import FourBar
 from camgeo.mechanism.linkage import LinkedMotion
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.mechanism.slider_crank import SliderCrank
@@ -276,3 +278,34 @@ def with_roller(curve: PitchCurve, radius: float) -> PitchCurve:
     follower = curve.follower
     assert isinstance(follower, TranslatingRoller | OscillatingRoller)
     return replace(curve, follower=replace(follower, roller_radius=radius))
+
+
+@st.composite
+def four_bars(draw: st.DrawFn, motion: float = 0.6) -> FourBar:
+    """A four-bar that closes over the motion from 0 to `motion` [rad] with 2 mm to spare."""
+    lengths, angles = st.floats(30.0, 150.0), st.floats(-math.pi, math.pi)
+    try:
+        linkage = FourBar(
+            crank=draw(lengths),
+            coupler=draw(lengths),
+            lever=draw(lengths),
+            shaft=cmath.rect(draw(st.floats(20.0, 200.0)), draw(angles)),
+            lever_angle=draw(angles),
+            lever_sense=draw(signs()),
+            branch=draw(signs()),
+        )
+    except GeometryError:
+        reject()
+    assume(np.max(linkage.missing_length(np.linspace(0.0, motion, 17))) < -2.0)
+    return linkage
+
+
+@st.composite
+def crank_sliders(draw: st.DrawFn, motion: float = 0.6) -> CrankSlider:
+    """A slider-crank whose crank turns from 0 to `motion` [rad] with 2 mm to spare."""
+    try:
+        linkage = CrankSlider(draw(slider_cranks(0.0)))
+    except GeometryError:
+        reject()
+    assume(np.max(linkage.missing_length(np.linspace(0.0, motion, 17))) < -2.0)
+    return linkage

@@ -892,7 +892,7 @@ def test_hc05_dead_centres_at_the_start(crank: float, coupler: float) -> None:
     with mp.workdps(40):
         k, c = mpf(crank), mpf(coupler)
         for place in behind[1:]:
-            s = Oracle(PitchCurve(motion.slider, TranslatingRoller(1.0, 0.1), 1)).lift(mpf(place))
+            s = Oracle(PitchCurve(motion.demanded, TranslatingRoller(1.0, 0.1), 1)).lift(mpf(place))
             height = mpf(linkage.guide_height)  # cos(pi/2), rounded
             x = k * mp.sin(mpf(linkage.deflection)) + c - s[0]
             d = mp.hypot(x, height)

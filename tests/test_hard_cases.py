@@ -648,7 +648,7 @@ def test_hc25_wrong_assembly_branch() -> None:
         swings[branch] = math.degrees(motion.jet(angles(200))[0, 0])
         assert swings[branch] == exactly(float(expected[f"swing_{branch}_deg"]), rel=REL)
         # "coupler parallel to the guide at s = 0 only for zweiter"
-        warned = [f.name for f in check_linkage(motion)]
+        warned = [f.name for f in check_linkage(motion) if f.severity != "ok"]
         assert warned == ([] if branch == "zweiter" else ["linkage-branch"])
 
 

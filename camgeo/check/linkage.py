@@ -1,11 +1,23 @@
-"""Checks of the linkage: dead centres and the branch."""
+"""Checks of the linkage: dead centres, how far it keeps from them, and the branch."""
 
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
 
 from camgeo.check.finding import Finding
 from camgeo.mechanism.linkage import LinkedMotion
+from camgeo.mechanism.slider_crank import SliderCrank
+from camgeo.mechanism.triangle import dot
+from camgeo.motion.extremes import lift_range, turning_angles
+from camgeo.motion.motion import Side
+from camgeo.numeric.arrays import FloatArray, merged
+from camgeo.units import TURN
+
+if TYPE_CHECKING:
+    from camgeo.mechanism.linkage_protocol import Linkage
 
 DEAD_CENTRE = 1e-9
 """Crank and coupler within this share of their lengths of a straight line are at a dead centre."""
@@ -14,42 +26,131 @@ PARALLEL = math.radians(0.1)
 """The coupler counts as parallel to the guide within this angle: printed dimensions are rounded."""
 
 
+LINES: Final = {
+    "slider": ("crank and coupler come to lie on one line", "the rocker's acceleration"),
+    "lever": ("crank and coupler come to lie on one line", "the rocker's acceleration"),
+    "crank": ("the coupler comes to stand across the guide", "the slider's velocity"),
+}
+"""What a dead centre is, by whose motion is demanded, and what becomes infinite there."""
+
+
 def check_linkage(motion: LinkedMotion) -> tuple[Finding, ...]:
-    """Dead centre in the stroke (fatal); coupler not parallel to the guide (warning)."""
+    """Dead centre in the motion (fatal), else how far it keeps from one, and the smallest angle
+    between coupler and crank; coupler not parallel to the guide (warning).
+
+    No limit is set to that angle: force flows from the cam, and what suits the crank need not suit
+    the far end.
+    """
+    spare = _to_dead_centre(motion)
+    if spare.severity == "fatal":
+        return (spare, *_branch(motion.linkage))
+    return (spare, _transmission_angle(motion), *_branch(motion.linkage))
+
+
+def _to_dead_centre(motion: LinkedMotion) -> Finding:
+    """What is spare where the linkage is nearest to a dead centre."""
+    from camgeo.mechanism.closing import clear_range, first_angle, kept_between, position_told
+
     linkage = motion.linkage
-    found = []
-    stroke, missing = motion.tightest()
-    spare = -missing
+    position, missing = motion.tightest()
+    spare = max(0.0, -missing)
     limit = DEAD_CENTRE * (linkage.crank + linkage.coupler)
-    if spare <= limit:
-        found.append(
-            Finding(
-                name="dead-centre",
-                severity="fatal",
-                sentence=(
-                    f"crank and coupler come to lie on one line at stroke {stroke:.6g} mm: a dead"
-                    " centre, the rocker's acceleration becomes infinite there"
-                ),
-                value=spare,
-                limit=limit,
-                unit="mm",
-            )
-        )
-    tilt = abs(math.remainder(linkage.coupler_angle, math.pi))
-    if tilt > PARALLEL:
-        found.append(
-            Finding(
-                name="linkage-branch",
-                severity="warning",
-                sentence=(
-                    f"at stroke 0 the coupler is {math.degrees(tilt):.3f} deg off the guide's"
-                    " direction, though the dimensions are defined by a parallel one: the other"
-                    " `branch` may be meant"
-                ),
-                value=math.degrees(tilt),
-                limit=math.degrees(PARALLEL),
-                unit="deg",
-                cam_angle=0.0,
-            )
-        )
-    return tuple(found)
+    phi = first_angle(motion.demanded, position)
+    what, infinite = LINES[linkage.member]
+    place = f"at {position_told(linkage, position)}, cam angle {math.degrees(phi):.6g} deg"
+    if spare > limit:
+        sentence = f"the linkage keeps {spare:.6g} mm from a dead centre, nearest {place}"
+    else:
+        sentence = f"{what} {place}: a dead centre, {infinite} becomes infinite there"
+        # Where the motion starts in one, it cannot keep clear of it.
+        kept = [] if 0.0 in clear_range(linkage) else kept_between(linkage)
+        sentence += f"; {kept[0]} there is none" if kept else ""
+    return Finding(
+        name="dead-centre",
+        severity="ok" if spare > limit else "fatal",
+        sentence=sentence,
+        value=spare,
+        limit=limit,
+        unit="mm",
+        cam_angle=math.fmod(phi, TURN),
+    )
+
+
+def _transmission_angle(motion: LinkedMotion) -> Finding:
+    """The smallest acute angle between coupler and crank."""
+    value, place = _smallest_sine(motion)
+    angle = math.degrees(math.asin(min(1.0, value)))
+    return Finding(
+        name="linkage-transmission-angle",
+        severity="ok",
+        sentence=(
+            f"smallest angle between coupler and crank {angle:.3f} deg at cam angle"
+            f" {math.degrees(place):.3f} deg"
+        ),
+        value=angle,
+        unit="deg",
+        cam_angle=math.fmod(place, TURN),
+    )
+
+
+def _smallest_sine(motion: LinkedMotion) -> tuple[float, float]:
+    """Smallest magnitude of the sine of the angle from crank to coupler, and its cam angle [rad].
+
+    Where crank and coupler close a triangle to the pin its area is concave in the square of the
+    pin's distance: smallest where that is extreme, as the missing length. For a crank that a slider
+    turns it is looked for over the turn.
+    """
+    linkage, demanded = motion.linkage, motion.demanded
+    if linkage.member != "crank":
+        from camgeo.mechanism.closing import first_angle
+
+        low, high = lift_range(demanded)
+        positions = np.array([low, high, *linkage.turning_positions(low, high)])
+        sines = np.abs(_sine(linkage, positions))
+        least = int(np.argmin(sines))
+        return float(sines[least]), first_angle(demanded, float(positions[least]))
+
+    from camgeo.numeric.peaks import grid_of, piecewise_extremes
+    from camgeo.numeric.roots import roots_on_grid
+
+    def sine(phi: FloatArray, side: Side) -> FloatArray:
+        return _sine(linkage, demanded.jet(phi, side, 1)[0])
+
+    edges = merged(np.concatenate((demanded.borders, turning_angles(demanded), [0.0, TURN])))
+    found = piecewise_extremes(sine, edges)
+    if found.lowest.value < 0.0 < found.highest.value:
+        crossed = roots_on_grid(lambda phi: sine(phi, "right"), grid_of(edges))
+        return 0.0, float(min(crossed, default=found.lowest.place))
+    end = found.lowest if found.lowest.value >= 0.0 else found.highest
+    return abs(end.value), end.place
+
+
+def _sine(linkage: Linkage, positions: FloatArray) -> FloatArray:
+    """(n,) sine of the angle from crank to coupler at `positions` (n,) [mm or rad]."""
+    pin, tip = linkage.joints(positions)
+    return dot(pin - tip, 1j * tip) / (linkage.crank * linkage.coupler)
+
+
+def _branch(linkage: Linkage) -> tuple[Finding, ...]:
+    """A warning if the dimensions of a slider-crank are meant for the other branch."""
+    inner = getattr(linkage, "inner", linkage)
+    if not isinstance(inner, SliderCrank):
+        return ()
+    tilt = abs(math.remainder(inner.coupler_angle, math.pi))
+    if tilt <= PARALLEL:
+        return ()
+    return (
+        Finding(
+            name="linkage-branch",
+            severity="warning",
+            sentence=(
+                f"at stroke 0 the coupler is {math.degrees(tilt):.3f} deg off the guide's"
+                " direction, though the dimensions are defined by a parallel one: the other"
+                " `branch` may be meant"
+            ),
+            value=math.degrees(tilt),
+            limit=math.degrees(PARALLEL),
+            unit="deg",
+            cam_angle=0.0,
+        ),
+    )

@@ -225,7 +225,7 @@ def _seconds(value: float | None) -> str:
 
 def _lift_unit(design: Design) -> tuple[str, float]:
     """Unit of the plan's positions in the table, and how many of it are in 1 mm or rad."""
-    if not design.has_linkage and design.lift_unit == "rad":
+    if design.demand_unit == "rad":
         return "deg", math.degrees(1.0)
     return design.unit, 1.0 / design.millimetres
 

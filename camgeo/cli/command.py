@@ -77,7 +77,7 @@ def finding_record(finding: Finding) -> dict[str, Any]:
 def motion_record(design: Design) -> dict[str, Any]:
     """Segments and joints of the motion plan for JSON; angles in degrees, derivatives per rad^k.
 
-    Positions are in mm, or in rad for an oscillating follower without linkage.
+    Positions are in mm, or in rad where the demanded motion turns.
     """
     plan = design.specification.plan
     segments = []

@@ -279,7 +279,7 @@ def _record(design: Design, replay: Replay, scale: Scale) -> dict[str, Any]:
     }
     record: dict[str, Any] = {
         "unit": scale.unit,
-        "of": "rocker" if design.has_linkage else "follower",
+        "of": "rocker" if design.has_linkage and design.lift_unit == "rad" else "follower",
         "lost_stroke": at(replay.largest_loss),
         "lift_error": at(replay.largest_error),
     }

@@ -22,6 +22,7 @@ if TYPE_CHECKING:  # an effect imports what it computes with itself
     from camgeo.curve.pitch_curve import PitchCurve
     from camgeo.curve.working_curve import WorkingCurve
     from camgeo.mechanism.kinds import AnyFollower
+    from camgeo.mechanism.linkage_protocol import Linkage
     from camgeo.mechanism.slider_crank import SliderCrank
     from camgeo.motion.motion import Motion
     from camgeo.motion.plan import MotionPlan
@@ -63,10 +64,10 @@ class Subject(Protocol):
 
     @property
     def plan(self) -> MotionPlan:
-        """The motion that the scene demands: the slider's if there is a linkage."""
+        """The motion that the scene demands: that of a linkage's far end, if there is one."""
 
     @property
-    def linkage(self) -> SliderCrank | None: ...
+    def linkage(self) -> Linkage | None: ...
 
     @property
     def follower(self) -> AnyFollower: ...
@@ -112,6 +113,25 @@ class Subject(Protocol):
     @property
     def flank_paths(self) -> tuple[Path, Path]:
         """Inner and outer outline; the whole curve for the flank on which no roller runs."""
+
+
+SLIDER_ONLY: Final = "is for a slider that drives a rocker; no such linkage is here"
+"""What is said to data of a linkage's slider or coupler where the linkage is another one."""
+
+
+def demand_unit(subject: Subject) -> Literal["mm", "rad"]:
+    """Unit of the motion that the scene demands."""
+    return subject.lift_unit if subject.linkage is None else subject.linkage.unit
+
+
+def driving_slider(subject: Subject) -> SliderCrank | None:
+    """The linkage whose slider makes the demanded motion; None without one, or with another."""
+    if subject.linkage is None or subject.linkage.member != "slider":
+        return None
+    from camgeo.mechanism.slider_crank import SliderCrank
+
+    assert isinstance(subject.linkage, SliderCrank)  # the only one with a slider at its far end
+    return subject.linkage
 
 
 @dataclass(frozen=True, slots=True)

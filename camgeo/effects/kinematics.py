@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from camgeo.check.finding import Finding
-from camgeo.effects.effect import SPEED, Column, Effect, Request
+from camgeo.effects.effect import SPEED, Column, Effect, Request, demand_unit
 from camgeo.motion.joints import breaks
 from camgeo.motion.law_extremes import extremes_at_turns
 from camgeo.motion.motion import Side
@@ -52,7 +52,8 @@ class _Moving:
 
     Attributes
     ----------
-    prefix : of the names of its findings and columns: "" for what is demanded, "rocker ".
+    prefix : of the names of its findings and columns: "" for what is demanded, "rocker " or
+        "follower " behind a linkage.
     order : of the highest derivative that is continuous all over the turn.
     """
 
@@ -124,10 +125,10 @@ def compute(request: Request) -> Kinematics:
 
 
 def _motions(subject: Subject, course: TimeCourse) -> list[_Moving]:
-    """What is demanded and, behind a linkage, what the rocker does."""
+    """What is demanded and, behind a linkage, what the follower does."""
     plan = subject.plan
     order = min(joint.order for joint in breaks(plan))
-    unit: LiftUnit = "mm" if subject.linkage is not None else subject.lift_unit
+    unit: LiftUnit = demand_unit(subject)
     demanded = None
     if isinstance(course, ConstantSpeed):
         demanded = extremes_at_turns(plan, course, unit)
@@ -136,8 +137,10 @@ def _motions(subject: Subject, course: TimeCourse) -> list[_Moving]:
     if subject.linkage is not None:
         # A linkage that closes is smooth: it takes shocks and jerks over, and adds none.
         motion = subject.motion
-        of_rocker = time_extremes(motion, course, "rad")
-        found.append(_Moving("rocker ", motion, "rad", order, of_rocker))
+        own = subject.lift_unit
+        prefix = "rocker " if own == "rad" else "follower "
+        of_follower = time_extremes(motion, course, own)
+        found.append(_Moving(prefix, motion, own, order, of_follower))
     return found
 
 

@@ -15,6 +15,7 @@ from camgeo.contour.fit import Effort, Fit
 from camgeo.files.specs import DxfSpec
 from camgeo.files.table import Table
 from camgeo.lazy import Ledger
+from camgeo.mechanism.linkage_protocol import Member
 from camgeo.motion.joints import Joint
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.part.part import Part
@@ -69,13 +70,17 @@ class PlanSegment:
         return self.label == DWELL
 
 
+Demanded = Literal["follower"] | Member
+"""Whose motion a scene demands: the follower's, or with a linkage that of its far end."""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class PlanSketch:
     """What a picture shows of the motion plan.
 
     Attributes
     ----------
-    of : whose motion is planned: the follower's, or with a linkage the slider's.
+    of : whose motion is planned: the follower's, or with a linkage that of its far end.
     unit : of the plan's positions.
     joints : of the plan, as many as segments: joint k is where segment k begins.
     breaks : the joints, and the places inside the laws at which a derivative may jump.
@@ -83,7 +88,7 @@ class PlanSketch:
     speed : of the disc [rad/s], positive; None if there is none or it varies.
     """
 
-    of: Literal["follower", "slider"]
+    of: Demanded
     unit: Literal["mm", "rad"]
     joints: tuple[Joint, ...]
     breaks: tuple[Joint, ...]

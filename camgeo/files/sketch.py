@@ -10,7 +10,7 @@ import numpy as np
 
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.curve.working_curve import WorkingCurve
-from camgeo.files.product import DWELL, CutOff, FollowerSketch, PlanSegment, PlanSketch
+from camgeo.files.product import DWELL, CutOff, Demanded, FollowerSketch, PlanSegment, PlanSketch
 from camgeo.mechanism.kinds import AnyFlat
 from camgeo.mechanism.oscillating_flat import OscillatingFlat
 from camgeo.motion.joints import breaks, joints
@@ -31,7 +31,7 @@ DATA = "data"
 
 def plan_sketch(
     plan: MotionPlan,
-    of: Literal["follower", "slider"],
+    of: Demanded,
     unit: Literal["mm", "rad"],
     speed: float | None,
 ) -> PlanSketch:

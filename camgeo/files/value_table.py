@@ -16,13 +16,20 @@ from camgeo.units import LengthUnit
 
 if TYPE_CHECKING:  # few scenes name an effect
     from camgeo.effects.effect import Column
+    from camgeo.files.product import Demanded
 
 FULL_TURN = Decimal(360)
 
 POWERS = ("s", "s^2", "s^3")
 
-SWING = ("omega_psi", "alpha_psi", "j_psi")
-"""Names of the rocker's angular velocity, acceleration and jerk."""
+MARKS = ("", "'", "''", "'''")
+"""Of a motion and its derivatives over the cam angle."""
+
+ANGLES: dict[Demanded, str] = {"lever": "chi", "crank": "theta"}
+"""What a demanded angle is called that is not the follower's own."""
+
+SWING = ("omega", "alpha", "j")
+"""How the names of angular velocity, acceleration and jerk begin."""
 
 
 class Tabulated(Protocol):
@@ -38,7 +45,7 @@ class Tabulated(Protocol):
     def lift_unit(self) -> str: ...
 
     @property
-    def has_linkage(self) -> bool: ...
+    def demanded_of(self) -> Demanded: ...
 
     @property
     def is_flat(self) -> bool: ...
@@ -89,16 +96,8 @@ def value_table(design: Tabulated, step: Decimal) -> Table:
     phi = np.radians(degrees)
     unit, mm = design.unit, design.millimetres
     columns: list[tuple[str, FloatArray]] = [("phi [deg]", degrees)]
-    marks = ("", "'", "''", "'''")
-    if design.has_linkage or design.lift_unit == "mm":
-        per = ("", "/rad", "/rad^2", "/rad^3")
-        for mark, rate, values in zip(marks, per, design.stroke(phi), strict=True):
-            columns.append((f"s{mark} [{unit}{rate}]", values / mm))
-    if design.lift_unit == "rad":
-        swing = design.lift(phi)
-        columns.append(("psi [deg]", np.degrees(swing[0])))
-        for mark, rate, values in zip(marks[1:], ("1", "1/rad", "1/rad^2"), swing[1:], strict=True):
-            columns.append((f"psi{mark} [{rate}]", values))
+    for name, motion in _motions(design, phi):
+        columns += _angle(name, motion) if name else _length(design, motion)
     columns += _in_time(design, phi)
     curves = [("contact", design.pitch(phi))]
     if not design.is_flat:
@@ -120,20 +119,47 @@ def value_table(design: Tabulated, step: Decimal) -> Table:
     return Table(names, np.column_stack([values for _, values in columns]))
 
 
+def _motions(design: Tabulated, phi: FloatArray) -> list[tuple[str, Jet]]:
+    """The motion that the scene demands, and the follower's own if that is another one.
+
+    Each (4, n) behind the name of its angle, empty for a way.
+    """
+    own = "psi" if design.lift_unit == "rad" else ""
+    found = [(own, design.lift(phi))]
+    if design.demanded_of != "follower":
+        found.insert(0, (ANGLES.get(design.demanded_of, ""), design.stroke(phi)))
+    return found
+
+
+def _length(design: Tabulated, motion: Jet) -> list[tuple[str, FloatArray]]:
+    return [
+        (f"s{mark} [{design.unit}{rate}]", values / design.millimetres)
+        for mark, rate, values in zip(MARKS, ("", "/rad", "/rad^2", "/rad^3"), motion, strict=True)
+    ]
+
+
+def _angle(name: str, motion: Jet) -> list[tuple[str, FloatArray]]:
+    rates = zip(MARKS[1:], ("1", "1/rad", "1/rad^2"), motion[1:], strict=True)
+    return [
+        (f"{name} [deg]", np.degrees(motion[0])),
+        *((f"{name}{mark} [{rate}]", values) for mark, rate, values in rates),
+    ]
+
+
 def _in_time(design: Tabulated, phi: FloatArray) -> list[tuple[str, FloatArray]]:
-    """Time and derivatives in time: of the motion that the scene demands, and of the rocker."""
+    """Time and derivatives in time: of the motion that the scene demands, and of the follower."""
     course = design.time_course
     if course is None:
         return []
     columns = [("t [s]", course.time(phi))]
-    if design.has_linkage or design.lift_unit == "mm":
-        timed = in_time(design.stroke(phi), course, phi)[1:]
-        for name, power, values in zip(("v", "a", "j"), POWERS, timed, strict=True):
-            columns.append((f"{name} [{design.unit}/{power}]", values / design.millimetres))
-    if design.lift_unit == "rad":
-        timed = in_time(design.lift(phi), course, phi)[1:]
-        for name, power, values in zip(SWING, POWERS, timed, strict=True):
-            columns.append((f"{name} [deg/{power}]", np.degrees(values)))
+    for name, motion in _motions(design, phi):
+        timed = in_time(motion, course, phi)[1:]
+        if name:
+            for kind, power, values in zip(SWING, POWERS, timed, strict=True):
+                columns.append((f"{kind}_{name} [deg/{power}]", np.degrees(values)))
+            continue
+        for kind, power, values in zip(("v", "a", "j"), POWERS, timed, strict=True):
+            columns.append((f"{kind} [{design.unit}/{power}]", values / design.millimetres))
     return columns
 
 

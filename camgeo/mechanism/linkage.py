@@ -2,110 +2,81 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
-from functools import partial
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from camgeo.errors import GeometryError
-from camgeo.mechanism.slider_crank import SliderCrank
-from camgeo.motion.extremes import SAMPLES, lift_range, pieces
+from camgeo.mechanism.triangle import ROUNDING
+from camgeo.motion.extremes import lift_range
 from camgeo.motion.motion import FULL_ORDER, Dwell, Jet, Motion, Side
 from camgeo.numeric.arrays import FloatArray
-from camgeo.numeric.roots import roots_on_grid
 
-ROUNDING = 8.0 * 2.0**-52
-"""A missing length of this share of crank and coupler is a dead centre, rounded."""
+if TYPE_CHECKING:
+    from camgeo.mechanism.linkage_protocol import Linkage
 
 
 @dataclass(frozen=True, slots=True)
 class LinkedMotion:
-    """The rocker's motion behind a linkage whose slider makes the demanded motion.
+    """The follower's motion behind a linkage whose far end makes the demanded motion.
 
     Attributes
     ----------
-    slider : the demanded motion [mm].
-    linkage : what turns it into the rocker's angle [rad], counter-clockwise positive.
+    demanded : the motion of the linkage's far end [mm or rad, as `Linkage.unit` says].
+    linkage : what turns it into the follower's own: a rocker's angle [rad], counter-clockwise
+        positive, or a stroke [mm].
 
     Raises
     ------
     GeometryError
-        With key "linkage", if the linkage does not close somewhere in the turn; it names the first
-        and last cam angle and the missing length.
+        With key "linkage", if the linkage does not close somewhere in the turn; it names each range
+        of cam angles, the missing length, and what would close it.
     """
 
-    slider: Motion
-    linkage: SliderCrank
+    demanded: Motion
+    linkage: Linkage
 
     def __post_init__(self) -> None:
-        linkage = self.linkage
         _, gap = self.tightest()
-        if gap <= ROUNDING * (linkage.crank + linkage.coupler):
+        if gap <= ROUNDING * (self.linkage.crank + self.linkage.coupler):
             return
-        first, last = self._open_range()
-        raise GeometryError(
-            f"the linkage does not close between cam angles {math.degrees(first):.10g} and"
-            f" {math.degrees(last):.10g} degrees: up to {gap:.6g} mm are missing; shorten the"
-            " stroke or lengthen crank or coupler",
-            key="linkage",
-        )
+        from camgeo.mechanism.closing import why_open  # a linkage that closes needs no cure
+
+        raise GeometryError(why_open(self.linkage, self.demanded), key="linkage")
 
     def tightest(self) -> tuple[float, float]:
-        """The stroke [mm] nearest to a dead centre, or beyond it, with the missing length [mm].
+        """The position [mm or rad] nearest to a dead centre, or beyond it, and what is missing.
 
-        The length is negative where there is some to spare.
-
-        The pin's distance from the shaft is extreme at an end of the stroke, or where it passes the
-        shaft.
+        The missing length [mm] is negative where there is some to spare.
         """
-        linkage = self.linkage
-        ends = np.array(lift_range(self.slider))
-        passing = np.clip(-linkage.stroke_direction * linkage.start_position, *ends)
-        strokes = np.append(ends, passing)
-        missing = linkage.missing_length(strokes)
+        low, high = lift_range(self.demanded)
+        positions = np.array([low, high, *self.linkage.turning_positions(low, high)])
+        missing = self.linkage.missing_length(positions)
         worst = int(np.argmax(missing))
-        return float(strokes[worst]), float(missing[worst])
-
-    def _open_range(self) -> tuple[float, float]:
-        """First and last cam angle [rad] at which crank and coupler just reach the pin.
-
-        Where the stroke passes one of those at which they do: however short the range in which they
-        do not, the stroke itself runs steadily through it.
-        """
-        linkage = self.linkage
-        found: list[FloatArray] = []
-        for start, end in pieces(self.slider):
-            grid = np.linspace(start, end, SAMPLES)
-            for reach in linkage.dead_strokes:
-                found.append(roots_on_grid(partial(self._beyond, reach), grid))
-        angles = np.concatenate(found)
-        return float(np.min(angles)), float(np.max(angles))
-
-    def _beyond(self, stroke: float, phi: FloatArray) -> FloatArray:
-        return np.asarray(self.slider.jet(phi)[0] - stroke)
+        return float(positions[worst]), float(missing[worst])
 
     @property
     def breaks(self) -> FloatArray:
         """See `Motion`."""
-        return self.slider.breaks
+        return self.demanded.breaks
 
     @property
     def borders(self) -> FloatArray:
         """See `Motion`."""
-        return self.slider.borders
+        return self.demanded.borders
 
     @property
     def dwells(self) -> tuple[Dwell, ...]:
         """See `Motion`."""
-        return self.slider.dwells
+        return self.demanded.dwells
 
     def jet(self, phi: FloatArray, side: Side = "right", order: int = FULL_ORDER) -> Jet:
-        """(order + 1, n) rocker angle and derivatives, see `Motion.jet`."""
-        return self.linkage.transform(self.slider.jet(phi, side, order), order)
+        """(order + 1, n) follower's motion and derivatives, see `Motion.jet`."""
+        return self.linkage.transform(self.demanded.jet(phi, side, order), order)
 
     def jet_and_bounds(self, low: FloatArray, high: FloatArray) -> tuple[Jet, Jet]:
         """See `Motion.jet_and_bounds`."""
-        middle, bounds = self.slider.jet_and_bounds(low, high)
+        middle, bounds = self.demanded.jet_and_bounds(low, high)
         linkage = self.linkage
         return linkage.transform(middle, FULL_ORDER), linkage.transform_bounds(middle, bounds)

@@ -8,19 +8,21 @@ X = s_0 + eps_s s, positive X to the left; the crank tip is T = l_sk exp(i theta
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, partial
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
 from camgeo.errors import GeometryError
+from camgeo.mechanism.triangle import ROUNDING, half_angle
 from camgeo.motion.extremes import SAMPLES, lift_range, pieces, turning_angles
 from camgeo.motion.motion import FULL_ORDER, Jet, Motion
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.numeric.roots import roots_on_grid
 
-ROUNDING = 8.0 * 2.0**-52
-"""A difference of lengths of this share of crank and coupler is zero, rounded."""
+if TYPE_CHECKING:
+    from camgeo.mechanism.linkage_protocol import Size
 
 
 @dataclass(frozen=True)
@@ -107,6 +109,35 @@ class SliderCrank:
             for x in (distance, -distance)
         )
 
+    @property
+    def member(self) -> Literal["slider"]:
+        """The slider makes the demanded motion."""
+        return "slider"
+
+    @property
+    def unit(self) -> Literal["mm"]:
+        """Of the stroke."""
+        return "mm"
+
+    def dead_positions(self, low: float, high: float) -> tuple[float, ...]:
+        """See `Linkage.dead_positions`."""
+        return tuple(stroke for stroke in self.dead_strokes if low <= stroke <= high)
+
+    def turning_positions(self, low: float, high: float) -> tuple[float, ...]:
+        """See `Linkage.turning_positions`: where the pin passes the shaft."""
+        passing = -self.stroke_direction * self.start_position
+        return (passing,) if low <= passing <= high else ()
+
+    def size_limits(self, size: Size, low: float, high: float) -> tuple[float, ...]:
+        """See `Linkage.size_limits`."""
+        from camgeo.mechanism.slider_crank_sizes import size_limits  # what closes needs none
+
+        return size_limits(self, size, (low, high))
+
+    def resized(self, size: Size, length: float) -> SliderCrank:
+        """See `Linkage.resized`."""
+        return replace(self, crank=length) if size == "crank" else replace(self, coupler=length)
+
     def pin(self, stroke: FloatArray) -> tuple[FloatArray, FloatArray]:
         """X (n,) and d = |P| (n,) [mm] at `stroke` (n,) [mm]."""
         x = self.start_position + self.stroke_direction * stroke
@@ -127,23 +158,8 @@ class SliderCrank:
         return product * outer * outer, product * inner * inner
 
     def _half_angle(self, growth: FloatArray, d: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Sine and cosine, times a common factor, of half the angle pin - shaft - tip, in (0, pi).
-
-        `growth` is d^2 less its value at stroke 0 [mm^2]: a dead centre at the start keeps the
-        digits of the stroke, which d has no longer. The squares add up to 4 l_sk d; the product is
-        D/2, twice the area of the triangle shaft, pin, tip, zero at a dead centre.
-        """
-        crank, coupler = self.crank, self.coupler
-        outer, inner = self._start_gaps
-        difference = crank - coupler
-        reach = d + abs(difference)
-        near = (inner + growth) / reach  # d - |l_sk - l_4|
-        short, long = (near, reach) if difference > 0.0 else (reach, near)
-        total = d + (crank + coupler)
-        first = (outer - growth) / total * short
-        second = long * total
-        # At a dead centre the radicand may round to a tiny negative number.
-        return np.sqrt(np.maximum(first, 0.0)), np.sqrt(np.maximum(second, 0.0))
+        """See `camgeo.mechanism.triangle.half_angle`."""
+        return half_angle(self.crank, self.coupler, self._start_gaps, growth, d)
 
     def _growth(self, stroke: FloatArray) -> FloatArray:
         """d^2 less its value at stroke 0 [mm^2]."""

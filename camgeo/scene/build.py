@@ -32,6 +32,7 @@ from camgeo.units import RPM, TURN
 
 if TYPE_CHECKING:
     from camgeo.mechanism.kinds import AnyFlat, AnyFollower, RollerFollower
+    from camgeo.mechanism.linkage_protocol import Linkage
     from camgeo.motion.time_course import SpeedCurve
 
 Built = TypeVar("Built")
@@ -161,26 +162,51 @@ class Builder:
         angle = math.radians(table["arm_angle"])
         return self._engine(("follower",), lambda: return_on_lever(follower, angle, **given))
 
-    def linkage(self) -> SliderCrank | None:
-        """The linkage; None if there is none, or none that works."""
+    def linkage(self) -> Linkage | None:
+        """The linkage; None if there is none, or none that works.
+
+        Of a slider-crank the follower's kind decides which member makes the demanded motion.
+        """
         table: dict[str, Any] | None = self.values.get("linkage")
         if table is None:
             return None
-        return self._engine(
-            ("linkage",),
-            lambda: SliderCrank(
-                crank=self._mm * table["crank"],
-                coupler=self._mm * table["coupler"],
-                deflection=math.radians(table["crank_deflection"]),
-                leans_away=table["crank_leans"] == "away",
-                slider_side=SIGNS[table.get("slider_side", "left")],
-                stroke_direction=SIGNS[table["stroke_direction"]],
-                branch=BRANCHES[table["branch"]],
-                mirrored=table.get("mirrored", False),
-            ),
+        if table["kind"] == "four-bar":
+            return self._engine(("linkage",), lambda: self._four_bar(table))
+        if self.values.slides:
+            return self._engine(("linkage",), lambda: self._crank_slider(table))
+        return self._engine(("linkage",), lambda: self._slider_crank(table))
+
+    def _slider_crank(self, table: dict[str, Any]) -> SliderCrank:
+        return SliderCrank(
+            crank=self._mm * table["crank"],
+            coupler=self._mm * table["coupler"],
+            deflection=math.radians(table["crank_deflection"]),
+            leans_away=table["crank_leans"] == "away",
+            slider_side=SIGNS[table.get("slider_side", "left")],
+            stroke_direction=SIGNS[table["stroke_direction"]],
+            branch=BRANCHES[table["branch"]],
+            mirrored=table.get("mirrored", False),
         )
 
-    def join(self, plan: MotionPlan, follower: AnyFollower, linkage: SliderCrank) -> None:
+    def _crank_slider(self, table: dict[str, Any]) -> Linkage:
+        from camgeo.mechanism.crank_slider import CrankSlider  # few scenes have one
+
+        return CrankSlider(self._slider_crank(table))
+
+    def _four_bar(self, table: dict[str, Any]) -> Linkage:
+        from camgeo.mechanism.four_bar import FourBar  # few scenes have one
+
+        return FourBar(
+            crank=self._mm * table["crank"],
+            coupler=self._mm * table["coupler"],
+            lever=self._mm * table["lever"],
+            shaft=self._mm * complex(*table["shaft"]),
+            lever_angle=math.radians(table["lever_angle"]),
+            lever_sense=SIGNS[table.get("lever_sense", "ccw")],
+            branch=BRANCHES[table["branch"]],
+        )
+
+    def join(self, plan: MotionPlan, follower: AnyFollower, linkage: Linkage) -> None:
         """Check that the linkage makes the motion, and moves the roller as the scene says."""
         linked = self._engine(("linkage",), lambda: LinkedMotion(plan, linkage))
         stated = self.values.get("follower", "direction")
@@ -212,7 +238,7 @@ class Builder:
         self,
         plan: MotionPlan,
         follower: AnyFollower,
-        linkage: SliderCrank | None,
+        linkage: Linkage | None,
         returning: RollerFollower | None,
         speed_curve: SpeedCurve | None,
         effects: dict[str, dict[str, Any]],

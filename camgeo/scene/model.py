@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 
 from camgeo.check.limits import Limits
 from camgeo.files.specs import DxfSpec
-from camgeo.mechanism.slider_crank import SliderCrank
 from camgeo.motion.plan import MotionPlan
 from camgeo.part.spec import Contact, PartSpec
 from camgeo.toolpath.spec import GcodeSpec
@@ -19,6 +18,7 @@ from camgeo.units import LengthUnit
 if TYPE_CHECKING:
     from camgeo.contour.fit import Effort
     from camgeo.mechanism.kinds import AnyFollower, RollerFollower
+    from camgeo.mechanism.linkage_protocol import Linkage
     from camgeo.motion.time_course import SpeedCurve
 
 
@@ -75,9 +75,9 @@ class Scene:
     rotation : sense in which the disc turns, +1 counter-clockwise, -1 clockwise.
     speed : of the disc, positive [rad/s], the mean one if it varies; None if the scene gives none.
     speed_curve : how the speed varies over the turn; None if it does not.
-    plan : the motion; of the slider if there is a linkage, else of the follower.
+    plan : the motion; of the far end of a linkage if there is one, else of the follower.
     follower : what touches the disc.
-    linkage : between motion and rocker; None if the motion is the follower's own.
+    linkage : between motion and follower; None if the motion is the follower's own.
     returning : the second roller, on the return disc of a conjugate pair; None if there is none.
     contact : the flank on which the roller runs.
     side_clearance : groove's width less the roller's diameter [mm]; 0 without groove.
@@ -95,7 +95,7 @@ class Scene:
     speed: float | None
     plan: MotionPlan
     follower: AnyFollower
-    linkage: SliderCrank | None = None
+    linkage: Linkage | None = None
     returning: RollerFollower | None = None
     speed_curve: SpeedCurve | None = None
     contact: Contact = "inner"

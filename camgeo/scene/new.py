@@ -17,6 +17,8 @@ KINDS: Final = (
     "conjugate-carriage",
     "conjugate-lever",
     "slider-crank",
+    "crank-slider",
+    "four-bar",
 )
 """What `template` has a scene for; the first is the default of the command line."""
 

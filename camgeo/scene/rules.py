@@ -13,7 +13,7 @@ from camgeo.motion.laws import find_family
 from camgeo.motion.planning import AUTO
 from camgeo.scene.folder import beside
 from camgeo.scene.model import OutputSpec
-from camgeo.scene.sound import ROCKERS, SoundValues
+from camgeo.scene.sound import SoundValues
 
 TURN: Final = Decimal(360)
 """What the spans add up to [degrees]."""
@@ -26,6 +26,21 @@ SPAN_DIGITS: Final = 60
 
 WIDEST_SWING: Final = 180.0
 """Largest rocker angle [degrees]; a rocker never swings through the cam axis."""
+
+WIDEST_TURN: Final = 3600.0
+"""Largest angle of the far end of a linkage [degrees]: a crank may turn over and over."""
+
+OF_SLIDER: Final = (
+    ("inertia", "coupler_mass"),
+    ("inertia", "coupler_centre"),
+    ("inertia", "coupler_moment"),
+    ("friction", "slider"),
+    ("load",),
+)
+"""Effects, or keys of them, that know the linkage of a slider that drives a rocker alone."""
+
+OF_STRAIGHT: Final = (("inertia", "mass"), ("friction", "guide_viscous"))
+"""Keys of effects that need something with a straight motion."""
 
 SMALLEST_POSITION: Final = 1e-30
 """Smallest position that is not 0; with less, velocities of up to 1e12 as parts of the stroke are
@@ -162,23 +177,20 @@ def swing_is_possible(values: SoundValues) -> Iterator[Fault]:
     """A rocker's own motion is given in degrees and stays on its side of the cam axis."""
     if not values.angular:
         return
+    linked = not values.lacks("linkage")
     for index in range(values.segments):
         end = values.get("motion", index, "to")
+        if linked:
+            if end is not None and not abs(end) <= WIDEST_TURN:
+                message = "must lie between -3600 and 3600: the motion is given in degrees"
+                yield values.scene.fault(("motion", index, "to"), message)
+            continue
         if end is not None and not abs(end) < WIDEST_SWING:
             message = (
                 "must lie between -180 and 180: without a linkage the motion of an oscillating "
                 "follower is given in degrees"
             )
             yield values.scene.fault(("motion", index, "to"), message)
-
-
-def linkage_drives_a_rocker(values: SoundValues) -> Iterator[Fault]:
-    """Only a rocker can be driven through a linkage."""
-    kind = values.get("follower", "kind")
-    if values.has("linkage") and kind is not None and kind not in ROCKERS:
-        needed = " or ".join(f'"{rocker}"' for rocker in ROCKERS)
-        message = f"a linkage drives a rocker: it needs kind = {needed}"
-        yield values.scene.fault(("follower", "kind"), message)
 
 
 def a_return_disc_has_a_main_disc(values: SoundValues) -> Iterator[Fault]:
@@ -225,6 +237,26 @@ def rollers_have_what_is_theirs(values: SoundValues) -> Iterator[Fault]:
             yield values.scene.fault(("effects", name), FOR_ROLLERS)
 
 
+def four_bar_turns_a_rocker(values: SoundValues) -> Iterator[Fault]:
+    """A translating follower cannot be driven through a four-bar."""
+    if values.get("linkage", "kind") == "four-bar" and values.slides:
+        message = (
+            'a four-bar turns a rocker: it needs kind = "oscillating-roller" or "oscillating-flat"'
+        )
+        yield values.scene.fault(("follower", "kind"), message)
+
+
+def effects_know_the_linkage(values: SoundValues) -> Iterator[Fault]:
+    """What is computed for a slider that drives a rocker is asked for of no other linkage."""
+    kind = values.get("linkage", "kind")
+    if not (kind == "four-bar" or (kind == "slider-crank" and values.slides)):
+        return
+    for keys in (*OF_SLIDER, *(() if values.slides else OF_STRAIGHT)):
+        if values.has("effects", *keys):
+            message = "is for a slider that drives a rocker; no such linkage is here"
+            yield values.scene.fault(("effects", *keys), message)
+
+
 def formats_have_what_they_need(values: SoundValues) -> Iterator[Fault]:
     """Solids and milling need a body, milling needs a tool, opticurv's points a linkage."""
     formats = values.get("output", "formats") or ()
@@ -237,6 +269,9 @@ def formats_have_what_they_need(values: SoundValues) -> Iterator[Fault]:
             yield values.scene.fault(place, FOR_ROLLERS)
         elif name == "asc" and values.lacks("linkage"):
             yield values.scene.fault(place, "needs [linkage]")
+        elif name == "asc" and (values.slides or values.get("linkage", "kind") == "four-bar"):
+            message = 'needs [linkage] kind = "slider-crank" and a rocker'
+            yield values.scene.fault(place, message)
         if name == "gcode" and values.lacks("output", "gcode"):
             yield values.scene.fault(place, "needs [output.gcode] with tool_diameter")
         if (
@@ -396,10 +431,11 @@ RULES: Final[tuple[Rule, ...]] = (
     laws_have_their_parameters,
     one_speed,
     swing_is_possible,
-    linkage_drives_a_rocker,
     a_return_disc_has_a_main_disc,
     face_has_a_length,
     rollers_have_what_is_theirs,
+    four_bar_turns_a_rocker,
+    effects_know_the_linkage,
     formats_have_what_they_need,
     contact_and_part_agree,
     roller_is_possible,

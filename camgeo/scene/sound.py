@@ -13,6 +13,9 @@ from camgeo.units import MM_PER, LengthUnit
 ROCKERS: Final = ("oscillating-roller", "oscillating-flat")
 """Kinds of followers that swing about a pivot."""
 
+SLIDERS: Final = ("translating-roller", "translating-flat")
+"""Kinds of followers that move along a guide."""
+
 FLATS: Final = ("translating-flat", "oscillating-flat")
 """Kinds of followers that touch the cam with a flat face."""
 
@@ -82,6 +85,20 @@ class SoundValues:
 
     @property
     def angular(self) -> bool:
-        """Whether positions of the motion are angles: an oscillating follower without linkage."""
-        kind = self.get("follower", "kind")
-        return kind in ROCKERS and self.lacks("linkage")
+        """Whether positions of the motion are angles.
+
+        Of an oscillating follower without linkage, the lever of a four-bar, or the crank that the
+        slider of a translating follower turns.
+        """
+        rocks: bool = self.get("follower", "kind") in ROCKERS
+        if self.lacks("linkage"):
+            return rocks
+        linkage = self.get("linkage", "kind")
+        angular: bool = linkage == "four-bar" or (linkage == "slider-crank" and self.slides)
+        return angular
+
+    @property
+    def slides(self) -> bool:
+        """Whether the follower is a translating one."""
+        slides: bool = self.get("follower", "kind") in SLIDERS
+        return slides

@@ -154,7 +154,8 @@ def computed(curve: PitchCurve) -> Found:
         lifts = motion.jet(phi)[:4]
         if isinstance(motion, LinkedMotion):
             # psi is a difference of such angles; only psi_G + psi goes into the curve.
-            angle = motion.linkage.crank_angle(motion.slider.jet(phi)[0])
+            assert isinstance(motion.linkage, SliderCrank)
+            angle = motion.linkage.crank_angle(motion.demanded.jet(phi)[0])
             lifts = np.concatenate((angle[np.newaxis], lifts[1:]))
         return (
             *lifts,

@@ -1,14 +1,19 @@
 from __future__ import annotations
 
 import math
+import re
 from decimal import Decimal
 
+import numpy as np
 import pytest
 
 from camgeo.check.linkage import DEAD_CENTRE, check_linkage
+from camgeo.mechanism.crank_slider import CrankSlider
+from camgeo.mechanism.four_bar import FourBar
 from camgeo.mechanism.linkage import LinkedMotion
 from camgeo.mechanism.slider_crank import SliderCrank
 from camgeo.motion.plan import Dwell, MotionPlan, Move
+from camgeo.units import TURN
 from tests.reference import POLYNOMIAL, hard_case, mechanisms, pitch_curve_of
 
 LINKED = [name for name, case in mechanisms().items() if case["params"]["kind"] == "cam_linkage"]
@@ -18,7 +23,28 @@ LINKED = [name for name, case in mechanisms().items() if case["params"]["kind"] 
 def test_the_linkages_of_the_thesis_need_no_word(name: str) -> None:
     motion = pitch_curve_of(mechanisms()[name]["params"]).motion
     assert isinstance(motion, LinkedMotion)
-    assert check_linkage(motion) == ()
+    found = check_linkage(motion)
+    assert [each.name for each in found] == ["dead-centre", "linkage-transmission-angle"]
+    assert {each.severity for each in found} == {"ok"}
+    # Both are extremes over the turn, and taken at the angle they name.
+    dense = np.linspace(0.0, TURN, 3601)
+    stroke = motion.demanded.jet(dense)[0]
+    pin, tip = motion.linkage.joints(stroke)
+    between = np.degrees(np.abs(np.arcsin(np.sin(np.angle((pin - tip) / tip)))))
+    spare, angle = (each.value for each in found)
+    assert spare is not None
+    assert angle is not None
+    least = float(np.min(-motion.linkage.missing_length(stroke)))
+    # Extremes lie 0.05 deg from a sample at most, at ends of the stroke to the second order.
+    assert 0.0 <= least - spare <= 1e-4
+    assert 0.0 <= float(np.min(between)) - angle + 1e-9 <= 1e-4
+    for each, expected in zip(found, (spare, angle), strict=True):
+        assert each.cam_angle is not None
+        at = motion.demanded.jet(np.array([each.cam_angle]))[0]
+        pin, tip = motion.linkage.joints(at)
+        turned = math.degrees(abs(math.asin(math.sin(np.angle((pin - tip) / tip)[0]))))
+        value = turned if each.unit == "deg" else -motion.linkage.missing_length(at)[0]
+        assert value == pytest.approx(expected, rel=1e-6)
 
 
 @pytest.mark.parametrize("name", LINKED)
@@ -28,8 +54,9 @@ def test_the_other_branch_is_worth_a_warning(name: str) -> None:
     params["q23"] = "zweiter" if params["q23"] == "erster" else "erster"
     motion = pitch_curve_of(params).motion
     assert isinstance(motion, LinkedMotion)
-    (found,) = check_linkage(motion)
+    (found,) = (each for each in check_linkage(motion) if each.severity != "ok")
     assert found.name == "linkage-branch"
+    assert isinstance(motion.linkage, SliderCrank)
     assert found.severity == "warning"
     assert found.cam_angle == 0.0
     assert found.value is not None
@@ -62,7 +89,7 @@ def test_a_dead_centre_at_the_end_of_the_stroke(short: float, fatal: bool) -> No
     """What is spare is at most the stroke that is: 1e-3 mm are more, 1e-9 less than the limit."""
     linkage = SliderCrank(40.0, 60.0, 0.3, True, 1, 1, 1)
     stroke = max(linkage.dead_strokes) - short
-    found = check_linkage(moving(linkage, stroke))
+    found = [each for each in check_linkage(moving(linkage, stroke)) if each.severity == "fatal"]
     assert [finding.name for finding in found] == (["dead-centre"] if fatal else [])
     if fatal:
         assert f"at stroke {stroke:.6g} mm" in found[0].sentence
@@ -74,3 +101,52 @@ def test_a_dead_centre_inside_the_stroke_is_found_though_both_ends_are_clear() -
     (found,) = check_linkage(moving(linkage, 1.5 * linkage.start_position))
     assert found.name == "dead-centre"
     assert f"at stroke {linkage.start_position:.6g} mm" in found.sentence
+
+
+def linked() -> list[LinkedMotion]:
+    bar = FourBar(70.0, 120.0, 85.0, 110.0 + 30.0j, math.radians(120.0), -1, -1)
+    slide = SliderCrank(40.0, 110.0, math.radians(25.0), True, 1, -1, 1)
+    return [
+        LinkedMotion(turning(math.radians(22.0)), bar),
+        LinkedMotion(turning(math.radians(-45.0)), bar),
+        LinkedMotion(turning(math.radians(-40.0)), CrankSlider(slide)),
+        # On its way coupler and crank come to lie on one line: the crank passes, the slider turns.
+        LinkedMotion(turning(math.radians(150.0)), CrankSlider(slide)),
+        LinkedMotion(turning(-30.0), slide),
+    ]
+
+
+def turning(to: float) -> MotionPlan:
+    third = Decimal(120)
+    return MotionPlan((Dwell(third), Move(third, to, POLYNOMIAL), Move(third, 0.0, POLYNOMIAL)))
+
+
+@pytest.mark.parametrize("motion", linked(), ids=range(5))
+def test_distance_and_angle_are_the_least_of_samples(motion: LinkedMotion) -> None:
+    spare, angle = check_linkage(motion)
+    position = motion.demanded.jet(np.linspace(0.0, TURN, 7201))[0]
+    pin, tip = motion.linkage.joints(position)
+    between = np.degrees(np.arcsin(np.abs(np.sin(np.angle((pin - tip) / tip)))))
+    assert spare.value is not None
+    assert angle.value is not None
+    # A step of 0.05 deg moves the far end by 2e-3 rad or 1e-1 mm at most, the angle by as much
+    # in its order; ends and turns are of the second order, a passage of the line is a kink.
+    least = float(np.min(-motion.linkage.missing_length(position)))
+    assert -1e-12 <= least - spare.value <= 1e-3
+    assert -1e-9 <= float(np.min(between)) - angle.value <= 0.2
+
+
+def test_a_crank_in_line_with_its_coupler_is_no_dead_centre_of_the_slider() -> None:
+    found = check_linkage(linked()[3])
+    assert [each.severity for each in found] == ["ok", "ok"]
+    assert found[1].value == 0.0
+
+
+def test_what_keeps_clear_of_a_dead_centre_is_told_and_does() -> None:
+    linkage = SliderCrank(40.0, 60.0, 0.3, True, 1, 1, 1)
+    reach = max(linkage.dead_strokes)
+    (fatal,) = check_linkage(moving(linkage, reach))
+    assert fatal.cam_angle == pytest.approx(math.radians(240.0))
+    (kept,) = re.findall(r"kept between \S+ and (\S+) mm there is none", fatal.sentence)
+    assert float(kept) == pytest.approx(reach, rel=1e-5)
+    assert check_linkage(moving(linkage, float(kept)))[0].severity == "ok"

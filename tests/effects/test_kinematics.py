@@ -10,6 +10,7 @@ import pytest
 
 from camgeo.effects.effect import Column
 from camgeo.errors import SceneError
+from camgeo.mechanism.slider_crank import SliderCrank
 from camgeo.numeric.arrays import FloatArray
 from camgeo.units import TURN
 from tests.effects.scenes import design
@@ -107,7 +108,7 @@ def test_the_rocker_moves_as_its_linkage_says() -> None:
     made = design("setzhub", EFFECTS)
     found = columns(made)
     linkage = made.linkage
-    assert linkage is not None
+    assert isinstance(linkage, SliderCrank)
     stroke = made.plan.jet(PHI)[0]
     slide = linkage.per_swing(stroke)[0]
     expected = np.degrees(found["velocity"].values(PHI, "right") / slide)

@@ -154,16 +154,19 @@ def value(rng: Random, key: str, node: dict[str, Any], *, wild: bool) -> Any:
 def keys_of(rng: Random, effect: str, properties: dict[str, Any], text: str) -> list[str]:
     """Some of the keys of a table, most times those that suit the follower."""
     rocks = "oscillating-roller" in text
-    foreign = OF_LINKAGE if "[linkage]" in text else OF_ROCKER if rocks else OF_GUIDE
+    slides = rocks and '"slider-crank"' in text
+    foreign = OF_LINKAGE if slides else OF_ROCKER if rocks else OF_GUIDE
     keys = [each for each in properties if each not in foreign.get(effect, ())]
     if rng.random() < 0.03:
         keys = list(properties)
     chosen = [each for each in keys if rng.random() < 0.6]
     if effect == "spring":
         suits = SPRINGS if rocks else SPRINGS[:1]
-        chosen = list(rng.choice(suits[1:] if rocks and "[linkage]" not in text else suits))
+        chosen = list(rng.choice(suits[1:] if rocks and not slides else suits))
     if effect == "vibration":
-        stiff = "torsional_stiffness" if rocks and "[linkage]" not in text else "stiffness"
+        stiff = "torsional_stiffness" if rocks and not slides else "stiffness"
+        if "[linkage]" in text and not slides:  # the mass of its far end is not known
+            stiff = "natural_frequency"
         one = rng.choice(("natural_frequency", stiff))
         three = ("natural_frequency", "stiffness", "torsional_stiffness")
         chosen = [one, *(each for each in chosen if each not in three)]
@@ -210,7 +213,8 @@ def tables_of(rng: Random, text: str) -> str:
         named -= set(ONE_CONTACT)
     lines = []
     for effect in EFFECTS:
-        if effect not in named:
+        other = "[linkage]" in text and not ("oscillating" in text and "slider-crank" in text)
+        if effect not in named or (effect == "load" and other):
             continue
         lines.append(f"[effects.{effect}]")
         properties = known[effect].get("properties", {})

@@ -292,7 +292,8 @@ def test_a_slider_that_turns_back_cannot_close_all_round() -> None:
 
 def test_an_arm_over_the_line_of_centres_cannot_close_by_the_slider() -> None:
     made = design("schnitt", f"[effects.spring]\n{LINEAR}")
-    assert made.linkage is not None
+    linkage = made.linkage
+    assert isinstance(linkage, SliderCrank)
     follower: Any = SimpleNamespace(
         reach=1.0, relative_jet=lambda jet, *_: SimpleNamespace(u=jet[0] - 0.5 * np.max(jet[0]))
     )
@@ -301,7 +302,7 @@ def test_an_arm_over_the_line_of_centres_cannot_close_by_the_slider() -> None:
         smooth_angles=made.smooth_angles,
     )  # fmt: skip
     with pytest.raises(GeometryError, match="line of centres") as error:
-        along_slider(subject, made.linkage)
+        along_slider(subject, linkage)
     assert error.value.key == "effects.spring"
 
 

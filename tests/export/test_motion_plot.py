@@ -178,7 +178,8 @@ def test_every_scene_is_drawn_with_titles_that_say_whose_motion(scene: Path) -> 
     figure = drawn(design)
     plan, diagram = (text.get_text() for text in figure.texts)
     linked = design.has_linkage
-    assert plan == f"{design.name}: motion plan of the {'slider' if linked else 'follower'}"
+    demanded = "follower" if design.linkage is None else design.linkage.member
+    assert plan == f"{design.name}: motion plan of the {demanded}"
     assert ("behind the linkage" in diagram) == linked
     # Nothing is cut off: all text lies on the page.
     width, height = figure.bbox.width, figure.bbox.height

@@ -1,182 +1,178 @@
-"""Every mechanism against its own constraint equations, closed by Newton to 40 digits."""
-
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+import re
 from decimal import Decimal
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
-from mpmath import mp, mpc, mpf
 
-from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.errors import GeometryError
+from camgeo.mechanism.closing import (
+    SIZES,
+    clear_range,
+    closing_sizes,
+    first_angle,
+    openings,
+    why_open,
+)
+from camgeo.mechanism.crank_slider import CrankSlider
+from camgeo.mechanism.four_bar import FourBar
 from camgeo.mechanism.linkage import LinkedMotion
-from camgeo.mechanism.oscillating_roller import OscillatingRoller
+from camgeo.mechanism.linkage_protocol import Linkage
 from camgeo.mechanism.slider_crank import SliderCrank
-from camgeo.mechanism.translating_roller import TranslatingRoller
-from camgeo.motion.motion import Motion
+from camgeo.motion.extremes import lift_range
 from camgeo.motion.plan import MotionPlan, Move
-from tests.mechanism.closing import (
-    Chain,
-    OscillatingChain,
-    Rocker,
-    SliderCrankChain,
-    TranslatingChain,
-    close,
-)
-from tests.reference import (
-    POLYNOMIAL,
-    hard_case,
-    inner_of,
-    mechanisms,
-    outer_of,
-    pitch_curve_of,
-    stroke_of,
-)
-from tests.strategies import SMOOTH, pitch_curves, signs, slider_cranks
-
-EPS = 2.0**-52
-
-ROUNDINGS = 16.0
-"""Of all lengths together: each enters a curve after a dozen operations of half an ulp or so, and
-wrong gaps move the roller by the stiffness of the chain."""
-
-few = settings(max_examples=12)
+from camgeo.units import TURN
+from tests.reference import POLYNOMIAL
+from tests.strategies import attack, crank_sliders, four_bars, slider_cranks
 
 
-def chain_of(curve: PitchCurve) -> Chain:
-    """The lengths of a mechanism, and on which sides its joints lie."""
-    follower = curve.follower
-    if isinstance(follower, TranslatingRoller):
-        return TranslatingChain(
-            follower.base_radius, follower.offset, follower.guide_angle, follower.direction
-        )
-    assert isinstance(follower, OscillatingRoller)
-    rocker = Rocker(follower.pivot, follower.arm, follower.base_radius, follower.arm_side)
-    if not isinstance(curve.motion, LinkedMotion):
-        assert follower.direction is not None
-        return OscillatingChain(rocker, follower.direction)
-    return linked_chain(rocker, curve.motion.linkage)
-
-
-def linked_chain(rocker: Rocker, linkage: SliderCrank) -> SliderCrankChain:
-    """Wirsig's questions 21 to 25 as places; `mirrored` changes left and right."""
-    lean = linkage.crank * math.sin(linkage.deflection)
-    distance = linkage.coupler + (-lean if linkage.leans_away else lean)
-    left = -1 if not linkage.mirrored else 1
-    pin = complex(
-        left * linkage.slider_side * distance, linkage.crank * math.cos(linkage.deflection)
-    )
-    return SliderCrankChain(
-        rocker,
-        linkage.crank,
-        linkage.coupler,
-        pin,
-        left * linkage.stroke_direction,
-        left * linkage.branch,
+def moving(*ends: float) -> MotionPlan:
+    """Equal moves to `ends` [mm or rad], and back to 0."""
+    span = Decimal(360) / (len(ends) + 1)
+    spans = [span] * len(ends)
+    spans.append(Decimal(360) - sum(spans))
+    return MotionPlan(
+        tuple(Move(s, to, POLYNOMIAL) for s, to in zip(spans, (*ends, 0.0), strict=True))
     )
 
 
-def agree(curve: PitchCurve, phi: list[float]) -> None:
-    """Pitch curve and working curves at `phi` [rad] against the closed chain, and their touch."""
-    demand: Motion = stroke_of(curve)
-    chain = chain_of(curve)
-    angles = np.unique(np.concatenate((np.linspace(0.0, 2.0 * math.pi, 61), phi)))
-    wanted = [int(np.searchsorted(angles, each)) for each in phi]
-    lifts, rates = demand.jet(angles)[:2]
-    where = angles[sorted(wanted)]
-    size = chain.size + float(np.max(np.abs(lifts))) * float(isinstance(chain, TranslatingChain))
-    closed = close(chain, lifts, wanted)
-    assert len(closed) == len(where)
-    sigma, radius = curve.rotation, curve.follower.roller_radius
-    pitch = curve.point(where)
-    flanks = [(-radius, inner_of(curve)), (radius, outer_of(curve))]
-    points = [flank.point(where) for _, flank in flanks]
-    tangents = [flank.tangent(where) for _, flank in flanks]
-    for number, each in enumerate(closed):
-        limit = ROUNDINGS * EPS * size * (1.0 + each.stiffness)
-        with mp.workdps(40):
-            back = mp.expj(-sigma * mpf(where[number]))
-            assert abs(mpc(pitch[number]) - each.roller * back) <= limit
-            # The roller as the cam sees it: its way is what the flank must be parallel to.
-            rate = mpf(rates[sorted(wanted)[number]])
-            way = (each.rate * rate - 1j * sigma * each.roller) * back
-            speed = float(abs(way))
-            across = 1j * sigma * way / abs(way)
-            for (distance, _), point, tangent in zip(flanks, points, tangents, strict=True):
-                touch = mpc(point[number]) / back - each.roller
-                assert abs(abs(touch) - radius) <= limit
-                # Direction of the normal: that of the way, whose parts are known to `limit`.
-                turn = limit * (1.0 + abs(float(rate))) / speed
-                assert abs(touch * back - distance * across) <= limit + radius * turn
-                assert abs((mpc(tangent[number]) * mp.conj(across)).real) <= turn
+@st.composite
+def stretched(draw: st.DrawFn) -> tuple[Linkage, MotionPlan]:
+    """A linkage and a motion that mostly goes farther than it closes."""
+    kinds = st.one_of(slider_cranks(0.0), four_bars(0.0), crank_sliders(0.0))
+    linkage: Linkage = draw(kinds)
+    reach = 150.0 if linkage.unit == "mm" else 2.5
+    ends = draw(st.lists(st.floats(-reach, reach), min_size=1, max_size=3))
+    return linkage, moving(*ends)
 
 
-def some_angles() -> st.SearchStrategy[list[float]]:
-    angle = st.floats(0.0, 2.0 * math.pi, exclude_max=True)
-    return st.lists(angle, min_size=4, max_size=4, unique=True)
+@attack
+@given(case=stretched())
+def test_the_ranges_are_those_in_which_samples_miss(case: tuple[Linkage, MotionPlan]) -> None:
+    linkage, motion = case
+    found = openings(linkage, motion)
+    dense = np.linspace(0.0, TURN, 7201)
+    missing = linkage.missing_length(motion.jet(dense)[0])
+    size = linkage.crank + linkage.coupler
+    inside = np.zeros(len(dense), dtype=bool)
+    for each in found:
+        within = (dense > each.start) & (dense < each.end)
+        inside |= within
+        at = np.array([each.start, each.place, each.end])
+        values = linkage.missing_length(motion.jet(at)[0])
+        # An angle is known to 4 ulps of a turn: 4e-15 rad by 150 mm by at most 20 a rad.
+        assert values[[0, 2]] == pytest.approx([0.0, 0.0], abs=1e-11 * size)
+        assert values[1] == pytest.approx(each.missing, rel=1e-12)
+        assert np.max(missing[within], initial=0.0) <= each.missing * (1.0 + 1e-12)
+    assert np.all(missing[inside] > -1e-11 * size)
+    assert np.all(missing[~inside] < 1e-11 * size)
+    if found:
+        with pytest.raises(GeometryError, match="does not close between") as caught:
+            LinkedMotion(motion, linkage)
+        assert caught.value.key == "linkage"
+        assert caught.value.message == why_open(linkage, motion)
 
 
-@few
-@given(curve=pitch_curves(SMOOTH), phi=some_angles())
-def test_guide_and_rocker(curve: PitchCurve, phi: list[float]) -> None:
-    agree(curve, phi)
+@attack
+@given(case=stretched())
+def test_what_would_close_it_closes_it(case: tuple[Linkage, MotionPlan]) -> None:
+    linkage, motion = case
+    assume(openings(linkage, motion))
+    told = why_open(linkage, motion)
+    low, high = lift_range(motion)
+    for size in SIZES:
+        for words in re.findall(
+            rf"with a {size} of (at least \S+|at most \S+|\S+ to \S+) mm", told
+        ):
+            lengths = [float(text) for text in re.findall(r"[\d.]+", words)]
+            for length in lengths:
+                LinkedMotion(motion, linkage.resized(size, length))
+        limits = closing_sizes(linkage, size, low, high)
+        if limits is None:
+            continue
+        # A hair outside it does not close: the figures are no larger than need be.
+        for limit, outside in zip(limits, (1.0 - 1e-6, 1.0 + 1e-6), strict=True):
+            if 0.0 < limit < math.inf:
+                with pytest.raises(GeometryError):
+                    LinkedMotion(motion, linkage.resized(size, limit * outside))
+    least, most = clear_range(linkage)
+    scale = 1.0 if linkage.unit == "mm" else math.radians(1.0)
+    (kept,) = re.findall(r"kept between (\S+) and (\S+) ", told) or [None]
+    if kept is not None:
+        ends = [scale * float(text) for text in kept]
+        assert least <= ends[0] <= 0.0 <= ends[1] <= most
+        LinkedMotion(moving(*ends), linkage)
+    for end in (least, most):
+        if end and math.isfinite(end):
+            at = np.array([0.999 * end, end, 1.001 * end])
+            values = linkage.missing_length(at)
+            assert values[0] < 0.0
+            assert values[1] == pytest.approx(0.0, abs=1e-9)
 
 
-@few
-@given(linkage=slider_cranks(8.0), phi=some_angles(), rotation=signs(), side=signs())
-def test_rocker_behind_a_slider_crank(
-    linkage: SliderCrank, phi: list[float], rotation: int, side: int
+@attack
+@given(linkage=slider_cranks(0.0), stroke=st.floats(-200.0, 200.0), factor=st.floats(0.2, 5.0))
+def test_the_lengths_of_a_slider_crank_are_all_found(
+    linkage: SliderCrank, stroke: float, factor: float
 ) -> None:
-    plan = MotionPlan((Move(Decimal(150), 8.0, POLYNOMIAL), Move(Decimal(210), 0.0, POLYNOMIAL)))
-    rocker = OscillatingRoller(-70.0 - 50.0j, 80.0, 60.0, 6.0, side, None)
-    agree(PitchCurve(LinkedMotion(plan, linkage), rocker, rotation), phi)
+    """Whether a length drawn by chance closes, the range with the present one nearest agrees."""
+    low, high = min(0.0, stroke), max(0.0, stroke)
+    for size in SIZES:
+        limits = closing_sizes(linkage, size, low, high)
+        present = getattr(linkage, size)
+        try:
+            other = linkage.resized(size, factor * present)
+            LinkedMotion(moving(stroke), other)
+        except GeometryError:
+            closes = False
+        else:
+            closes = True
+        if limits is None:
+            assert not closes
+        elif limits[0] * (1.0 + 1e-9) < factor * present < limits[1] * (1.0 - 1e-9):
+            assert closes
+        elif closes:  # in another range, no nearer
+            gap = max(limits[0] - present, present - limits[1], 0.0)
+            assert abs(factor * present - present) >= gap * (1.0 - 1e-9)
 
 
-@pytest.mark.parametrize("name", mechanisms())
-def test_the_mechanisms_of_the_reference(name: str) -> None:
-    rng = np.random.default_rng(sum(map(ord, name)))
-    agree(pitch_curve_of(mechanisms()[name]["params"]), [*rng.uniform(0.0, 2.0 * math.pi, 3)])
+def test_three_linkages_tell_their_cures() -> None:
+    """Each by hand: the pin's farthest distance, and the crank's farthest height."""
+    slide = SliderCrank(40.0, 60.0, 0.0, True, 1, 1, 1)
+    # At stroke s: (60 + s)^2 + 40^2 <= (40 + l)^2 with s_0 = l: l >= s^2 / (80 - 2 s) for s < 40.
+    told = why_open(slide, moving(35.0))
+    assert "with a coupler of at least 122.5 mm" in told
+    assert f"and {math.sqrt(100.0**2 - 40.0**2) - 60.0:.4f}"[:8] in told
+    bar = FourBar(40.0, 90.0, 40.0, 100.0 + 0.0j, math.radians(100.0), 1, -1)
+    told = why_open(bar, moving(-math.radians(100.0)))
+    assert "with a coupler of 100 to" in told
+    assert "up to 10 mm are missing" in told
+    crank = CrankSlider(SliderCrank(50.0, 30.0, 0.0, True, 1, -1, 1))
+    # The crank upright, the guide at its tip: 50 (1 - cos x) <= 30.
+    told = why_open(crank, moving(math.radians(90.0)))
+    assert "up to 20 mm are missing" in told
+    assert "with a coupler of at least 50 mm, with a crank of at most 30 mm" in told
+    edge = math.degrees(math.acos(0.4))
+    assert f"crank's angle kept between -{edge:.4f}" in told
 
 
-def test_a_crank_that_passes_180_degrees() -> None:
-    """HC26: where an arc tangent jumps the chain goes on."""
-    params, _ = hard_case("HC26")
-    crank = float(params["l_sk"])
-    linkage = SliderCrank(crank, 48.0, math.asin(0.8), False, 1, -1, -1)
-    assert linkage.start_position == pytest.approx(params["s_0"], rel=1e-15)
-    plan = MotionPlan((Move(Decimal(180), 10.0, POLYNOMIAL), Move(Decimal(180), 0.0, POLYNOMIAL)))
-    rocker = OscillatingRoller(-70.0 - 50.0j, 80.0, 60.0, 6.0, 1, None)
-    agree(PitchCurve(LinkedMotion(plan, linkage), rocker, 1), [0.7, 1.4, 1.6, 2.2, 5.0])
+def test_each_range_is_named() -> None:
+    linkage = SliderCrank(40.0, 60.0, 0.0, True, 1, 1, 1)
+    motion = moving(40.0, 0.0, 40.0)
+    assert len(openings(linkage, motion)) == 2
+    assert why_open(linkage, motion).count(" and between ") == 1
+    many = why_open(linkage, moving(*[40.0, 0.0] * 7))
+    assert "and in 3 more ranges" in many
 
 
-@pytest.mark.parametrize("name", ["trans_F_sp_e12", "osc_P_sm", "T6_setzhub_sm_program"])
-def test_a_mechanism_a_little_wrong_is_seen(name: str) -> None:
-    """The same angles with the base radius 1e-12 too large, and on the other branch."""
-    curve = pitch_curve_of(mechanisms()[name]["params"])
-    large = replace(curve.follower, base_radius=curve.follower.base_radius * (1.0 + 1e-12))  # type: ignore[type-var]
-    chain = chain_of(curve)
-    (rest,) = close(chain, np.zeros(1), [0])
-    here = complex(rest.roller)
-    apart = abs(replace(curve, follower=large).point(np.zeros(1))[0] - here)
-    assert apart > ROUNDINGS * EPS * chain.size * (1.0 + rest.stiffness)
-    if not isinstance(chain, SliderCrankChain):
-        return
-    other = replace(chain, tip_side=-chain.tip_side)
-    lifts = np.linspace(0.0, 20.0, 5)
-    ends = [close(each, lifts, [4])[0].roller for each in (chain, other)]
-    assert abs(ends[0] - ends[1]) > 1.0
-
-
-def test_a_chain_that_cannot_close_is_told() -> None:
-    linkage = SliderCrank(42.0, 75.38, math.radians(6.3), True, 1, 1, 1)
-    chain = linked_chain(Rocker(-34.81 - 84.39j, 84.9, 47.654, 1), linkage)
-    with pytest.raises(AssertionError, match="does not close"):
-        close(chain, np.array([0.0, 60.0]), [1])
-    plan = MotionPlan((Move(Decimal(180), 60.0, POLYNOMIAL), Move(Decimal(180), 0.0, POLYNOMIAL)))
-    with pytest.raises(GeometryError, match="does not close"):
-        LinkedMotion(plan, linkage)
+def test_first_angle_is_the_first() -> None:
+    motion = moving(10.0, -5.0, 10.0)
+    phi = first_angle(motion, 7.0)
+    assert motion.jet(np.array([phi]))[0][0] == pytest.approx(7.0, abs=1e-12)
+    assert phi < math.radians(90.0)
+    assert first_angle(motion, 10.0) == pytest.approx(math.radians(90.0))
+    assert first_angle(motion, 99.0) == pytest.approx(math.radians(90.0))

@@ -21,6 +21,7 @@ from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import GeometryError, UndercutError
 from camgeo.mechanism.linkage import LinkedMotion
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
+from camgeo.mechanism.slider_crank import SliderCrank
 from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.motion.motion import Motion
 from camgeo.motion.plan import MotionPlan
@@ -122,8 +123,9 @@ def mirrored(curve: PitchCurve) -> PitchCurve:
         assert isinstance(follower, OscillatingRoller)
         image = replace(follower, pivot=follower.pivot.conjugate(), arm_side=-follower.arm_side)
     if isinstance(motion, LinkedMotion):
+        assert isinstance(motion.linkage, SliderCrank)
         linkage = replace(motion.linkage, mirrored=not motion.linkage.mirrored)
-        motion = LinkedMotion(motion.slider, linkage)
+        motion = LinkedMotion(motion.demanded, linkage)
     return PitchCurve(motion, image, -curve.rotation)
 
 
@@ -154,8 +156,8 @@ def reversed_(curve: PitchCurve) -> PitchCurve:
     """The motion run backwards on a cam that turns the other way."""
     motion: Motion = curve.motion
     if isinstance(motion, LinkedMotion):
-        assert isinstance(motion.slider, MotionPlan)
-        motion = LinkedMotion(backwards(motion.slider), motion.linkage)
+        assert isinstance(motion.demanded, MotionPlan)
+        motion = LinkedMotion(backwards(motion.demanded), motion.linkage)
     else:
         assert isinstance(motion, MotionPlan)
         motion = backwards(motion)

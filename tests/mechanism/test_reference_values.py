@@ -13,6 +13,7 @@ from camgeo.errors import GeometryError
 from camgeo.mechanism.crank_slide import CrankSlide
 from camgeo.mechanism.linkage import LinkedMotion
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
+from camgeo.mechanism.slider_crank import SliderCrank
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from tests.reference import (
     column,
@@ -88,7 +89,8 @@ def _of_the_motion(curve: PitchCurve, phi: FloatArray, name: str) -> dict[str, Q
         swing[0] = np.degrees(swing[0])
         found |= dict(zip(("psi", "psi1", "psi2", "psi3"), swing, strict=True))
     if isinstance(motion, LinkedMotion):
-        stroke = motion.slider.jet(phi)[0]
+        stroke = motion.demanded.jet(phi)[0]
+        assert isinstance(motion.linkage, SliderCrank)
         pin, tip = motion.linkage.joints(stroke)
         coupler = pin - tip
         if motion.linkage.mirrored:  # the reference sees the linkage from the front
@@ -134,6 +136,7 @@ def test_what_is_derived(name: str) -> None:
         found["psiG"] = math.degrees(curve.follower.start_angle)
     if isinstance(curve.motion, LinkedMotion):
         assert isinstance(curve.follower, OscillatingRoller)
+        assert isinstance(curve.motion.linkage, SliderCrank)
         found["theta0"] = math.degrees(curve.motion.linkage.start_angle)
         found["l1"] = curve.follower.centre_distance
         found["alphaA"] = math.degrees(np.angle(-curve.follower.pivot))

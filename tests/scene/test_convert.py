@@ -9,6 +9,7 @@ from decimal import Decimal
 import pytest
 
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
+from camgeo.mechanism.slider_crank import SliderCrank
 from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.motion.plan import Dwell, Move
 from camgeo.part.spec import Keyway, PartSpec
@@ -82,7 +83,7 @@ def test_linkage_moves_in_lengths() -> None:
     assert isinstance(scene.follower, OscillatingRoller)
     assert scene.follower.direction is None
     linkage = scene.linkage
-    assert linkage is not None
+    assert isinstance(linkage, SliderCrank)
     assert (linkage.crank, linkage.coupler, linkage.deflection) == (42.0, 75.38, math.radians(6.3))
     assert linkage.leans_away
     assert (linkage.slider_side, linkage.stroke_direction, linkage.branch) == (1, 1, 1)
@@ -98,7 +99,7 @@ def test_linkage_words() -> None:
         ('branch = "cw"', 'branch = "ccw"'),
     )
     linkage = scene.linkage
-    assert linkage is not None
+    assert isinstance(linkage, SliderCrank)
     assert not linkage.leans_away
     assert linkage.mirrored
     assert (linkage.slider_side, linkage.stroke_direction, linkage.branch) == (-1, -1, -1)

@@ -94,8 +94,8 @@ FAULTS: list[tuple[str, list[Change], str]] = [
     (LINKED, [('"outward"', '"inward"')], "contradicts the linkage, which moves the roller outwa"),
     (
         PLATE,
-        [("[[motion]]\ndwell = 30", "[linkage]\n[[motion]]\ndwell = 30")],
-        'a linkage drives a rocker: it needs kind = "oscillating-roller" or "oscillating-flat"',
+        [("[[motion]]\ndwell = 30", '[linkage]\nkind = "four-bar"\n[[motion]]\ndwell = 30')],
+        'a four-bar turns a rocker: it needs kind = "oscillating-roller" or "oscillating-flat"',
     ),
     # the motion
     (PLATE, [("span = 100", "span = 99.999")], "line 13: motion: the spans add up to 359.999 deg"),

@@ -17,7 +17,9 @@ def test_template_loads(kind: str) -> None:
     scene = parse_scene(template(kind))
     assert isinstance(scene, Scene)
     assert scene.name == kind
-    assert (scene.linkage is not None) == (kind == "slider-crank")
+    member = None if scene.linkage is None else scene.linkage.member
+    members = {"slider-crank": "slider", "crank-slider": "crank", "four-bar": "lever"}
+    assert member == members.get(kind)
     assert (scene.contact == "groove") == (kind == "groove")
     assert (scene.returning is not None) == kind.startswith("conjugate-")
 

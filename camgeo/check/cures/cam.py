@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -17,13 +17,15 @@ from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import GeometryError
 from camgeo.mechanism.linkage import LinkedMotion
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
-from camgeo.mechanism.slider_crank import SliderCrank
 from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.motion.motion import Motion
 from camgeo.motion.plan import SNAP, MotionPlan
 from camgeo.numeric.arrays import FloatArray
 from camgeo.outline.cusps import CUSP
 from camgeo.units import TURN
+
+if TYPE_CHECKING:
+    from camgeo.mechanism.linkage_protocol import Linkage
 
 Flanks = tuple[WorkingCurve, ...]
 
@@ -49,7 +51,7 @@ class Cam:
     """
 
     plan: MotionPlan
-    linkage: SliderCrank | None
+    linkage: Linkage | None
     follower: TranslatingRoller | OscillatingRoller
     rotation: int
     contact: Literal["inner", "outer", "groove"]

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from camgeo.check.finding import Finding
-from camgeo.effects.effect import Column, Effect, Request, Subject
+from camgeo.effects.effect import Column, Effect, Request, Subject, driving_slider
 from camgeo.effects.force import Coefficients, Force
 from camgeo.effects.friction.jamming import column, jamming_margin
 from camgeo.effects.friction.senses import senses_of
@@ -117,7 +117,7 @@ def _coefficients(subject: Subject, spec: Spec, senses: Senses) -> Coefficients:
     Viscous: Q = -c ds/dt ds/dq along the guide, with dq/dt alone for the follower's own; Coulomb's
     of a slider: Q = -F sign(ds/dt) ds/dq, by virtual work.
     """
-    linkage = subject.linkage
+    linkage = driving_slider(subject)
     if linkage is not None and (spec.slider or spec.guide_viscous):
         return _of_slider(subject, spec, linkage, senses.edges)
     viscous = spec.pivot_viscous + spec.guide_viscous  # a follower has one of the two

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
 
+from camgeo.effects.effect import SLIDER_ONLY, driving_slider
 from camgeo.errors import GeometryError
 
 if TYPE_CHECKING:
@@ -78,16 +79,20 @@ def parse(table: Mapping[str, Any]) -> Spec:
 def refuse_misfits(spec: Spec, subject: Subject) -> None:
     """Raise GeometryError with the key of a value that has no place on this follower."""
     rocker = subject.follower.rocks
-    linked = subject.linkage is not None
+    slides = driving_slider(subject) is not None
     misfits = dict.fromkeys(
         OF_GUIDE if rocker else OF_PIVOT,
         "is for translating followers: a rocker has a pivot"
         if rocker
         else "is for rockers: a translating follower has a guide",
     )
-    if not linked:
-        misfits["slider"] = "is for the slider of a linkage, and there is none"
-    if rocker and not linked:
+    if not slides:
+        misfits["slider"] = (
+            "is for the slider of a linkage, and there is none"
+            if subject.linkage is None
+            else SLIDER_ONLY
+        )
+    if rocker and not slides:
         misfits["guide_viscous"] = "is for translating followers and for sliders of linkages"
     if subject.follower.roller_radius == 0.0:
         misfits |= dict.fromkeys(OF_ROLLER, "is for rollers: the follower has a knife edge")

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from camgeo.effects.effect import driving_slider
 from camgeo.effects.inertia.spec import InertiaSpec
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.mechanism.translating_roller import TranslatingRoller
@@ -53,9 +54,10 @@ def masses_of(subject: Subject, spec: InertiaSpec) -> tuple[Mass, ...]:
         roller = _OnRocker(subject, follower, arm)
         found.append(Mass("rocker", spec.rocker_mass, rocker.place, rocker.per_lift))
         found.append(Mass("roller", spec.roller_mass, roller.place, roller.per_lift))
-        if subject.linkage is not None:
-            slider = _OnCoupler(subject, subject.linkage, follower.pivot, 1.0)
-            coupler = _OnCoupler(subject, subject.linkage, follower.pivot, spec.coupler_centre)
+        linkage = driving_slider(subject)
+        if linkage is not None:
+            slider = _OnCoupler(subject, linkage, follower.pivot, 1.0)
+            coupler = _OnCoupler(subject, linkage, follower.pivot, spec.coupler_centre)
             found.append(Mass("slider", spec.mass, slider.place, slider.per_lift))
             found.append(Mass("coupler", spec.coupler_mass, coupler.place, coupler.per_lift))
     else:

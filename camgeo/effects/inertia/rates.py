@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from camgeo.effects.effect import driving_slider
 from camgeo.effects.inertia.spec import InertiaSpec
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.mechanism.slider_crank import SliderCrank
@@ -55,7 +56,7 @@ def at_follower(subject: Subject, spec: InertiaSpec) -> float:
 def train_of(subject: Subject, spec: InertiaSpec) -> Train:
     """The train of `subject` with the masses of `spec`."""
     own = at_follower(subject, spec)
-    linkage = subject.linkage
+    linkage = driving_slider(subject)
     if linkage is not None and (spec.mass or spec.coupler_mass or spec.coupler_moment):
         return LinkedTrain(subject.plan, linkage, own, spec)
     return DirectTrain(subject.motion, own)

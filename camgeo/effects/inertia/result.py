@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from camgeo.check.finding import Finding
-from camgeo.effects.effect import Column
+from camgeo.effects.effect import Column, driving_slider
 from camgeo.effects.force import Force
 from camgeo.effects.inertia.masses import Mass, masses_of
 from camgeo.effects.inertia.rates import Train, at_follower, train_of
@@ -33,7 +33,8 @@ class Inertia:
     force : the generalised inertia force on the follower [N or N mm]: c2 and c3.
     train : the coordinates in which masses move.
     masses : those with a weight, and their places; 0 is left out.
-    moved : what moves with the demanded motion [t, or t mm^2 for a rocker without linkage].
+    moved : what moves with the demanded motion [t, or t mm^2 for a rocker without linkage]; 0
+        behind a linkage whose far end is no slider, whose mass is not known.
     findings, columns, error : see `camgeo.effects.effect.Result`.
     """
 
@@ -91,14 +92,20 @@ def compute(request: Request) -> Inertia:
         force=force,
         train=train,
         masses=masses_of(subject, spec),
-        moved=at_follower(subject, spec) if subject.linkage is None else spec.mass,
+        moved=_moved(subject, spec),
         findings=(*told.findings(), *lacking(subject, spec)),
         columns=told.columns(),
     )
 
 
+def _moved(subject: Subject, spec: InertiaSpec) -> float:
+    if subject.linkage is None:
+        return at_follower(subject, spec)
+    return 0.0 if driving_slider(subject) is None else spec.mass
+
+
 def _refuse_locked(subject: Subject, spec: InertiaSpec) -> None:
-    linkage = subject.linkage
+    linkage = driving_slider(subject)
     if linkage is None or not (spec.mass or spec.coupler_mass or spec.coupler_moment):
         return
     locked = linkage.locked_at(subject.plan)

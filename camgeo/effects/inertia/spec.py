@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
 
+from camgeo.effects.effect import SLIDER_ONLY, driving_slider
 from camgeo.errors import GeometryError
 
 if TYPE_CHECKING:
@@ -45,15 +46,17 @@ class InertiaSpec:
     def check(self, subject: Subject) -> None:
         """Raise GeometryError, with the key of the scene, if the mechanism has no such mass."""
         rocks = subject.follower.rocks
-        linked = subject.linkage is not None
+        slides = driving_slider(subject) is not None
         refused: list[tuple[tuple[str, ...], str]] = []
         if not rocks:
             refused.append((OF_ROCKER, "the follower is no rocker; a translating one has a mass"))
-        elif not linked:
+        elif not slides:
             message = "nothing makes a straight motion here; a rocker has a moment_of_inertia"
             refused.append((("mass",), message))
-        if not linked:
+        if subject.linkage is None:
             refused.append((OF_COUPLER, "there is no coupler without [linkage]"))
+        elif not slides:
+            refused.append((OF_COUPLER, SLIDER_ONLY))
         for keys, message in refused:
             for key in keys:
                 if key in self.given:

@@ -4,20 +4,30 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from camgeo.check.finding import Finding
-from camgeo.effects.effect import Column, Request, Subject
+from camgeo.effects.effect import (
+    SLIDER_ONLY,
+    Column,
+    Request,
+    Subject,
+    demand_unit,
+    driving_slider,
+)
 from camgeo.effects.force import Force
 from camgeo.effects.load.course import Constant
-from camgeo.errors import EffectError
+from camgeo.errors import EffectError, GeometryError
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray, merged
 from camgeo.numeric.extremes import Extreme
 from camgeo.numeric.peaks import piecewise_extremes
 from camgeo.units import TURN
+
+if TYPE_CHECKING:
+    from camgeo.mechanism.slider_crank import SliderCrank
 
 N_MM: Final = 1e3
 """N mm a N m."""
@@ -46,20 +56,23 @@ def compute(request: Request) -> Load:
     Raises
     ------
     GeometryError
-        With the key, see `LoadSpec.course`.
+        With the key, see `LoadSpec.course`, or if the far end of the linkage is no slider.
     EffectError
         If the load acts on the slider of a linkage that the rocker cannot move at some cam angle.
     """
     subject = request.subject
-    is_torque = subject.linkage is None and subject.lift_unit == "rad"
+    slider = driving_slider(subject)
+    if subject.linkage is not None and slider is None:
+        raise GeometryError(SLIDER_ONLY, key="effects.load")
+    is_torque = demand_unit(subject) == "rad"
     unit = "N m" if is_torque else "N"
     course = request.spec.course(subject.plan, unit)
     scale = N_MM if is_torque else 1.0
-    _refuse_locked(subject)
+    _refuse_locked(subject, slider)
 
     def coefficients(phi: FloatArray, side: Side) -> FloatArray:
         out = np.zeros((4, len(phi)))
-        out[0] = -scale * course.values(phi, side) * _slide(subject, phi, side)
+        out[0] = -scale * course.values(phi, side) * _slide(subject, slider, phi, side)
         return out
 
     def work(phi: FloatArray, side: Side) -> FloatArray:
@@ -80,16 +93,16 @@ def compute(request: Request) -> Load:
     )
 
 
-def _slide(subject: Subject, phi: FloatArray, side: Side) -> FloatArray:
+def _slide(subject: Subject, slider: SliderCrank | None, phi: FloatArray, side: Side) -> FloatArray:
     """ds/dq (n,): way of the demanded motion a unit of the follower's."""
-    if subject.linkage is None:
+    if slider is None:
         return np.ones(len(phi))
-    slide: FloatArray = subject.linkage.per_swing(subject.plan.jet(phi, side)[0])[0]
+    slide: FloatArray = slider.per_swing(subject.plan.jet(phi, side)[0])[0]
     return slide
 
 
-def _refuse_locked(subject: Subject) -> None:
-    locked = None if subject.linkage is None else subject.linkage.locked_at(subject.plan)
+def _refuse_locked(subject: Subject, slider: SliderCrank | None) -> None:
+    locked = None if slider is None else slider.locked_at(subject.plan)
     if locked is not None:
         phi, stroke = locked
         raise EffectError(

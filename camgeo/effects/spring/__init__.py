@@ -9,7 +9,7 @@ from typing import Any, Final, Literal
 import numpy as np
 
 from camgeo.check.finding import Finding
-from camgeo.effects.effect import Column, Effect, Request, Subject
+from camgeo.effects.effect import Column, Effect, Request, Subject, driving_slider
 from camgeo.effects.force import Force
 from camgeo.effects.spring.findings import deflection, force_findings, opening
 from camgeo.effects.spring.ways import (
@@ -181,12 +181,13 @@ def way_of(subject: Subject, spec: Spec) -> Way:
     if spec.anchor is not None and spec.attachment is not None:
         sense = 1.0 if spec.kind == "compression" else -1.0
         return between_points(subject, follower, spec.anchor, spec.attachment, sense)
-    if subject.linkage is None:
+    linkage = driving_slider(subject)
+    if linkage is None:
         raise GeometryError(
             "is missing: a spring on a rocker needs anchor and attachment, or is a torsion spring",
             key="effects.spring.anchor",
         )
-    return along_slider(subject, subject.linkage)
+    return along_slider(subject, linkage)
 
 
 EFFECT: Final = Effect(

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Protocol
 
-from camgeo.effects.effect import Request, Subject
+from camgeo.effects.effect import SLIDER_ONLY, Request, Subject, demand_unit, driving_slider
 from camgeo.errors import GeometryError
 from camgeo.numeric.oscillator.train import Second, Train, one_mass, two_masses
 
@@ -80,7 +80,7 @@ def parse(table: Mapping[str, Any]) -> Spec:
 
 def turns(subject: Subject) -> bool:
     """Whether the demanded motion is an angle."""
-    return subject.linkage is None and subject.lift_unit == "rad"
+    return demand_unit(subject) == "rad"
 
 
 def limit_of(subject: Subject, spec: Spec) -> float | None:
@@ -119,6 +119,13 @@ def train_of(request: Request) -> Train | None:
             raise GeometryError(
                 "is missing: with a stiffness the natural frequency needs the masses",
                 key="effects.inertia",
+            )
+        if request.subject.linkage is not None and driving_slider(request.subject) is None:
+            key = "stiffness" if spec.stiffness is not None else "torsional_stiffness"
+            raise GeometryError(
+                f"{SLIDER_ONLY}: what this linkage moves has no mass in [effects.inertia]; give"
+                " natural_frequency",
+                key=f"{TABLE}.{key}",
             )
         if inertia.moved == 0.0:
             return None

@@ -40,10 +40,13 @@ def point_columns(product: Product) -> dict[str, FloatArray]:
     Raises
     ------
     SceneError
-        If the design is no rocker behind a linkage: the columns s and psi need both.
+        If the design is no rocker behind a slider-crank: the columns s and psi need both.
     """
     if product.plan_sketch.of != "slider" or product.follower_sketch.kind != "pivot":
-        message = "needs [linkage]: its columns are a slider's stroke and a rocker's angle"
+        message = (
+            'needs [linkage] kind = "slider-crank" and a rocker: its columns are a'
+            " slider's stroke and a rocker's angle"
+        )
         raise SceneError([Fault("format", "asc", message)])
     table = product.table()
     values = dict(zip(table.names, table.values.T, strict=True))

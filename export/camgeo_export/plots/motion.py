@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Final
 
 import numpy as np
@@ -77,6 +77,9 @@ CLOSER: Final = 101
 SAME: Final = 1e-10
 """Values that differ by less than this part of the largest are the same extreme."""
 
+ANGLES: Final = {"lever": "χ", "crank": "θ"}
+"""Symbols of demanded angles that are not the follower's own."""
+
 Course = Callable[[FloatArray], FloatArray]
 """Values at cam angles [rad], in the unit of the panel."""
 
@@ -103,10 +106,11 @@ def draw(product: Product, figure: Figure | SubFigure) -> None:
     names = _names(sketch, page.across)
     band = max(BAND, *(LETTER * len(name.text) + 0.2 for name in names if name.turned), 0.0)
     unit = _unit(product, sketch.unit)
+    if sketch.of in ANGLES:
+        unit = replace(unit, symbol=ANGLES[sketch.of])
 
     page.skip(TOP)
-    whose = "slider" if sketch.of == "slider" else "follower"
-    title = f"{product.name}: motion plan of the {whose}"
+    title = f"{product.name}: motion plan of the {sketch.of}"
     _draw_names(page.axes(band, bare=True), sketch, names, band)
     _draw_numbers(page.axes(NUMBERS, bare=True), sketch, page.across)
     diagram = HEADING + 4 * PANEL + 3 * GAP + BOTTOM
@@ -178,7 +182,7 @@ def _unit(product: Product, unit: str) -> Unit:
 
 def _diagram_title(product: Product, sketch: PlanSketch) -> str:
     what = "lift s" if product.lift_unit == "mm" else "swing ψ"
-    behind = " behind the linkage" if sketch.of == "slider" else ""
+    behind = "" if sketch.of == "follower" else " behind the linkage"
     speed = "" if sketch.speed is None else f" (right: at {sketch.speed / RPM:.4g} rev/min)"
     return f"motion diagram: {what} of the follower{behind}{speed}"
 

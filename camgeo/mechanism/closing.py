@@ -1,0 +1,236 @@
+"""Where a linkage does not close, exactly, and what would close it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from decimal import ROUND_CEILING, ROUND_FLOOR, Context
+from functools import partial
+from itertools import pairwise
+from typing import Final
+
+import numpy as np
+
+from camgeo.errors import GeometryError
+from camgeo.mechanism.linkage_protocol import Linkage, Member, Size
+from camgeo.mechanism.triangle import ROUNDING
+from camgeo.motion.extremes import lift_range, pieces, turning_angles
+from camgeo.motion.motion import Motion
+from camgeo.numeric.arrays import FloatArray, merged
+from camgeo.numeric.roots import bracketed_roots
+from camgeo.units import TURN
+
+SIZES: Final[tuple[Size, ...]] = ("coupler", "crank")
+
+POSITIONS: Final[dict[Member, str]] = {
+    "slider": "stroke",
+    "lever": "lever's angle",
+    "crank": "crank's angle",
+}
+"""What the demanded position is called."""
+
+DIGITS: Final = 6
+"""Significant digits of the figures of a cure, rounded to the side on which the linkage closes."""
+
+FARTHEST: Final = 1e6
+"""A length so many times that of crank and coupler counts as infinite, so small a part as 0."""
+
+MOST_TOLD: Final = 4
+"""Ranges of cam angles that a message lists."""
+
+AT_START: Final = 1e-7
+"""A dead centre this near to position 0, as a share of a turn or of crank and coupler, is there:
+where it is a turning position too it is known to half the digits."""
+
+
+@dataclass(frozen=True, slots=True)
+class Opening:
+    """A range of cam angles in which the linkage does not close.
+
+    Attributes
+    ----------
+    start, end : its first and last cam angle [rad].
+    missing : the largest missing length in it [mm].
+    place : the cam angle of that [rad].
+    """
+
+    start: float
+    end: float
+    missing: float
+    place: float
+
+
+def openings(linkage: Linkage, motion: Motion) -> tuple[Opening, ...]:
+    """The ranges of cam angles in which `linkage` does not close, by ascending cam angle.
+
+    Empty if it closes. The turn is cut where the motion turns back, where the
+    missing length is 0 and where it may turn: between two cuts it has one sign.
+    """
+    low, high = lift_range(motion)
+    marks = (*linkage.dead_positions(low, high), *linkage.turning_positions(low, high))
+    cuts = _cuts(motion, marks)
+    places = np.empty(2 * len(cuts) - 1)
+    places[::2], places[1::2] = cuts, 0.5 * (cuts[:-1] + cuts[1:])
+    missing = linkage.missing_length(_positions(motion, places))
+    open_at = missing > ROUNDING * (linkage.crank + linkage.coupler)
+    edges = np.flatnonzero(np.diff(np.concatenate(([False], open_at, [False]))))
+    found = []
+    for first, after in edges.reshape(-1, 2):
+        worst = int(first + np.argmax(missing[first:after]))
+        # Cuts have even numbers: a range that is open in a middle reaches to the cuts beside it.
+        start, end = places[first - first % 2], places[after - 1 + (after - 1) % 2]
+        found.append(Opening(float(start), float(end), float(missing[worst]), float(places[worst])))
+    if not found:  # narrower than rounding of the cam angle
+        worst = int(np.argmax(missing))
+        if missing[worst] > 0.0:
+            place = float(places[worst])
+            found.append(Opening(place, place, float(missing[worst]), place))
+    return tuple(found)
+
+
+def first_angle(motion: Motion, position: float) -> float:
+    """The first cam angle [rad] at which `motion` is at `position`, or nearest to it."""
+    cuts = _cuts(motion, (position,))
+    return float(cuts[np.argmin(np.abs(_positions(motion, cuts) - position))])
+
+
+def clear_range(linkage: Linkage) -> tuple[float, float]:
+    """The positions [mm or rad] up to which, from 0, no dead centre is reached; infinite if none.
+
+    Where position 0 is one itself, the range on the side to which the linkage closes.
+    """
+    scale = linkage.crank + linkage.coupler
+    far, about = (math.inf, scale) if linkage.unit == "mm" else (TURN, math.pi)
+    marks = linkage.dead_positions(-far, far)
+    near = AT_START * about
+    low = max((mark for mark in marks if mark < -near), default=-math.inf)
+    high = min((mark for mark in marks if mark > near), default=math.inf)
+    if any(abs(mark) <= near for mark in marks):
+        beside = np.array([max(low, -about), min(high, about)]) / 2.0
+        closes = linkage.missing_length(beside) <= 0.0
+        low, high = (low if closes[0] else 0.0), (high if closes[1] else 0.0)
+    return low, high
+
+
+def closing_sizes(
+    linkage: Linkage, size: Size, low: float, high: float
+) -> tuple[float, float] | None:
+    """Least and largest length [mm] of that member with which the linkage closes.
+
+    Over all positions from `low` to `high`, all else as it is stated; of several ranges of lengths
+    the one nearest to the present length. 0 and infinity where nothing bounds it; None if there is
+    no such length, or none is known.
+    """
+    all_limits = linkage.size_limits(size, low, high)
+    if not all_limits:
+        return None
+    scale = linkage.crank + linkage.coupler
+    least, most = scale / FARTHEST, scale * FARTHEST
+    limits = sorted(limit for limit in all_limits if least < limit < most)
+    found: list[tuple[float, float]] = []
+    for start, end in pairwise((0.0, *limits, math.inf)):
+        middle = 0.5 * (start + end) if math.isfinite(end) else 2.0 * max(start, scale)
+        if start == end or not _closes(linkage, size, middle, low, high):
+            continue
+        if found and found[-1][1] == start:
+            start = found.pop()[0]
+        found.append((start, end))
+    present = linkage.coupler if size == "coupler" else linkage.crank
+    return min(found, key=lambda each: max(each[0] - present, present - each[1]), default=None)
+
+
+def why_open(linkage: Linkage, motion: Motion) -> str:
+    """Where `linkage`, which does not close all over `motion`, is open, and what would close it."""
+    found = openings(linkage, motion)
+    told = [
+        f"{math.degrees(each.start):.10g} and {math.degrees(each.end):.10g}"
+        for each in found[:MOST_TOLD]
+    ]
+    more = f" and in {len(found) - MOST_TOLD} more ranges" if len(found) > MOST_TOLD else ""
+    missing = max(each.missing for each in found)
+    low, high = lift_range(motion)
+    cures = [*_sizes_told(linkage, low, high), *kept_between(linkage)]
+    cured = f"; it closes {_listed(cures)}" if cures else ""
+    return (
+        f"the linkage does not close between cam angles {' and between '.join(told)} degrees{more}:"
+        f" up to {missing:.6g} mm are missing{cured}"
+    )
+
+
+def kept_between(linkage: Linkage) -> list[str]:
+    """In words, the positions that keep `linkage` clear of dead centres; empty if all do."""
+    low, high = clear_range(linkage)
+    scale, unit = (1.0, "mm") if linkage.unit == "mm" else (math.degrees(1.0), "degrees")
+    least, most = printed(scale * low, ROUND_CEILING), printed(scale * high, ROUND_FLOOR)
+    what = f"with the {POSITIONS[linkage.member]} kept"
+    if math.isinf(low) and math.isinf(high):
+        return []
+    if math.isinf(low):
+        return [f"{what} below {most} {unit}"]
+    if math.isinf(high):
+        return [f"{what} above {least} {unit}"]
+    return [f"{what} between {least} and {most} {unit}"]
+
+
+def position_told(linkage: Linkage, position: float) -> str:
+    """In words, a position of the demanded motion [mm or rad]."""
+    if linkage.unit == "mm":
+        return f"stroke {position:.6g} mm"
+    return f"{POSITIONS[linkage.member]} {math.degrees(position):.6g} deg"
+
+
+def printed(value: float, rounding: str) -> str:
+    """`value` in a few digits, rounded up (`ROUND_CEILING`) or down (`ROUND_FLOOR`)."""
+    return f"{Context(prec=DIGITS, rounding=rounding).create_decimal(value).normalize():f}"
+
+
+def _sizes_told(linkage: Linkage, low: float, high: float) -> Iterator[str]:
+    for size in SIZES:
+        found = closing_sizes(linkage, size, low, high)
+        if found is None:
+            continue
+        least, most = printed(found[0], ROUND_CEILING), printed(found[1], ROUND_FLOOR)
+        if math.isinf(found[1]):
+            yield f"with a {size} of at least {least} mm"
+        elif found[0] == 0.0:
+            yield f"with a {size} of at most {most} mm"
+        elif float(least) <= float(most):
+            yield f"with a {size} of {least} to {most} mm"
+
+
+def _closes(linkage: Linkage, size: Size, length: float, low: float, high: float) -> bool:
+    try:
+        other = linkage.resized(size, length)
+    except GeometryError:
+        return False
+    positions = np.array([low, high, *other.turning_positions(low, high)])
+    return bool(np.all(other.missing_length(positions) <= 0.0))
+
+
+def _positions(motion: Motion, phi: FloatArray) -> FloatArray:
+    return np.asarray(motion.jet(phi)[0])
+
+
+def _cuts(motion: Motion, marks: tuple[float, ...]) -> FloatArray:
+    """Cam angles [rad], ascending from 0 to a turn: ends of the pieces, where the motion turns back
+    and where it is at one of `marks`.
+    """
+    ends = np.array([0.0, *(end for _, end in pieces(motion)), *turning_angles(motion)])
+    ends = merged(ends)
+    at_ends = _positions(motion, ends)
+    found = [ends]
+    for mark in marks:
+        beyond = np.sign(at_ends - mark)
+        passes = beyond[:-1] * beyond[1:] < 0.0
+        function = partial(_beyond, motion, mark)
+        found.append(bracketed_roots(function, ends[:-1][passes], ends[1:][passes]))
+    return merged(np.concatenate(found))
+
+
+def _beyond(motion: Motion, mark: float, phi: FloatArray) -> FloatArray:
+    return _positions(motion, phi) - mark
+
+
+def _listed(words: list[str]) -> str:
+    return ", ".join(words[:-1]) + (", or " if len(words) > 1 else "") + words[-1]

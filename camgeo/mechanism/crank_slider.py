@@ -1,0 +1,236 @@
+"""The slider-crank the other way round: the crank's angle is demanded, the cam drives the slider.
+
+Frame as in `camgeo.mechanism.slider_crank`: crank shaft at the origin, pin P = -X + i e_sk,
+X = s_0 + eps_s s, tip T = l_sk exp(i theta), |P - T| = l_4.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+
+from camgeo.errors import GeometryError
+from camgeo.mechanism.slider_crank import SliderCrank
+from camgeo.mechanism.triangle import ROUNDING, dot
+from camgeo.mechanism.turns import cosine_range, within
+from camgeo.motion.motion import FULL_ORDER, Jet
+from camgeo.numeric.arrays import ComplexArray, FloatArray
+
+if TYPE_CHECKING:
+    from camgeo.mechanism.linkage_protocol import Size
+
+PARALLEL = 1e-9
+"""Sine of the coupler's angle to the guide at stroke 0 up to which it counts as parallel."""
+
+
+@dataclass(frozen=True)
+class CrankSlider:
+    """A slider-crank whose slider is the carriage of a translating follower.
+
+    Attributes
+    ----------
+    inner : the same linkage, computed from the stroke to the angle; the crank's angle psi and the
+        slider's stroke s of the two belong to each other.
+
+    Of the two strokes that close the loop it is the one with the coupler on the side of the guide
+    on which it is at angle 0, so that cos v keeps its sign.
+
+    Raises
+    ------
+    GeometryError
+        With key "linkage", if the coupler stands across the guide at angle 0: a dead centre, the
+        slider could go either way.
+    """
+
+    inner: SliderCrank
+
+    def __post_init__(self) -> None:
+        drop = float(self._drop(np.zeros(1))[0])
+        if self.coupler - abs(drop) <= ROUNDING * (self.crank + self.coupler):
+            raise GeometryError(
+                "dead centre at stroke 0: the coupler stands across the guide of the slider",
+                key="linkage",
+            )
+
+    @property
+    def crank(self) -> float:
+        """l_sk [mm]."""
+        return self.inner.crank
+
+    @property
+    def coupler(self) -> float:
+        """l_4 [mm]."""
+        return self.inner.coupler
+
+    @property
+    def member(self) -> Literal["crank"]:
+        """The crank makes the demanded motion."""
+        return "crank"
+
+    @property
+    def unit(self) -> Literal["rad"]:
+        """Of the crank's angle."""
+        return "rad"
+
+    @cached_property
+    def side(self) -> int:
+        """Sign of cos v, v the angle of the coupler from tip to pin: it stays."""
+        return 1 if math.cos(self.inner.coupler_angle) > 0.0 else -1
+
+    @property
+    def _sense(self) -> float:
+        """Of theta for a positive psi."""
+        return -1.0 if self.inner.mirrored else 1.0
+
+    def _theta(self, angle: FloatArray) -> FloatArray:
+        theta: FloatArray = self.inner.start_angle + self._sense * angle
+        return theta
+
+    def _drop(self, angle: FloatArray) -> FloatArray:
+        """(n,) [mm] height of the guide over the crank's tip, l_4 sin v."""
+        drop: FloatArray = self.inner.guide_height - self.crank * np.sin(self._theta(angle))
+        return drop
+
+    def missing_length(self, angle: FloatArray) -> FloatArray:
+        """(n,) [mm] by how much the coupler misses the guide; <= 0 where it reaches it."""
+        return np.abs(self._drop(angle)) - self.coupler
+
+    def _along(self, drop: FloatArray) -> FloatArray:
+        """(n,) [mm] part of the coupler along the guide, l_4 cos v; 0 at a dead centre."""
+        coupler = self.coupler
+        return self.side * np.sqrt(np.maximum((coupler - drop) * (coupler + drop), 0.0))
+
+    @cached_property
+    def _start(self) -> float:
+        """Re P at angle 0 [mm]."""
+        return float(self._pin(np.zeros(1))[0])
+
+    def _pin(self, angle: FloatArray) -> FloatArray:
+        pin: FloatArray = self.crank * np.cos(self._theta(angle)) + self._along(self._drop(angle))
+        return pin
+
+    def stroke(self, angle: FloatArray) -> FloatArray:
+        """s (n,) [mm] at the crank's `angle` (n,) [rad]."""
+        return np.asarray(-self.inner.stroke_direction * (self._pin(angle) - self._start))
+
+    def joints(self, angle: FloatArray) -> tuple[ComplexArray, ComplexArray]:
+        """P and T (n,) [mm] at the crank's `angle` (n,) [rad], see `SliderCrank.joints`."""
+        theta = self._theta(angle)
+        sense = -self._sense
+        pin = -sense * self._pin(angle) + 1j * self.inner.guide_height
+        tip = self.crank * (-sense * np.cos(theta) + 1j * np.sin(theta))
+        return np.asarray(pin), np.asarray(tip)
+
+    def transform(self, jet: Jet, order: int = FULL_ORDER) -> Jet:
+        """(order + 1, n) stroke s and derivatives [mm/rad^k] for the crank's angles `jet`.
+
+        `jet` (4, n) is the demanded angle and its derivatives [rad/rad^k]; order is at least 1.
+
+        With the rod D = P - T, P' = p' real, and the derivatives of |D|^2 = l_4^2:
+
+            p'   = Re(conj(D) T') / Re D
+            p''  = (Re(conj(D) T'') - |D'|^2) / Re D
+            p''' = (Re(conj(D) T''') - 3 Re(conj(D') D'')) / Re D
+
+        Raises
+        ------
+        GeometryError
+            With key "linkage", at a dead centre that is not passed at rest.
+        """
+        angle = jet[0]
+        theta = self._theta(angle)
+        tip = self.crank * np.exp(1j * theta)
+        drop = self._drop(angle)
+        along = self._along(drop)
+        rod = along + 1j * drop
+        below = along
+        if not np.all(along):
+            resting = np.all(jet[1:] == 0.0, axis=0)
+            if np.any((along == 0.0) & ~resting):
+                raise GeometryError(
+                    "dead centre: the coupler stands across the guide while the crank moves, the"
+                    " slider's velocity is infinite",
+                    key="linkage",
+                )
+            below = np.where(resting, 1.0, along)
+        out = np.empty((order + 1, jet.shape[1]))
+        out[0] = self.crank * np.cos(theta) + along - self._start
+        turn1 = self._sense * jet[1]
+        tip1 = 1j * turn1 * tip
+        p1 = np.divide(dot(rod, tip1), below, out=out[1])
+        if order > 1:
+            turn2 = self._sense * jet[2]
+            tip2 = (1j * turn2 - turn1 * turn1) * tip
+            rod1 = p1 - tip1
+            p2 = np.divide(dot(rod, tip2) - dot(rod1, rod1), below, out=out[2])
+        if order > 2:
+            turn3 = self._sense * jet[3]
+            tip3 = (1j * (turn3 - turn1**3) - 3.0 * turn1 * turn2) * tip
+            np.divide(dot(rod, tip3) - 3.0 * dot(rod1, p2 - tip2), below, out=out[3])
+        # X = -Re P, s = eps_s (X - s_0)
+        out *= -float(self.inner.stroke_direction)
+        return out
+
+    def transform_bounds(self, jet: Jet, bounds: Jet) -> Jet:
+        """See `Linkage.transform_bounds`: the triangle inequality, Re D least where the tip is
+        farthest from the guide.
+        """
+        theta, reach = self._theta(jet[0]), bounds[0]
+        quarter = 0.5 * math.pi
+        height, crank, coupler = self.inner.guide_height, self.crank, self.coupler
+        sines = cosine_range(theta - quarter - reach, theta - quarter + reach)
+        drop = np.maximum(*(np.abs(height - crank * sine) for sine in sines))
+        along = np.sqrt(np.maximum((coupler - drop) * (coupler + drop), 0.0))
+        tip1 = crank * bounds[1]
+        tip2 = crank * (bounds[2] + bounds[1] ** 2)
+        tip3 = crank * (bounds[3] + 3.0 * bounds[1] * bounds[2] + bounds[1] ** 3)
+        with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
+            p1 = coupler * tip1 / along
+            p2 = (coupler * tip2 + (p1 + tip1) ** 2) / along
+            p3 = (coupler * tip3 + 3.0 * (p1 + tip1) * (p2 + tip2)) / along
+            way = coupler * crank * reach / along
+        out = np.stack((way, p1, p2, p3))
+        resting = np.all(bounds == 0.0, axis=0)
+        return np.where(resting, 0.0, np.where(np.isnan(out), np.inf, out))
+
+    def turning_positions(self, low: float, high: float) -> tuple[float, ...]:
+        """See `Linkage.turning_positions`: where the crank stands across the guide."""
+        return self._angles((0.5 * math.pi, -0.5 * math.pi), low, high)
+
+    def dead_positions(self, low: float, high: float) -> tuple[float, ...]:
+        """See `Linkage.dead_positions`: the coupler stands across the guide."""
+        found: list[float] = []
+        for down in (self.coupler, -self.coupler):
+            height = self.inner.guide_height - down
+            square = (self.crank - height) * (self.crank + height)
+            if square >= 0.0:
+                found += [math.atan2(height, x) for x in (math.sqrt(square), -math.sqrt(square))]
+        return self._angles(found, low, high)
+
+    def _angles(
+        self, thetas: tuple[float, ...] | list[float], low: float, high: float
+    ) -> tuple[float, ...]:
+        """The angles in [low, high] [rad] at which theta is one of `thetas`, turns apart."""
+        return within([self._sense * (each - self.inner.start_angle) for each in thetas], low, high)
+
+    def size_limits(self, size: Size, low: float, high: float) -> tuple[float, ...]:
+        """See `Linkage.size_limits`: the largest |l_sk (cos alpha - sin theta)| is l_4.
+
+        Known where the coupler is parallel to the guide at stroke 0, for then theta does not depend
+        on the lengths.
+        """
+        if abs(math.sin(self.inner.coupler_angle)) > PARALLEL:
+            return ()
+        positions = np.array([low, high, *self.turning_positions(low, high)])
+        share = float(np.max(np.abs(self._drop(positions)))) / self.crank
+        if share == 0.0:
+            return ()
+        return (self.crank * share,) if size == "coupler" else (self.coupler / share,)
+
+    def resized(self, size: Size, length: float) -> CrankSlider:
+        """See `Linkage.resized`."""
+        return CrankSlider(self.inner.resized(size, length))

@@ -1,0 +1,278 @@
+"""Four-bar linkage between a lever, whose angle is demanded, and the rocker that follows the cam.
+
+Frame of the formulas: the rocker shaft B_0 at the origin, axes of the drawing of the cam. The pin
+on the lever is P = D_0 + l_c exp(i chi), chi = chi_0 + h x with the demanded angle x; the crank tip
+is T = l_a exp(i theta), |P - T| = l_b.
+"""
+
+from __future__ import annotations
+
+import cmath
+import math
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+
+from camgeo.errors import GeometryError
+from camgeo.mechanism.triangle import ROUNDING, dot, half_angle
+from camgeo.mechanism.turns import cosine_range, within
+from camgeo.motion.motion import FULL_ORDER, Jet
+from camgeo.numeric.arrays import ComplexArray, FloatArray
+
+if TYPE_CHECKING:
+    from camgeo.mechanism.linkage_protocol import Size
+
+
+@dataclass(frozen=True)
+class FourBar:
+    """Crank on the rocker shaft, coupler, and output lever on a second fixed shaft.
+
+    Attributes
+    ----------
+    crank : l_a, crank on the rocker shaft [mm].
+    coupler : l_b, from the crank's tip to the lever's pin [mm].
+    lever : l_c, from the second shaft to the pin [mm].
+    shaft : D_0, the second shaft seen from the rocker shaft, complex [mm].
+    lever_angle : chi_0, direction from the second shaft to the pin at motion 0, from the x axis
+        [rad].
+    lever_sense : h, +1 if a positive motion turns the lever counter-clockwise, -1 clockwise.
+    branch : +1 if the crank tip lies clockwise of the pin seen from the rocker shaft, -1
+        counter-clockwise; it stays so over the whole motion.
+
+    Raises
+    ------
+    GeometryError
+        With key "linkage", if the linkage does not close at motion 0.
+    """
+
+    crank: float
+    coupler: float
+    lever: float
+    shaft: complex
+    lever_angle: float
+    lever_sense: int
+    branch: int
+
+    def __post_init__(self) -> None:
+        gap = float(self.missing_length(np.zeros(1))[0])
+        if gap > ROUNDING * (self.crank + self.coupler):
+            distance = abs(self.shaft + cmath.rect(self.lever, self.lever_angle))
+            least, most = abs(distance - self.crank), distance + self.crank
+            raise GeometryError(
+                f"the linkage does not close at motion 0: {gap:.6g} mm are missing; the coupler"
+                f" must be {least:.6g} to {most:.6g} mm long",
+                key="linkage",
+            )
+
+    @property
+    def member(self) -> Literal["lever"]:
+        """The lever makes the demanded motion."""
+        return "lever"
+
+    @property
+    def unit(self) -> Literal["rad"]:
+        """Of the lever's angle."""
+        return "rad"
+
+    @cached_property
+    def start_angle(self) -> float:
+        """theta at motion 0 [rad]."""
+        return float(self.crank_angle(np.zeros(1))[0])
+
+    @cached_property
+    def _start_bend(self) -> float:
+        """beta at motion 0 [rad]: the lever's direction from that of the second shaft."""
+        return self.lever_angle - cmath.phase(self.shaft)
+
+    def _bend(self, motion: FloatArray) -> FloatArray:
+        return self._start_bend + self.lever_sense * motion
+
+    def _distance(self, bend: FloatArray) -> FloatArray:
+        """d = |P| (n,) [mm] at beta (n,) [rad], without cancellation."""
+        distance, lever = abs(self.shaft), self.lever
+        near = 2.0 * math.sqrt(lever * distance) * np.cos(0.5 * bend)
+        return np.hypot(lever - distance, near)
+
+    def missing_length(self, motion: FloatArray) -> FloatArray:
+        """(n,) [mm] by how much crank and coupler miss the pin; <= 0 where they reach it."""
+        d = self._distance(self._bend(motion))
+        return np.maximum(d - (self.crank + self.coupler), abs(self.crank - self.coupler) - d)
+
+    @cached_property
+    def _start_gaps(self) -> tuple[float, float]:
+        """(l_a + l_b)^2 - d^2 and d^2 - (l_a - l_b)^2 [mm^2] at motion 0; 0 but for rounding is 0.
+
+        A dead centre at the start is one however its lengths are rounded.
+        """
+        d = float(self._distance(np.array([self._start_bend]))[0])
+        total, difference = self.crank + self.coupler, abs(self.crank - self.coupler)
+        outer, inner = total - d, d - difference
+        least = ROUNDING * total
+        outer, inner = (gap if gap > least else 0.0 for gap in (outer, inner))
+        return outer * (total + d), inner * (d + difference)
+
+    def _half_angle(self, motion: FloatArray, d: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """See `camgeo.mechanism.triangle.half_angle`; the growth of d^2 as a product."""
+        half = 0.5 * self.lever_sense * motion
+        growth = np.sin(self._start_bend + half) * np.sin(half)
+        growth *= -4.0 * self.lever * abs(self.shaft)
+        return half_angle(self.crank, self.coupler, self._start_gaps, growth, d)
+
+    def _pin_angle(self, motion: FloatArray) -> FloatArray:
+        """arg P (n,) [rad], continuous over any motion: of the longer of D_0 and l_c, which P turns
+        with, and less than a quarter turn.
+        """
+        bend, distance = self._bend(motion), abs(self.shaft)
+        if distance > self.lever:
+            about = 1.0 + (self.lever / distance) * np.exp(1j * bend)
+            return np.asarray(cmath.phase(self.shaft) + np.angle(about))
+        about = 1.0 + (distance / self.lever) * np.exp(-1j * bend)
+        return np.asarray(self.lever_angle + self.lever_sense * motion + np.angle(about))
+
+    def crank_angle(self, motion: FloatArray) -> FloatArray:
+        """theta (n,) [rad] at `motion` (n,) [rad], continuous, any number of turns."""
+        d = self._distance(self._bend(motion))
+        sine, cosine = self._half_angle(motion, d)
+        return self._pin_angle(motion) - self.branch * 2.0 * np.arctan2(sine, cosine)
+
+    def joints(self, motion: FloatArray) -> tuple[ComplexArray, ComplexArray]:
+        """P and T (n,) [mm]: lever's pin and crank's tip at `motion` (n,) [rad]."""
+        pin = self.shaft + self.lever * np.exp(1j * (self.lever_angle + self.lever_sense * motion))
+        return pin, self.crank * np.exp(1j * self.crank_angle(motion))
+
+    def transform(self, jet: Jet, order: int = FULL_ORDER) -> Jet:
+        """(order + 1, n) rocker angle psi and derivatives [rad/rad^k] for lever angles `jet`.
+
+        `jet` (4, n) is the demanded angle and its derivatives [rad/rad^k]; order is at least 1.
+        psi is counted from motion 0, counter-clockwise positive, continuous over the motion.
+
+        With the rod D = P - T, N = Re(conj(D) i T) = l_a l_b sin(v - theta), and the derivatives of
+        |D|^2 = l_b^2:
+
+            theta'   = Re(conj(D) P') / N
+            theta''  = (Re(conj(D) (P'' + theta'^2 T)) + |D'|^2) / N
+            theta''' = (Re(conj(D) (P''' + (3 theta' theta'' + i theta'^3) T)) + 3 Re(conj(D') D''))
+                       / N
+
+        Raises
+        ------
+        GeometryError
+            With key "linkage", at a dead centre that is not passed at rest: psi'' is infinite.
+        """
+        motion = jet[0]
+        d = self._distance(self._bend(motion))
+        sine, cosine = self._half_angle(motion, d)
+        theta = self._pin_angle(motion) - self.branch * 2.0 * np.arctan2(sine, cosine)
+        product = sine * cosine
+        leverage = (0.5 * self.branch) * product
+        if not np.all(product):
+            resting = np.all(jet[1:] == 0.0, axis=0)
+            if np.any((product == 0.0) & ~resting):
+                raise GeometryError(
+                    "dead centre: crank and coupler lie on one line while the lever starts to"
+                    " move, the rocker's acceleration is infinite",
+                    key="linkage",
+                )
+            leverage = np.where(resting, 1.0, leverage)
+        arm = self.lever * np.exp(1j * (self.lever_angle + self.lever_sense * motion))
+        tip = self.crank * np.exp(1j * theta)
+        rod = self.shaft + arm - tip
+        turn1 = self.lever_sense * jet[1]
+        pin1 = 1j * turn1 * arm
+        out = np.empty((order + 1, jet.shape[1]))
+        np.subtract(theta, self.start_angle, out=out[0])
+        theta1 = np.divide(dot(rod, pin1), leverage, out=out[1])
+        if order > 1:
+            turn2 = self.lever_sense * jet[2]
+            pin2 = (1j * turn2 - turn1 * turn1) * arm
+            rod1 = pin1 - 1j * theta1 * tip
+            swing_in = theta1 * theta1 * tip
+            theta2 = dot(rod, pin2 + swing_in) + dot(rod1, rod1)
+            theta2 = np.divide(theta2, leverage, out=out[2])
+        if order > 2:
+            turn3 = self.lever_sense * jet[3]
+            pin3 = (1j * (turn3 - turn1**3) - 3.0 * turn1 * turn2) * arm
+            rod2 = pin2 + swing_in - 1j * theta2 * tip
+            mixed = (3.0 * theta1 * theta2 + 1j * theta1**3) * tip
+            theta3 = dot(rod, pin3 + mixed) + 3.0 * dot(rod1, rod2)
+            np.divide(theta3, leverage, out=out[3])
+        return out
+
+    def transform_bounds(self, jet: Jet, bounds: Jet) -> Jet:
+        """See `Linkage.transform_bounds`.
+
+        The triangle inequality over the formulas of `transform`, with N smallest at one end of the
+        range of d, as it is concave in d^2.
+        """
+        bend, reach = self._bend(jet[0]), bounds[0]
+        distance = abs(self.shaft)
+        foot, spread = (self.lever - distance) ** 2, 2.0 * self.lever * distance
+        start = float(np.cos(self._start_bend))
+        ends = [
+            np.multiply(
+                *half_angle(
+                    self.crank,
+                    self.coupler,
+                    self._start_gaps,
+                    spread * (cosine - start),
+                    np.sqrt(foot + spread * (1.0 + cosine)),
+                )
+            )
+            for cosine in cosine_range(bend - reach, bend + reach)
+        ]
+        leverage = 0.5 * np.minimum(*ends)
+        crank, coupler, lever = self.crank, self.coupler, self.lever
+        pin1 = lever * bounds[1]
+        pin2 = lever * (bounds[2] + bounds[1] ** 2)
+        pin3 = lever * (bounds[3] + 3.0 * bounds[1] * bounds[2] + bounds[1] ** 3)
+        with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
+            theta1 = coupler * pin1 / leverage
+            rod1 = pin1 + crank * theta1
+            in2 = pin2 + crank * theta1**2
+            theta2 = (coupler * in2 + rod1**2) / leverage
+            in3 = pin3 + crank * theta1 * (3.0 * theta2 + theta1**2)
+            theta3 = (coupler * in3 + 3.0 * rod1 * (in2 + crank * theta2)) / leverage
+            swing = coupler * lever * reach / leverage
+        out = np.stack((swing, theta1, theta2, theta3))
+        resting = np.all(bounds == 0.0, axis=0)
+        return np.where(resting, 0.0, np.where(np.isnan(out), np.inf, out))
+
+    def turning_positions(self, low: float, high: float) -> tuple[float, ...]:
+        """See `Linkage.turning_positions`: where the lever lies on the line of the shafts."""
+        return self._motions((0.0, math.pi), low, high)
+
+    def dead_positions(self, low: float, high: float) -> tuple[float, ...]:
+        """See `Linkage.dead_positions`."""
+        if not self.shaft:
+            return ()  # the pin keeps its distance
+        bends: list[float] = []
+        for reach in (self.crank + self.coupler, abs(self.crank - self.coupler)):
+            # |D_0|, l_c and the reach make a triangle; half its outer angle at D_0, no cancellation
+            distance, lever = abs(self.shaft), self.lever
+            near = (reach - (lever - distance)) * (reach + (lever - distance))
+            far = (lever + distance - reach) * (lever + distance + reach)
+            if near >= 0.0 and far >= 0.0:
+                bend = 2.0 * math.atan2(math.sqrt(far), math.sqrt(near))
+                bends += [bend, -bend]
+        return self._motions(bends, low, high)
+
+    def _motions(
+        self, bends: tuple[float, ...] | list[float], low: float, high: float
+    ) -> tuple[float, ...]:
+        """The motions in [low, high] [rad] at which beta is one of `bends`, turns apart."""
+        angles = [self.lever_sense * (bend - self._start_bend) for bend in bends]
+        return within(angles, low, high)
+
+    def size_limits(self, size: Size, low: float, high: float) -> tuple[float, ...]:
+        """See `Linkage.size_limits`: |l_a - l_b| <= d <= l_a + l_b, d from least to most."""
+        positions = np.array([low, high, *self.turning_positions(low, high)])
+        d = self._distance(self._bend(positions))
+        least, most = float(np.min(d)), float(np.max(d))
+        other = self.crank if size == "coupler" else self.coupler
+        return most - other, other - least, other + least
+
+    def resized(self, size: Size, length: float) -> FourBar:
+        """See `Linkage.resized`."""
+        return replace(self, crank=length) if size == "crank" else replace(self, coupler=length)

@@ -1,0 +1,82 @@
+"""What a linkage is: a motion from a motion, as long as it closes.
+
+At one end of a linkage a member makes the motion that the scene demands: a slider, a lever or a
+crank. At the other end the follower is held, a rocker or a guided one, and the linkage computes its
+motion back. Positions of the demanded motion are in mm for a slider and in rad for what turns.
+"""
+
+from __future__ import annotations
+
+from typing import Literal, Protocol
+
+from camgeo.motion.motion import FULL_ORDER, Jet
+from camgeo.numeric.arrays import ComplexArray, FloatArray
+
+Member = Literal["slider", "lever", "crank"]
+
+Size = Literal["crank", "coupler"]
+
+
+class Linkage(Protocol):
+    """A linkage with a crank and a coupler; lengths in mm.
+
+    Attributes
+    ----------
+    crank, coupler : their lengths.
+    member : whose motion is demanded.
+    unit : of the demanded positions.
+    """
+
+    @property
+    def crank(self) -> float: ...
+
+    @property
+    def coupler(self) -> float: ...
+
+    @property
+    def member(self) -> Member: ...
+
+    @property
+    def unit(self) -> Literal["mm", "rad"]: ...
+
+    def transform(self, jet: Jet, order: int = FULL_ORDER) -> Jet:
+        """(order + 1, n) the follower's motion for demanded positions and derivatives `jet` (4, n).
+
+        Counted from the demanded position 0; a rocker's angle counter-clockwise positive. order is
+        at least 1. GeometryError with key "linkage" at a dead centre that is not passed at rest.
+        """
+
+    def transform_bounds(self, jet: Jet, bounds: Jet) -> Jet:
+        """(4, n) bounds for the follower of what `Motion.jet_and_bounds` bounds for `jet`, the
+        demanded motion in the middle of each cell; infinite where a cell may touch a dead centre.
+        """
+
+    def missing_length(self, position: FloatArray) -> FloatArray:
+        """(n,) [mm] by how much the linkage misses to close; <= 0 where it closes, 0 at a dead
+        centre.
+        """
+
+    def turning_positions(self, low: float, high: float) -> tuple[float, ...]:
+        """The positions in [low, high] at which the missing length may turn."""
+
+    def dead_positions(self, low: float, high: float) -> tuple[float, ...]:
+        """The positions in [low, high] at which the missing length is 0."""
+
+    def size_limits(self, size: Size, low: float, high: float) -> tuple[float, ...]:
+        """Lengths [mm] of that member at which the linkage just closes at one position of the
+        range.
+
+        If all others stay as they are: between two neighbouring ones it closes all over the
+        positions [low, high], or for none of these lengths. Empty if they are not known.
+        """
+
+    def resized(self, size: Size, length: float) -> Linkage:
+        """The linkage with another `length` [mm] of that member, all else as it is stated.
+
+        GeometryError with key "linkage" if it does not close at position 0.
+        """
+
+    def joints(self, position: FloatArray) -> tuple[ComplexArray, ComplexArray]:
+        """The coupler's far pin P and the crank's tip T (n,) [mm], seen from the crank's shaft with
+        the axes of the drawing of the cam.
+        """

@@ -1,0 +1,44 @@
+"""The triangle of a linkage: shaft, pin and the tip of the crank, closed by crank and coupler."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from camgeo.numeric.arrays import ComplexArray, FloatArray
+
+ROUNDING = 8.0 * 2.0**-52
+"""A difference of lengths of this share of crank and coupler is zero, rounded."""
+
+
+def half_angle(
+    crank: float,
+    coupler: float,
+    start_gaps: tuple[float, float],
+    growth: FloatArray,
+    d: FloatArray,
+) -> tuple[FloatArray, FloatArray]:
+    """Sine and cosine, times a common factor, of half the angle pin - shaft - tip, in (0, pi).
+
+    `d` (n,) is the distance shaft - pin [mm], `growth` (n,) its square less the one at the start
+    [mm^2], `start_gaps` are (crank + coupler)^2 - d^2 and d^2 - (crank - coupler)^2 [mm^2] there: a
+    dead centre at the start keeps the digits of the motion, which d has no longer.
+
+    The squares add up to 4 l_sk d; the product is D/2, twice the area of the triangle shaft, pin,
+    tip, zero at a dead centre (D as in the robust form of Wirsig eq. 3.10).
+    """
+    outer, inner = start_gaps
+    difference = crank - coupler
+    reach = d + abs(difference)
+    near = (inner + growth) / reach  # d - |l_sk - l_4|
+    short, long = (near, reach) if difference > 0.0 else (reach, near)
+    total = d + (crank + coupler)
+    first = (outer - growth) / total * short
+    second = long * total
+    # At a dead centre the radicand may round to a tiny negative number.
+    return np.sqrt(np.maximum(first, 0.0)), np.sqrt(np.maximum(second, 0.0))
+
+
+def dot(a: ComplexArray, b: ComplexArray) -> FloatArray:
+    """(n,) scalar products of plane vectors."""
+    found: FloatArray = a.real * b.real + a.imag * b.imag
+    return found

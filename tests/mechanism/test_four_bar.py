@@ -1,0 +1,178 @@
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from decimal import Decimal
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from camgeo.check.linkage import check_linkage
+from camgeo.errors import GeometryError
+from camgeo.mechanism.four_bar import FourBar
+from camgeo.mechanism.linkage import LinkedMotion
+from camgeo.motion.plan import Dwell, MotionPlan, Move
+from camgeo.units import TURN
+from tests.integrals import cells
+from tests.mechanism.loops import four_bar_jet
+from tests.reference import POLYNOMIAL
+from tests.strategies import SMOOTH, attack, four_bars, plans
+
+MOTION = 0.6  # of the linkages drawn
+
+ROUNDING = 1e-11
+"""As a share of the largest value. With 2 mm to spare sin(v - theta) is 0.1 at least, by which five
+times is divided; pins turn up to 350 mm from the shaft."""
+
+few = settings(attack, max_examples=25)
+
+jets = st.tuples(st.floats(0.0, MOTION), *[st.floats(-2.0, 2.0)] * 3).map(np.array)
+
+
+@few
+@given(linkage=four_bars(), jet=jets)
+def test_newton_on_the_loop_finds_the_same_rocker(linkage: FourBar, jet: np.ndarray) -> None:
+    """The loop and its derivatives to the third, solved as a power series with 50 digits."""
+    (near,) = linkage.crank_angle(jet[:1])
+    expected = four_bar_jet(linkage, jet, float(near))
+    found = linkage.transform(jet[:, np.newaxis])[:, 0]
+    found[0] += linkage.start_angle
+    assert found == pytest.approx(expected, rel=ROUNDING, abs=ROUNDING * np.max(np.abs(expected)))
+
+
+@attack
+@given(linkage=four_bars())
+def test_loop_and_branch_hold_and_the_swing_is_continuous(linkage: FourBar) -> None:
+    motion = np.linspace(0.0, MOTION, 400)
+    pin, tip = linkage.joints(motion)
+    assert np.abs(pin - tip) == pytest.approx(np.full(400, linkage.coupler), rel=1e-13)
+    assert np.abs(pin - linkage.shaft) == pytest.approx(np.full(400, linkage.lever), rel=1e-13)
+    assert np.all(np.sign(np.imag(np.conj(pin) * tip)) == -linkage.branch)
+    jet = np.zeros((4, 400))
+    jet[0], jet[1] = motion, 1.0
+    swing, speed = linkage.transform(jet)[:2]
+    assert swing[0] == 0.0
+    # The mean value theorem excludes a turn.
+    assert np.max(np.abs(np.diff(swing))) < 2.0 * np.max(np.abs(speed)) * motion[1]
+
+
+def test_a_rocker_may_turn_more_than_half_a_turn_with_no_jump() -> None:
+    """A drag link: the shaft distance is the shortest, both levers turn all round, for ever."""
+    linkage = FourBar(60.0, 70.0, 65.0, 20.0 + 0.0j, 0.3, 1, 1)
+    turns = np.linspace(-3.0 * TURN, 3.0 * TURN, 6001)
+    jet = np.zeros((4, 6001))
+    jet[0], jet[1] = turns, 1.0
+    swing = linkage.transform(jet)[0]
+    assert np.max(np.abs(np.diff(swing))) < 0.05
+    # Each turn of the lever is one of the crank.
+    assert swing[-1] - swing[0] == pytest.approx(6.0 * TURN, rel=1e-13)
+    assert not linkage.dead_positions(-9.0, 9.0)
+
+
+@few
+@given(linkage=four_bars(), jet=jets)
+def test_the_mirror_image_turns_the_other_way(linkage: FourBar, jet: np.ndarray) -> None:
+    mirrored = replace(
+        linkage,
+        shaft=linkage.shaft.conjugate(),
+        lever_angle=-linkage.lever_angle,
+        lever_sense=-linkage.lever_sense,
+        branch=-linkage.branch,
+    )
+    one, other = (each.transform(jet[:, np.newaxis]) for each in (linkage, mirrored))
+    # Angles about pi fall on the other side of their range.
+    assert other == pytest.approx(-one, rel=1e-11, abs=1e-11 * np.max(np.abs(one)))
+
+
+@pytest.mark.parametrize("scale", [1e-3, 1e3])
+@few
+@given(linkage=four_bars(), jet=jets)
+def test_the_swing_does_not_know_the_unit(scale: float, linkage: FourBar, jet: np.ndarray) -> None:
+    other = replace(
+        linkage,
+        crank=scale * linkage.crank,
+        coupler=scale * linkage.coupler,
+        lever=scale * linkage.lever,
+        shaft=scale * linkage.shaft,
+    )
+    one = linkage.transform(jet[:, np.newaxis])
+    expected = pytest.approx(one, rel=ROUNDING, abs=ROUNDING * np.max(np.abs(one)))
+    assert other.transform(jet[:, np.newaxis]) == expected
+
+
+@few
+@given(linkage=four_bars(), plan=plans(SMOOTH, MOTION), count=st.integers(1, 5))
+def test_bounds_hold_all_over_their_cells(linkage: FourBar, plan: MotionPlan, count: int) -> None:
+    motion = LinkedMotion(plan, linkage)
+    low, high = cells(plan.borders, count)
+    bounds = motion.jet_and_bounds(low, high)[1]
+    middle = motion.jet(0.5 * (low + high))[0]
+    sizes = np.max(np.abs(motion.jet(np.linspace(0.0, TURN, 241))), axis=1)[:, np.newaxis]
+    for share in np.linspace(0.0, 1.0, 25):
+        phi = np.clip(low + share * (high - low), low, high)
+        values = motion.jet(phi, "left" if share == 1.0 else "right")
+        values[0] -= middle
+        assert np.all(np.abs(values) <= bounds + ROUNDING * np.maximum(sizes, 0.01))
+    small = motion.jet_and_bounds(*cells(plan.borders, 64))[1]
+    assert np.all(np.isfinite(small))
+
+
+PARALLELOGRAM = FourBar(40.0, 100.0, 40.0, 100.0 + 0.0j, math.radians(60.0), 1, -1)
+
+
+def test_a_parallelogram_keeps_its_branch() -> None:
+    jet = np.zeros((4, 50))
+    jet[0], jet[1] = np.linspace(0.0, math.radians(110.0), 50), 1.0
+    swing = PARALLELOGRAM.transform(jet)
+    assert swing[0] == pytest.approx(jet[0], abs=1e-13)
+    assert swing[1] == pytest.approx(np.ones(50), rel=1e-12)
+    assert swing[2:] == pytest.approx(np.zeros((2, 50)), abs=1e-11)
+    # Crank and coupler fold and stretch at the change points, with a double root each: 1e-8 rad.
+    dead = np.degrees(PARALLELOGRAM.dead_positions(-2.0, 3.0))
+    assert np.min(np.abs(dead - np.array([[-60.0], [120.0]])), axis=0) == pytest.approx(
+        np.zeros(len(dead)), abs=1e-5
+    )
+    assert np.ptp(dead) == pytest.approx(180.0, abs=1e-5)
+
+
+def test_a_change_point_is_a_dead_centre() -> None:
+    """Passing it, the linkage could fold into the antiparallelogram: refused where it is moving."""
+    third = Decimal(120)
+    to = math.radians(130.0)
+    plan = MotionPlan((Dwell(third), Move(third, to, POLYNOMIAL), Move(third, 0.0, POLYNOMIAL)))
+    (found,) = check_linkage(LinkedMotion(plan, PARALLELOGRAM))
+    assert (found.name, found.severity) == ("dead-centre", "fatal")
+    assert "at lever's angle 120 deg" in found.sentence
+    assert "with the lever's angle kept between -59.9999 and 120 degrees" in found.sentence
+    flat = replace(PARALLELOGRAM, lever_angle=0.0)
+    with pytest.raises(GeometryError, match="dead centre"):
+        flat.transform(np.array([[0.0], [1.0], [0.0], [0.0]]))
+    assert not np.any(flat.transform(np.zeros((4, 3))))
+
+
+def test_a_dead_centre_at_the_start_keeps_the_digits() -> None:
+    """Crank and coupler stretched at motion 0: psi goes with the root of the motion, as HC05."""
+    linkage = FourBar(40.0, 60.0, 50.0, 100.0 + 50.0j, -0.5 * math.pi, 1, 1)
+    assert linkage.missing_length(np.zeros(1))[0] == pytest.approx(0.0, abs=1e-13)
+    small = np.array([1e-12, 1e-10, 1e-8])
+    jet = np.zeros((4, 3))
+    jet[0], jet[1] = -small, -1.0
+    if linkage.missing_length(np.array([-1e-3]))[0] > 0.0:
+        jet = -jet
+    found = linkage.transform(jet)
+    # From the exact sum of the angles at shaft and tip: d = 100 - 50 x, cosine rule to first order.
+    lost = 50.0 * small
+    theta = np.sqrt(2.0 * lost * 60.0 / (40.0 * 100.0))
+    assert np.abs(found[0]) == pytest.approx(theta, rel=1e-4)
+    assert np.abs(found[1] * 2.0 * small) == pytest.approx(theta, rel=1e-4)
+
+
+def test_dimensions_that_do_not_close_are_told_with_a_coupler_that_does() -> None:
+    with pytest.raises(GeometryError, match="coupler must be") as caught:
+        FourBar(40.0, 20.0, 50.0, 150.0 + 0.0j, math.radians(90.0), 1, 1)
+    assert caught.value.key == "linkage"
+    least = math.hypot(150.0, 50.0) - 40.0
+    assert f"{least:.6g} to" in caught.value.message
+    FourBar(40.0, least + 1e-9, 50.0, 150.0 + 0.0j, math.radians(90.0), 1, 1)
