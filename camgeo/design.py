@@ -45,11 +45,13 @@ if TYPE_CHECKING:
     import pathlib
     from collections.abc import Sequence
 
+    from camgeo.check.breadth import Breadth
     from camgeo.check.cures import Cure
     from camgeo.contour.contour import Contour
     from camgeo.contour.fit import Effort, Fit
     from camgeo.effects.effect import Column
     from camgeo.effects.graph import Effects
+    from camgeo.files.mechanism_sketch import MechanismSketch
     from camgeo.files.product import CutOff, Demanded, FollowerSketch, PlanSketch
     from camgeo.files.specs import DxfSpec
     from camgeo.files.table import Table
@@ -445,7 +447,7 @@ class Design:
 
         Of a conjugate pair also what they find of the return disc, and of both together.
         """
-        found = [*self.disc_findings, *self._pair_findings()]
+        found = [*self.disc_findings, *self._pair_findings(), *self._yoke_findings()]
         found += check_motion(self.specification.plan, self._plan_unit)
         found += check_speed(self.specification.plan, self.time_course, self._plan_unit)
         return tuple(sorted(found, key=lambda finding: WORST_FIRST.index(finding.severity)))
@@ -505,6 +507,33 @@ class Design:
         except GeometryError:  # a cusp, which the findings of its disc tell
             return found
         return [*found, *pair]
+
+    @cached_property
+    def breadth(self) -> Breadth | None:
+        """How wide the cam is between the two sides of its yoke; None if there is no yoke."""
+        follower = self.specification.follower
+        if self.specification.yoke is None or follower.rocks:
+            return None
+        from camgeo.check.breadth import Breadth  # few followers are yokes
+
+        return Breadth(self.motion, follower.base_radius, follower.reach)
+
+    @property
+    def yoke_breadth(self) -> float:
+        """Distance of the two sides of the yoke [mm], see `camgeo.mechanism.yoke`; 0 without."""
+        yoke, cam = self.specification.yoke, self.breadth
+        if yoke is None or cam is None:
+            return 0.0
+        return cam.best if yoke.breadth is None else yoke.breadth
+
+    def _yoke_findings(self) -> list[Finding]:
+        """Whether both sides of a yoke touch all through the turn; nothing without one."""
+        if self.breadth is None:
+            return []
+        from camgeo.check.breadth import check_breadth
+
+        limit = self.specification.limits.closing_error
+        return [check_breadth(self.breadth, self.yoke_breadth, limit)]
 
     def _flat_findings(self) -> list[Finding]:
         """Whether there is a cam for a flat face, and how the face is used."""
@@ -711,6 +740,21 @@ class Design:
         return FollowerSketch(
             "guide", foot + out * (follower.start_height + 2.0 * self.base_radius)
         )
+
+    def mechanism_sketch(self, phi: float) -> MechanismSketch:
+        """The mechanism at the cam angle `phi` [rad], for a picture."""
+        from camgeo.files.skeleton import skeleton
+
+        return skeleton(self, phi)
+
+    @property
+    def far_angle(self) -> float:
+        """The first cam angle [rad] at which the demanded motion is farthest from its start."""
+        from camgeo.motion.extremes import turning_angles
+
+        plan = self.specification.plan
+        angles = merged(np.concatenate((plan.borders, turning_angles(plan))))
+        return float(angles[np.argmax(np.abs(plan.jet(angles)[0]))]) if len(angles) else 0.0
 
     @property
     def cut_off(self) -> tuple[CutOff, ...]:

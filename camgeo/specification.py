@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from camgeo.files.specs import DxfSpec
     from camgeo.mechanism.kinds import AnyFollower, RollerFollower
     from camgeo.mechanism.linkage_protocol import Linkage
+    from camgeo.mechanism.yoke import Yoke
     from camgeo.motion.time_course import SpeedCurve
     from camgeo.toolpath.spec import GcodeSpec
 
@@ -87,6 +88,9 @@ class Specification(Protocol):
 
     @property
     def returning(self) -> RollerFollower | None: ...
+
+    @property
+    def yoke(self) -> Yoke | None: ...
 
     @property
     def contact(self) -> Contact: ...

@@ -26,7 +26,7 @@ def register(subparsers: Subparsers[argparse.ArgumentParser]) -> None:
     parser = new_parser(
         subparsers,
         "plot",
-        "draw a scene: motion, cam, curvature, transmission-angle, effects",
+        "draw a scene: motion, cam, mechanism, curvature, transmission-angle, effects",
         "camgeo plot fixtures/scenes/setzhub.toml motion cam -o setzhub.png",
     )
     parser.add_argument("scene", metavar="SCENE", help="scene file (TOML)")

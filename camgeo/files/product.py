@@ -26,6 +26,7 @@ from camgeo.units import LengthUnit
 
 if TYPE_CHECKING:  # few scenes name an effect
     from camgeo.effects.effect import Column
+    from camgeo.files.mechanism_sketch import MechanismSketch
 
 DWELL: Final = "dwell"
 """What a segment of the motion plan that is a rest is called."""
@@ -201,6 +202,13 @@ class Product(Protocol):
 
     @property
     def plan_sketch(self) -> PlanSketch: ...
+
+    def mechanism_sketch(self, phi: float) -> MechanismSketch:
+        """The mechanism at the cam angle `phi` [rad], for a picture."""
+
+    @property
+    def far_angle(self) -> float:
+        """The cam angle [rad] at which the demanded motion is farthest from its start."""
 
     @property
     def cut_off(self) -> tuple[CutOff, ...]:

@@ -11,6 +11,7 @@ import numpy as np
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.files.product import DWELL, CutOff, Demanded, FollowerSketch, PlanSegment, PlanSketch
+from camgeo.files.skeleton import face_ends, face_line
 from camgeo.mechanism.kinds import AnyFlat
 from camgeo.mechanism.oscillating_flat import OscillatingFlat
 from camgeo.motion.joints import breaks, joints
@@ -51,24 +52,13 @@ def flat_sketch(curve: PitchCurve) -> FollowerSketch:
 
     The face as long as the scene says, else as the contact needs it.
     """
-    from camgeo.outline.convex import contact_extremes  # few cams have a flat face
-
     follower = cast("AnyFlat", curve.follower)  # asked for those only
-    ends = follower.face
-    if ends is None:
-        places = contact_extremes(curve)
-        ends = places.smallest()[0], places.largest()[0]
+    ends = face_ends(curve)
     if isinstance(follower, OscillatingFlat):
-        line = -follower.pivot / abs(follower.pivot)
-        along = line * cmath.exp(1j * follower.arm_side * follower.start_angle)
-        foot = follower.pivot + 1j * follower.arm_side * along * follower.face_offset
         ends = min(0.0, ends[0]), max(0.0, ends[1])  # to the pivot
-        face = (foot + along * ends[0], foot + along * ends[1])
-        return FollowerSketch("pivot", follower.pivot, face)
-    out = cmath.exp(1j * follower.guide_angle)
-    along, foot = -1j * out, out * follower.base_radius
-    face = (foot + along * ends[0], foot + along * ends[1])
-    return FollowerSketch("guide", 2.0 * foot, face)
+        return FollowerSketch("pivot", follower.pivot, face_line(follower, 0.0, ends))
+    far = 2.0 * follower.base_radius * cmath.exp(1j * follower.guide_angle)
+    return FollowerSketch("guide", far, face_line(follower, 0.0, ends))
 
 
 def cut_off_sketches(curve: WorkingCurve, outline: Outline, flank: str) -> tuple[CutOff, ...]:

@@ -33,6 +33,7 @@ from camgeo.units import RPM, TURN
 if TYPE_CHECKING:
     from camgeo.mechanism.kinds import AnyFlat, AnyFollower, RollerFollower
     from camgeo.mechanism.linkage_protocol import Linkage
+    from camgeo.mechanism.yoke import Yoke
     from camgeo.motion.time_course import SpeedCurve
 
 Built = TypeVar("Built")
@@ -162,6 +163,14 @@ class Builder:
         angle = math.radians(table["arm_angle"])
         return self._engine(("follower",), lambda: return_on_lever(follower, angle, **given))
 
+    def _yoke(self) -> Yoke | None:
+        table: dict[str, Any] | None = self.values.get("follower", "yoke")
+        if table is None:
+            return None
+        from camgeo.mechanism.yoke import Yoke  # few scenes have one
+
+        return Yoke(**_given(table, {"breadth": self._mm}))
+
     def linkage(self) -> Linkage | None:
         """The linkage; None if there is none, or none that works.
 
@@ -258,6 +267,7 @@ class Builder:
             follower=follower,
             linkage=linkage,
             returning=returning,
+            yoke=self._yoke(),
             speed_curve=speed_curve,
             contact=get("follower", "contact") or "inner",
             side_clearance=self._mm * (get("follower", "side_clearance") or 0.0),

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from camgeo.contour.fit import Effort
     from camgeo.mechanism.kinds import AnyFollower, RollerFollower
     from camgeo.mechanism.linkage_protocol import Linkage
+    from camgeo.mechanism.yoke import Yoke
     from camgeo.motion.time_course import SpeedCurve
 
 
@@ -79,6 +80,7 @@ class Scene:
     follower : what touches the disc.
     linkage : between motion and follower; None if the motion is the follower's own.
     returning : the second roller, on the return disc of a conjugate pair; None if there is none.
+    yoke : the other side of the follower on a cam of constant breadth; None if there is none.
     contact : the flank on which the roller runs.
     side_clearance : groove's width less the roller's diameter [mm]; 0 without groove.
     limits : what the design is held to.
@@ -97,6 +99,7 @@ class Scene:
     follower: AnyFollower
     linkage: Linkage | None = None
     returning: RollerFollower | None = None
+    yoke: Yoke | None = None
     speed_curve: SpeedCurve | None = None
     contact: Contact = "inner"
     side_clearance: float = 0.0

@@ -16,6 +16,7 @@ KINDS: Final = (
     "groove",
     "conjugate-carriage",
     "conjugate-lever",
+    "constant-breadth",
     "slider-crank",
     "crank-slider",
     "four-bar",

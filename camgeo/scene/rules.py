@@ -73,6 +73,8 @@ ONE_CONTACT: Final = (
 )
 """Effects that suppose that one disc carries one roller all over the turn."""
 
+YOKE: Final = ("follower", "yoke")
+
 FOR_ROLLERS: Final = "is for roller followers"
 
 EFFECTS_OF_FLATS: Final = ("kinematics",)
@@ -197,8 +199,9 @@ def a_return_disc_has_a_main_disc(values: SoundValues) -> Iterator[Fault]:
     """A conjugate pair is two plate cams, and the effects that know one contact have two there."""
     place = ("follower", "return")
     if not values.has(*place):
-        if values.has("limits", "closing_error") and values.lacks(*place):
-            message = "belongs to a conjugate pair: it needs [follower.return]"
+        free = values.lacks(*place) and values.lacks(*YOKE)
+        if values.has("limits", "closing_error") and free:
+            message = "belongs to a pair or a yoke: it needs [follower.return] or [follower.yoke]"
             yield values.scene.fault(("limits", "closing_error"), message)
         return
     contact = values.get("follower", "contact")
@@ -208,6 +211,25 @@ def a_return_disc_has_a_main_disc(values: SoundValues) -> Iterator[Fault]:
     for name in ONE_CONTACT:
         if values.has("effects", name):
             message = "knows one disc and one contact; a conjugate pair, [follower.return], has two"
+            yield values.scene.fault(("effects", name), message)
+
+
+def a_yoke_stands_astride(values: SoundValues) -> Iterator[Fault]:
+    """Both sides of a yoke lie in line with the cam axis, on one plate cam."""
+    if not values.has(*YOKE):
+        return
+    if values.get("follower", "offset"):
+        message = "must be 0 for a yoke: both its rollers lie in line with the cam axis"
+        yield values.scene.fault(("follower", "offset"), message)
+    if values.get("follower", "contact") in ("outer", "groove"):
+        message = 'belongs to contact "inner": the yoke stands astride a plate cam'
+        yield values.scene.fault(YOKE, message)
+    if values.has("follower", "return"):
+        message = "contradicts [follower.return]: one disc leads a yoke both ways"
+        yield values.scene.fault(YOKE, message)
+    for name in ONE_CONTACT:
+        if values.has("effects", name) and name != "balance":
+            message = "knows one contact; a yoke, [follower.yoke], has two"
             yield values.scene.fault(("effects", name), message)
 
 
@@ -432,6 +454,7 @@ RULES: Final[tuple[Rule, ...]] = (
     one_speed,
     swing_is_possible,
     a_return_disc_has_a_main_disc,
+    a_yoke_stands_astride,
     face_has_a_length,
     rollers_have_what_is_theirs,
     four_bar_turns_a_rocker,

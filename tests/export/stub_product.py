@@ -17,6 +17,7 @@ from camgeo.contour.contour import Contour
 from camgeo.contour.fit import Effort, Fit
 from camgeo.contour.spline import Arc, SplineContour, SplineFit
 from camgeo.effects.effect import Column
+from camgeo.files.mechanism_sketch import Guide, MechanismSketch
 from camgeo.files.product import CutOff, FollowerSketch, PlanSegment, PlanSketch, Product
 from camgeo.files.specs import DxfSpec
 from camgeo.files.table import Table
@@ -137,6 +138,19 @@ class StubProduct:
     @property
     def follower_sketch(self) -> FollowerSketch:
         return FollowerSketch("guide", 60j * self.scale)
+
+    def mechanism_sketch(self, phi: float) -> MechanismSketch:
+        """A rod in a guide, with the roller on the base circle all the time."""
+        roller = 1j * self.base_radius
+        return MechanismSketch(
+            links=((roller, 2.0 * roller),),
+            guides=(Guide(1.8 * roller, 1j, block=False),),
+            rollers=((roller, self.roller_radius),),
+        )
+
+    @property
+    def far_angle(self) -> float:
+        return self.joints[-1]
 
     @property
     def plan_sketch(self) -> PlanSketch:

@@ -44,7 +44,7 @@ FAULTS: list[tuple[str, list[tuple[str, str]], str]] = [
     (
         SETZHUB,
         [("[limits]", "[limits]\nclosing_error = 0.1")],
-        r"limits.closing_error = 0.1: belongs to a conjugate pair",
+        r"limits.closing_error = 0.1: belongs to a pair or a yoke",
     ),
 ]
 

@@ -31,7 +31,7 @@ def loaded(text: str, *changes: tuple[str, str]) -> Design:
 def test_the_keys_of_a_four_bar() -> None:
     inch = loaded(FOUR_BAR, ('name = "four_bar"', 'name = "four_bar"\n[units]\nlength = "inch"'))
     assert inch.linkage == FourBar(
-        70 * 25.4, 120 * 25.4, 85 * 25.4, 25.4 * (110 + 30j), math.radians(120.0), -1, -1
+        70 * 25.4, 120 * 25.4, 85 * 25.4, 25.4 * (-110 + 29j), math.radians(270.0), -1, -1
     )
     made = loaded(FOUR_BAR, ('lever_sense = "cw"\n', ""))
     assert isinstance(made.linkage, FourBar)

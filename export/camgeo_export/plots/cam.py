@@ -21,15 +21,13 @@ from camgeo.numeric.arrays import ComplexArray
 from camgeo.part.part import Part
 from camgeo.units import MM_PER
 from camgeo_export.plots import cut_off, disc, flanks
-from camgeo_export.plots.style import AUXILIARY, LINE, cam_angles, frame
+from camgeo_export.plots.style import AUXILIARY, LINE, RETURN_STYLE, cam_angles, frame
 
 SAGITTA = 1e-4
 """Chords of the picture, relative to the base radius: far below a printed line."""
 
 PITCH_STYLE: Any = {"color": AUXILIARY, "linewidth": 1.0, "dashes": (10, 3, 2, 3)}
 BASE_STYLE: Any = {"color": AUXILIARY, "linewidth": 0.8, "dashes": (5, 4)}
-
-RETURN_STYLE: Any = {"color": "#b3541e", "linewidth": 1.4, "dashes": (6, 2)}
 
 FACE = 2.4
 """Width of the line that is a flat face [pt]."""

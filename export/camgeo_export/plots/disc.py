@@ -10,7 +10,7 @@ from matplotlib.path import Path
 from camgeo.numeric.arrays import ComplexArray
 from camgeo.part.part import Boundary, Part
 from camgeo_export.plots import cut_off
-from camgeo_export.plots.style import LINE
+from camgeo_export.plots.style import LINE, RETURN_STYLE
 
 BODY = "#e4e8ec"
 GROOVE = "#c2cad3"
@@ -22,8 +22,11 @@ FINE = 1e-3
 """Chords of a window, relative to its side."""
 
 
-def draw(axes: Axes, part: Part, scale: float, sagitta: float) -> list[ComplexArray]:
-    """Draw the part and return its rings; `scale` units in 1 mm, chords `sagitta` [mm] off."""
+def draw(axes: Axes, part: Part, scale: complex, sagitta: float) -> list[ComplexArray]:
+    """Draw the part and return its rings; `scale` units in 1 mm, chords `sagitta` [mm] off.
+
+    A complex scale turns the part.
+    """
     body = [ring * scale for ring in _rings(part.through, sagitta)]
     groove = [ring * scale for ring in _rings(part.groove, sagitta)]
     axes.add_patch(_area(body, BODY))
@@ -32,6 +35,13 @@ def draw(axes: Axes, part: Part, scale: float, sagitta: float) -> list[ComplexAr
     for ring in (*body, *groove):
         axes.add_patch(PathPatch(_outline(ring), fill=False, edgecolor=LINE, linewidth=EDGE))
     return [*body, *groove]
+
+
+def draw_behind(axes: Axes, part: Part, scale: complex, sagitta: float) -> None:
+    """Draw the outline of a second disc, that of a conjugate pair, over the first one."""
+    for ring in _rings(part.through[:1], sagitta):
+        line = np.append(ring, ring[:1]) * scale
+        axes.plot(line.real, line.imag, zorder=3, **RETURN_STYLE)
 
 
 def draw_near(axes: Axes, part: Part, middle: complex, width: float) -> None:

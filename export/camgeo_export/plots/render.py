@@ -11,7 +11,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure, SubFigure
 
 from camgeo.files.product import Product
-from camgeo_export.plots import cam, curvature, effects, motion, transmission_angle
+from camgeo_export.plots import cam, curvature, effects, mechanism, motion, transmission_angle
 from camgeo_export.plots.file import figure_file
 
 GROUP = "camgeo.plots"
@@ -39,6 +39,7 @@ class Plot(Protocol):
 PLOTS: dict[str, Plot] = {
     "motion": motion,
     "cam": cam,
+    "mechanism": mechanism,
     "curvature": curvature,
     "transmission-angle": transmission_angle,
     "effects": effects,

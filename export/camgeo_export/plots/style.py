@@ -46,6 +46,9 @@ LIMIT = "#b3261e"
 AUXILIARY = "#4d4d4d"
 """Colour of construction lines."""
 
+RETURN_STYLE: Any = {"color": "#b3541e", "linewidth": 1.4, "dashes": (6, 2)}
+"""How the return disc of a conjugate pair is drawn over the main disc."""
+
 SAMPLES = 1441
 """Points of a diagram over the cam angle: a quarter of a degree, finer than a printed line."""
 

@@ -1,0 +1,95 @@
+"""The sketch of a mechanism: bodies stay rigid, and the roller lies where the cam holds it."""
+
+from __future__ import annotations
+
+import cmath
+import math
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from camgeo.design import Design
+from camgeo.files.mechanism_sketch import MechanismSketch
+from camgeo.scene.load import load_scene
+from camgeo.units import TURN
+
+SCENES = sorted((Path(__file__).resolve().parents[2] / "fixtures" / "scenes").glob("*.toml"))
+
+ANGLES = np.random.default_rng(7).uniform(0.0, TURN, 7)
+
+ROUNDING = 1e-12
+"""Of a point, as a share of the mechanism: some sines and sums."""
+
+
+@pytest.fixture(params=SCENES, ids=lambda path: path.stem)
+def design(request: pytest.FixtureRequest) -> Design:
+    return Design(load_scene(request.param))
+
+
+def lengths(sketch: MechanismSketch) -> list[float]:
+    """Of the links, from point to point."""
+    return [abs(b - a) for link in sketch.links for a, b in pairwise(link)]
+
+
+def test_links_keep_their_lengths_and_shafts_their_places(design: Design) -> None:
+    start = design.mechanism_sketch(0.0)
+    size = max(abs(point) for point in start.points)
+    for phi in ANGLES:
+        sketch = design.mechanism_sketch(float(phi))
+        assert lengths(sketch) == pytest.approx(lengths(start), abs=ROUNDING * size)
+        assert sketch.shafts == start.shafts
+        for guide, first in zip(sketch.guides, start.guides, strict=True):
+            way = (guide.middle - first.middle) * first.direction.conjugate()
+            assert guide.direction == first.direction
+            assert abs(way.imag) <= ROUNDING * size
+
+
+def test_rollers_lie_on_the_pitch_curves_of_the_turned_discs(design: Design) -> None:
+    discs = [each for each in (design, design.returning) if each is not None]
+    for phi in ANGLES:
+        rollers = design.mechanism_sketch(float(phi)).rollers
+        for disc, (centre, radius) in zip(discs, rollers, strict=False):
+            ((x, y),) = disc.pitch(np.array([phi]))
+            turned = complex(x, y) * cmath.exp(1j * design.rotation * phi)
+            assert abs(centre - turned) <= ROUNDING * abs(turned)
+            assert radius == disc.roller_radius
+
+
+def test_faces_touch_the_turned_disc(design: Design) -> None:
+    outline = design.pitch(np.linspace(0.0, TURN, 3601)) @ np.array([1.0, 1j])
+    for phi in ANGLES:
+        ((x, y),) = design.pitch(np.array([phi]))
+        turn = cmath.exp(1j * design.rotation * phi)
+        for number, (start, end) in enumerate(design.mechanism_sketch(float(phi)).faces):
+            along = (end - start) / abs(end - start)
+            outward = 1j * along if ((start * along.conjugate()).imag > 0.0) else -1j * along
+            beyond = ((outline * turn - start) * outward.conjugate()).real
+            assert np.max(beyond) <= ROUNDING * abs(start)
+            contact = complex(x, y) * turn
+            if number == 0:
+                assert abs(((contact - start) * outward.conjugate()).real) <= 1e-9
+                assert 0.0 < ((contact - start) * along.conjugate()).real < abs(end - start)
+            else:  # the far side of a yoke, touched at a point between two of the outline's
+                assert np.max(beyond) >= -1e-3
+
+
+def test_the_far_angle_is_where_the_demanded_motion_is_farthest(design: Design) -> None:
+    phi = np.linspace(0.0, TURN, 3601)
+    strokes = np.abs(design.stroke(phi)[0])
+    far = design.far_angle
+    assert 0.0 <= far < TURN
+    farthest = float(np.abs(design.stroke(np.array([far]))[0, 0]))
+    assert farthest >= float(strokes.max()) * (1.0 - ROUNDING)
+
+
+def test_a_rod_reaches_through_its_guide_all_the_time() -> None:
+    design = Design(load_scene(next(path for path in SCENES if path.stem == "plate_translating")))
+    for phi in (0.0, design.far_angle, *ANGLES):
+        sketch = design.mechanism_sketch(float(phi))
+        ((foot, end),) = sketch.links
+        (guide,) = sketch.guides
+        along = [((p - guide.middle) / guide.direction).real for p in (foot, end)]
+        assert along[0] < 0.0 < along[1]
+        assert math.isclose(((end - foot) / guide.direction).imag, 0.0, abs_tol=1e-9)
