@@ -8,7 +8,8 @@ design.write("out", ["dxf", "3mf"])  # files, with their certificate
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from importlib import import_module
+from typing import TYPE_CHECKING, Any, Final
 
 from camgeo._version import __version__
 from camgeo.check.finding import Finding
@@ -34,6 +35,25 @@ from camgeo.motion.plan import Dwell, MotionPlan, Move
 if TYPE_CHECKING:
     from pathlib import Path
 
+    from camgeo.mechanism.crank_slider import CrankSlider
+    from camgeo.mechanism.four_bar import FourBar
+    from camgeo.mechanism.oscillating_flat import OscillatingFlat
+    from camgeo.mechanism.translating_flat import TranslatingFlat
+
+FEW_NEED: Final = {
+    "CrankSlider": "camgeo.mechanism.crank_slider",
+    "FourBar": "camgeo.mechanism.four_bar",
+    "OscillatingFlat": "camgeo.mechanism.oscillating_flat",
+    "TranslatingFlat": "camgeo.mechanism.translating_flat",
+}
+"""Public names that are imported when they are first asked for, and their modules."""
+
+
+def __getattr__(name: str) -> Any:
+    if name in FEW_NEED:
+        return getattr(import_module(FEW_NEED[name]), name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
 
 def load(path: str | Path) -> Design:
     """Read a scene file and return its design; nothing is computed yet.
@@ -50,21 +70,25 @@ def load(path: str | Path) -> Design:
 
 __all__ = [
     "CamgeoError",
+    "CrankSlider",
     "Design",
     "Dwell",
     "Fault",
     "Finding",
+    "FourBar",
     "GeometryError",
     "Limits",
     "LinkedMotion",
     "MotionPlan",
     "Move",
+    "OscillatingFlat",
     "OscillatingRoller",
     "OutputError",
     "PitchCurve",
     "SceneError",
     "SliderCrank",
     "ToleranceError",
+    "TranslatingFlat",
     "TranslatingRoller",
     "UndercutError",
     "WorkingCurve",

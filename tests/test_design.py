@@ -103,3 +103,15 @@ def test_arrays_of_any_number_of_turns(design: Design) -> None:
     phi = np.linspace(-7.0, 20.0, 101)
     turned = phi - 2.0 * np.pi * np.floor(phi / (2.0 * np.pi))
     assert design.pitch(phi) == pytest.approx(design.pitch(turned), abs=1e-12)
+
+
+def test_public_names_that_few_need_are_imported_when_asked_for() -> None:
+    code = (
+        "import sys, camgeo\n"
+        "modules = set(camgeo.FEW_NEED.values())\n"
+        "assert not modules & set(sys.modules)\n"
+        "assert all(getattr(camgeo, name).__name__ == name for name in camgeo.FEW_NEED)\n"
+        "assert modules <= set(sys.modules)\n"
+        "assert set(camgeo.FEW_NEED) <= set(camgeo.__all__)\n"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True)
