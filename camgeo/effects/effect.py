@@ -115,6 +115,17 @@ class Subject(Protocol):
         """Inner and outer outline; the whole curve for the flank on which no roller runs."""
 
 
+def toucher(subject: Subject) -> Literal["face", "roller"]:
+    """What touches the cam, as sentences name it; a knife edge is a roller of radius 0."""
+    return "face" if subject.follower.is_flat else "roller"
+
+
+ROLLERS_ONLY: Final = "is for roller followers, and this one has a flat face"
+"""What is said to data of a roller where there is a flat face."""
+
+FLATS_ONLY: Final = "is for flat-faced followers, and this one has a roller"
+"""What is said to data of a face where there is a roller."""
+
 SLIDER_ONLY: Final = "is for a slider that drives a rocker; no such linkage is here"
 """What is said to data of a linkage's slider or coupler where the linkage is another one."""
 

@@ -120,6 +120,13 @@ def compute(request: Request) -> Kinematics:
     columns = [Column("time", "s", since_start)]
     for each in moving:
         columns += each.columns(course)
+    if subject.follower.is_flat:
+        from camgeo.effects.face import sliding
+
+        def rubbing(phi: FloatArray, side: Side) -> FloatArray:
+            return np.asarray(sliding(subject, phi, side) * course.rates(phi)[0])
+
+        columns.append(Column("sliding velocity", "mm/s", rubbing))
     findings = (time, *(found for each in moving for found in each.findings()))
     return Kinematics(findings, tuple(columns))
 

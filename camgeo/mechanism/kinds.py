@@ -12,6 +12,10 @@ RollerFollower = TranslatingRoller | OscillatingRoller
 
 AnyFlat = TranslatingFlat | OscillatingFlat
 
+AnyGuided = TranslatingRoller | TranslatingFlat
+
+AnyRocker = OscillatingRoller | OscillatingFlat
+
 AnyFollower = RollerFollower | AnyFlat
 
 

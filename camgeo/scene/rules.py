@@ -77,8 +77,38 @@ YOKE: Final = ("follower", "yoke")
 
 FOR_ROLLERS: Final = "is for roller followers"
 
-EFFECTS_OF_FLATS: Final = ("kinematics",)
-"""Effects that a flat face has too."""
+FOR_FLATS: Final = "is for flat-faced followers"
+
+OF_ROLLER: Final = (
+    ("inertia", "roller_mass"),
+    ("friction", "roller_pin"),
+    ("friction", "roller_pin_diameter"),
+    ("friction", "rolling"),
+    ("contact-pressure", "roller_material"),
+    ("contact-pressure", "roller_modulus"),
+    ("contact-pressure", "roller_poisson"),
+    ("contact-pressure", "rating"),
+    ("contact-pressure", "life"),
+    ("lift-off", "backlash"),
+)
+"""Keys of effects that a flat face does not have."""
+
+OF_FACE: Final = (
+    ("friction", "face"),
+    ("friction", "guide_offset"),
+    ("contact-pressure", "face_material"),
+    ("contact-pressure", "face_modulus"),
+    ("contact-pressure", "face_poisson"),
+)
+"""Keys of effects that only a flat face has."""
+
+GUIDE_LENGTH: Final = ("friction", "guide_length")
+
+TILTS: Final = (
+    "is missing: a flat face is pressed beside the axis of its guide and tilts in it, by how much"
+    " goes with the length of the guide"
+)
+"""What is said to the friction of a guide of a flat-faced follower that has no length."""
 
 MACHINES: Final = ("linuxcnc",)
 """Machine profiles that come with camgeo; any other is a file."""
@@ -242,21 +272,28 @@ def face_has_a_length(values: SoundValues) -> Iterator[Fault]:
 
 
 def rollers_have_what_is_theirs(values: SoundValues) -> Iterator[Fault]:
-    """What a flat face does not have: a ratio to its radius, undercut to be trimmed, most effects.
+    """What a flat face does not have: a ratio to its radius, undercut to be trimmed, a bearing.
 
     A flat face touches only what is convex: of a cam that is not, nothing can be left.
     """
+    if values.get("follower", "kind") is None:
+        return
+    keys, message = (OF_ROLLER, FOR_ROLLERS) if values.flat else (OF_FACE, FOR_FLATS)
+    for each in keys:
+        if values.has("effects", *each):
+            yield values.scene.fault(("effects", *each), message)
     if not values.flat:
         return
+    levers = ("guide_overhang", "guide_offset")  # which ask for the length themselves
+    told = any(values.has("effects", "friction", key) for key in levers)
+    tilts = values.get("effects", "friction", "guide") and values.lacks("effects", *GUIDE_LENGTH)
+    if tilts and not told:
+        yield values.scene.fault(("effects", *GUIDE_LENGTH), TILTS)
     if values.get("limits", "undercut") == "trim":
         message = f'{FOR_ROLLERS}; a cam for a flat face is convex or not made: "refuse"'
         yield values.scene.fault(("limits", "undercut"), message)
     if values.has("limits", "radius_ratio"):
         yield values.scene.fault(("limits", "radius_ratio"), FOR_ROLLERS)
-    named = values.scene.plain.get("effects")
-    for name in named if isinstance(named, dict) else ():
-        if name not in EFFECTS_OF_FLATS:
-            yield values.scene.fault(("effects", name), FOR_ROLLERS)
 
 
 def four_bar_turns_a_rocker(values: SoundValues) -> Iterator[Fault]:

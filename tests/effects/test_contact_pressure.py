@@ -553,7 +553,7 @@ def test_an_empty_table_is_hardened_steel_on_hardened_steel() -> None:
     steel = find_material("steel-hardened")
     body = Body(steel.modulus, steel.poisson)
     assert steel.pressure is not None
-    assert parse({}) == Spec(cam=body, roller=body, limit=steel.pressure)
+    assert parse({}) == Spec(cam=body, mate=body, limit=steel.pressure)
     assert parse({}).modulus == pytest.approx(210e3 / (2.0 * 0.91), rel=4.0 * EPS)
 
 
@@ -561,10 +561,10 @@ def test_the_limit_is_that_of_the_weaker_material_or_of_the_table() -> None:
     weak = {"cam_material": "cast-iron", "roller_material": "steel-100cr6"}
     assert parse(weak).limit == find_material("cast-iron").pressure
     assert parse({**weak, "limit": 500.0}).limit == 500.0
-    assert parse({"roller_material": "pom", "limit": 40.0}).roller.modulus == 2.8e3
+    assert parse({"roller_material": "pom", "limit": 40.0}).mate.modulus == 2.8e3
     own = parse({"cam_modulus": 1.0, "roller_poisson": 0.1})
     assert (own.cam.modulus, own.cam.poisson) == (1.0, 0.3)
-    assert (own.roller.modulus, own.roller.poisson) == (210e3, 0.1)
+    assert (own.mate.modulus, own.mate.poisson) == (210e3, 0.1)
     assert parse({"limit": 900.0, "safety": 1.5}).allowed == 600.0
 
 

@@ -484,6 +484,7 @@ class Cusp:
     """A follower that stands still in the turning cam all along."""
 
     base_radius, roller_radius, reach, start_height = 50.0, 10.0, 1.0, 0.0
+    rocks, is_flat, ahead = False, False, 0
 
     def relative_jet(self, jet: FloatArray, *_: int) -> Any:
         still = np.zeros(jet.shape[1])

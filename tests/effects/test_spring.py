@@ -295,8 +295,9 @@ def test_an_arm_over_the_line_of_centres_cannot_close_by_the_slider() -> None:
     linkage = made.linkage
     assert isinstance(linkage, SliderCrank)
     follower: Any = SimpleNamespace(
-        reach=1.0, relative_jet=lambda jet, *_: SimpleNamespace(u=jet[0] - 0.5 * np.max(jet[0]))
-    )
+        reach=1.0, ahead=0,
+        relative_jet=lambda jet, *_: SimpleNamespace(u=jet[0] - 0.5 * np.max(jet[0])),
+    )  # fmt: skip
     subject: Any = SimpleNamespace(
         plan=made.plan, motion=made.plan, rotation=1, follower=follower,
         smooth_angles=made.smooth_angles,

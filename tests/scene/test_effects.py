@@ -15,6 +15,8 @@ from camgeo.errors import Fault, GeometryError, SceneError
 from camgeo.scene import effects as tables
 from camgeo.scene.load import load_scene, parse_scene
 from camgeo.scene.model import Scene
+from camgeo.scene.new import template
+from camgeo.scene.rules import OF_FACE
 from camgeo.scene.schema import Node, resolved, schema
 from tests.scene.scenes import PLATE, ROCKER
 
@@ -40,6 +42,10 @@ UNITS = {
     "degrees": math.pi / 180.0,
 }
 """What 1 of each unit is in mm, s, t, N and rad."""
+
+
+FLAT = template("translating-flat")
+"""For the keys that only a flat face has."""
 
 
 @pytest.fixture
@@ -99,8 +105,9 @@ def test_each_number_is_converted_by_its_unit(
     assert not (unit and length)
     # Two roundings: of the factor and of the product.
     expected = pytest.approx(value * (UNITS[unit] if unit else 1.0), rel=5e-16)
-    assert table(name, text)[key] == expected
-    inch = PLATE.replace('length = "mm"', 'length = "inch"')
+    scene = FLAT if (name, key) in OF_FACE else PLATE
+    assert table(name, text, scene)[key] == expected
+    inch = scene.replace('length = "mm"', 'length = "inch"')
     found = table(name, text, inch)[key]
     assert found == (pytest.approx(value * INCH, rel=5e-16) if length else expected)
 

@@ -32,6 +32,17 @@ branch = "ccw"
 """
 
 
+EFFECTS = """
+[effects.kinematics]
+[effects.inertia]
+mass = 1
+roller_mass = 1
+[effects.friction]
+guide = 0.1
+rolling = 0.1
+"""
+
+
 def changed(text: str, *changes: tuple[str, str]) -> str:
     for old, new in changes:
         assert old in text
@@ -45,7 +56,7 @@ def test_all_that_is_for_rollers_is_refused_at_once() -> None:
         ("base_radius = 40", "base_radius = 40\nroller_radius = 5\ncontact = 'inner'\noffset = 2"),
         ("face = [-16, 16]", "face = [16, -16]"),
         ("\n[part]", "\n[limits]\nundercut = 'trim'\nradius_ratio = 0.6\n[part]"),
-        ("\n[output]", "\n[effects.kinematics]\n[effects.inertia]\nmass = 1\n[output]"),
+        ("\n[output]", f"{EFFECTS}\n[output]"),
         ('["dxf"', '["asc", "dxf"'),
     )
     with pytest.raises(SceneError) as error:
@@ -55,8 +66,14 @@ def test_all_that_is_for_rollers_is_refused_at_once() -> None:
         assert "belongs to a translating-roller follower" in faults.pop(key)
     assert "must end beyond where it begins" in faults.pop("follower.face")
     assert faults.pop("limits.undercut").startswith("is for roller followers")
-    for key in ("limits.radius_ratio", "effects.inertia", "output.formats[1]"):
+    for key in (
+        "limits.radius_ratio",
+        "effects.inertia.roller_mass",
+        "effects.friction.rolling",
+        "output.formats[1]",
+    ):
         assert "is for roller followers" in faults.pop(key)
+    assert "tilts" in faults.pop("effects.friction.guide_length")
     assert not faults
 
 

@@ -1,4 +1,4 @@
-"""Effect `contact-force`: the force between cam and roller along their common normal."""
+"""Effect `contact-force`: the force between cam and follower along their common normal."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import numpy as np
 from camgeo.check.finding import Finding
 from camgeo.effects.contact_force.balance import FLANKS, INNER, OUTER, Balance, Friction
 from camgeo.effects.contact_force.places import refuse_jamming, smooth_edges
-from camgeo.effects.effect import Column, Effect, Request
+from camgeo.effects.effect import Column, Effect, Request, toucher
 from camgeo.effects.force import Force
 from camgeo.motion.joints import breaks
 from camgeo.motion.motion import Side
@@ -41,7 +41,7 @@ class Spec:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ContactForce:
-    """The normal force on the roller, positive where the inner flank carries.
+    """The normal force on the follower, positive where the inner flank carries.
 
     Attributes
     ----------
@@ -106,6 +106,10 @@ def compute(request: Request) -> ContactForce:
     forces: list[Force] = [results[name].force for name in FORCES if name in results]
     if friction is not None:
         forces.append(friction.force)
+    if subject.follower.is_flat:
+        from camgeo.effects.face import require_convex
+
+        require_convex(subject, "contact force")
     balance = Balance(subject, tuple(forces), friction)
     edges = smooth_edges(balance)
     refuse_jamming(balance, edges)
@@ -117,7 +121,7 @@ def compute(request: Request) -> ContactForce:
     inside = np.concatenate([force.borders for force in forces] or [np.empty(0)])
     signed = -limit if limit is not None and subject.contact == "outer" else limit
     extremes = piecewise_extremes(normal, edges)
-    found = _findings(extremes, subject.contact, limit)
+    found = _findings(extremes, subject.contact, limit, toucher(subject))
     return ContactForce(
         findings=(*found, *_shocks(request)),
         columns=(Column("contact force", "N", normal, signed, inside),),
@@ -127,16 +131,16 @@ def compute(request: Request) -> ContactForce:
     )
 
 
-def _findings(extremes: Extremes, contact: str, limit: float | None) -> list[Finding]:
+def _findings(extremes: Extremes, contact: str, limit: float | None, what: str) -> list[Finding]:
     """Largest and smallest force of the flank that has to carry; in a groove that of each flank."""
     low, high = extremes.lowest, extremes.highest
     mirrored = Extreme(-low.value, low.place)
     if contact == "inner":
-        return [_largest(high, INNER, limit), _smallest(low, INNER)]
+        return [_largest(high, INNER, limit), _smallest(low, INNER, what)]
     if contact == "outer":
         return [
             _largest(mirrored, OUTER, limit),
-            _smallest(Extreme(-high.value, high.place), OUTER),
+            _smallest(Extreme(-high.value, high.place), OUTER, what),
         ]
     both = sorted(((high, INNER), (mirrored, OUTER)), key=lambda each: -each[0].value)
     found = [_largest(*both[0], limit)]
@@ -160,9 +164,9 @@ def _largest(extreme: Extreme, sense: int, limit: float | None) -> Finding:
     )
 
 
-def _smallest(extreme: Extreme, sense: int) -> Finding:
+def _smallest(extreme: Extreme, sense: int, what: str) -> Finding:
     lost = extreme.value < 0.0
-    tail = ": the roller is not held to its flank there" if lost else ""
+    tail = f": the {what} is not held to its flank there" if lost else ""
     return Finding(
         name="smallest-contact-force",
         severity="warning" if lost else "ok",
@@ -215,7 +219,7 @@ def _shocks(request: Request) -> list[Finding]:
 
 EFFECT: Final = Effect(
     name="contact-force",
-    title="force between cam and roller along their common normal",
+    title="force between cam and follower along their common normal",
     compute=compute,
     parse=parse,
     uses=(*FORCES, "friction"),

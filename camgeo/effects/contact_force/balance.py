@@ -1,4 +1,4 @@
-"""Balance of the forces on the follower, solved for the normal force at the roller.
+"""Balance of the forces on the follower, solved for the normal force at the contact.
 
 Principle of virtual work with d'Alembert's inertia forces (Norton, Machine Design, chapter on cam
 design, and Norton, Cam Design and Manufacturing Handbook, chapter on cam dynamics, kinetostatic
@@ -20,7 +20,7 @@ from typing import Final, NoReturn, Protocol
 
 import numpy as np
 
-from camgeo.effects.effect import Subject
+from camgeo.effects.effect import Subject, toucher
 from camgeo.effects.force import Force, at_rates, total
 from camgeo.errors import EffectError, GeometryError
 from camgeo.motion.motion import Side
@@ -59,7 +59,7 @@ class Balance:
     ----------
     subject : the design.
     forces : all but that of the contact.
-    friction : at the roller and in the guides; None if there is none.
+    friction : at the contact and in the guides; None if there is none.
     """
 
     subject: Subject
@@ -152,13 +152,18 @@ class Balance:
             curve = self.subject.pitch_curve
             return math.degrees(float(np.max(curve.transmission_angle(np.array(angles), side))))
 
-        value, limit = transmission(angle), 0.0
+        value: float | None = transmission(angle)
+        limit: float | None = 0.0
         where = f"at cam angle {math.degrees(angle % TURN):.4f} deg"
         if cam_range is not None:
             first, last = (math.degrees(end) for end in cam_range)
             where = f"from cam angle {first:.4f} to {last:.4f} deg"
-        if cam_range is None or self.friction is None:
-            why = f"the transmission angle is {value:.4g} deg, and no force at the roller moves it"
+        if self.friction is not None and self.subject.follower.is_flat:
+            value = limit = None
+            why = "friction takes all that the contact force gives"
+        elif cam_range is None or self.friction is None:
+            what = toucher(self.subject)
+            why = f"the transmission angle is {value:.4g} deg, and no force at the {what} moves it"
         else:
             limit = transmission(*cam_range)
             why = (

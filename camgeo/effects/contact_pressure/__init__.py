@@ -1,6 +1,7 @@
-"""Effect `contact-pressure`: Hertz's pressure between cam and roller, and what follows from it.
+"""Effect `contact-pressure`: Hertz's pressure between cam and follower, and what follows from it.
 
-Needed are the normal force, the curvature of roller and flank, and their materials; see `hertz` for
+Needed are the normal force, the curvature of roller and flank (a flat face has none), and their
+materials; see `hertz` for
 the formulas of the contact, `contact` for its curvature, `life` for the roller's bearing. Friction
 between roller and flank adds little to the stresses where the roller rolls, and is left out.
 """
@@ -17,7 +18,7 @@ from camgeo.effects.contact_pressure.contact import FLANKS, Contact
 from camgeo.effects.contact_pressure.findings import Worst, life_findings, pressure_findings
 from camgeo.effects.contact_pressure.hertz import SHEAR_SHARE
 from camgeo.effects.contact_pressure.life import Life, rolling_life
-from camgeo.effects.contact_pressure.spec import Spec, parse
+from camgeo.effects.contact_pressure.spec import Spec, parse, refuse_misfits
 from camgeo.effects.effect import SPEED, Column, Effect, Request, Subject
 from camgeo.errors import GeometryError
 from camgeo.motion.motion import Side
@@ -65,15 +66,16 @@ def compute(request: Request) -> ContactPressure:
     Raises
     ------
     GeometryError
-        If the follower has a knife edge, if neither the effect's table nor that of the part has the
-        width of the contact, if it is wider than the part, or if a life is asked for of a cam
-        without speed.
+        If the follower has a knife edge, or a key of the table is for another one, if neither the
+        effect's table nor that of the part has the width of the contact, if it is wider than the
+        part, or if a life is asked for of a cam without speed.
     EffectError
         If a cusp or undercut is under force, or the life cannot be brought within the tolerance.
     """
     subject = request.subject
     spec: Spec = request.spec
-    if subject.follower.roller_radius == 0.0:
+    refuse_misfits(spec, subject)
+    if subject.follower.roller_radius == 0.0 and not subject.follower.is_flat:
         raise GeometryError(
             "is 0, a knife edge: pressure needs a roller that bears on a line of some width",
             key="follower.roller_radius",
@@ -143,6 +145,7 @@ def _worst(contact: Contact, angle: float, square: float) -> Worst:
     side = min(sides, key=lambda each: abs(float(contact.square(phi, each)[0]) - square))
     load, radius = contact.load_and_radius(phi, side)
     sense = int(contact.carried(phi, side)[1][0])
+    follower = contact.subject.follower
     # Of the curve on which the centre of a roller with play runs, half the clearance aside.
     bend = sense * float(contact.curvature(phi, side)[0])
     bend /= 1.0 - 0.5 * contact.subject.side_clearance * bend
@@ -152,14 +155,14 @@ def _worst(contact: Contact, angle: float, square: float) -> Worst:
         load=float(load[0]),
         radius=float(radius[0]),
         curvature=bend,
-        roller=contact.subject.follower.roller_radius,
+        roller=None if follower.is_flat else follower.roller_radius,
         width=contact.width,
     )
 
 
 EFFECT: Final = Effect(
     name="contact-pressure",
-    title="pressure between cam and roller",
+    title="pressure between cam and follower",
     compute=compute,
     parse=parse,
     needs=("contact-force",),

@@ -12,6 +12,8 @@ In a groove with side clearance c, d = -s (r_R + c/2), and the same sum comes to
 
     R = r_R (1 + d kappa)/(1 - s c/2 kappa).
 
+A flat face has no curvature: R = 1/kappa there, the radius of curvature of the cam.
+
 So R vanishes at a cusp of the flank and nowhere else, and a flank without undercut is never bent
 more tightly than the roller that lies in it.
 """
@@ -51,7 +53,7 @@ class Contact:
     Attributes
     ----------
     subject : the design.
-    normal : force of the cam on the roller.
+    normal : force of the cam on the follower.
     modulus : E* [MPa].
     width : L [mm].
     """
@@ -61,8 +63,14 @@ class Contact:
     modulus: float
     width: float
 
+    @property
+    def scale(self) -> float:
+        """r_R [mm], against which a cusp is told; r_G with a flat face."""
+        follower = self.subject.follower
+        return follower.base_radius if follower.is_flat else follower.roller_radius
+
     def carried(self, phi: FloatArray, side: Side) -> tuple[FloatArray, FloatArray]:
-        """(n,) force F that presses the roller on a flank [N], 0 or more, and (n,) which flank.
+        """(n,) force F that presses the follower on a flank [N], 0 or more, and (n,) which flank.
 
         A flank on which no roller runs bears nothing: there the roller has lifted off.
         """
@@ -88,8 +96,10 @@ class Contact:
     def load_and_radius(self, phi: FloatArray, side: Side) -> tuple[FloatArray, FloatArray]:
         """(n,) F [N] and (n,) R [mm]."""
         load, sense = self.carried(phi, side)
-        roller, half = self.subject.follower.roller_radius, self.subject.flank_distance
         kappa = sense * self.curvature(phi, side)
+        if self.subject.follower.is_flat:  # on a convex cam, or there is no force
+            return load, 1.0 / kappa
+        roller, half = self.subject.follower.roller_radius, self.subject.flank_distance
         radius = roller * (1.0 - half * kappa)
         # 1/R = 1/r_R + kappa/(1 - d kappa), d the flank's distance: r_R but in a groove with play.
         share = 1.0 - (half - roller) * kappa
@@ -105,7 +115,7 @@ class Contact:
         """
         load, radius = self.load_and_radius(phi, side)
         loaded = load > 0.0
-        beyond = loaded & (radius <= CUSP * self.subject.follower.roller_radius)
+        beyond = loaded & (radius <= CUSP * self.scale)
         if np.any(beyond):
             self._refuse(float(phi[beyond][0]), float(np.min(radius[beyond])))
         found = np.zeros(len(phi))
@@ -119,18 +129,18 @@ class Contact:
 
     def refuse_cusps(self, edges: FloatArray) -> None:
         """Raise EffectError if a cusp or undercut is under force between `edges` (k,) [rad]."""
-        roller = self.subject.follower.roller_radius
+        scale = self.scale
 
         def under_load(phi: FloatArray, side: Side) -> FloatArray:
             load, radius = self.load_and_radius(phi, side)
-            return np.where(load > 0.0, radius, roller)
+            return np.where(load > 0.0, radius, scale)
 
         lowest = piecewise_extremes(under_load, edges).lowest
-        if lowest.value <= CUSP * roller:
+        if lowest.value <= CUSP * scale:
             self._refuse(lowest.place, lowest.value)
 
     def _refuse(self, angle: float, radius: float) -> NoReturn:
-        value = radius / self.subject.follower.roller_radius
+        value = radius / self.scale
         what = "a cusp" if value >= -CUSP else "undercut"
         raise EffectError(
             f"the pressure is infinite at cam angle {math.degrees(angle % TURN):.4f} deg: the flank"

@@ -33,10 +33,10 @@ class Worst:
     ----------
     angle : cam angle [rad] in [0, 2 pi).
     flank : "inner" or "outer".
-    load : force on the roller [N]; 0 if there is none anywhere.
+    load : force on the follower [N]; 0 if there is none anywhere.
     radius : R, of the relative curvature [mm].
-    curvature : of the pitch curve as the roller sees it [1/mm], convex positive.
-    roller : r_R [mm].
+    curvature : of the pitch curve as the follower sees it [1/mm], convex positive.
+    roller : r_R [mm]; None with a flat face.
     width : L [mm].
     """
 
@@ -45,7 +45,7 @@ class Worst:
     load: float
     radius: float
     curvature: float
-    roller: float
+    roller: float | None
     width: float
 
     @property
@@ -68,7 +68,10 @@ def pressure_findings(worst: Worst, spec: Spec) -> tuple[Finding, ...]:
             Finding(
                 name="largest-contact-pressure",
                 severity="ok",
-                sentence="nothing presses the roller on its flank: there is no contact pressure",
+                sentence=(
+                    f"nothing presses the {'roller' if worst.roller else 'face'} on its flank:"
+                    " there is no contact pressure"
+                ),
                 value=0.0,
                 limit=spec.limit,
                 unit="MPa",
@@ -133,7 +136,7 @@ def pressure_findings(worst: Worst, spec: Spec) -> tuple[Finding, ...]:
             cam_angle=angle,
         ),
         _needed_width(worst, pressure, spec),
-        _needed_roller(worst, spec),
+        _needed_radius(worst, spec) if worst.roller is None else _needed_roller(worst, spec),
     )
 
 
@@ -152,8 +155,25 @@ def _needed_width(worst: Worst, pressure: float, spec: Spec) -> Finding:
     )
 
 
+def _needed_radius(worst: Worst, spec: Spec) -> Finding:
+    """The radius of curvature of the cam that gives a flat face the allowed pressure."""
+    needed = needed_radius(worst.load / worst.width, spec.modulus, spec.allowed)
+    return Finding(
+        name="needed-radius-of-curvature",
+        severity="ok",
+        sentence=(
+            f"radius of curvature of the cam that is needed for {spec.allowed:.6g} MPa"
+            f" {worst.place}: {needed:.6g} mm; it is {worst.radius:.6g} mm"
+        ),
+        value=needed,
+        unit="mm",
+        cam_angle=worst.angle,
+    )
+
+
 def _needed_roller(worst: Worst, spec: Spec) -> Finding:
     """The roller radius that gives the allowed pressure, pitch curve and force as they are."""
+    assert worst.roller is not None  # a flat face has its own finding
     name, load = "needed-roller-radius", worst.load / worst.width
     radii = roller_radii(needed_radius(load, spec.modulus, spec.allowed), worst.curvature)
     told = f"for {spec.allowed:.6g} MPa {worst.place} with the same pitch curve"

@@ -4,13 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from camgeo.effects.contact_pressure.hertz import Body, contact_modulus
+from camgeo.effects.effect import FLATS_ONLY, ROLLERS_ONLY
 from camgeo.effects.materials import Material, find_material
 from camgeo.errors import GeometryError
 
+if TYPE_CHECKING:
+    from camgeo.effects.effect import Subject
+
 MATERIAL: Final = "steel-hardened"
+
+OF_FACE: Final = ("face_material", "face_modulus", "face_poisson")
+OF_ROLLER: Final = ("roller_material", "roller_modulus", "roller_poisson", "rating", "life")
 
 
 @dataclass(frozen=True, slots=True)
@@ -19,26 +26,28 @@ class Spec:
 
     Attributes
     ----------
-    cam, roller : their elasticity.
+    cam, mate : elasticity of the cam, and of the roller or face.
     limit : largest pressure allowed [MPa].
     safety : against it, which is asked for.
     width : of the contact [mm]; None for that of the part.
     rating : dynamic load rating of the roller's bearing [N]; None if no life is asked for.
     life : asked of it [s]; None for none.
+    given : the keys of the table.
     """
 
     cam: Body
-    roller: Body
+    mate: Body
     limit: float
     safety: float = 1.0
     width: float | None = None
     rating: float | None = None
     life: float | None = None
+    given: tuple[str, ...] = ()
 
     @property
     def modulus(self) -> float:
         """E* [MPa]."""
-        return contact_modulus(self.cam, self.roller)
+        return contact_modulus(self.cam, self.mate)
 
     @property
     def allowed(self) -> float:
@@ -53,10 +62,14 @@ def parse(table: Mapping[str, Any]) -> Spec:
     ------
     GeometryError
         With its key: an unknown material, a material without a limit where the table gives none,
-        a rating of 0, a life without rating.
+        a rating of 0, a life without rating, keys of a face beside those of a roller.
     """
-    cam, roller = (
-        find_material(table.get(key, MATERIAL), key) for key in ("cam_material", "roller_material")
+    who = "face" if any(key in table for key in OF_FACE) else "roller"
+    both = [key for key in OF_ROLLER if key in table] if who == "face" else []
+    if both:
+        raise GeometryError("cannot stand beside those of a face: it is a roller's", key=both[0])
+    cam, mate = (
+        find_material(table.get(key, MATERIAL), key) for key in ("cam_material", f"{who}_material")
     )
     rating, life = table.get("rating"), table.get("life")
     if rating is not None and not rating > 0.0:
@@ -65,13 +78,23 @@ def parse(table: Mapping[str, Any]) -> Spec:
         raise GeometryError("needs the load rating of the roller's bearing, `rating`", key="life")
     return Spec(
         cam=_body(cam, "cam", table),
-        roller=_body(roller, "roller", table),
-        limit=table["limit"] if "limit" in table else _common_limit(cam, roller),
+        mate=_body(mate, who, table),
+        limit=table["limit"] if "limit" in table else _common_limit(cam, mate),
         safety=table.get("safety", 1.0),
         width=table.get("width"),
         rating=rating,
         life=life,
+        given=tuple(table),
     )
+
+
+def refuse_misfits(spec: Spec, subject: Subject) -> None:
+    """Raise GeometryError with the key of a value that has no place on this follower."""
+    flat = subject.follower.is_flat
+    for key in OF_ROLLER if flat else OF_FACE:
+        if key in spec.given:
+            message = ROLLERS_ONLY if flat else FLATS_ONLY
+            raise GeometryError(message, key=f"effects.contact-pressure.{key}")
 
 
 def _body(material: Material, who: str, table: Mapping[str, Any]) -> Body:
@@ -80,10 +103,10 @@ def _body(material: Material, who: str, table: Mapping[str, Any]) -> Body:
     )
 
 
-def _common_limit(cam: Material, roller: Material) -> float:
+def _common_limit(cam: Material, mate: Material) -> float:
     """The smaller pressure of both [MPa]."""
     limits = []
-    for material in (cam, roller):
+    for material in (cam, mate):
         if material.pressure is None:
             raise GeometryError(
                 f"is missing: there is no common figure for the pressure that {material.name}"

@@ -11,6 +11,7 @@ from camgeo.check.finding import Finding, Severity
 from camgeo.effects.drive_torque.flywheel import moment_of_inertia
 from camgeo.effects.drive_torque.law import TorqueLaw
 from camgeo.effects.drive_torque.summary import Summary, Torque
+from camgeo.effects.effect import toucher
 from camgeo.numeric.arrays import FloatArray
 from camgeo.numeric.extremes import Extreme
 from camgeo.numeric.peaks import piecewise_extremes
@@ -169,8 +170,9 @@ def _loss_of_contact(torque: LawfulTorque) -> list[Finding]:
         Finding(
             "torque-without-contact",
             "warning",
-            "the roller leaves the flank, and the drive torque holds only as long as it does not:"
-            f" contact force {lowest.value:.5g} N at cam angle {math.degrees(place):.4f} deg",
+            f"the {toucher(law.subject)} leaves the flank, and the drive torque holds only as long"
+            f" as it does not: contact force {lowest.value:.5g} N at cam angle"
+            f" {math.degrees(place):.4f} deg",
             lowest.value,
             0.0,
             "N",

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from camgeo.check.finding import Finding
-from camgeo.effects.effect import Column, Effect, Request, Subject, driving_slider
+from camgeo.effects.effect import Column, Effect, Request, Subject, driving_slider, toucher
 from camgeo.effects.force import Coefficients, Force
 from camgeo.effects.friction.jamming import column, jamming_margin
 from camgeo.effects.friction.senses import senses_of
@@ -55,7 +55,8 @@ class Friction:
 
         [0] generalised force on q [1 or mm/rad]; [1] torque on the cam [mm], that is N mm per N,
         positive where the cam has to be driven more. Coulomb's friction of guide and pivot is in
-        [0] alone, and none in a rest; the roller turns in a rest too. GeometryError at a cusp.
+        [0] alone, and none in a rest; the roller turns, and a face slides, in a rest too.
+        GeometryError at a cusp.
         """
         return self.statics.per_normal(phi, side, sense)
 
@@ -68,10 +69,15 @@ def compute(request: Request) -> Friction:
     GeometryError
         With the key, if a part of the follower is named that it does not have.
     EffectError
-        If a slider with friction cannot be moved by the rocker; if the pitch curve has a cusp.
+        If a slider with friction cannot be moved by the rocker; if the pitch curve has a cusp, or
+        the cam for a flat face is not convex.
     """
     subject, spec = request.subject, request.spec
     refuse_misfits(spec, subject)
+    if subject.follower.is_flat:
+        from camgeo.effects.face import require_convex
+
+        require_convex(subject, "friction of the face")
     edges = subject.smooth_angles
     senses = senses_of(subject.motion, edges)
     start = float(subject.motion.jet(np.zeros(1), "right", 1)[0, 0])
@@ -80,7 +86,9 @@ def compute(request: Request) -> Friction:
         borders = _borders(statics, edges)
         findings = jamming_margin(statics, merged(np.concatenate((edges, borders))))
     except GeometryError as error:
-        raise EffectError(f"there is no friction of the roller: {error.message}") from error
+        raise EffectError(
+            f"there is no friction of the {toucher(subject)}: {error.message}"
+        ) from error
     return Friction(
         findings=findings,
         columns=(column(statics, borders),),
@@ -93,6 +101,8 @@ def compute(request: Request) -> Friction:
 def _borders(statics: Statics, edges: FloatArray) -> FloatArray:
     """Where, on either flank, an angular velocity, a reaction or a side changes its sign."""
     found = [edges]
+    if statics.spec.face and statics.rocks:
+        found.append(roots_on_grid(lambda phi: statics.state(phi, "right", 1).slip, grid_of(edges)))
     for sense in FLANKS:
 
         def spin(phi: FloatArray, sense: int = sense) -> FloatArray:
@@ -161,7 +171,7 @@ def _of_slider(
 
 EFFECT: Final = Effect(
     name="friction",
-    title="friction in guide, pivot, slider and roller",
+    title="friction in guide, pivot, slider, roller and face",
     compute=compute,
     parse=parse,
     tabled=True,

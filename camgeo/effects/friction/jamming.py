@@ -85,16 +85,20 @@ def jamming_margin(statics: Statics, edges: FloatArray) -> tuple[Finding, ...]:
         f"smallest transmission angle above the limit of jamming: by {value:.4f} deg at cam angle"
         f" {angle:.4f} deg"
     )
+    flat = statics.subject.follower.is_flat
+    if flat:  # whose contact force always points the same way on it
+        told = (
+            f"the contact force may lean {value:.4f} deg more before the follower jams, least at"
+            f" cam angle {angle:.4f} deg"
+        )
     severity: Severity = "ok"
     limit = near
     cam_range = None
     if lowest.value <= ROUNDING:
         severity, limit = "broken", 0.0
         cam_range = stretch_below(lambda phi: driven(phi, "right") - ROUNDING, edges, lowest.place)
-        told = (
-            f"the follower jams: the transmission angle misses the limit by {-value:.4f} deg at cam"
-            f" angle {angle:.4f} deg"
-        )
+        lacks = "contact force leans too far" if flat else "transmission angle misses the limit"
+        told = f"the follower jams: the {lacks} by {-value:.4f} deg at cam angle {angle:.4f} deg"
         if cam_range is not None:
             first, last = (math.degrees(each) for each in cam_range)
             told += f", and from cam angle {first:.4f} to {last:.4f} deg"

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
 
-from camgeo.effects.effect import SLIDER_ONLY, driving_slider
+from camgeo.effects.effect import FLATS_ONLY, ROLLERS_ONLY, SLIDER_ONLY, driving_slider
 from camgeo.errors import GeometryError
 
 if TYPE_CHECKING:
@@ -30,6 +30,9 @@ class Spec:
     roller_pin : coefficient in the bearing of the roller.
     roller_pin_diameter : of that bearing [mm].
     rolling : lever arm of rolling friction between roller and cam [mm].
+    face : coefficient between a flat face and the cam.
+    guide_offset : of the guide's axis from the cam axis, to the right looking along the guide away
+        from the cam [mm]; of a flat-faced follower, whose motion does not tell.
     given : the keys of the table.
     """
 
@@ -44,13 +47,16 @@ class Spec:
     roller_pin: float = 0.0
     roller_pin_diameter: float = 0.0
     rolling: float = 0.0
+    face: float = 0.0
+    guide_offset: float = 0.0
     given: tuple[str, ...] = ()
 
 
 DIAMETERS: Final = {"pivot": "pivot_diameter", "roller_pin": "roller_pin_diameter"}
 
-OF_GUIDE: Final = ("guide", "guide_length", "guide_overhang")
+OF_GUIDE: Final = ("guide", "guide_length", "guide_overhang", "guide_offset")
 OF_ROLLER: Final = ("roller_pin", "roller_pin_diameter", "rolling")
+OF_FACE: Final = ("face", "guide_offset")
 OF_PIVOT: Final = ("pivot", "pivot_diameter", "pivot_viscous")
 
 
@@ -60,19 +66,20 @@ def parse(table: Mapping[str, Any]) -> Spec:
     Raises
     ------
     GeometryError
-        With the key, if a coefficient lacks the diameter of its bearing, or the overhang of a guide
-        its length.
+        With the key, if a coefficient lacks the diameter of its bearing, or the overhang or offset
+        of a guide its length.
     """
     for coefficient, diameter in DIAMETERS.items():
         if table.get(coefficient) and diameter not in table:
             raise GeometryError(
                 f"is missing: {coefficient} needs the diameter of its bearing", key=diameter
             )
-    if "guide_overhang" in table and "guide_length" not in table:
-        raise GeometryError(
-            "is missing: the overhang is a lever only of a guide of known length",
-            key="guide_length",
-        )
+    for key, what in (("guide_overhang", "overhang"), ("guide_offset", "offset")):
+        if key in table and "guide_length" not in table:
+            raise GeometryError(
+                f"is missing: the {what} is a lever only of a guide of known length",
+                key="guide_length",
+            )
     return Spec(**table, given=tuple(table))
 
 
@@ -94,7 +101,16 @@ def refuse_misfits(spec: Spec, subject: Subject) -> None:
         )
     if rocker and not slides:
         misfits["guide_viscous"] = "is for translating followers and for sliders of linkages"
-    if subject.follower.roller_radius == 0.0:
+    if subject.follower.is_flat:
+        misfits |= dict.fromkeys(OF_ROLLER, ROLLERS_ONLY)
+        if spec.guide and spec.guide_length is None:
+            raise GeometryError(
+                "is missing: how much a flat face tilts in its guide goes with the length",
+                key="effects.friction.guide_length",
+            )
+    else:
+        misfits |= {key: FLATS_ONLY for key in OF_FACE if key not in misfits}
+    if subject.follower.roller_radius == 0.0 and not subject.follower.is_flat:
         misfits |= dict.fromkeys(OF_ROLLER, "is for rollers: the follower has a knife edge")
     for key in spec.given:
         if key in misfits:

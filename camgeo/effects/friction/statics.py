@@ -1,4 +1,4 @@
-"""Statics of follower, roller and cam with friction, per unit of the normal force.
+"""Statics of follower, roller or face, and cam with friction, per unit of the normal force.
 
 n = i sigma t is the outward normal of the pitch curve, t = Z'/|Z'| its tangent; the cam presses on
 the roller with |N| s n, s = +1 on the inner flank and -1 on the outer one, at the point -s r_R n
@@ -17,13 +17,21 @@ act, per unit of |N|,
 rolling friction as a shifted normal force is any textbook's). The bearing of the roller, and that
 of the rocker, are loaded by |N|: the small f_t, and at the pivot all forces besides, are left out.
 
-The follower gets s n + f_t t at the roller's centre and the moment -m_p. In a guide that is a side
-force S and, with the near end at the distance a outward of the roller's centre and the far end b
-beyond it, by the balance of forces and moments across the guide
+A flat face slides: with its coefficient mu_f and the sliding g along t (see `camgeo.effects.face`)
 
-    R_2 = (a S - m_p) / b,    R_1 = -((a + b) S - m_p) / b,    H = |R_1| + |R_2|,
+    f_t = -mu_f sign(g),
 
-which without m_p is H = |S| (2 a + b) / b for a >= 0 and |S| for a roller centre between the ends
+and it loses |f_t g|. It has no roller: m_p = m_r = 0.
+
+The follower gets s n + f_t t at the roller's centre, or at the contact of the face, and the moment
+-m_p. In a guide that is a side force S and a moment M = -m_p or, with the contact of a face at the
+distance e to the right of the guide's axis, M = s e. With the near end at the distance a outward of
+the roller's centre, or the face, and the far end b beyond it, by the balance of forces and moments
+across the guide
+
+    R_2 = (a S + M) / b,    R_1 = -((a + b) S + M) / b,    H = |R_1| + |R_2|,
+
+which without M is H = |S| (2 a + b) / b for a >= 0 and |S| for a roller centre between the ends
 (Rothbart, chapter 6, follower overhang A = a and bearing length B = b; Norton, Cam Design and
 Manufacturing Handbook, chapter 7, forces on a translating roller follower). The diameter of the
 stem is left out. Friction takes mu H in the guide, mu (d / 2) in the bearing of a rocker.
@@ -58,10 +66,13 @@ class State:
     against_cam : omega_rc.
     pin_moment, rolling_moment : m_p, m_r on the roller [mm].
     tangential : f_t.
-    sine, cosine : dn/dq and t dW/dq over the reach |dW/dq|, both signed: of the transmission angle.
+    slip : g, along t [mm/rad]; 0 for a roller.
+    reach : |dW/dq|, 1 or the lever about the pivot [mm/rad], l_3 with a roller.
+    sine, cosine : dn/dq and t dW/dq over the reach, both signed: of the transmission angle.
     side_force : S, across the guide, to the right looking along it; 0 for a rocker.
     near, far : R_1 and R_2; the one is -S and the other 0 without a length of the guide.
     overhang : a [mm]; 0 for a rocker.
+    tilt : M, counter-clockwise [mm]; 0 for a rocker.
     """
 
     velocity: FloatArray
@@ -70,12 +81,15 @@ class State:
     pin_moment: FloatArray
     rolling_moment: float
     tangential: FloatArray
+    slip: FloatArray
+    reach: FloatArray
     sine: FloatArray
     cosine: FloatArray
     side_force: FloatArray
     near: FloatArray
     far: FloatArray
     overhang: FloatArray
+    tilt: FloatArray
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -101,11 +115,6 @@ class Statics:
         return self.subject.follower.rocks
 
     @property
-    def reach(self) -> float:
-        """|dW/dq|: 1, or l_3 [mm/rad]."""
-        return abs(self.subject.follower.reach)
-
-    @property
     def swing(self) -> float:
         """Angle of the follower a unit of q, counter-clockwise: +1, -1, or 0 in a guide."""
         return math.copysign(1.0, self.subject.follower.reach) if self.rocks else 0.0
@@ -120,48 +129,58 @@ class Statics:
         """
         subject, spec = self.subject, self.spec
         follower, sigma = subject.follower, subject.rotation
-        jet = subject.motion.jet(phi, side, 1)
+        jet = subject.motion.jet(phi, side, 1 + follower.ahead)
         relative = follower.relative_jet(jet, sigma, 1)
         speed = subject.pitch_curve.speed(relative)
-        # A knife edge does not roll, and has neither pin nor rolling friction.
+        slip = np.zeros_like(speed)
+        # A knife edge and a face do not roll, and has neither pin nor rolling friction.
         per_radius = 1.0 / follower.roller_radius if follower.roller_radius > 0.0 else 0.0
         against_cam = (-sense * sigma * per_radius) * speed
         spin = (sigma + against_cam) - relative.turning
         pin = (-0.5 * spec.roller_pin * spec.roller_pin_diameter) * np.sign(spin)
         rolling = sense * sigma * spec.rolling
         tangential = (-sense * sigma * per_radius) * (pin + rolling)
+        if follower.is_flat:
+            from camgeo.effects.face import sliding
+
+            slip = sliding(subject, phi, side)
+            tangential = -spec.face * np.sign(slip)
         outward = math.copysign(1.0, follower.reach)
         # v of a rocker is counted against sigma times that of a guide, see their `relative_jet`.
         ahead = -sigma * outward if self.rocks else outward
         sine, cosine = outward * relative.u / speed, ahead * relative.v / speed
-        across, overhang = np.zeros((2, len(speed)))
+        across, overhang, tilt = np.zeros((3, len(speed)))
         near, far = -across, across
         if not self.rocks:
             # n = (-sigma v, u) / |Z'| and t = (sigma u, v) / |Z'|, across the guide and along it
             across = sigma * (tangential * relative.u - sense * relative.v) / speed
             overhang = spec.guide_overhang - outward * (jet[0] - self.start)
             near, far = -across, np.zeros_like(across)
+            tilt = sense * (relative.along[0] - spec.guide_offset) if follower.is_flat else -pin
             length = spec.guide_length
             if length is not None:
-                far = (overhang * across - pin) / length
-                near = -((overhang + length) * across - pin) / length
+                far = (overhang * across + tilt) / length
+                near = -((overhang + length) * across + tilt) / length
+        reach = np.abs(relative.reach) + np.zeros_like(speed)
         return State(
-            jet[1], spin, against_cam, pin, rolling, tangential, sine, cosine, across, near, far,
-            overhang,
+            jet[1], spin, against_cam, pin, rolling, tangential, slip, reach, sine, cosine, across,
+            near, far, overhang, tilt,
         )  # fmt: skip
 
     def per_normal(self, phi: FloatArray, side: Side, sense: int) -> FloatArray:
         """(2, n) generalised force on q [1 or mm/rad] and torque on the cam [mm], see `Friction`.
 
-        By virtual work: f_t t dW/dq - m_p dchi/dq, less mu H or mu d / 2 against the motion; at the
-        cam f_t t W' - omega_r m_p - omega_rc m_r, omega_r the roller's angular velocity. What the
+        By virtual work: f_t t dW/dq - m_p dchi/dq, less mu H or mu d / 2 against the motion, W of
+        the follower's own point at the contact; at the cam f_t (t W' - g) - omega_r m_p - omega_rc
+        m_r, omega_r the roller's angular velocity. What the
         cam has to give more than the follower gets is what the bearings and the contact lose.
         """
         at = self.state(phi, side, sense)
-        along = self.reach * at.tangential * at.cosine
+        along = at.reach * at.tangential * at.cosine
         force = along - self.swing * at.pin_moment - self.senses(phi, side) * self.drag(at)
         turning = at.spin + self.swing * at.velocity  # omega_r
-        torque = along * at.velocity - turning * at.pin_moment - at.against_cam * at.rolling_moment
+        torque = along * at.velocity - at.tangential * at.slip
+        torque -= turning * at.pin_moment + at.against_cam * at.rolling_moment
         return np.stack((force, torque))
 
     def drag(self, at: State) -> FloatArray:
@@ -189,7 +208,7 @@ class Statics:
         first, second = np.ones_like(helping), helping
         if self.rocks:
             loss = self.drag(at) + pushed * self.swing * at.pin_moment
-            third = loss / self.reach
+            third = loss / at.reach
         else:
             # S = turned (cos mu - helping sin mu)
             outward = math.copysign(1.0, self.subject.follower.reach)
@@ -200,7 +219,7 @@ class Statics:
                 share, offset = near, np.zeros_like(near)
             else:
                 share = (far * at.overhang + near * (at.overhang + length)) / length
-                offset = (far + near) * at.pin_moment / length
+                offset = -(far + near) * at.tilt / length
             lever = spec.guide * turned * share
             first, second = first + lever * helping, helping - lever
             third = -spec.guide * offset

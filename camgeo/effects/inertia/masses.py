@@ -5,7 +5,7 @@ from __future__ import annotations
 import cmath
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from camgeo.effects.effect import Subject
+    from camgeo.mechanism.kinds import AnyGuided, AnyRocker
     from camgeo.mechanism.slider_crank import SliderCrank
 
 
@@ -32,8 +33,9 @@ class Mass:
     name : "follower", "roller", "rocker", "slider" or "coupler".
     mass : [t].
     place : (n,) complex [mm] where it is at n cam angles [rad], seen from the cam axis, as the
-        drawing of the cam has it. A translating follower is taken to be in its roller's centre,
-        and a slider in its pin: where on the body does not matter for a body that does not turn.
+        drawing of the cam has it. A translating follower is taken to be in its roller's centre, or
+        in the foot of the cam axis on its face, and a slider in its pin: where on the body does not
+        matter for a body that does not turn.
     per_lift : (n,) complex [1 or mm/rad] dx/dq of that place over the follower's coordinate.
     """
 
@@ -45,15 +47,15 @@ class Mass:
 
 def masses_of(subject: Subject, spec: InertiaSpec) -> tuple[Mass, ...]:
     """Those of `spec` that are not 0."""
-    follower = subject.follower
     found = []
-    if isinstance(follower, OscillatingRoller):
-        arm = _arm_at_0(follower)
+    if subject.follower.rocks:
+        follower = cast("AnyRocker", subject.follower)
         centre = follower.pivot if spec.rocker_centre is None else spec.rocker_centre
         rocker = _OnRocker(subject, follower, centre - follower.pivot)
-        roller = _OnRocker(subject, follower, arm)
         found.append(Mass("rocker", spec.rocker_mass, rocker.place, rocker.per_lift))
-        found.append(Mass("roller", spec.roller_mass, roller.place, roller.per_lift))
+        if isinstance(follower, OscillatingRoller):
+            roller = _OnRocker(subject, follower, _arm_at_0(follower))
+            found.append(Mass("roller", spec.roller_mass, roller.place, roller.per_lift))
         linkage = driving_slider(subject)
         if linkage is not None:
             slider = _OnCoupler(subject, linkage, follower.pivot, 1.0)
@@ -61,8 +63,7 @@ def masses_of(subject: Subject, spec: InertiaSpec) -> tuple[Mass, ...]:
             found.append(Mass("slider", spec.mass, slider.place, slider.per_lift))
             found.append(Mass("coupler", spec.coupler_mass, coupler.place, coupler.per_lift))
     else:
-        assert isinstance(follower, TranslatingRoller)  # flat faces have no effects by now
-        guided = _OnGuide(subject, follower)
+        guided = _OnGuide(subject, cast("AnyGuided", subject.follower))
         found.append(Mass("follower", spec.mass, guided.place, guided.per_lift))
         found.append(Mass("roller", spec.roller_mass, guided.place, guided.per_lift))
     return tuple(each for each in found if each.mass)
@@ -76,10 +77,10 @@ def _arm_at_0(follower: OscillatingRoller) -> complex:
 
 @dataclass(frozen=True, slots=True)
 class _OnGuide:
-    """The roller centre of a translating follower."""
+    """The roller centre of a translating follower, or the foot of the cam axis on its face."""
 
     subject: Subject
-    follower: TranslatingRoller
+    follower: AnyGuided
 
     @property
     def way(self) -> complex:
@@ -87,7 +88,9 @@ class _OnGuide:
 
     def place(self, phi: FloatArray, side: Side) -> ComplexArray:
         follower = self.follower
-        start = complex(follower.offset, follower.start_height)
+        start = 1j * follower.base_radius
+        if isinstance(follower, TranslatingRoller):
+            start = complex(follower.offset, follower.start_height)
         start *= cmath.rect(1.0, follower.guide_angle - 0.5 * math.pi)
         return np.asarray(start + self.way * self.subject.motion.jet(phi, side, 1)[0])
 
@@ -100,7 +103,7 @@ class _OnRocker:
     """A point of the rocker; `start` leads to it from the pivot at cam angle 0 [mm]."""
 
     subject: Subject
-    follower: OscillatingRoller
+    follower: AnyRocker
     start: complex
 
     def _lever(self, phi: FloatArray, side: Side) -> ComplexArray:

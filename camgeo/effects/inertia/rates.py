@@ -50,6 +50,8 @@ def at_follower(subject: Subject, spec: InertiaSpec) -> float:
     follower = subject.follower
     if isinstance(follower, OscillatingRoller):
         return spec.moment_of_inertia + spec.roller_mass * follower.arm**2
+    if follower.rocks:
+        return spec.moment_of_inertia
     return spec.mass + spec.roller_mass
 
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
 
-from camgeo.effects.effect import SLIDER_ONLY, driving_slider
+from camgeo.effects.effect import ROLLERS_ONLY, SLIDER_ONLY, driving_slider
 from camgeo.errors import GeometryError
 
 if TYPE_CHECKING:
@@ -53,6 +53,8 @@ class InertiaSpec:
         elif not slides:
             message = "nothing makes a straight motion here; a rocker has a moment_of_inertia"
             refused.append((("mass",), message))
+        if subject.follower.is_flat:
+            refused.append((("roller_mass",), ROLLERS_ONLY))
         if subject.linkage is None:
             refused.append((OF_COUPLER, "there is no coupler without [linkage]"))
         elif not slides:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final, Literal
+from typing import TYPE_CHECKING, Final, Literal, cast
 
 import numpy as np
 
@@ -13,7 +13,6 @@ from camgeo.effects.effect import Column
 from camgeo.effects.force import at_rates
 from camgeo.effects.inertia.rates import DirectTrain, Train
 from camgeo.effects.inertia.sums import inertia_force, reduced
-from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.motion.joints import breaks
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray
@@ -22,6 +21,7 @@ from camgeo.numeric.peaks import piecewise_extremes
 if TYPE_CHECKING:
     from camgeo.effects.effect import Subject
     from camgeo.effects.inertia.spec import InertiaSpec
+    from camgeo.mechanism.kinds import AnyRocker
     from camgeo.motion.time_course import TimeCourse
     from camgeo.numeric.extremes import Extreme
 
@@ -44,9 +44,9 @@ def lacking(subject: Subject, spec: InertiaSpec) -> tuple[Finding, ...]:
     By the parallel axis theorem (Steiner) the moment about the pivot is m r^2 and what the body has
     about its centre of mass.
     """
-    follower = subject.follower
-    if spec.rocker_centre is None or not isinstance(follower, OscillatingRoller):
+    if spec.rocker_centre is None or not subject.follower.rocks:
         return ()
+    follower = cast("AnyRocker", subject.follower)
     least = spec.rocker_mass * abs(spec.rocker_centre - follower.pivot) ** 2
     if spec.moment_of_inertia >= least * (1.0 - WRITTEN):
         return ()

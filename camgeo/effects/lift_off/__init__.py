@@ -1,4 +1,4 @@
-"""Effect `lift-off`: where the roller leaves its flank, from which speed on, and what keeps it.
+"""Effect `lift-off`: where the follower leaves its flank, from which speed on, and what keeps it.
 
 In a groove: which flank carries, where they change, and the impact at the end of the clearance.
 """
@@ -113,7 +113,7 @@ def _backlash(spec: Spec, side_clearance: float) -> float:
 
 EFFECT: Final = Effect(
     name=NAME,
-    title="where the roller leaves its flank, from which speed on, and what keeps it",
+    title="where the follower leaves its flank, from which speed on, and what keeps it",
     compute=compute,
     parse=parse,
     needs=("contact-force",),

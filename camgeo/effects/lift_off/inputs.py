@@ -8,7 +8,7 @@ from typing import Final, Protocol
 
 import numpy as np
 
-from camgeo.effects.effect import Subject
+from camgeo.effects.effect import Subject, toucher
 from camgeo.effects.force import Force
 from camgeo.motion.joints import breaks
 from camgeo.motion.motion import Side
@@ -63,7 +63,7 @@ class Spring(Protocol):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Flank:
-    """The flank on which a roller that touches one flank only has to stay.
+    """The flank on which a roller or face that touches one flank only has to stay.
 
     Attributes
     ----------
@@ -79,6 +79,11 @@ class Flank:
     sense: int
     margin: float
     inertia: Inertia | None = None
+
+    @property
+    def toucher(self) -> str:
+        """What touches the flank: "roller" or "face"."""
+        return toucher(self.subject)
 
     def force(self, phi: FloatArray, side: Side) -> FloatArray:
         """(n,) [N] force on the flank at the scene's speed, negative where it had to pull."""

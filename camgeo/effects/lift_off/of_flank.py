@@ -52,7 +52,7 @@ def of_flank(flank: Flank, spring: Spring | None) -> OfFlank:
     if not found:
         found.append(_kept(flank, lowest))
     if not lost and flank.margin == 0.0 and lowest.value <= least:
-        found.append(_touching(lowest))
+        found.append(_touching(lowest, flank.toucher))
     speed = None
     if course is not None:
         speed = LiftOffSpeed(0.0, leaps[0]) if leaps else lift_off_speed(flank, edges)
@@ -60,14 +60,15 @@ def of_flank(flank: Flank, spring: Spring | None) -> OfFlank:
         found.append(_speed(flank, speed, course, bool(lost or leaps)))
     preload = stiffness = None
     if spring is not None:
+        kept, rate = flank.toucher, spring.stiffness
         never = Least(None, leaps[0]) if leaps else None
         preload = never or least_preload(flank, spring, edges)
         stiffness = never or least_stiffness(flank, spring, edges)
         found.append(
-            _least("preload", preload, spring.preload, spring.unit_of_preload, "stiffness")
+            _least("preload", preload, spring.preload, spring.unit_of_preload, "stiffness", kept)
         )
         found.append(
-            _least("stiffness", stiffness, spring.stiffness, spring.unit_of_stiffness, "preload")
+            _least("stiffness", stiffness, rate, spring.unit_of_stiffness, "preload", kept)
         )
     return OfFlank(tuple(found), lowest, lost, speed, preload, stiffness)
 
@@ -100,8 +101,8 @@ def _lost(flank: Flank, stretch: Range) -> Finding:
         name="lift-off",
         severity="broken",
         sentence=(
-            f"the roller {told} {where}: the contact force falls to {low.value:.6g} N at"
-            f" {_degrees(low.place)}"
+            f"the {flank.toucher} {told} {where}: the contact force falls to"
+            f" {low.value:.6g} N at {_degrees(low.place)}"
         ),
         value=low.value,
         limit=flank.margin,
@@ -116,8 +117,9 @@ def _leap(flank: Flank, angle: float) -> Finding:
         name="lift-off",
         severity="broken",
         sentence=(
-            f"the roller leaves the {FLANKS[flank.sense]} flank at cam angle {_degrees(angle)}:"
-            " the velocity jumps away from it, and no force holds it for this moment"
+            f"the {flank.toucher} leaves the {FLANKS[flank.sense]} flank at cam angle"
+            f" {_degrees(angle)}: the velocity jumps away from it, and no force holds it for this"
+            " moment"
         ),
         limit=flank.margin,
         unit="N",
@@ -130,8 +132,9 @@ def _kept(flank: Flank, low: Extreme) -> Finding:
         name="lift-off",
         severity="ok",
         sentence=(
-            f"the roller stays on the {FLANKS[flank.sense]} flank: smallest contact force"
-            f" {low.value:.6g} N at cam angle {_degrees(low.place)}, at least {flank.margin:g} N"
+            f"the {flank.toucher} stays on the {FLANKS[flank.sense]} flank: smallest contact"
+            f" force {low.value:.6g} N at cam angle {_degrees(low.place)}, at least"
+            f" {flank.margin:g} N"
         ),
         value=low.value,
         limit=flank.margin,
@@ -140,13 +143,13 @@ def _kept(flank: Flank, low: Extreme) -> Finding:
     )
 
 
-def _touching(low: Extreme) -> Finding:
+def _touching(low: Extreme, what: str) -> Finding:
     return Finding(
         name="contact-touches-zero",
         severity="warning",
         sentence=(
             f"the contact force falls to 0 N at cam angle {_degrees(low.place)} and not below: the"
-            " roller is held by nothing there"
+            f" {what} is held by nothing there"
         ),
         value=0.0,
         limit=0.0,
@@ -162,15 +165,15 @@ def _speed(flank: Flank, found: LiftOffSpeed, course: TimeCourse, lost: bool) ->
         return Finding(
             name="lift-off-speed",
             severity="ok",
-            sentence=f"there is no speed at which the roller {_short(flank)}",
+            sentence=f"there is no speed at which the {flank.toucher} {_short(flank)}",
             limit=mean,
             unit="rev/min",
         )
     value = found.factor * mean
     if value == 0.0:
-        sentence = f"the roller {_short(flank)} at any speed,"
+        sentence = f"the {flank.toucher} {_short(flank)} at any speed,"
     else:
-        sentence = f"the roller first {_short(flank)} at {value:.6g} rev/min,"
+        sentence = f"the {flank.toucher} first {_short(flank)} at {value:.6g} rev/min,"
     early = found.factor <= 1.0
     tail = f"; the cam turns at {mean:.6g} rev/min"
     if early and not lost:
@@ -192,7 +195,7 @@ def mean_speed(course: TimeCourse) -> float:
     return TURN / float(times[1] - times[0])
 
 
-def _least(what: str, least: Least, now: float, unit: str, other: str) -> Finding:
+def _least(what: str, least: Least, now: float, unit: str, other: str, kept: str) -> Finding:
     scale = N_M if unit.startswith("N m") and not unit.startswith("N mm") else 1.0
     given = scale * now
     if least.value is None:
@@ -200,7 +203,7 @@ def _least(what: str, least: Least, now: float, unit: str, other: str) -> Findin
             name=f"least-{what}",
             severity="warning",
             sentence=(
-                f"no {what} of the spring keeps the roller on its flank at cam angle"
+                f"no {what} of the spring keeps the {kept} on its flank at cam angle"
                 f" {_degrees(least.place)} with the {other} that it has"
             ),
             limit=given,
@@ -216,7 +219,7 @@ def _least(what: str, least: Least, now: float, unit: str, other: str) -> Findin
             f"least {what} of the spring {value:.6g} {unit}, asked for at cam angle"
             f" {_degrees(least.place)}; it has {given:.6g} {unit}"
             if value > 0.0
-            else f"the roller stays on its flank without {what} of the spring; it has"
+            else f"the {kept} stays on its flank without {what} of the spring; it has"
             f" {given:.6g} {unit}"
         ),
         value=value,

@@ -15,7 +15,7 @@ from typing import Any, Final, Protocol
 import numpy as np
 
 from camgeo.check.finding import Finding
-from camgeo.effects.effect import Column, Effect, Request, Subject
+from camgeo.effects.effect import Column, Effect, Request, Subject, toucher
 from camgeo.effects.force import Force, all_borders
 from camgeo.effects.speed_fluctuation.findings import Balance, findings, loss_of_contact
 from camgeo.effects.speed_fluctuation.mesh import Law
@@ -175,7 +175,7 @@ def _result(
     mean = TURN / balance.period
     found = findings(speeds, piecewise_extremes(motor, edges), balance, turn.slope, spec.limit)
     if subject.contact != "groove":
-        found += loss_of_contact(piecewise_extremes(pressing, edges))
+        found += loss_of_contact(piecewise_extremes(pressing, edges), toucher(subject))
     return SpeedFluctuation(
         turn=turn,
         shaft=shaft,

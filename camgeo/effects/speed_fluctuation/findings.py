@@ -96,8 +96,11 @@ def _extreme(name: str, words: str, extreme: Extreme, factor: float, unit: str) 
     )
 
 
-def loss_of_contact(pressing: Extremes) -> tuple[Finding, ...]:
-    """A warning if the one flank there is would have to pull; `pressing` [N], negative there."""
+def loss_of_contact(pressing: Extremes, what: str) -> tuple[Finding, ...]:
+    """A warning if the one flank there is would have to pull; `pressing` [N], negative there.
+
+    `what` touches the flank.
+    """
     lowest = pressing.lowest
     if lowest.value >= -1e-9 * pressing.magnitude:  # rounding
         return ()
@@ -106,7 +109,7 @@ def loss_of_contact(pressing: Extremes) -> tuple[Finding, ...]:
         Finding(
             "speed-without-contact",
             "warning",
-            "the roller leaves the flank, and the speed holds only as long as it does not: contact"
+            f"the {what} leaves the flank, and the speed holds only as long as it does not: contact"
             f" force {lowest.value:.5g} N at cam angle {math.degrees(place):.4f} deg",
             lowest.value,
             0.0,

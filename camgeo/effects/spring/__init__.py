@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Final, Literal
+from typing import TYPE_CHECKING, Any, Final, Literal, cast
 
 import numpy as np
 
@@ -20,9 +20,11 @@ from camgeo.effects.spring.ways import (
     between_points,
 )
 from camgeo.errors import GeometryError
-from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray
+
+if TYPE_CHECKING:
+    from camgeo.mechanism.kinds import AnyRocker
 
 Kind = Literal["compression", "extension", "torsion"]
 
@@ -162,8 +164,7 @@ def compute(request: Request) -> Spring:
 
 def way_of(subject: Subject, spec: Spec) -> Way:
     """How the spring of `spec` relaxes; GeometryError as of `compute`."""
-    follower = subject.follower
-    if not isinstance(follower, OscillatingRoller):
+    if not subject.follower.rocks:
         if spec.kind == "torsion":
             raise GeometryError(
                 "a translating follower has no pivot for a torsion spring",
@@ -179,6 +180,7 @@ def way_of(subject: Subject, spec: Spec) -> Way:
     if spec.kind == "torsion":
         return about_pivot(subject)
     if spec.anchor is not None and spec.attachment is not None:
+        follower = cast("AnyRocker", subject.follower)
         sense = 1.0 if spec.kind == "compression" else -1.0
         return between_points(subject, follower, spec.anchor, spec.attachment, sense)
     linkage = driving_slider(subject)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from camgeo.check.finding import Finding
+from camgeo.effects.effect import toucher
 from camgeo.effects.spring.ways import Way, closing_sense, outward
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray
@@ -99,7 +100,7 @@ def opening(way: Way, subject: Subject) -> list[Finding]:
             name="spring-opens-contact",
             severity="warning",
             sentence=(
-                f"the spring presses the roller away from its flank from cam angle"
+                f"the spring presses the {toucher(subject)} away from its flank from cam angle"
                 f" {math.degrees(first):.4f} to {math.degrees(last):.4f} deg"
             ),
             cam_angle=found.lowest.place % TURN,

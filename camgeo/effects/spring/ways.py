@@ -26,7 +26,7 @@ from camgeo.numeric.peaks import piecewise_extremes
 
 if TYPE_CHECKING:
     from camgeo.effects.effect import Subject
-    from camgeo.mechanism.oscillating_roller import OscillatingRoller
+    from camgeo.mechanism.kinds import AnyRocker
     from camgeo.mechanism.slider_crank import SliderCrank
     from camgeo.motion.motion import Motion
     from camgeo.motion.plan import MotionPlan
@@ -47,9 +47,10 @@ def closing_sense(subject: Subject) -> int:
 
 def outward(subject: Subject, phi: FloatArray, side: Side) -> FloatArray:
     """(n,) [mm^2/rad^2] of the sign of dn/dq, see `PitchCurve.leverage`; it needs no normal."""
-    jet = subject.motion.jet(phi, side, 1)
-    relative = subject.follower.relative_jet(jet, subject.rotation, 1)
-    along: FloatArray = subject.follower.reach * relative.u
+    follower = subject.follower
+    jet = subject.motion.jet(phi, side, 1 + follower.ahead)
+    relative = follower.relative_jet(jet, subject.rotation, 1)
+    along: FloatArray = follower.reach * relative.u
     return along
 
 
@@ -149,7 +150,7 @@ def along_guide(subject: Subject) -> AlongLift:
 
 
 def about_pivot(subject: Subject) -> AlongLift:
-    """About the pivot of a rocker: it relaxes as the roller is turned towards the flank in use.
+    """About the pivot of a rocker: it relaxes as the follower is turned towards the flank in use.
 
     Towards it as seen at cam angle 0; the side cannot change unless the arm passes the line of
     centres.
@@ -160,7 +161,7 @@ def about_pivot(subject: Subject) -> AlongLift:
 
 
 def along_slider(subject: Subject, linkage: SliderCrank) -> AlongSlider:
-    """Along the slider's guide: it relaxes as the roller is moved towards the flank in use.
+    """Along the slider's guide: it relaxes as the follower is moved towards the flank in use.
 
     Raises
     ------
@@ -199,7 +200,7 @@ def along_slider(subject: Subject, linkage: SliderCrank) -> AlongSlider:
 
 def between_points(
     subject: Subject,
-    follower: OscillatingRoller,
+    follower: AnyRocker,
     anchor: complex,
     attachment: complex,
     sense: float,
