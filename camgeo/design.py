@@ -380,9 +380,7 @@ class Design:
         from camgeo.effects.graph import Effects  # few scenes name an effect
         from camgeo.effects.recalling import Recalling
 
-        # A pair holds the follower as a groove does: the force changes sides and lifts nothing off.
-        contact = self.contact if self.specification.returning is None else "groove"
-        return Effects(Recalling(self, contact), self.specification.effects, self.ledger)
+        return Effects(Recalling(self), self.specification.effects, self.ledger)
 
     @property
     def effect_names(self) -> tuple[str, ...]:
@@ -517,6 +515,11 @@ class Design:
         from camgeo.check.breadth import Breadth  # few followers are yokes
 
         return Breadth(self.motion, follower.base_radius, follower.reach)
+
+    @property
+    def has_yoke(self) -> bool:
+        """Whether the follower has a second side beyond the cam axis, see `breadth`."""
+        return self.specification.yoke is not None
 
     @property
     def yoke_breadth(self) -> float:

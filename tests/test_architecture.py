@@ -49,7 +49,18 @@ LAZY_LIBRARIES = {"mpmath", "scipy"}
 FORMAT_LIBRARIES = {"ezdxf", "lxml", "manifold3d", "matplotlib", "networkx", "trimesh"}
 """What only writers import."""
 
-EFFECT_FRAME = {"", "effect", "face", "force", "graph", "materials", "recalling", "registry"}
+EFFECT_FRAME = {
+    "",
+    "carrier",
+    "effect",
+    "face",
+    "force",
+    "graph",
+    "locked",
+    "materials",
+    "recalling",
+    "registry",
+}
 """What is in `effects` and no effect: effects are imported by the registry alone."""
 
 

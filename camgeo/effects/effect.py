@@ -73,6 +73,14 @@ class Subject(Protocol):
     def follower(self) -> AnyFollower: ...
 
     @property
+    def has_yoke(self) -> bool:
+        """Whether the follower has a second side beyond the cam axis, which the disc leads too."""
+
+    @property
+    def returning(self) -> Subject | None:
+        """The return disc of a conjugate pair, of the same motion; None if there is none."""
+
+    @property
     def motion(self) -> Motion:
         """The follower's own motion [mm or rad]."""
 

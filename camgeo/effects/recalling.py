@@ -13,29 +13,36 @@ from camgeo.motion.recalled import RecalledPlan
 if TYPE_CHECKING:
     from camgeo.effects.effect import Subject
     from camgeo.motion.motion import Motion
-    from camgeo.part.spec import Contact
 
 
 class Recalling:
     """The `subject`, with its motion and curves made from a `RecalledPlan`; the rest is its own.
 
-    Its effects see it with the `contact` that is given, or with its own.
+    A return disc makes the motion of its `main` disc.
     """
 
-    def __init__(self, subject: Subject, contact: Contact | None = None) -> None:
+    def __init__(self, subject: Subject, main: Recalling | None = None) -> None:
         self._subject = subject
-        self.contact: Contact = subject.contact if contact is None else contact
+        self._main = main
 
     @cached_property
     def plan(self) -> RecalledPlan:
         """See `Subject`."""
-        return RecalledPlan(self._subject.plan.segments)
+        return RecalledPlan(self._subject.plan.segments) if self._main is None else self._main.plan
 
     @cached_property
     def motion(self) -> Motion:
         """See `Subject`."""
+        if self._main is not None:
+            return self._main.motion
         linkage = self._subject.linkage
         return self.plan if linkage is None else LinkedMotion(self.plan, linkage)
+
+    @cached_property
+    def returning(self) -> Recalling | None:
+        """See `Subject`."""
+        other = self._subject.returning
+        return None if other is None else Recalling(other, self)
 
     @cached_property
     def pitch_curve(self) -> PitchCurve:

@@ -15,7 +15,7 @@ import numpy as np
 
 from camgeo.errors import GeometryError
 from camgeo.mechanism.slider_crank import SliderCrank
-from camgeo.mechanism.triangle import ROUNDING, dot
+from camgeo.mechanism.triangle import IN_LINE, ROUNDING, SLACK, dot, turning
 from camgeo.mechanism.turns import cosine_range, within
 from camgeo.motion.motion import FULL_ORDER, Jet
 from camgeo.numeric.arrays import ComplexArray, FloatArray
@@ -124,6 +124,57 @@ class CrankSlider:
         pin = -sense * self._pin(angle) + 1j * self.inner.guide_height
         tip = self.crank * (-sense * np.cos(theta) + 1j * np.sin(theta))
         return np.asarray(pin), np.asarray(tip)
+
+    def joint_rates(
+        self, angle: FloatArray, demanded: FloatArray, own: FloatArray
+    ) -> tuple[ComplexArray, ComplexArray]:
+        """See `Linkage.joint_rates`: P goes along the guide, T turns."""
+        _, tip = self.joints(angle)
+        pin = (self.inner.slider_sense * own).astype(np.complex128)
+        return pin, turning(tip, demanded)
+
+    def per_follower(self, angle: FloatArray) -> FloatArray:
+        """(n,) dpsi/ds [rad/mm] at the crank's `angle` (n,) [rad], see `Linkage.per_follower`.
+
+        From Re(conj(D) (P' - T')) = 0: Re D over Re(conj(D) i T).
+
+        Raises
+        ------
+        GeometryError
+            With key "linkage", where crank and coupler lie on one line, but for rounding.
+        """
+        across = self._across_crank(angle)
+        if np.any(np.abs(across) <= ROUNDING * self.crank * (self.crank + self.coupler)):
+            raise GeometryError(
+                "crank and coupler lie on one line: the slider cannot turn the crank",
+                key="linkage",
+            )
+        turned = -self.inner.stroke_direction * self._sense
+        return np.asarray(turned * self._along(self._drop(angle)) / across)
+
+    def _across_crank(self, angle: FloatArray) -> FloatArray:
+        """Re(conj(D) i T) (n,) [mm^2]: l_sk l_4 by the sine of their angle."""
+        tip, drop = self.crank * np.exp(1j * self._theta(angle)), self._drop(angle)
+        return dot(self._along(drop) + 1j * drop, 1j * tip)
+
+    def locked_positions(self, low: float, high: float) -> tuple[float, ...]:
+        """See `Linkage.locked_positions`: crank and coupler lie on one line."""
+        thetas: list[float] = []
+        height = self.inner.guide_height
+        for signed in (self.crank + self.coupler, self.crank - self.coupler):
+            square = (signed - height) * (signed + height)
+            if signed and square >= 0.0:
+                ahead = 0.0 if signed > 0.0 else math.pi  # the tip towards the pin, or opposite
+                ways = (math.sqrt(square), -math.sqrt(square))
+                thetas += [math.atan2(height, way) + ahead for way in ways]
+        found = self._angles(thetas, low - SLACK, high + SLACK)
+        across = np.abs(self._across_crank(np.array(found)))
+        # The other places are on the other branch.
+        return tuple(
+            each
+            for each, sine in zip(found, across / (self.crank * self.coupler), strict=True)
+            if sine <= IN_LINE
+        )
 
     def transform(self, jet: Jet, order: int = FULL_ORDER) -> Jet:
         """(order + 1, n) stroke s and derivatives [mm/rad^k] for the crank's angles `jet`.

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from camgeo.errors import GeometryError
-from camgeo.mechanism.triangle import ROUNDING, dot, half_angle
+from camgeo.mechanism.triangle import IN_LINE, ROUNDING, SLACK, dot, half_angle, turning
 from camgeo.mechanism.turns import cosine_range, within
 from camgeo.motion.motion import FULL_ORDER, Jet
 from camgeo.numeric.arrays import ComplexArray, FloatArray
@@ -142,6 +142,57 @@ class FourBar:
         pin = self.shaft + self.lever * np.exp(1j * (self.lever_angle + self.lever_sense * motion))
         return pin, self.crank * np.exp(1j * self.crank_angle(motion))
 
+    def joint_rates(
+        self, motion: FloatArray, demanded: FloatArray, own: FloatArray
+    ) -> tuple[ComplexArray, ComplexArray]:
+        """See `Linkage.joint_rates`: P turns with the lever, T with the crank."""
+        pin, tip = self.joints(motion)
+        return turning(pin - self.shaft, self.lever_sense * demanded), turning(tip, own)
+
+    def per_follower(self, motion: FloatArray) -> FloatArray:
+        """(n,) dx/dpsi at `motion` (n,) [rad], see `Linkage.per_follower`.
+
+        From Re(conj(D) (P' - T')) = 0 with P' = i h x' (P - D_0), T' = i psi' T: N of `transform`
+        over h Re(conj(D) i (P - D_0)).
+
+        Raises
+        ------
+        GeometryError
+            With key "linkage", where coupler and lever lie on one line, but for rounding.
+        """
+        sine, cosine = self._half_angle(motion, self._distance(self._bend(motion)))
+        across = self._across_lever(motion)
+        if np.any(np.abs(across) <= ROUNDING * self.lever * (self.lever + self.coupler)):
+            raise GeometryError(
+                "coupler and lever lie on one line: the rocker cannot move the lever",
+                key="linkage",
+            )
+        return np.asarray(0.5 * self.branch * self.lever_sense * sine * cosine / across)
+
+    def _across_lever(self, motion: FloatArray) -> FloatArray:
+        """Re(conj(D) i (P - D_0)) (n,) [mm^2]: l_b l_c by the sine of their angle."""
+        pin, tip = self.joints(motion)
+        return dot(pin - tip, 1j * (pin - self.shaft))
+
+    def locked_positions(self, low: float, high: float) -> tuple[float, ...]:
+        """See `Linkage.locked_positions`: coupler and lever lie on one line.
+
+        The crank's tip is l_c + l_b or |l_c - l_b| from the second shaft then.
+        """
+        bends: list[float] = []
+        for signed in (self.lever + self.coupler, self.lever - self.coupler):
+            # In line with the tip as seen from D_0, or opposite to it.
+            ahead = 0.0 if signed > 0.0 else math.pi
+            bends += [bend + ahead for bend in self._bends(abs(signed), self.crank)]
+        found = self._motions(bends, low - SLACK, high + SLACK)
+        across = np.abs(self._across_lever(np.array(found)))
+        # The other places are on the other branch.
+        return tuple(
+            each
+            for each, sine in zip(found, across / (self.lever * self.coupler), strict=True)
+            if sine <= IN_LINE
+        )
+
     def transform(self, jet: Jet, order: int = FULL_ORDER) -> Jet:
         """(order + 1, n) rocker angle psi and derivatives [rad/rad^k] for lever angles `jet`.
 
@@ -245,18 +296,23 @@ class FourBar:
 
     def dead_positions(self, low: float, high: float) -> tuple[float, ...]:
         """See `Linkage.dead_positions`."""
-        if not self.shaft:
-            return ()  # the pin keeps its distance
         bends: list[float] = []
         for reach in (self.crank + self.coupler, abs(self.crank - self.coupler)):
-            # |D_0|, l_c and the reach make a triangle; half its outer angle at D_0, no cancellation
-            distance, lever = abs(self.shaft), self.lever
-            near = (reach - (lever - distance)) * (reach + (lever - distance))
-            far = (lever + distance - reach) * (lever + distance + reach)
-            if near >= 0.0 and far >= 0.0:
-                bend = 2.0 * math.atan2(math.sqrt(far), math.sqrt(near))
-                bends += [bend, -bend]
+            bends += self._bends(self.lever, reach)
         return self._motions(bends, low, high)
+
+    def _bends(self, arm: float, reach: float) -> tuple[float, ...]:
+        """Angles [rad] from the direction of the second shaft to an `arm` [mm] on it whose end has
+        the distance `reach` [mm] from the rocker shaft; none if the shafts are one.
+        """
+        distance = abs(self.shaft)
+        # |D_0|, arm and reach make a triangle; half its outer angle at D_0, no cancellation
+        near = (reach - (arm - distance)) * (reach + (arm - distance))
+        far = (arm + distance - reach) * (arm + distance + reach)
+        if not distance or near < 0.0 or far < 0.0:
+            return ()
+        bend = 2.0 * math.atan2(math.sqrt(far), math.sqrt(near))
+        return bend, -bend
 
     def _motions(
         self, bends: tuple[float, ...] | list[float], low: float, high: float

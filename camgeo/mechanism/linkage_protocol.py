@@ -80,3 +80,23 @@ class Linkage(Protocol):
         """The coupler's far pin P and the crank's tip T (n,) [mm], seen from the crank's shaft with
         the axes of the drawing of the cam.
         """
+
+    def joint_rates(
+        self, position: FloatArray, demanded: FloatArray, own: FloatArray
+    ) -> tuple[ComplexArray, ComplexArray]:
+        """(2, n) first and second derivatives of P and of T, over what the rates are over.
+
+        The rates (2, n) are the same derivatives of the demanded coordinate and of the follower's
+        `own`.
+        """
+
+    def per_follower(self, position: FloatArray) -> FloatArray:
+        """(n,) dx/dq: way of the demanded motion x a unit of the follower's coordinate q.
+
+        The reciprocal of `transform`, from the velocities of the closed loop: it is not 0/0 in a
+        rest, and 0 at a dead centre. GeometryError with key "linkage" where the follower cannot
+        move the far end, see `locked_positions`.
+        """
+
+    def locked_positions(self, low: float, high: float) -> tuple[float, ...]:
+        """The positions in [low, high] at which the follower cannot move the far end."""

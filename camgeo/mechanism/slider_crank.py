@@ -9,17 +9,15 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from functools import cached_property, partial
+from functools import cached_property
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
 from camgeo.errors import GeometryError
-from camgeo.mechanism.triangle import ROUNDING, half_angle
-from camgeo.motion.extremes import SAMPLES, lift_range, pieces, turning_angles
-from camgeo.motion.motion import FULL_ORDER, Jet, Motion
+from camgeo.mechanism.triangle import ROUNDING, half_angle, turning
+from camgeo.motion.motion import FULL_ORDER, Jet
 from camgeo.numeric.arrays import ComplexArray, FloatArray
-from camgeo.numeric.roots import roots_on_grid
 
 if TYPE_CHECKING:
     from camgeo.mechanism.linkage_protocol import Size
@@ -301,6 +299,18 @@ class SliderCrank:
         tip = self.crank * (-sense * np.cos(theta) + 1j * np.sin(theta))
         return np.asarray(pin), np.asarray(tip)
 
+    def joint_rates(
+        self, stroke: FloatArray, demanded: FloatArray, own: FloatArray
+    ) -> tuple[ComplexArray, ComplexArray]:
+        """See `Linkage.joint_rates`: P goes along the guide, T turns."""
+        _, tip = self.joints(stroke)
+        return (self.slider_sense * demanded).astype(np.complex128), turning(tip, own)
+
+    def per_follower(self, stroke: FloatArray) -> FloatArray:
+        """(n,) ds/dpsi [mm/rad], see `per_swing`."""
+        slide: FloatArray = self.per_swing(stroke)[0]
+        return slide
+
     def per_swing(self, stroke: FloatArray) -> FloatArray:
         """(2, n) ds/dpsi [mm/rad] and dv/dpsi at `stroke` (n,) [mm], v the angle of the coupler.
 
@@ -313,7 +323,7 @@ class SliderCrank:
         ------
         GeometryError
             With key "linkage", where the coupler stands across the guide, cos v = 0 but for
-            rounding, see `locked_at`.
+            rounding, see `locked_positions`.
         """
         x, d = self.pin(stroke)
         theta = self.crank_angle(stroke)
@@ -333,27 +343,14 @@ class SliderCrank:
             np.negative(out[0], out=out[0])
         return out
 
-    def locked_at(self, slider: Motion) -> tuple[float, float] | None:
-        """First cam angle [rad] and stroke [mm] at which the coupler stands across the guide.
+    def locked_positions(self, low: float, high: float) -> tuple[float, ...]:
+        """See `Linkage.locked_positions`: the strokes [mm] with the coupler across the guide.
 
         Then the pin is above or below the crank's tip, Im T = e_sk -+ l_4: however hard the rocker
-        pushes, it cannot move the slider. None if the strokes of `slider` keep clear of it.
+        pushes, it cannot move the slider.
         """
-        low, high = lift_range(slider)
         low, high = low - self._rounding, high + self._rounding
-        found = [each for each in self._across_strokes() if low <= each <= high]
-        if not found:
-            return None
-        starts, ends = np.array(pieces(slider)).T
-        grid = np.linspace(starts, ends, SAMPLES, axis=1)
-        resting = np.concatenate((slider.borders, turning_angles(slider), [0.0]))
-        lift = slider.jet(resting)[0]
-        places = []
-        for each in found:
-            crossed = roots_on_grid(partial(_beyond, slider, each), grid)
-            nearest = resting[np.argmin(np.abs(lift - each))]
-            places.append((float(min(crossed, default=nearest)), each))
-        return min(places)
+        return tuple(each for each in self._across_strokes() if low <= each <= high)
 
     @property
     def _rounding(self) -> float:
@@ -374,7 +371,3 @@ class SliderCrank:
                 if x * down * self.branch <= 0.0:
                     found.append(self.stroke_direction * (x - self.start_position))
         return found
-
-
-def _beyond(slider: Motion, stroke: float, phi: FloatArray) -> FloatArray:
-    return np.asarray(slider.jet(phi)[0] - stroke)

@@ -9,6 +9,13 @@ from camgeo.numeric.arrays import ComplexArray, FloatArray
 ROUNDING = 8.0 * 2.0**-52
 """A difference of lengths of this share of crank and coupler is zero, rounded."""
 
+SLACK = 64.0 * 2.0**-52
+"""An angle [rad] beyond the end of a range by no more lies at its end."""
+
+IN_LINE = 1e-6
+"""Sine of the angle between two members up to which they are those that were looked for in line;
+on the other branch of the linkage they are far from it."""
+
 
 def half_angle(
     crank: float,
@@ -42,3 +49,12 @@ def dot(a: ComplexArray, b: ComplexArray) -> FloatArray:
     """(n,) scalar products of plane vectors."""
     found: FloatArray = a.real * b.real + a.imag * b.imag
     return found
+
+
+def turning(joint: ComplexArray, rates: FloatArray) -> ComplexArray:
+    """(2, n) first and second derivative of `joint` (n,), which turns about 0 with `rates` (2, n).
+
+    `rates` are the derivatives of its angle: z' = i a' z, z'' = (i a'' - a'^2) z.
+    """
+    first, second = rates
+    return np.stack((1j * first * joint, (1j * second - first * first) * joint))

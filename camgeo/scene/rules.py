@@ -30,14 +30,11 @@ WIDEST_SWING: Final = 180.0
 WIDEST_TURN: Final = 3600.0
 """Largest angle of the far end of a linkage [degrees]: a crank may turn over and over."""
 
-OF_SLIDER: Final = (
-    ("inertia", "coupler_mass"),
-    ("inertia", "coupler_centre"),
-    ("inertia", "coupler_moment"),
-    ("friction", "slider"),
-    ("load",),
-)
+OF_SLIDER: Final = (("friction", "slider"),)
 """Effects, or keys of them, that know the linkage of a slider that drives a rocker alone."""
+
+OF_TURNING: Final = ("inertia", "output_moment")
+"""Key of an effect that needs a linkage at whose far end a lever or crank turns."""
 
 OF_STRAIGHT: Final = (("inertia", "mass"), ("friction", "guide_viscous"))
 """Keys of effects that need something with a straight motion."""
@@ -63,17 +60,16 @@ DEFAULT_TOLERANCE: Final = OutputSpec().tolerance
 SHAPES: Final = ("inflection", "curved", "sine", "cosine")
 """Keys of a move that shape its law."""
 
-ONE_CONTACT: Final = (
-    "spring",
-    "friction",
-    "contact-force",
-    "lift-off",
-    "contact-pressure",
-    "balance",
-)
-"""Effects that suppose that one disc carries one roller all over the turn."""
+ONE_DISC: Final = ("balance",)
+"""Effects of which a conjugate pair would need one for each disc."""
+
+ONE_ROLLER: Final = (("friction", "guide_length"), ("friction", "guide_overhang"))
+"""Keys of effects that know where one roller presses a carriage."""
 
 YOKE: Final = ("follower", "yoke")
+
+ONE_CONTACT: Final = ("friction", "contact-force", "lift-off", "contact-pressure")
+"""Effects that suppose that one side of the follower is led all over the turn."""
 
 FOR_ROLLERS: Final = "is for roller followers"
 
@@ -238,10 +234,14 @@ def a_return_disc_has_a_main_disc(values: SoundValues) -> Iterator[Fault]:
     if contact in ("outer", "groove"):
         message = 'belongs to contact "inner": both discs of a conjugate pair are plate cams'
         yield values.scene.fault(place, message)
-    for name in ONE_CONTACT:
+    for name in ONE_DISC:
         if values.has("effects", name):
-            message = "knows one disc and one contact; a conjugate pair, [follower.return], has two"
+            message = "knows one disc; a conjugate pair, [follower.return], has two"
             yield values.scene.fault(("effects", name), message)
+    for keys in ONE_ROLLER:
+        if values.has("effects", *keys):
+            message = "knows one roller; a conjugate pair, [follower.return], has two"
+            yield values.scene.fault(("effects", *keys), message)
 
 
 def a_yoke_stands_astride(values: SoundValues) -> Iterator[Fault]:
@@ -258,7 +258,7 @@ def a_yoke_stands_astride(values: SoundValues) -> Iterator[Fault]:
         message = "contradicts [follower.return]: one disc leads a yoke both ways"
         yield values.scene.fault(YOKE, message)
     for name in ONE_CONTACT:
-        if values.has("effects", name) and name != "balance":
+        if values.has("effects", name):
             message = "knows one contact; a yoke, [follower.yoke], has two"
             yield values.scene.fault(("effects", name), message)
 
@@ -308,7 +308,11 @@ def four_bar_turns_a_rocker(values: SoundValues) -> Iterator[Fault]:
 def effects_know_the_linkage(values: SoundValues) -> Iterator[Fault]:
     """What is computed for a slider that drives a rocker is asked for of no other linkage."""
     kind = values.get("linkage", "kind")
-    if not (kind == "four-bar" or (kind == "slider-crank" and values.slides)):
+    turns = kind == "four-bar" or (kind == "slider-crank" and values.slides)
+    if values.has("effects", *OF_TURNING) and kind == "slider-crank" and not turns:
+        message = "is for the lever of a four-bar, or for a crank that a slider turns"
+        yield values.scene.fault(("effects", *OF_TURNING), message)
+    if not turns:
         return
     for keys in (*OF_SLIDER, *(() if values.slides else OF_STRAIGHT)):
         if values.has("effects", *keys):

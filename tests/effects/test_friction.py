@@ -16,6 +16,7 @@ from camgeo.effects.friction import Friction, compute
 from camgeo.effects.friction.spec import parse
 from camgeo.effects.friction.statics import Statics
 from camgeo.errors import EffectError, GeometryError
+from camgeo.mechanism.locking import locked_at
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.mechanism.slider_crank import SliderCrank
 from camgeo.mechanism.translating_roller import TranslatingRoller
@@ -461,7 +462,7 @@ def test_a_slider_that_cannot_be_moved() -> None:
     made = design("setzhub", "")
     plan = design("plate_translating", "").plan
     linkages = [SliderCrank(50.0, 60.0, 0.0, True, 1, -1, branch) for branch in (1, -1)]
-    (locked,) = (each for each in linkages if each.locked_at(plan) is not None)
+    (locked,) = (each for each in linkages if locked_at(each, plan) is not None)
 
     class Stub(SimpleNamespace):
         def __getattr__(self, name: str) -> Any:

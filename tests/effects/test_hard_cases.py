@@ -82,6 +82,8 @@ LINKAGE: Final = {
     "friction": "pivot = 0.05\npivot_diameter = 15\nslider = 3\nguide_viscous = 0.01",
     "vibration": "stiffness = 900\ndamping = 0.03",
 }
+TURNING: Final = {"inertia": "\ncoupler_mass = 0.2\noutput_moment = 0.005"}
+"""What a linkage has besides, at whose far end something turns."""
 
 HARMONIC: Final = """
 camgeo = 1
@@ -135,10 +137,23 @@ def without_output(text: str) -> str:
 
 def every(text: str, **data: str) -> str:
     """Tables of all effects that suit the follower of `text`."""
-    own = LINKAGE if "[linkage]" in text else ROCKER if "oscillating" in text else GUIDE
+    rocks = "oscillating" in text
+    turns = "[linkage]" in text and ("four-bar" in text or not rocks)
+    own = ROCKER if rocks else GUIDE
+    if turns:
+        own = {
+            **own,
+            "inertia": own["inertia"] + TURNING["inertia"],
+            "load": ROCKER["load"],
+            "vibration": ROCKER["vibration"],
+        }
+    elif "[linkage]" in text:
+        own = LINKAGE
     tables = EVERY.format(**{**COMMON, **own, **data})
     if "\nroller_radius = 0\n" in text:  # a knife edge has no friction of a roller
         tables = re.sub(r"^roll(er_pin|er_pin_diameter|ing) = .*\n", "", tables, flags=re.MULTILINE)
+    if "[follower.return]" in text:  # two discs have no balance of one
+        tables = tables.replace("[effects.balance]\n", "")
     return tables
 
 

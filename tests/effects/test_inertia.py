@@ -241,6 +241,7 @@ def test_the_reduced_inertia_is_that_of_the_joints_moving(
 ) -> None:
     """2T for a rocker that turns with 1 rad/s: velocities by differences at 40 digits."""
     linkage, spec = train.linkage, train.spec
+    assert isinstance(linkage, SliderCrank)
     (guess,) = linkage.crank_angle(np.array([stroke]))
     with mp.workdps(40):
         h = mpf(10) ** -12  # the error of a central difference is h^2, far below a double's

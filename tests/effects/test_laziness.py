@@ -19,7 +19,7 @@ from tests.effects.scenes import SCENES, design
 
 SCENE = "plate_translating"
 
-FRAME = {"effect", "force", "graph", "materials", "recalling", "registry"}
+FRAME = {"carrier", "effect", "force", "graph", "locked", "materials", "recalling", "registry"}
 """Modules of `camgeo.effects` that are no effect."""
 
 TABLES = {

@@ -27,7 +27,7 @@ from camgeo.effects.registry import EFFECTS
 from camgeo.errors import EffectError, Fault, GeometryError, SceneError
 from camgeo.numeric.arrays import FloatArray
 from camgeo.scene.load import parse_scene
-from camgeo.scene.rules import ONE_CONTACT
+from camgeo.scene.rules import ONE_DISC
 from camgeo.scene.schema import schema
 from camgeo.units import TURN
 from tests.effects.scenes import SCENES
@@ -210,7 +210,7 @@ def tables_of(rng: Random, text: str) -> str:
     if rng.random() < 0.9 and named & {"gravity", "lift-off", "speed-fluctuation"}:
         named |= {"inertia", "spring"}
     if "[follower.return]" in text and rng.random() < 0.95:
-        named -= set(ONE_CONTACT)
+        named -= set(ONE_DISC)
     lines = []
     for effect in EFFECTS:
         other = "[linkage]" in text and not ("oscillating" in text and "slider-crank" in text)

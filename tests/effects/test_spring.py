@@ -15,6 +15,7 @@ from camgeo.design import Design
 from camgeo.effects.spring import parse
 from camgeo.effects.spring.ways import BetweenPoints, along_slider
 from camgeo.errors import GeometryError
+from camgeo.mechanism.locking import locked_at
 from camgeo.mechanism.slider_crank import SliderCrank
 from camgeo.numeric.arrays import FloatArray
 from camgeo.units import TURN
@@ -281,7 +282,7 @@ def test_a_slider_that_turns_back_cannot_close_all_round() -> None:
     refused = []
     for branch in (1, -1):
         linkage = SliderCrank(50.0, 60.0, 0.0, True, 1, -1, branch)
-        if linkage.locked_at(plan) is None:
+        if locked_at(linkage, plan) is None:
             continue
         subject: Any = SimpleNamespace(plan=plan)
         with pytest.raises(GeometryError, match="across the guide") as error:

@@ -12,6 +12,7 @@ from mpmath import mp, mpf
 
 from camgeo.errors import GeometryError
 from camgeo.mechanism.linkage import LinkedMotion
+from camgeo.mechanism.locking import locked_at
 from camgeo.mechanism.slider_crank import SliderCrank
 from camgeo.motion.laws import make_law
 from camgeo.motion.plan import Dwell, MotionPlan, Move
@@ -311,7 +312,7 @@ def there_and_back(stroke: float) -> MotionPlan:
 
 
 def test_a_coupler_across_the_guide_locks_the_slider() -> None:
-    found = HANGING.locked_at(there_and_back(155.0))
+    found = locked_at(HANGING, there_and_back(155.0))
     assert found is not None
     phi, stroke = found
     assert stroke == pytest.approx(ACROSS, rel=1e-14)
@@ -327,15 +328,15 @@ def test_a_coupler_across_the_guide_locks_the_slider() -> None:
 
 
 def test_one_that_keeps_clear_of_it_does_not() -> None:
-    assert HANGING.locked_at(there_and_back(150.0)) is None
+    assert locked_at(HANGING, there_and_back(150.0)) is None
     # The other branch passes the pin's stroke with its tip elsewhere.
     other = SliderCrank(100.0, 60.0, 0.0, True, -1, 1, -1)
-    assert other.locked_at(there_and_back(150.0)) is None
-    assert other.locked_at(there_and_back(155.0)) is not None
+    assert locked_at(other, there_and_back(150.0)) is None
+    assert locked_at(other, there_and_back(155.0)) is not None
 
 
 def test_a_stroke_that_ends_there_is_locked_at_its_end() -> None:
-    found = HANGING.locked_at(there_and_back(ACROSS))
+    found = locked_at(HANGING, there_and_back(ACROSS))
     assert found is not None
     # There the stroke is flat: its angle is known to the third root of rounding.
     assert found[0] == pytest.approx(math.radians(210.0), abs=1e-4)

@@ -12,7 +12,7 @@ from camgeo.errors import SceneError
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.scene.load import parse_scene
-from camgeo.scene.rules import ONE_CONTACT
+from camgeo.scene.rules import ONE_DISC
 from camgeo.units import TURN
 from tests.pairs import lever_of
 from tests.scene.scenes import FIXTURES, spoilt
@@ -73,17 +73,21 @@ def test_a_return_arm_on_the_line_of_centres_is_told_with_its_key() -> None:
 
 def test_all_faults_are_told_at_once() -> None:
     text = LEVER.replace("arm_angle = 84", "arm_angle = 400").replace("dwell = 40", "dwell = 41")
-    text += "\n[effects.lift-off]\n[effects.spring]\nstiffness = 9\npreload = 260\n"
+    text += "\n[effects.balance]\n[effects.friction]\nguide_length = 90\n"
     told = faults_of(text)
-    for key in ("follower.return.arm_angle", "motion", "effects.lift-off", "effects.spring"):
+    keys = (
+        "follower.return.arm_angle",
+        "motion",
+        "effects.balance",
+        "effects.friction.guide_length",
+    )
+    for key in keys:
         assert f"{key}" in told
 
 
-@pytest.mark.parametrize("name", ONE_CONTACT)
-def test_effects_of_one_contact_are_refused(name: str) -> None:
-    assert f"effects.{name}: knows one disc and one contact" in faults_of(
-        f"{LEVER}\n[effects.{name}]\n"
-    )
+@pytest.mark.parametrize("name", ONE_DISC)
+def test_effects_of_one_disc_are_refused(name: str) -> None:
+    assert f"effects.{name}: knows one disc;" in faults_of(f"{LEVER}\n[effects.{name}]\n")
 
 
 def test_lengths_are_in_the_unit_of_the_scene() -> None:

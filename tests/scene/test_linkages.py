@@ -85,12 +85,8 @@ def test_the_follower_decides_which_member_of_a_slider_crank_moves_as_demanded()
             (text, [("[part]", f"{table}\n[part]")], "is for a slider that drives a rocker")
             for text, table in (
                 (FOUR_BAR, f"{INERTIA}mass = 1"),
-                (FOUR_BAR, f"{INERTIA}coupler_mass = 1"),
                 (FOUR_BAR, "[effects.friction]\nslider = 3"),
                 (FOUR_BAR, "[effects.friction]\nguide_viscous = 3"),
-                (FOUR_BAR, "[effects.load]\nconstant = 3"),
-                (CRANK_SLIDER, f"{INERTIA}coupler_mass = 1"),
-                (CRANK_SLIDER, "[effects.load]\nconstant = 3"),
                 (CRANK_SLIDER, "[effects.friction]\nslider = 3"),
             )
         ),

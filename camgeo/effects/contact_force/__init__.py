@@ -2,34 +2,25 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Final, Protocol
+from typing import Any, Final
 
 import numpy as np
 
 from camgeo.check.finding import Finding
-from camgeo.effects.contact_force.balance import FLANKS, INNER, OUTER, Balance, Friction
+from camgeo.effects.contact_force.balance import Balance, Friction
+from camgeo.effects.contact_force.findings import force_findings, shock_findings
 from camgeo.effects.contact_force.places import refuse_jamming, smooth_edges
-from camgeo.effects.effect import Column, Effect, Request, toucher
-from camgeo.effects.force import Force
-from camgeo.motion.joints import breaks
+from camgeo.effects.effect import Column, Effect, Quantity, Request, Subject
+from camgeo.effects.force import Force, all_borders
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray
-from camgeo.numeric.extremes import Extreme, Extremes
+from camgeo.numeric.extremes import Extremes
 from camgeo.numeric.peaks import piecewise_extremes
-from camgeo.units import TURN
 
 FORCES: Final = ("inertia", "gravity", "load", "spring")
 """Effects that are forces on the follower, besides friction."""
-
-SHOCK: Final = 0
-"""Order up to which the motion is continuous where its velocity jumps."""
-
-
-class _Inertia(Protocol):
-    to_follower: Callable[[FloatArray, Side], FloatArray]
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,6 +33,9 @@ class Spec:
 @dataclass(frozen=True, slots=True, eq=False)
 class ContactForce:
     """The normal force on the follower, positive where the inner flank carries.
+
+    Of a conjugate pair it is positive where the main disc carries, negative where the return disc
+    does; the other one carries nothing then.
 
     Attributes
     ----------
@@ -74,7 +68,7 @@ class ContactForce:
         return self.balance.required(phi, side)
 
     def bracket(self, phi: FloatArray, side: Side, sense: int) -> FloatArray:
-        """(n,) [1 or mm/rad] R per unit of |N| on the inner (+1) or outer (-1) flank."""
+        """(n,) [1 or mm/rad] R per unit of |N| on the side `sense`, see `carrier`."""
         return self.balance.bracket(phi, side, sense)
 
     def normal(self, phi: FloatArray, side: Side) -> FloatArray:
@@ -118,103 +112,35 @@ def compute(request: Request) -> ContactForce:
         return balance.normal(phi, side, balance.rates(phi))
 
     limit: float | None = request.spec.limit
-    inside = np.concatenate([force.borders for force in forces] or [np.empty(0)])
-    signed = -limit if limit is not None and subject.contact == "outer" else limit
     extremes = piecewise_extremes(normal, edges)
-    found = _findings(extremes, subject.contact, limit, toucher(subject))
+    found = force_findings(extremes, subject, limit)
     return ContactForce(
-        findings=(*found, *_shocks(request)),
-        columns=(Column("contact force", "N", normal, signed, inside),),
+        findings=(*found, *shock_findings(request)),
+        columns=_columns(subject, normal, limit, all_borders(forces)),
         balance=balance,
         edges=edges,
         extremes=extremes,
     )
 
 
-def _findings(extremes: Extremes, contact: str, limit: float | None, what: str) -> list[Finding]:
-    """Largest and smallest force of the flank that has to carry; in a groove that of each flank."""
-    low, high = extremes.lowest, extremes.highest
-    mirrored = Extreme(-low.value, low.place)
-    if contact == "inner":
-        return [_largest(high, INNER, limit), _smallest(low, INNER, what)]
-    if contact == "outer":
-        return [
-            _largest(mirrored, OUTER, limit),
-            _smallest(Extreme(-high.value, high.place), OUTER, what),
-        ]
-    both = sorted(((high, INNER), (mirrored, OUTER)), key=lambda each: -each[0].value)
-    found = [_largest(*both[0], limit)]
-    for extreme, sense in both:
-        if extreme.value > 0.0:
-            found.append(_on_flank(extreme, sense))
-    return found
+def _columns(
+    subject: Subject, normal: Quantity, limit: float | None, borders: FloatArray
+) -> tuple[Column, ...]:
+    """The signed force; of a conjugate pair that of each disc, which only pushes."""
+    if subject.returning is None:
+        signed = -limit if limit is not None and subject.contact == "outer" else limit
+        return (Column("contact force", "N", normal, signed, borders),)
 
+    def on_main(phi: FloatArray, side: Side) -> FloatArray:
+        return np.maximum(normal(phi, side), 0.0)
 
-def _largest(extreme: Extreme, sense: int, limit: float | None) -> Finding:
-    broken = limit is not None and extreme.value > limit
-    held = "" if limit is None else f", {'above' if broken else 'at most'} {limit:g} N"
-    return Finding(
-        name="largest-contact-force",
-        severity="broken" if broken else "ok",
-        sentence=f"largest contact force {_told(extreme, sense)}{held}",
-        value=extreme.value,
-        limit=limit,
-        unit="N",
-        cam_angle=extreme.place % TURN,
+    def on_return(phi: FloatArray, side: Side) -> FloatArray:
+        return np.maximum(-normal(phi, side), 0.0)
+
+    return (
+        Column("main contact force", "N", on_main, limit, borders),
+        Column("return contact force", "N", on_return, limit, borders),
     )
-
-
-def _smallest(extreme: Extreme, sense: int, what: str) -> Finding:
-    lost = extreme.value < 0.0
-    tail = f": the {what} is not held to its flank there" if lost else ""
-    return Finding(
-        name="smallest-contact-force",
-        severity="warning" if lost else "ok",
-        sentence=f"smallest contact force {_told(extreme, sense)}{tail}",
-        value=extreme.value,
-        unit="N",
-        cam_angle=extreme.place % TURN,
-    )
-
-
-def _on_flank(extreme: Extreme, sense: int) -> Finding:
-    return Finding(
-        name=f"largest-contact-force-{FLANKS[sense]}",
-        severity="ok",
-        sentence=f"largest contact force {_told(extreme, sense)}",
-        value=extreme.value,
-        unit="N",
-        cam_angle=extreme.place % TURN,
-    )
-
-
-def _told(extreme: Extreme, sense: int) -> str:
-    angle = math.degrees(extreme.place % TURN)
-    return f"on the {FLANKS[sense]} flank {extreme.value:.6g} N at cam angle {angle:.4f} deg"
-
-
-def _shocks(request: Request) -> list[Finding]:
-    """Where the velocity jumps: with a mass the force is infinite there, and not in the values."""
-    inertia: _Inertia | None = request.results.get("inertia")
-    if inertia is None:
-        return []
-    found = []
-    for joint in breaks(request.subject.plan):
-        angle = joint.cam_angle
-        if joint.order >= SHOCK + 1 or not inertia.to_follower(np.array([angle]), "right")[0] > 0.0:
-            continue
-        found.append(
-            Finding(
-                name="shock",
-                severity="broken",
-                sentence=(
-                    f"the velocity jumps at cam angle {math.degrees(angle):.4f} deg: the contact"
-                    " force of the masses is infinite for a moment, which is in none of the values"
-                ),
-                cam_angle=angle,
-            )
-        )
-    return found
 
 
 EFFECT: Final = Effect(

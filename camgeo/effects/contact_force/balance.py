@@ -9,7 +9,8 @@ on the follower's coordinate q and that of the contact add up to zero,
 
 with dn/dq the leverage of the normal force, sense +1 where the inner flank carries and -1 where the
 outer one does, and p what Coulomb's and rolling friction put on q per unit of |N|. Without friction
-N = R / (dn/dq).
+N = R / (dn/dq). Of a conjugate pair sense -1 is the return disc, and sense dn/dq the leverage of
+its own inner flank: discs only push, so that R is given by the one whose leverage has its sign.
 """
 
 from __future__ import annotations
@@ -20,17 +21,13 @@ from typing import Final, NoReturn, Protocol
 
 import numpy as np
 
+from camgeo.effects.carrier import INNER, OUTER, carrier, leverage_of
 from camgeo.effects.effect import Subject, toucher
 from camgeo.effects.force import Force, at_rates, total
 from camgeo.errors import EffectError, GeometryError
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray
 from camgeo.units import TURN
-
-INNER: Final = 1
-OUTER: Final = -1
-
-FLANKS: Final = {INNER: "inner", OUTER: "outer"}
 
 ROUNDING: Final = 64.0 * 2.0**-52
 """Forces whose sum is below this share of their magnitudes cancel: what is left is rounding."""
@@ -48,7 +45,7 @@ class Friction(Protocol):
         """What does not depend on the normal force."""
 
     def per_normal(self, phi: FloatArray, side: Side, sense: int) -> FloatArray:
-        """(2, n) force on q, and torque on the cam, per unit of |N| on the flank `sense`."""
+        """(2, n) force on q, and torque on the cam, per unit of |N| on the side `sense`."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -86,8 +83,8 @@ class Balance:
         needed[np.abs(needed) <= ROUNDING * size] = 0.0
         return needed
 
-    def leverage(self, phi: FloatArray, side: Side) -> FloatArray:
-        """(n,) dn/dq [1 or mm/rad].
+    def leverage(self, phi: FloatArray, side: Side, sense: int) -> FloatArray:
+        """(n,) sense dn/dq [1 or mm/rad]: force on q per unit of |N|, without friction.
 
         Raises
         ------
@@ -95,33 +92,37 @@ class Balance:
             Where the pitch curve has a cusp and with it no normal.
         """
         try:
-            return self.subject.pitch_curve.leverage(phi, side)
+            return leverage_of(self.subject, phi, side, sense)
         except GeometryError as error:
             raise EffectError(f"there is no contact force: {error.message}") from error
 
     def bracket(
         self, phi: FloatArray, side: Side, sense: int, leverage: FloatArray | None = None
     ) -> FloatArray:
-        """(n,) [1 or mm/rad] force on q per unit of |N| on the flank `sense`."""
-        lever = self.leverage(phi, side) if leverage is None else leverage
+        """(n,) [1 or mm/rad] force on q per unit of |N| on the side `sense`.
+
+        `leverage` is that of the side, if it is known.
+        """
+        lever = self.leverage(phi, side, sense) if leverage is None else leverage
         if self.friction is None:
-            return sense * lever
-        bracket: FloatArray = sense * lever + self.friction.per_normal(phi, side, sense)[0]
+            return lever
+        bracket: FloatArray = lever + self.friction.per_normal(phi, side, sense)[0]
         return bracket
 
     def parts(
         self, phi: FloatArray, side: Side, rates: FloatArray
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """R, the flank that has to carry (+1 or -1), and its reserve against jamming, (n,) each.
+        """R, the side that has to carry (+1 or -1), and its reserve against jamming, (n,) each.
 
-        The reserve is the bracket in the sense in which it is without friction; the follower jams
-        where it is not above 0. R = sense sign(dn/dq) reserve |N|.
+        The reserve is the bracket in the sense of R; the follower jams where it is not above 0, as
+        it does between two discs that push in one sense. |R| = reserve |N|.
         """
         needed = self.demand(phi, side, rates)
-        lever = self.leverage(phi, side)
+        lever = self.leverage(phi, side, INNER)
+        other = -lever if self.subject.returning is None else self.leverage(phi, side, OUTER)
         sense = np.where(needed * np.sign(lever) >= 0.0, INNER, OUTER)
         inner = self.bracket(phi, side, INNER, lever)
-        outer = self.bracket(phi, side, OUTER, lever)
+        outer = self.bracket(phi, side, OUTER, other)
         reserve = np.where(sense == INNER, inner, -outer) * np.sign(lever)
         return needed, sense, reserve
 
@@ -147,9 +148,11 @@ class Balance:
         self, angle: float, side: Side, cam_range: tuple[float, float] | None = None
     ) -> NoReturn:
         """Raise that the follower jams; `angle` [rad] is where worst."""
+        here = np.array([angle])
+        sense = int(self.parts(here, side, self.rates(here))[1][0])
+        curve = carrier(self.subject, sense)[0].pitch_curve
 
         def transmission(*angles: float) -> float:
-            curve = self.subject.pitch_curve
             return math.degrees(float(np.max(curve.transmission_angle(np.array(angles), side))))
 
         value: float | None = transmission(angle)

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 
+from camgeo.effects.carrier import INNER, OUTER
 from camgeo.effects.contact_force.balance import VANISHING, Balance
 from camgeo.effects.force import all_borders
 from camgeo.motion.motion import Side
@@ -26,11 +29,13 @@ def smooth_edges(balance: Balance) -> FloatArray:
     def demand(phi: FloatArray) -> FloatArray:
         return balance.demand(phi, "right", balance.rates(phi))
 
-    def leverage(phi: FloatArray) -> FloatArray:
-        return balance.leverage(phi, "right")
+    def leverage(phi: FloatArray, sense: int) -> FloatArray:
+        return balance.leverage(phi, "right", sense)
 
+    senses = (INNER,) if balance.subject.returning is None else (INNER, OUTER)
     inner = grid_of(merged(np.concatenate((edges, _dips(demand, grid)))))
-    found = (edges, roots_on_grid(demand, inner), roots_on_grid(leverage, grid))
+    found = [edges, roots_on_grid(demand, inner)]
+    found += [roots_on_grid(partial(leverage, sense=sense), grid) for sense in senses]
     return merged(np.concatenate(found))
 
 

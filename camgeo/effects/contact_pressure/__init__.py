@@ -8,19 +8,19 @@ between roller and flank adds little to the stresses where the roller rolls, and
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final, Protocol
 
 import numpy as np
 
 from camgeo.check.finding import Finding
-from camgeo.effects.contact_pressure.contact import FLANKS, Contact
+from camgeo.effects.contact_pressure.contact import FLANKS, Contact, Normal
 from camgeo.effects.contact_pressure.findings import Worst, life_findings, pressure_findings
 from camgeo.effects.contact_pressure.hertz import SHEAR_SHARE
 from camgeo.effects.contact_pressure.life import Life, rolling_life
 from camgeo.effects.contact_pressure.spec import Spec, parse, refuse_misfits
 from camgeo.effects.effect import SPEED, Column, Effect, Request, Subject
-from camgeo.errors import GeometryError
+from camgeo.errors import EffectError, GeometryError
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray, merged
 from camgeo.numeric.extremes import Extreme
@@ -50,6 +50,7 @@ class ContactPressure:
     contact : force, relative curvature and pressure over the cam angle.
     largest : the largest pressure [MPa] and its cam angle [rad] in [0, 2 pi).
     life : of the roller's bearing; None if the scene gives no rating.
+    returning : the same of the return disc of a conjugate pair; None if there is none.
     """
 
     findings: tuple[Finding, ...]
@@ -58,6 +59,7 @@ class ContactPressure:
     contact: Contact
     largest: Extreme
     life: Life | None
+    returning: ContactPressure | None = None
 
 
 def compute(request: Request) -> ContactPressure:
@@ -72,7 +74,39 @@ def compute(request: Request) -> ContactPressure:
     EffectError
         If a cusp or undercut is under force, or the life cannot be brought within the tolerance.
     """
+    force: _ContactForce = request.results["contact-force"]
     subject = request.subject
+    main = _of_disc(request, subject, force.normal, force.edges)
+    if subject.returning is None:
+        return main
+
+    def on_return(phi: FloatArray, side: Side) -> FloatArray:
+        return -force.normal(phi, side)
+
+    other = _of_return(request, subject.returning, on_return, force.edges)
+    told = [
+        replace(each, name=f"return-{each.name}", sentence=f"return disc: {each.sentence}")
+        for each in other.findings
+    ]
+    columns = [
+        replace(column, name=f"{disc} {column.name}")
+        for disc, of in (("main", main), ("return", other))
+        for column in of.columns
+    ]
+    errors = [each.error for each in (main, other) if each.error is not None]
+    return replace(
+        main,
+        findings=(*main.findings, *told),
+        columns=tuple(columns),
+        error=max(errors, default=None),
+        returning=other,
+    )
+
+
+def _of_disc(
+    request: Request, subject: Subject, normal: Normal, edges: FloatArray
+) -> ContactPressure:
+    """The pressure on one disc, `subject`; `edges` are those of the force `normal`."""
     spec: Spec = request.spec
     refuse_misfits(spec, subject)
     if subject.follower.roller_radius == 0.0 and not subject.follower.is_flat:
@@ -81,9 +115,8 @@ def compute(request: Request) -> ContactPressure:
             key="follower.roller_radius",
             value="0",
         )
-    force: _ContactForce = request.results["contact-force"]
-    contact = Contact(subject, force.normal, spec.modulus, _width(subject, spec))
-    edges = merged(np.concatenate((subject.smooth_angles, force.edges)))
+    contact = Contact(subject, normal, spec.modulus, _width(subject, spec))
+    edges = merged(np.concatenate((subject.smooth_angles, edges)))
     contact.refuse_cusps(edges)
     highest = piecewise_extremes(contact.square, edges).highest
     worst = _worst(contact, highest.place, highest.value)
@@ -114,6 +147,24 @@ def compute(request: Request) -> ContactPressure:
         largest=Extreme(worst.pressure(spec.modulus), worst.angle),
         life=life,
     )
+
+
+def _of_return(
+    request: Request, subject: Subject, normal: Normal, edges: FloatArray
+) -> ContactPressure:
+    """As `_of_disc`; an error tells that it is the return disc's."""
+    try:
+        return _of_disc(request, subject, normal, edges)
+    except EffectError as error:
+        raise EffectError(
+            f"return disc: {error.message}",
+            finding=error.finding,
+            value=error.value,
+            limit=error.limit,
+            unit=error.unit,
+            cam_angle=error.cam_angle,
+            cam_range=error.cam_range,
+        ) from error
 
 
 def _width(subject: Subject, spec: Spec) -> float:

@@ -8,6 +8,7 @@ from typing import Final, Protocol
 import numpy as np
 
 from camgeo.check.finding import Finding, Severity
+from camgeo.effects.carrier import holds_both_ways
 from camgeo.effects.drive_torque.flywheel import moment_of_inertia
 from camgeo.effects.drive_torque.law import TorqueLaw
 from camgeo.effects.drive_torque.summary import Summary, Torque
@@ -154,7 +155,7 @@ def _shock(torque: LawfulTorque) -> list[Finding]:
 def _loss_of_contact(torque: LawfulTorque) -> list[Finding]:
     """A warning if the one flank there is would have to pull."""
     law = torque.law
-    if law.subject.contact == "groove":
+    if holds_both_ways(law.subject):
         return []
     sense = 1.0 if law.subject.contact == "inner" else -1.0
 

@@ -21,6 +21,7 @@ from typing import Final, Protocol
 
 import numpy as np
 
+from camgeo.effects.carrier import INNER, OUTER, carrier, leverage_of
 from camgeo.effects.effect import Subject
 from camgeo.effects.force import Force, at_rates
 from camgeo.errors import EffectError
@@ -87,12 +88,12 @@ class TorqueLaw:
         if friction is None:
             out[4:] = velocity
             return out
-        leverage = self.subject.pitch_curve.leverage(phi, side)
+        levers = {sense: leverage_of(self.subject, phi, side, sense) for sense in (INNER, OUTER)}
         gains = {
-            sense: _gain(sense * leverage, velocity, friction.per_normal(phi, side, sense))
-            for sense in (1, -1)
+            sense: _gain(lever, velocity, friction.per_normal(phi, side, sense))
+            for sense, lever in levers.items()
         }
-        outwards = leverage >= 0.0
+        outwards = levers[INNER] >= 0.0
         out[4] = np.where(outwards, gains[1], gains[-1])
         out[5] = np.where(outwards, gains[-1], gains[1])
         return out
@@ -119,7 +120,9 @@ class TorqueLaw:
 
     def jamming(self, phi: float) -> EffectError:
         """The error of a follower that jams at the cam angle `phi` [rad]."""
-        angle = math.degrees(self.subject.pitch_curve.transmission_angle(np.array([phi]))[0])
+        curves = [carrier(self.subject, sense)[0].pitch_curve for sense in (INNER, OUTER)]
+        here = np.array([phi])
+        angle = math.degrees(min(curve.transmission_angle(here)[0] for curve in curves))
         place = float(np.mod(phi, 2.0 * math.pi))
         return EffectError(
             f"the follower jams at cam angle {math.degrees(place):.4f} deg: with a transmission"

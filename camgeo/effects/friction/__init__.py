@@ -16,6 +16,7 @@ from camgeo.effects.friction.senses import senses_of
 from camgeo.effects.friction.spec import Spec, parse, refuse_misfits
 from camgeo.effects.friction.statics import Statics
 from camgeo.errors import EffectError, GeometryError
+from camgeo.mechanism.locking import locked_at
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray, merged
 from camgeo.numeric.peaks import grid_of
@@ -51,7 +52,7 @@ class Friction:
     error: float | None = None
 
     def per_normal(self, phi: FloatArray, side: Side, sense: int) -> FloatArray:
-        """(2, n) what friction adds per unit of |N| on the inner (+1) or outer (-1) flank.
+        """(2, n) what friction adds per unit of |N| on the side `sense`, see `carrier`.
 
         [0] generalised force on q [1 or mm/rad]; [1] torque on the cam [mm], that is N mm per N,
         positive where the cam has to be driven more. Coulomb's friction of guide and pivot is in
@@ -81,7 +82,9 @@ def compute(request: Request) -> Friction:
     edges = subject.smooth_angles
     senses = senses_of(subject.motion, edges)
     start = float(subject.motion.jet(np.zeros(1), "right", 1)[0, 0])
-    statics = Statics(subject, spec, senses, start)
+    back = subject.returning
+    other = None if back is None else Statics(back, spec, senses, start)
+    statics = Statics(subject, spec, senses, start, other)
     try:
         borders = _borders(statics, edges)
         findings = jamming_margin(statics, merged(np.concatenate((edges, borders))))
@@ -146,7 +149,7 @@ def _of_slider(
 ) -> Coefficients:
     """Of slider and pivot."""
     plan = subject.plan
-    locked = linkage.locked_at(plan)
+    locked = locked_at(linkage, plan)
     if locked is not None:
         raise EffectError(
             "the rocker cannot move the slider against its friction: at cam angle"

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from camgeo.check.finding import Finding
+from camgeo.effects.carrier import holds_both_ways
 from camgeo.effects.effect import Column
 from camgeo.effects.friction.statics import Statics
 from camgeo.motion.motion import Side
@@ -39,18 +40,18 @@ UNDRIVEN: Final = math.pi
 def margin_of(statics: Statics, phi: FloatArray, side: Side) -> FloatArray:
     """(n,) [rad] margin of the flank by which the cam would push the follower on.
 
-    That is the one on which the roller runs; of a groove the one that pushes in the sense in which
-    the follower moves, the inner one in a rest.
+    That is the one on which the roller runs; of a groove, or of two discs, the one that pushes in
+    the sense in which the follower moves, the inner or main one in a rest.
     """
     contact = statics.subject.contact
-    if contact != "groove":
+    if not holds_both_ways(statics.subject):
         return statics.margin(phi, side, 1 if contact == "inner" else -1)
     inner, outer = (statics.margin(phi, side, sense) for sense in (1, -1))
     return np.where(_drive(statics, phi, side) < 0.0, outer, inner)
 
 
 def _drive(statics: Statics, phi: FloatArray, side: Side) -> FloatArray:
-    """(n,) +1 where the inner flank pushes the follower on, -1 where the outer, 0 in a rest."""
+    """(n,) +1 where the inner flank pushes the follower on, -1 where the other, 0 in a rest."""
     sine = statics.state(phi, side, 1).sine
     return np.where(sine < 0.0, -1.0, 1.0) * statics.senses(phi, side)
 
@@ -69,11 +70,11 @@ def jamming_margin(statics: Statics, edges: FloatArray) -> tuple[Finding, ...]:
 
     `edges` (k,) are the cam angles [rad] from 0 to 2 pi between which the margin is smooth.
     """
-    contact = statics.subject.contact
+    contact, both = statics.subject.contact, holds_both_ways(statics.subject)
 
     def driven(phi: FloatArray, side: Side) -> FloatArray:
         drive = _drive(statics, phi, side)
-        pushes = drive != 0.0 if contact == "groove" else drive == (1 if contact == "inner" else -1)
+        pushes = drive != 0.0 if both else drive == (1 if contact == "inner" else -1)
         return np.where(pushes, margin_of(statics, phi, side), UNDRIVEN)
 
     lowest = piecewise_extremes(driven, edges).lowest

@@ -55,6 +55,7 @@ class Spec:
 DIAMETERS: Final = {"pivot": "pivot_diameter", "roller_pin": "roller_pin_diameter"}
 
 OF_GUIDE: Final = ("guide", "guide_length", "guide_overhang", "guide_offset")
+OF_LEVER: Final = ("guide_length", "guide_overhang")
 OF_ROLLER: Final = ("roller_pin", "roller_pin_diameter", "rolling")
 OF_FACE: Final = ("face", "guide_offset")
 OF_PIVOT: Final = ("pivot", "pivot_diameter", "pivot_viscous")
@@ -101,6 +102,12 @@ def refuse_misfits(spec: Spec, subject: Subject) -> None:
         )
     if rocker and not slides:
         misfits["guide_viscous"] = "is for translating followers and for sliders of linkages"
+    if subject.returning is not None:
+        misfits |= dict.fromkeys(
+            OF_LEVER,
+            "is for a follower with one roller: the force of the return roller has another lever"
+            " about the guide",
+        )
     if subject.follower.is_flat:
         misfits |= dict.fromkeys(OF_ROLLER, ROLLERS_ONLY)
         if spec.guide and spec.guide_length is None:

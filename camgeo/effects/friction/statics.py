@@ -102,12 +102,14 @@ class Statics:
     spec : what the scene says of friction.
     senses : of the follower's motion.
     start : q at cam angle 0 [mm or rad].
+    other : that of the return disc of a conjugate pair, on whose inner flank the side -1 is.
     """
 
     subject: Subject
     spec: Spec
     senses: Senses
     start: float
+    other: Statics | None = None
 
     @property
     def rocks(self) -> bool:
@@ -127,6 +129,8 @@ class Statics:
         GeometryError
             Where the pitch curve has a cusp, Z' = 0.
         """
+        if self.other is not None and sense < 0:
+            return self.other.state(phi, side, 1)
         subject, spec = self.subject, self.spec
         follower, sigma = subject.follower, subject.rotation
         jet = subject.motion.jet(phi, side, 1 + follower.ahead)
@@ -175,6 +179,8 @@ class Statics:
         m_r, omega_r the roller's angular velocity. What the
         cam has to give more than the follower gets is what the bearings and the contact lose.
         """
+        if self.other is not None and sense < 0:
+            return self.other.per_normal(phi, side, 1)
         at = self.state(phi, side, sense)
         along = at.reach * at.tangential * at.cosine
         force = along - self.swing * at.pin_moment - self.senses(phi, side) * self.drag(at)
@@ -201,6 +207,8 @@ class Statics:
         chapter 6, tan alpha = b / (mu (2 a + b)). A pivot alone gives sin mu = mu_b d / (2 l_3),
         its circle of friction.
         """
+        if self.other is not None and sense < 0:
+            return self.other.margin(phi, side, 1)
         at, spec = self.state(phi, side, sense), self.spec
         pushed = sense * _sign(at.sine)  # sense of q in which this flank pushes
         ahead = pushed * _sign(at.cosine)  # +1 where t points along the way that it is pushed

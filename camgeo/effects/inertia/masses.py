@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, cast
 import numpy as np
 
 from camgeo.effects.effect import driving_slider
+from camgeo.effects.inertia.rates import joints_per_lift
 from camgeo.effects.inertia.spec import InertiaSpec
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.mechanism.translating_roller import TranslatingRoller
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
 
     from camgeo.effects.effect import Subject
     from camgeo.mechanism.kinds import AnyGuided, AnyRocker
-    from camgeo.mechanism.slider_crank import SliderCrank
+    from camgeo.mechanism.linkage_protocol import Linkage
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -56,16 +57,19 @@ def masses_of(subject: Subject, spec: InertiaSpec) -> tuple[Mass, ...]:
         if isinstance(follower, OscillatingRoller):
             roller = _OnRocker(subject, follower, _arm_at_0(follower))
             found.append(Mass("roller", spec.roller_mass, roller.place, roller.per_lift))
-        linkage = driving_slider(subject)
-        if linkage is not None:
-            slider = _OnCoupler(subject, linkage, follower.pivot, 1.0)
-            coupler = _OnCoupler(subject, linkage, follower.pivot, spec.coupler_centre)
+        shaft, turn = follower.pivot, 1.0 + 0.0j
+        if driving_slider(subject) is not None:
+            assert subject.linkage is not None  # it has the slider
+            slider = _OnCoupler(subject, subject.linkage, shaft, turn, 1.0)
             found.append(Mass("slider", spec.mass, slider.place, slider.per_lift))
-            found.append(Mass("coupler", spec.coupler_mass, coupler.place, coupler.per_lift))
     else:
         guided = _OnGuide(subject, cast("AnyGuided", subject.follower))
         found.append(Mass("follower", spec.mass, guided.place, guided.per_lift))
         found.append(Mass("roller", spec.roller_mass, guided.place, guided.per_lift))
+        shaft, turn = guided.shaft_and_turn(subject.linkage)
+    if subject.linkage is not None:
+        coupler = _OnCoupler(subject, subject.linkage, shaft, turn, spec.coupler_centre)
+        found.append(Mass("coupler", spec.coupler_mass, coupler.place, coupler.per_lift))
     return tuple(each for each in found if each.mass)
 
 
@@ -86,16 +90,32 @@ class _OnGuide:
     def way(self) -> complex:
         return self.follower.direction * cmath.rect(1.0, self.follower.guide_angle)
 
-    def place(self, phi: FloatArray, side: Side) -> ComplexArray:
+    @property
+    def start(self) -> complex:
         follower = self.follower
         start = 1j * follower.base_radius
         if isinstance(follower, TranslatingRoller):
             start = complex(follower.offset, follower.start_height)
-        start *= cmath.rect(1.0, follower.guide_angle - 0.5 * math.pi)
-        return np.asarray(start + self.way * self.subject.motion.jet(phi, side, 1)[0])
+        return start * cmath.rect(1.0, follower.guide_angle - 0.5 * math.pi)
+
+    def place(self, phi: FloatArray, side: Side) -> ComplexArray:
+        return np.asarray(self.start + self.way * self.subject.motion.jet(phi, side, 1)[0])
 
     def per_lift(self, phi: FloatArray, side: Side) -> ComplexArray:
         return np.full(len(phi), self.way)
+
+    def shaft_and_turn(self, linkage: Linkage | None) -> tuple[complex, complex]:
+        """Place of the shaft of the crank that the follower turns [mm], and the linkage's turn.
+
+        The linkage is stated in a frame of its own; the pin is taken to be in the roller's centre,
+        and its guide to be that of the follower.
+        """
+        if linkage is None:
+            return 0.0j, 1.0 + 0.0j
+        still, one = np.zeros((2, 1)), np.array([[1.0], [0.0]])
+        pin, ahead = linkage.joints(still[0])[0], linkage.joint_rates(still[0], still, one)[0]
+        turn = complex(self.way / ahead[0, 0])
+        return self.start - turn * complex(pin[0]), turn
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,19 +139,22 @@ class _OnRocker:
 
 @dataclass(frozen=True, slots=True)
 class _OnCoupler:
-    """A point of the coupler: `share` 0 is the crank's tip, 1 the slider's pin."""
+    """A point of the coupler: `share` 0 is the crank's tip, 1 the far pin.
+
+    `shaft` is the crank's shaft seen from the cam axis [mm], `turn` the direction of the linkage's
+    own x axis in the drawing.
+    """
 
     subject: Subject
-    linkage: SliderCrank
-    pivot: complex
+    linkage: Linkage
+    shaft: complex
+    turn: complex
     share: float
 
     def place(self, phi: FloatArray, side: Side) -> ComplexArray:
         pin, tip = self.linkage.joints(self.subject.plan.jet(phi, side)[0])
-        return np.asarray(self.pivot + tip + self.share * (pin - tip))
+        return np.asarray(self.shaft + self.turn * (tip + self.share * (pin - tip)))
 
     def per_lift(self, phi: FloatArray, side: Side) -> ComplexArray:
-        stroke = self.subject.plan.jet(phi, side)[0]
-        slide = self.linkage.slider_sense * self.linkage.per_swing(stroke)[0]
-        _, tip = self.linkage.joints(stroke)
-        return np.asarray((1.0 - self.share) * 1j * tip + self.share * slide)
+        pin, tip = joints_per_lift(self.linkage, self.subject.plan.jet(phi, side)[0])
+        return np.asarray(self.turn * (tip + self.share * (pin - tip)))

@@ -8,15 +8,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from camgeo.effects.effect import driving_slider
 from camgeo.effects.inertia.spec import InertiaSpec
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
-from camgeo.mechanism.slider_crank import SliderCrank
 from camgeo.motion.motion import Side
-from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.arrays import ComplexArray, FloatArray
 
 if TYPE_CHECKING:
     from camgeo.effects.effect import Subject
+    from camgeo.mechanism.linkage_protocol import Linkage
     from camgeo.motion.motion import Motion
     from camgeo.motion.plan import MotionPlan
 
@@ -58,8 +57,8 @@ def at_follower(subject: Subject, spec: InertiaSpec) -> float:
 def train_of(subject: Subject, spec: InertiaSpec) -> Train:
     """The train of `subject` with the masses of `spec`."""
     own = at_follower(subject, spec)
-    linkage = driving_slider(subject)
-    if linkage is not None and (spec.mass or spec.coupler_mass or spec.coupler_moment):
+    linkage = subject.linkage
+    if linkage is not None and spec.beyond(linkage):
         return LinkedTrain(subject.plan, linkage, own, spec)
     return DirectTrain(subject.motion, own)
 
@@ -76,42 +75,51 @@ class DirectTrain:
         return [Rates(self.inertia, jet[1], jet[2], np.ones(len(phi)))]
 
 
+def joints_per_lift(linkage: Linkage, position: FloatArray) -> tuple[ComplexArray, ComplexArray]:
+    """dP/dq and dT/dq (n,) of the coupler's pin and tip over the follower's coordinate q."""
+    way = linkage.per_follower(position)
+    still = np.zeros_like(way)
+    pin, tip = linkage.joint_rates(
+        position, np.stack((way, still)), np.stack((np.ones_like(way), still))
+    )
+    return pin[0], tip[0]
+
+
 @dataclass(frozen=True, slots=True)
 class LinkedTrain:
-    """Rocker, slider, and coupler as a rigid body.
+    """Follower, what makes the demanded motion, and the coupler as a rigid body.
 
     With pin P, crank's tip T and D = P - T = l_4 exp(i v) the coupler turns as v' = Im(D'/D),
     v'' = Im(D''/D), since D'' = (i v'' - v'^2) D, and its centre of mass is C = T + lambda D: rigid
-    body kinematics in complex numbers. The slider goes with the stroke s, the tip as T' = i psi' T.
+    body kinematics in complex numbers.
     """
 
     plan: MotionPlan
-    linkage: SliderCrank
+    linkage: Linkage
     inertia: float
     spec: InertiaSpec
 
     def __call__(self, phi: FloatArray, side: Side) -> list[Rates]:
         linkage, spec = self.linkage, self.spec
         stroke = self.plan.jet(phi, side)
-        swing = linkage.transform(stroke, 2)
-        slide, turn = linkage.per_swing(stroke[0])
+        own = linkage.transform(stroke, 2)
         found = [
-            Rates(self.inertia, swing[1], swing[2], np.ones(len(phi))),
-            Rates(spec.mass, stroke[1], stroke[2], slide),
+            Rates(self.inertia, own[1], own[2], np.ones(len(phi))),
+            Rates(spec.far(linkage), stroke[1], stroke[2], linkage.per_follower(stroke[0])),
         ]
         pin, tip = linkage.joints(stroke[0])
-        sense = float(linkage.slider_sense)
-        rod = pin - tip
-        tip1, tip2 = 1j * swing[1] * tip, (1j * swing[2] - swing[1] ** 2) * tip
-        rod1, rod2 = sense * stroke[1] - tip1, sense * stroke[2] - tip2
-        share = spec.coupler_centre
-        centre1, centre2 = tip1 + share * rod1, tip2 + share * rod2
-        tip_per_lift = 1j * tip
-        per_lift = (1.0 - share) * tip_per_lift + share * sense * slide
+        rod, share = pin - tip, spec.coupler_centre
+        pins, tips = linkage.joint_rates(stroke[0], stroke[1:3], own[1:3])
+        rods = pins - tips
+        centres = tips + share * rods
+        pin_per_lift, tip_per_lift = joints_per_lift(linkage, stroke[0])
+        rod_per_lift = pin_per_lift - tip_per_lift
+        per_lift = tip_per_lift + share * rod_per_lift
         mass = spec.coupler_mass
-        found.append(Rates(mass, centre1.real, centre2.real, per_lift.real))
-        found.append(Rates(mass, centre1.imag, centre2.imag, per_lift.imag))
-        found.append(Rates(self.moment, (rod1 / rod).imag, (rod2 / rod).imag, turn))
+        found.append(Rates(mass, centres[0].real, centres[1].real, per_lift.real))
+        found.append(Rates(mass, centres[0].imag, centres[1].imag, per_lift.imag))
+        turns = (rods / rod).imag
+        found.append(Rates(self.moment, turns[0], turns[1], (rod_per_lift / rod).imag))
         return [each for each in found if each.inertia]
 
     @property

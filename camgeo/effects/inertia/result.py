@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from camgeo.check.finding import Finding
-from camgeo.effects.effect import Column, driving_slider
+from camgeo.effects.effect import Column
 from camgeo.effects.force import Force
 from camgeo.effects.inertia.masses import Mass, masses_of
 from camgeo.effects.inertia.rates import Train, at_follower, train_of
 from camgeo.effects.inertia.sums import inertia_force, reduced
 from camgeo.effects.inertia.told import Told, lacking
-from camgeo.errors import EffectError
+from camgeo.effects.locked import refuse_locked
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray
 
@@ -33,8 +32,7 @@ class Inertia:
     force : the generalised inertia force on the follower [N or N mm]: c2 and c3.
     train : the coordinates in which masses move.
     masses : those with a weight, and their places; 0 is left out.
-    moved : what moves with the demanded motion [t, or t mm^2 for a rocker without linkage]; 0
-        behind a linkage whose far end is no slider, whose mass is not known.
+    moved : what moves with the demanded motion [t, or t mm^2 if it turns].
     findings, columns, error : see `camgeo.effects.effect.Result`.
     """
 
@@ -75,12 +73,13 @@ def compute(request: Request) -> Inertia:
     GeometryError
         With the key, if the mechanism has no part of which the scene gives the mass.
     EffectError
-        If a slider or coupler has mass and the rocker cannot move it at some cam angle.
+        If a mass behind a linkage cannot be moved by the follower at some cam angle.
     """
     subject, spec = request.subject, request.spec
     spec.check(subject)
     train = train_of(subject, spec)
-    _refuse_locked(subject, spec)
+    if spec.beyond(subject.linkage):
+        refuse_locked(subject, "'s mass")
 
     def coefficients(phi: FloatArray, side: Side) -> FloatArray:
         return inertia_force(train, phi, side)
@@ -101,22 +100,4 @@ def compute(request: Request) -> Inertia:
 def _moved(subject: Subject, spec: InertiaSpec) -> float:
     if subject.linkage is None:
         return at_follower(subject, spec)
-    return 0.0 if driving_slider(subject) is None else spec.mass
-
-
-def _refuse_locked(subject: Subject, spec: InertiaSpec) -> None:
-    linkage = driving_slider(subject)
-    if linkage is None or not (spec.mass or spec.coupler_mass or spec.coupler_moment):
-        return
-    locked = linkage.locked_at(subject.plan)
-    if locked is not None:
-        phi, stroke = locked
-        raise EffectError(
-            "the coupler stands across the guide of the slider at cam angle"
-            f" {math.degrees(phi):.6g} deg, stroke {stroke:.6g} mm: the rocker cannot move the"
-            " slider's mass there, at whatever force; the stroke must keep clear of it",
-            finding="locked-slider",
-            value=stroke,
-            unit="mm",
-            cam_angle=phi,
-        )
+    return spec.far(subject.linkage)

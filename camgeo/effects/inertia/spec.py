@@ -6,13 +6,15 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
 
-from camgeo.effects.effect import ROLLERS_ONLY, SLIDER_ONLY, driving_slider
+from camgeo.effects.effect import ROLLERS_ONLY, driving_slider
 from camgeo.errors import GeometryError
 
 if TYPE_CHECKING:
     from camgeo.effects.effect import Subject
+    from camgeo.mechanism.linkage_protocol import Linkage
 
 OF_ROCKER: Final = ("moment_of_inertia", "rocker_mass", "rocker_centre")
+TURNING_ONLY: Final = "is for the lever of a four-bar, or for a crank that a slider turns"
 OF_COUPLER: Final = ("coupler_mass", "coupler_centre", "coupler_moment")
 
 
@@ -31,6 +33,7 @@ class InertiaSpec:
     coupler_mass : of the coupler of a linkage.
     coupler_centre : of its mass on the line of its joints, 0 at the crank's tip, 1 at the pin.
     coupler_moment : about its centre of mass; None: of a slender rod.
+    output_moment : about its shaft, of the lever of a four-bar or of a crank that a slider turns.
     """
 
     given: frozenset[str] = frozenset()
@@ -42,6 +45,17 @@ class InertiaSpec:
     coupler_mass: float = 0.0
     coupler_centre: float = 0.5
     coupler_moment: float | None = None
+    output_moment: float = 0.0
+
+    def far(self, linkage: Linkage) -> float:
+        """What makes the demanded motion behind a linkage: [t], or [t mm^2] if it turns."""
+        return self.mass if linkage.member == "slider" else self.output_moment
+
+    def beyond(self, linkage: Linkage | None) -> bool:
+        """Whether anything behind the linkage has a mass."""
+        if linkage is None:
+            return False
+        return bool(self.far(linkage) or self.coupler_mass or self.coupler_moment)
 
     def check(self, subject: Subject) -> None:
         """Raise GeometryError, with the key of the scene, if the mechanism has no such mass."""
@@ -57,8 +71,8 @@ class InertiaSpec:
             refused.append((("roller_mass",), ROLLERS_ONLY))
         if subject.linkage is None:
             refused.append((OF_COUPLER, "there is no coupler without [linkage]"))
-        elif not slides:
-            refused.append((OF_COUPLER, SLIDER_ONLY))
+        if subject.linkage is None or slides:
+            refused.append((("output_moment",), TURNING_ONLY))
         for keys, message in refused:
             for key in keys:
                 if key in self.given:

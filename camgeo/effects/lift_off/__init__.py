@@ -1,6 +1,7 @@
 """Effect `lift-off`: where the follower leaves its flank, from which speed on, and what keeps it.
 
-In a groove: which flank carries, where they change, and the impact at the end of the clearance.
+In a groove, or between two discs: which side carries, where they change, and the impact at the end
+of the clearance.
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 from camgeo.check.finding import Finding
+from camgeo.effects.carrier import holds_both_ways
 from camgeo.effects.effect import Column, Effect, Request
 from camgeo.effects.lift_off.inputs import Contact, Flank, Inertia, Spring
 from camgeo.effects.lift_off.of_flank import OfFlank, of_flank
@@ -26,7 +28,8 @@ class Spec:
     Attributes
     ----------
     margin : contact force that has to remain [N].
-    backlash : clearance of the roller in a groove [mm]; None if it is the scene's side clearance.
+    backlash : clearance of the roller in a groove, or between two discs the play of the roller that
+        comes to carry, along its normal [mm]; None if it is the scene's side clearance.
     """
 
     margin: float = 0.0
@@ -42,7 +45,7 @@ class LiftOff:
     findings, columns, error : see `camgeo.effects.effect.Result`; the error is that of the impact
         speeds.
     flank : for a roller on one flank, else None.
-    groove : for a roller in a groove, else None.
+    groove : for a roller in a groove, or for a conjugate pair, else None.
     """
 
     findings: tuple[Finding, ...]
@@ -72,10 +75,11 @@ def compute(request: Request) -> LiftOff:
     subject, spec = request.subject, request.spec
     contact: Contact = request.results["contact-force"]
     inertia: Inertia | None = request.results.get("inertia")
-    if subject.contact == "groove":
+    if holds_both_ways(subject):
         if spec.margin > 0.0:
             raise GeometryError(
-                "a margin is for a roller on one flank; in a groove the force changes its sign",
+                "a margin is for a roller on one flank; in a groove, or between two discs, the"
+                " force changes its sign",
                 key=f"effects.{NAME}.margin",
                 value=f"{spec.margin:g}",
             )
@@ -84,7 +88,7 @@ def compute(request: Request) -> LiftOff:
         return LiftOff(groove.findings, groove=groove, error=groove.error)
     if spec.backlash is not None:
         raise GeometryError(
-            'a backlash is for a roller in a groove, contact = "groove"',
+            'a backlash is for a roller in a groove, contact = "groove", or between two discs',
             key=f"effects.{NAME}.backlash",
             value=f"{spec.backlash:g}",
         )

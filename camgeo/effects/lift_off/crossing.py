@@ -7,7 +7,8 @@ backlash is small, R and M are taken at the prescribed motion, and the gap at th
 left is |dn/dq d|, dn/dq the leverage of the normal: Newton's law, to first order in the backlash
 (form-closed cams with clearance: Norton, Cam Design and Manufacturing Handbook, on crossover
 shock; Volmer, Kurvengetriebe). Where R passes 0 steadily, d grows as R' t^3 / (6 M). The impact
-speed is the rate of the gap when the gap is the backlash.
+speed is the rate of the gap when the gap is the backlash. Between two discs the gap is counted
+along the normal of the disc that is to carry, and the backlash is the play of its roller.
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ from typing import Final
 
 import numpy as np
 
+from camgeo.effects.carrier import leverage_of
 from camgeo.effects.force import at_rates
 from camgeo.effects.lift_off.flanks import Change
 from camgeo.effects.lift_off.inputs import Flank, Inertia
@@ -142,7 +144,8 @@ def _flight(
         angles = 0.5 * (low + high) + 0.5 * (high - low) * x
         phi = np.mod(angles, TURN)
         rates = course.rates(phi)
-        lever = flank.subject.pitch_curve.leverage(phi, "right")
+        # n of the side that is to carry next counts towards it; of a groove it is the other's gap.
+        lever = -leverage_of(flank.subject, phi, "right", -change.sense)
         needed = at_rates(flank.contact.required(phi, "right"), rates)
         push = -needed / inertia.to_follower(phi, "right")
 
@@ -151,14 +154,25 @@ def _flight(
 
         rate = integral(push / rates[0], velocity, (low, high))
         path = integral(rate(angles) / rates[0], way, (low, high))
-        gap = Polynomial(fit @ (change.sense * lever * path(angles)), (low, high))
+        gap = Polynomial(fit @ (lever * path(angles)), (low, high))
         end = _first(gap, low, high, backlash)
         if end is not None:
             angle, crossed = end
             omega = float(course.rates(np.array([angle % TURN]))[0, 0])
-            return angle, float(gap.deriv()(angle)) * omega, crossed
+            speed = float(gap.deriv()(angle)) * omega
+            return angle, speed if crossed else speed * _share(flank, change, angle), crossed
         velocity, way = float(rate(high)), float(path(high))
     return None
+
+
+def _share(flank: Flank, change: Change, angle: float) -> float:
+    """Way along the normal of the side that was left, by that of the one to come; 1 in a groove."""
+    here = np.array([angle % TURN])
+    left, met = (
+        float(leverage_of(flank.subject, here, "right", sense)[0])
+        for sense in (change.sense, -change.sense)
+    )
+    return -left / met
 
 
 def _first(

@@ -1,4 +1,4 @@
-"""A roller in a groove: where the flank that carries changes, and the impact after it."""
+"""A follower held both ways: where the flank or disc that carries changes, the impact after it."""
 
 from __future__ import annotations
 
@@ -9,10 +9,11 @@ from typing import Final
 import numpy as np
 
 from camgeo.check.finding import Finding
+from camgeo.effects.carrier import sides_of
 from camgeo.effects.effect import Subject
 from camgeo.effects.lift_off.crossing import Impact, impact_after
 from camgeo.effects.lift_off.flanks import Change, flank_changes
-from camgeo.effects.lift_off.inputs import FLANKS, Contact, Flank, Inertia
+from camgeo.effects.lift_off.inputs import Contact, Flank, Inertia
 from camgeo.motion.joints import breaks
 from camgeo.numeric.peaks import piecewise_extremes
 from camgeo.units import TURN
@@ -23,12 +24,12 @@ LISTED: Final = 12
 
 @dataclass(frozen=True, slots=True)
 class OfGroove:
-    """What is found of a roller in a groove.
+    """What is found of a roller in a groove, or of a follower between two discs.
 
     Attributes
     ----------
     findings : see `camgeo.effects.effect.Result`.
-    first : flank that carries at first in the turn, +1 inner, -1 outer, 0 if none ever does.
+    first : side that carries at first in the turn, +1 inner, -1 outer or return, 0 if none does.
     changes : from one flank to the other.
     impacts : after each of them, None for one that does not come; empty if not asked for.
     error : estimate of the largest error of the impact speeds, as a share of the largest.
@@ -48,13 +49,14 @@ def of_groove(
     backlash: float,
     tolerance: float,
 ) -> OfGroove:
-    """All that is found of the groove; impact speeds to `tolerance`, as a share of them."""
+    """All that is found of groove or pair; impact speeds to `tolerance`, as a share of them."""
+    told = _Told.of(subject)
     first, changes = flank_changes(contact)
-    found = [_change(change) for change in changes[:LISTED]]
+    found = [told.change(change) for change in changes[:LISTED]]
     if len(changes) > LISTED:
-        found.append(_more(len(changes)))
+        found.append(told.more(len(changes)))
     if not changes:
-        found.append(_steady(first))
+        found.append(told.steady(first))
     impacts: tuple[Impact | None, ...] = ()
     if changes and backlash > 0.0:
         why = _why_not(subject, contact, inertia)
@@ -66,7 +68,7 @@ def of_groove(
                 impact_after(change, flank, inertia, contact.edges, backlash, tolerance)
                 for change in changes
             )
-            found += _impacts(changes, impacts, backlash)
+            found += told.impacts(changes, impacts, backlash)
     hits = [impact for impact in impacts if impact is not None]
     error = None
     if hits:
@@ -92,89 +94,108 @@ def _degrees(angle: float) -> str:
     return f"{math.degrees(angle % TURN):.4f} deg"
 
 
-def _change(change: Change) -> Finding:
-    free = change.leaving != change.carrying
-    until = f", with no force on either up to {_degrees(change.carrying)}" if free else ""
-    return Finding(
-        name="flank-change",
-        severity="ok",
-        sentence=(
-            f"at cam angle {_degrees(change.leaving)} the roller goes from the"
-            f" {FLANKS[change.sense]} to the {FLANKS[-change.sense]} flank{until}"
-        ),
-        cam_angle=change.leaving,
-        cam_range=(change.leaving, change.carrying) if free else None,
-    )
-
-
-def _more(count: int) -> Finding:
-    return Finding(
-        name="flank-change",
-        severity="ok",
-        sentence=f"the roller goes from one flank to the other {count} times a turn",
-        value=float(count),
-    )
-
-
-def _steady(first: int) -> Finding:
-    return Finding(
-        name="flank-change",
-        severity="ok",
-        sentence=(
-            f"the {FLANKS[first]} flank carries all the turn"
-            if first
-            else "there is no force on either flank"
-        ),
-        value=0.0,
-    )
-
-
 def _untold(why: str) -> Finding:
     return Finding(
         name="impact-speed", severity="warning", sentence=f"no impact speed is told: {why}"
     )
 
 
-def _impacts(
-    changes: tuple[Change, ...], impacts: tuple[Impact | None, ...], backlash: float
-) -> list[Finding]:
-    """The impact after each change, and the fastest."""
-    found = []
-    for change, impact in list(zip(changes, impacts, strict=True))[:LISTED]:
-        left = f"after it leaves the {FLANKS[change.sense]} flank at {_degrees(change.leaving)}"
-        if impact is None:
-            sentence = f"{left} the roller meets neither flank within a turn"
-        else:
-            met = FLANKS[-change.sense if impact.crossed else change.sense]
-            back = "" if impact.crossed else " again, for it has not crossed the clearance"
-            sentence = (
-                f"{left} the roller meets the {met} flank{back} at"
-                f" {_degrees(impact.cam_angle)} with {impact.speed:.6g} mm/s"
-            )
-        found.append(
-            Finding(
-                name="impact-speed",
-                severity="ok" if impact is not None else "warning",
-                sentence=sentence,
-                value=None if impact is None else impact.speed,
-                unit="mm/s",
-                cam_angle=None if impact is None else impact.cam_angle,
-            )
+@dataclass(frozen=True, slots=True)
+class _Told:
+    """How what is found is told.
+
+    Attributes
+    ----------
+    who : goes from one side to the other: "roller" or "follower".
+    names : of the sides.
+    noun : what they are: "flank" or "disc".
+    """
+
+    who: str
+    names: dict[int, str]
+    noun: str
+
+    @classmethod
+    def of(cls, subject: Subject) -> _Told:
+        """Of a groove or of a conjugate pair."""
+        return cls("roller" if subject.returning is None else "follower", *sides_of(subject))
+
+    def change(self, change: Change) -> Finding:
+        free = change.leaving != change.carrying
+        until = f", with no force on either up to {_degrees(change.carrying)}" if free else ""
+        return Finding(
+            name="flank-change",
+            severity="ok",
+            sentence=(
+                f"at cam angle {_degrees(change.leaving)} the {self.who} goes from the"
+                f" {self.names[change.sense]} to the {self.names[-change.sense]} {self.noun}{until}"
+            ),
+            cam_angle=change.leaving,
+            cam_range=(change.leaving, change.carrying) if free else None,
         )
-    hits = [impact for impact in impacts if impact is not None]
-    if hits:
-        fastest = hits[int(np.argmax([each.speed for each in hits]))]
-        found.append(
-            Finding(
-                name="largest-impact-speed",
-                severity="warning",
-                sentence=(
-                    f"the roller crosses its clearance of {backlash:g} mm and meets the flank with"
-                    f" up to {fastest.speed:.6g} mm/s, at cam angle {_degrees(fastest.cam_angle)}"
-                ),
-                value=fastest.speed,
-                unit="mm/s",
-                cam_angle=fastest.cam_angle,
-            )
+
+    def more(self, count: int) -> Finding:
+        return Finding(
+            name="flank-change",
+            severity="ok",
+            sentence=f"the {self.who} goes from one {self.noun} to the other {count} times a turn",
+            value=float(count),
         )
-    return found
+
+    def steady(self, first: int) -> Finding:
+        return Finding(
+            name="flank-change",
+            severity="ok",
+            sentence=(
+                f"the {self.names[first]} {self.noun} carries all the turn"
+                if first
+                else f"there is no force on either {self.noun}"
+            ),
+            value=0.0,
+        )
+
+    def impacts(
+        self, changes: tuple[Change, ...], impacts: tuple[Impact | None, ...], backlash: float
+    ) -> list[Finding]:
+        """The impact after each change, and the fastest."""
+        found = []
+        for change, impact in list(zip(changes, impacts, strict=True))[:LISTED]:
+            left = f"after it leaves the {self.names[change.sense]} {self.noun}"
+            left += f" at {_degrees(change.leaving)}"
+            if impact is None:
+                sentence = f"{left} the {self.who} meets neither {self.noun} within a turn"
+            else:
+                met = self.names[-change.sense if impact.crossed else change.sense]
+                back = "" if impact.crossed else " again, for it has not crossed the clearance"
+                sentence = (
+                    f"{left} the {self.who} meets the {met} {self.noun}{back} at"
+                    f" {_degrees(impact.cam_angle)} with {impact.speed:.6g} mm/s"
+                )
+            found.append(
+                Finding(
+                    name="impact-speed",
+                    severity="ok" if impact is not None else "warning",
+                    sentence=sentence,
+                    value=None if impact is None else impact.speed,
+                    unit="mm/s",
+                    cam_angle=None if impact is None else impact.cam_angle,
+                )
+            )
+        hits = [impact for impact in impacts if impact is not None]
+        if hits:
+            fastest = hits[int(np.argmax([each.speed for each in hits]))]
+            found.append(
+                Finding(
+                    name="largest-impact-speed",
+                    severity="warning",
+                    sentence=(
+                        f"the {self.who} crosses its clearance of {backlash:g} mm and meets the"
+                        f" {self.noun} with up to {fastest.speed:.6g} mm/s,"
+                        f" at cam angle {_degrees(fastest.cam_angle)}"
+                    ),
+                    value=fastest.speed,
+                    unit="mm/s",
+                    cam_angle=fastest.cam_angle,
+                )
+            )
+        return found

@@ -2,7 +2,8 @@
 
 The load F acts against a positive demanded motion s, so that its generalised force on the follower
 is Q = -F ds/dq by virtual work: -F where the follower makes the demanded motion itself. A positive
-load on a rocker without linkage is a torque against its positive swing.
+load on what turns, a rocker without linkage, or the lever or crank at the far end of one, is a
+torque against its positive angle.
 """
 
 from __future__ import annotations

@@ -4,30 +4,20 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import numpy as np
 
 from camgeo.check.finding import Finding
-from camgeo.effects.effect import (
-    SLIDER_ONLY,
-    Column,
-    Request,
-    Subject,
-    demand_unit,
-    driving_slider,
-)
+from camgeo.effects.effect import Column, Request, Subject, demand_unit
 from camgeo.effects.force import Force
 from camgeo.effects.load.course import Constant
-from camgeo.errors import EffectError, GeometryError
+from camgeo.effects.locked import refuse_locked
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray, merged
 from camgeo.numeric.extremes import Extreme
 from camgeo.numeric.peaks import piecewise_extremes
 from camgeo.units import TURN
-
-if TYPE_CHECKING:
-    from camgeo.mechanism.slider_crank import SliderCrank
 
 N_MM: Final = 1e3
 """N mm a N m."""
@@ -56,23 +46,21 @@ def compute(request: Request) -> Load:
     Raises
     ------
     GeometryError
-        With the key, see `LoadSpec.course`, or if the far end of the linkage is no slider.
+        With the key, see `LoadSpec.course`.
     EffectError
-        If the load acts on the slider of a linkage that the rocker cannot move at some cam angle.
+        If the load acts on the far end of a linkage that the follower cannot move at some cam
+        angle.
     """
     subject = request.subject
-    slider = driving_slider(subject)
-    if subject.linkage is not None and slider is None:
-        raise GeometryError(SLIDER_ONLY, key="effects.load")
     is_torque = demand_unit(subject) == "rad"
     unit = "N m" if is_torque else "N"
     course = request.spec.course(subject.plan, unit)
     scale = N_MM if is_torque else 1.0
-    _refuse_locked(subject, slider)
+    refuse_locked(subject, " against its load")
 
     def coefficients(phi: FloatArray, side: Side) -> FloatArray:
         out = np.zeros((4, len(phi)))
-        out[0] = -scale * course.values(phi, side) * _slide(subject, slider, phi, side)
+        out[0] = -scale * course.values(phi, side) * _way(subject, phi, side)
         return out
 
     def work(phi: FloatArray, side: Side) -> FloatArray:
@@ -93,27 +81,11 @@ def compute(request: Request) -> Load:
     )
 
 
-def _slide(subject: Subject, slider: SliderCrank | None, phi: FloatArray, side: Side) -> FloatArray:
+def _way(subject: Subject, phi: FloatArray, side: Side) -> FloatArray:
     """ds/dq (n,): way of the demanded motion a unit of the follower's."""
-    if slider is None:
+    if subject.linkage is None:
         return np.ones(len(phi))
-    slide: FloatArray = slider.per_swing(subject.plan.jet(phi, side)[0])[0]
-    return slide
-
-
-def _refuse_locked(subject: Subject, slider: SliderCrank | None) -> None:
-    locked = None if slider is None else slider.locked_at(subject.plan)
-    if locked is not None:
-        phi, stroke = locked
-        raise EffectError(
-            "the coupler stands across the guide of the slider at cam angle"
-            f" {math.degrees(phi):.6g} deg, stroke {stroke:.6g} mm: the rocker cannot move the"
-            " slider against its load there, at whatever force; the stroke must keep clear of it",
-            finding="locked-slider",
-            value=stroke,
-            unit="mm",
-            cam_angle=phi,
-        )
+    return subject.linkage.per_follower(subject.plan.jet(phi, side)[0])
 
 
 def _extreme(which: str, end: Extreme, unit: str) -> Finding:

@@ -15,6 +15,7 @@ from typing import Any, Final, Protocol
 import numpy as np
 
 from camgeo.check.finding import Finding
+from camgeo.effects.carrier import holds_both_ways
 from camgeo.effects.effect import Column, Effect, Request, Subject, toucher
 from camgeo.effects.force import Force, all_borders
 from camgeo.effects.speed_fluctuation.findings import Balance, findings, loss_of_contact
@@ -174,7 +175,7 @@ def _result(
     balance = Balance(work, work - shaft.inertia * TURN * turn.mean(turn.rates), turn.period)
     mean = TURN / balance.period
     found = findings(speeds, piecewise_extremes(motor, edges), balance, turn.slope, spec.limit)
-    if subject.contact != "groove":
+    if not holds_both_ways(subject):
         found += loss_of_contact(piecewise_extremes(pressing, edges), toucher(subject))
     return SpeedFluctuation(
         turn=turn,

@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from camgeo.errors import GeometryError
+from camgeo.mechanism.locking import locked_at
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray
 from camgeo.numeric.peaks import piecewise_extremes
@@ -170,7 +171,7 @@ def along_slider(subject: Subject, linkage: SliderCrank) -> AlongSlider:
         all round: where the coupler stands across the guide, or the arm on the line of centres.
     """
     plan = subject.plan
-    locked = linkage.locked_at(plan)
+    locked = locked_at(linkage, plan)
     if locked is not None:
         raise GeometryError(
             "the slider cannot close the contact all round: at cam angle"

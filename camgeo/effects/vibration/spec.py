@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Protocol
 
-from camgeo.effects.effect import SLIDER_ONLY, Request, Subject, demand_unit, driving_slider
+from camgeo.effects.effect import Request, Subject, demand_unit
 from camgeo.errors import GeometryError
 from camgeo.numeric.oscillator.train import Second, Train, one_mass, two_masses
 
@@ -120,12 +120,12 @@ def train_of(request: Request) -> Train | None:
                 "is missing: with a stiffness the natural frequency needs the masses",
                 key="effects.inertia",
             )
-        if request.subject.linkage is not None and driving_slider(request.subject) is None:
-            key = "stiffness" if spec.stiffness is not None else "torsional_stiffness"
+        linkage = request.subject.linkage
+        if inertia.moved == 0.0 and linkage is not None and linkage.member != "slider":
             raise GeometryError(
-                f"{SLIDER_ONLY}: what this linkage moves has no mass in [effects.inertia]; give"
-                " natural_frequency",
-                key=f"{TABLE}.{key}",
+                "is missing: with a stiffness the natural frequency needs the moment of inertia at"
+                " the far end of the linkage; or give natural_frequency",
+                key="effects.inertia.output_moment",
             )
         if inertia.moved == 0.0:
             return None

@@ -1,0 +1,114 @@
+"""What the contact force amounts to, in words and numbers."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Final, Protocol
+
+import numpy as np
+
+from camgeo.check.finding import Finding
+from camgeo.effects.carrier import INNER, OUTER, holds_both_ways, sides_of
+from camgeo.effects.effect import Request, Subject, toucher
+from camgeo.motion.joints import breaks
+from camgeo.motion.motion import Side
+from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.extremes import Extreme, Extremes
+from camgeo.units import TURN
+
+SHOCK: Final = 0
+"""Order up to which the motion is continuous where its velocity jumps."""
+
+
+class _Inertia(Protocol):
+    to_follower: Callable[[FloatArray, Side], FloatArray]
+
+
+def force_findings(extremes: Extremes, subject: Subject, limit: float | None) -> list[Finding]:
+    """Largest and smallest force of the flank that has to carry, or the largest of each side.
+
+    That is of each flank of a groove, or of each disc of a conjugate pair.
+    """
+    names, noun = sides_of(subject)
+    low, high = extremes.lowest, extremes.highest
+    mirrored = Extreme(-low.value, low.place)
+    if not holds_both_ways(subject):
+        inner = subject.contact == "inner"
+        where = f"the {subject.contact} flank"
+        smallest = low if inner else Extreme(-high.value, high.place)
+        largest = _largest(high if inner else mirrored, where, limit)
+        return [largest, _smallest(smallest, where, toucher(subject))]
+    both = sorted(((high, INNER), (mirrored, OUTER)), key=lambda each: -each[0].value)
+    found = [_largest(both[0][0], f"the {names[both[0][1]]} {noun}", limit)]
+    for extreme, sense in both:
+        if extreme.value > 0.0:
+            found.append(_on_side(extreme, names[sense], noun))
+    return found
+
+
+def _largest(extreme: Extreme, where: str, limit: float | None) -> Finding:
+    broken = limit is not None and extreme.value > limit
+    held = "" if limit is None else f", {'above' if broken else 'at most'} {limit:g} N"
+    return Finding(
+        name="largest-contact-force",
+        severity="broken" if broken else "ok",
+        sentence=f"largest contact force {_told(extreme, where)}{held}",
+        value=extreme.value,
+        limit=limit,
+        unit="N",
+        cam_angle=extreme.place % TURN,
+    )
+
+
+def _smallest(extreme: Extreme, where: str, what: str) -> Finding:
+    lost = extreme.value < 0.0
+    tail = f": the {what} is not held to its flank there" if lost else ""
+    return Finding(
+        name="smallest-contact-force",
+        severity="warning" if lost else "ok",
+        sentence=f"smallest contact force {_told(extreme, where)}{tail}",
+        value=extreme.value,
+        unit="N",
+        cam_angle=extreme.place % TURN,
+    )
+
+
+def _on_side(extreme: Extreme, name: str, noun: str) -> Finding:
+    return Finding(
+        name=f"largest-contact-force-{name}",
+        severity="ok",
+        sentence=f"largest contact force {_told(extreme, f'the {name} {noun}')}",
+        value=extreme.value,
+        unit="N",
+        cam_angle=extreme.place % TURN,
+    )
+
+
+def _told(extreme: Extreme, where: str) -> str:
+    angle = math.degrees(extreme.place % TURN)
+    return f"on {where} {extreme.value:.6g} N at cam angle {angle:.4f} deg"
+
+
+def shock_findings(request: Request) -> list[Finding]:
+    """Where the velocity jumps: with a mass the force is infinite there, and not in the values."""
+    inertia: _Inertia | None = request.results.get("inertia")
+    if inertia is None:
+        return []
+    found = []
+    for joint in breaks(request.subject.plan):
+        angle = joint.cam_angle
+        if joint.order >= SHOCK + 1 or not inertia.to_follower(np.array([angle]), "right")[0] > 0.0:
+            continue
+        found.append(
+            Finding(
+                name="shock",
+                severity="broken",
+                sentence=(
+                    f"the velocity jumps at cam angle {math.degrees(angle):.4f} deg: the contact"
+                    " force of the masses is infinite for a moment, which is in none of the values"
+                ),
+                cam_angle=angle,
+            )
+        )
+    return found

@@ -1,0 +1,271 @@
+"""Effects of conjugate pairs: the force of either disc, against Newton's law and energies.
+
+Contact normals and ways of the rollers come from differences of places, forces of the lever from
+its moment of inertia alone.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any, Final
+
+import numpy as np
+import pytest
+
+from camgeo.design import Design
+from camgeo.errors import EffectError, GeometryError, SceneError
+from camgeo.mechanism.kinds import require_roller
+from camgeo.mechanism.oscillating_roller import OscillatingRoller
+from camgeo.motion.motion import Side
+from camgeo.numeric.arrays import FloatArray
+from camgeo.units import TURN
+from tests.effects.scenes import design
+from tests.effects.test_physics import (
+    DIFFERENCE,
+    PIVOT,
+    ROLLER,
+    ROUNDING,
+    Bodies,
+    along,
+    friction,
+    inside,
+    lift,
+    omega,
+    slope,
+)
+
+RIGHT: Final[Side] = "right"
+
+MOMENT: Final = 14.0
+MASS: Final = 1.6e-3
+ROLLING: Final = 0.1e-3
+LOAD: Final = {"conjugate_lever": 2.0e3, "conjugate_carriage": 60.0}
+"""In N mm, and in N."""
+
+OWN: Final = {
+    "conjugate_lever": f"moment_of_inertia = {1e-3 * MOMENT}",
+    "conjugate_carriage": f"mass = {1e3 * MASS}",
+}
+
+TELLING: Final = """
+[effects.contact-force]
+[effects.lift-off]
+[effects.drive-torque]
+"""
+
+
+def forces(scene: str, load: float) -> str:
+    scale = 1e-3 if scene == "conjugate_lever" else 1.0
+    inertia = f"[effects.inertia]\n{OWN[scene]}\nroller_mass = {1e3 * ROLLING}\n"
+    return f"{inertia}[effects.load]\nconstant = {scale * load!r}\n"
+
+
+def inertia_of(made: Design) -> float:
+    follower = require_roller(made.follower)
+    if isinstance(follower, OscillatingRoller):
+        return MOMENT + ROLLING * follower.arm**2
+    return MASS + ROLLING
+
+
+def both(made: Design, phi: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """The force of main and return disc, as the tables have them."""
+    names = [column.name for column in made.effect("contact-force").columns]
+    assert names == ["main contact force", "return contact force"]
+    main, back = (column.values(phi, RIGHT) for column in made.effect("contact-force").columns)
+    return main, back
+
+
+def ways(made: Design, phi: FloatArray) -> list[FloatArray]:
+    """Way of either roller along its outward normal a unit of q, by vectors."""
+    assert made.returning is not None
+    found = []
+    for each in (made, made.returning):
+        body = Bodies(each, phi, np.ones(len(phi)))
+        follower = require_roller(each.follower)
+        if isinstance(follower, OscillatingRoller):
+            # q counts as the main roller's swing does, away from the axis or towards it.
+            way = 1j * swing_of(made, phi) * (body.centre(phi) - follower.pivot)
+        else:
+            main = Bodies(made, phi, phi)
+            start = main.centre(np.zeros(1))
+            far = math.radians(95.0)
+            path = main.centre(np.array([far])) - start
+            way = path / (lift(made, np.array([far])) - lift(made, np.zeros(1)))
+        found.append(along(body.outward, way))
+    return found
+
+
+def swing_of(made: Design, phi: FloatArray) -> float:
+    """+1 where a growing q turns the lever counter-clockwise, by two places of its roller."""
+    follower = require_roller(made.follower)
+    assert isinstance(follower, OscillatingRoller)
+    at = np.array([0.0, math.radians(95.0)])
+    first, last = Bodies(made, at, at).centre(at) - follower.pivot
+    q = lift(made, at)
+    return float(np.sign(np.angle(last / first) * (q[1] - q[0])))
+
+
+@pytest.mark.parametrize("scene", OWN)
+@pytest.mark.parametrize("load", [-2.5, 0.0, 0.7])
+@pytest.mark.parametrize("rev", [40.0, 430.0])
+def test_one_disc_pushes_and_both_together_do_the_work(scene: str, load: float, rev: float) -> None:
+    """N_1 dn_1/dq + N_2 dn_2/dq = J d^2q/dt^2 + load, neither pulls, one of them is at rest."""
+    asked = load * LOAD[scene]
+    now = {"conjugate_lever": 240, "conjugate_carriage": 120}[scene]
+    change = (f"speed = {now}\n", f"speed = {rev!r}\n")
+    made = design(scene, forces(scene, asked) + TELLING, change)
+    phi = inside(made)
+    main, back = both(made, phi)
+    assert np.all(main >= 0.0)
+    assert np.all(back >= 0.0)
+    assert np.all((main == 0.0) | (back == 0.0))
+    first, second = ways(made, phi)
+    assert np.all(first * second < 0.0)
+    bent = slope(lambda x: slope(lambda y: lift(made, y), x), phi)
+    expected = inertia_of(made) * omega(made) ** 2 * bent + asked
+    scale = np.max(np.abs(expected)) + inertia_of(made) * omega(made) ** 2 * np.max(np.abs(bent))
+    assert np.max(np.abs(main * first + back * second - expected)) <= 2.0 * DIFFERENCE * scale
+    if load == 0.0 or inertia_of(made) * omega(made) ** 2 * np.max(np.abs(bent)) > 2.0 * abs(asked):
+        assert np.max(main) > 0.0
+        assert np.max(back) > 0.0
+
+
+def test_with_friction_the_drive_gives_what_is_stored_done_and_lost() -> None:
+    table = {**ROLLER, **PIVOT}
+    scene = "conjugate_lever"
+    made = design(scene, forces(scene, LOAD[scene]) + friction(table) + TELLING)
+    phi, speed = inside(made), omega(made)
+    main, back = both(made, phi)
+    assert made.returning is not None
+    losses = np.zeros(len(phi))
+    for disc, force in ((made, main), (made.returning, back)):
+        carries = force > 0.0
+        assert np.any(carries)
+        losses[carries] += Bodies(disc, phi[carries], force[carries]).losses(table)
+    velocity = slope(lambda x: lift(made, x), phi)
+    losses += 1e3 * table["pivot_viscous"] * speed * velocity**2
+
+    def energy(x: FloatArray) -> FloatArray:
+        of_lift = slope(lambda y: lift(made, y), x)
+        return np.asarray(
+            0.5 * inertia_of(made) * (speed * of_lift) ** 2 + LOAD[scene] * lift(made, x)
+        )
+
+    torque = made.effect("drive-torque").torque(phi, RIGHT)
+    scale = np.max(np.abs(torque)) + np.ptp(energy(phi))
+    assert np.max(np.abs(torque - slope(energy, phi) - losses)) <= DIFFERENCE * scale
+    assert np.max(losses) > 0.01 * np.max(np.abs(torque))
+
+
+def test_each_disc_has_the_pressure_of_its_own_roller_and_flank() -> None:
+    """p = sqrt(F E / (pi L R)), with the curvature of the flank by differences.
+
+    Johnson, Contact Mechanics, section 4.2, eq. (4.45): line contact of cylinders.
+    """
+    scene = "conjugate_lever"
+    contact = "[effects.contact-pressure]\nwidth = 6\ncam_modulus = 210000\ncam_poisson = 0.3\n"
+    contact += "roller_modulus = 100000\nroller_poisson = 0.25\n"
+    made = design(scene, forces(scene, LOAD[scene]) + TELLING + contact)
+    phi = inside(made)
+    modulus = 1.0 / ((1.0 - 0.3**2) / 210000.0 + (1.0 - 0.25**2) / 100000.0)
+    columns = {each.name: each for each in made.effect("contact-pressure").columns}
+    assert made.returning is not None
+    discs = ((made, "main"), (made.returning, "return"))
+    for (disc, name), force in zip(discs, both(made, phi), strict=True):
+
+        def point(x: FloatArray, disc: Design = disc) -> Any:
+            return disc.inner_curve.point(x)
+
+        first = slope(point, phi)
+        second = slope(lambda x, point=point: slope(point, x), phi)
+        bend = -disc.rotation * np.imag(np.conj(first) * second) / np.abs(first) ** 3
+        relative = 1.0 / disc.follower.roller_radius + bend
+        expected = np.sqrt(force * modulus * relative / (math.pi * 6.0))
+        found = columns[f"{name} contact pressure"].values(phi, RIGHT)
+        # A second difference of places of the size of the cam: 1e-16 * 100 mm / 4e-6 by the radius.
+        assert np.max(np.abs(found - expected)) <= 1e-8 * np.max(expected)
+        assert np.max(found) > 0.0
+
+
+def test_the_follower_crosses_its_play_as_a_free_body() -> None:
+    """M d'' = -R from the change on, by sums over short steps, until the next disc is met."""
+    scene, play = "conjugate_lever", 0.04
+    effects = forces(scene, LOAD[scene]) + TELLING
+    effects = effects.replace("[effects.lift-off]", f"[effects.lift-off]\nbacklash = {play}")
+    made = design(scene, effects)
+    groove = made.effect("lift-off").groove
+    assert groove is not None
+    assert len(groove.changes) == len(groove.impacts) >= 2
+    assert not [each for each in made.effect("lift-off").findings if each.severity == "broken"]
+    senses = {change.sense for change in groove.changes}
+    assert senses == {1, -1}
+    speed = omega(made)
+    for change, impact in zip(groove.changes, groove.impacts, strict=True):
+        main, back = both(made, np.array([change.leaving]))
+        largest = max(map(np.max, both(made, inside(made))))
+        assert max(main[0], back[0]) <= ROUNDING * largest * 1e3
+        assert impact is not None
+        assert impact.crossed
+        phi = np.linspace(change.leaving, change.leaving + impact.duration, 20001)
+        required = inertia_of(made) * speed**2 * made.motion.jet(phi)[2] + LOAD[scene]
+        h = np.diff(phi) / speed
+        free = -required / inertia_of(made)
+        rate = np.concatenate(([0.0], np.cumsum(0.5 * h * (free[1:] + free[:-1]))))
+        way = np.concatenate(([0.0], np.cumsum(0.5 * h * (rate[1:] + rate[:-1]))))
+        met = ways(made, phi[[-3, -2, -1]])[1 if change.sense > 0 else 0] * way[-3:]
+        # The roller that comes to carry has crossed the play, towards its disc.
+        assert met[-1] == pytest.approx(-play, rel=1e-5)
+        closing = -(3.0 * met[-1] - 4.0 * met[-2] + met[-3]) / (2.0 * h[-1])
+        assert impact.speed == pytest.approx(closing, rel=1e-4)
+
+
+def test_discs_that_push_in_one_sense_carry_nothing_the_other_way() -> None:
+    scene = "conjugate_lever"
+    made = design(scene, forces(scene, 100.0) + TELLING, ("arm_angle = 84", "arm_angle = 8"))
+    assert "form-closure" in [each.name for each in made.findings if each.severity == "broken"]
+    with pytest.raises(EffectError) as caught:
+        made.effect("contact-force")
+    assert caught.value.finding == "jamming"
+
+
+def test_a_limit_holds_either_disc() -> None:
+    scene = "conjugate_lever"
+    free = design(scene, forces(scene, 0.0) + TELLING)
+    found = {each.name: each for each in free.effect("contact-force").findings}
+    most = found["largest-contact-force"].value
+    main, back = (found[f"largest-contact-force-{name}"].value for name in ("main", "return"))
+    assert most is not None
+    assert main is not None
+    assert back is not None
+    assert most == max(main, back) > min(main, back) > 0.0
+    text = forces(scene, 0.0) + f"[effects.contact-force]\nlimit = {0.99 * most!r}\n"
+    (largest, *_) = design(scene, text).effect("contact-force").findings
+    assert largest.severity == "broken"
+
+
+def test_a_margin_is_refused_where_the_force_changes_discs() -> None:
+    effects = forces("conjugate_lever", 0.0) + "[effects.lift-off]\nmargin = 5\n"
+    with pytest.raises(GeometryError, match="between two discs, the force changes its sign"):
+        design("conjugate_lever", effects).effect("lift-off")
+
+
+@pytest.mark.parametrize(("key", "value"), [("guide_length", 80), ("guide_overhang", 10)])
+def test_the_guide_of_a_carriage_with_two_rollers_has_no_levers(key: str, value: int) -> None:
+    scene = "conjugate_carriage"
+    table = "guide = 0.1\nguide_length = 80\n"
+    if key != "guide_length":
+        table += f"{key} = {value}\n"
+    with pytest.raises(SceneError, match=f"effects.friction.{key} = {value}: knows one roller"):
+        design(scene, f"{forces(scene, 0.0)}[effects.friction]\n{table}")
+
+
+def test_the_force_is_the_same_however_a_turn_is_sampled() -> None:
+    """The edges have every change of disc: between two of them one disc carries."""
+    scene = "conjugate_carriage"
+    made = design(scene, forces(scene, LOAD[scene]) + TELLING)
+    contact = made.effect("contact-force")
+    phi = np.linspace(0.0, TURN, 7201)[:-1]
+    sign = np.sign(contact.normal(phi, RIGHT))
+    piece = np.searchsorted(contact.edges, phi, "right")
+    for each in np.unique(piece):
+        assert len(set(sign[piece == each]) - {0.0}) <= 1
