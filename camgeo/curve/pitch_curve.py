@@ -93,7 +93,9 @@ class PitchCurve:
     def curvature(self, phi: FloatArray, side: Side = "right") -> FloatArray:
         """(n,) [1/mm] signed curvature, positive where the curve is convex; an inflection is 0.
 
-        kappa = -sigma Im(conj(Z') Z'') / |Z'|^3 (Wirsig eq. 3.35, sign added).
+        kappa = -sigma Im(conj(Z') Z'') / |Z'|^3 (Wirsig eq. 3.35, sign added). The tangent under a
+        flat face is the face: kappa = (1 - sigma nu') / |Z'|, in which nothing cancels where the
+        face nearly stands still in the cam and Z'' is long.
 
         Raises
         ------
@@ -102,6 +104,9 @@ class PitchCurve:
         """
 
         def block(angles: FloatArray) -> FloatArray:
+            if self.follower.is_flat:
+                relative = self.relative_jet(angles, side, order=1)
+                return (1.0 - self.rotation * relative.turning) / self.speed(relative)
             relative = self.relative_jet(angles, side, order=2)
             return curvature(relative, self.speed(relative), self.rotation)
 

@@ -105,23 +105,35 @@ class CrankSlider:
         return self.side * np.sqrt(np.maximum((coupler - drop) * (coupler + drop), 0.0))
 
     @cached_property
-    def _start(self) -> float:
-        """Re P at angle 0 [mm]."""
-        return float(self._pin(np.zeros(1))[0])
+    def _start(self) -> tuple[float, float]:
+        """l_4 sin v and l_4 cos v at angle 0 [mm]."""
+        drop = self._drop(np.zeros(1))
+        return float(drop[0]), float(self._along(drop)[0])
 
-    def _pin(self, angle: FloatArray) -> FloatArray:
-        pin: FloatArray = self.crank * np.cos(self._theta(angle)) + self._along(self._drop(angle))
-        return pin
+    def _way(self, angle: FloatArray, drop: FloatArray, along: FloatArray) -> FloatArray:
+        """Re P (n,) [mm] less what it is at angle 0, to its own last digits.
+
+        The differences of cosines and sines of theta are products, and that of l_4 cos v is the one
+        of its square, (l_4 sin v)^2, over the sum: nothing is left of a long coupler.
+        """
+        start_drop, start_along = self._start
+        half = 0.5 * self._sense * angle
+        middle = self.inner.start_angle + half
+        slope = (drop + start_drop) / (along + start_along)
+        way = 2.0 * self.crank * np.sin(half) * (np.cos(middle) * slope - np.sin(middle))
+        return np.asarray(way)
 
     def stroke(self, angle: FloatArray) -> FloatArray:
         """s (n,) [mm] at the crank's `angle` (n,) [rad]."""
-        return np.asarray(-self.inner.stroke_direction * (self._pin(angle) - self._start))
+        drop = self._drop(angle)
+        return -self.inner.stroke_direction * self._way(angle, drop, self._along(drop))
 
     def joints(self, angle: FloatArray) -> tuple[ComplexArray, ComplexArray]:
         """P and T (n,) [mm] at the crank's `angle` (n,) [rad], see `SliderCrank.joints`."""
         theta = self._theta(angle)
         sense = -self._sense
-        pin = -sense * self._pin(angle) + 1j * self.inner.guide_height
+        reach = self.crank * np.cos(theta) + self._along(self._drop(angle))
+        pin = -sense * reach + 1j * self.inner.guide_height
         tip = self.crank * (-sense * np.cos(theta) + 1j * np.sin(theta))
         return np.asarray(pin), np.asarray(tip)
 
@@ -209,7 +221,7 @@ class CrankSlider:
                 )
             below = np.where(resting, 1.0, along)
         out = np.empty((order + 1, jet.shape[1]))
-        out[0] = self.crank * np.cos(theta) + along - self._start
+        out[0] = self._way(angle, drop, along)
         turn1 = self._sense * jet[1]
         tip1 = 1j * turn1 * tip
         p1 = np.divide(dot(rod, tip1), below, out=out[1])

@@ -148,7 +148,8 @@ class OscillatingFlat:
     def relative_jet(self, jet: Jet, rotation: int, order: int = FULL_ORDER) -> RelativeJet:
         """See `Follower.relative_jet`. Axes along the line pivot -> cam axis and across it.
 
-        R_0 = (q + i m f) exp(i m chi) - l_1, R_1 = sigma m p exp(i m chi) and
+        R_0 = (q + i m f) exp(i m chi) - l_1, its first part sigma m chi' q cos chi - h sin chi so
+        that a far pivot takes no digits, R_1 = sigma m p exp(i m chi) and
         R_2 = (sigma m p' - i m tau p) exp(i m chi). u and v are p times sine and cosine of the
         angle between the lever, pivot -> contact, and the normal.
         """
@@ -156,7 +157,8 @@ class OscillatingFlat:
         touch, sine, cosine = self._touch(jet, rotation, order - 1)
         q, f, pace = touch.contact[0], self.face_offset, touch.pace
         along, across = np.empty((2, order + 1, jet.shape[1]))
-        along[0] = q * cosine - f * sine - self.centre_distance
+        ahead = (rotation * self.swing_sense) * jet[1]  # sigma m chi'
+        along[0] = ahead * q * cosine - touch.distance * sine
         across[0] = side * (q * sine + f * cosine)
         along[1] = (rotation * side) * pace[0] * cosine
         across[1] = rotation * pace[0] * sine

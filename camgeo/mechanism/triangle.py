@@ -37,6 +37,8 @@ def half_angle(
     difference = crank - coupler
     reach = d + abs(difference)
     near = (inner + growth) / reach  # d - |l_sk - l_4|
+    cancels = inner + np.abs(growth) > reach * reach  # the pin has come near to the shaft
+    near = np.where(cancels, d - abs(difference), near)
     short, long = (near, reach) if difference > 0.0 else (reach, near)
     total = d + (crank + coupler)
     first = (outer - growth) / total * short

@@ -12,16 +12,15 @@ import numpy as np
 
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.curve.working_curve import WorkingCurve
+from camgeo.mechanism.four_bar import FourBar
 from camgeo.mechanism.linkage import LinkedMotion
-from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.mechanism.slider_crank import SliderCrank
-from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.motion.laws import make_law
 from camgeo.motion.motion import Motion
 from camgeo.motion.plan import Dwell, MotionPlan, Move
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.stability.case import Case, Found
-from camgeo.stability.exact_cam import Stage
+from camgeo.stability.exact_cam import AnyFollower, AnyLinkage, Stage
 from camgeo.stability.high_precision import Number, multiprecision
 
 CAMS: Final = "cams"
@@ -68,8 +67,8 @@ class CamSpec:
     name: str
     spans: tuple[str, str, str, str, str]
     stroke: float
-    follower: TranslatingRoller | OscillatingRoller
-    linkage: SliderCrank | None = None
+    follower: AnyFollower
+    linkage: AnyLinkage | None = None
     rotation: int = 1
     law: str = "polynomial-345"
     inflection: float = 0.5
@@ -120,7 +119,8 @@ def cases_of(spec: CamSpec) -> list[Case]:
     """The cases of one cam, one for each of its moves that has places."""
     curve = spec.curve
     stage = spec.stage
-    names = (*(LIFTS if spec.linkage is None else CRANKS), *CURVES)
+    turns = isinstance(spec.linkage, SliderCrank | FourBar)
+    names = (*(CRANKS if turns else LIFTS), *CURVES)
 
     def exact(phi: Number, *parameters: Number) -> tuple[Number, ...]:
         return quantities(stage, phi, parameters)
@@ -153,10 +153,11 @@ def computed(curve: PitchCurve) -> Found:
         motion = curve.motion
         lifts = motion.jet(phi)[:4]
         if isinstance(motion, LinkedMotion):
-            # psi is a difference of such angles; only psi_G + psi goes into the curve.
-            assert isinstance(motion.linkage, SliderCrank)
-            angle = motion.linkage.crank_angle(motion.demanded.jet(phi)[0])
-            lifts = np.concatenate((angle[np.newaxis], lifts[1:]))
+            linkage, demanded = motion.linkage, motion.demanded.jet(phi)[0]
+            if isinstance(linkage, SliderCrank | FourBar):
+                # psi is a difference of such angles; only psi_G + psi goes into the curve.
+                angle = linkage.crank_angle(demanded)
+                lifts = np.concatenate((angle[np.newaxis], lifts[1:]))
         return (
             *lifts,
             *curve.jet(phi),

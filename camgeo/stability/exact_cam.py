@@ -10,16 +10,24 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from camgeo.errors import GeometryError
+from camgeo.mechanism.crank_slider import CrankSlider
+from camgeo.mechanism.four_bar import FourBar
+from camgeo.mechanism.oscillating_flat import OscillatingFlat
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.mechanism.slider_crank import SliderCrank
+from camgeo.mechanism.translating_flat import TranslatingFlat
 from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.stability.high_precision import Number, multiprecision
 from camgeo.stability.lifts import lift
-from camgeo.stability.linkage import ExactSliderCrank
+from camgeo.stability.linkage import exact_linkage
 from camgeo.stability.series import Series, direction, logarithm, root, variable
 
 TERMS = 4
 """Z to Z'''."""
+
+AnyFollower = TranslatingRoller | OscillatingRoller | TranslatingFlat | OscillatingFlat
+
+AnyLinkage = SliderCrank | FourBar | CrankSlider
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,8 +42,8 @@ class Stage:
     """
 
     law: str
-    follower: TranslatingRoller | OscillatingRoller
-    linkage: SliderCrank | None
+    follower: AnyFollower
+    linkage: AnyLinkage | None
     rotation: int
 
     def parameters(
@@ -51,29 +59,46 @@ class Stage:
         found = [start, end, low, high, inflection, follower.roller_radius, follower.base_radius]
         if isinstance(follower, TranslatingRoller):
             found += [follower.offset, follower.guide_angle]
+        elif isinstance(follower, TranslatingFlat):
+            found += [follower.guide_angle]
         else:
-            found += [follower.pivot.real, follower.pivot.imag, follower.arm]
-        if linkage is not None:
-            found += [linkage.crank, linkage.coupler, linkage.deflection]
+            found += [follower.pivot.real, follower.pivot.imag]
+            found += [
+                follower.arm if isinstance(follower, OscillatingRoller) else follower.face_offset
+            ]
+        if isinstance(linkage, FourBar):
+            shaft = linkage.shaft
+            found += [linkage.crank, linkage.coupler, linkage.lever, shaft.real, shaft.imag]
+            found += [linkage.lever_angle]
+        elif linkage is not None:
+            inner = linkage.inner if isinstance(linkage, CrankSlider) else linkage
+            found += [inner.crank, inner.coupler, inner.deflection]
         return tuple(found)
 
-    def jet(self, phi: Number, parameters: Sequence[Number], terms: int = TERMS) -> CamJet:
-        """The cam at the cam angle `phi` [rad]."""
-        start, end, low, high, inflection, roller, *rest = parameters
+    def demanded(self, phi: Number, parameters: Sequence[Number], terms: int) -> Series:
+        """The demanded motion at the cam angle `phi` [rad]."""
+        start, end, low, high, inflection, *_ = parameters
         span = end - start
         z = variable((phi - start) / span, 1 / span, terms)
         w = variable((end - phi) / span, -1 / span, terms)
         up, down = lift(self.law, z, w, inflection)
         # From the nearer end, so that a lift of next to nothing keeps its digits.
-        s = low + (high - low) * up if z.terms[0] <= 0.5 else high - (high - low) * down
+        s: Series = low + (high - low) * up if z.terms[0] <= 0.5 else high - (high - low) * down
+        return s
+
+    def jet(self, phi: Number, parameters: Sequence[Number], terms: int = TERMS) -> CamJet:
+        """The cam of a roller at the cam angle `phi` [rad]."""
+        s = self.demanded(phi, parameters, terms)
+        roller, *rest = parameters[5:]
         own, counted = s, s
         if self.linkage is not None:
-            *rest, crank, coupler, deflection = rest
-            linkage = ExactSliderCrank(crank, coupler, deflection, self.linkage)
-            own, counted = linkage.swing(s), linkage.crank_angle(s)
+            numbers = 3 if isinstance(self.follower, TranslatingRoller) else 4
+            motion, position = exact_linkage(self.linkage, rest[numbers:])
+            own, counted, rest = motion(s), position(s), rest[:numbers]
         if isinstance(self.follower, TranslatingRoller):
             centre, path = _on_guide(self.follower, own, *rest)
         else:
+            assert isinstance(self.follower, OscillatingRoller)
             centre, path = _on_rocker(self.follower, own, *rest)
         turn = direction(variable(-self.rotation * phi, -self.rotation, terms))
         return CamJet(counted, centre * turn, path * turn, roller, self.rotation)
@@ -85,7 +110,7 @@ class CamJet:
 
     Attributes
     ----------
-    lift : the lift, or the angle of the crank if there is a linkage [mm or rad].
+    lift : the lift [mm or rad], or of a rocker behind a linkage the angle of the crank [rad].
     centre : Z [mm].
     path : direction in which the follower moves the roller centre, seen from the cam.
     roller, rotation : r_R [mm] and sigma.

@@ -153,6 +153,7 @@ class ExactOutline:
         roller, base, *rest = numbers[ROLLER:]
         if isinstance(follower, TranslatingRoller):
             return _guided(follower, seen, -self.side * roller, base, *rest)
+        assert isinstance(follower, OscillatingRoller)
         return _swung(follower, seen, -self.side * roller, base, *rest)
 
     def loss(self, phi: Number, corner: Number, numbers: Numbers, terms: int) -> Series:
@@ -162,7 +163,10 @@ class ExactOutline:
         """
         actual = self.actual(phi, corner, numbers, terms)
         demanded = self.jet(phi, numbers, terms).lift
-        return (actual - demanded) * (self.side * _outward(self.spec.follower))
+        follower = self.spec.follower
+        assert isinstance(follower, TranslatingRoller | OscillatingRoller)
+        loss: Series = (actual - demanded) * (self.side * _outward(follower))
+        return loss
 
     def place_of_largest_loss(self, guess: Number, corner: Number, numbers: Numbers) -> Number:
         """Cam angle [rad] near `guess` at which the lost stroke is stationary, by Newton's steps.

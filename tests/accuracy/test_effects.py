@@ -7,6 +7,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from decimal import Decimal
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -318,8 +319,13 @@ def height(svg: bytes) -> float:
     return float(text.split('viewBox="0 0 ')[1].split('"')[0].split()[1])
 
 
+@cache
+def without_rows() -> bytes:
+    return render(survey_of(()), title="made up", suffix=".svg")
+
+
 def test_the_picture_has_a_panel_more() -> None:
-    without = render(survey_of(()), title="made up", suffix=".svg")
+    without = without_rows()
     drawn = render(survey_of(ROWS), title="made up", suffix=".svg")
     assert height(drawn) > height(without) + 200.0
     assert render(survey_of(ROWS), title="made up", suffix=".svg") == drawn
@@ -328,8 +334,7 @@ def test_the_picture_has_a_panel_more() -> None:
 
 
 def test_without_seconds_there_is_no_panel() -> None:
-    without = render(survey_of(()), title="made up", suffix=".svg")
-    assert render(survey_of(ROWS[2:]), title="made up", suffix=".svg") == without
+    assert render(survey_of(ROWS[2:]), title="made up", suffix=".svg") == without_rows()
     plain = render(survey_of(()), title="made up", suffix=".svg", computing=False)
     assert render(survey_of(ROWS), title="made up", suffix=".svg", computing=False) == plain
 

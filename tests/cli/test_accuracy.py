@@ -204,7 +204,6 @@ def test_the_same_picture_each_time(suffix: str, start: bytes) -> None:
     first = render(made_up(), title="made up", suffix=suffix)
     assert first.startswith(start)
     assert render(made_up(), title="made up", suffix=suffix) == first
-    assert render(made_up(), title="other", suffix=suffix) != first
 
 
 def test_without_computing_no_second_of_this_machine_is_drawn() -> None:
@@ -213,8 +212,16 @@ def test_without_computing_no_second_of_this_machine_is_drawn() -> None:
         for survey in (made_up(), _slower(made_up()))
     ]
     assert without[0] == without[1]
-    slower = render(_slower(made_up()), title="made up", suffix=".svg")
-    assert slower != render(made_up(), title="made up", suffix=".svg")
+    # Seconds are drawn, and the title.
+    drawn = [
+        render(survey, title=title, suffix=".svg")
+        for survey, title in (
+            (made_up(), "made up"),
+            (_slower(made_up()), "made up"),
+            (made_up(), "other"),
+        )
+    ]
+    assert len(set(drawn)) == 3
 
 
 def _slower(survey: Survey) -> Survey:

@@ -294,17 +294,24 @@ def test_impossible_moves_are_refused(key: str, numbers: tuple[float, float, flo
 @pytest.mark.parametrize("suffix", [".svg", ".png", ".pdf"])
 def test_the_picture_is_the_same_each_time(suffix: str, tmp_path: Path, capsys: Capture) -> None:
     target = tmp_path / f"laws{suffix}"
-    call = ["laws", "--task", "R-U", "-o", str(target)]
+    call = ["laws", "--task", "R-B", "-o", str(target)]
     assert main(call) == 0
     data = target.read_bytes()
     assert data.startswith({".svg": b"<?xml", ".png": b"\x89PNG", ".pdf": b"%PDF"}[suffix])
     captured = capsys.readouterr()
     assert captured.out == ""
-    assert "laws for R-U" in captured.err
+    assert "laws for R-B" in captured.err
     assert main(call) == 0
     assert target.read_bytes() == data
-    # Another one is not written over it.
-    other = [*call, "--inflection", "0.4"]
+
+
+def test_another_picture_is_not_written_over_it(tmp_path: Path, capsys: Capture) -> None:
+    target = tmp_path / "laws.svg"
+    call = ["laws", "--task", "R-B", "-o", str(target)]
+    assert main(call) == 0
+    data = target.read_bytes()
+    other = [*call, "--v1", "1.5"]
+    capsys.readouterr()
     assert main(other) == 2
     assert "--force" in capsys.readouterr().err
     assert target.read_bytes() == data

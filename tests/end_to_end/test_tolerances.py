@@ -1,4 +1,8 @@
-"""Each fixture scene at four tolerances, in every form: written, and verified from the files."""
+"""Each fixture scene at four tolerances: written, and verified from the files.
+
+In every form at the loosest and at the tightest; between them in one, which changes from scene to
+scene.
+"""
 
 from __future__ import annotations
 
@@ -29,8 +33,10 @@ FORMATS: Final[dict[Form, tuple[str, ...]]] = {
 @pytest.mark.parametrize("scene", SCENES, ids=lambda path: path.stem)
 def test_every_file_is_written_and_verified(scene: Path, tmp_path: Path) -> None:
     base = camgeo.load(scene)
-    for tolerance in TOLERANCES:
-        for form in FORMS:
+    number = SCENES.index(scene)
+    for step, tolerance in enumerate(TOLERANCES):
+        ends = tolerance in (max(TOLERANCES), min(TOLERANCES))
+        for form in FORMS if ends else (FORMS[(number + step) % len(FORMS)],):
             design = drawn_as(base, form, "fewest")
             folder = tmp_path / f"{form}-{tolerance:g}"
             design.write(folder, _formats(design, form), tolerance=tolerance)

@@ -6,7 +6,8 @@ polynomials of the unknowns, so that a complex step gives the Jacobian exactly, 
 40 digits.
 
 Another mechanism is one more class: `guess` and `at_start` assemble it at lift 0, `gaps` hold it
-closed for a demanded lift, `roller` tells the roller centre.
+closed for a demanded lift, `roller` tells the roller centre. A flat face is told by two points of
+it, the rollers of two chains.
 """
 
 from __future__ import annotations
@@ -52,7 +53,7 @@ class Chain(Protocol):
         """Zero for the chain at the lift `demand` [mm or rad], if `start` solves `at_start`."""
 
     def roller(self, x: Vector) -> tuple[Number, Number]:
-        """Coordinates of the roller centre [mm]."""
+        """Coordinates of the roller centre, or of a point fixed to the follower [mm]."""
 
 
 def circle(x: Number, y: Number, radius: float) -> Number:
@@ -129,6 +130,20 @@ class Rocker:
 
     def at_start(self, x: Vector) -> list[Number]:
         return [circle(*self.seen(x[0], x[1]), self.arm), circle(x[0], x[1], self.base_radius)]
+
+    def carried(self, x: Vector, start: Vector, crank: float) -> list[Number]:
+        """Zero if arm and crank are one body: (tip of the arm)/(tip of the crank, x[4] and x[5])
+        stays as at the start.
+        """
+        first, second = self.seen(start[0], start[1])
+        square = crank * crank
+        real = (first * start[4] + second * start[5]) / square
+        imag = (second * start[4] - first * start[5]) / square
+        now = self.seen(x[0], x[1])
+        return [
+            now[0] - (real * x[4] - imag * x[5]),
+            now[1] - (imag * x[4] + real * x[5]),
+        ]
 
 
 @dataclass(frozen=True)
@@ -207,18 +222,203 @@ class SliderCrankChain:
         return [*self.rocker.at_start(x), *self._rods(x), x[2] - self.pin.real]
 
     def gaps(self, x: Vector, start: Vector, demand: Number) -> list[Number]:
-        # Arm and crank are one body: (tip of the arm)/(tip of the crank) stays as at the start.
-        first, second = self.rocker.seen(start[0], start[1])
-        square = self.crank * self.crank
-        real = (first * start[4] + second * start[5]) / square
-        imag = (second * start[4] - first * start[5]) / square
-        now = self.rocker.seen(x[0], x[1])
         return [
-            now[0] - (real * x[4] - imag * x[5]),
-            now[1] - (imag * x[4] + real * x[5]),
+            *self.rocker.carried(x, start, self.crank),
             *self._rods(x),
             x[2] - start[2] - self.sense * demand,
         ]
+
+    def roller(self, x: Vector) -> tuple[Number, Number]:
+        return x[0], x[1]
+
+
+@dataclass(frozen=True)
+class FourBarChain:
+    """A lever on a shaft of its own that drives the rocker. Unknowns as of `SliderCrankChain`.
+
+    Attributes
+    ----------
+    rocker : with the roller.
+    crank, coupler, lever : rigid lengths [mm].
+    shaft : of the lever, seen from the rocker's pivot.
+    pin : where the lever's pin is at motion 0, seen from there too.
+    sense : +1 if a positive motion turns the lever counter-clockwise, -1 clockwise.
+    tip_side : as of `SliderCrankChain`.
+    """
+
+    rocker: Rocker
+    crank: float
+    coupler: float
+    lever: float
+    shaft: complex
+    pin: complex
+    sense: int
+    tip_side: int
+
+    @property
+    def size(self) -> float:
+        return max(self.rocker.size, self.crank + self.coupler, abs(self.shaft) + self.lever)
+
+    def guess(self) -> list[float]:
+        tip = self.pin / abs(self.pin) * cmath.rect(self.crank, self.tip_side * 1.0)
+        return [*self.rocker.guess(), self.pin.real, self.pin.imag, tip.real, tip.imag]
+
+    def _rods(self, x: Vector) -> list[Number]:
+        return [
+            circle(x[4], x[5], self.crank),
+            circle(x[4] - x[2], x[5] - x[3], self.coupler),
+            circle(x[2] - self.shaft.real, x[3] - self.shaft.imag, self.lever),
+        ]
+
+    def at_start(self, x: Vector) -> list[Number]:
+        # Square to the lever as it is stated; its length is one of the rods.
+        lever = self.pin - self.shaft
+        across = lever.real * (x[3] - self.pin.imag) - lever.imag * (x[2] - self.pin.real)
+        return [*self.rocker.at_start(x), *self._rods(x), across / self.lever]
+
+    def gaps(self, x: Vector, start: Vector, demand: Number) -> list[Number]:
+        first, second = start[2] - self.shaft.real, start[3] - self.shaft.imag
+        along, across = turned(first, second, self.sense * demand)
+        now = x[2] - self.shaft.real, x[3] - self.shaft.imag
+        square = (along * now[1] - across * now[0]) / self.lever
+        return [*self.rocker.carried(x, start, self.crank), *self._rods(x), square]
+
+    def roller(self, x: Vector) -> tuple[Number, Number]:
+        return x[0], x[1]
+
+
+@dataclass(frozen=True)
+class CarriageChain:
+    """A crank that drives the carriage of the roller. Unknowns: x, y of roller; x of the slider's
+    pin; x, y of the crank's tip. Pin and tip are seen from the crank's shaft.
+
+    Attributes
+    ----------
+    guide : with the roller.
+    crank, coupler : rigid lengths [mm].
+    pin : where the slider's pin is at stroke 0.
+    sense : +1 if a positive stroke moves the slider to the right, -1 to the left.
+    tip : where the crank's tip is at stroke 0, about.
+    """
+
+    guide: TranslatingChain
+    crank: float
+    coupler: float
+    pin: complex
+    sense: int
+    tip: complex
+
+    @property
+    def size(self) -> float:
+        return self.guide.size + self.crank + max(self.coupler, self.crank)
+
+    def guess(self) -> list[float]:
+        return [*self.guide.guess(), self.pin.real, self.tip.real, self.tip.imag]
+
+    def _rods(self, x: Vector) -> list[Number]:
+        return [
+            circle(x[3], x[4], self.crank),
+            circle(x[3] - x[2], x[4] - self.pin.imag, self.coupler),
+        ]
+
+    def at_start(self, x: Vector) -> list[Number]:
+        return [*self.guide.at_start(x), *self._rods(x), x[2] - self.pin.real]
+
+    def gaps(self, x: Vector, start: Vector, demand: Number) -> list[Number]:
+        along, across = turned(start[3], start[4], demand)
+        square = (along * x[4] - across * x[3]) / self.crank
+        stroke = self.sense * (x[2] - start[2])
+        return [*self.guide.gaps(x, start, stroke), *self._rods(x), square]
+
+    def roller(self, x: Vector) -> tuple[Number, Number]:
+        return x[0], x[1]
+
+
+@dataclass(frozen=True)
+class Beside:
+    """Another point of what carries the roller of a chain: a return roller, a point of a face.
+
+    Attributes
+    ----------
+    chain : that closes; its unknowns are those of this one.
+    pivot : about which the body turns, its roller being on an arm; None if it slides.
+    place : from the roller, or as a multiple of the arm from the pivot, complex.
+    """
+
+    chain: Chain
+    pivot: complex | None
+    place: complex
+
+    @property
+    def size(self) -> float:
+        far = abs(self.place) if self.pivot is None else abs(self.place) * self.chain.size
+        return self.chain.size + far
+
+    def guess(self) -> list[float]:
+        return self.chain.guess()
+
+    def at_start(self, x: Vector) -> list[Number]:
+        return self.chain.at_start(x)
+
+    def gaps(self, x: Vector, start: Vector, demand: Number) -> list[Number]:
+        return self.chain.gaps(x, start, demand)
+
+    def roller(self, x: Vector) -> tuple[Number, Number]:
+        first, second = self.chain.roller(x)
+        if self.pivot is None:
+            return first + self.place.real, second + self.place.imag
+        seen = first - self.pivot.real, second - self.pivot.imag
+        return (
+            self.pivot.real + self.place.real * seen[0] - self.place.imag * seen[1],
+            self.pivot.imag + self.place.imag * seen[0] + self.place.real * seen[1],
+        )
+
+
+@dataclass(frozen=True)
+class FaceChain:
+    """A rocker with a flat face. Unknowns: x, y of the point at `arm` from the pivot along it.
+
+    Along a parallel to the face, that is, which lies `offset` nearer to the cam axis than the face.
+
+    Attributes
+    ----------
+    pivot : seen from the cam axis.
+    arm : any length [mm].
+    offset : how far the face lies beyond that parallel, away from the cam axis [mm].
+    base_radius : of the face at lift 0.
+    side : +1 if the face lies counter-clockwise of the line pivot to cam axis, -1 clockwise.
+    sense : +1 if a positive lift turns it counter-clockwise, -1 clockwise.
+    """
+
+    pivot: complex
+    arm: float
+    offset: float
+    base_radius: float
+    side: int
+    sense: int
+
+    @property
+    def size(self) -> float:
+        return abs(self.pivot) + self.arm + abs(self.offset)
+
+    def _seen(self, x: Vector) -> tuple[Number, Number]:
+        return x[0] - self.pivot.real, x[1] - self.pivot.imag
+
+    def guess(self) -> list[float]:
+        tip = self.pivot - self.pivot / abs(self.pivot) * self.arm
+        return [tip.real, tip.imag]
+
+    def at_start(self, x: Vector) -> list[Number]:
+        first, second = self._seen(x)
+        # The pivot along the normal, which is the arm a quarter turn on: the cam axis at 0.
+        height = self.side * (first * self.pivot.imag - second * self.pivot.real) / self.arm
+        return [height + self.offset - self.base_radius, circle(first, second, self.arm)]
+
+    def gaps(self, x: Vector, start: Vector, demand: Number) -> list[Number]:
+        along, across = turned(*self._seen(start), self.sense * demand)
+        now = self._seen(x)
+        square = (along * now[1] - across * now[0]) / self.arm
+        return [square, circle(*now, self.arm)]
 
     def roller(self, x: Vector) -> tuple[Number, Number]:
         return x[0], x[1]
@@ -329,6 +529,7 @@ def _exact(chain: Chain, start: Vector, x: FloatArray, lift: float) -> Closed:
     found, inverse = newton_in_digits(lambda y: chain.gaps(y, start, demand), x)
     per_lift = [value.imag / STEP for value in chain.gaps(found, start, demand + mpc(0, 1) * STEP)]
     rates = -inverse * mp.matrix(per_lift)
-    return Closed(
-        mpc(*chain.roller(found)), mpc(*chain.roller(rates)), float(mp.mnorm(inverse, mp.inf))
-    )
+    ahead = [value + mpc(0, 1) * STEP * rate for value, rate in zip(found, rates, strict=True)]
+    moved = [value.imag / STEP for value in chain.roller(ahead)]
+    stiffness = float(mp.mnorm(inverse, mp.inf))
+    return Closed(mpc(*chain.roller(found)), mpc(*moved), stiffness)

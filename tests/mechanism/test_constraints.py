@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import cmath
 import math
 from dataclasses import replace
 from decimal import Decimal
@@ -14,20 +15,33 @@ from mpmath import mp, mpc, mpf
 
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.errors import GeometryError
+from camgeo.mechanism.crank_slider import CrankSlider
+from camgeo.mechanism.follower import Follower
+from camgeo.mechanism.four_bar import FourBar
 from camgeo.mechanism.linkage import LinkedMotion
+from camgeo.mechanism.linkage_protocol import Linkage
+from camgeo.mechanism.oscillating_flat import OscillatingFlat
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.mechanism.slider_crank import SliderCrank
+from camgeo.mechanism.translating_flat import TranslatingFlat
 from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.motion.motion import Motion
 from camgeo.motion.plan import MotionPlan, Move
+from camgeo.units import TURN
 from tests.mechanism.constraints import (
+    Beside,
+    CarriageChain,
     Chain,
+    FaceChain,
+    FourBarChain,
     OscillatingChain,
     Rocker,
     SliderCrankChain,
     TranslatingChain,
     close,
 )
+from tests.mechanism.flat_faces import convex_curves
+from tests.pairs import Lever, Pair, pairs
 from tests.reference import (
     POLYNOMIAL,
     hard_case,
@@ -37,7 +51,7 @@ from tests.reference import (
     pitch_curve_of,
     stroke_of,
 )
-from tests.strategies import SMOOTH, pitch_curves, signs, slider_cranks
+from tests.strategies import SMOOTH, crank_sliders, four_bars, pitch_curves, signs, slider_cranks
 
 EPS = 2.0**-52
 
@@ -45,23 +59,53 @@ ROUNDINGS = 16.0
 """Of all lengths together: each enters a curve after a dozen operations of half an ulp or so, and
 wrong gaps move the roller by the stiffness of the chain."""
 
-few = settings(max_examples=12)
+few = settings(max_examples=8)
 
 
 def chain_of(curve: PitchCurve) -> Chain:
     """The lengths of a mechanism, and on which sides its joints lie."""
-    follower = curve.follower
+    follower, linkage = curve.follower, None
+    if isinstance(curve.motion, LinkedMotion):
+        linkage = curve.motion.linkage
     if isinstance(follower, TranslatingRoller):
-        return TranslatingChain(
+        guide = TranslatingChain(
             follower.base_radius, follower.offset, follower.guide_angle, follower.direction
         )
+        return guide if linkage is None else carriage_chain(guide, linkage)
     assert isinstance(follower, OscillatingRoller)
     rocker = Rocker(follower.pivot, follower.arm, follower.base_radius, follower.arm_side)
-    if not isinstance(curve.motion, LinkedMotion):
+    if isinstance(linkage, FourBar):
+        pin = linkage.shaft + cmath.rect(linkage.lever, linkage.lever_angle)
+        return FourBarChain(
+            rocker,
+            linkage.crank,
+            linkage.coupler,
+            linkage.lever,
+            linkage.shaft,
+            pin,
+            linkage.lever_sense,
+            -linkage.branch,
+        )
+    if linkage is None:
         assert follower.direction is not None
         return OscillatingChain(rocker, follower.direction)
-    assert isinstance(curve.motion.linkage, SliderCrank)
-    return linked_chain(rocker, curve.motion.linkage)
+    assert isinstance(linkage, SliderCrank)
+    return linked_chain(rocker, linkage)
+
+
+def carriage_chain(guide: TranslatingChain, linkage: Linkage) -> CarriageChain:
+    """A crank in front of `guide`: the slider-crank by its places, with another end driven."""
+    assert isinstance(linkage, CrankSlider)
+    inner = linkage.inner
+    chain = linked_chain(Rocker(1j, 1.0, 1.0, 1), inner)  # of which only the linkage counts
+    # Its tip is where the coupler is parallel to the guide, or mirrored at the line shaft to pin.
+    lean = inner.crank * math.sin(inner.deflection) * (-1.0 if inner.leans_away else 1.0)
+    left = 1 if inner.mirrored else -1
+    tip = complex(left * inner.slider_side * lean, inner.crank * math.cos(inner.deflection))
+    if (tip * chain.pin.conjugate()).imag * chain.tip_side < 0.0:
+        along = chain.pin / abs(chain.pin)
+        tip = along * (tip / along).conjugate()
+    return CarriageChain(guide, inner.crank, inner.coupler, chain.pin, chain.sense, tip)
 
 
 def linked_chain(rocker: Rocker, linkage: SliderCrank) -> SliderCrankChain:
@@ -82,15 +126,17 @@ def linked_chain(rocker: Rocker, linkage: SliderCrank) -> SliderCrankChain:
     )
 
 
-def agree(curve: PitchCurve, phi: list[float]) -> None:
+def agree(curve: PitchCurve, phi: list[float], chain: Chain | None = None) -> None:
     """Pitch curve and working curves at `phi` [rad] against the closed chain, and their touch."""
     demand: Motion = stroke_of(curve)
-    chain = chain_of(curve)
+    chain = chain_of(curve) if chain is None else chain
     angles = np.unique(np.concatenate((np.linspace(0.0, 2.0 * math.pi, 61), phi)))
     wanted = [int(np.searchsorted(angles, each)) for each in phi]
     lifts, rates = demand.jet(angles)[:2]
     where = angles[sorted(wanted)]
-    size = chain.size + float(np.max(np.abs(lifts))) * float(isinstance(chain, TranslatingChain))
+    size = chain.size + float(np.max(np.abs(lifts))) * float(
+        isinstance(curve.follower, TranslatingRoller)
+    )
     closed = close(chain, lifts, wanted)
     assert len(closed) == len(where)
     sigma, radius = curve.rotation, curve.follower.roller_radius
@@ -136,6 +182,110 @@ def test_rocker_behind_a_slider_crank(
     plan = MotionPlan((Move(Decimal(150), 8.0, POLYNOMIAL), Move(Decimal(210), 0.0, POLYNOMIAL)))
     rocker = OscillatingRoller(-70.0 - 50.0j, 80.0, 60.0, 6.0, side, None)
     agree(PitchCurve(LinkedMotion(plan, linkage), rocker, rotation), phi)
+
+
+@few
+@given(linkage=four_bars(), phi=some_angles(), rotation=signs(), side=signs())
+def test_rocker_behind_a_four_bar(
+    linkage: FourBar, phi: list[float], rotation: int, side: int
+) -> None:
+    rocker = OscillatingRoller(-70.0 - 50.0j, 80.0, 60.0, 6.0, side, None)
+    agree(PitchCurve(LinkedMotion(there_and_back(0.6), linkage), rocker, rotation), phi)
+
+
+@few
+@given(linkage=crank_sliders(), phi=some_angles(), rotation=signs(), direction=signs())
+def test_carriage_behind_a_crank(
+    linkage: CrankSlider, phi: list[float], rotation: int, direction: int
+) -> None:
+    # A crank of 150 mm moves its slider by 300 mm at most.
+    guide = TranslatingRoller(400.0, 6.0, 30.0, 0.3, direction)
+    agree(PitchCurve(LinkedMotion(there_and_back(0.6), linkage), guide, rotation), phi)
+
+
+def there_and_back(motion: float) -> MotionPlan:
+    return MotionPlan((Move(Decimal(150), motion, POLYNOMIAL), Move(Decimal(210), 0.0, POLYNOMIAL)))
+
+
+@few
+@given(pair=pairs(), phi=some_angles())
+def test_both_rollers_of_a_pair(pair: Pair, phi: list[float]) -> None:
+    """One body closes both: the return roller is a point beside the main one."""
+    main = chain_of(pair.main)
+    body = pair.body
+    if isinstance(body, Lever):
+        place = cmath.rect(body.arms[1] / body.arms[0], body.between)
+        other = Beside(main, body.pivot, place)
+    else:
+        other = Beside(main, None, body.apart)
+    agree(pair.main, phi, main)
+    agree(pair.other, phi, other)
+
+
+@few
+@given(curve=convex_curves(), phi=some_angles())
+def test_a_flat_face_touches_where_it_slides(curve: PitchCurve, phi: list[float]) -> None:
+    """The face's line by two points of the closed chain. It touches where their relative motion in
+    the cam has no part across it: there is the outline's point, along it its tangent, and nothing
+    of the outline lies beyond.
+    """
+    follower = curve.follower
+    first, second, out = face_chains(follower)
+    angles = np.unique(np.concatenate((np.linspace(0.0, TURN, 61), phi)))
+    wanted = [int(np.searchsorted(angles, each)) for each in phi]
+    demand = curve.motion
+    lifts, rates = demand.jet(angles)[:2]
+    where, rates = angles[sorted(wanted)], rates[sorted(wanted)]
+    ends = [close(chain, lifts, wanted) for chain in (first, second)]
+    points, tangents = curve.jet(where)[:2]
+    outline = curve.point(np.linspace(0.0, TURN, 721))
+    for number, (here, there) in enumerate(zip(*ends, strict=True)):
+        with mp.workdps(40):
+            turn = mp.expj(curve.rotation * mpf(where[number]))
+            point = mpc(points[number]) * turn
+            length = abs(there.roller - here.roller)
+            along = (there.roller - here.roller) / length
+            normal = out * along
+            rate = mpf(rates[number])
+            slips = [
+                mp.re(mp.conj(normal) * (each.rate * rate - 1j * curve.rotation * each.roller))
+                for each in (here, there)
+            ]
+            tau = (slips[1] - slips[0]) / length
+            contact = here.roller - along * slips[0] / tau
+            size = second.size + float(abs(point)) + float(np.max(np.abs(lifts)))
+            limit = ROUNDINGS * EPS * size * (1.0 + max(here.stiffness, there.stiffness))
+            limit *= 1.0 + abs(float(rate))
+            across = float(mp.re(mp.conj(normal) * (point - here.roller)))
+            assert abs(across) <= limit
+            assert abs(point - contact) <= limit * (1.0 + 1.0 / abs(float(tau)))
+            tangent = mpc(tangents[number]) * turn
+            assert abs(mp.re(mp.conj(normal) * tangent)) <= limit / size * abs(tangent)
+            beyond = np.real(np.conj(complex(normal)) * (outline * complex(turn)))
+            height = float(mp.re(mp.conj(normal) * here.roller))
+            assert float(np.max(beyond)) <= height + limit
+
+
+def face_chains(follower: Follower) -> tuple[Chain, Chain, complex]:
+    """Two points of a face, and its normal away from the cam axis over the way from the first."""
+    if isinstance(follower, TranslatingFlat):
+        guide = TranslatingChain(
+            follower.base_radius, 0.0, follower.guide_angle, follower.direction
+        )
+        right = cmath.rect(follower.base_radius, follower.guide_angle - 0.5 * math.pi)
+        return guide, Beside(guide, None, right), 1j
+    assert isinstance(follower, OscillatingFlat)
+    side = follower.arm_side
+    sense = 1 if follower.direction is None else follower.direction * side
+    arm = abs(follower.pivot)
+    chain = FaceChain(follower.pivot, arm, follower.face_offset, follower.base_radius, side, sense)
+    # The arm, with what the face lies beyond it a quarter turn on.
+    beyond = 1j * side * follower.face_offset / arm
+    return (
+        Beside(chain, follower.pivot, beyond),
+        Beside(chain, follower.pivot, 1.0 + beyond),
+        1j * side,
+    )
 
 
 @pytest.mark.parametrize("name", mechanisms())

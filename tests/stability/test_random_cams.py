@@ -3,15 +3,31 @@
 from __future__ import annotations
 
 import numpy as np
-from hypothesis import assume, given
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
+from camgeo.errors import GeometryError
+from camgeo.mechanism.crank_slider import CrankSlider
+from camgeo.mechanism.four_bar import FourBar
+from camgeo.mechanism.oscillating_roller import OscillatingRoller
+from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.motion.laws import make_law
+from camgeo.stability import faces
 from camgeo.stability.cam_case import CamSpec, cases_of
 from camgeo.stability.lifts import HALVES
 from camgeo.stability.measure import measure
 from camgeo.stability.suite import LIMIT
-from tests.strategies import attack, oscillating_rollers, signs, translating_rollers
+from tests.mechanism.flat_faces import oscillating_flats, translating_flats
+from tests.strategies import (
+    attack,
+    crank_sliders,
+    four_bars,
+    oscillating_rollers,
+    signs,
+    translating_rollers,
+)
+
+few = settings(attack, max_examples=6)
 
 SPANS = (
     ("30", "100", "40", "120", "70"),
@@ -57,3 +73,52 @@ def test_random_cams_are_as_good_as_doubles_allow(spec: CamSpec) -> None:
     for case in cases_of(spec):
         poor = [each for each in measure(case) if each.ratio > LIMIT]
         assert poor == []
+
+
+@st.composite
+def flat_specs(draw: st.DrawFn) -> CamSpec:
+    """A cam under a flat face, convex or not."""
+    share = 10.0 ** -draw(st.floats(0.0, 8.0))
+    sliding = draw(st.booleans())
+    return CamSpec(
+        name="random",
+        spans=draw(st.sampled_from(SPANS[:2])),
+        stroke=share * (20.0 if sliding else 0.3),
+        follower=draw(translating_flats()) if sliding else draw(oscillating_flats()),
+        rotation=draw(signs()),
+        rise=(draw(places()), draw(places())),
+    )
+
+
+@few
+@given(spec=flat_specs())
+def test_random_flat_faces_are_as_good_as_doubles_allow(spec: CamSpec) -> None:
+    for case in faces.cases_of(spec):
+        poor = [each for each in measure(case) if each.ratio > LIMIT]
+        assert poor == []
+
+
+@few
+@given(
+    linkage=st.one_of(four_bars(), crank_sliders()),
+    share=st.floats(0.0, 8.0),
+    rise=st.tuples(places(), places()),
+    rotation=signs(),
+)
+def test_random_linkages_are_as_good_as_doubles_allow(
+    linkage: FourBar | CrankSlider, share: float, rise: tuple[float, float], rotation: int
+) -> None:
+    """Behind a guide that is long enough, or a rocker."""
+    turns = isinstance(linkage, FourBar)
+    follower = (
+        OscillatingRoller(-100.0 + 0j, 80.0, 120.0, 5.0, 1, None)
+        if turns
+        else TranslatingRoller(400.0, 10.0, 12.0)
+    )
+    spec = CamSpec("random", SPANS[0], 0.6 * 10.0**-share, follower, linkage, rotation, rise=rise)
+    try:
+        (case,) = cases_of(spec)
+    except GeometryError:
+        assume(False)
+    poor = [each for each in measure(case) if each.ratio > LIMIT]
+    assert poor == []

@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
+import cmath
 import math
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
 
-from camgeo.curve.pitch_curve import PitchCurve
+from camgeo.curve.pitch_curve import PitchCurve, curvature
 from camgeo.curve.working_curve import WorkingCurve
+from camgeo.mechanism.crank_slider import CrankSlider
+from camgeo.mechanism.oscillating_flat import OscillatingFlat
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.outline.outline import real_outline
-from camgeo.stability import cams, crank_slides, outlines
+from camgeo.stability import cams, crank_slides, faces, loops, outlines
 from camgeo.stability.cam_case import CamSpec, cases_of
 from camgeo.stability.case import Case, Found
 from camgeo.stability.measure import Reading, measure
@@ -148,6 +152,7 @@ def test_a_mirrored_disc_is_seen() -> None:
 def changed(cases: Sequence[Case], name: str, quantity: str, bad: Found) -> tuple[float, float]:
     """Ratios of a quantity of a case, by camgeo and by a function of the places instead."""
     case = next(c for c in cases if c.name == name and quantity in c.quantities)
+    case = replace(case, exact=cache(case.exact))  # the same for both
     index = case.quantities.index(quantity)
 
     def found(places: FloatArray) -> tuple[FloatArray | ComplexArray, ...]:
@@ -199,6 +204,56 @@ def test_a_slide_by_the_ratio_of_its_lengths_is_seen() -> None:
     case = next(c for c in CASES if c.name == name and "slide velocity" in c.quantities)
     near = replace(case, places=(1e-7,))
     good, poor = changed([near], name, "slide velocity", printed)
+    assert good <= LIMIT
+    assert poor > 10.0 * LIMIT
+
+
+def test_the_stroke_of_a_long_coupler_as_a_difference_is_seen() -> None:
+    """Of two places of the pin 1e6 mm away: 20 mm are known to 1e-10 mm."""
+    name = "crank-slider, long coupler"
+    cam = next(each for each in loops.specs() if each.name == name)
+    linkage = cam.linkage
+    assert isinstance(linkage, CrankSlider)
+
+    def difference(phi: FloatArray) -> tuple[FloatArray]:
+        pins = [linkage.joints(each)[0].real for each in (cam.plan.jet(phi)[0], np.zeros(1))]
+        return (pins[0] - pins[1],)
+
+    good, poor = changed(CASES, f"{name}, rise", "lift s", difference)
+    assert good <= LIMIT
+    assert poor > 10.0 * LIMIT
+
+
+def test_a_contact_seen_from_a_far_pivot_is_seen() -> None:
+    """The place on the face and the way to the pivot, 1e6 mm each, leave 50 mm."""
+    name = "far pivot"
+    cam = next(each for each in faces.specs() if each.name == name)
+    follower = cam.follower
+    assert isinstance(follower, OscillatingFlat)
+
+    def from_the_pivot(phi: FloatArray) -> tuple[ComplexArray]:
+        jet = cam.plan.jet(phi)
+        place = follower.touch(jet, cam.rotation).contact[0]
+        side = follower.arm_side
+        along = np.exp(1j * (cmath.phase(-follower.pivot) + side * follower.face_angle(jet[0])))
+        contact = follower.pivot + (place + 1j * side * follower.face_offset) * along
+        return (contact * np.exp(-1j * cam.rotation * phi),)
+
+    good, poor = changed(CASES, f"{name}, rise", "pitch curve Z", from_the_pivot)
+    assert good <= LIMIT
+    assert poor > 10.0 * LIMIT
+
+
+def test_the_curvature_under_a_face_that_nearly_stands_is_seen() -> None:
+    """From Z' and Z'', which are all but parallel, as for a roller."""
+    name = "face that nearly stands in the cam"
+    cam = next(each for each in faces.specs() if each.name == name)
+
+    def from_derivatives(phi: FloatArray) -> tuple[FloatArray]:
+        relative = cam.curve.relative_jet(phi, order=2)
+        return (curvature(relative, cam.curve.speed(relative), cam.rotation),)
+
+    good, poor = changed(CASES, f"{name}, rise", "curvature", from_derivatives)
     assert good <= LIMIT
     assert poor > 10.0 * LIMIT
 

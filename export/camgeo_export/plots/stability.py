@@ -19,7 +19,7 @@ from camgeo.stability.measure import Reading
 from camgeo_export.plots.file import figure_file
 from camgeo_export.plots.style import AUXILIARY, LIMIT
 
-WIDTH, HEIGHT = 9.6, 7.8
+WIDTH, HEIGHT = 9.6, 9.0
 LEFT, RIGHT, TOP, BOTTOM = 0.75, 2.75, 0.5, 0.6
 """Sizes [inch]; the legend stands in the right margin."""
 

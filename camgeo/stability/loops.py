@@ -1,0 +1,128 @@
+"""Cases of cams behind a four-bar and behind a crank: dead centres, next to nothing, all scales."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import Final
+
+from camgeo.mechanism.crank_slider import CrankSlider
+from camgeo.mechanism.four_bar import FourBar
+from camgeo.mechanism.oscillating_roller import OscillatingRoller
+from camgeo.mechanism.slider_crank import SliderCrank
+from camgeo.mechanism.translating_roller import TranslatingRoller
+from camgeo.stability.cam_case import SHARES, CamSpec, cases_of
+from camgeo.stability.case import Case
+
+EVEN: Final = ("90", "90", "0", "90", "90")
+
+PLACES: Final = (1e-9, 0.21, 0.5, 0.83, 0.97)
+"""Places inside a move as shares of it."""
+
+SHORT: Final = 1e-6
+"""What a motion that ends next to a dead centre leaves of the way to it, as a share of it."""
+
+LATE: Final = (0.3, 0.5, 0.8, 0.97, 0.999)
+"""Places in a motion that ends in a dead centre, shares of its span."""
+
+EARLY: Final = (1e-3, *PLACES[1:])
+"""Places in a motion that starts in a dead centre."""
+
+RIGHT: Final = 0.5 * math.pi
+
+
+def cases() -> tuple[Case, ...]:
+    """All cases of this module."""
+    return tuple(case for spec in specs() for case in cases_of(spec))
+
+
+def specs() -> tuple[CamSpec, ...]:
+    """The cams."""
+    found = (*_four_bars(), *_crank_sliders())
+    return tuple(replace(each, rise=PLACES) if each.rise == SHARES else each for each in found)
+
+
+def four_bar(scale: float = 1.0, branch: int = 1) -> FourBar:
+    """An ordinary one."""
+    shaft = scale * (100.0 + 30.0j)
+    return FourBar(60.0 * scale, 90.0 * scale, 50.0 * scale, shaft, 2.0, 1, branch)
+
+
+def crank_slider(scale: float = 1.0, *, mirrored: bool = False) -> CrankSlider:
+    """An ordinary one."""
+    return CrankSlider(SliderCrank(60.0 * scale, 120.0 * scale, 0.5, False, 1, -1, 1, mirrored))
+
+
+def _rocker(scale: float = 1.0, arm_side: int = 1) -> OscillatingRoller:
+    """Midway in its swing, so that it stays off the line of centres with each linkage."""
+    pivot = complex(-100.0 * scale, 0.0)
+    return OscillatingRoller(pivot, 80.0 * scale, 120.0 * scale, 5.0 * scale, arm_side, None)
+
+
+def _guided(scale: float = 1.0, direction: int = 1) -> TranslatingRoller:
+    return TranslatingRoller(100.0 * scale, 10.0 * scale, 12.0 * scale, direction=direction)
+
+
+def _to_dead_centre(linkage: FourBar | CrankSlider) -> float:
+    return linkage.dead_positions(0.0, math.tau)[0]
+
+
+def _four_bars() -> tuple[CamSpec, ...]:
+    plain, rocker = four_bar(), _rocker()
+    closing = FourBar(60.0, 75.0, 50.0, 100.0 + 0j, 2.0, -1, -1)
+    way = _to_dead_centre(closing)
+    # The pin is at (80, 60) mm to begin with, without a rounding.
+    stretched = FourBar(60.0, 40.0, 60.0, 20.0 + 60.0j, 0.0, -1, 1)
+    folded = FourBar(150.0, 50.0, 60.0, 20.0 + 60.0j, 0.0, 1, -1)
+    turning = FourBar(80.0, 100.0, 30.0, 100.0 + 0j, 0.4, 1, 1)
+    near = FourBar(50.0, 50.0, 60.0, -60.0 + 0j, 0.25, -1, 1)
+    return (
+        CamSpec("four-bar", EVEN, 0.5, rocker, plain, back=PLACES),
+        CamSpec("four-bar, other branch", EVEN, 0.5, rocker, four_bar(branch=-1), -1),
+        CamSpec("four-bar, tiny motion", EVEN, 1e-8, rocker, plain),
+        CamSpec(
+            "four-bar, next to a dead centre", EVEN, way * (1.0 - SHORT), rocker, closing, rise=LATE
+        ),
+        CamSpec("four-bar, to a dead centre", EVEN, way, rocker, closing, rise=LATE),
+        CamSpec("four-bar, from a dead centre", EVEN, 0.4, rocker, stretched, rise=EARLY),
+        CamSpec("four-bar, from a folded one", EVEN, 0.2, rocker, folded, rise=EARLY),
+        CamSpec("four-bar, tiny motion from a dead centre", EVEN, 1e-6, rocker, stretched,
+                rise=EARLY),
+        CamSpec("four-bar, lever turns round", EVEN, math.tau, rocker, turning),
+        CamSpec("four-bar, pin passes the shaft", EVEN, 0.499, rocker, near),
+        *(
+            CamSpec(f"four-bar, scale {scale:g}", EVEN, 0.5, _rocker(scale), four_bar(scale))
+            for scale in (1e-6, 1e6)
+        ),
+    )  # fmt: skip
+
+
+def _crank_sliders() -> tuple[CamSpec, ...]:
+    plain, guided = crank_slider(), _guided()
+    closing = CrankSlider(SliderCrank(60.0, 50.0, 0.5, False, 1, -1, 1))
+    way = _to_dead_centre(closing)
+    # A little less than a right angle, which the exact crank has on the other side.
+    on_line = CrankSlider(SliderCrank(40.0, 60.0, RIGHT - 2.0**-50, False, 1, -1, 1))
+    equal = CrankSlider(SliderCrank(50.0, 50.0 * (1.0 + 1e-9), 1.57, True, 1, 1, 1))
+    long = CrankSlider(SliderCrank(60.0, 1e6, 0.5, False, 1, -1, 1))
+    return (
+        CamSpec("crank-slider", EVEN, 0.5, guided, plain, back=PLACES),
+        CamSpec("crank-slider, mirrored", EVEN, 0.5, guided, crank_slider(mirrored=True), -1),
+        CamSpec("crank-slider, tiny motion", EVEN, 1e-8, guided, plain),
+        CamSpec(
+            "crank-slider, next to a dead centre", EVEN, way * (1.0 - SHORT), guided, closing,
+            rise=LATE,
+        ),
+        CamSpec("crank-slider, to a dead centre", EVEN, way, guided, closing, rise=LATE),
+        CamSpec("crank-slider, stretched", EVEN, 0.4, guided, on_line, rise=EARLY),
+        CamSpec("crank-slider, tiny motion, stretched", EVEN, 1e-6, guided, on_line, rise=EARLY),
+        CamSpec("crank-slider, A near C", EVEN, 0.4, guided, equal),
+        CamSpec("crank-slider, long coupler", EVEN, 0.4, guided, long),
+        CamSpec("crank-slider, crank turns round", EVEN, math.tau, guided, on_line),
+        *(
+            CamSpec(
+                f"crank-slider, scale {scale:g}", EVEN, 0.5, _guided(scale), crank_slider(scale)
+            )
+            for scale in (1e-6, 1e6)
+        ),
+    )  # fmt: skip
