@@ -116,12 +116,13 @@ def distance_between(exact: Contour, contour: Contour) -> float:
     owner = np.argmin(_distances(exact, _middles(contour)), axis=0)
     beside = _largest_distances(exact, owner, contour)
     # Past the end of its owner a piece is as far off as from the corner there: a straight piece at
-    # most as far as at its own end, an arc at most its length farther.
+    # most as far as at its own end, an arc at most its length farther; what is rounded is not past.
     ends = np.maximum(
         _distances_from_owner(exact, owner, contour.vertices),
         _distances_from_owner(exact, owner, contour.ends),
     )
-    past = (ends > beside * (1.0 + 1e-9)) & (contour.sweeps != 0.0)
+    rounding = ROUNDING * float(np.max(np.abs(exact.vertices)))
+    past = (ends > beside * (1.0 + 1e-9) + rounding) & (contour.sweeps != 0.0)
     beyond = np.where(past, ends + contour.lengths, ends)
     largest = float(np.max(np.maximum(beside, beyond)))
     before = np.roll(owner, 1)
@@ -130,7 +131,6 @@ def distance_between(exact: Contour, contour: Contour) -> float:
     _check_round(exact, contour)
     _check_all_followed(exact, owner)
     _check_gaps(exact, owner, contour)
-    rounding = ROUNDING * float(np.max(np.abs(exact.vertices)))
     return max(largest, float(np.max(corners, initial=0.0))) + rounding
 
 

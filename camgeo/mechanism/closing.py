@@ -159,12 +159,15 @@ def why_open(linkage: Linkage, motion: Motion) -> str:
 
 
 def kept_between(linkage: Linkage) -> list[str]:
-    """In words, the positions that keep `linkage` clear of dead centres; empty if all do."""
+    """In words, the positions that keep `linkage` clear of dead centres.
+
+    Empty if all do, or none that could be told apart.
+    """
     low, high = clear_range(linkage)
     scale, unit = (1.0, "mm") if linkage.unit == "mm" else (math.degrees(1.0), "degrees")
     least, most = printed(scale * low, ROUND_CEILING), printed(scale * high, ROUND_FLOOR)
     what = f"with the {POSITIONS[linkage.member]} kept"
-    if math.isinf(low) and math.isinf(high):
+    if (math.isinf(low) and math.isinf(high)) or least == most:
         return []
     if math.isinf(low):
         return [f"{what} below {most} {unit}"]

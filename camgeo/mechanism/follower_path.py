@@ -387,7 +387,8 @@ def _require_reach(distance: FloatArray, reach: tuple[float, float]) -> None:
     low, high = reach
     slack = ROUNDING * (low if math.isinf(high) else high)
     if not np.all((distance >= low - slack) & (distance <= high + slack)):
+        allowed = f"at least {low:.6g} mm" if math.isinf(high) else f"{low:.6g} mm to {high:.6g} mm"
         raise GeometryError(
             "the follower cannot hold its roller there: the centre must lie"
-            f" {low:.6g} mm to {high:.6g} mm from the cam axis"
+            f" {allowed} from the cam axis"
         )

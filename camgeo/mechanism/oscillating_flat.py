@@ -45,7 +45,8 @@ class OscillatingFlat:
     Raises
     ------
     GeometryError
-        With key "follower.base_radius", if the face cannot be that far from the cam axis.
+        With key "follower.base_radius", if the face cannot be that far from the cam axis; with
+        "follower.pivot" or "follower.face_offset", if it can be at no distance.
     """
 
     pivot: complex
@@ -57,6 +58,16 @@ class OscillatingFlat:
 
     def __post_init__(self) -> None:
         l1, f = self.centre_distance, self.face_offset
+        if l1 == 0.0:
+            message = "the pivot lies on the cam axis: no rocker there moves its face outward"
+            raise GeometryError(message, key="follower.pivot")
+        if f <= -l1:
+            raise GeometryError(
+                f"the face cannot lie there: with the pivot {l1:.6g} mm from the cam axis it would"
+                f" always lie beyond it; must be above {-l1:.6g} mm",
+                key="follower.face_offset",
+                value=f"{f:g}",
+            )
         if not abs(self.base_radius - f) < l1:
             raise GeometryError(
                 f"the face cannot lie there: with the pivot {l1:.6g} mm from the cam axis and a"

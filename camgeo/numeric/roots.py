@@ -37,7 +37,7 @@ def bracketed_roots(function: Function, low: FloatArray, high: FloatArray) -> Fl
     a, b = np.array(high, dtype=np.float64), np.array(low, dtype=np.float64)
     if not len(a):
         return a
-    fa, fb = function(a), function(b)
+    fa, fb = np.array(function(a)), np.array(function(b))  # its own may be read-only
     c, fc = a.copy(), fa.copy()
     step = np.full_like(a, 0.5)
     root = np.where(np.abs(fa) < np.abs(fb), a, b)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Final, TypeVar
 
@@ -233,13 +233,16 @@ class Builder:
             hint = f'leave it out, write "{found}", or turn one of the linkage\'s choices'
             self.faults.append(self.values.scene.fault(("follower", "direction"), message, hint))
 
-    def effects(self) -> dict[str, dict[str, Any]]:
-        """The tables of the effects that the scene names, in the units inside."""
+    def effects(self, faulted: Collection[str] = ()) -> dict[str, dict[str, Any]]:
+        """The tables of the effects that the scene names, in the units inside.
+
+        Of those whose keys are among `faulted` nothing more is told.
+        """
         if not self.values.has("effects"):
             return {}
         from camgeo.scene.effects import EffectTables  # few scenes name an effect
 
-        tables = EffectTables(self.values, self.files)
+        tables = EffectTables(self.values, self.files, faulted)
         self.faults += tables.faults
         return tables.all
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from typing import Any, Final
 
 from camgeo.effects.effect import DataFile, Effect
@@ -42,6 +42,8 @@ FILE: Final = "#/$defs/file"
 class EffectTables:
     """The tables under ``[effects]``.
 
+    Of tables whose keys are among `faulted` nothing more is told.
+
     Attributes
     ----------
     all : by the names of the effects, in the scene's order; numbers in the units inside. Only those
@@ -49,12 +51,14 @@ class EffectTables:
     faults : what is wrong with them.
     """
 
-    def __init__(self, values: SoundValues, files: DataFiles) -> None:
+    def __init__(
+        self, values: SoundValues, files: DataFiles, faulted: Collection[str] = ()
+    ) -> None:
         self._values = values
         self._files = files
         named = values.scene.plain.get(TABLE)
         self._named: Mapping[str, Any] = named if isinstance(named, dict) else {}
-        self._refused: set[str] = set()
+        self._refused = {name for name in self._named if f"{TABLE}.{name}" in faulted}
         self.faults = list(self._of_foreign())
         self.all: dict[str, dict[str, Any]] = {}
         known: Mapping[str, Any] = schema()["properties"][TABLE]["properties"]

@@ -71,7 +71,7 @@ def _scene(data: bytes, file: str) -> Scene:
     plan = builder.plan() if moves else None
     follower, linkage, speed_curve = builder.follower(), builder.linkage(), builder.speed_curve()
     returning = None if follower is None else builder.returning(follower)
-    effects = builder.effects()
+    effects = builder.effects({fault.key for fault in faults})
     if plan is not None and follower is not None and linkage is not None:
         builder.join(plan, follower, linkage)
     faults += [*builder.files.faults, *builder.faults]

@@ -408,7 +408,7 @@ def tool_fits(values: SoundValues) -> Iterator[Fault]:
         return
     contact = values.get("follower", "contact")
     roller = values.exact("follower", "roller_radius")
-    if contact == "groove" and roller is not None and values.sound("follower", "side_clearance"):
+    if contact == "groove" and roller and values.sound("follower", "side_clearance"):
         play = values.exact("follower", "side_clearance") or Decimal(0)
         width = 2 * roller + play  # as they are written: a cutter may fill the groove
         written = values.exact(*place)
@@ -417,8 +417,8 @@ def tool_fits(values: SoundValues) -> Iterator[Fault]:
             message = f"must not exceed the width of the groove, {what} {float(width):g}"
             yield values.scene.fault(place, message)
     bore = values.get("part", "bore")
-    if contact != "outer" and bore is not None and tool > bore:
-        yield values.scene.fault(place, f"must not exceed the bore to be milled, {bore:g}")
+    if contact != "outer" and bore is not None and tool >= bore:
+        yield values.scene.fault(place, f"must be less than the bore to be milled, {bore:g}")
 
 
 def tolerance_is_possible(values: SoundValues) -> Iterator[Fault]:

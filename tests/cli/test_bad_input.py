@@ -130,7 +130,7 @@ def test_undercut_is_told_and_nothing_written(tmp_path: Path, capsys: Capture) -
         ([("bore = 20", "bore = 79")], r"part\.bore|the bore reaches"),
         (
             [("tool_diameter = 8", "tool_diameter = 20.5")],
-            r"tool_diameter = 20\.5: must not exceed the bore",
+            r"tool_diameter = 20\.5: must be less than the bore",
         ),
         ([("tolerance = 0.001", "tolerance = 1e-13")], r"output\.tolerance = 1e-13: must be"),
     ],

@@ -131,6 +131,18 @@ def test_another_keyway(width: float, depth: float, angle: float) -> None:
     _caught(SLOTTED, bore_outline(2.0 * RADIUS, Keyway(width, depth, angle)))
 
 
+@pytest.mark.parametrize("ends", [(1.0, -1.0), (-1.0, 1.0), (1.0, 1.0), (-1.0, -1.0)])
+def test_arcs_that_are_rounded_are_no_longer_for_it(ends: tuple[float, float]) -> None:
+    # As a drawing gives them back: an end some ulps past the corner, the circle as it was.
+    arcs = SLOTTED.split(math.pi)
+    first, last = (np.exp(3e-16j * end) for end in ends)
+    vertices = arcs.vertices.copy()
+    vertices[0] *= first
+    vertices[3] *= last
+    rounded = Contour(vertices, arcs.sweeps, arcs.centres)
+    assert distance_between(SLOTTED, rounded) <= 2.0 * NOTHING
+
+
 def test_a_bore_without_its_keyway_is_refused() -> None:
     """The circle lies on the circle everywhere: only that the slot is missing tells."""
     with pytest.raises(GeometryError, match="leaves out"):

@@ -27,7 +27,7 @@ from camgeo.effects.registry import EFFECTS
 from camgeo.errors import EffectError, Fault, GeometryError, SceneError
 from camgeo.numeric.arrays import FloatArray
 from camgeo.scene.load import parse_scene
-from camgeo.scene.rules import ONE_DISC
+from camgeo.scene.rules import OF_FACE, OF_ROLLER, ONE_CONTACT, ONE_DISC, ONE_ROLLER
 from camgeo.scene.schema import schema
 from camgeo.units import TURN
 from tests.effects.scenes import SCENES
@@ -151,12 +151,29 @@ def value(rng: Random, key: str, node: dict[str, Any], *, wild: bool) -> Any:
     return {each: value(rng, each, inner[each], wild=wild) for each in inner}
 
 
+def drives_slider(text: str) -> bool:
+    """Whether the follower is a rocker that drives a slider through a linkage."""
+    return "oscillating" in text and '"slider-crank"' in text
+
+
+def foreign_keys(effect: str, text: str) -> set[str]:
+    """Keys of a table that do not suit the mechanism."""
+    slides = drives_slider(text)
+    own = OF_LINKAGE if slides else OF_ROCKER if "oscillating" in text else OF_GUIDE
+    found = set(own.get(effect, ()))
+    found |= {key for name, key in (OF_ROLLER if '-flat"' in text else OF_FACE) if name == effect}
+    if "[follower.return]" in text:
+        found |= {key for name, key in ONE_ROLLER if name == effect}
+    if "[linkage]" not in text or slides:
+        found.add("output_moment")
+    return found
+
+
 def keys_of(rng: Random, effect: str, properties: dict[str, Any], text: str) -> list[str]:
     """Some of the keys of a table, most times those that suit the follower."""
-    rocks = "oscillating-roller" in text
-    slides = rocks and '"slider-crank"' in text
-    foreign = OF_LINKAGE if slides else OF_ROCKER if rocks else OF_GUIDE
-    keys = [each for each in properties if each not in foreign.get(effect, ())]
+    rocks, slides = "oscillating" in text, drives_slider(text)
+    foreign = foreign_keys(effect, text)
+    keys = [each for each in properties if each not in foreign]
     if rng.random() < 0.03:
         keys = list(properties)
     chosen = [each for each in keys if rng.random() < 0.6]
@@ -181,7 +198,7 @@ def keys_of(rng: Random, effect: str, properties: dict[str, Any], text: str) -> 
         chosen = [each for each in dict.fromkeys(chosen) if each != "file"]
     if effect == "friction":
         chosen += [f"{each}_diameter" for each in ("pivot", "roller_pin") if each in chosen]
-        if "guide_overhang" in chosen:
+        if "guide_overhang" in chosen or ('-flat"' in text and "guide" in chosen):
             chosen.append("guide_length")
     if effect == "inertia":
         for part, mass in (("rocker", "rocker_mass"), ("coupler", "coupler_mass")):
@@ -211,6 +228,8 @@ def tables_of(rng: Random, text: str) -> str:
         named |= {"inertia", "spring"}
     if "[follower.return]" in text and rng.random() < 0.95:
         named -= set(ONE_DISC)
+    if "[follower.yoke]" in text and rng.random() < 0.95:
+        named -= set(ONE_CONTACT)
     lines = []
     for effect in EFFECTS:
         other = "[linkage]" in text and not ("oscillating" in text and "slider-crank" in text)

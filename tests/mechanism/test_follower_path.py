@@ -173,5 +173,5 @@ def test_no_meeting_is_an_error() -> None:
     away = Bows(one(1000.0), one(1.0), np.array([1.0]))
     with pytest.raises(GeometryError, match="does not meet"):
         path.meet(np.zeros(1), away, np.ones(1))
-    with pytest.raises(GeometryError, match="must lie 9 mm to inf mm from the cam axis"):
+    with pytest.raises(GeometryError, match="must lie at least 9 mm from the cam axis"):
         path.cam_angle_of(one(1.0))

@@ -53,6 +53,16 @@ def test_a_root_at_an_end_of_the_bracket(low: float, high: float) -> None:
     assert bracketed_roots(lambda x: x, np.array([low]), np.array([high])).tolist() == [0.0]
 
 
+def test_values_of_the_function_are_left_as_they_are() -> None:
+    def remembered(x: FloatArray) -> FloatArray:
+        values = x**3 - x
+        values.flags.writeable = False
+        return values
+
+    (found,) = bracketed_roots(remembered, np.array([0.4]), np.array([2.3]))
+    assert abs(found - 1.0) <= 2.0 * math.ulp(1.0)
+
+
 def test_no_brackets_have_no_roots() -> None:
     assert bracketed_roots(lambda x: x, np.empty(0), np.empty(0)).size == 0
 

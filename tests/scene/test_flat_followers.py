@@ -77,6 +77,24 @@ def test_all_that_is_for_rollers_is_refused_at_once() -> None:
     assert not faults
 
 
+@pytest.mark.parametrize(
+    ("change", "key", "words"),
+    [
+        (("[-96, 30]", "[0, 0]"), "follower.pivot", "lies on the cam axis"),
+        (("face_offset = 6", "face_offset = -101"), "follower.face_offset", "be above -100.578 mm"),
+        (("face_offset = 6", "face_offset = 146"), "follower.base_radius", "between 45.4"),
+    ],
+)
+def test_a_face_that_can_be_at_no_distance_is_told_why(
+    change: tuple[str, str], key: str, words: str
+) -> None:
+    with pytest.raises(SceneError) as error:
+        parse_scene(changed(ROCKER, change))
+    (fault,) = error.value.faults
+    assert fault.key == key
+    assert words in fault.message
+
+
 def test_effects_that_are_no_table_are_one_fault() -> None:
     text = changed(TAPPET, ("camgeo = 1 ", "effects = 3\ncamgeo = 1 "))
     with pytest.raises(SceneError) as error:
@@ -138,3 +156,13 @@ def test_a_cam_that_is_not_convex_is_not_made(tmp_path: Path) -> None:
     assert main(["build", str(scene), "-o", str(tmp_path / "out")]) == 1
     assert not (tmp_path / "out").exists()
     assert main(["plot", str(scene), "-o", str(tmp_path / "small.png")]) == 0
+
+
+@pytest.mark.parametrize("text", [TAPPET, ROCKER])
+def test_a_follower_that_rests_all_the_turn_is_drawn(text: str, tmp_path: Path) -> None:
+    head, _, tail = text.partition("[[motion]]")
+    end = tail[tail.index("\n[part]") :]
+    resting = changed(f"{head}[[motion]]\ndwell = 360\n{end}", ("\nface =", "\n# face ="))
+    scene = tmp_path / "resting.toml"
+    scene.write_text(resting)
+    assert main(["plot", str(scene), "cam", "-o", str(tmp_path / "resting.svg")]) == 0

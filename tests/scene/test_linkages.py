@@ -98,6 +98,14 @@ def test_what_cannot_be_is_told(text: str, changes: list[tuple[str, str]], words
     assert words in str(caught.value)
 
 
+def test_no_range_of_no_width_is_proposed() -> None:
+    with pytest.raises(SceneError) as caught:
+        loaded(CRANK_SLIDER, ("coupler = 110", "coupler = 1e-9"))
+    (fault,) = caught.value.faults
+    assert "does not close" in fault.message
+    assert "kept between" not in fault.message
+
+
 def test_a_direction_that_contradicts_the_four_bar_is_told() -> None:
     stated = "inward" if _moves_outward(loaded(FOUR_BAR)) else "outward"
     with pytest.raises(SceneError, match="contradicts the linkage"):

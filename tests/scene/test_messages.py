@@ -129,7 +129,7 @@ FAULTS: list[tuple[str, list[Change], str]] = [
         [("diameter = 10", "diameter = 16.1")],
         "must not exceed the width of the gro.* 16",
     ),
-    (PLATE, [("diameter = 8", "diameter = 21")], "must not exceed the bore to be milled, 20"),
+    (PLATE, [("diameter = 8", "diameter = 20")], "must be less than the bore to be milled, 20"),
     (PLATE, [("tool_diameter = 8\n", "")], "output.gcode.tool_diameter: is missing: Diameter of"),
     (GROOVE, [("[output.gcode]\ntool_diameter = 10", "")], r"needs \[output\.gcode\] with tool_"),
     (PLATE, [('"svg"', '"swg"')], r'output.formats\[6\] = "swg": .*did you mean "svg"'),
@@ -211,6 +211,7 @@ def test_one_mistake_is_one_fault() -> None:
         spoilt(PLATE, ("to = 0", "to = 9")),
         spoilt(PLATE, ("camgeo = 1", "camgeo = 3"), ("base_radius", "radius_of_base")),
         spoilt(LINKED, ("[linkage]", "[linkge]"), ("to = 5.5", "to = 200")),
+        spoilt(GROOVE, ("radius = 8", "radius = 0")),
     ]
     for text in single:
         with pytest.raises(SceneError, match="1 fault\n"):

@@ -105,6 +105,14 @@ def test_what_does_not_go_with_a_yoke_is_refused(text: str, told: str) -> None:
     assert told in str(caught.value)
 
 
+def test_an_effect_that_is_refused_is_not_told_what_it_lacks_too() -> None:
+    with pytest.raises(SceneError) as caught:
+        parse_scene(TEXT + "[effects.contact-force]\n")
+    (fault,) = caught.value.faults
+    assert fault.key == "effects.contact-force"
+    assert fault.message.startswith("knows one contact")
+
+
 def test_a_rocker_has_no_yoke() -> None:
     text = (SCENES / "shuttle.toml").read_text(encoding="utf-8")
     with pytest.raises(SceneError, match="yoke"):

@@ -199,7 +199,8 @@ def _flat(axes: Axes, product: Product, contact: complex, scale: float) -> compl
     assert sketch.face is not None  # of a flat follower
     start, stop = (point * scale for point in sketch.face)
     end = sketch.end * scale
-    along = (stop - start) / abs(stop - start)
+    # A follower that never moves needs no length of face: its stem stands on the contact.
+    along = (stop - start) / abs(stop - start) if stop != start else 0j
     foot = start + along * ((end - start) * along.conjugate()).real
     _segment(axes, start, stop, FACE)
     _segment(axes, foot, end, 1.2)
