@@ -24,6 +24,9 @@ of degree n that stays within eps over a length h has slopes of at most 2 n^2 ep
 leading order arcs leave a curve by a cubic, lines by a parabola. A contour within its tolerance has
 no larger kinks than two such slopes."""
 
+FINER = 0.1
+"""Tolerance of the outline whose turn is looked at, as a share of the contour's."""
+
 INCH_SHARE = 0.01
 """By how much sizes in mm and in inch may miss 25.4 for an advice to be given."""
 
@@ -92,7 +95,7 @@ def contour_checks(
     slope = SLOPE * tolerance if rounded is None else rounded
     checks = [
         _deviation(shape, contour, tolerance, extra, of),
-        _kink(shape, contour, tolerance, slope, of),
+        _kink(shape, contour, tolerance, slope, of, bends=rounded is None),
     ]
     if shape.area is not None:
         allowed = tolerance * (shape.length + math.pi * tolerance)
@@ -127,10 +130,14 @@ def _where(shape: Shape, contour: AnyContour, tolerance: float) -> str:
     return text
 
 
-def _kink(shape: Shape, contour: AnyContour, tolerance: float, slope: float, of: str) -> Check:
+def _kink(
+    shape: Shape, contour: AnyContour, tolerance: float, slope: float, of: str, *, bends: bool
+) -> Check:
     """The largest kink where the exact outline has no corner.
 
-    `slope` [mm], over the length of a piece, is by how much its direction may be off.
+    `slope` [mm], over the length of a piece, is by how much its direction may be off. That is all
+    where the outline hardly bends along a piece. With `bends`, for pieces that need not be tangent,
+    it may be off by the outline's own turn there more.
     """
     joints = joints_of(contour)
     with np.errstate(divide="ignore"):
@@ -141,9 +148,25 @@ def _kink(shape: Shape, contour: AnyContour, tolerance: float, slope: float, of:
         apart = np.abs(joints.places - corner)
         smooth &= (apart > 2.0 * tolerance) & (apart > np.min(apart))
     kinks: FloatArray = np.where(smooth, joints.kinks, 0.0)
+    for k in np.flatnonzero(kinks > limits) if bends else ():
+        limits[k] += _turn_near(shape, complex(joints.places[k]), float(kinks[k]), tolerance)
     beyond = kinks > limits
     worst = int(np.argmax(np.where(beyond, kinks - limits, -1.0) if np.any(beyond) else kinks))
     value, limit = math.degrees(float(kinks[worst])), math.degrees(float(limits[worst]))
     return at_most(
         "kink", value, limit, "deg", of, f"at {place_text(complex(joints.places[worst]))}"
     )
+
+
+def _turn_near(shape: Shape, place: complex, kink: float, tolerance: float) -> float:
+    """By how much [rad] the exact outline turns where it may give a vertex a kink.
+
+    The vertex lies within the tolerance of the outline. A bend of that angle which is farther from
+    it than the tolerance over its sine would lie too far off the straight on of a piece.
+    """
+    reach = tolerance * (1.0 + 1.0 / math.sin(min(kink, 0.5 * math.pi)))
+    try:
+        joints = joints_of(shape.polygon(FINER * tolerance))
+    except (ToleranceError, UndercutError):
+        return 0.0
+    return float(np.sum(joints.kinks[np.abs(joints.places - place) <= reach]))
