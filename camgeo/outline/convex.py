@@ -23,8 +23,12 @@ from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray, ascending
 
 SMALLEST = 1e-9
-"""Radius of curvature, as a share of the base radius, that counts as a cusp, and jump of the
-contact that counts as none: a thousand times what is lost in the sums."""
+"""Radius of curvature, as a share of the base radius, that counts as a cusp: a thousand times what
+is lost in the sums."""
+
+NO_JUMP = 1e-12
+"""Jump of the contact, as a share of the base radius, that counts as none: below what the closure
+of a curve is held to."""
 
 HALVINGS = 40
 """Rounds of halving at most, until no cell is left in which a cusp could hide."""
@@ -84,7 +88,7 @@ def convexity(curve: PitchCurve) -> Convexity:
     ).smallest()
     clearance = _distances(curve).smallest()
     radius = (-np.inf, turn[1]) if turn[0] <= 0.0 else _smallest_radius(curve)
-    jump, count = _jumps(curve, SMALLEST * size)
+    jump, count = _jumps(curve, NO_JUMP * size)
     return Convexity(turn, radius, clearance, jump, count, size)
 
 
