@@ -46,8 +46,8 @@ def test_newton_on_the_loop_finds_the_same_slider(linkage: CrankSlider, jet: np.
 @given(inner=slider_cranks(), stroke=st.floats(0.0, 8.0), slope=st.floats(0.2, 2.0))
 def test_it_undoes_the_slider_crank(inner: SliderCrank, stroke: float, slope: float) -> None:
     """From the stroke to the crank's angle and back, with all derivatives."""
-    linkage = CrankSlider(inner)
     assume(abs(math.cos(inner.coupler_angle)) > 0.2)
+    linkage = CrankSlider(inner)
     path = np.zeros((4, 65))
     path[0] = np.linspace(0.0, stroke, 65)
     swing = inner.transform(path)

@@ -54,8 +54,9 @@ def test_loop_and_branch_hold_and_the_swing_is_continuous(linkage: FourBar) -> N
     jet[0], jet[1] = motion, 1.0
     swing, speed = linkage.transform(jet)[:2]
     assert swing[0] == 0.0
-    # The mean value theorem excludes a turn.
-    assert np.max(np.abs(np.diff(swing))) < 2.0 * np.max(np.abs(speed)) * motion[1]
+    # The mean value theorem excludes a turn; a crank that rests, of a kite, rests to rounding.
+    most = 2.0 * np.max(np.abs(speed)) * motion[1]
+    assert np.max(np.abs(np.diff(swing))) < most + 16.0 * 2.0**-52 * math.pi
 
 
 def test_a_rocker_may_turn_more_than_half_a_turn_with_no_jump() -> None:
