@@ -9,9 +9,10 @@ import numpy as np
 
 from camgeo.check.finding import Finding
 from camgeo.mechanism.linkage import LinkedMotion
+from camgeo.mechanism.positions import Course, course_of, position_told
 from camgeo.mechanism.slider_crank import SliderCrank
 from camgeo.mechanism.triangle import dot
-from camgeo.motion.extremes import lift_range, turning_angles
+from camgeo.motion.extremes import turning_angles
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray, merged
 from camgeo.units import TURN
@@ -41,26 +42,27 @@ def check_linkage(motion: LinkedMotion) -> tuple[Finding, ...]:
     No limit is set to that angle: force flows from the cam, and what suits the crank need not suit
     the far end.
     """
-    spare = _to_dead_centre(motion)
+    course = course_of(motion.demanded)
+    spare = _to_dead_centre(motion, course)
     if spare.severity == "fatal":
         return (spare, *_branch(motion.linkage))
-    return (spare, _transmission_angle(motion), *_branch(motion.linkage))
+    return (spare, _transmission_angle(motion, course), *_branch(motion.linkage))
 
 
-def _to_dead_centre(motion: LinkedMotion) -> Finding:
+def _to_dead_centre(motion: LinkedMotion, course: Course) -> Finding:
     """What is spare where the linkage is nearest to a dead centre."""
-    from camgeo.mechanism.closing import clear_range, first_angle, kept_between, position_told
-
     linkage = motion.linkage
-    position, missing = motion.tightest()
+    position, missing = motion.tightest(course.range)
     spare = max(0.0, -missing)
     limit = DEAD_CENTRE * (linkage.crank + linkage.coupler)
-    phi = first_angle(motion.demanded, position)
+    phi = course.first_angle(position)
     what, infinite = LINES[linkage.member]
     place = f"at {position_told(linkage, position)}, cam angle {math.degrees(phi):.6g} deg"
     if spare > limit:
         sentence = f"the linkage keeps {spare:.6g} mm from a dead centre, nearest {place}"
     else:
+        from camgeo.mechanism.closing import clear_range, kept_between  # few linkages reach one
+
         sentence = f"{what} {place}: a dead centre, {infinite} becomes infinite there"
         # Where the motion starts in one, it cannot keep clear of it.
         kept = [] if 0.0 in clear_range(linkage) else kept_between(linkage)
@@ -76,9 +78,9 @@ def _to_dead_centre(motion: LinkedMotion) -> Finding:
     )
 
 
-def _transmission_angle(motion: LinkedMotion) -> Finding:
+def _transmission_angle(motion: LinkedMotion, course: Course) -> Finding:
     """The smallest acute angle between coupler and crank."""
-    value, place = _smallest_sine(motion)
+    value, place = _smallest_sine(motion, course)
     angle = math.degrees(math.asin(min(1.0, value)))
     return Finding(
         name="linkage-transmission-angle",
@@ -93,7 +95,7 @@ def _transmission_angle(motion: LinkedMotion) -> Finding:
     )
 
 
-def _smallest_sine(motion: LinkedMotion) -> tuple[float, float]:
+def _smallest_sine(motion: LinkedMotion, course: Course) -> tuple[float, float]:
     """Smallest magnitude of the sine of the angle from crank to coupler, and its cam angle [rad].
 
     Where crank and coupler close a triangle to the pin its area is concave in the square of the
@@ -102,13 +104,11 @@ def _smallest_sine(motion: LinkedMotion) -> tuple[float, float]:
     """
     linkage, demanded = motion.linkage, motion.demanded
     if linkage.member != "crank":
-        from camgeo.mechanism.closing import first_angle
-
-        low, high = lift_range(demanded)
+        low, high = course.range
         positions = np.array([low, high, *linkage.turning_positions(low, high)])
         sines = np.abs(_sine(linkage, positions))
         least = int(np.argmin(sines))
-        return float(sines[least]), first_angle(demanded, float(positions[least]))
+        return float(sines[least]), course.first_angle(float(positions[least]))
 
     from camgeo.numeric.peaks import grid_of, piecewise_extremes
     from camgeo.numeric.roots import roots_on_grid

@@ -6,29 +6,20 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context
-from functools import partial
 from itertools import pairwise
 from typing import Final
 
 import numpy as np
 
 from camgeo.errors import GeometryError
-from camgeo.mechanism.linkage_protocol import Linkage, Member, Size
+from camgeo.mechanism.linkage_protocol import Linkage, Size
+from camgeo.mechanism.positions import POSITIONS, course_of
 from camgeo.mechanism.triangle import ROUNDING
-from camgeo.motion.extremes import lift_range, pieces, turning_angles
+from camgeo.motion.extremes import lift_range
 from camgeo.motion.motion import Motion
-from camgeo.numeric.arrays import FloatArray, merged
-from camgeo.numeric.roots import bracketed_roots
 from camgeo.units import TURN
 
 SIZES: Final[tuple[Size, ...]] = ("coupler", "crank")
-
-POSITIONS: Final[dict[Member, str]] = {
-    "slider": "stroke",
-    "lever": "lever's angle",
-    "crank": "crank's angle",
-}
-"""What the demanded position is called."""
 
 DIGITS: Final = 6
 """Significant digits of the figures of a cure, rounded to the side on which the linkage closes."""
@@ -67,12 +58,13 @@ def openings(linkage: Linkage, motion: Motion) -> tuple[Opening, ...]:
     Empty if it closes. The turn is cut where the motion turns back, where the
     missing length is 0 and where it may turn: between two cuts it has one sign.
     """
-    low, high = lift_range(motion)
+    course = course_of(motion)
+    low, high = course.range
     marks = (*linkage.dead_positions(low, high), *linkage.turning_positions(low, high))
-    cuts = _cuts(motion, marks)
+    cuts = course.cuts(marks)
     places = np.empty(2 * len(cuts) - 1)
     places[::2], places[1::2] = cuts, 0.5 * (cuts[:-1] + cuts[1:])
-    missing = linkage.missing_length(_positions(motion, places))
+    missing = linkage.missing_length(motion.jet(places)[0])
     open_at = missing > ROUNDING * (linkage.crank + linkage.coupler)
     edges = np.flatnonzero(np.diff(np.concatenate(([False], open_at, [False]))))
     found = []
@@ -87,12 +79,6 @@ def openings(linkage: Linkage, motion: Motion) -> tuple[Opening, ...]:
             place = float(places[worst])
             found.append(Opening(place, place, float(missing[worst]), place))
     return tuple(found)
-
-
-def first_angle(motion: Motion, position: float) -> float:
-    """The first cam angle [rad] at which `motion` is at `position`, or nearest to it."""
-    cuts = _cuts(motion, (position,))
-    return float(cuts[np.argmin(np.abs(_positions(motion, cuts) - position))])
 
 
 def clear_range(linkage: Linkage) -> tuple[float, float]:
@@ -176,13 +162,6 @@ def kept_between(linkage: Linkage) -> list[str]:
     return [f"{what} between {least} and {most} {unit}"]
 
 
-def position_told(linkage: Linkage, position: float) -> str:
-    """In words, a position of the demanded motion [mm or rad]."""
-    if linkage.unit == "mm":
-        return f"stroke {position:.6g} mm"
-    return f"{POSITIONS[linkage.member]} {math.degrees(position):.6g} deg"
-
-
 def printed(value: float, rounding: str) -> str:
     """`value` in a few digits, rounded up (`ROUND_CEILING`) or down (`ROUND_FLOOR`)."""
     return f"{Context(prec=DIGITS, rounding=rounding).create_decimal(value).normalize():f}"
@@ -209,30 +188,6 @@ def _closes(linkage: Linkage, size: Size, length: float, low: float, high: float
         return False
     positions = np.array([low, high, *other.turning_positions(low, high)])
     return bool(np.all(other.missing_length(positions) <= 0.0))
-
-
-def _positions(motion: Motion, phi: FloatArray) -> FloatArray:
-    return np.asarray(motion.jet(phi)[0])
-
-
-def _cuts(motion: Motion, marks: tuple[float, ...]) -> FloatArray:
-    """Cam angles [rad], ascending from 0 to a turn: ends of the pieces, where the motion turns back
-    and where it is at one of `marks`.
-    """
-    ends = np.array([0.0, *(end for _, end in pieces(motion)), *turning_angles(motion)])
-    ends = merged(ends)
-    at_ends = _positions(motion, ends)
-    found = [ends]
-    for mark in marks:
-        beyond = np.sign(at_ends - mark)
-        passes = beyond[:-1] * beyond[1:] < 0.0
-        function = partial(_beyond, motion, mark)
-        found.append(bracketed_roots(function, ends[:-1][passes], ends[1:][passes]))
-    return merged(np.concatenate(found))
-
-
-def _beyond(motion: Motion, mark: float, phi: FloatArray) -> FloatArray:
-    return _positions(motion, phi) - mark
 
 
 def _listed(words: list[str]) -> str:

@@ -45,12 +45,13 @@ class LinkedMotion:
 
         raise GeometryError(why_open(self.linkage, self.demanded), key="linkage")
 
-    def tightest(self) -> tuple[float, float]:
+    def tightest(self, within: tuple[float, float] | None = None) -> tuple[float, float]:
         """The position [mm or rad] nearest to a dead centre, or beyond it, and what is missing.
 
-        The missing length [mm] is negative where there is some to spare.
+        The missing length [mm] is negative where there is some to spare. `within` is the range of
+        the demanded motion, if it is known.
         """
-        low, high = lift_range(self.demanded)
+        low, high = lift_range(self.demanded) if within is None else within
         positions = np.array([low, high, *self.linkage.turning_positions(low, high)])
         missing = self.linkage.missing_length(positions)
         worst = int(np.argmax(missing))

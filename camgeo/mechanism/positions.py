@@ -1,0 +1,88 @@
+"""Positions of a demanded motion: where it passes them, and how they are told."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import partial
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from camgeo.motion.extremes import pieces, turning_angles
+from camgeo.numeric.arrays import BoolArray, FloatArray, IntArray, merged
+from camgeo.numeric.roots import bracketed_roots
+
+if TYPE_CHECKING:
+    from camgeo.mechanism.linkage_protocol import Linkage, Member
+    from camgeo.motion.motion import Motion
+
+POSITIONS: Final[dict[Member, str]] = {
+    "slider": "stroke",
+    "lever": "lever's angle",
+    "crank": "crank's angle",
+}
+"""What the demanded position is called."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Course:
+    """A motion cut where it turns back.
+
+    Attributes
+    ----------
+    motion : the demanded motion.
+    ends : (k,) cam angles [rad], ascending from 0 to a turn; between two of them the motion has one
+        formula and runs one way.
+    at_ends : (k,) positions there [mm or rad].
+    """
+
+    motion: Motion
+    ends: FloatArray
+    at_ends: FloatArray
+
+    @property
+    def range(self) -> tuple[float, float]:
+        """Smallest and largest position [mm or rad]."""
+        return float(np.min(self.at_ends)), float(np.max(self.at_ends))
+
+    def cuts(self, marks: tuple[float, ...]) -> FloatArray:
+        """(n,) the ends, and the cam angles at which the motion is at one of `marks`; ascending."""
+        found = [self.ends]
+        for mark in marks:
+            passes = np.flatnonzero(self._passes(mark))
+            found.append(self._between(mark, passes))
+        return merged(np.concatenate(found))
+
+    def first_angle(self, position: float) -> float:
+        """The first cam angle [rad] at which the motion is at `position`, or nearest to it."""
+        nearest = int(np.argmin(np.abs(self.at_ends - position)))
+        passes = np.flatnonzero(self._passes(position))[:1]
+        there = self.ends[self.at_ends == position][:1]
+        found = np.concatenate((there, self._between(position, passes)))
+        return float(np.min(found)) if len(found) else float(self.ends[nearest])
+
+    def _passes(self, mark: float) -> BoolArray:
+        beyond = np.sign(self.at_ends - mark)
+        return np.asarray(beyond[:-1] * beyond[1:] < 0.0)
+
+    def _between(self, mark: float, places: IntArray) -> FloatArray:
+        function = partial(_beyond, self.motion, mark)
+        return bracketed_roots(function, self.ends[places], self.ends[places + 1])
+
+
+def course_of(motion: Motion) -> Course:
+    """`motion` with its ends."""
+    ends = merged(np.array([0.0, *(end for _, end in pieces(motion)), *turning_angles(motion)]))
+    return Course(motion, ends, np.asarray(motion.jet(ends)[0]))
+
+
+def position_told(linkage: Linkage, position: float) -> str:
+    """In words, a position of the demanded motion [mm or rad]."""
+    if linkage.unit == "mm":
+        return f"stroke {position:.6g} mm"
+    return f"{POSITIONS[linkage.member]} {math.degrees(position):.6g} deg"
+
+
+def _beyond(motion: Motion, mark: float, phi: FloatArray) -> FloatArray:
+    return np.asarray(motion.jet(phi)[0] - mark)
