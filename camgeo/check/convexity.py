@@ -33,7 +33,7 @@ def _turns_back(found: Convexity) -> Finding:
         name="convexity",
         severity="fatal",
         sentence=(
-            f"the face turns back in the cam at cam angle {_degrees(phi)} deg: the rocker turns"
+            f"the face turns back in the cam at cam angle {degrees(phi)} deg: the rocker turns"
             f" with the cam and {1.0 - turn:.4g} times as fast, and no convex cam makes a flat face"
             " do that; give the move a larger span or a smaller swing"
         ),
@@ -46,7 +46,7 @@ def _turns_back(found: Convexity) -> Finding:
 def _radius(found: Convexity, *, rocks: bool) -> Finding:
     radius, phi = found.radius
     least = SMALLEST * found.size
-    place = f"at cam angle {_degrees(phi)} deg"
+    place = f"at cam angle {degrees(phi)} deg"
     if radius > least:
         sentence = f"smallest radius of curvature {radius:.6g} mm {place}: the cam is convex"
     else:
@@ -84,7 +84,7 @@ def _jump(found: Convexity) -> Finding:
         name="contact-jump",
         severity="fatal",
         sentence=(
-            f"the velocity of the follower jumps at cam angle {_degrees(phi)} deg, and the contact"
+            f"the velocity of the follower jumps at cam angle {degrees(phi)} deg, and the contact"
             f" by {abs(length):.6g} mm along the face, {which}{others}; a flat face needs a motion"
             " without shocks"
         ),
@@ -102,7 +102,7 @@ def _over_axis(found: Convexity) -> Finding:
         severity="fatal",
         sentence=(
             f"the face comes as near as {lowest:.6g} mm to the cam axis at cam angle"
-            f" {_degrees(phi)} deg: the cam does not go round its axis; make follower.base_radius"
+            f" {degrees(phi)} deg: the cam does not go round its axis; make follower.base_radius"
             " larger"
         ),
         value=lowest,
@@ -112,5 +112,6 @@ def _over_axis(found: Convexity) -> Finding:
     )
 
 
-def _degrees(angle: float) -> str:
+def degrees(angle: float) -> str:
+    """A cam angle [rad] in words."""
     return f"{math.degrees(angle):.4f}"

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import math
 from typing import cast
 
+from camgeo.check.convexity import degrees
 from camgeo.check.finding import Finding
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.mechanism.face import FlatFollower
@@ -24,8 +24,8 @@ def check_face(curve: PitchCurve) -> tuple[Finding, ...]:
     (low, at_low), (high, at_high) = places.smallest(), places.largest()
     start = "pivot's foot" if follower.rocks else "cam axis"
     sentence = (
-        f"the contact runs along the face from {low:.6g} mm at cam angle {_degrees(at_low)} deg to"
-        f" {high:.6g} mm at {_degrees(at_high)} deg, counted from the {start}: a face of"
+        f"the contact runs along the face from {low:.6g} mm at cam angle {degrees(at_low)} deg to"
+        f" {high:.6g} mm at {degrees(at_high)} deg, counted from the {start}: a face of"
         f" {high - low:.6g} mm is needed"
     )
     found = []
@@ -58,7 +58,7 @@ def check_face(curve: PitchCurve) -> tuple[Finding, ...]:
                 severity="broken",
                 sentence=(
                     f"the contact comes to the pivot's foot on the face ({low:.6g} mm at cam angle"
-                    f" {_degrees(at_low)} deg): it has no lever about the pivot there, and the cam"
+                    f" {degrees(at_low)} deg): it has no lever about the pivot there, and the cam"
                     " cannot move the rocker on"
                 ),
                 value=low,
@@ -68,7 +68,3 @@ def check_face(curve: PitchCurve) -> tuple[Finding, ...]:
             )
         )
     return tuple(found)
-
-
-def _degrees(angle: float) -> str:
-    return f"{math.degrees(angle):.4f}"

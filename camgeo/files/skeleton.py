@@ -145,7 +145,7 @@ def _face(follower: AnyFollower, lift: float) -> tuple[complex, complex]:
     """Where the contact is counted from on a flat face [mm], and the way in which it counts."""
     if isinstance(follower, OscillatingFlat):
         line = -follower.pivot / abs(follower.pivot)
-        chi = follower.arm_side * follower.start_angle + follower.swing_sense * lift
+        chi = follower.arm_side * float(follower.face_angle(np.array([lift]))[0])
         along = line * cmath.exp(1j * chi)
         return follower.pivot + 1j * follower.arm_side * along * follower.face_offset, along
     # At rest the contact of a tappet lies at the foot of the cam axis.

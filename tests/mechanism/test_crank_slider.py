@@ -15,6 +15,7 @@ from camgeo.mechanism.slider_crank import SliderCrank
 from camgeo.motion.plan import MotionPlan
 from camgeo.units import TURN
 from tests.integrals import cells
+from tests.mechanism.bounds import assert_bounds_hold
 from tests.mechanism.loops import crank_slider_jet
 from tests.strategies import SMOOTH, attack, crank_sliders, plans, slider_cranks
 
@@ -118,15 +119,7 @@ def test_bounds_hold_all_over_their_cells(
     linkage: CrankSlider, plan: MotionPlan, count: int
 ) -> None:
     motion = LinkedMotion(plan, linkage)
-    low, high = cells(plan.borders, count)
-    bounds = motion.jet_and_bounds(low, high)[1]
-    middle = motion.jet(0.5 * (low + high))[0]
-    sizes = np.max(np.abs(motion.jet(np.linspace(0.0, TURN, 241))), axis=1)[:, np.newaxis]
-    for share in np.linspace(0.0, 1.0, 25):
-        phi = np.clip(low + share * (high - low), low, high)
-        values = motion.jet(phi, "left" if share == 1.0 else "right")
-        values[0] -= middle
-        assert np.all(np.abs(values) <= bounds + ROUNDING * np.maximum(sizes, 1.0))
+    assert_bounds_hold(motion, count, ROUNDING, 1.0)
     assert np.all(np.isfinite(motion.jet_and_bounds(*cells(plan.borders, 64))[1]))
 
 

@@ -16,6 +16,7 @@ from camgeo.mechanism.linkage import LinkedMotion
 from camgeo.motion.plan import Dwell, MotionPlan, Move
 from camgeo.units import TURN
 from tests.integrals import cells
+from tests.mechanism.bounds import assert_bounds_hold
 from tests.mechanism.loops import four_bar_jet
 from tests.reference import POLYNOMIAL
 from tests.strategies import SMOOTH, attack, four_bars, plans
@@ -107,15 +108,7 @@ def test_the_swing_does_not_know_the_unit(scale: float, linkage: FourBar, jet: n
 @given(linkage=four_bars(), plan=plans(SMOOTH, MOTION), count=st.integers(1, 5))
 def test_bounds_hold_all_over_their_cells(linkage: FourBar, plan: MotionPlan, count: int) -> None:
     motion = LinkedMotion(plan, linkage)
-    low, high = cells(plan.borders, count)
-    bounds = motion.jet_and_bounds(low, high)[1]
-    middle = motion.jet(0.5 * (low + high))[0]
-    sizes = np.max(np.abs(motion.jet(np.linspace(0.0, TURN, 241))), axis=1)[:, np.newaxis]
-    for share in np.linspace(0.0, 1.0, 25):
-        phi = np.clip(low + share * (high - low), low, high)
-        values = motion.jet(phi, "left" if share == 1.0 else "right")
-        values[0] -= middle
-        assert np.all(np.abs(values) <= bounds + ROUNDING * np.maximum(sizes, 0.01))
+    assert_bounds_hold(motion, count, ROUNDING, 0.01)
     small = motion.jet_and_bounds(*cells(plan.borders, 64))[1]
     assert np.all(np.isfinite(small))
 

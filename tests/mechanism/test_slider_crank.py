@@ -19,6 +19,7 @@ from camgeo.motion.plan import Dwell, MotionPlan, Move
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.units import TURN
 from tests.integrals import cells, integrals
+from tests.mechanism.bounds import assert_bounds_hold
 from tests.strategies import SMOOTH, attack, plans, slider_cranks
 
 STROKE = 8.0  # of the linkages drawn
@@ -125,15 +126,7 @@ def test_bounds_hold_all_over_their_cells(
     linkage: SliderCrank, plan: MotionPlan, count: int
 ) -> None:
     motion = LinkedMotion(plan, linkage)
-    low, high = cells(plan.borders, count)
-    bounds = motion.jet_and_bounds(low, high)[1]
-    middle = motion.jet(0.5 * (low + high))[0]
-    sizes = np.max(np.abs(motion.jet(np.linspace(0.0, TURN, 241))), axis=1)[:, np.newaxis]
-    for share in np.linspace(0.0, 1.0, 25):
-        phi = np.clip(low + share * (high - low), low, high)
-        values = motion.jet(phi, "left" if share == 1.0 else "right")
-        values[0] -= middle
-        assert np.all(np.abs(values) <= bounds + ROUNDING * np.maximum(sizes, 0.01))
+    assert_bounds_hold(motion, count, ROUNDING, 0.01)
 
 
 @attack

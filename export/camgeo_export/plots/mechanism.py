@@ -53,7 +53,7 @@ EDGE = 0.15
 
 def size(product: Product) -> tuple[float, float]:
     """Width and height [inch]: the panes as high as what is in them, drawn to scale."""
-    low, high = _window(product)
+    low, high = _window(product, _sketches(product))
     pane = 0.5 * (WIDTH - 3.0 * EDGE)
     height = pane * (high - low).imag / (high - low).real
     return WIDTH, min(max(height, HEIGHTS[0]), HEIGHTS[1]) + HEAD + EDGE
@@ -69,16 +69,17 @@ def draw(product: Product, figure: Figure | SubFigure) -> None:
             "bottom": EDGE / height, "top": 1.0 - HEAD / height,
         },
     )  # fmt: skip
-    low, high = _window(product)
+    sketches = _sketches(product)
+    low, high = _window(product, sketches)
     joint = JOINT * math.sqrt((high - low).real * (high - low).imag)
     parts = _parts(product)
-    for pane, phi in zip(axes, _positions(product), strict=True):
+    for pane, (phi, sketch) in zip(axes, sketches, strict=True):
         turn = cmath.exp(1j * product.rotation * phi)
         for part in parts[:1]:
             disc.draw(pane, part, turn, SAGITTA * product.base_radius)
         for part in parts[1:]:
             disc.draw_behind(pane, part, turn, SAGITTA * product.base_radius)
-        _bodies(pane, product.mechanism_sketch(phi), joint)
+        _bodies(pane, sketch, joint)
         _axis(pane, joint)
         pane.set_aspect("equal")
         pane.axis("off")
@@ -88,20 +89,20 @@ def draw(product: Product, figure: Figure | SubFigure) -> None:
     figure.suptitle(product.name, y=1.0 - 0.1 / height, fontsize=11.0)
 
 
-def _positions(product: Product) -> tuple[float, float]:
-    """Cam angles [rad] of the two panes."""
-    return 0.0, product.far_angle
+def _sketches(product: Product) -> list[tuple[float, MechanismSketch]]:
+    """Cam angle [rad] of each pane, and the mechanism there."""
+    return [(phi, product.mechanism_sketch(phi)) for phi in (0.0, product.far_angle)]
 
 
-def _window(product: Product) -> tuple[complex, complex]:
+def _window(
+    product: Product, sketches: list[tuple[float, MechanismSketch]]
+) -> tuple[complex, complex]:
     """Lower left and upper right corner [mm] of what both panes show."""
     reach = product.base_radius
     for part in _parts(product):
         ring = part.through[0].arcs(COARSE * reach).contour
         reach = max(reach, largest_radius(ring))
-    points = [
-        point for phi in _positions(product) for point in product.mechanism_sketch(phi).points
-    ]
+    points = [point for _, sketch in sketches for point in sketch.points]
     corners = np.array([*points, *(reach * side for side in (1, 1j, -1, -1j))])
     low = complex(corners.real.min(), corners.imag.min())
     high = complex(corners.real.max(), corners.imag.max())
