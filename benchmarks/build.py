@@ -52,13 +52,13 @@ def stages(scene: str, folder: Path) -> dict[str, float]:
     mark("load the scene")
     assert design.findings
     mark("findings")
-    assert design.part.boundaries
+    assert design.disc.part.boundaries
     mark("part: outline and bore")
 
     from camgeo.files.write import write_files
     from camgeo.files.writers import find_writer
 
-    output = design.specification.output
+    output = design.scene.output
     for name in output.formats:
         find_writer(name)
         mark(f"{name}: import the writer")
@@ -71,7 +71,7 @@ def stages(scene: str, folder: Path) -> dict[str, float]:
             mark(doing)
         doing = step
 
-    write_files(design, folder, output.formats, output.tolerance, progress=progress)
+    write_files(design.disc, folder, output.formats, output.tolerance, progress=progress)
     mark(f"{doing}; certificate, all files onto the disk")
     return times
 

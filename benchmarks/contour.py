@@ -270,9 +270,9 @@ def all_flanks(beginnings: tuple[str, ...]) -> list[tuple[Design, Flank]]:
     found = []
     for name in CAMS:
         design = Design(load_scene(SCENES / f"{name}.toml"))
-        for side, curve in design.flanks:
+        for side, curve in design.cam.disc.flanks:
             title = f"{name} {side}"
-            path = design.outline(side).path
+            path = design.cam.disc.outline(side).path
             if not title.startswith(beginnings) or not path.is_whole:
                 continue
             pieces = smooth_pieces(curve)
@@ -321,7 +321,7 @@ def seconds_of(work: Callable[[], object], rounds: int) -> float:
 
 def print_times(design: Design, flank: Flank, forms: Sequence[Form], rounds: int) -> bool:
     """Table of the fits in times of the curve; True if the targets are reached."""
-    pitch, curve = design.pitch_curve, flank.curve
+    pitch, curve = design.cam.disc.pitch_curve, flank.curve
 
     def evaluate(count: int) -> None:
         pitch.jet(np.linspace(0.0, TURN, count, endpoint=False))

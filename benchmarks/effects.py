@@ -76,12 +76,12 @@ def measure(path: Path, rounds: int) -> None:
     """Print the table of one scene."""
     design = Design(load_scene(path))
     phi = np.linspace(0.0, TURN, POINTS, endpoint=False)
-    for name in design.effect_names:  # all that they need is there, and imported
+    for name in design.scene.effects:  # all that they need is there, and imported
         design.effect(name)
-    motion = least(lambda: design.plan.jet(phi), 20 * rounds)
+    motion = least(lambda: design.cam.drive.plan.jet(phi), 20 * rounds)
     print(f"\n{path.stem}: the motion alone, {POINTS} cam angles, takes {1e3 * motion:.3f} ms")
     print(f"{'':<20}{'once [ms]':>12}{'ratio':>10}{'a point, ratio':>17}")
-    for name in design.effect_names:
+    for name in design.scene.effects:
         once = least(lambda name=name: alone(design.effects, name), rounds)  # type: ignore[misc]
         columns: tuple[Column, ...] = design.effect(name).columns
         each = "-"

@@ -121,7 +121,7 @@ def measure(design: Design, curve: PitchCurve, plan: MotionPlan, points: int, ro
     """Print the table of one scene at one length of array."""
     phi = np.linspace(0.0, TURN, points, endpoint=False)
     out = np.empty_like(phi)
-    inner = WorkingCurve(curve, -design.roller_radius)
+    inner = WorkingCurve(curve, -design.cam.follower.roller_radius)
     work: dict[str, Callable[[], object]] = {
         "pitch curve, 3 derivatives": lambda: curve.jet(phi),
         "working curve": lambda: inner.point(phi),
@@ -176,7 +176,7 @@ def main() -> None:
         scene = load_scene(path)
         design = Design(scene)
         for points in arguments.points.split(","):
-            measure(design, design.pitch_curve, scene.plan, int(points), arguments.rounds)
+            measure(design, design.cam.disc.pitch_curve, scene.plan, int(points), arguments.rounds)
 
 
 if __name__ == "__main__":

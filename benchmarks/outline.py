@@ -141,12 +141,12 @@ def all_cams() -> list[Cam]:
         linkage = scene.linkage
         if linkage is not None and not isinstance(linkage, SliderCrank):
             continue  # there are no exact values of the others
-        for flank, curve in design.flanks:
-            title = name if len(design.flanks) == 1 else f"{name} {flank}"
+        for flank, curve in design.cam.disc.flanks:
+            title = name if len(design.cam.disc.flanks) == 1 else f"{name} {flank}"
             found.append(
                 Cam(
-                    title, scene.plan, design.motion, linkage, require_roller(scene.follower),
-                    scene.rotation, curve.distance,
+                    title, scene.plan, design.cam.drive.motion, linkage,
+                    require_roller(scene.follower), scene.rotation, curve.distance,
                 )
             )  # fmt: skip
     cases = json.loads((FIXTURES / "reference" / "hard_cases.json").read_text("utf-8"))
@@ -529,9 +529,9 @@ def analyse(segments: int, rounds: int) -> tuple[float, float, float]:
     if any(finding.severity != "ok" for finding in Design(scene).findings):
         raise SystemExit(f"{segments} segments: the cam is not sound")
     findings = best_time(lambda: Design(scene).findings, rounds)
-    bends = best_time(lambda: Design(scene).bends, rounds)
+    bends = best_time(lambda: Design(scene).cam.disc.bends, rounds)
     design = Design(scene)
-    flank, known = design.inner_curve, design.bends
+    flank, known = design.cam.disc.inner_curve, design.cam.disc.bends
     return findings, bends, best_time(lambda: real_outline(flank, known), rounds)
 
 

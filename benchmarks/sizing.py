@@ -28,12 +28,12 @@ from typing import Final
 import numpy as np
 
 import camgeo
+from camgeo.check.judge import transmission_angle_limit
 from camgeo.check.sizing.exchange import smallest_place
 from camgeo.check.sizing.region import brute_map, feasible_map
 from camgeo.check.sizing.smallest import size
 from camgeo.check.sizing.task import Task, tangent_of
 from camgeo.errors import GeometryError
-from camgeo.mechanism.kinds import require_roller
 from camgeo.numeric.arrays import FloatArray
 
 SCENES: Final = Path(__file__).parents[1] / "fixtures" / "scenes"
@@ -59,9 +59,8 @@ def main() -> None:
 def measure(name: str, rounds: int, angles: int) -> None:
     """Print the row of a scene."""
     design = camgeo.load(SCENES / f"{name}.toml")
-    follower = require_roller(design.follower)
-    task = Task(design.motion, follower, design.rotation, design.contact)
-    angle, ratio = design.transmission_angle_limit, design.specification.limits.radius_ratio
+    task, limits = Task(design.cam), design.scene.limits
+    angle, ratio = transmission_angle_limit(task.cam, limits), limits.radius_ratio
     tangent = tangent_of(angle)
     alone = best(lambda: smallest_place(task, tangent), rounds)
     both = best(lambda: size(task, angle, ratio), rounds)

@@ -118,12 +118,12 @@ def runs(
 
 def measure(design: Design, damping: float, rounds: int) -> None:
     """Print both tables."""
-    course = design.time_course
+    course = design.drive.time_course
     assert course is not None
-    clock: Clock = clock_of(design, course)
+    clock: Clock = clock_of(design.effects.subject, course)
     base = clock.base
     w = RATIO * TURN / base.period
-    stroke = float(np.max(np.abs(design.plan.jet(clock.edges)[0])))
+    stroke = float(np.max(np.abs(design.cam.drive.plan.jet(clock.edges)[0])))
     exact = steady_state(one_mass(w, damping), base, 0.0)
     print(
         f"{design.name}: natural frequency {RATIO:g} times the speed, damping {damping:g}, "

@@ -6,9 +6,10 @@ from collections.abc import Mapping
 from decimal import Decimal
 from typing import TYPE_CHECKING, Any, Protocol
 
+from camgeo.cam.contact import Contact
 from camgeo.check.limits import Limits
 from camgeo.motion.plan import MotionPlan
-from camgeo.part.spec import Contact, PartSpec
+from camgeo.part.spec import PartSpec
 from camgeo.units import LengthUnit
 
 if TYPE_CHECKING:

@@ -372,7 +372,7 @@ class Excerpt:
 
     def __init__(self, whole: Design, names: Sequence[str]) -> None:
         self._whole = whole
-        columns = {column.name: column for column in whole.effect_columns}
+        columns = {column.name: column for column in whole.disc.effect_columns}
         self.effect_columns = tuple(columns[name] for name in names)
 
     def __getattr__(self, name: str) -> Any:

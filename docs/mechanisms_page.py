@@ -137,7 +137,7 @@ def write() -> None:
 
     PAGE.write_text(page(), encoding="utf-8")
     for name, scene in MECHANISMS.items():
-        picture(name).write_bytes(render(["mechanism"], design(scene), ".png"))
+        picture(name).write_bytes(render(["mechanism"], design(scene).disc, ".png"))
 
 
 if __name__ == "__main__":

@@ -158,7 +158,7 @@ def _stroke(numbers: dict[str, float], phi: FloatArray) -> tuple[FloatArray, ...
 def right(name: str) -> Columns:
     """`COLUMNS` of a project as camgeo computes them."""
     data = (PROJECTS / f"{name}.ocv").read_bytes()
-    return point_columns(Design(parse_scene(import_project(data, name))))
+    return point_columns(Design(parse_scene(import_project(data, name))).disc)
 
 
 def numbers_of(name: str) -> dict[str, float]:

@@ -4,16 +4,15 @@ from __future__ import annotations
 
 import math
 import textwrap
-from dataclasses import replace
 from pathlib import Path
 from typing import Final
 
 import camgeo
+from camgeo.check.judge import transmission_angle_limit
 from camgeo.check.sizing.arm import size_with_arm
 from camgeo.check.sizing.smallest import Rating, Sizing, rate, size
 from camgeo.check.sizing.task import Task
 from camgeo.design import Design
-from camgeo.mechanism.kinds import require_roller
 
 HERE: Final = Path(__file__).parent
 PAGE: Final = HERE / "sizing.md"
@@ -102,18 +101,11 @@ best arm of {low:g} to {high:g} mm for the scene above with other rollers.
 {arms}"""
 
 
-def task_of(design: Design) -> Task:
-    """What is sized."""
-    follower = require_roller(design.follower)
-    return Task(design.motion, follower, design.rotation, design.contact)
-
-
 def sized() -> tuple[Design, Task, Sizing]:
     """The scene of the page and its answer."""
     design = camgeo.load(HERE.parent / SCENE)
-    task = task_of(design)
-    ratio = design.specification.limits.radius_ratio
-    return design, task, size(task, design.transmission_angle_limit, ratio)
+    task, limits = Task(design.cam), design.scene.limits
+    return design, task, size(task, transmission_angle_limit(task.cam, limits), limits.radius_ratio)
 
 
 def page() -> str:
@@ -155,7 +147,7 @@ def _row(name: str, rating: Rating | None) -> str:
 
 def _arms(task: Task, sizing: Sizing, share: float) -> str:
     roller = share * task.follower.roller_radius
-    other = replace(task, follower=replace(task.follower, roller_radius=roller))
+    other = Task(task.cam.sized(roller_radius=roller))
     best, found = size_with_arm(other, sizing.angle, sizing.ratio, *ARMS)
     ends = [size_with_arm(other, sizing.angle, sizing.ratio, arm, arm)[1] for arm in ARMS]
     arm = best.follower.arm  # type: ignore[union-attr]

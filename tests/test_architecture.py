@@ -23,13 +23,14 @@ STAGES: tuple[tuple[str, ...], ...] = (
     ("mechanism",),
     ("curve",),
     ("outline",),
+    ("cam",),
     ("check",),
     ("contour",),
     ("part",),
     ("effects",),
     ("toolpath",),
     ("files",),
-    ("specification", "design"),
+    ("specification", "workpiece", "design"),
     ("scene",),
     ("sweep",),
     ("stability",),
@@ -58,8 +59,8 @@ EFFECT_FRAME = {
     "graph",
     "locked",
     "materials",
-    "recalling",
     "registry",
+    "subject",
 }
 """What is in `effects` and no effect: effects are imported by the registry alone."""
 

@@ -11,8 +11,11 @@ import numpy as np
 import pytest
 
 import camgeo
+from camgeo.cam.disc import Disc
+from camgeo.cam.drive import Drive
 from camgeo.curve import curvature, pitch_curve
 from camgeo.design import Design
+from camgeo.lazy import lazy_names
 from camgeo.motion import plan
 
 SETZHUB = Path(__file__).parents[1] / "fixtures" / "scenes" / "setzhub.toml"
@@ -24,7 +27,7 @@ def design() -> Design:
 
 
 def test_nothing_is_computed_on_loading(design: Design, monkeypatch: pytest.MonkeyPatch) -> None:
-    assert set(vars(design)) == {"specification"}
+    assert set(vars(design)) == {"scene"}
     calls: list[str] = []
     jet = pitch_curve.PitchCurve.relative_jet
 
@@ -35,15 +38,16 @@ def test_nothing_is_computed_on_loading(design: Design, monkeypatch: pytest.Monk
     monkeypatch.setattr(pitch_curve.PitchCurve, "relative_jet", counted)
     camgeo.load(SETZHUB)
     assert calls == []
-    design.pitch(np.zeros(3))
+    design.disc.pitch(np.zeros(3))
     assert calls == ["relative_jet"]
 
 
 def test_what_was_not_asked_for_did_not_run(design: Design) -> None:
-    design.pitch(np.zeros(1))
-    design.transmission_angle(np.zeros(1))
+    design.disc.pitch(np.zeros(1))
+    design.disc.transmission_angle(np.zeros(1))
     assert [run.name for run in design.ledger.runs] == ["motion", "pitch_curve"]
-    assert set(vars(design)) == {"specification", "ledger", "motion", "pitch_curve"}
+    assert {"motion"} == set(lazy_names(Drive)) & set(vars(design.drive))
+    assert {"pitch_curve"} == set(lazy_names(Disc)) & set(vars(design.cam.disc))
 
 
 def test_findings_are_computed_once(design: Design, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -54,10 +58,10 @@ def test_findings_are_computed_once(design: Design, monkeypatch: pytest.MonkeyPa
         count.append(curve)
         return original(curve)
 
-    monkeypatch.setattr("camgeo.design.curvature_extremes", counted)
+    monkeypatch.setattr("camgeo.cam.disc.curvature_extremes", counted)
     first = design.findings
     assert design.findings is first
-    assert design.has_outline
+    assert design.judgement.has_outline
     assert len(count) == 1
 
 
@@ -89,20 +93,20 @@ def test_a_check_imports_no_contour_and_no_writer() -> None:
 
 def test_quantities_agree_with_the_curves(design: Design) -> None:
     phi = np.linspace(0.0, 2.0 * np.pi, 50)
-    pitch = design.pitch_curve.point(phi)
-    assert np.array_equal(design.pitch(phi), np.column_stack((pitch.real, pitch.imag)))
-    assert np.array_equal(design.curve("inner", phi), design.inner(phi))
-    assert np.array_equal(design.quantity("s2", phi), design.lift(phi)[2])
-    kappa = design.curvature(phi)
-    assert np.array_equal(design.quantity("curvature", phi), kappa)
-    assert design.radius_of_curvature(phi) == pytest.approx(1.0 / kappa, rel=1e-15)
-    assert np.array_equal(design.stroke(phi), plan.MotionPlan.jet(design.specification.plan, phi))
+    pitch = design.cam.disc.pitch_curve.point(phi)
+    assert np.array_equal(design.disc.pitch(phi), np.column_stack((pitch.real, pitch.imag)))
+    assert np.array_equal(design.disc.curve("inner", phi), design.disc.inner(phi))
+    assert np.array_equal(design.disc.quantity("s2", phi), design.disc.lift(phi)[2])
+    kappa = design.disc.curvature(phi)
+    assert np.array_equal(design.disc.quantity("curvature", phi), kappa)
+    assert design.disc.radius_of_curvature(phi) == pytest.approx(1.0 / kappa, rel=1e-15)
+    assert np.array_equal(design.disc.stroke(phi), plan.MotionPlan.jet(design.scene.plan, phi))
 
 
 def test_arrays_of_any_number_of_turns(design: Design) -> None:
     phi = np.linspace(-7.0, 20.0, 101)
     turned = phi - 2.0 * np.pi * np.floor(phi / (2.0 * np.pi))
-    assert design.pitch(phi) == pytest.approx(design.pitch(turned), abs=1e-12)
+    assert design.disc.pitch(phi) == pytest.approx(design.disc.pitch(turned), abs=1e-12)
 
 
 def test_public_names_that_few_need_are_imported_when_asked_for() -> None:

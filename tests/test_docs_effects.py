@@ -109,7 +109,7 @@ def found_of(name: str) -> tuple[set[str], set[str]]:
     findings, columns = set(), set()
     for scene in SCENES:
         design = maker().design(scene)
-        if name in design.effect_names:
+        if name in design.scene.effects:
             findings |= {each.name for each in design.effects.findings(name)}
             columns |= {each.name for each in design.effect(name).columns}
     return findings, columns

@@ -664,7 +664,9 @@ def test_scenes_at_all_scales_tell_the_same(kind: str, roller: float, factor: fl
         size = factor if finding.unit.startswith("mm") else 1.0
         assert other.value == pytest.approx(size * finding.value, rel=1e-12, abs=1e-12 * size)
     phi = spread(200)
-    assert two.pitch(phi) == pytest.approx(factor * one.pitch(phi), rel=1e-12, abs=1e-13 * factor)
+    assert two.disc.pitch(phi) == pytest.approx(
+        factor * one.disc.pitch(phi), rel=1e-12, abs=1e-13 * factor
+    )
 
 
 # HC15 to HC17: rollers larger than the base circle ----------------------------------------------
@@ -810,11 +812,13 @@ def test_hc20_inflections_are_passed_steadily(
 
 def test_hc20_the_radius_of_curvature_alone_may_be_infinite() -> None:
     design = scene("translating-roller", 1.0, 8.0)
-    grid = np.unique(np.concatenate((curvature_extremes(design.pitch_curve).phi, spread(180))))
-    angles = roots_on_grid(design.pitch_curve.curvature, grid % TURN)
+    grid = np.unique(
+        np.concatenate((curvature_extremes(design.cam.disc.pitch_curve).phi, spread(180)))
+    )
+    angles = roots_on_grid(design.cam.disc.pitch_curve.curvature, grid % TURN)
     assert len(angles)
     around = np.sort(np.concatenate([angles + step for step in (-1e-12, 0.0, 1e-12)]))
-    radius, kappa = design.radius_of_curvature(around), design.curvature(around)
+    radius, kappa = design.disc.radius_of_curvature(around), design.disc.curvature(around)
     assert not np.any(np.isnan(radius))
     assert np.array_equal(np.isinf(radius), kappa == 0.0)
     finite = kappa != 0.0
@@ -1169,12 +1173,12 @@ def test_a_wild_scene_is_refused_or_all_its_numbers_are_finite(text: str) -> Non
         return
     design = Design(parsed)
     for quantity in (
-        design.lift,
-        design.pitch,
-        design.inner,
-        design.outer,
-        design.curvature,
-        design.transmission_angle,
+        design.disc.lift,
+        design.disc.pitch,
+        design.disc.inner,
+        design.disc.outer,
+        design.disc.curvature,
+        design.disc.transmission_angle,
     ):
         finite_or_refused(partial(quantity, spread(200)))
     try:

@@ -60,19 +60,19 @@ class Milling:
 
 def flanks_of(design: Design) -> tuple[CurveBoundary, ...]:
     """The boundaries of the part that are flanks; bore and rim are exact at any tolerance."""
-    return tuple(each for each in design.part.boundaries if isinstance(each, CurveBoundary))
+    return tuple(each for each in design.disc.part.boundaries if isinstance(each, CurveBoundary))
 
 
 def milling_of(design: Design) -> Milling:
     """Feed and machine of the scene, or those that a scene has if it says nothing."""
-    gcode = design.gcode or GcodeSpec()
+    gcode = design.disc.gcode or GcodeSpec()
     writer: MillingWriter = find_writer(PROGRAM)  # type: ignore[assignment] # its own entry point
     return Milling(gcode.feed, writer.dynamics(gcode))
 
 
 def has_program(design: Design) -> bool:
     """True if the scene tells all that a milling program needs."""
-    return design.gcode is not None and design.part.thickness is not None
+    return design.disc.gcode is not None and design.disc.part.thickness is not None
 
 
 def contour_rows(
@@ -96,9 +96,9 @@ def contour_rows(
 
 def drawn_as(design: Design, form: Form, effort: Effort) -> Design:
     """The same design with its drawing in another form."""
-    output = design.specification.output
+    output = design.scene.output
     output = replace(output, fit=effort, dxf=replace(output.dxf, entity=form))  # type: ignore[type-var]
-    return Design(replace(design.specification, output=output))  # type: ignore[type-var]
+    return Design(replace(design.scene, output=output))  # type: ignore[type-var]
 
 
 def _warm(design: Design, form: Form, effort: Effort, tolerance: float) -> None:
@@ -158,9 +158,9 @@ def _row(
             row = replace(row, round_seconds=time)
         if plain and ripple:
             row = replace(row, ripple=_ripple(design, flanks, plain))
-        row = replace(row, drawing=file_cost(design, DRAWING, tolerance))
+        row = replace(row, drawing=file_cost(design.disc, DRAWING, tolerance))
         if form == "arcs" and has_program(design):
-            row = replace(row, program=file_cost(design, PROGRAM, tolerance))
+            row = replace(row, program=file_cost(design.disc, PROGRAM, tolerance))
     except (ToleranceError, GeometryError) as error:
         return replace(row, fault=reason(error))
     return row
@@ -191,7 +191,7 @@ def _ripple(
     found = []
     for flank, contour in zip(flanks, contours, strict=True):
         contact = "outer" if flank.hole else "inner"
-        replay = replay_contour(design.pitch_curve, contour, contact)  # type: ignore[arg-type]
+        replay = replay_contour(design.cam.disc.pitch_curve, contour, contact)  # type: ignore[arg-type]
         # Where the roller falls off an edge, the acceleration has no bound.
         if replay.ripple is not None and not len(replay.drops):
             found.append(replay.ripple)

@@ -39,7 +39,7 @@ def effect_rows(
     What has no answer is told in the row.
     """
     rows: list[EffectRow] = []
-    for name in design.effect_names:
+    for name in design.scene.effects:
         if design.effects.effect(name).numerical:
             rows += _rows(design, name, sorted(tolerances, reverse=True), tell)
     return tuple(rows)

@@ -16,14 +16,14 @@ SOLIDS: Final = ("stl", "3mf")
 
 def solid_rows(design: Design, tolerances: Sequence[float], *, tell: Tell) -> tuple[SolidRow, ...]:
     """A row for each format and tolerance [mm]; none if the part has no thickness."""
-    if design.part.thickness is None:
+    if design.disc.part.thickness is None:
         return ()
     rows = []
     for name in SOLIDS:
         for tolerance in tolerances:
             tell(f"{name}, {tolerance:g} mm")
             try:
-                rows.append(SolidRow(name, tolerance, file_cost(design, name, tolerance)))
+                rows.append(SolidRow(name, tolerance, file_cost(design.disc, name, tolerance)))
             except (ToleranceError, GeometryError) as error:
                 rows.append(SolidRow(name, tolerance, fault=reason(error)))
     return tuple(rows)

@@ -67,7 +67,7 @@ def survey(
 
 
 def _effects(design: Design, tell: Tell) -> tuple[EffectRow, ...]:
-    if not design.effect_names:
+    if not design.scene.effects:
         return ()
     from camgeo.accuracy.effects import effect_rows  # few scenes name an effect
 

@@ -38,11 +38,11 @@ def table_rows(design: Design, steps: Sequence[Decimal], *, tell: Tell) -> tuple
         tell(f"value table, {step} degrees")
 
         def made(step: Decimal = step) -> tuple[int, int]:
-            table = design.table(step)
+            table = design.disc.table(step)
             return len(table.values), len(table.csv().encode())
 
         (count, size), seconds = timed(made)
-        error = interpolation_error(design.specification.plan, np.radians(cam_angles(step)))
+        error = interpolation_error(design.scene.plan, np.radians(cam_angles(step)))
         rows.append(TableRow(step, count, size, seconds, error))
     return tuple(rows)
 

@@ -95,13 +95,13 @@ def run(parser: argparse.ArgumentParser, arguments: argparse.Namespace) -> int:
     from camgeo.accuracy.survey import TOLERANCES, survey
 
     tell_main_disc(design, "figures")
-    ripple = arguments.ripple or design.specification.output.accuracy_ripple
+    ripple = arguments.ripple or design.scene.output.accuracy_ripple
     with Progress() as progress:
         found = survey(design, asked or TOLERANCES, ripple=ripple, tell=progress)
     if arguments.output is not None:
         _draw(design, found, arguments)
     if arguments.json:
-        print_json({**identity(design), **_document(design, found)})
+        print_json({**identity(design.disc), **_document(design, found)})
     else:
         _print_tables(design, found, ripple=ripple)
     return FINE
@@ -225,9 +225,9 @@ def _seconds(value: float | None) -> str:
 
 def _lift_unit(design: Design) -> tuple[str, float]:
     """Unit of the plan's positions in the table, and how many of it are in 1 mm or rad."""
-    if design.demand_unit == "rad":
+    if design.drive.unit == "rad":
         return "deg", math.degrees(1.0)
-    return design.unit, 1.0 / design.millimetres
+    return design.scene.unit, 1.0 / design.disc.millimetres
 
 
 # JSON ---------------------------------------------------------------------------------------------

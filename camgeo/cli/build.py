@@ -50,23 +50,28 @@ def run(arguments: argparse.Namespace) -> int:
     bad = tuple(f for f in findings if f.severity != "ok")
     for line in finding_lines(bad):
         tell(line)
-    if not design.has_outline:
+    if not design.judgement.has_outline:
         tell("nothing was written: the cam has no outline")
         return exit_code(findings)
     from camgeo.files.write import write_files  # not before it is needed: a check writes nothing
 
-    output = design.specification.output
+    output = design.scene.output
     formats = output.formats
     if arguments.only is not None:
         formats = tuple(name.strip() for name in arguments.only.split(",") if name.strip())
     tolerance = output.tolerance if arguments.tolerance is None else arguments.tolerance
     with Progress() as progress:
         report = write_files(
-            design, arguments.output, formats, tolerance, force=arguments.force, progress=progress
+            design.disc,
+            arguments.output,
+            formats,
+            tolerance,
+            force=arguments.force,
+            progress=progress,
         )
     if arguments.json:
         files = [{"file": f.name, **_record(f)} for f in report.files]
-        print_json({**identity(design), "tolerance_mm": tolerance, "files": files})
+        print_json({**identity(design.disc), "tolerance_mm": tolerance, "files": files})
     else:
         for path, file in zip(report.paths, report.files, strict=False):
             print(f"{path!s:39} {_sentence(file)}")

@@ -23,8 +23,10 @@ from camgeo.errors import GeometryError
 from camgeo.scene.load import load_scene
 
 if TYPE_CHECKING:
+    from camgeo.cam.disc import Disc
     from camgeo.check.cures import Cure
     from camgeo.check.cures.cure import Value
+    from camgeo.workpiece import Workpiece
 
 
 def register(subparsers: Subparsers[argparse.ArgumentParser]) -> None:
@@ -47,12 +49,10 @@ def run(arguments: argparse.Namespace) -> int:
     effects = effect_findings(design)
     if arguments.json:
         records = [finding_record(finding) for finding in findings]
-        document = {**identity(design), "motion": motion_record(design), "findings": records}
-        document["outlines"] = {name: outline_record(design, name) for name, _ in design.flanks}
-        if design.returning is not None:
-            other = design.returning
-            outlines = {name: outline_record(other, name) for name, _ in other.flanks}
-            document["return"] = {"name": other.name, "outlines": outlines}
+        document = {**identity(design.disc), "motion": motion_record(design), "findings": records}
+        document["outlines"] = outline_records(design.disc)
+        for other in design.discs[1:]:
+            document["return"] = {"name": other.name, "outlines": outline_records(other)}
         document["cures"] = [cure_record(cure) for cure in design.cures]
         if effects:
             document["effects"] = {
@@ -72,7 +72,7 @@ def effect_findings(design: Design) -> dict[str, tuple[Finding, ...]]:
     """What each effect finds that the scene calls for; nothing if there is no such mechanism."""
     if any(finding.severity == "wrong" for finding in design.findings):
         return {}
-    return {name: design.effects.findings(name) for name in design.effect_names}
+    return {name: design.effects.findings(name) for name in design.scene.effects}
 
 
 def print_cures(cures: tuple[Cure, ...]) -> None:
@@ -84,12 +84,18 @@ def print_cures(cures: tuple[Cure, ...]) -> None:
         print(f"  {cure.sentence}" if cure.works else f"  no cure: {cure.sentence}")
 
 
-def outline_record(design: Design, flank: str) -> dict[str, Any] | None:
+def outline_records(piece: Workpiece) -> dict[str, Any]:
+    """What is left of each flank in use of a disc, for JSON."""
+    disc = piece.cam.disc
+    return {name: outline_record(disc, name) for name, _ in disc.flanks}
+
+
+def outline_record(disc: Disc, flank: str) -> dict[str, Any] | None:
     """What is left of a flank, for JSON; None if nothing is, or it cannot be told."""
     from camgeo.outline.area import area
 
     try:
-        outline = design.outline(flank)
+        outline = disc.outline(flank)
     except GeometryError:
         return None
     corners = [pivot for pivot in outline.path.pivots if pivot.distance == 0.0]

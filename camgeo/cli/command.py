@@ -12,6 +12,7 @@ from camgeo.check.finding import Finding
 from camgeo.design import Design
 from camgeo.motion.joints import joints
 from camgeo.motion.plan import Course, Move
+from camgeo.workpiece import Workpiece
 
 FINE: Final = 0
 BROKEN: Final = 1
@@ -79,7 +80,7 @@ def motion_record(design: Design) -> dict[str, Any]:
 
     Positions are in mm, or in rad where the demanded motion turns.
     """
-    plan = design.specification.plan
+    plan = design.scene.plan
     segments = []
     for segment in plan.segments:
         record: dict[str, Any] = {"span_deg": float(segment.span)}
@@ -118,15 +119,15 @@ def tell(message: str) -> None:
     print(message, file=sys.stderr)
 
 
-def identity(design: Design) -> dict[str, Any]:
+def identity(disc: Workpiece) -> dict[str, Any]:
     """What made a result: scene, its hash, version."""
-    scene: dict[str, Any] = {"name": design.name, "sha256": design.scene_hash}
-    if design.scene_files:
-        scene["files"] = design.scene_files
-    return {"camgeo": design.version, "scene": scene}
+    scene: dict[str, Any] = {"name": disc.name, "sha256": disc.scene_hash}
+    if disc.scene_files:
+        scene["files"] = disc.scene_files
+    return {"camgeo": disc.version, "scene": scene}
 
 
 def tell_main_disc(design: Design, what: str) -> None:
     """Say of a conjugate pair that `what`, in the plural, is of the main disc alone."""
-    if design.specification.returning is not None:
+    if design.scene.returning is not None:
         tell(f"{what} of the main disc; the return disc, {design.name}-return, is not covered")

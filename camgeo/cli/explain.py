@@ -6,15 +6,22 @@ import argparse
 from collections.abc import Callable
 from typing import Any, Final
 
+from camgeo.cam.disc import Disc
+from camgeo.cam.drive import Drive
+from camgeo.check.judge import Judgement
 from camgeo.cli.check import effect_findings
 from camgeo.cli.command import FINE, Subparsers, identity, new_parser, print_json, tell_main_disc
 from camgeo.cli.progress import Progress
 from camgeo.design import Design
 from camgeo.lazy import Run, lazy_names
 from camgeo.scene.load import load_scene
+from camgeo.workpiece import Workpiece
 
 MILLI: Final = 1e3
 INDENT: Final = "  "
+
+OWNERS: Final = (Drive, Disc, Judgement, Workpiece)
+"""What has quantities that are computed on demand, in the order of the stages."""
 
 
 def _check(design: Design) -> None:
@@ -26,17 +33,17 @@ def _check(design: Design) -> None:
 
 def _table(design: Design) -> None:
     """What `camgeo table` asks for."""
-    design.table()
+    design.disc.table()
 
 
 def _build(design: Design) -> None:
     """What `camgeo build` asks for; nothing is written."""
     from camgeo.files.write import make_files
 
-    if design.has_outline:
-        output = design.specification.output
+    if design.judgement.has_outline:
+        output = design.scene.output
         with Progress() as progress:
-            make_files(design, output.formats, output.tolerance, progress=progress)
+            make_files(design.disc, output.formats, output.tolerance, progress=progress)
 
 
 GOALS: Final[dict[str, Callable[[Design], None]]] = {
@@ -72,7 +79,7 @@ def run(arguments: argparse.Namespace) -> int:
     alone = left_alone(design)
     tell_main_disc(design, "times and quantities")
     if arguments.json:
-        document: dict[str, Any] = {**identity(design), "command": arguments.command}
+        document: dict[str, Any] = {**identity(design.disc), "command": arguments.command}
         document["computed"] = [run_record(design, each) for each in runs]
         document["left_alone"] = list(alone)
         print_json(document)
@@ -89,13 +96,18 @@ def run(arguments: argparse.Namespace) -> int:
     return FINE
 
 
+def quantities() -> tuple[str, ...]:
+    """Names of all that a design computes when it is asked for it, but effects."""
+    return tuple(name for owner in OWNERS for name in lazy_names(owner))
+
+
 def left_alone(design: Design) -> tuple[str, ...]:
     """Quantities of the design and effects there are that were not computed."""
     from camgeo.effects.graph import node_name
     from camgeo.effects.registry import effect_names
 
     ran = {each.name for each in design.ledger.runs}
-    known = (*lazy_names(Design), *(node_name(name) for name in effect_names()))
+    known = (*quantities(), *(node_name(name) for name in effect_names()))
     return tuple(name for name in known if name not in ran)
 
 
@@ -105,7 +117,7 @@ def reason(design: Design, each: Run) -> str:
     name = each.name.removeprefix(prefix)
     if each.name.startswith(prefix):
         inputs = design.effects.inputs(name)
-        named = "named by the scene" if name in design.effect_names else "needed"
+        named = "named by the scene" if name in design.scene.effects else "needed"
         return named + (f"; from {', '.join(inputs)}" if inputs else "")
     return ""
 

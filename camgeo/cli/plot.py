@@ -55,9 +55,9 @@ def run(arguments: argparse.Namespace) -> int:
             hint = f'did you mean "{near[0]}"?' if near else ""
             raise SceneError([Fault("plot", name, f"can draw {', '.join(names)}", hint)])
     design = Design(load_scene(arguments.scene))
-    if EFFECTS in arguments.what and not design.effect_names:
+    if EFFECTS in arguments.what and not design.scene.effects:
         raise SceneError([Fault("effects", "", "names no effect: there is none to draw")])
-    possible = [name for name in names if name != EFFECTS or design.effect_names]
+    possible = [name for name in names if name != EFFECTS or design.scene.effects]
     wanted = arguments.what or possible
     target = Path(arguments.output or f"{design.name}.png")
     if target.suffix not in SUFFIXES:
@@ -65,7 +65,7 @@ def run(arguments: argparse.Namespace) -> int:
             [Fault("-o", str(target), f"the name must end in one of {', '.join(SUFFIXES)}")]
         )
     render = entry_points(group=RENDERERS)["matplotlib"].load()
-    data: bytes = render(tuple(wanted), design, target.suffix)
+    data: bytes = render(tuple(wanted), design.disc, target.suffix)
     write_set(target.parent, {target.name: data}, force=arguments.force)
     tell(f"{target}: {', '.join(wanted)}")
     if set(wanted) - {CAM}:

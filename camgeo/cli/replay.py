@@ -13,6 +13,7 @@ from typing import Any, Final, Protocol
 
 import numpy as np
 
+from camgeo.cam.cam import Cam
 from camgeo.cli.command import FINE, Subparsers, identity, new_parser, print_json, tell
 from camgeo.cli.plot import RENDERERS, SUFFIXES
 from camgeo.contour.contour import Contour
@@ -22,13 +23,14 @@ from camgeo.files.product import disc_of
 from camgeo.files.table import Table
 from camgeo.files.value_table import cam_angles
 from camgeo.mechanism.kinds import require_roller
-from camgeo.motion.time_course import in_time
+from camgeo.motion.time_course import TimeCourse, in_time
 from camgeo.numeric.arrays import FloatArray
 from camgeo.numeric.extremes import Extreme
 from camgeo.outline.replay import CORNER, Contact, replay_contour, replay_outline
 from camgeo.outline.replay_result import Replay
 from camgeo.scene.load import load_scene
 from camgeo.units import TURN, LengthUnit
+from camgeo.workpiece import Workpiece
 
 READERS: Final = "camgeo.readers"
 """Entry points that read contours from files, by what the file's name ends in without the dot."""
@@ -128,8 +130,8 @@ def run(parser: argparse.ArgumentParser, arguments: argparse.Namespace) -> int:
         allowed = ", ".join((".csv", *SUFFIXES))
         parser.error(f"argument -o: {arguments.output!r} must end in one of {allowed}")
     design = Design(load_scene(arguments.scene))
-    require_roller(design.follower)
-    flank: Contact = arguments.flank or ("outer" if design.contact == "outer" else "inner")
+    require_roller(design.cam.follower)
+    flank: Contact = arguments.flank or ("outer" if design.cam.contact == "outer" else "inner")
     found = [
         _replayed(disc, file, flank, float(step), arguments)
         for disc, file in _discs(parser, design, flank, arguments.contours)
@@ -140,7 +142,7 @@ def run(parser: argparse.ArgumentParser, arguments: argparse.Namespace) -> int:
     if target is not None:
         what = f"{flank} flank, {first.source}"
         _write(target, first.disc, first.replay, scale, step, what, arguments, pair)
-    records = [_record(each.disc, each.replay, scale) for each in found]
+    records = [_record(each.disc.cam, each.replay, scale) for each in found]
     closing = None if pair is None else _closing(design, *pair)
     if arguments.json:
         told = {"contour": first.source, "flank": flank, **records[0]}
@@ -163,16 +165,16 @@ def run(parser: argparse.ArgumentParser, arguments: argparse.Namespace) -> int:
 class _Replayed:
     """A disc, what its roller was replayed on, and what came of it."""
 
-    disc: Design
+    disc: Workpiece
     source: str
     replay: Replay
 
 
 def _discs(
     parser: argparse.ArgumentParser, design: Design, flank: Contact, files: list[str]
-) -> list[tuple[Design, str | None]]:
+) -> list[tuple[Workpiece, str | None]]:
     """The discs to replay, the main one first, each with its file or None for its real outline."""
-    other = design.returning
+    main, other = design.disc, design.disc.returning
     if len(files) > (1 if other is None else 2):
         parser.error(
             "argument CONTOUR: one file at most, for the scene has one disc"
@@ -180,29 +182,29 @@ def _discs(
             else "argument CONTOUR: two files at most, one of each disc"
         )
     if other is None or flank == "outer":
-        return [(design, files[0] if files else None)]
+        return [(main, files[0] if files else None)]
     if not files:
-        return [(design, None), (other, None)]
-    discs = [other if disc_of(design, Path(file).stem) is other else design for file in files]
+        return [(main, None), (other, None)]
+    discs = [other if disc_of(main, Path(file).stem) is other else main for file in files]
     if len(files) == 1:
         return [(discs[0], files[0])]
-    if discs[0] is other and discs[1] is design:
+    if discs[0] is other and discs[1] is main:
         files = files[::-1]
-    return [(design, files[0]), (other, files[1])]
+    return [(main, files[0]), (other, files[1])]
 
 
 def _replayed(
-    disc: Design, file: str | None, flank: Contact, step: float, arguments: argparse.Namespace
+    disc: Workpiece, file: str | None, flank: Contact, step: float, arguments: argparse.Namespace
 ) -> _Replayed:
     """The roller of a disc on its outline, or on the contour of a file; `step` in degrees."""
     angle = math.radians(step)
     if file is None:
-        path, clearance = disc.outline(flank).path, disc.side_clearance
-        replay = replay_outline(disc.pitch_curve, path, step=angle, clearance=clearance)
+        path, clearance = disc.cam.disc.outline(flank).path, disc.cam.clearance
+        replay = replay_outline(disc.cam.disc.pitch_curve, path, step=angle, clearance=clearance)
         return _Replayed(disc, "the real outline", replay)
     contour = _contour(disc, flank, Path(file), arguments)
     corner = max(math.radians(arguments.corner), CORNER)
-    replay = replay_contour(disc.pitch_curve, contour, flank, step=angle, corner=corner)
+    replay = replay_contour(disc.cam.disc.pitch_curve, contour, flank, step=angle, corner=corner)
     return _Replayed(disc, Path(file).name, replay)
 
 
@@ -221,12 +223,12 @@ def _step(parser: argparse.ArgumentParser, text: str | None) -> Decimal:
 
 
 def _scale(design: Design) -> Scale:
-    if design.lift_unit == "rad":
+    if design.disc.lift_unit == "rad":
         return Scale("deg", math.degrees(1.0))
-    return Scale(design.unit, 1.0 / design.millimetres)
+    return Scale(design.scene.unit, 1.0 / design.disc.millimetres)
 
 
-def _contour(design: Design, flank: Contact, file: Path, arguments: argparse.Namespace) -> Contour:
+def _contour(disc: Workpiece, flank: Contact, file: Path, arguments: argparse.Namespace) -> Contour:
     """The contour of the file whose area is nearest to that of the flank."""
     from importlib.metadata import entry_points
 
@@ -247,7 +249,7 @@ def _contour(design: Design, flank: Contact, file: Path, arguments: argparse.Nam
     found = reader.read(
         data, file.name, layer=arguments.layer, unit=arguments.unit, gap=arguments.gap
     )
-    points = design.curve(flank, np.linspace(0.0, 2.0 * math.pi, OUTLINE_SAMPLES))
+    points = disc.curve(flank, np.linspace(0.0, 2.0 * math.pi, OUTLINE_SAMPLES))
     x, y = points.T
     area = abs(0.5 * float(np.sum(x[:-1] * y[1:] - x[1:] * y[:-1])))
     chosen = min(found, key=lambda contour: abs(contour.area - area))
@@ -263,7 +265,7 @@ def _contour(design: Design, flank: Contact, file: Path, arguments: argparse.Nam
 # What is told -------------------------------------------------------------------------------------
 
 
-def _record(design: Design, replay: Replay, scale: Scale) -> dict[str, Any]:
+def _record(cam: Cam, replay: Replay, scale: Scale) -> dict[str, Any]:
     """All that is told, in the unit of the scene; angles in degrees, derivatives per rad."""
 
     def at(extreme: Extreme) -> dict[str, float]:
@@ -279,7 +281,7 @@ def _record(design: Design, replay: Replay, scale: Scale) -> dict[str, Any]:
     }
     record: dict[str, Any] = {
         "unit": scale.unit,
-        "of": "rocker" if design.has_linkage and design.lift_unit == "rad" else "follower",
+        "of": "rocker" if cam.drive.linkage is not None and cam.lift_unit == "rad" else "follower",
         "lost_stroke": at(replay.largest_loss),
         "lift_error": at(replay.largest_error),
     }
@@ -299,15 +301,14 @@ def _record(design: Design, replay: Replay, scale: Scale) -> dict[str, Any]:
         "count": len(replay.drops),
         "largest": None if drop is None else at(drop),
     }
-    if design.time_course is not None and not falls:
-        record["in_time"] = _in_time(design, replay, scale)
+    course = cam.drive.time_course
+    if course is not None and not falls:
+        record["in_time"] = _in_time(course, replay, scale)
     return record
 
 
-def _in_time(design: Design, replay: Replay, scale: Scale) -> dict[str, float]:
+def _in_time(course: TimeCourse, replay: Replay, scale: Scale) -> dict[str, float]:
     """Largest velocity and acceleration per second, actual and demanded at the samples."""
-    course = design.time_course
-    assert course is not None  # asked before
     out = {}
     for name, jet in (("actual", replay.actual), ("demanded", replay.demanded)):
         full = np.vstack((jet, np.zeros_like(jet[:1])))
@@ -323,7 +324,7 @@ def _closing(design: Design, main: Replay, other: Replay) -> dict[str, Any]:
     from camgeo.outline.closing import closing_error  # few cams are pairs
 
     found = closing_error(main, other)
-    scale = abs(design.follower.reach)
+    scale = abs(design.cam.follower.reach)
 
     def at(extreme: Extreme) -> dict[str, float]:
         place = math.degrees(extreme.place % TURN)
@@ -393,7 +394,7 @@ def _percent(share: float) -> str:
 
 def _write(
     target: Path,
-    design: Design,
+    disc: Workpiece,
     replay: Replay,
     scale: Scale,
     step: Decimal,
@@ -412,10 +413,10 @@ def _write(
         render: Callable[..., bytes] = entry_points(group=RENDERERS)[RENDERER].load()
         data = render(
             replay,
-            title=f"{design.name}: replay, {what}",
+            title=f"{disc.name}: replay, {what}",
             unit=scale.unit,
             scale=scale.factor,
-            joints=design.joints,
+            joints=disc.cam.drive.joints,
             suffix=target.suffix,
         )
         told = "lift, velocity, acceleration"

@@ -8,6 +8,7 @@ from functools import partial
 from pathlib import Path
 from typing import Final
 
+from camgeo.check.judge import transmission_angle_limit
 from camgeo.check.sizing.arm import size_with_arm
 from camgeo.check.sizing.smallest import Sizing, rate, size
 from camgeo.check.sizing.task import Task
@@ -25,7 +26,6 @@ from camgeo.cli.size_scene import resized
 from camgeo.cli.size_told import document, lines
 from camgeo.design import Design
 from camgeo.errors import Fault, GeometryError, SceneError
-from camgeo.mechanism.kinds import require_roller
 from camgeo.scene.load import load_scene, parse_scene
 
 RENDERER: Final = "size"
@@ -91,10 +91,10 @@ def run(parser: argparse.ArgumentParser, arguments: argparse.Namespace) -> int:
     design = Design(load_scene(arguments.scene))
     tell_main_disc(design, "sizes")
     angle, ratio = _required(design, arguments)
-    task = _task(design)
+    task = Task(design.cam)
     present = rate(task, task.present)
     if arguments.arm is not None:
-        low, high = (design.millimetres * arm for arm in arguments.arm)
+        low, high = (design.disc.millimetres * arm for arm in arguments.arm)
         task, sizing = size_with_arm(task, angle, ratio, low, high)
     else:
         sizing = size(task, angle, ratio)
@@ -106,15 +106,12 @@ def run(parser: argparse.ArgumentParser, arguments: argparse.Namespace) -> int:
     return FINE if sizing.answer is not None else BROKEN
 
 
-def _task(design: Design) -> Task:
-    """What is to be sized; GeometryError with key follower.kind for any but a roller follower."""
-    follower = require_roller(design.follower)
-    return Task(design.motion, follower, design.rotation, design.contact, design.side_clearance)
-
-
 def _required(design: Design, arguments: argparse.Namespace) -> tuple[float, float]:
     """Transmission angle [rad] and ratio that are asked for."""
-    angle, ratio = design.transmission_angle_limit, design.specification.limits.radius_ratio
+    angle, ratio = (
+        transmission_angle_limit(design.cam, design.scene.limits),
+        design.scene.limits.radius_ratio,
+    )
     if arguments.transmission_angle is not None:
         angle = math.radians(arguments.transmission_angle)
     if arguments.radius_ratio is not None:
@@ -152,7 +149,7 @@ def _scene(
 ) -> bytes:
     """The scene with the answer; it has been read again and keeps its requirement."""
     source = Path(arguments.scene)
-    if design.scene_files and target.resolve().parent != source.resolve().parent:
+    if design.disc.scene_files and target.resolve().parent != source.resolve().parent:
         raise SceneError(
             [Fault("--scene", str(target), "must lie beside SCENE, which reads files there")]
         )
@@ -161,10 +158,13 @@ def _scene(
         raise GeometryError("the requirement can only just be met: no scene keeps it surely")
     follower = task.follower_at(kept.answer.place)
     text = resized(
-        source.read_bytes().decode(), follower, design.millimetres, arm=arguments.arm is not None
+        source.read_bytes().decode(),
+        follower,
+        design.disc.millimetres,
+        arm=arguments.arm is not None,
     )
     written = Design(parse_scene(text, str(target.parent / target.name)))
-    again = _task(written)
+    again = Task(written.cam)
     rating = rate(again, again.present)
     if (
         rating is None
@@ -176,4 +176,4 @@ def _scene(
 
 
 def _told(design: Design, length: float) -> str:
-    return f"{length / design.millimetres:.6g} {design.unit}"
+    return f"{length / design.disc.millimetres:.6g} {design.scene.unit}"

@@ -20,7 +20,7 @@ CELL = 15
 def lines(design: Design, task: Task, sizing: Sizing, present: Rating | None) -> list[str]:
     """What is printed; lengths in the unit of the scene, angles in degrees."""
     second = "pivot at" if _oscillating(task) else "offset"
-    head = (f"r_G [{design.unit}]", f"{second} [{design.unit}]", "mu [deg]", "at [deg]")
+    head = (f"r_G [{design.scene.unit}]", f"{second} [{design.scene.unit}]", "mu [deg]", "at [deg]")
     required = (
         f"required: transmission angle at least {math.degrees(sizing.angle):g} deg,"
         f" r_R/r_K at most {sizing.ratio:g}"
@@ -33,9 +33,9 @@ def lines(design: Design, task: Task, sizing: Sizing, present: Rating | None) ->
         _row(design, "mu alone, exact", task, sizing.for_angle),
         _row(design, "smallest, exact", task, sizing.answer),
     ]
-    arm, present_arm = (getattr(each.follower, "arm", 0.0) for each in (task, design))
+    arm, present_arm = (getattr(each.cam.follower, "arm", 0.0) for each in (task, design))
     if arm != present_arm:
-        told = f"{arm / design.millimetres:.4f} {design.unit}"
+        told = f"{arm / design.disc.millimetres:.4f} {design.scene.unit}"
         found.append(f"all but the present design with an arm of {told}")
     if sizing.answer is not None:
         found.append("decided by " + " and ".join(_active(each, sizing) for each in sizing.active))
@@ -58,7 +58,7 @@ def reason(design: Design, sizing: Sizing) -> str:
     told = (
         "infeasible: where the transmission angle is kept, the roller is too large for the"
         f" curvature of the pitch curve; {sure} with r_R/r_K at most {sizing.ratio:g} up to a base"
-        f" radius of {reach / design.millimetres:.4g} {design.unit}"
+        f" radius of {reach / design.disc.millimetres:.4g} {design.scene.unit}"
     )
     if sizing.nearest_ratio is None:
         return told
@@ -90,7 +90,7 @@ def _of_flocke(sizing: Sizing) -> list[str]:
 def _row(design: Design, name: str, task: Task, rating: Rating | None) -> str:
     if rating is None:
         return f"{name:{WIDTH}}{'none':>{CELL}}"
-    unit = design.millimetres
+    unit = design.disc.millimetres
     mu, at = rating.transmission_angle
     ratio, where = rating.radius_ratio
     cells = (
@@ -123,7 +123,7 @@ def _second(task: Task, rating: Rating) -> float:
 def document(design: Design, task: Task, sizing: Sizing, present: Rating | None) -> dict[str, Any]:
     """The answer for JSON; lengths in mm, angles in degrees."""
     return {
-        **identity(design),
+        **identity(design.disc),
         "required": {
             "transmission_angle_deg": math.degrees(sizing.angle),
             "radius_ratio": sizing.ratio,

@@ -122,7 +122,7 @@ def _scenes(named: str | None) -> Callable[[Path, str], Against]:
     def load(path: str) -> Against:
         if path not in known:
             design = Design(load_scene(path))
-            known[path] = Against(design, design.specification.output.tolerance)
+            known[path] = Against(design.disc, design.scene.output.tolerance)
         return known[path]
 
     def find(folder: Path, sha256: str) -> Against:

@@ -19,6 +19,7 @@ from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray
 
 if TYPE_CHECKING:  # an effect imports what it computes with itself
+    from camgeo.cam.contact import Contact
     from camgeo.curve.pitch_curve import PitchCurve
     from camgeo.curve.working_curve import WorkingCurve
     from camgeo.mechanism.kinds import AnyFollower
@@ -29,7 +30,7 @@ if TYPE_CHECKING:  # an effect imports what it computes with itself
     from camgeo.motion.time_course import TimeCourse
     from camgeo.outline.path import Path
     from camgeo.part.part import Part
-    from camgeo.part.spec import Contact, PartSpec
+    from camgeo.part.spec import PartSpec
     from camgeo.units import LengthUnit
 
 GROUP: Final = "camgeo.effects"

@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Final, Literal, Protocol
 
+from camgeo.cam.contact import Contact
 from camgeo.check.finding import Finding
 from camgeo.contour.contour import Contour
 from camgeo.contour.fit import Effort, Fit
@@ -19,7 +20,6 @@ from camgeo.mechanism.linkage_protocol import Member
 from camgeo.motion.joints import Joint
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.part.part import Part
-from camgeo.part.spec import Contact
 from camgeo.toolpath.moves import Toolpath
 from camgeo.toolpath.spec import GcodeSpec
 from camgeo.units import LengthUnit

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import cmath
-from typing import Protocol
 
 import numpy as np
 
+from camgeo.cam.cam import Cam
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.files.mechanism_sketch import Guide, MechanismSketch
 from camgeo.mechanism.crank_slider import CrankSlider
@@ -17,8 +17,6 @@ from camgeo.mechanism.oscillating_flat import OscillatingFlat
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.mechanism.translating_flat import TranslatingFlat
 from camgeo.motion.extremes import lift_range
-from camgeo.motion.motion import Jet, Motion
-from camgeo.numeric.arrays import FloatArray
 
 GUIDE = 0.8
 """Way from a carriage at its farthest to its guide, in base radii."""
@@ -30,47 +28,24 @@ BRACKET = 1.2
 """Way round the discs from the one roller of a carriage to the other, in their largest radii."""
 
 
-class Jointed(Protocol):
-    """What a skeleton is made from."""
+def skeleton(cam: Cam, returning: AnyFollower | None, phi: float) -> MechanismSketch:
+    """The mechanism of `cam` at the cam angle `phi` [rad].
 
-    @property
-    def follower(self) -> AnyFollower: ...
-
-    @property
-    def linkage(self) -> Linkage | None: ...
-
-    @property
-    def motion(self) -> Motion: ...
-
-    @property
-    def pitch_curve(self) -> PitchCurve: ...
-
-    @property
-    def returning(self) -> Jointed | None: ...
-
-    @property
-    def yoke_breadth(self) -> float: ...
-
-    def lift(self, phi: FloatArray) -> Jet: ...
-
-    def stroke(self, phi: FloatArray) -> Jet: ...
-
-
-def skeleton(design: Jointed, phi: float) -> MechanismSketch:
-    """The mechanism of `design` at the cam angle `phi` [rad]."""
-    follower, linkage = design.follower, design.linkage
-    lift = float(design.lift(np.array([phi]))[0, 0])
-    lifts = lift_range(design.motion)
+    `returning` is the follower on the return disc of a conjugate pair, None if there is none.
+    """
+    follower, linkage, curve = cam.follower, cam.drive.linkage, cam.disc.pitch_curve
+    motion = cam.drive.motion
+    lift = float(motion.jet(np.array([phi]))[0, 0])
+    lifts = lift_range(motion)
     farthest = max(lifts, key=lambda each: follower.reach * each)
-    found = _follower(follower, lift, farthest, face_ends(design.pitch_curve))
-    if design.returning is not None:
-        found += _returning(follower, design.returning.follower, lift, lifts)
-    if design.yoke_breadth > 0.0:
-        ends, breadth = face_ends(design.pitch_curve), design.yoke_breadth
-        found += _far_side(follower, lift, ends, breadth)
+    found = _follower(follower, lift, farthest, face_ends(curve))
+    if returning is not None:
+        found += _returning(follower, returning, lift, lifts)
+    if cam.yoke_breadth > 0.0:
+        found += _far_side(follower, lift, face_ends(curve), cam.yoke_breadth)
     if linkage is None:
         return found
-    position = float(design.stroke(np.array([phi]))[0, 0])
+    position = float(cam.drive.plan.jet(np.array([phi]))[0, 0])
     if isinstance(follower, OscillatingRoller | OscillatingFlat):
         return found + _rocker_linkage(linkage, follower.pivot, position)
     assert isinstance(linkage, CrankSlider)  # the only one with a guided follower

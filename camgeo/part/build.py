@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from camgeo.cam.contact import Contact
 from camgeo.contour.contour import Contour
 from camgeo.errors import GeometryError
 from camgeo.lazy import Ledger
@@ -14,7 +15,7 @@ from camgeo.part.boundaries import (
     smallest_radius,
 )
 from camgeo.part.part import Boundary, Part
-from camgeo.part.spec import Contact, PartSpec
+from camgeo.part.spec import PartSpec
 
 
 def build_part(

@@ -8,10 +8,11 @@ from decimal import Decimal
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
+from camgeo.cam.contact import Contact
 from camgeo.check.limits import Limits
 from camgeo.files.specs import DxfSpec
 from camgeo.motion.plan import MotionPlan
-from camgeo.part.spec import Contact, PartSpec
+from camgeo.part.spec import PartSpec
 from camgeo.toolpath.spec import GcodeSpec
 from camgeo.units import LengthUnit
 

@@ -10,13 +10,14 @@ from typing import Final
 
 import numpy as np
 
+from camgeo.cam.disc import Disc
+from camgeo.cam.drive import Drive, LiftUnit
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.mechanism.four_bar import FourBar
 from camgeo.mechanism.linkage import LinkedMotion
 from camgeo.mechanism.slider_crank import SliderCrank
 from camgeo.motion.laws import make_law
-from camgeo.motion.motion import Motion
 from camgeo.motion.plan import Dwell, MotionPlan, Move
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.stability.case import Case, Found
@@ -93,9 +94,11 @@ class CamSpec:
     @property
     def curve(self) -> PitchCurve:
         """The pitch curve, as the engine makes it."""
-        plan = self.plan
-        motion: Motion = plan if self.linkage is None else LinkedMotion(plan, self.linkage)
-        return PitchCurve(motion, self.follower, self.rotation)
+        unit: LiftUnit = "rad" if self.follower.rocks else "mm"
+        if self.linkage is not None:
+            unit = self.linkage.unit
+        drive = Drive(self.plan, self.linkage, unit)
+        return Disc(drive, self.follower, self.rotation).pitch_curve
 
     @property
     def stage(self) -> Stage:

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from camgeo.cam.contact import Contact
 from camgeo.contour.contour import Contour
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import GeometryError
 from camgeo.outline.envelope import Envelope
 from camgeo.outline.path import Path
 from camgeo.part.part import Part
-from camgeo.part.spec import Contact, PartSpec
+from camgeo.part.spec import PartSpec
 
 SAME = 2.0**-48
 """Radii that differ by less, as a share of them, are one: what a sum of two lengths rounds to."""

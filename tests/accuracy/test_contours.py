@@ -92,7 +92,7 @@ def test_the_ripple_is_that_of_the_replay() -> None:
     design = load("setzhub")
     (flank,) = flanks_of(design)
     contour = flank.arcs(1e-3, "fewest").contour
-    ripple = replay_contour(design.pitch_curve, contour).ripple
+    ripple = replay_contour(design.cam.disc.pitch_curve, contour).ripple
     assert found("arcs", "fewest", 1e-3).ripple == ripple
     assert found("spline", "fewest", 1e-3).ripple is None
     ripples = [found("arcs", "fewest", tolerance).ripple for tolerance in TOLERANCES]
@@ -145,11 +145,11 @@ def test_a_file_that_cannot_be_written_leaves_the_count(monkeypatch: pytest.Monk
 def test_a_design_drawn_in_another_form() -> None:
     design = load("setzhub")
     drawn = drawn_as(design, "polyline", "fast")
-    assert (drawn.dxf.entity, drawn.effort) == ("polyline", "fast")
-    assert drawn.dxf.auxiliary == design.dxf.auxiliary
-    assert design.dxf.entity == "arcs"
+    assert (drawn.disc.dxf.entity, drawn.disc.effort) == ("polyline", "fast")
+    assert drawn.disc.dxf.auxiliary == design.disc.dxf.auxiliary
+    assert design.disc.dxf.entity == "arcs"
     writer = find_writer("dxf")
-    facts = writer.write(drawn, 1e-2).facts
+    facts = writer.write(drawn.disc, 1e-2).facts
     assert int(facts["lines"]) > 50
 
 

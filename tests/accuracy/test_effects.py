@@ -91,8 +91,8 @@ class Made:
 
     def named(self, *names: str) -> Design:
         tables: dict[str, dict[str, Any]] = {name: {} for name in names}
-        found = Design(replace(self.design.specification, effects=tables))  # type: ignore[type-var]
-        graph = Effects(found, tables, found.ledger, find=self.effects.__getitem__)
+        found = Design(replace(self.design.scene, effects=tables))  # type: ignore[type-var]
+        graph = Effects(found.effects.subject, tables, found.ledger, find=self.effects.__getitem__)
         found.__dict__["effects"] = graph
         return found
 

@@ -58,7 +58,7 @@ def test_the_bound_holds_for_any_plan(rise: object, fall: object, step: Decimal)
 
 @pytest.mark.parametrize("step", ["2", "0.5", "0.1"])
 def test_the_bound_is_sharp_for_small_steps(step: str) -> None:
-    plan = SETZHUB.specification.plan
+    plan = SETZHUB.scene.plan
     assert isinstance(plan, MotionPlan)
     phi = np.radians(cam_angles(Decimal(step)))
     bound, found = interpolation_error(plan, phi), measured(plan, phi)
@@ -89,7 +89,7 @@ def test_rows_and_bytes_are_those_of_the_table() -> None:
     told: list[str] = []
     rows = table_rows(SETZHUB, (Decimal(5), Decimal(1)), tell=told.append)
     assert [row.rows for row in rows] == [72, 360]
-    assert rows[0].size == len(SETZHUB.table(Decimal(5)).csv().encode())
+    assert rows[0].size == len(SETZHUB.disc.table(Decimal(5)).csv().encode())
     assert all(row.seconds > 0.0 for row in rows)
     assert told == ["value table, 5 degrees", "value table, 1 degrees"]
     # Twenty-five times from a fifth of the step: s'' is continuous here.

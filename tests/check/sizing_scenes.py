@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 import camgeo
+from camgeo.check.judge import transmission_angle_limit
 from camgeo.check.sizing.task import Task
-from camgeo.mechanism.kinds import require_roller
 
 SCENES = Path(__file__).parents[2] / "fixtures" / "scenes"
 EASY = ["plate_translating", "setzhub", "ring", "querhub", "straight_moves"]
@@ -16,7 +16,6 @@ BENT = ["schnitt", "groove", "vorschub"]
 
 def required(name: str) -> tuple[Task, float, float]:
     design = camgeo.load(SCENES / f"{name}.toml")
-    follower = require_roller(design.follower)
-    task = Task(design.motion, follower, design.rotation, design.contact)
-    limits = design.specification.limits
-    return task, design.transmission_angle_limit, limits.radius_ratio
+    limits = design.scene.limits
+    angle = transmission_angle_limit(design.cam, limits)
+    return Task(design.cam), angle, limits.radius_ratio

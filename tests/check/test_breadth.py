@@ -10,7 +10,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from camgeo.check.breadth import Breadth, check_breadth
+from camgeo.cam.breadth import Breadth
+from camgeo.check.breadth import check_breadth
 from camgeo.motion.inflection import shift
 from camgeo.motion.laws import LAWS
 from camgeo.motion.plan import Dwell, MotionPlan, Move

@@ -69,11 +69,11 @@ def test_the_extremes_are_those_of_dense_values(pair: Pair) -> None:
 
 def test_two_discs_on_one_side_of_the_lever_do_not_close() -> None:
     design = camgeo.load(SCENES / "conjugate_lever.toml")
-    main = design.follower
+    main = design.cam.follower
     assert isinstance(main, OscillatingRoller)
     other = return_on_lever(main, math.radians(-20.0))
-    curve = PitchCurve(design.motion, other, design.rotation)
-    (closed,) = check_pair(design.pitch_curve, curve, TOLERANCE, 1.0)
+    curve = PitchCurve(design.cam.drive.motion, other, design.cam.rotation)
+    (closed,) = check_pair(design.cam.disc.pitch_curve, curve, TOLERANCE, 1.0)
     assert (closed.name, closed.severity) == ("form-closure", "broken")
     assert closed.value is not None
     assert closed.value > 0.0
@@ -84,13 +84,13 @@ def test_two_discs_on_one_side_of_the_lever_do_not_close() -> None:
 def test_a_lever_that_swings_through_the_line_of_centres_does_not_close() -> None:
     """The return arm 5 degrees off the line, swinging 14 over it: closed at cam angle 0 only."""
     design = camgeo.load(SCENES / "conjugate_lever.toml")
-    main = design.follower
+    main = design.cam.follower
     assert isinstance(main, OscillatingRoller)
     chi = main.start_angle + math.radians(5.0)
-    curve = PitchCurve(design.motion, return_on_lever(main, chi), design.rotation)
+    curve = PitchCurve(design.cam.drive.motion, return_on_lever(main, chi), design.cam.rotation)
     start = np.zeros(1)
-    assert design.pitch_curve.leverage(start) * curve.leverage(start) < 0.0
-    (closed,) = check_pair(design.pitch_curve, curve, TOLERANCE, 1.0)
+    assert design.cam.disc.pitch_curve.leverage(start) * curve.leverage(start) < 0.0
+    (closed,) = check_pair(design.cam.disc.pitch_curve, curve, TOLERANCE, 1.0)
     assert closed.severity == "broken"
     assert closed.cam_angle is not None
     assert 40.0 < math.degrees(closed.cam_angle) < 300.0
@@ -98,7 +98,7 @@ def test_a_lever_that_swings_through_the_line_of_centres_does_not_close() -> Non
 
 @pytest.mark.parametrize("scene", PAIRS)
 def test_the_limit_is_the_scenes(scene: str) -> None:
-    spec = camgeo.load(SCENES / f"{scene}.toml").specification
+    spec = camgeo.load(SCENES / f"{scene}.toml").scene
     for limit, severity in ((0.001, "broken"), (0.02, "ok")):
         limits = replace(spec.limits, closing_error=limit)
         findings = Design(replace(spec, limits=limits)).findings  # type: ignore[type-var]
@@ -115,16 +115,18 @@ def test_discs_that_are_off_by_the_tolerance_leave_that_play(scene: str, sign: f
     with it, the tolerance over 40 mm, changes the leverage by a part in 1e4 at most.
     """
     design = camgeo.load(SCENES / f"{scene}.toml")
-    assert design.returning is not None
+    assert design.disc.returning is not None
     closing = next(each for each in design.findings if each.name == "closing-error")
-    tolerance = design.specification.output.tolerance
+    tolerance = design.scene.output.tolerance
     replays = []
-    for disc in (design, design.returning):
-        flank = WorkingCurve(disc.pitch_curve, sign * tolerance - disc.roller_radius)
+    for disc in (design, design.disc.returning):
+        flank = WorkingCurve(
+            disc.cam.disc.pitch_curve, sign * tolerance - disc.cam.follower.roller_radius
+        )
         contour = fit_arcs(whole(flank), 1e-3 * tolerance).contour
-        replays.append(replay_contour(disc.pitch_curve, contour))
+        replays.append(replay_contour(disc.cam.disc.pitch_curve, contour))
     found = closing_error(replays[0], replays[1])
-    reach = abs(design.follower.reach)
+    reach = abs(design.cam.follower.reach)
     worst = found.lowest if sign > 0.0 else found.highest
     assert closing.value is not None
     assert -sign * reach * worst.value == pytest.approx(closing.value, rel=1.2e-3)

@@ -15,10 +15,11 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 import camgeo
-from camgeo.check.cures import Cam, Change, Cure, cures, margin
-from camgeo.check.cures.cam import Flanks, Pairs, is_sound
+from camgeo.cam.cam import Cam
+from camgeo.check.cures import Change, Cure, cures, margin
 from camgeo.check.cures.cure import digits_for, told_beyond
 from camgeo.check.cures.laws import offers_for
+from camgeo.check.cures.margin import Flanks, Pairs, flanks_of, is_sound
 from camgeo.check.cures.search import NARROW
 from camgeo.check.cures.spans import STEP, longer_plan
 from camgeo.check.curvature import check_undercut
@@ -26,13 +27,13 @@ from camgeo.check.standstill import check_standstill
 from camgeo.curve.curvature import curvature_extremes
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.errors import GeometryError
-from camgeo.mechanism.kinds import require_roller
 from camgeo.mechanism.linkage import LinkedMotion
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.motion.laws import LAWS, make_law
 from camgeo.motion.plan import Dwell, MotionPlan, Move
 from camgeo.outline.crossings import find_crossings
+from tests.cams import cam_of
 from tests.reference import hard_case, pitch_curve_of, stroke_of, thesis_params
 from tests.strategies import SMOOTH, attack, pitch_curves
 
@@ -47,19 +48,19 @@ ROUNDING = 1e-11
 LENGTHS = ("base radius", "roller radius", "offset", "arm")
 
 
-def cam_of(curve: PitchCurve, contact: Any = "inner") -> Cam:
+def cam_on(curve: PitchCurve, contact: Any = "inner") -> Cam:
     follower, linkage = curve.follower, None
     assert isinstance(follower, TranslatingRoller | OscillatingRoller)
     if isinstance(curve.motion, LinkedMotion):
         linkage = curve.motion.linkage
     plan = stroke_of(curve)
     assert isinstance(plan, MotionPlan)
-    return Cam(plan, linkage, follower, curve.rotation, contact)
+    return cam_of(plan, follower, curve.rotation, contact, linkage)
 
 
 def hard(name: str, contact: str = "inner", **changes: float) -> Cam:
     params, _ = hard_case(name)
-    return cam_of(pitch_curve_of({**params, **changes}), contact)
+    return cam_on(pitch_curve_of({**params, **changes}), contact)
 
 
 def enlarged(cam: Cam, by: float) -> Cam:
@@ -70,7 +71,7 @@ def enlarged(cam: Cam, by: float) -> Cam:
 
 
 def setzhub() -> Cam:
-    return enlarged(cam_of(pitch_curve_of(thesis_params("T6_setzhub", -1))), 1.1)
+    return enlarged(cam_on(pitch_curve_of(thesis_params("T6_setzhub", -1))), 1.1)
 
 
 def rocker(contact: Any = "inner") -> Cam:
@@ -84,7 +85,7 @@ def rocker(contact: Any = "inner") -> Cam:
             Dwell(Decimal(120)),
         )
     )
-    return enlarged(Cam(plan, None, OscillatingRoller(-80 - 40j, 70.0, 50.0, 5.0), 1, contact), 1.2)
+    return enlarged(cam_of(plan, OscillatingRoller(-80 - 40j, 70.0, 50.0, 5.0), 1, contact), 1.2)
 
 
 CASES: dict[str, Cam] = {
@@ -109,14 +110,14 @@ each_case = pytest.mark.parametrize("name", CASES)
 def is_good(cam: Cam) -> bool:
     """What the checks say, without the code under test; no mechanism is not good."""
     try:
-        curve = cam.pitch_curve()
+        curve = cam.disc.pitch_curve
         bends = curvature_extremes(curve)
     except GeometryError:
         return False
-    found = [each for flank in cam.flanks() for each in check_undercut(flank, "any", bends)]
+    found = [each for flank in flanks_of(cam) for each in check_undercut(flank, "any", bends)]
     if check_standstill(curve) or any(finding.severity != "ok" for finding in found):
         return False
-    return not any(find_crossings(flank) for flank in cam.flanks())
+    return not any(find_crossings(flank) for flank in flanks_of(cam))
 
 
 def turned(cam: Cam, cure: Cure, value: float) -> Cam:
@@ -126,7 +127,7 @@ def turned(cam: Cam, cure: Cure, value: float) -> Cam:
 def applied(cam: Cam, cure: Cure) -> Cam:
     """The cam with the changes of the motion that a cure names, and with no others."""
     assert cure.value_to is not None
-    segments = list(cam.plan.segments)
+    segments = list(cam.drive.plan.segments)
     for change in (Change(cure.key, cure.value_from, cure.value_to), *cure.also):
         number = int(change.key.partition("[")[2].partition("]")[0]) - 1
         segment = segments[number]
@@ -197,14 +198,14 @@ def test_a_longer_segment_is_the_shortest_that_cures(name: str) -> None:
     shorter = {
         number: after.span - 2 * STEP
         for number, (before, after) in enumerate(
-            zip(cam.plan.segments, longer.plan.segments, strict=True)
+            zip(cam.drive.plan.segments, longer.drive.plan.segments, strict=True)
         )
         if after.span > before.span
     }
-    plan = longer_plan(cam.plan, shorter)
+    plan = longer_plan(cam.drive.plan, shorter)
     assert plan is not None
     assert not is_good(cam.moved(plan))
-    assert cure.value_from in [cam.plan.segments[number].span for number in shorter]
+    assert cure.value_from in [cam.drive.plan.segments[number].span for number in shorter]
 
 
 @each_case
@@ -214,20 +215,20 @@ def test_another_law_cures_and_none_does_it_for_less(name: str) -> None:
     if cure.works:
         assert is_good(applied(cam, cure))
     number = int(cure.key.partition("[")[2].partition("]")[0]) - 1
-    move = cam.plan.segments[number]
+    move = cam.drive.plan.segments[number]
     assert isinstance(move, Move)
     assert move.law.name == cure.value_from
     changed = [change.key for change in cure.also]
-    for offer in offers_for(cam.plan, number):
+    for offer in offers_for(cam.drive.plan, number):
         if changed or (cure.cost is not None and offer.growth >= cure.cost):
             continue  # several moves at once are another matter
-        segments = list(cam.plan.segments)
+        segments = list(cam.drive.plan.segments)
         segments[number] = replace(move, law=offer.law)
         assert not is_good(cam.moved(MotionPlan(tuple(segments)))), offer.law.name
 
 
 def test_laws_offered_keep_the_joints_and_make_no_jerk() -> None:
-    offers = offers_for(CASES["translating"].plan, 1)
+    offers = offers_for(CASES["translating"].drive.plan, 1)
     assert len(offers) > 3
     assert [offer.growth for offer in offers] == sorted(offer.growth for offer in offers)
     for offer in offers:
@@ -257,7 +258,7 @@ def test_the_roller_is_that_of_the_reference() -> None:
 @pytest.mark.parametrize(("name", "axis"), [("neck", 50), ("neck of a wide curve", 51)])
 def test_the_roller_of_a_neck_is_half_its_width(name: str, axis: int) -> None:
     """Both cams are mirror images of themselves, so that half a neck is a distance from an axis."""
-    plan, base = CASES[name].plan, CASES[name].follower.base_radius
+    plan, base = CASES[name].drive.plan, CASES[name].follower.base_radius
     rise = plan.segments[1]
     assert isinstance(rise, Move)
     with mpmath.workdps(30):
@@ -303,12 +304,10 @@ def test_a_cusp_is_cured_by_no_change_at_all() -> None:
 
 def test_nothing_to_cure_of_a_healthy_cam() -> None:
     for scene in sorted(SCENES.glob("*.toml")):
-        spec = camgeo.load(scene).specification
-        if spec.limits.undercut == "trim" or spec.follower.is_flat:
+        design = camgeo.load(scene)
+        cam = design.cam
+        if design.scene.limits.undercut == "trim" or cam.follower.is_flat:
             continue
-        cam = Cam(
-            spec.plan, spec.linkage, require_roller(spec.follower), spec.rotation, spec.contact
-        )
         assert is_good(cam)
         assert cures(cam) == (), scene.name
 
@@ -316,8 +315,8 @@ def test_nothing_to_cure_of_a_healthy_cam() -> None:
 def test_no_mechanism_has_no_cure() -> None:
     assert margin(hard("HC20b", r_R=26)) is None, "the roller covers the cam axis"
     assert cures(hard("HC20b", r_R=26)) == ()
-    plan = CASES["translating"].plan
-    locked = Cam(plan, None, TranslatingRoller(25.0, 15.0, offset=25.0), 1, "inner")
+    plan = CASES["translating"].drive.plan
+    locked = cam_of(plan, TranslatingRoller(25.0, 15.0, offset=25.0))
     assert margin(locked) is None
     with pytest.raises(GeometryError, match="offset must not exceed"):
         CASES["translating"].sized(offset=26.0)
@@ -364,7 +363,7 @@ def test_what_cannot_be_decided_is_told() -> None:
 def test_a_move_without_dwells_beside_it_cannot_grow() -> None:
     law = LAWS["polynomial-345"]
     plan = MotionPlan((Move(Decimal(60), 20.0, law), Move(Decimal(300), 0.0, law)))
-    cam = enlarged(Cam(plan, None, TranslatingRoller(25.0, 5.0), 1, "inner"), 1.05)
+    cam = enlarged(cam_of(plan, TranslatingRoller(25.0, 5.0)), 1.05)
     cure = by_knob(cures(cam))["longer segment"]
     assert not cure.works
     assert "too little room" in cure.sentence
@@ -379,7 +378,7 @@ def test_undercut_in_a_rest_or_in_a_turn_is_no_matter_of_span_or_law() -> None:
             Move(Decimal(120), 0.0, LAWS["polynomial-345"]),
         )
     )
-    cam = Cam(dwell, None, TranslatingRoller(50.0, 32.0), 1, "inner")
+    cam = cam_of(dwell, TranslatingRoller(50.0, 32.0))
     found = by_knob(cures(cam))
     assert found["roller radius"].value_to == pytest.approx(30.0, rel=1e-12), "the rest's radius"
     for knob in ("longer segment", "other law"):
@@ -391,12 +390,12 @@ def test_undercut_in_a_rest_or_in_a_turn_is_no_matter_of_span_or_law() -> None:
 def test_a_straight_line_between_rests_is_cured_by_another_law() -> None:
     """At a shock the pitch curve has a corner, which no roller follows; its own law has no peak."""
     line = LAWS["straight-line"]
-    segments = list(CASES["translating"].plan.segments)
+    segments = list(CASES["translating"].drive.plan.segments)
     for number in (1, 3):
         move = segments[number]
         assert isinstance(move, Move)
         segments[number] = replace(move, law=line)
-    cam = Cam(MotionPlan(tuple(segments)), None, TranslatingRoller(40.0, 8.0), 1, "inner")
+    cam = cam_of(MotionPlan(tuple(segments)), TranslatingRoller(40.0, 8.0))
     least = margin(cam)
     assert least is not None
     assert least > 0.0
@@ -444,7 +443,7 @@ def test_the_rounded_length_is_beyond_the_limit_by_little(
     beyond=st.floats(-5.0, -0.4).map(lambda exponent: 10.0**exponent),
 )
 def test_any_undercut_cam_is_cured(curve: PitchCurve, contact: Any, beyond: float) -> None:
-    cam = cam_of(curve, contact)
+    cam = cam_on(curve, contact)
     least = margin(cam)
     assume(least is not None and least < 1.0 - 1e-3)  # else no roller undercuts
     assert least is not None

@@ -54,7 +54,7 @@ def test_it_is_told_in_the_unit_of_the_lift() -> None:
     (found,) = (f for f in rocker.findings if f.name == "side-clearance")
     assert found.severity == "ok"
     assert found.unit == "deg"
-    deviation, place = largest_deviation(rocker.pitch_curve, 0.1)
+    deviation, place = largest_deviation(rocker.cam.disc.pitch_curve, 0.1)
     assert found.value == pytest.approx(math.degrees(deviation))
     assert found.cam_angle == place
     guide = design("translating")
@@ -63,7 +63,7 @@ def test_it_is_told_in_the_unit_of_the_lift() -> None:
 
 
 def test_a_follower_that_locks_has_no_bound() -> None:
-    curve = design("translating").pitch_curve
+    curve = design("translating").cam.disc.pitch_curve
     follower = curve.follower
     assert isinstance(follower, TranslatingRoller)
     locked = replace(follower, offset=follower.base_radius)
@@ -104,19 +104,19 @@ def design(kind: str, clearance: float = 0.1, roller: float = 8.0, to: float = 1
 def test_the_groove_is_wider_than_the_roller_by_the_clearance(kind: str) -> None:
     cam = design(kind, 0.3)
     phi = np.linspace(0.0, TURN, 37)
-    pitch, inner, outer = cam.pitch(phi), cam.inner(phi), cam.outer(phi)
+    pitch, inner, outer = cam.disc.pitch(phi), cam.disc.inner(phi), cam.disc.outer(phi)
     # Places of 90 mm are rounded to 1e-14 mm.
     assert np.linalg.norm(outer - inner, axis=1) == pytest.approx(np.full(37, 16.3), abs=1e-12)
     assert np.linalg.norm(outer - pitch, axis=1) == pytest.approx(np.full(37, 8.15), abs=1e-12)
-    assert isinstance(cam.follower, OscillatingRoller) == (kind == "oscillating")
-    assert cam.follower.roller_radius == 8.0
+    assert isinstance(cam.cam.follower, OscillatingRoller) == (kind == "oscillating")
+    assert cam.cam.follower.roller_radius == 8.0
 
 
 def test_the_rule_of_thumb_is_of_the_roller_and_the_cusp_of_the_flank() -> None:
     """Between r_K - c/2 and r_K the roller fits and the groove's flank undercuts; the cure is the
     roller whose groove just has no cusp."""
     sharp = design("translating", 0.0, 5.0, 40.0)
-    radius = 1.0 / max(sharp.bends.largest()[0], -sharp.bends.smallest()[0])
+    radius = 1.0 / max(sharp.cam.disc.bends.largest()[0], -sharp.cam.disc.bends.smallest()[0])
     roller = radius - 0.1
     cam = design("translating", 0.5, roller, 40.0)
     ratios = [f.value for f in cam.findings if f.name.startswith("radius-ratio")]

@@ -14,6 +14,7 @@ from camgeo.check.sizing.task import Task
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.motion.plan import Dwell, MotionPlan, Move
+from tests.cams import cam_of
 from tests.reference import POLYNOMIAL, reference
 
 CASES: dict[str, dict[str, Any]] = reference("flocke_reference.json")
@@ -57,7 +58,7 @@ def task_of(name: str) -> Task:
     else:
         arm = float(given["l_3"])
         follower = OscillatingRoller(100 + 0j, arm, 90.0, ROLLER, 1, given["kappa_ccw"])
-    return Task(plan, follower, given["sigma"], "inner")
+    return Task(cam_of(plan, follower, given["sigma"]))
 
 
 def sized(name: str) -> Sizing:

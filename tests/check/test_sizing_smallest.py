@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,7 +11,7 @@ import camgeo
 from camgeo.check.sizing import bends
 from camgeo.check.sizing.conditions import conditions
 from camgeo.check.sizing.smallest import active_conditions, rate, size
-from camgeo.check.sizing.task import tangent_of
+from camgeo.check.sizing.task import Task, tangent_of
 from camgeo.cli.size_told import reason
 from camgeo.errors import GeometryError
 from tests.check.sizing_scenes import BENT, EASY, SCENES, required
@@ -84,7 +83,7 @@ def test_however_large_the_roller_a_large_cam_takes_it() -> None:
         assert found.answer is not None
         assert found.answer.radius_ratio[0] <= 1e-3 * (1.0 + 1e-9)
         assert found.answer.base_radius == pytest.approx(roller / 1e-3, rel=0.1)
-    huge = replace(task, follower=replace(task.follower, roller_radius=500.0))
+    huge = Task(task.cam.sized(roller_radius=500.0))
     answer = size(huge, angle, 0.7).answer
     assert answer is not None
     assert {each.name for each in active_conditions(huge, answer, angle, 0.7)} == {

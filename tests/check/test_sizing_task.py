@@ -14,13 +14,14 @@ from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.motion.plan import Dwell, MotionPlan, Move
+from tests.cams import cam_of
 from tests.check.sizing_scenes import BENT, EASY, required
 from tests.reference import POLYNOMIAL
 
 
 def agrees(task: Task) -> None:
     """The terms give transmission angle, curvature and the present design again."""
-    curve = PitchCurve(task.motion, task.follower, task.rotation)
+    curve = task.cam.disc.pitch_curve
     phi = np.linspace(0.0, 6.2, 500)
     terms = task.terms(phi)
     u, v = terms.across_and_along(task.present)
@@ -32,7 +33,7 @@ def agrees(task: Task) -> None:
     )
     again = task.follower_at(task.present)
     np.testing.assert_allclose(
-        PitchCurve(task.motion, again, task.rotation).point(phi),
+        PitchCurve(task.motion, again, task.cam.rotation).point(phi),
         curve.point(phi),
         rtol=0.0,
         atol=1e-11,
@@ -65,7 +66,7 @@ def test_every_arrangement_has_the_terms_of_its_pitch_curve(
             Dwell(Decimal(100)),
         )
     )
-    agrees(Task(plan, follower, rotation, "inner"))
+    agrees(Task(cam_of(plan, follower, rotation)))
 
 
 @pytest.mark.parametrize("tangent", [1.7, -0.8])

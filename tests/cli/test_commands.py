@@ -69,7 +69,7 @@ def test_wrong_call_is_2(call: list[str], capsys: Capture) -> None:
 
 @pytest.mark.parametrize("scene", sorted(SCENES.glob("*.toml")), ids=lambda path: path.stem)
 def test_fixtures_keep_their_limits(scene: Path, capsys: Capture) -> None:
-    trimmed = camgeo.load(scene).specification.limits.undercut == "trim"
+    trimmed = camgeo.load(scene).scene.limits.undercut == "trim"
     assert main(["check", str(scene)]) == (1 if trimmed else 0)
     captured = capsys.readouterr()
     # What a trimmed cam breaks is that it undercuts, and what comes with it.
@@ -120,7 +120,7 @@ def test_check_json(capsys: Capture) -> None:
     assert all(joint["continuous_derivatives"] >= 2 for joint in motion["joints"])
     design = camgeo.load(SETZHUB)
     assert document["camgeo"] == camgeo.__version__
-    assert document["scene"] == {"name": "setzhub", "sha256": design.scene_hash}
+    assert document["scene"] == {"name": "setzhub", "sha256": design.disc.scene_hash}
     assert len(document["findings"]) == len(design.findings)
     for record, finding in zip(document["findings"], design.findings, strict=True):
         assert record["name"] == finding.name
@@ -184,7 +184,7 @@ def test_table_in_inches(capsys: Capture) -> None:
     assert main(["table", str(scene), "--step", "45"]) == 0
     rows = list(csv.reader(io.StringIO(capsys.readouterr().out)))
     column = rows[0].index("inner x [inch]")
-    x = camgeo.load(scene).inner(np.radians([45.0]))[0, 0]
+    x = camgeo.load(scene).disc.inner(np.radians([45.0]))[0, 0]
     assert float(rows[2][column]) == pytest.approx(x / MM_PER["inch"], rel=1e-15)
 
 

@@ -7,11 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from camgeo.cli.explain import GOALS
+from camgeo.cli.explain import GOALS, quantities
 from camgeo.cli.main import main
-from camgeo.design import Design
 from camgeo.effects.registry import EFFECTS
-from camgeo.lazy import lazy_names
 from tests.effects.scenes import SCENES
 
 SCENE = SCENES / "plate_translating.toml"
@@ -39,7 +37,7 @@ def test_what_ran_and_what_did_not_are_all_there_is(goal: str, capsys: Capture) 
     document = explained(capsys, str(SCENE), goal)
     ran = {each["name"] for each in document["computed"]}  # type: ignore[attr-defined]
     alone = set(document["left_alone"])  # type: ignore[call-overload]
-    everything = {*lazy_names(Design), *(f"effects.{name}" for name in EFFECTS)}
+    everything = {*quantities(), *(f"effects.{name}" for name in EFFECTS)}
     assert not ran & alone
     assert everything <= ran | alone
     assert alone <= everything

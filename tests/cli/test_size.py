@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 import camgeo
+from camgeo.check.judge import transmission_angle_limit
 from camgeo.cli.main import main
 from camgeo.cli.size_scene import resized
 from camgeo.errors import SceneError
@@ -60,12 +61,14 @@ def test_an_arm_is_looked_for_and_written(tmp_path: Path, capsys: Capture) -> No
     assert main(call) == 0
     assert "all but the present design with an arm of 40.0000 mm" in capsys.readouterr().out
     after = camgeo.load(target)
-    assert isinstance(after.follower, OscillatingRoller)
-    assert after.follower.arm == 40.0
+    assert isinstance(after.cam.follower, OscillatingRoller)
+    assert after.cam.follower.arm == 40.0
     assert main(["size", str(target), "--json"]) == 0
     told = json.loads(capsys.readouterr().out)
     assert told["smallest"]["arm_mm"] == 40.0
-    assert told["smallest"]["base_radius_mm"] == pytest.approx(after.base_radius, rel=1e-9)
+    assert told["smallest"]["base_radius_mm"] == pytest.approx(
+        after.cam.follower.base_radius, rel=1e-9
+    )
 
 
 def test_an_arm_is_refused_where_there_is_none(capsys: Capture) -> None:
@@ -106,8 +109,10 @@ def test_the_scene_written_keeps_its_limits(scene: str, tmp_path: Path, capsys: 
     assert main(["size", str(source), "--json", "--scene", str(target)]) == 0
     told = json.loads(capsys.readouterr().out)
     before, after = camgeo.load(source), camgeo.load(target)
-    assert after.base_radius == pytest.approx(told["smallest"]["base_radius_mm"], rel=1e-9)
-    limit = math.degrees(before.transmission_angle_limit)
+    assert after.cam.follower.base_radius == pytest.approx(
+        told["smallest"]["base_radius_mm"], rel=1e-9
+    )
+    limit = math.degrees(transmission_angle_limit(before.cam, before.scene.limits))
     for finding in after.findings:
         if finding.name == "transmission-angle":
             assert finding.severity == "ok"
@@ -122,8 +127,8 @@ def test_the_scene_written_keeps_its_limits(scene: str, tmp_path: Path, capsys: 
         for text in (source.read_text(), target.read_text())
     )
     assert old == new
-    assert after.motion.jet(before.smooth_angles).tolist() == (
-        before.motion.jet(before.smooth_angles).tolist()
+    assert after.cam.drive.motion.jet(before.drive.smooth_angles).tolist() == (
+        before.cam.drive.motion.jet(before.drive.smooth_angles).tolist()
     )
 
 
@@ -132,19 +137,19 @@ def test_comments_stay_and_a_missing_offset_is_added(tmp_path: Path) -> None:
     for kind in ("translating-roller", "oscillating-roller"):
         text = template(kind)
         source.write_text(text)
-        follower = require_roller(camgeo.load(source).follower)
+        follower = require_roller(camgeo.load(source).cam.follower)
         written = resized(text, follower, 1.0)
         assert [line.partition("#")[2] for line in written.splitlines()] == [
             line.partition("#")[2] for line in text.splitlines()
         ]
     text = (SCENES / "ring.toml").read_text()
     assert "\noffset" not in text
-    follower = require_roller(camgeo.load(SCENES / "ring.toml").follower)
+    follower = require_roller(camgeo.load(SCENES / "ring.toml").cam.follower)
     assert "\nbase_radius = 60.0\noffset = 0.0\n" in resized(text, follower, 1.0)
 
 
 def test_a_follower_in_one_line_cannot_be_written_back(tmp_path: Path) -> None:
-    follower = require_roller(camgeo.load(SCENES / "ring.toml").follower)
+    follower = require_roller(camgeo.load(SCENES / "ring.toml").cam.follower)
     with pytest.raises(SceneError, match="table \\[follower\\]"):
         resized('follower = { kind = "translating-roller" }\n', follower, 1.0)
 

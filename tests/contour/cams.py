@@ -44,7 +44,7 @@ STROKES = st.just(0.0) | st.floats(-0.5, -1e-3) | st.floats(1e-3, 1.0)
 def flank(scene: str, side: int) -> WorkingCurve:
     """Inner (-1) or outer (+1) working curve of a fixture scene."""
     design = camgeo.load(SCENES / f"{scene}.toml")
-    return design.inner_curve if side < 0 else design.outer_curve
+    return design.cam.disc.inner_curve if side < 0 else design.cam.disc.outer_curve
 
 
 def translating(

@@ -123,7 +123,7 @@ def test_the_solid_of_the_writers_has_the_same_mass_and_centre(scene: str) -> No
     tolerance = 2e-3
     made = design(scene, f"[effects.balance]\n{STEEL}")
     result = made.effect("balance")
-    part: Part = made.part
+    part: Part = made.disc.part
     solid = body(part, tolerance, lambda x: x)
     mesh = trimesh.Trimesh(solid.vertices, solid.triangles, process=False)
     mass = 1e-3 * 7850e-9 * mesh.volume  # kg from mm^3, in t
@@ -258,7 +258,7 @@ def test_smaller_holes_are_taken_where_few_large_ones_do_not_fit() -> None:
 def test_no_holes_in_a_groove() -> None:
     """The middle of the groove is not solid through the whole disc."""
     made = design("groove", "")
-    pitch = made.pitch_curve.point(np.linspace(0.0, TURN, 3601))
+    pitch = made.cam.disc.pitch_curve.point(np.linspace(0.0, TURN, 3601))
     heavy = np.exp(1j * np.angle(balance("groove").unbalance))
     middle = float(np.abs(pitch[np.argmax((pitch / np.abs(pitch) * heavy.conj()).real)]))
     found = named(balance("groove", f"hole_radius = {middle}\nhole_diameter = 40\n"))
@@ -295,13 +295,15 @@ def test_the_permissible_unbalance_of_a_turbine_rotor() -> None:
 def test_the_force_is_minus_mass_times_acceleration_at_any_speed_curve() -> None:
     made = design("points", f"[effects.balance]\n{STEEL}")
     result = made.effect("balance")
-    course = made.time_course
+    course = made.drive.time_course
     assert course is not None
     phi = np.linspace(0.1, 6.0, 200)
     x, y = (column.values(phi, "right") for column in result.columns)
     omega, alpha = course.rates(phi)[:2]
-    place = result.centre * np.exp(1j * made.rotation * phi)
-    acceleration = 1j * made.rotation * place * alpha - place * omega**2  # z'' from z and dz/dphi
+    place = result.centre * np.exp(1j * made.cam.rotation * phi)
+    acceleration = (
+        1j * made.cam.rotation * place * alpha - place * omega**2
+    )  # z'' from z and dz/dphi
     np.testing.assert_allclose(x + 1j * y, -result.mass * acceleration, rtol=1e-12)
     largest = named(result)["unbalance-force"]
     dense = np.linspace(0.0, TURN, 20001)

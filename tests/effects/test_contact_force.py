@@ -59,13 +59,13 @@ class Stuck:
     force: Force = field(default_factory=lambda: Force("friction", lambda phi, side: zero(phi)))
 
     def per_normal(self, phi: FloatArray, side: Side, sense: int) -> FloatArray:
-        velocity = self.design.motion.jet(phi, side)[1]
+        velocity = self.design.cam.drive.motion.jet(phi, side)[1]
         return np.stack((-self.share * np.sign(velocity), np.zeros(len(phi))))
 
 
 def timed(subject: Design) -> FloatArray:
-    assert subject.time_course is not None
-    return in_time(subject.motion.jet(PHI), subject.time_course, PHI)
+    assert subject.drive.time_course is not None
+    return in_time(subject.cam.drive.motion.jet(PHI), subject.drive.time_course, PHI)
 
 
 def zero(phi: FloatArray) -> FloatArray:
@@ -85,20 +85,20 @@ def constant(value: float) -> Any:
 
 def computed(subject: Design, results: dict[str, Any], limit: float | None = None) -> ContactForce:
     table = {} if limit is None else {"limit": limit}
-    found = EFFECT.compute(Request(subject, parse(table), results, 1e-6))
+    found = EFFECT.compute(Request(subject.effects.subject, parse(table), results, 1e-6))
     assert isinstance(found, ContactForce)
     return found
 
 
 def turned(subject: Design, phi: FloatArray) -> Any:
     """From cam coordinates to those of the frame, (n,) complex."""
-    return np.exp(1j * subject.rotation * phi)
+    return np.exp(1j * subject.cam.rotation * phi)
 
 
 def outward(subject: Design, phi: FloatArray) -> Any:
     """(n,) complex unit normals in the cam, from the point of contact to the roller's centre."""
-    between = subject.pitch_curve.point(phi) - subject.inner_curve.point(phi)
-    return between / subject.follower.roller_radius
+    between = subject.cam.disc.pitch_curve.point(phi) - subject.cam.disc.inner_curve.point(phi)
+    return between / subject.cam.follower.roller_radius
 
 
 def finding(found: Any, name: str) -> Any:
@@ -113,7 +113,7 @@ def test_newton_along_the_guide() -> None:
     """Free body of a translating follower in the frame: m a = N n + weight + spring + load."""
     subject = design("plate_translating", TRANSLATING)
     found = subject.effect("contact-force").normal(PHI, "right")
-    follower: Any = subject.follower
+    follower: Any = subject.cam.follower
     guide = np.exp(1j * follower.guide_angle)
     lift, _, acceleration, _ = timed(subject)
     mass = 0.8e-3
@@ -130,11 +130,11 @@ def test_euler_about_the_pivot(scene: str) -> None:
     """Free body of a rocker in the frame: J chi'' = arm x N n + torque, counter-clockwise."""
     subject = design(scene, ROCKING)
     found = subject.effect("contact-force").normal(PHI, "right")
-    follower: Any = subject.follower
+    follower: Any = subject.cam.follower
     sense = follower.swing_sense
     _, _, acceleration, _ = timed(subject)
     moment = 0.012e3 + 0.15e-3 * follower.arm**2
-    arm = subject.pitch_curve.point(PHI) * turned(subject, PHI) - follower.pivot
+    arm = subject.cam.disc.pitch_curve.point(PHI) * turned(subject, PHI) - follower.pivot
     n = outward(subject, PHI) * turned(subject, PHI)
     crossed = (np.conj(arm) * n).imag
     expected = (moment * sense * acceleration + sense * 2.5e3) / crossed
@@ -148,9 +148,11 @@ def test_euler_about_the_pivot(scene: str) -> None:
 def test_torque_is_the_moment_of_the_force_about_the_cam_axis(scene: str, effects: str) -> None:
     subject = design(scene, effects)
     normal = subject.effect("contact-force").normal(PHI, "right")
-    work = normal * subject.pitch_curve.leverage(PHI) * subject.motion.jet(PHI)[1]
-    at, n = subject.inner_curve.point(PHI), outward(subject, PHI)
-    moment = subject.rotation * normal * (np.conj(at) * n).imag
+    work = (
+        normal * subject.cam.disc.pitch_curve.leverage(PHI) * subject.cam.drive.motion.jet(PHI)[1]
+    )
+    at, n = subject.cam.disc.inner_curve.point(PHI), outward(subject, PHI)
+    moment = subject.cam.rotation * normal * (np.conj(at) * n).imag
     # The arm is a difference of lengths of the size of the cam.
     scale = np.max(np.abs(normal)) * np.max(np.abs(at))
     assert np.max(np.abs(work - moment)) <= ROUNDING * scale
@@ -161,7 +163,7 @@ def test_conservative_torque_does_no_work_over_a_turn() -> None:
     contact = subject.effect("contact-force")
 
     def torque(phi: FloatArray) -> FloatArray:
-        lever = subject.pitch_curve.leverage(phi) * subject.motion.jet(phi)[1]
+        lever = subject.cam.disc.pitch_curve.leverage(phi) * subject.cam.drive.motion.jet(phi)[1]
         return np.asarray(contact.normal(phi, "right") * lever)
 
     work = piecewise_integral(torque, contact.edges, 1e-13)
@@ -222,7 +224,9 @@ def test_a_textbook_exercise() -> None:
     omega = 1000.0 * TURN / 60.0
     force = float(radial[0, 0] + radial[2, 0] * omega**2)
     assert force == pytest.approx(-61.69, abs=0.005)
-    assert force * subject.motion.jet(phi)[1][0] == pytest.approx(-61.69 * 2.3873, rel=2e-4)
+    assert force * subject.cam.drive.motion.jet(phi)[1][0] == pytest.approx(
+        -61.69 * 2.3873, rel=2e-4
+    )
     normal = subject.effect("contact-force").normal(phi, "right")
     angle = math.atan2(2.3873, 30.0 + 9.7117)
     assert normal[0] * math.cos(angle) == pytest.approx(force, rel=1e-6)
@@ -239,7 +243,7 @@ def test_friction_keeps_the_balance_on_both_flanks() -> None:
     normal = found.normal(PHI, "right")
     assert np.min(normal) < 0.0 < np.max(normal)
     sense = np.where(normal >= 0.0, 1, -1)
-    lever = subject.pitch_curve.leverage(PHI)
+    lever = subject.cam.disc.pitch_curve.leverage(PHI)
     taken = friction.per_normal(PHI, "right", 1)[0]
     needed = found.required(PHI, "right")[0]
     balance = np.abs(normal) * (sense * lever + taken) - needed
@@ -259,7 +263,7 @@ def test_jamming_is_where_friction_takes_all() -> None:
     """sin mu - c is what is left of the force on a rise: it jams where mu <= asin c."""
     subject = design("plate_translating", "")
     rise = np.linspace(math.radians(30.0), math.radians(130.0), 20001)[1:-1]
-    least = float(np.min(subject.pitch_curve.transmission_angle(rise)))
+    least = float(np.min(subject.cam.disc.pitch_curve.transmission_angle(rise)))
     share = math.sin(least + 0.05)
     friction = Stuck(subject, share)
     with pytest.raises(EffectError, match="jams from cam angle") as caught:
@@ -271,7 +275,7 @@ def test_jamming_is_where_friction_takes_all() -> None:
     assert error.cam_range is not None
     first, last = error.cam_range
     assert first == pytest.approx(math.radians(30.0), rel=1e-15)  # where the rise begins
-    mu = subject.pitch_curve.transmission_angle(np.array([last]))
+    mu = subject.cam.disc.pitch_curve.transmission_angle(np.array([last]))
     assert mu[0] == pytest.approx(math.asin(share), abs=1e-9)
     assert error.limit == pytest.approx(math.degrees(math.asin(share)), abs=1e-7)
     # Just below, it moves everywhere.
@@ -326,7 +330,7 @@ def test_the_outer_flank_carries_a_ring() -> None:
     subject = design("ring", "")
     found = computed(subject, {"load": constant(5.0)}, limit=6.0)
     normal = found.normal(PHI, "right")
-    mu = subject.pitch_curve.transmission_angle(PHI)
+    mu = subject.cam.disc.pitch_curve.transmission_angle(PHI)
     assert normal == pytest.approx(-5.0 / np.sin(mu), rel=1e-13)
     least = finding(found.findings, "smallest-contact-force")
     assert least.value == pytest.approx(5.0, rel=1e-15)

@@ -70,7 +70,9 @@ def steady(force: float) -> Given:
 def pressed(
     subject: Design, force: Given, table: dict[str, Any] | None = None, tolerance: float = 1e-6
 ) -> ContactPressure:
-    request = Request(subject, parse(table or {}), {"contact-force": force}, tolerance)
+    request = Request(
+        subject.effects.subject, parse(table or {}), {"contact-force": force}, tolerance
+    )
     found: ContactPressure = EFFECT.compute(request)
     return found
 
@@ -80,7 +82,7 @@ def scene(name: str, *changes: tuple[str, str]) -> Design:
 
 
 def contact_of(subject: Design, force: float = 1.0) -> Contact:
-    return Contact(subject, steady(force).normal, 1.0, 1.0)
+    return Contact(subject.effects.subject, steady(force).normal, 1.0, 1.0)
 
 
 def value(result: ContactPressure, name: str) -> float:
@@ -220,10 +222,10 @@ def test_the_relative_curvature_is_that_of_roller_and_flank(scene: str, sense: i
     """1/R = 1/r_R + that of the working curve, the outer one mirrored; (1 + d kappa) and its
     inverse round a few times each."""
     subject = design(scene, "")
-    flank = subject.inner_curve if sense == INNER else subject.outer_curve
+    flank = subject.cam.disc.inner_curve if sense == INNER else subject.cam.disc.outer_curve
     phi = np.linspace(0.0, TURN, 400, endpoint=False)
     _, radius = contact_of(subject, float(sense)).load_and_radius(phi, "right")
-    roller = subject.follower.roller_radius
+    roller = subject.cam.follower.roller_radius
     expected = 1.0 / roller + sense * flank.curvature(phi)
     margin = flank.regularity(phi)
     limit = 40.0 * EPS * (1.0 + np.abs(1.0 / margin)) / (roller * np.abs(margin))
@@ -237,7 +239,7 @@ def test_the_relative_curvature_is_that_of_roller_and_flank(scene: str, sense: i
 def test_in_a_rest_two_cylinders_touch(scene: str, sense: int, angle: float, centre: float) -> None:
     """The disc is a cylinder of the radius r_G -/+ r_R, the ring a hollow one."""
     subject = design(scene, "")
-    roller = subject.follower.roller_radius
+    roller = subject.cam.follower.roller_radius
     radius = contact_of(subject, float(sense)).load_and_radius(np.array([angle]), "right")[1][0]
     own = centre - sense * roller
     assert radius == pytest.approx(1.0 / (1.0 / roller + sense / own), rel=1e-13)
@@ -296,7 +298,7 @@ def test_in_a_groove_the_flank_follows_the_force() -> None:
 
 def bend(subject: Design) -> tuple[float, float]:
     """The largest curvature of the pitch curve [1/mm], and its cam angle, by the checks' search."""
-    bends = subject.bends
+    bends = subject.cam.disc.bends
     place = int(np.argmax(bends.values))
     return float(bends.values[place]), float(bends.phi[place])
 
@@ -320,7 +322,7 @@ def test_undercut_without_force_does_not_matter() -> None:
     edges = np.array([0.0, 0.5, TURN])
     force = Given(edges, lambda phi: np.where(phi < 0.5, 50.0, 0.0))
     grid = np.linspace(0.0, TURN, 1000)
-    assert np.min(subject.inner_curve.regularity(grid)) < 0.0  # else the test says nothing
+    assert np.min(subject.cam.disc.inner_curve.regularity(grid)) < 0.0  # else the test says nothing
     result = pressed(subject, force)
     assert 0.0 < result.largest.value < math.inf
     assert np.all(result.contact.pressure(grid[grid > 0.5], "right") == 0.0)
@@ -434,14 +436,18 @@ def test_roller_and_cam_have_one_velocity_where_they_touch(scene: str, sense: in
     """In the fixed frame, from the places of the roller centre at neighbouring cam angles; central
     differences over 2e-5 rad leave 1e-10 of the third derivative and 1e-10 of rounding."""
     subject = design(scene, "")
-    pitch, roller, sigma = subject.pitch_curve, subject.follower.roller_radius, subject.rotation
+    pitch, roller, sigma = (
+        subject.cam.disc.pitch_curve,
+        subject.cam.follower.roller_radius,
+        subject.cam.rotation,
+    )
     phi, step = np.linspace(0.02, 6.2, 97), 1e-5
 
     def centre(angles: FloatArray) -> Any:
         return pitch.point(angles) * np.exp(1j * sigma * angles)
 
     speed = (centre(phi + step) - centre(phi - step)) / (2.0 * step)
-    flank = subject.inner_curve if sense == INNER else subject.outer_curve
+    flank = subject.cam.disc.inner_curve if sense == INNER else subject.cam.disc.outer_curve
     touching = flank.point(phi) * np.exp(1j * sigma * phi)
     contact = contact_of(subject, float(sense))
     nu = spin(contact, phi, "right", np.full(len(phi), float(sense)))
@@ -457,14 +463,14 @@ def test_the_roller_unrolls_its_flank(scene: str, sense: int) -> None:
     """Over a turn it makes as many turns as the flank is longer than its own circumference; the
     follower comes back, and its own turning adds nothing."""
     subject = design(scene, "")
-    flank = subject.inner_curve if sense == INNER else subject.outer_curve
-    edges = subject.smooth_angles
+    flank = subject.cam.disc.inner_curve if sense == INNER else subject.cam.disc.outer_curve
+    edges = subject.drive.smooth_angles
     contact = contact_of(subject, float(sense))
     length = piecewise_integral(flank.pace, edges, 1e-12)
     turns = piecewise_integral(
         lambda phi: spin(contact, phi, "right", np.full(len(phi), float(sense))), edges, 1e-12
     )
-    expected = length.value / subject.follower.roller_radius
+    expected = length.value / subject.cam.follower.roller_radius
     assert turns.value == pytest.approx(expected, rel=1e-10)
 
 
@@ -479,7 +485,9 @@ def test_the_life_under_a_steady_force(speed: int) -> None:
     assert life.load == pytest.approx(700.0, rel=1e-9)
     turns = life.seconds * life.speed / TURN
     assert turns == pytest.approx(1e6 * (9000.0 / 700.0) ** EXPONENT, rel=2e-9)
-    length = piecewise_integral(subject.inner_curve.pace, subject.smooth_angles, 1e-12).value
+    length = piecewise_integral(
+        subject.cam.disc.inner_curve.pace, subject.drive.smooth_angles, 1e-12
+    ).value
     expected = length / (TURN * 10.0) * speed
     assert value(result, "roller-speed") == pytest.approx(expected, rel=1e-9)
     assert value(result, "roller-life") == pytest.approx(life.seconds / 3600.0, rel=EPS)
@@ -604,7 +612,7 @@ def test_the_width_is_that_of_the_flank_at_most(
     name: str, table: dict[str, Any], changes: tuple[tuple[str, str], ...], width: float | None
 ) -> None:
     subject = scene(name, *changes)
-    sign = -1.0 if subject.contact == "outer" else 1.0
+    sign = -1.0 if subject.cam.contact == "outer" else 1.0
     if width is None:
         with pytest.raises(GeometryError) as caught:
             pressed(subject, steady(sign), table)

@@ -43,8 +43,8 @@ class Friction:
 
     def per_normal(self, phi: FloatArray, side: Side, sense: int) -> FloatArray:
         """The sense of sliding is one for each piece, also at its ends, where nothing moves."""
-        edges = self.subject.smooth_angles
-        senses = np.sign(self.subject.motion.jet(edges[:-1] + 0.5 * np.diff(edges))[1])
+        edges = self.subject.drive.smooth_angles
+        senses = np.sign(self.subject.cam.drive.motion.jet(edges[:-1] + 0.5 * np.diff(edges))[1])
         row = np.searchsorted(edges, phi, "right" if side == "right" else "left") - 1
         sliding = senses[np.clip(row, 0, len(senses) - 1)]
         return np.stack((-self.share * sliding, np.full(len(phi), self.rolling)))
@@ -60,7 +60,7 @@ class Contact:
     edges: FloatArray = field(init=False)
 
     def __post_init__(self) -> None:
-        base = self.subject.smooth_angles
+        base = self.subject.drive.smooth_angles
         roots = roots_on_grid(lambda phi: self.normal(phi, "right"), grid_of(base))
         object.__setattr__(self, "edges", merged(np.concatenate((base, roots))))
 
@@ -71,7 +71,7 @@ class Contact:
         self, phi: FloatArray, side: Side, omega: FloatArray, alpha: FloatArray
     ) -> FloatArray:
         force = at_rates(self.required(phi, side), np.stack((omega, alpha)))
-        leverage = self.subject.pitch_curve.leverage(phi, side)
+        leverage = self.subject.cam.disc.pitch_curve.leverage(phi, side)
         if self.friction is None:
             return force / leverage
         sense = np.where(force * leverage >= 0.0, 1, -1)
@@ -81,7 +81,7 @@ class Contact:
             return np.asarray(sense * force / bracket)
 
     def normal(self, phi: FloatArray, side: Side) -> FloatArray:
-        course = self.subject.time_course
+        course = self.subject.drive.time_course
         zero = np.zeros(len(phi))
         omega, alpha = (zero, zero) if course is None else course.rates(phi)[:2]
         return self.normal_at(phi, side, omega, alpha)
@@ -89,7 +89,7 @@ class Contact:
 
 def inertia(subject: Design, mass: float) -> Force:
     def coefficients(phi: FloatArray, side: Side) -> FloatArray:
-        jet, zero = subject.motion.jet(phi, side), np.zeros(len(phi))
+        jet, zero = subject.cam.drive.motion.jet(phi, side), np.zeros(len(phi))
         return np.stack((zero, zero, -mass * jet[2], -mass * jet[1]))
 
     return Force("inertia", coefficients)
@@ -99,7 +99,7 @@ def spring(subject: Design, preload: float, stiffness: float) -> Force:
     """A constant force against growing q, and one that grows with q."""
 
     def coefficients(phi: FloatArray, side: Side) -> FloatArray:
-        q, zero = subject.motion.jet(phi, side)[0], np.zeros(len(phi))
+        q, zero = subject.cam.drive.motion.jet(phi, side)[0], np.zeros(len(phi))
         return np.stack((-preload - stiffness * q, zero, zero, zero))
 
     return Force("spring", coefficients)
@@ -107,7 +107,7 @@ def spring(subject: Design, preload: float, stiffness: float) -> Force:
 
 def damper(subject: Design, viscous: float) -> Force:
     def coefficients(phi: FloatArray, side: Side) -> FloatArray:
-        velocity, zero = subject.motion.jet(phi, side)[1], np.zeros(len(phi))
+        velocity, zero = subject.cam.drive.motion.jet(phi, side)[1], np.zeros(len(phi))
         return np.stack((zero, -viscous * velocity, zero, zero))
 
     return Force("damper", coefficients)
@@ -117,7 +117,9 @@ def drive(
     subject: Design, contact: Contact, tolerance: float = 1e-9, **table: float
 ) -> DriveTorque:
     spec = drive_torque.parse(table)
-    return drive_torque.compute(Request(subject, spec, {"contact-force": contact}, tolerance))
+    return drive_torque.compute(
+        Request(subject.effects.subject, spec, {"contact-force": contact}, tolerance)
+    )
 
 
 def finding(result: Any, name: str) -> Finding:
@@ -136,7 +138,7 @@ def value(result: Any, name: str) -> float:
 def test_conservative_forces_do_no_work_over_a_turn(scene: str) -> None:
     """Also with the speed curve of "points": omega is the same after a turn."""
     subject = design(scene, "")
-    reach = abs(subject.follower.reach)
+    reach = abs(subject.cam.follower.reach)
     forces = (inertia(subject, 1e-3 * reach**2), spring(subject, 60.0 * reach, 4.0 * reach**2))
     result = drive(subject, Contact(subject, forces))
     peak = max(abs(value(result, "largest-torque")), abs(value(result, "smallest-torque")))
@@ -169,7 +171,7 @@ def test_root_mean_square_of_a_constant_load() -> None:
 def test_root_mean_square_with_a_speed_curve_is_over_time() -> None:
     subject = design("points", "")
     result = drive(subject, Contact(subject, (spring(subject, 60.0, 4.0),)))
-    course = subject.time_course
+    course = subject.drive.time_course
     assert course is not None
     # Midpoints in time, of 1e5 parts: the error of a periodic C1 integrand is far below 1e-6.
     duration = float(np.diff(course.time(np.array([0.0, TURN])))[0])
@@ -188,12 +190,12 @@ def test_power_balance_at_every_angle() -> None:
     contact = Contact(subject, forces, friction)
     result = drive(subject, contact)
     phi = np.linspace(0.0, TURN, 2001)[1:-1]
-    velocity = subject.motion.jet(phi)[1]
+    velocity = subject.cam.drive.motion.jet(phi)[1]
     normal = contact.normal(phi, "right")
     rolling = friction.rolling * np.abs(normal)
     sense = np.where(normal >= 0.0, 1, -1)
     sliding = friction.share * np.abs(normal) * np.abs(velocity)
-    course = subject.time_course
+    course = subject.drive.time_course
     assert course is not None
     force = at_rates(contact.required(phi, "right"), course.rates(phi))
     torque = result.torque(phi, "right")
@@ -201,7 +203,7 @@ def test_power_balance_at_every_angle() -> None:
     scale = np.max(np.abs(torque))
     # Both sides take a few dozen roundings of quantities of this size.
     assert np.max(np.abs(torque - given)) <= 100.0 * EPS * scale
-    leverage = subject.pitch_curve.leverage(phi)
+    leverage = subject.cam.disc.pitch_curve.leverage(phi)
     by_normal = sense * np.abs(normal) * leverage * velocity + rolling
     assert np.max(np.abs(torque - by_normal)) <= 100.0 * EPS * scale
     assert value(result, "mean-power") > 0.0
@@ -212,7 +214,7 @@ def test_static_and_dynamic_parts() -> None:
     contact = Contact(subject, (inertia(subject, 2e-3), spring(subject, 60.0, 4.0)))
     result = drive(subject, contact)
     phi = np.linspace(0.0, TURN, 721)
-    s, s1, s2 = subject.motion.jet(phi)[:3]
+    s, s1, s2 = subject.cam.drive.motion.jet(phi)[:3]
     static, dynamic = (60.0 + 4.0 * s) * s1, 2e-3 * TURN**2 * s2 * s1  # 60 rev/min
     scale = np.max(np.abs(static))
     assert np.max(np.abs(result.static(phi, "right") - static)) <= 10.0 * EPS * scale
@@ -253,14 +255,14 @@ def test_the_limit_holds_in_both_directions() -> None:
 def test_the_follower_jams_where_friction_takes_all() -> None:
     subject = design("plate_translating", "")
     rise = np.radians(np.linspace(30.0, 130.0, 401))  # on the way down friction helps the cam
-    mu = float(np.min(subject.pitch_curve.leverage(rise)))
+    mu = float(np.min(subject.cam.disc.pitch_curve.leverage(rise)))
     contact = Contact(subject, (spring(subject, 60.0, 4.0),), Friction(subject, mu + 0.02, 0.0))
     with pytest.raises(EffectError) as caught:
         drive(subject, contact)
     assert caught.value.finding == "jamming"
     assert caught.value.unit == "deg"
     place = np.array([caught.value.cam_angle])
-    assert subject.pitch_curve.leverage(place)[0] <= mu + 0.02
+    assert subject.cam.disc.pitch_curve.leverage(place)[0] <= mu + 0.02
 
 
 def test_warnings_of_lost_contact_and_shocks() -> None:
@@ -379,7 +381,9 @@ fluctuation = 0.02
     phi = np.linspace(0.0, TURN, 1001)[1:-1]
     normal = contact.normal(phi, "right")
     assert np.min(normal) > 0.0
-    torque = normal * subject.pitch_curve.leverage(phi) * subject.motion.jet(phi)[1]
+    torque = (
+        normal * subject.cam.disc.pitch_curve.leverage(phi) * subject.cam.drive.motion.jet(phi)[1]
+    )
     torque += normal * contact.friction.per_normal(phi, "right", 1)[1]
     scale = np.max(np.abs(torque))
     assert np.max(np.abs(result.torque(phi, "right") - torque)) <= 50.0 * EPS * scale

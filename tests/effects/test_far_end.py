@@ -76,16 +76,16 @@ def cross(a: Any, b: Any) -> Any:
 
 def joints(made: Design, phi: FloatArray) -> tuple[ComplexArray, ComplexArray]:
     """Pin and tip seen from the crank's shaft; the guide of a slider lies as the follower's."""
-    assert made.linkage is not None
-    found = made.linkage.joints(stroke(made, phi))
-    if isinstance(made.follower, OscillatingRoller):
+    assert made.cam.drive.linkage is not None
+    found = made.cam.drive.linkage.joints(stroke(made, phi))
+    if isinstance(made.cam.follower, OscillatingRoller):
         return found
     at = np.array([0.0, math.radians(100.0)])
     (roller,), (pin,) = (
         np.diff(each)
         for each in (
-            Bodies(made, at, at).centre(at),
-            made.linkage.joints(stroke(made, at))[0],
+            Bodies(made.cam, at, at).centre(at),
+            made.cam.drive.linkage.joints(stroke(made, at))[0],
         )
     )
     assert abs(roller) == pytest.approx(abs(pin), rel=1e-12)
@@ -116,8 +116,8 @@ def turning(made: Design, phi: FloatArray) -> FloatArray:
 def member_angle(made: Design, phi: FloatArray) -> FloatArray:
     """Of lever or crank, counter-clockwise; a positive demanded motion may be clockwise."""
     at, way = np.zeros(1), stroke(made, phi)
-    far = 0 if isinstance(made.follower, OscillatingRoller) else 1
-    shaft = getattr(made.linkage, "shaft", 0.0) if far == 0 else 0.0
+    far = 0 if isinstance(made.cam.follower, OscillatingRoller) else 1
+    shaft = getattr(made.cam.drive.linkage, "shaft", 0.0) if far == 0 else 0.0
     arm, first = joints(made, phi)[far] - shaft, joints(made, at)[far] - shaft
     angle: FloatArray = np.angle(arm / first)
     assert np.max(np.abs(np.abs(angle) - np.abs(way))) <= 1e-12
@@ -128,8 +128,8 @@ def statics(made: Design, phi: FloatArray) -> FloatArray:
     """R (n,): what the cam has to give on the follower's coordinate [N or N mm]."""
     pin, tip = joints(made, phi)
     centre = coupler_centre(made, phi)
-    rocks = isinstance(made.follower, OscillatingRoller)
-    shaft = complex(getattr(made.linkage, "shaft", 0.0))
+    rocks = isinstance(made.cam.follower, OscillatingRoller)
+    shaft = complex(getattr(made.cam.drive.linkage, "shaft", 0.0))
     far, arm = (pin, pin - shaft) if rocks else (tip, tip)
     near = tip if rocks else pin
     sense = np.sign(member_angle(made, phi) * stroke(made, phi))
@@ -150,15 +150,17 @@ def statics(made: Design, phi: FloatArray) -> FloatArray:
         forces.append(complex(found[2], found[3]))
     on_follower = np.array(forces)
     own = OWN["four_bar" if rocks else "crank_slider"]
-    centre_of_roller = Bodies(made, phi, phi).centre(phi)
+    centre_of_roller = Bodies(made.cam, phi, phi).centre(phi)
     if rocks:
-        follower = require_roller(made.follower)
+        follower = require_roller(made.cam.follower)
         assert isinstance(follower, OscillatingRoller)
         own = own + ROLLER * follower.arm**2
         moments = cross(tip, on_follower)
         moments = moments + cross(centre_of_roller - follower.pivot, ROLLER * pull(ANGLE))
         return np.asarray(own * twice(lift, made, phi) - moments)
-    way = slope(lambda x: Bodies(made, x, x).centre(x), phi) / slope(lambda x: lift(made, x), phi)
+    way = slope(lambda x: Bodies(made.cam, x, x).centre(x), phi) / slope(
+        lambda x: lift(made, x), phi
+    )
     weight = (own + ROLLER) * pull(ANGLE)
     return np.asarray((own + ROLLER) * twice(lift, made, phi) - along(way, on_follower + weight))
 
@@ -166,7 +168,7 @@ def statics(made: Design, phi: FloatArray) -> FloatArray:
 def moving(made: Design) -> FloatArray:
     """Angles at which the follower moves, where its way is known."""
     phi = inside(made)
-    velocity = np.abs(made.motion.jet(phi)[1])
+    velocity = np.abs(made.cam.drive.motion.jet(phi)[1])
     return np.asarray(phi[velocity > 0.05 * np.max(velocity)])
 
 
@@ -194,14 +196,14 @@ def test_power_of_the_drive_goes_into_energies_and_the_load(scene: str) -> None:
     def kinetic(x: FloatArray) -> FloatArray:
         rod = np.subtract(*joints(made, x))
         turn = np.imag(slope(lambda y: np.subtract(*joints(made, y)), x) / rod)
-        own = OWN[scene] + ROLLER * (require_roller(made.follower).arm ** 2 if rocks else 1.0)  # type: ignore[union-attr]
+        own = OWN[scene] + ROLLER * (require_roller(made.cam.follower).arm ** 2 if rocks else 1.0)  # type: ignore[union-attr]
         energy = own * slope(lambda y: lift(made, y), x) ** 2
         energy = energy + OUTPUT * slope(lambda y: stroke(made, y), x) ** 2
         energy = energy + COUPLER * np.abs(slope(lambda y: coupler_centre(made, y), x)) ** 2
         return np.asarray(0.5 * speed**2 * (energy + COUPLER_MOMENT * turn**2))
 
     def weights(x: FloatArray) -> FloatArray:
-        roller = Bodies(made, x, x).centre(x)
+        roller = Bodies(made.cam, x, x).centre(x)
         moments = (ROLLER if rocks else OWN[scene] + ROLLER) * roller
         return np.asarray(-along(pull(ANGLE), moments + COUPLER * coupler_centre(made, x)))
 

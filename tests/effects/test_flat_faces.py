@@ -95,13 +95,15 @@ class Bodies:
     phi: FloatArray
 
     def contact(self, phi: FloatArray) -> ComplexArray:
-        return np.asarray(self.made.pitch_curve.point(phi) * np.exp(1j * self.made.rotation * phi))
+        return np.asarray(
+            self.made.cam.disc.pitch_curve.point(phi) * np.exp(1j * self.made.cam.rotation * phi)
+        )
 
     def normal_at(self, phi: FloatArray) -> ComplexArray:
         """Away from the disc: the outline is run through against the sense of rotation."""
-        tangent = slope(self.made.pitch_curve.point, phi)
-        tangent = tangent / np.abs(tangent) * np.exp(1j * self.made.rotation * phi)
-        return np.asarray(1j * self.made.rotation * tangent)
+        tangent = slope(self.made.cam.disc.pitch_curve.point, phi)
+        tangent = tangent / np.abs(tangent) * np.exp(1j * self.made.cam.rotation * phi)
+        return np.asarray(1j * self.made.cam.rotation * tangent)
 
     @property
     def normal(self) -> ComplexArray:
@@ -115,10 +117,10 @@ class Bodies:
     @property
     def of_face(self) -> ComplexArray:
         """Velocity of the face's own point at the contact."""
-        follower = self.made.follower
+        follower = self.made.cam.follower
         if isinstance(follower, OscillatingFlat):
             return np.asarray(1j * self.turning * (self.contact(self.phi) - follower.pivot))
-        lift = slope(lambda x: self.made.motion.jet(x)[0], self.phi)
+        lift = slope(lambda x: self.made.cam.drive.motion.jet(x)[0], self.phi)
         return np.asarray(lift * follower.reach * self.normal)
 
     @property
@@ -128,7 +130,7 @@ class Bodies:
         The turning is a difference of a difference, and the lever about the pivot, up to 100 mm,
         is some three times what slides.
         """
-        found = self.of_face - 1j * self.made.rotation * self.contact(self.phi)
+        found = self.of_face - 1j * self.made.cam.rotation * self.contact(self.phi)
         assert np.max(np.abs(along(self.normal, found))) <= 10.0 * DIFFERENCE * np.max(
             np.abs(found)
         )
@@ -146,9 +148,9 @@ def by_newton(made: Design, table: dict[str, float], phi: FloatArray) -> FloatAr
     keeps are it.
     """
     at, speed = Bodies(made, phi), omega(made)
-    timed = in_time(made.motion.jet(phi), made.time_course, phi)  # type: ignore[arg-type]
+    timed = in_time(made.cam.drive.motion.jet(phi), made.drive.time_course, phi)  # type: ignore[arg-type]
     moving = np.sign(np.where(np.abs(timed[1]) > 1e-9 * speed, timed[1], 0.0))
-    push, place, follower = at.push(table["face"]), at.contact(phi), made.follower
+    push, place, follower = at.push(table["face"]), at.contact(phi), made.cam.follower
     if isinstance(follower, OscillatingFlat):
         swing = follower.swing_sense
         centre = complex(-35.0, 62.0) - follower.pivot
@@ -204,7 +206,7 @@ def test_newton_with_a_sliding_face(scene: str, turned: bool) -> None:
     moment = np.imag(np.conj(at.contact(phi)) * normal * at.push(table["face"]))
     torque = made.effect("drive-torque").torque(phi, "right")
     scale = np.max(normal) * np.max(np.abs(at.contact(phi)))
-    assert np.max(np.abs(torque - made.rotation * moment)) <= DIFFERENCE * scale
+    assert np.max(np.abs(torque - made.cam.rotation * moment)) <= DIFFERENCE * scale
 
 
 @pytest.mark.parametrize("scene", CASES)
@@ -215,12 +217,12 @@ def test_power_of_the_drive_goes_into_energies_the_load_and_losses(scene: str) -
     phi, speed = inside(made), omega(made)
     normal = made.effect("contact-force").normal(phi, "right")
     torque = made.effect("drive-torque").torque(phi, "right")
-    at, follower = Bodies(made, phi), made.follower
-    rate = made.motion.jet(phi)[1]
+    at, follower = Bodies(made, phi), made.cam.follower
+    rate = made.cam.drive.motion.jet(phi)[1]
     rubbed = table["face"] * normal * np.abs(at.slip)
 
     def lift(x: FloatArray) -> FloatArray:
-        return np.asarray(made.motion.jet(x)[0])
+        return np.asarray(made.cam.drive.motion.jet(x)[0])
 
     if isinstance(follower, OscillatingFlat):
 
@@ -299,11 +301,11 @@ def test_work_of_a_linked_rocker_over_a_turn_is_lost_by_friction() -> None:
     contact, drive = made.effect("contact-force"), made.effect("drive-torque")
 
     def lost(phi: FloatArray, side: Side) -> FloatArray:
-        jet = made.motion.jet(phi, side)
-        follower = made.follower
+        jet = made.cam.drive.motion.jet(phi, side)
+        follower = made.cam.follower
         assert isinstance(follower, OscillatingFlat)
         height = follower.centre_distance * np.sin(follower.face_angle(jet[0])) + 16.0
-        slide = np.abs(height - made.rotation * 16.0 * follower.swing_sense * jet[1])
+        slide = np.abs(height - made.cam.rotation * 16.0 * follower.swing_sense * jet[1])
         return np.asarray(contact.normal(phi, side) * (0.1 * slide + np.abs(jet[1])))
 
     work = turn_integral(drive.torque, drive.edges)
@@ -348,7 +350,7 @@ def test_pressure_of_a_plane_on_the_cam() -> None:
     made = made_of("tappet", TAPPET + TELLING + pressing)
     phi = inside(made)
     normal = made.effect("contact-force").normal(phi, "right")
-    jet = made.motion.jet(phi)
+    jet = made.cam.drive.motion.jet(phi)
     modulus = 1.0 / ((1.0 - 0.09) / 206000.0 + (1.0 - 0.27**2) / 110000.0)
     expected = np.sqrt(normal * modulus / (math.pi * 9.0 * (30.0 + jet[0] + jet[2])))
     found = made.effect("contact-pressure").contact.pressure(phi, "right")
@@ -365,7 +367,7 @@ def test_pressure_of_a_plane_on_the_cam() -> None:
 def test_a_short_guide_jams_where_the_lever_of_the_contact_is_too_long() -> None:
     """Without friction at the face both ends bear N e / b: it jams from mu 2 e / b = 1 on."""
     scene = "[effects.spring]\nstiffness = 5\npreload = 100\n[effects.contact-force]\n"
-    lever = np.max(made_of("tappet", "").motion.jet(np.linspace(0.0, TURN, 200001))[1])
+    lever = np.max(made_of("tappet", "").cam.drive.motion.jet(np.linspace(0.0, TURN, 200001))[1])
     for factor in (0.999, 1.001):
         table = {"guide": factor * 12.0 / (2.0 * lever), "guide_length": 12.0}
         made = made_of("tappet", scene + friction(table))

@@ -50,20 +50,20 @@ LARGE: Final = {
 
 
 def friction(made: Any, **table: float) -> Friction:
-    return compute(Request(made, parse(table), {}, 1e-6))
+    return compute(Request(made.effects.subject, parse(table), {}, 1e-6))
 
 
 def angles(made: Design) -> FloatArray:
     """Between the borders of the motion."""
-    return grid_of(made.smooth_angles).ravel()
+    return grid_of(made.drive.smooth_angles).ravel()
 
 
 class Bodies:
     """Cam, roller and follower of a design in the fixed frame, as vectors, per unit cam speed."""
 
     def __init__(self, made: Design, phi: FloatArray, sense: int) -> None:
-        sigma, follower = made.rotation, made.follower
-        curve = made.pitch_curve.jet(phi)
+        sigma, follower = made.cam.rotation, made.cam.follower
+        curve = made.cam.disc.pitch_curve.jet(phi)
         to_frame = np.exp(1j * sigma * phi)
         self.sigma = sigma
         self.centre: ComplexArray = curve[0] * to_frame
@@ -84,10 +84,10 @@ class Bodies:
 def reactions(made: Design, table: dict[str, float], at: Bodies, load: ComplexArray,
               moment: FloatArray) -> FloatArray:  # fmt: skip
     """Sum of the magnitudes of both reactions of the guide, by its equations of balance."""
-    assert isinstance(made.follower, TranslatingRoller)
-    out = np.exp(1j * made.follower.guide_angle)
+    assert isinstance(made.cam.follower, TranslatingRoller)
+    out = np.exp(1j * made.cam.follower.guide_angle)
     side = np.real(load * np.conj(-1j * out))
-    first = np.real(made.pitch_curve.jet(np.zeros(1))[0] * np.conj(out))[0]
+    first = np.real(made.cam.disc.pitch_curve.jet(np.zeros(1))[0] * np.conj(out))[0]
     height = np.real(at.centre * np.conj(out))
     near = first + table["guide_overhang"]
     far = near + table["guide_length"]
@@ -116,7 +116,7 @@ def test_the_power_balance_closes(scene: str, changes: int, sense: int) -> None:
     found = friction(made, **table)
     phi = angles(made)
     at = Bodies(made, phi, sense)
-    leverage, slope = made.pitch_curve.leverage(phi), made.motion.jet(phi)[1]
+    leverage, slope = made.cam.disc.pitch_curve.leverage(phi), made.cam.drive.motion.jet(phi)[1]
     force, torque = found.per_normal(phi, "right", sense)
     taken = sense * leverage * slope + torque
     given = (sense * leverage + force) * slope
@@ -128,7 +128,7 @@ def test_the_power_balance_closes(scene: str, changes: int, sense: int) -> None:
     # Balance of moments of the roller: Im(conj(arm) f t) + pin + rolling = 0.
     tangential = -(pin + rolling) / np.imag(np.conj(at.arm) * at.tangent)
     load = sense * at.normal + tangential * at.tangent
-    if isinstance(made.follower, OscillatingRoller):
+    if isinstance(made.cam.follower, OscillatingRoller):
         lost = 0.5 * table["pivot"] * table["pivot_diameter"] * np.abs(at.turning)
     else:
         carried = reactions(made, table, at, load, -pin)
@@ -180,14 +180,14 @@ def test_guide_friction_by_the_largest_pressure_angle(overhang: float) -> None:
     length, coefficient = 45.0, 0.17
     found = friction(made, guide=coefficient, guide_length=length, guide_overhang=overhang)
     phi = angles(made)
-    lift, slope = made.motion.jet(phi)[:2]
+    lift, slope = made.cam.drive.motion.jet(phi)[:2]
     a = overhang - lift
     lever = np.where(a >= 0.0, (2.0 * a + length) / length, 1.0)
     largest = np.arctan2(1.0, coefficient * lever)
-    wanted = largest - made.pitch_curve.pressure_angle(phi)
+    wanted = largest - made.cam.disc.pitch_curve.pressure_angle(phi)
     assert found.statics.margin(phi, "right", 1) == pytest.approx(wanted, abs=1e-12)
     force, torque = found.per_normal(phi, "right", 1)
-    side = np.sin(made.pitch_curve.pressure_angle(phi))
+    side = np.sin(made.cam.disc.pitch_curve.pressure_angle(phi))
     assert force == pytest.approx(-np.sign(slope) * coefficient * lever * side, abs=1e-13)
     assert np.all(torque == 0.0)
     (margin,) = found.findings
@@ -200,7 +200,7 @@ def test_a_roller_centre_beyond_the_far_end_of_the_guide() -> None:
     found = friction(made, guide=0.1, guide_length=5.0, guide_overhang=5.0)
     phi = np.radians([150.0])
     force = found.statics.drag(found.statics.state(phi, "right", 1))
-    side = np.sin(made.pitch_curve.pressure_angle(phi))
+    side = np.sin(made.cam.disc.pitch_curve.pressure_angle(phi))
     assert force == pytest.approx(0.1 * side * (15.0 + 10.0) / 5.0, rel=1e-12)
 
 
@@ -208,8 +208,8 @@ def test_without_a_length_the_guide_carries_the_side_force() -> None:
     made = design("ring", "")
     found = friction(made, guide=0.2)
     phi = angles(made)
-    slope = made.motion.jet(phi)[1]
-    side = np.sin(made.pitch_curve.pressure_angle(phi))
+    slope = made.cam.drive.motion.jet(phi)[1]
+    side = np.sin(made.cam.disc.pitch_curve.pressure_angle(phi))
     force = found.per_normal(phi, "right", -1)[0]
     assert force == pytest.approx(-0.2 * np.sign(slope) * side, abs=1e-14)
 
@@ -223,8 +223,8 @@ def test_the_coefficient_at_which_the_follower_jams(share: float, severity: str)
     length, overhang = 30.0, 60.0
     low, high = math.radians(30.0), math.radians(130.0)
     phi = np.linspace(low + 1e-9, high, 200_001)
-    lever = (2.0 * (overhang - made.motion.jet(phi)[0]) + length) / length
-    largest = 1.0 / (lever * np.tan(made.pitch_curve.pressure_angle(phi)))
+    lever = (2.0 * (overhang - made.cam.drive.motion.jet(phi)[0]) + length) / length
+    largest = 1.0 / (lever * np.tan(made.cam.disc.pitch_curve.pressure_angle(phi)))
     worst = int(np.argmin(largest))
     coefficient = float(largest[worst]) * share
     found = friction(made, guide=coefficient, guide_length=length, guide_overhang=overhang)
@@ -265,14 +265,14 @@ def test_no_margin_is_where_no_normal_force_moves_the_follower(
     """The margin is above 0 where a push leaves something of itself, after all friction."""
     made = MADE[scene, rotation]
     table = {"roller_pin": pin, "roller_pin_diameter": 7.0, "rolling": rolling}
-    if isinstance(made.follower, OscillatingRoller):
+    if isinstance(made.cam.follower, OscillatingRoller):
         table |= {"pivot": own, "pivot_diameter": 40.0}
     else:
         table |= {"guide": own, "guide_length": 40.0, "guide_overhang": overhang}
     found = friction(made, **table)
     phi = angles(made)[::7]
-    slope, leverage = made.motion.jet(phi)[1], made.pitch_curve.leverage(phi)
-    reach = abs(made.follower.reach)
+    slope, leverage = made.cam.drive.motion.jet(phi)[1], made.cam.disc.pitch_curve.leverage(phi)
+    reach = abs(made.cam.follower.reach)
     for sense in (1, -1):
         driven = sense * leverage * slope > 0.0
         force = found.per_normal(phi, "right", sense)[0]
@@ -294,7 +294,7 @@ MADE: Final = {
 def test_the_margin_ends_at_the_coefficient_that_takes_all(scene: str, sense: int) -> None:
     """Coefficient by coefficient: what a push leaves is linear in that of the guide or pivot."""
     made = MADE[scene, False]
-    key = "pivot" if isinstance(made.follower, OscillatingRoller) else "guide"
+    key = "pivot" if isinstance(made.cam.follower, OscillatingRoller) else "guide"
     table = {**SCENES[scene][1], **ROLLER, key: 0.0}
     without = friction(made, **table).statics
 
@@ -303,11 +303,11 @@ def test_the_margin_ends_at_the_coefficient_that_takes_all(scene: str, sense: in
 
     unit = with_coefficient(1.0)
     phi = angles(made)[3::7]
-    leverage, slope = made.pitch_curve.leverage(phi), made.motion.jet(phi)[1]
+    leverage, slope = made.cam.disc.pitch_curve.leverage(phi), made.cam.drive.motion.jet(phi)[1]
     phi = phi[sense * leverage * slope > 0.0]
     assert len(phi) > 5
-    push = np.sign(made.motion.jet(phi)[1])
-    sine = sense * made.pitch_curve.leverage(phi)
+    push = np.sign(made.cam.drive.motion.jet(phi)[1])
+    sine = sense * made.cam.disc.pitch_curve.leverage(phi)
     free, taken = ((sine + each.per_normal(phi, "right", sense)[0]) * push
                    for each in (without, unit))  # fmt: skip
     for angle, coefficient in zip(phi, free / (free - taken), strict=True):
@@ -323,10 +323,10 @@ def test_pivot_friction_by_its_circle() -> None:
     made = design("shuttle", "")
     found = friction(made, pivot=0.2, pivot_diameter=40.0)
     phi = angles(made)
-    wanted = made.pitch_curve.transmission_angle(phi) - math.asin(0.2 * 20.0 / 90.0)
+    wanted = made.cam.disc.pitch_curve.transmission_angle(phi) - math.asin(0.2 * 20.0 / 90.0)
     assert found.statics.margin(phi, "right", 1) == pytest.approx(wanted, abs=1e-12)
     force = found.per_normal(phi, "right", 1)[0]
-    assert force == pytest.approx(-4.0 * np.sign(made.motion.jet(phi)[1]), rel=1e-15)
+    assert force == pytest.approx(-4.0 * np.sign(made.cam.drive.motion.jet(phi)[1]), rel=1e-15)
 
 
 def test_a_follower_without_friction_jams_at_transmission_angle_0() -> None:
@@ -345,7 +345,7 @@ def test_no_friction_adds_nothing() -> None:
     for sense in (1, -1):
         assert np.all(found.per_normal(phi, "right", sense) == 0.0)
     assert np.all(found.force.coefficients(phi, "right") == 0.0)
-    transmission = made.pitch_curve.transmission_angle(phi)
+    transmission = made.cam.disc.pitch_curve.transmission_angle(phi)
     assert found.statics.margin(phi, "right", 1) == pytest.approx(transmission, abs=1e-15)
     (column,) = found.columns
     assert column.values(phi, "right") == pytest.approx(np.degrees(transmission))
@@ -357,11 +357,11 @@ def test_a_rest_is_without_coulomb_s_friction_and_its_ends_have_two_sides() -> N
     phi = np.radians([15.0, 150.0, 300.0])
     assert np.all(found.per_normal(phi, "right", 1)[0] == 0.0)
     start = np.radians([30.0])
-    side = np.sin(made.pitch_curve.pressure_angle(start))
+    side = np.sin(made.cam.disc.pitch_curve.pressure_angle(start))
     assert found.per_normal(start, "left", 1)[0] == pytest.approx([0.0])
     assert found.per_normal(start, "right", 1)[0] == pytest.approx(-0.2 * side)
     end = np.radians([130.0, 130.0 + 360.0])
-    side = np.sin(made.pitch_curve.pressure_angle(end))
+    side = np.sin(made.cam.disc.pitch_curve.pressure_angle(end))
     assert found.per_normal(end, "left", 1)[0] == pytest.approx(-0.2 * side)
     assert found.per_normal(end, "right", 1)[0] == pytest.approx([0.0, 0.0])
 
@@ -385,7 +385,7 @@ def test_viscous_friction_of_the_follower(scene: str, key: str) -> None:
     found = friction(made, **{key: 0.3})
     phi = angles(made)
     coefficients = found.force.coefficients(phi, "right")
-    assert coefficients[1] == pytest.approx(-0.3 * made.motion.jet(phi)[1], rel=1e-15)
+    assert coefficients[1] == pytest.approx(-0.3 * made.cam.drive.motion.jet(phi)[1], rel=1e-15)
     assert np.all(coefficients[[0, 2, 3]] == 0.0)
 
 
@@ -394,7 +394,7 @@ def test_friction_of_a_slider_takes_its_power() -> None:
     made = design("setzhub", "")
     found = friction(made, slider=10.0, guide_viscous=0.02, pivot_viscous=30.0)
     phi = angles(made)
-    swing, stroke = made.motion.jet(phi)[1], made.plan.jet(phi)[1]
+    swing, stroke = made.cam.drive.motion.jet(phi)[1], made.cam.drive.plan.jet(phi)[1]
     power = found.force.coefficients(phi, "right") * swing
     coulomb, viscous = -10.0 * np.abs(stroke), -0.02 * stroke**2 - 30.0 * swing**2
     assert power[0] == pytest.approx(coulomb, abs=1e-13 * 10.0 * float(np.max(np.abs(stroke))))
@@ -407,7 +407,7 @@ def test_the_values_are_smooth_between_the_borders() -> None:
     """Neighbours on a fine grid differ by little unless a border lies between them."""
     made = design("plate_translating", "")
     found = friction(made, **GUIDE, **ROLLER)
-    edges = np.sort(np.concatenate((made.smooth_angles, found.borders)))
+    edges = np.sort(np.concatenate((made.drive.smooth_angles, found.borders)))
     assert np.all((found.borders >= 0.0) & (found.borders < TURN))
     assert len(found.borders) > 0
     phi = np.linspace(0.0, TURN, 40_001)
@@ -460,25 +460,26 @@ def test_coefficients_without_their_lengths(table: dict[str, float], key: str) -
 def test_a_slider_that_cannot_be_moved() -> None:
     """The coupler comes across the guide within the stroke."""
     made = design("setzhub", "")
-    plan = design("plate_translating", "").plan
+    plan = design("plate_translating", "").cam.drive.plan
     linkages = [SliderCrank(50.0, 60.0, 0.0, True, 1, -1, branch) for branch in (1, -1)]
     (locked,) = (each for each in linkages if locked_at(each, plan) is not None)
 
     class Stub(SimpleNamespace):
         def __getattr__(self, name: str) -> Any:
-            return getattr(made, name)
+            return getattr(made.effects.subject, name)
 
+    subject = Stub(plan=plan, linkage=locked)
     with pytest.raises(EffectError, match="across the guide"):
-        friction(Stub(plan=plan, linkage=locked), slider=3.0)
+        friction(SimpleNamespace(effects=SimpleNamespace(subject=subject)), slider=3.0)
 
 
 def test_a_cusp_of_the_pitch_curve_has_no_answer() -> None:
     """The roller on the cam axis: it stands still in the turning cam, and there is no normal."""
     made = design("plate_translating", "")
     still: Any = Cusp()
-    cusp = replace(made.pitch_curve, follower=still)
+    cusp = replace(made.cam.disc.pitch_curve, follower=still)
     with pytest.raises(EffectError, match="cusp"):
-        friction(Subject(made, cusp), guide=0.1)
+        friction(SimpleNamespace(effects=SimpleNamespace(subject=Subject(made, cusp))), guide=0.1)
 
 
 class Cusp:
@@ -499,7 +500,7 @@ class Subject:
         self.made, self.pitch_curve, self.follower = made, curve, curve.follower
 
     def __getattr__(self, name: str) -> Any:
-        return getattr(self.made, name)
+        return getattr(self.made.effects.subject, name)
 
 
 def test_from_a_scene() -> None:

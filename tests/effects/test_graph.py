@@ -215,9 +215,12 @@ def test_without_a_speed_there_is_no_course(fakes: Fakes) -> None:
     fakes.add("power", lambda request: request.course)
     ring, plate = design("ring", ""), design("plate_translating", "")
     with pytest.raises(GeometryError, match="the speed of the cam is needed") as caught:
-        Effects(ring, {}, Ledger(), find=fakes.find).result("power")
+        Effects(ring.effects.subject, {}, Ledger(), find=fakes.find).result("power")
     assert caught.value.key == "cam.speed"
-    assert Effects(plate, {}, Ledger(), find=fakes.find).result("power") is plate.time_course
+    assert (
+        Effects(plate.effects.subject, {}, Ledger(), find=fakes.find).result("power")
+        is plate.drive.time_course
+    )
 
 
 def test_no_answer_is_one_finding_of_all_that_need_it(fakes: Fakes) -> None:
@@ -314,19 +317,19 @@ def test_without_what_it_needs_it_cannot_be_told_anew(fakes: Fakes) -> None:
 
 def test_a_design_has_one_graph_and_one_ledger(fakes: Fakes) -> None:
     plate = design("plate_translating", "")
-    assert plate.effect_names == ()
+    assert plate.effects.names == ()
     assert plate.effect_findings == ()
-    assert plate.effect_columns == ()
+    assert plate.disc.effect_columns == ()
     assert plate.effects is plate.effects
-    assert plate.effects.subject.follower is plate.follower
+    assert plate.effects.subject.follower is plate.cam.follower
 
     def compute(request: Request) -> Any:
         return Answer("angles", request, columns=()), request.subject.smooth_angles
 
     fakes.add("angles", compute)
-    graph = Effects(plate, {"angles": {}}, plate.ledger, find=fakes.find)
+    graph = Effects(plate.effects.subject, {"angles": {}}, plate.ledger, find=fakes.find)
     _, angles = graph.result("angles")
-    assert angles is plate.smooth_angles
+    assert angles is plate.drive.smooth_angles
     asked = {run.name: run.asked_by for run in plate.ledger.runs}
     assert asked["smooth_angles"] == "effects.angles"
     assert asked["motion"] == "smooth_angles"

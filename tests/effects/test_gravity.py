@@ -74,9 +74,9 @@ def test_a_rocker_hangs_by_its_lever_arm() -> None:
         "[effects.gravity]\n"
     )
     made = design("groove", effects)
-    follower: Any = made.follower
-    lift = made.motion.jet(PHI)
-    relative = follower.relative_jet(lift, made.rotation)
+    follower: Any = made.cam.follower
+    lift = made.cam.drive.motion.jet(PHI)
+    relative = follower.relative_jet(lift, made.cam.rotation)
     roller = (relative.along[0] + 1j * relative.across[0]) * np.exp(1j * relative.axis)
     pivot = -96.0 - 72.0j
     # The rocker turns by the lift, in the sense in which the roller goes.
@@ -97,7 +97,7 @@ def test_a_slider_falls_along_the_x_axis(changes: Any, sense: float) -> None:
     right does the work m g s; one downwards none."""
     text = "[effects.inertia]\nmass = 2\n[effects.gravity]\nangle = {}\n"
     made = design("setzhub", text.format(0), *changes)
-    swing, stroke = made.motion.jet(PHI), made.plan.jet(PHI)
+    swing, stroke = made.cam.drive.motion.jet(PHI), made.cam.drive.plan.jet(PHI)
     work = sense * 2.0 * 9.80665 * stroke[1]
     assert force(made) * swing[1] == pytest.approx(work, abs=1e-12 * np.max(np.abs(work)))
     energy = made.effect("gravity").force.potential
@@ -120,10 +120,12 @@ def test_coupler_and_rocker_pull_as_their_centres_move(changes: Any) -> None:
     """Every weight against its own height: c0 q' = -dV/dphi, V = -m g.x, over cells."""
     made = design("setzhub", ALL, *changes)
     result = made.effect("gravity")
-    low, high = cells(made.smooth_angles[:-1], 6)
+    low, high = cells(made.drive.smooth_angles[:-1], 6)
 
     def power(phi: FloatArray) -> FloatArray:
-        found: FloatArray = result.force.coefficients(phi, "right")[0] * made.motion.jet(phi)[1]
+        found: FloatArray = (
+            result.force.coefficients(phi, "right")[0] * made.cam.drive.motion.jet(phi)[1]
+        )
         return found
 
     change = result.force.potential(high, "left") - result.force.potential(low, "right")
@@ -154,10 +156,12 @@ def test_weights_do_no_work_over_a_turn(scene: str, effects: str) -> None:
     result = made.effect("gravity")
 
     def power(phi: FloatArray) -> FloatArray:
-        found: FloatArray = result.force.coefficients(phi, "right")[0] * made.motion.jet(phi)[1]
+        found: FloatArray = (
+            result.force.coefficients(phi, "right")[0] * made.cam.drive.motion.jet(phi)[1]
+        )
         return found
 
-    low, high = cells(made.smooth_angles[:-1], 8)
+    low, high = cells(made.drive.smooth_angles[:-1], 8)
     peak = float(np.max(np.abs(power(PHI))))
     assert peak > 0.0
     assert abs(float(np.sum(integrals(power, low, high)))) <= 1e-12 * peak * TURN

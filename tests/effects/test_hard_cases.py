@@ -221,7 +221,7 @@ def test_a_rest_of_no_length_changes_nothing() -> None:
     one, other = made(none, every(text)), made(zero, every(text))
     assert assert_sound(other) == {}
     phi = np.linspace(0.0, TURN, 500, endpoint=False)
-    for here, there in zip(one.effect_columns, other.effect_columns, strict=True):
+    for here, there in zip(one.disc.effect_columns, other.disc.effect_columns, strict=True):
         assert np.array_equal(here.values(phi, "right"), there.values(phi, "right")), here.name
 
 
@@ -259,7 +259,7 @@ def test_without_mass_nothing_vibrates_or_lifts_off() -> None:
     assert assert_sound(design) == {}
     phi = np.linspace(0.0, TURN, 500)
     assert not np.any(design.effect("vibration").deflection(phi, "right"))
-    acceleration = in_time(design.plan.jet(phi), design.time_course, phi)[2]  # type: ignore[arg-type]
+    acceleration = in_time(design.cam.drive.plan.jet(phi), design.drive.time_course, phi)[2]  # type: ignore[arg-type]
     assert np.array_equal(design.effect("vibration").acceleration(phi, "right"), acceleration)
     assert not np.any(design.effect("inertia").force.coefficients(phi, "right"))
     weight = found(design, "gravity", "weight")
@@ -278,7 +278,7 @@ def test_an_all_but_rigid_train(stiffness: str) -> None:
     design = made(text, every(text, vibration=f"stiffness = {stiffness}\ndamping = 0.02"))
     assert assert_sound(design) == {}
     phi = np.linspace(0.0, TURN, 500)
-    timed = in_time(design.plan.jet(phi), design.time_course, phi)  # type: ignore[arg-type]
+    timed = in_time(design.cam.drive.plan.jet(phi), design.drive.time_course, phi)  # type: ignore[arg-type]
     most = float(np.max(np.abs(timed[2]))) * 1.1e-3 / float(stiffness)
     bent = design.effect("vibration").deflection(phi, "right")
     # 1.1e-3 t; jerks come next, with 1 / w^3, and at w > 9e5 rad/s are a thousandth at most.
@@ -597,8 +597,8 @@ def test_a_speed_curve_is_the_same_as_its_time_course() -> None:
     design = made(scene_text("points"), effects)
     assert assert_sound(design) == {}
     phi = np.linspace(0.0, TURN, 777) + 1e-3
-    timed = in_time(design.motion.jet(phi), design.time_course, phi)  # type: ignore[arg-type]
-    force = 2e-3 * timed[2] / design.pitch_curve.leverage(phi)
+    timed = in_time(design.cam.drive.motion.jet(phi), design.drive.time_course, phi)  # type: ignore[arg-type]
+    force = 2e-3 * timed[2] / design.cam.disc.pitch_curve.leverage(phi)
     told = design.effect("contact-force").normal(phi, "right")
     assert np.max(np.abs(told - force)) <= ROUNDING * np.max(np.abs(force))
 

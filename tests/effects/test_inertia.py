@@ -57,7 +57,7 @@ MIRRORED = {
 
 def inertia_of(scene: str, effects: str, *changes: tuple[str, str]) -> tuple[Inertia, Subject]:
     made = design(scene, effects, *changes)
-    return made.effect("inertia"), made
+    return made.effect("inertia"), made.effects.subject
 
 
 def finding(result: Inertia, name: str) -> Any:
@@ -441,7 +441,7 @@ def test_a_slider_that_the_rocker_cannot_move_has_no_force() -> None:
         made.effect("inertia")
     stroke = 60.0 + math.sqrt(100.0**2 - 40.0**2)
     assert caught.value.value == pytest.approx(stroke, rel=1e-14)
-    (at,) = made.plan.jet(np.array([caught.value.cam_angle]))[0]
+    (at,) = made.cam.drive.plan.jet(np.array([caught.value.cam_angle]))[0]
     assert at == pytest.approx(stroke, rel=1e-12)
     assert caught.value.finding == "locked-slider"
     (told,) = made.effects.findings("inertia")
@@ -466,7 +466,7 @@ def test_without_its_table_it_is_missing() -> None:
 def test_the_same_request_gives_the_same_bytes() -> None:
     made = design("setzhub", LINKED)
     spec = parse({"mass": 1.5e-3, "coupler_mass": 4e-4})
-    results = [EFFECT.compute(Request(made, spec, {}, 1e-6)) for _ in range(2)]
+    results = [EFFECT.compute(Request(made.effects.subject, spec, {}, 1e-6)) for _ in range(2)]
     first, second = (each.force.coefficients(PHI, "right").tobytes() for each in results)
     assert first == second
     assert results[0].findings == results[1].findings

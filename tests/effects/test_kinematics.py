@@ -55,9 +55,9 @@ def test_a_rocker_is_told_in_degrees() -> None:
 def test_each_column_is_the_derivative_of_the_one_before(scene: str) -> None:
     """d/dt = omega d/dphi, integrated over cells: what velocity brings is the way, and so on."""
     made = design(scene, EFFECTS)
-    found, course = columns(made), made.time_course
+    found, course = columns(made), made.drive.time_course
     assert course is not None
-    low, high = cells(made.smooth_angles[:-1], 8)
+    low, high = cells(made.drive.smooth_angles[:-1], 8)
 
     def over_time(column: Column) -> FloatArray:
         def per_angle(phi: FloatArray) -> FloatArray:
@@ -73,9 +73,11 @@ def test_each_column_is_the_derivative_of_the_one_before(scene: str) -> None:
             scale = np.max(np.abs(first.values(PHI, "right")))
             # Gauss's rule over an eighth of a piece; rounding of values in the cells.
             assert over_time(second) == pytest.approx(change, abs=1e-11 * scale)
-    way = 1.0 if made.lift_unit == "mm" or scene == "setzhub" else math.degrees(1.0)
-    lift = way * (made.plan.jet(high, "left")[0] - made.plan.jet(low, "right")[0])
-    largest = float(np.max(np.abs(made.plan.jet(PHI)[0]))) * way
+    way = 1.0 if made.disc.lift_unit == "mm" or scene == "setzhub" else math.degrees(1.0)
+    lift = way * (
+        made.cam.drive.plan.jet(high, "left")[0] - made.cam.drive.plan.jet(low, "right")[0]
+    )
+    largest = float(np.max(np.abs(made.cam.drive.plan.jet(PHI)[0]))) * way
     assert over_time(found["velocity"]) == pytest.approx(lift, abs=1e-12 * largest)
     times = found["time"].values(np.array([0.0, TURN]), "right")
     assert values(made)["turn-time"] == pytest.approx(times[1] - times[0], rel=1e-15)
@@ -85,7 +87,7 @@ def test_each_column_is_the_derivative_of_the_one_before(scene: str) -> None:
 def test_nothing_is_beyond_the_extremes_and_they_are_taken(scene: str) -> None:
     made = design(scene, EFFECTS)
     found = columns(made)
-    angles = np.concatenate((PHI, made.smooth_angles))
+    angles = np.concatenate((PHI, made.drive.smooth_angles))
     findings = {each.name: each for each in made.effect("kinematics").findings}
     for name, column in found.items():
         if name == "time":
@@ -107,9 +109,9 @@ def test_the_rocker_moves_as_its_linkage_says() -> None:
     """v_psi = dpsi/ds v_s."""
     made = design("setzhub", EFFECTS)
     found = columns(made)
-    linkage = made.linkage
+    linkage = made.cam.drive.linkage
     assert isinstance(linkage, SliderCrank)
-    stroke = made.plan.jet(PHI)[0]
+    stroke = made.cam.drive.plan.jet(PHI)[0]
     slide = linkage.per_swing(stroke)[0]
     expected = np.degrees(found["velocity"].values(PHI, "right") / slide)
     assert found["rocker velocity"].values(PHI, "right") == pytest.approx(

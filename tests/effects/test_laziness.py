@@ -19,7 +19,7 @@ from tests.effects.scenes import SCENES, design
 
 SCENE = "plate_translating"
 
-FRAME = {"carrier", "effect", "force", "graph", "locked", "materials", "recalling", "registry"}
+FRAME = {"carrier", "effect", "force", "graph", "locked", "materials", "registry", "subject"}
 """Modules of `camgeo.effects` that are no effect."""
 
 TABLES = {
@@ -191,7 +191,7 @@ def test_a_fresh_interpreter_imports_one_effect_and_its_needs(name: str, tmp_pat
 
 def geometry(effects: str) -> dict[str, bytes]:
     found = design(SCENE, effects)
-    contents, _ = make_files(found, GEOMETRY, 0.01)
+    contents, _ = make_files(found.disc, GEOMETRY, 0.01)
     assert not [run for run in found.ledger.runs if run.name.startswith("effects.")]
     return contents
 

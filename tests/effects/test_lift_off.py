@@ -59,9 +59,9 @@ def one(found: Any, name: str) -> Any:
 
 def lowest(subject: Design, factor: float) -> float:
     """Smallest force on the flank, by the largest, at so many times the scene's speed."""
-    contact, course = subject.effect("contact-force"), subject.time_course
+    contact, course = subject.effect("contact-force"), subject.drive.time_course
     assert course is not None
-    sense = 1.0 if subject.contact == "inner" else -1.0
+    sense = 1.0 if subject.cam.contact == "inner" else -1.0
 
     def force(phi: FloatArray, side: Side) -> FloatArray:
         omega, alpha = course.rates(phi)[:2]
@@ -203,7 +203,7 @@ def test_the_speed_is_that_at_which_the_force_first_touches_its_margin(
     contact = subject.effect("contact-force")
     margin = subject.effects.tables["lift-off"].get("margin", 0.0)
     here = np.array([found.speed.place])
-    omega, alpha = subject.time_course.rates(here)[:2]  # type: ignore[union-attr]
+    omega, alpha = subject.drive.time_course.rates(here)[:2]  # type: ignore[union-attr]
     forces = [
         contact.normal_at(here, side, factor * omega, factor * factor * alpha)[0]
         for side in ("left", "right")
@@ -416,7 +416,7 @@ def test_a_small_backlash_is_crossed_as_the_cube_of_time(number: int) -> None:
         slope = (needed @ np.array([1.0, -8.0, 8.0, -1.0])) / (12.0 * step) * omega
         here = np.array([change.leaving])
         mass = inertia.to_follower(here, "right")[0]
-        lever = abs(subject.pitch_curve.leverage(here)[0])
+        lever = abs(subject.cam.disc.pitch_curve.leverage(here)[0])
         time = (6.0 * mass * backlash / (lever * abs(slope))) ** (1.0 / 3.0)
         assert impact.crossed
         errors += [abs(impact.speed / (3.0 * backlash / time) - 1.0)]
@@ -450,7 +450,7 @@ def test_the_flight_is_that_of_an_integrator() -> None:
         )  # fmt: skip
         d, rate = solved.y[:, -1]
         sides = np.mod(end + np.array([-1e-6, 0.0, 1e-6]), TURN)
-        lever = subject.pitch_curve.leverage(sides)
+        lever = subject.cam.disc.pitch_curve.leverage(sides)
         turning = (lever[2] - lever[0]) / 2e-6 * omega
         # max_step keeps the integrator's jumps at the borders of the law to 1e-8.
         assert change.sense * lever[1] * d == pytest.approx(

@@ -37,7 +37,7 @@ def test_a_constant_load_works_against_a_positive_motion() -> None:
     made = design("plate_translating", "[effects.load]\nconstant = 12.5\n")
     assert np.array_equal(c0(made), np.full(721, -12.5))
     energy = made.effect("load").force.potential
-    assert energy(PHI, "right") == pytest.approx(12.5 * made.plan.jet(PHI)[0], rel=1e-15)
+    assert energy(PHI, "right") == pytest.approx(12.5 * made.cam.drive.plan.jet(PHI)[0], rel=1e-15)
 
 
 def test_on_a_rocker_it_is_a_torque() -> None:
@@ -53,14 +53,14 @@ def test_on_a_rocker_it_is_a_torque() -> None:
 def test_behind_a_linkage_it_acts_on_the_slider(scene: str) -> None:
     """Virtual work: c0 q' = -F s', also as the potential says; and it is there in the rests."""
     made = design(scene, "[effects.load]\nconstant = 80\n")
-    swing, stroke = made.motion.jet(PHI), made.plan.jet(PHI)
+    swing, stroke = made.cam.drive.motion.jet(PHI), made.cam.drive.plan.jet(PHI)
     work = -80.0 * stroke[1]
     assert c0(made) * swing[1] == pytest.approx(work, abs=1e-13 * np.max(np.abs(work)))
     assert np.min(np.abs(c0(made))) > 0.0
     energy = made.effect("load").force.potential
     assert energy(PHI, "right") == pytest.approx(80.0 * stroke[0], rel=1e-15)
-    low, high = cells(made.smooth_angles[:-1], 6)
-    over = integrals(lambda phi: c0(made, phi) * made.motion.jet(phi)[1], low, high)
+    low, high = cells(made.drive.smooth_angles[:-1], 6)
+    over = integrals(lambda phi: c0(made, phi) * made.cam.drive.motion.jet(phi)[1], low, high)
     assert over == pytest.approx(
         energy(low, "right") - energy(high, "left"), abs=1e-12 * np.max(np.abs(energy(PHI, "left")))
     )
@@ -80,8 +80,10 @@ def test_segments_have_each_their_own() -> None:
     assert result.force.potential is None
     assert [each.value for each in result.findings] == [5.0, 1.0]
     # Work over a turn: 2 N against 20 mm up, 4 N with 20 mm down.
-    low, high = cells(made.smooth_angles[:-1], 6)
-    work = np.sum(integrals(lambda phi: c0(made, phi) * made.motion.jet(phi)[1], low, high))
+    low, high = cells(made.drive.smooth_angles[:-1], 6)
+    work = np.sum(
+        integrals(lambda phi: c0(made, phi) * made.cam.drive.motion.jet(phi)[1], low, high)
+    )
     assert work == pytest.approx(-2.0 * 20.0 + 4.0 * 20.0, rel=1e-13)
 
 
@@ -166,13 +168,20 @@ def test_a_file_of_a_scene_gives_the_force(tmp_path: Path) -> None:
     assert (largest.value, smallest.value) == (40.0, -20.0)
     assert largest.cam_angle == pytest.approx(np.radians(90.0), rel=1e-15)
     # Work over a turn, by hand: up from 30 to 130 degrees, down from 170 to 290.
-    low, high = cells(np.unique(np.append(made.smooth_angles[:-1], np.radians([90.0, 100.0]))), 4)
-    work = np.sum(integrals(lambda phi: c0(made, phi) * made.motion.jet(phi)[1], low, high))
+    low, high = cells(
+        np.unique(np.append(made.drive.smooth_angles[:-1], np.radians([90.0, 100.0]))), 4
+    )
+    work = np.sum(
+        integrals(lambda phi: c0(made, phi) * made.cam.drive.motion.jet(phi)[1], low, high)
+    )
     # By parts: the sum of F s at the kinks, less slopes times integrals of s.
     loads = np.interp(np.degrees(high), [0.0, 90.0, 100.0, 360.0], [10.0, 40.0, -20.0, 30.0])
     before = np.interp(np.degrees(low), [0.0, 90.0, 100.0, 360.0], [10.0, 40.0, -20.0, 30.0])
-    lift = integrals(lambda phi: made.plan.jet(phi)[0], low, high)
-    ends = loads * made.plan.jet(high, "left")[0] - before * made.plan.jet(low, "right")[0]
+    lift = integrals(lambda phi: made.cam.drive.plan.jet(phi)[0], low, high)
+    ends = (
+        loads * made.cam.drive.plan.jet(high, "left")[0]
+        - before * made.cam.drive.plan.jet(low, "right")[0]
+    )
     expected = -np.sum(ends - (loads - before) / (high - low) * lift)
     assert work == pytest.approx(expected, abs=1e-10)  # sums of 40 terms of 800 N mm
 

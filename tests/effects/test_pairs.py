@@ -19,6 +19,7 @@ from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray
 from camgeo.units import TURN
+from camgeo.workpiece import Workpiece
 from tests.effects.scenes import design
 from tests.effects.test_physics import (
     DIFFERENCE,
@@ -61,7 +62,7 @@ def forces(scene: str, load: float) -> str:
 
 
 def inertia_of(made: Design) -> float:
-    follower = require_roller(made.follower)
+    follower = require_roller(made.cam.follower)
     if isinstance(follower, OscillatingRoller):
         return MOMENT + ROLLING * follower.arm**2
     return MASS + ROLLING
@@ -77,16 +78,16 @@ def both(made: Design, phi: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 def ways(made: Design, phi: FloatArray) -> list[FloatArray]:
     """Way of either roller along its outward normal a unit of q, by vectors."""
-    assert made.returning is not None
+    assert made.disc.returning is not None
     found = []
-    for each in (made, made.returning):
-        body = Bodies(each, phi, np.ones(len(phi)))
-        follower = require_roller(each.follower)
+    for each in made.discs:
+        body = Bodies(each.cam, phi, np.ones(len(phi)))
+        follower = require_roller(each.cam.follower)
         if isinstance(follower, OscillatingRoller):
             # q counts as the main roller's swing does, away from the axis or towards it.
             way = 1j * swing_of(made, phi) * (body.centre(phi) - follower.pivot)
         else:
-            main = Bodies(made, phi, phi)
+            main = Bodies(made.cam, phi, phi)
             start = main.centre(np.zeros(1))
             far = math.radians(95.0)
             path = main.centre(np.array([far])) - start
@@ -97,10 +98,10 @@ def ways(made: Design, phi: FloatArray) -> list[FloatArray]:
 
 def swing_of(made: Design, phi: FloatArray) -> float:
     """+1 where a growing q turns the lever counter-clockwise, by two places of its roller."""
-    follower = require_roller(made.follower)
+    follower = require_roller(made.cam.follower)
     assert isinstance(follower, OscillatingRoller)
     at = np.array([0.0, math.radians(95.0)])
-    first, last = Bodies(made, at, at).centre(at) - follower.pivot
+    first, last = Bodies(made.cam, at, at).centre(at) - follower.pivot
     q = lift(made, at)
     return float(np.sign(np.angle(last / first) * (q[1] - q[0])))
 
@@ -136,12 +137,12 @@ def test_with_friction_the_drive_gives_what_is_stored_done_and_lost() -> None:
     made = design(scene, forces(scene, LOAD[scene]) + friction(table) + TELLING)
     phi, speed = inside(made), omega(made)
     main, back = both(made, phi)
-    assert made.returning is not None
+    assert made.disc.returning is not None
     losses = np.zeros(len(phi))
-    for disc, force in ((made, main), (made.returning, back)):
+    for disc, force in zip(made.discs, (main, back), strict=True):
         carries = force > 0.0
         assert np.any(carries)
-        losses[carries] += Bodies(disc, phi[carries], force[carries]).losses(table)
+        losses[carries] += Bodies(disc.cam, phi[carries], force[carries]).losses(table)
     velocity = slope(lambda x: lift(made, x), phi)
     losses += 1e3 * table["pivot_viscous"] * speed * velocity**2
 
@@ -169,17 +170,17 @@ def test_each_disc_has_the_pressure_of_its_own_roller_and_flank() -> None:
     phi = inside(made)
     modulus = 1.0 / ((1.0 - 0.3**2) / 210000.0 + (1.0 - 0.25**2) / 100000.0)
     columns = {each.name: each for each in made.effect("contact-pressure").columns}
-    assert made.returning is not None
-    discs = ((made, "main"), (made.returning, "return"))
+    assert made.disc.returning is not None
+    discs = zip(made.discs, ("main", "return"), strict=True)
     for (disc, name), force in zip(discs, both(made, phi), strict=True):
 
-        def point(x: FloatArray, disc: Design = disc) -> Any:
-            return disc.inner_curve.point(x)
+        def point(x: FloatArray, disc: Workpiece = disc) -> Any:
+            return disc.cam.disc.inner_curve.point(x)
 
         first = slope(point, phi)
         second = slope(lambda x, point=point: slope(point, x), phi)
-        bend = -disc.rotation * np.imag(np.conj(first) * second) / np.abs(first) ** 3
-        relative = 1.0 / disc.follower.roller_radius + bend
+        bend = -disc.cam.rotation * np.imag(np.conj(first) * second) / np.abs(first) ** 3
+        relative = 1.0 / disc.cam.follower.roller_radius + bend
         expected = np.sqrt(force * modulus * relative / (math.pi * 6.0))
         found = columns[f"{name} contact pressure"].values(phi, RIGHT)
         # A second difference of places of the size of the cam: 1e-16 * 100 mm / 4e-6 by the radius.
@@ -207,7 +208,7 @@ def test_the_follower_crosses_its_play_as_a_free_body() -> None:
         assert impact is not None
         assert impact.crossed
         phi = np.linspace(change.leaving, change.leaving + impact.duration, 20001)
-        required = inertia_of(made) * speed**2 * made.motion.jet(phi)[2] + LOAD[scene]
+        required = inertia_of(made) * speed**2 * made.cam.drive.motion.jet(phi)[2] + LOAD[scene]
         h = np.diff(phi) / speed
         free = -required / inertia_of(made)
         rate = np.concatenate(([0.0], np.cumsum(0.5 * h * (free[1:] + free[:-1]))))

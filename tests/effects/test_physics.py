@@ -15,6 +15,7 @@ from typing import Any, Final
 import numpy as np
 import pytest
 
+from camgeo.cam.cam import Cam
 from camgeo.design import Design
 from camgeo.mechanism.kinds import require_roller
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
@@ -117,14 +118,14 @@ def speed_of(scene: str, rev: float) -> tuple[str, str]:
 
 
 def omega(made: Design) -> float:
-    course = made.time_course
+    course = made.drive.time_course
     assert course is not None
     return float(course.rates(np.zeros(1))[0, 0])
 
 
 def inside(made: Design, keep_off: float = 9.0 * STEP, count: int = 11) -> FloatArray:
     """Angles between the borders of the motion, so far off that no difference crosses one."""
-    edges = made.smooth_angles
+    edges = made.drive.smooth_angles
     found = [
         np.linspace(low + keep_off, high - keep_off, count)
         for low, high in itertools.pairwise(edges)
@@ -153,27 +154,27 @@ def along(a: Any, b: Any) -> Any:
 class Bodies:
     """Cam, roller and follower in the fixed frame at `phi`; velocities per unit of cam speed."""
 
-    made: Design
+    cam: Cam
     phi: FloatArray
     normal: FloatArray
 
     def centre(self, phi: FloatArray) -> ComplexArray:
-        turned: ComplexArray = self.made.pitch_curve.point(phi) * np.exp(
-            1j * self.made.rotation * phi
+        turned: ComplexArray = self.cam.disc.pitch_curve.point(phi) * np.exp(
+            1j * self.cam.rotation * phi
         )
         return turned
 
     @property
     def outward(self) -> ComplexArray:
         """Normal of the pitch curve that points away from the disc."""
-        curve = slope(self.made.pitch_curve.point, self.phi)
-        tangent = curve / np.abs(curve) * np.exp(1j * self.made.rotation * self.phi)
+        curve = slope(self.cam.disc.pitch_curve.point, self.phi)
+        tangent = curve / np.abs(curve) * np.exp(1j * self.cam.rotation * self.phi)
         return np.asarray(-1j * tangent if self.ahead else 1j * tangent)
 
     @property
     def ahead(self) -> bool:
         """Whether the roller goes round the disc counter-clockwise."""
-        return self.made.rotation < 0
+        return self.cam.rotation < 0
 
     @property
     def push(self) -> ComplexArray:
@@ -183,12 +184,12 @@ class Bodies:
     @property
     def arm(self) -> ComplexArray:
         """From the roller's centre to the contact."""
-        return np.asarray(-self.made.follower.roller_radius * self.push)
+        return np.asarray(-self.cam.follower.roller_radius * self.push)
 
     @property
     def turning(self) -> FloatArray:
         """Angular velocity of the follower."""
-        follower = self.made.follower
+        follower = self.cam.follower
         if not isinstance(follower, OscillatingRoller):
             return np.zeros(len(self.phi))
         rate = slope(self.centre, self.phi) / (self.centre(self.phi) - follower.pivot)
@@ -197,7 +198,7 @@ class Bodies:
     @property
     def roller(self) -> FloatArray:
         """Angular velocity of the roller, which rolls."""
-        of_cam = 1j * self.made.rotation * (self.centre(self.phi) + self.arm)
+        of_cam = 1j * self.cam.rotation * (self.centre(self.phi) + self.arm)
         rate = (of_cam - slope(self.centre, self.phi)) / (1j * self.arm)
         return np.asarray(rate.real)
 
@@ -208,7 +209,7 @@ class Bodies:
         rolling = table["rolling"] * size
         return (
             -pin * np.sign(self.roller - self.turning),
-            -rolling * np.sign(self.roller - self.made.rotation),
+            -rolling * np.sign(self.roller - self.cam.rotation),
         )
 
     def load(self, table: dict[str, float]) -> ComplexArray:
@@ -220,7 +221,7 @@ class Bodies:
 
     def guide_reactions(self, table: dict[str, float]) -> FloatArray:
         """(2, n) magnitudes [N] at both ends of the guide, as of a beam on two supports."""
-        follower = self.made.follower
+        follower = self.cam.follower
         assert isinstance(follower, TranslatingRoller)
         out = np.exp(1j * follower.guide_angle)
         start = along(out, self.centre(np.zeros(1)))[0] + table["guide_overhang"]
@@ -236,8 +237,8 @@ class Bodies:
         """Of the bearings and the rolling, per unit of cam speed [N mm]."""
         pin, rolling = self.moments(table)
         lost = np.abs(pin * (self.roller - self.turning))
-        lost += np.abs(rolling * (self.roller - self.made.rotation))
-        if isinstance(self.made.follower, OscillatingRoller):
+        lost += np.abs(rolling * (self.roller - self.cam.rotation))
+        if isinstance(self.cam.follower, OscillatingRoller):
             moment = 0.5 * table["pivot"] * table["pivot_diameter"] * np.abs(self.normal)
             return np.asarray(lost + moment * np.abs(self.turning))
         velocity = np.abs(slope(self.centre, self.phi))
@@ -246,16 +247,16 @@ class Bodies:
 
 
 def lift(made: Design, phi: FloatArray) -> FloatArray:
-    return np.asarray(made.motion.jet(phi)[0])
+    return np.asarray(made.cam.drive.motion.jet(phi)[0])
 
 
 def stroke(made: Design, phi: FloatArray) -> FloatArray:
-    return np.asarray(made.plan.jet(phi)[0])
+    return np.asarray(made.cam.drive.plan.jet(phi)[0])
 
 
 def joints(made: Design, phi: FloatArray) -> tuple[ComplexArray, ComplexArray]:
     """Pin and tip of the linkage, seen from the pivot, once they fit its lengths and ways."""
-    linkage = made.linkage
+    linkage = made.cam.drive.linkage
     assert linkage is not None
     pin, tip = linkage.joints(stroke(made, phi))
     small = 1e-13 * (linkage.crank + linkage.coupler)
@@ -271,10 +272,10 @@ def joints(made: Design, phi: FloatArray) -> tuple[ComplexArray, ComplexArray]:
 def kinetic(made: Design, phi: FloatArray) -> FloatArray:
     """Kinetic energy per square of the cam's speed [t mm^2], from ways that are differenced."""
     of_lift = slope(lambda x: lift(made, x), phi)
-    follower = require_roller(made.follower)
+    follower = require_roller(made.cam.follower)
     if isinstance(follower, TranslatingRoller):
         return np.asarray(0.5 * 1.3e-3 * of_lift**2)
-    if made.linkage is None:
+    if made.cam.drive.linkage is None:
         return np.asarray(0.5 * (0.012e3 + 0.15e-3 * follower.arm**2) * of_lift**2)
     pin = slope(lambda x: joints(made, x)[0], phi)
     tip = slope(lambda x: joints(made, x)[1], phi)
@@ -282,18 +283,18 @@ def kinetic(made: Design, phi: FloatArray) -> FloatArray:
     rod = np.imag((pin - tip) / (at[0] - at[1]))
     energy = (0.004e3 + 0.06e-3 * follower.arm**2) * of_lift**2
     energy = energy + 1.2e-3 * np.abs(pin) ** 2 + 0.3e-3 * np.abs(0.6 * tip + 0.4 * pin) ** 2
-    moment = 0.3e-3 * made.linkage.coupler**2 / 12.0
+    moment = 0.3e-3 * made.cam.drive.linkage.coupler**2 / 12.0
     return np.asarray(0.5 * (energy + moment * rod**2))
 
 
 def weights(made: Design, phi: FloatArray) -> FloatArray:
     """Potential energy of the weights [N mm]."""
-    follower = require_roller(made.follower)
-    centre = Bodies(made, phi, np.ones(len(phi))).centre(phi)
+    follower = require_roller(made.cam.follower)
+    centre = Bodies(made.cam, phi, np.ones(len(phi))).centre(phi)
     if isinstance(follower, TranslatingRoller):
         return np.asarray(-1.3e-3 * along(pull(-60.0), centre))
-    if made.linkage is None:
-        at_0 = Bodies(made, phi, phi).centre(np.zeros(1))[0] - follower.pivot
+    if made.cam.drive.linkage is None:
+        at_0 = Bodies(made.cam, phi, phi).centre(np.zeros(1))[0] - follower.pivot
         turned = (centre - follower.pivot) / at_0
         rocker = (complex(70.0, 30.0) - follower.pivot) * turned
         return np.asarray(-along(pull(-75.0), 0.15e-3 * centre + 0.9e-3 * rocker))
@@ -306,9 +307,9 @@ def spring_energy(made: Design, phi: FloatArray) -> FloatArray:
     """Of a linear spring, by its force alone: F^2 / (2 k) [N mm]."""
     (column,) = made.effect("spring").columns
     force = column.values(phi, "right")
-    if made.linkage is not None:
+    if made.cam.drive.linkage is not None:
         return np.asarray(force**2 / (2.0 * 3.0))
-    if isinstance(made.follower, TranslatingRoller):
+    if isinstance(made.cam.follower, TranslatingRoller):
         return np.asarray(force**2 / (2.0 * 2.5))
     return np.asarray(1e3 * force**2 / (2.0 * 40.0))
 
@@ -334,7 +335,7 @@ def test_power_of_the_drive_goes_into_energies_the_load_and_losses(scene: str, r
 
     stored = slope(energy, phi)
     load = load_of(scene) * way
-    losses = Bodies(made, phi, normal).losses(table)
+    losses = Bodies(made.cam, phi, normal).losses(table)
     if "slider" in table:
         losses = losses + table["slider"] * np.abs(way) + table["guide_viscous"] * speed * way**2
     elif "guide_viscous" in table:
@@ -369,7 +370,7 @@ def test_conservative_torque_does_no_work_over_a_turn(scene: str) -> None:
     changes = [speed_of(scene, 90.0)] if scene != "points" else []
     made = design(scene, forces + TELLING, *changes)
     drive = made.effect("drive-torque")
-    work = turn_integral(drive.torque, made.smooth_angles)
+    work = turn_integral(drive.torque, made.drive.smooth_angles)
     peak = np.max(np.abs(drive.torque(np.linspace(0.0, TURN, 2001), "right")))
     assert peak > 0.0
     assert abs(work) <= ROUNDING * peak
@@ -389,20 +390,20 @@ def test_newton_in_a_guide_with_friction(rev: float, side: int) -> None:
     made = design(scene, PLATE + friction(table) + TELLING, speed_of(scene, rev), *turned)
     phi, speed = inside(made), omega(made)
     found = made.effect("contact-force").normal(phi, "right")
-    follower = made.follower
+    follower = made.cam.follower
     assert isinstance(follower, TranslatingRoller)
     out = np.exp(1j * follower.guide_angle)
-    timed = in_time(made.motion.jet(phi), made.time_course, phi)  # type: ignore[arg-type]
+    timed = in_time(made.cam.drive.motion.jet(phi), made.drive.time_course, phi)  # type: ignore[arg-type]
     own = 1.3e-3 * along(out, pull(-60.0)) - 25.0 - (160.0 + 2.5 * timed[0])
     needed = 1.3e-3 * timed[2] - own
-    unit = Bodies(made, phi, np.ones(len(phi)))
+    unit = Bodies(made.cam, phi, np.ones(len(phi)))
     near = along(out, unit.centre(np.zeros(1)))[0] + table["guide_overhang"]
     far = near + table["guide_length"]
     height = along(out, unit.centre(phi))
     moving = np.sign(np.where(np.abs(timed[1]) > 1e-9 * speed, timed[1], 0.0))
     by_flank = {}
     for flank in (1.0, -1.0):
-        at = Bodies(made, phi, np.full(len(phi), flank))
+        at = Bodies(made.cam, phi, np.full(len(phi), flank))
         by_flank[flank] = (at.load(table), -at.moments(table)[0])
     agreed = np.zeros(len(phi))
     for k in range(len(phi)):
@@ -433,15 +434,17 @@ def test_torque_is_the_moment_of_the_forces_on_the_cam(scene: str) -> None:
     made = design(scene, forces + friction(table) + TELLING)
     phi = inside(made)
     normal = made.effect("contact-force").normal(phi, "right")
-    at = Bodies(made, phi, normal)
-    flank = np.where(normal > 0.0, made.inner_curve.point(phi), made.outer_curve.point(phi))
-    touching = flank * np.exp(1j * made.rotation * phi)
+    at = Bodies(made.cam, phi, normal)
+    flank = np.where(
+        normal > 0.0, made.cam.disc.inner_curve.point(phi), made.cam.disc.outer_curve.point(phi)
+    )
+    touching = flank * np.exp(1j * made.cam.rotation * phi)
     assert np.max(np.abs(touching - at.centre(phi) - at.arm)) <= DIFFERENCE * np.max(np.abs(flank))
     moment = np.imag(np.conj(touching) * at.load(table)) + at.moments(table)[1]
     found = made.effect("drive-torque").torque(phi, "right")
     # The arm about the axis is a small share of the place, through which the force nearly passes.
     scale = np.max(np.abs(normal)) * np.max(np.abs(flank))
-    assert np.max(np.abs(found - made.rotation * moment)) <= DIFFERENCE * scale
+    assert np.max(np.abs(found - made.cam.rotation * moment)) <= DIFFERENCE * scale
 
 
 LIFTED: Final = {
@@ -465,7 +468,7 @@ def test_at_the_speed_of_lift_off_the_force_touches_its_margin(scene: str, margi
     for factor, sign in ((1.0, 0.0), (0.999, 1.0), (1.001, -1.0)):
         made = design(scene, effects, speed_of(scene, factor * speed.value))
         extremes = made.effect("contact-force").extremes
-        inner = made.contact == "inner"
+        inner = made.cam.contact == "inner"
         low = extremes.lowest.value if inner else -extremes.highest.value
         place = (extremes.lowest if inner else extremes.highest).place
         if sign == 0.0:
@@ -550,7 +553,7 @@ def test_a_scene_and_its_mirror_image_have_the_same_forces(scene: str) -> None:
     one = design(scene, effects, *speed)
     other = design(scene, mirrored, *speed, *MIRRORS[scene])
     phi = np.linspace(0.0, TURN, 333, endpoint=False) + 0.003
-    pairs = list(zip(one.effect_columns, other.effect_columns, strict=True))
+    pairs = list(zip(one.disc.effect_columns, other.disc.effect_columns, strict=True))
     assert len(pairs) >= 15
     for here, there in pairs:
         assert here.name == there.name
@@ -572,10 +575,10 @@ def test_flanks_of_a_groove_change_where_force_and_load_cancel() -> None:
     speed = omega(made)
 
     def needed(phi: float) -> float:
-        return float(0.012e3 * made.motion.jet(np.array([phi]))[2, 0] * speed**2 + 0.05e3)
+        return float(0.012e3 * made.cam.drive.motion.jet(np.array([phi]))[2, 0] * speed**2 + 0.05e3)
 
     grid = np.linspace(0.0, TURN, 20001)
-    values = 0.012e3 * made.motion.jet(grid)[2] * speed**2 + 0.05e3
+    values = 0.012e3 * made.cam.drive.motion.jet(grid)[2] * speed**2 + 0.05e3
     places = np.flatnonzero(values[:-1] * values[1:] < 0.0)
     roots = [brentq(needed, grid[k], grid[k + 1], xtol=1e-14) for k in places]
     changes = [f.cam_angle for f in made.effects.findings("lift-off") if f.name == "flank-change"]
@@ -606,12 +609,16 @@ def test_pressure_by_the_curvature_of_the_flank(scene: str) -> None:
         """Curvature, positive where the flank is convex seen from outside of the disc."""
         first = slope(curve.point, phi)
         second = slope(lambda x: slope(curve.point, x), phi)
-        return np.asarray(-made.rotation * np.imag(np.conj(first) * second) / np.abs(first) ** 3)
+        return np.asarray(
+            -made.cam.rotation * np.imag(np.conj(first) * second) / np.abs(first) ** 3
+        )
 
-    roller = made.follower.roller_radius
+    roller = made.cam.follower.roller_radius
     # The disc lies outside of its outer flank, where what is convex is hollow for the roller.
     relative = np.where(
-        normal > 0.0, 1.0 / roller + bend(made.inner_curve), 1.0 / roller - bend(made.outer_curve)
+        normal > 0.0,
+        1.0 / roller + bend(made.cam.disc.inner_curve),
+        1.0 / roller - bend(made.cam.disc.outer_curve),
     )
     expected = np.sqrt(np.abs(normal) * modulus * relative / (math.pi * 6.0))
     column = made.effect("contact-pressure").columns[0]
@@ -661,12 +668,12 @@ def test_a_stiff_train_bends_by_its_own_acceleration() -> None:
         made = design("plate_translating", vibration)
         w = frequency * TURN
         phi = np.linspace(0.0, TURN, 5000, endpoint=False)
-        timed = in_time(made.plan.jet(phi), made.time_course, phi)  # type: ignore[arg-type]
+        timed = in_time(made.cam.drive.plan.jet(phi), made.drive.time_course, phi)  # type: ignore[arg-type]
         found = made.effect("vibration").deflection(phi, "right")
         left = np.max(np.abs(found + timed[2] / w**2))
-        edges = made.smooth_angles
+        edges = made.drive.smooth_angles
         both = [
-            in_time(made.plan.jet(edges, side), made.time_course, edges)[3]  # type: ignore[arg-type]
+            in_time(made.cam.drive.plan.jet(edges, side), made.drive.time_course, edges)[3]  # type: ignore[arg-type]
             for side in ("right", "left")
         ]
         jumps = float(np.sum(np.abs(both[0] - both[1])))

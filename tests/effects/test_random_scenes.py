@@ -293,7 +293,7 @@ def assert_sound(design: Design) -> dict[str, str]:
     """
     if any(each.severity == "wrong" for each in design.findings):
         return {}
-    failed = {name: fault_of(design, name) for name in design.effect_names}
+    failed = {name: fault_of(design, name) for name in design.scene.effects}
     for name in (name for name, fault in failed.items() if not fault):
         result = design.effect(name)
         assert result.error is None or (math.isfinite(result.error) and result.error >= 0.0), name
@@ -343,7 +343,7 @@ def assert_columns(design: Design, name: str, columns: tuple[Column, ...]) -> No
     for column in columns:
         borders = np.asarray(column.borders)
         assert np.all((borders >= 0.0) & (borders < TURN)), (name, column.name)
-        phi = np.concatenate((ANGLES, design.smooth_angles, borders))
+        phi = np.concatenate((ANGLES, design.drive.smooth_angles, borders))
         values = sides_of(column, phi)
         assert values.shape == (2, len(phi)), (name, column.name)
         bad = ~np.all(np.isfinite(values), axis=0)

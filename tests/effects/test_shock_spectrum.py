@@ -104,7 +104,7 @@ def test_a_speed_curve_changes_the_move() -> None:
     """Against the residual by summing up Duhamel's integral with the trapezoidal rule in angle."""
     made = design("points", "[effects.shock-spectrum]\ndamping = 0.02\n")
     found: ShockSpectrum = made.effect("shock-spectrum")
-    course = made.time_course
+    course = made.drive.time_course
     assert course is not None
     for each in found.spectra:
         start, end = each.move.start, each.move.start + each.move.span
@@ -112,7 +112,7 @@ def test_a_speed_curve_changes_the_move() -> None:
         t = course.time(phi)
         share = (t - t[0]) / (t[-1] - t[0])
         omega, alpha = course.rates(phi)[:2]
-        jet = made.plan.jet(phi)
+        jet = made.cam.drive.plan.jet(phi)
         # d2y/dshare2 dshare, by the angle
         forced = (jet[2] * omega**2 + jet[1] * alpha) / omega * (t[-1] - t[0]) / each.move.stroke
         for ratio in (0.7, 2.2, 5.3):

@@ -65,7 +65,9 @@ def steady(
     """Moment of inertia [t mm^2], stall torque [N mm]."""
     motor = {} if "file" in more else {"stall_torque": stall, "no_load_speed": NO_LOAD}
     spec = speed_fluctuation.parse({"moment_of_inertia": moment, **motor, **more})
-    return speed_fluctuation.compute(Request(subject, spec, {"drive-torque": torque}, tolerance))
+    return speed_fluctuation.compute(
+        Request(subject.effects.subject, spec, {"drive-torque": torque}, tolerance)
+    )
 
 
 @pytest.fixture(scope="module")
@@ -114,7 +116,7 @@ def test_energy_is_kept_by_a_weak_motor(plate: Design) -> None:
     forces = (inertia(plate, mass), spring(plate, 90.0, 4.0))
     result = steady(plate, drive(plate, Contact(plate, forces)), moment, stall, 1e-8)
     phi = np.linspace(0.0, TURN, 1000)
-    q, q1 = plate.motion.jet(phi)[:2]
+    q, q1 = plate.cam.drive.motion.jet(phi)[:2]
     omega = result.omega(phi)
     energy = 0.5 * (moment + mass * q1**2) * omega**2 + 90.0 * q + 2.0 * q**2
     allowed = TURN * stall * np.max(np.abs(1.0 - omega / NO_LOAD))
@@ -190,7 +192,7 @@ def test_against_a_general_integrator(plate: Design, moment: float) -> None:
         at_rest, at_one = torque.torque_at(at + 0.0 * two, "right", omega + 0.0 * two, two)
         return [(motor - at_rest) / (moment + at_one - at_rest)]
 
-    edges = plate.smooth_angles
+    edges = plate.drive.smooth_angles
     start = 0.5 * float(result.omega(np.zeros(1))[0]) ** 2
     y = start
     for low, high in itertools.pairwise(edges):
@@ -361,7 +363,7 @@ def test_forces_with_borders_of_their_own(plate: Design) -> None:
     # Cells of a 24th of a turn at most, and their halves; hardly any had to be divided more.
     assert len(mesh.low) <= 100
     before, after = (result.alpha(np.array([1.7]), side)[0] for side in ("left", "right"))
-    velocity = plate.motion.jet(np.array([1.7]))[1, 0]
+    velocity = plate.cam.drive.motion.jet(np.array([1.7]))[1, 0]
     assert before - after == pytest.approx(40.0 * velocity / 60.0, rel=1e-9)
 
 

@@ -56,7 +56,7 @@ def spring_of(name: str) -> tuple[Design, Any]:
 
 def grid(made: Design) -> FloatArray:
     """Angles all round, with those where the formula changes."""
-    found: FloatArray = np.concatenate((np.linspace(0.0, TURN, 361), made.smooth_angles))
+    found: FloatArray = np.concatenate((np.linspace(0.0, TURN, 361), made.drive.smooth_angles))
     return found
 
 
@@ -64,10 +64,12 @@ def grid(made: Design) -> FloatArray:
 def test_the_force_is_the_slope_of_the_potential(name: str) -> None:
     """c0 q' = -dV/dphi, integrated from place to place, so that no difference blurs it."""
     made, spring = spring_of(name)
-    low, high = cells(made.motion.borders, 12)
+    low, high = cells(made.cam.drive.motion.borders, 12)
 
     def power(phi: FloatArray) -> FloatArray:
-        found: FloatArray = spring.force.coefficients(phi, "right")[0] * made.motion.jet(phi)[1]
+        found: FloatArray = (
+            spring.force.coefficients(phi, "right")[0] * made.cam.drive.motion.jet(phi)[1]
+        )
         return found
 
     work = integrals(power, low, high)
@@ -76,7 +78,9 @@ def test_the_force_is_the_slope_of_the_potential(name: str) -> None:
     # The rule of 24 points is exact to rounding on a twelfth of a law.
     assert np.max(np.abs(work - loss)) <= 1e-11 * scale
     phi = grid(made)
-    peak = np.max(np.abs(spring.force.coefficients(phi, "right")[0] * made.motion.jet(phi)[1]))
+    peak = np.max(
+        np.abs(spring.force.coefficients(phi, "right")[0] * made.cam.drive.motion.jet(phi)[1])
+    )
     assert abs(np.sum(work)) <= 1e-12 * peak
     assert np.all(spring.force.coefficients(phi, "right")[1:] == 0.0)
 
@@ -99,8 +103,8 @@ def test_it_presses_the_roller_to_its_flank(name: str) -> None:
     """The preload alone, whatever the motion: against the outward normal, or along it."""
     made, spring = spring_of(name)
     phi = grid(made)
-    outwards = spring.per_preload(phi, "right") / made.pitch_curve.leverage(phi)
-    assert np.all(outwards > 0.0 if made.contact == "outer" else outwards < 0.0)
+    outwards = spring.per_preload(phi, "right") / made.cam.disc.pitch_curve.leverage(phi)
+    assert np.all(outwards > 0.0 if made.cam.contact == "outer" else outwards < 0.0)
     assert "spring-opens-contact" not in {found.name for found in spring.findings}
 
 
@@ -108,7 +112,7 @@ def test_along_a_guide() -> None:
     """F = P + k s inwards for a lift outwards on the inner flank."""
     made, spring = spring_of("guide")
     phi = grid(made)
-    lift = made.motion.jet(phi)[0]
+    lift = made.cam.drive.motion.jet(phi)[0]
     assert spring.force.coefficients(phi, "right")[0] == pytest.approx(-(50.0 + 5.0 * lift))
     found = {each.name: each for each in spring.findings}
     assert found["largest-spring-force"].value == pytest.approx(150.0)
@@ -124,13 +128,13 @@ def test_of_a_ring_it_presses_outwards_and_goes_slack() -> None:
     """F = P - k s: the lift of 12.5 mm is more than the 10 mm by which the preload deflects it."""
     made, spring = spring_of("guide, outer flank")
     phi = grid(made)
-    lift = made.motion.jet(phi)[0]
+    lift = made.cam.drive.motion.jet(phi)[0]
     assert spring.force.coefficients(phi, "right")[0] == pytest.approx(50.0 - 5.0 * lift)
     (slack,) = (each for each in spring.findings if each.name == "slack-spring")
     assert slack.severity == "warning"
     assert slack.value == pytest.approx(-12.5)
     assert slack.cam_range is not None
-    ends = made.motion.jet(np.array(slack.cam_range))
+    ends = made.cam.drive.motion.jet(np.array(slack.cam_range))
     assert ends[0] == pytest.approx([10.0, 10.0], abs=1e-12)
     assert ends[1][0] > 0.0 > ends[1][1]
 
@@ -140,10 +144,10 @@ def test_along_a_slider_it_does_the_slider_s_work(name: str) -> None:
     """Q q' = F ds/dphi in the sense in which it closes: virtual work, without the linkage."""
     made, spring = spring_of(name)
     phi = grid(made)
-    stroke, speed = made.plan.jet(phi)[:2]
+    stroke, speed = made.cam.drive.plan.jet(phi)[:2]
     # A lift inwards closes the contact of an inner flank.
     sense = 1.0 if name == "slider that draws" else -1.0
-    work = spring.force.coefficients(phi, "right")[0] * made.motion.jet(phi)[1]
+    work = spring.force.coefficients(phi, "right")[0] * made.cam.drive.motion.jet(phi)[1]
     wanted = sense * (50.0 - 5.0 * sense * stroke) * speed
     assert work == pytest.approx(wanted, abs=1e-11 * float(np.max(np.abs(wanted))))
 
@@ -156,14 +160,14 @@ def test_between_two_points(name: str, pivot: complex, sense: float) -> None:
     """The moment of the spring's force about the pivot, from where its end is in the drawing."""
     made, spring = spring_of(name)
     phi = grid(made)
-    lift = made.motion.jet(phi)[0]
-    turn = np.exp(1j * made.follower.reach / abs(made.follower.reach) * lift)
+    lift = made.cam.drive.motion.jet(phi)[0]
+    turn = np.exp(1j * made.cam.follower.reach / abs(made.cam.follower.reach) * lift)
     anchor, first = 30.0 - 60.0j, 60.0 + 30.0j
     end = pivot + (first - pivot) * turn
     longer = np.abs(end - anchor) - abs(first - anchor)
     force = (50.0 - sense * 5.0 * longer) * sense * (end - anchor) / np.abs(end - anchor)
     moment = np.imag(np.conj(end - pivot) * force)
-    wanted = moment * made.follower.reach / abs(made.follower.reach)
+    wanted = moment * made.cam.follower.reach / abs(made.cam.follower.reach)
     found = spring.force.coefficients(phi, "right")[0]
     assert found == pytest.approx(wanted, abs=1e-12 * float(np.max(np.abs(wanted))))
 
@@ -209,7 +213,7 @@ def test_a_tiny_elongation_keeps_its_digits(
 def test_torque_is_told_in_newton_metres() -> None:
     made, spring = spring_of("torsion in a groove")
     phi = grid(made)
-    swing = made.motion.jet(phi)[0]
+    swing = made.cam.drive.motion.jet(phi)[0]
     assert (spring.unit_of_preload, spring.unit_of_stiffness) == ("N m", "N m/rad")
     assert (spring.preload, spring.stiffness) == (50e3, 5e3)
     (column,) = spring.columns
@@ -278,7 +282,7 @@ def test_a_spring_that_does_not_fit_the_follower(scene: str, table: str, key: st
 
 def test_a_slider_that_turns_back_cannot_close_all_round() -> None:
     """The coupler comes across the guide on the way from X = 60 mm to 40 mm."""
-    plan = design("plate_translating", "").plan
+    plan = design("plate_translating", "").cam.drive.plan
     refused = []
     for branch in (1, -1):
         linkage = SliderCrank(50.0, 60.0, 0.0, True, 1, -1, branch)
@@ -293,15 +297,15 @@ def test_a_slider_that_turns_back_cannot_close_all_round() -> None:
 
 def test_an_arm_over_the_line_of_centres_cannot_close_by_the_slider() -> None:
     made = design("schnitt", f"[effects.spring]\n{LINEAR}")
-    linkage = made.linkage
+    linkage = made.cam.drive.linkage
     assert isinstance(linkage, SliderCrank)
     follower: Any = SimpleNamespace(
         reach=1.0, ahead=0,
         relative_jet=lambda jet, *_: SimpleNamespace(u=jet[0] - 0.5 * np.max(jet[0])),
     )  # fmt: skip
     subject: Any = SimpleNamespace(
-        plan=made.plan, motion=made.plan, rotation=1, follower=follower,
-        smooth_angles=made.smooth_angles,
+        plan=made.cam.drive.plan, motion=made.cam.drive.plan, rotation=1, follower=follower,
+        smooth_angles=made.drive.smooth_angles,
     )  # fmt: skip
     with pytest.raises(GeometryError, match="line of centres") as error:
         along_slider(subject, linkage)

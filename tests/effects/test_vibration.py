@@ -41,13 +41,13 @@ def told(found: Vibration, name: str) -> Finding:
 
 def demanded(made_: Design) -> FloatArray:
     """(4, n) the demanded motion in time at `PHI`."""
-    assert made_.time_course is not None
-    return in_time(made_.plan.jet(PHI, "right"), made_.time_course, PHI)
+    assert made_.drive.time_course is not None
+    return in_time(made_.cam.drive.plan.jet(PHI, "right"), made_.drive.time_course, PHI)
 
 
 def stubbed(made_: Design, table: dict[str, Any], results: dict[str, Any]) -> Vibration:
     """Computed with results of other effects made up."""
-    request = Request(made_, EFFECT.parse(table), results, 1e-6)
+    request = Request(made_.effects.subject, EFFECT.parse(table), results, 1e-6)
     found = EFFECT.compute(request)
     assert isinstance(found, Vibration)
     return found
@@ -147,8 +147,8 @@ def test_a_stiff_train_follows_to_the_second_power() -> None:
     off = []
     for frequency in (2e3, 4e3, 8e3):
         found = result("plate_translating", f"natural_frequency = {frequency}\ndamping = 0.3")
-        assert made_.time_course is not None
-        y = in_time(made_.plan.jet(phi), made_.time_course, phi)
+        assert made_.drive.time_course is not None
+        y = in_time(made_.cam.drive.plan.jet(phi), made_.drive.time_course, phi)
         off.append(found.deflection(phi, "right") * (TURN * frequency) ** 2 / y[2] + 1.0)
     # What is left is 2 D y''' / (w y''), of the first order in 1 / w.
     assert np.all(np.abs(off[0]) < 0.01)

@@ -140,7 +140,7 @@ stiffness = {stiffness!r}
 def test_accelerations_and_inertia_of_the_follower() -> None:
     case = example("cam_loads")
     design = cam_loads(case)
-    course, inertia = design.time_course, design.effect("inertia").force
+    course, inertia = design.drive.time_course, design.effect("inertia").force
     assert course is not None
 
     def force(phi: FloatArray, side: Side) -> FloatArray:
@@ -151,7 +151,7 @@ def test_accelerations_and_inertia_of_the_follower() -> None:
         found = told(design, "kinematics", f"{name}-acceleration").value
         assert_printed(case, key, found / INCH)
     transition = number(case, "acceleration_span")
-    lift = at(lambda phi, side: design.plan.jet(phi, side)[0], transition) / INCH
+    lift = at(lambda phi, side: design.cam.drive.plan.jet(phi, side)[0], transition) / INCH
     assert lift == pytest.approx(number(case, "transition_lift"), rel=1e-12)
     assert_printed(case, "inertia", at(force, transition, "left"))
     assert_printed(case, "inertia_beyond", at(force, transition, "right"))
@@ -164,7 +164,7 @@ def test_loads_on_the_cam_along_the_guide() -> None:
     contact, spring = design.effect("contact-force"), design.effect("spring").force
 
     def total(phi: FloatArray, side: Side) -> FloatArray:
-        along = contact.normal(phi, side) * design.pitch_curve.leverage(phi, side)
+        along = contact.normal(phi, side) * design.cam.disc.pitch_curve.leverage(phi, side)
         return np.asarray(along / POUND_FORCE)
 
     def pressing(phi: FloatArray, side: Side) -> FloatArray:

@@ -56,12 +56,12 @@ class Built:
 
     @property
     def tolerance(self) -> float:
-        return self.design.specification.output.tolerance
+        return self.design.scene.output.tolerance
 
     @property
     def spec(self) -> PartSpec:
-        assert self.design.specification.part is not None
-        return self.design.specification.part
+        assert self.design.scene.part is not None
+        return self.design.scene.part
 
     @property
     def thickness(self) -> float:
@@ -70,8 +70,8 @@ class Built:
 
     @property
     def gcode(self) -> GcodeSpec:
-        assert self.design.gcode is not None
-        return self.design.gcode
+        assert self.design.disc.gcode is not None
+        return self.design.disc.gcode
 
     @cached_property
     def certificate(self) -> dict[str, Any]:
@@ -87,12 +87,12 @@ class Built:
     def _kept(self) -> dict[str, Kept]:
         wanted = {"inner": ["inner"], "outer": ["outer"], "groove": ["inner", "outer"]}
         sides = {"inner": -1, "outer": 1}
-        return {name: kept_of(self.design, sides[name]) for name in wanted[self.design.contact]}
+        return {name: kept_of(self.design, sides[name]) for name in wanted[self.design.cam.contact]}
 
     @property
     def is_trimmed(self) -> bool:
         """Whether the scene asks for a disc on which the follower does not make its motion."""
-        return self.design.specification.limits.undercut == "trim"
+        return self.design.scene.limits.undercut == "trim"
 
     def flank(self, name: str, outward: float = 0.0) -> Flank:
         """What is left of the "inner" or "outer" flank; its parallel `outward` [mm] farther out."""
@@ -114,7 +114,7 @@ class Built:
     def through(self) -> list[Exact]:
         """Boundaries through the whole thickness."""
         boundaries = []
-        if self.design.contact == "inner":
+        if self.design.cam.contact == "inner":
             boundaries.append(self._flank("inner"))
         else:
             assert self.spec.rim is not None
@@ -122,7 +122,7 @@ class Built:
             circle = radius * np.exp(1j * np.linspace(0.0, TURN, DENSE, endpoint=False))
             area, length = math.pi * radius**2, TURN * radius
             boundaries.append(Exact("rim", circle, area, length, np.zeros(0, complex)))
-        if self.design.contact == "outer":
+        if self.design.cam.contact == "outer":
             boundaries.append(self._flank("outer"))
         elif self.spec.bore is not None:
             area, length = bore_area(self.spec), bore_length(self.spec)
@@ -133,7 +133,7 @@ class Built:
     @cached_property
     def groove(self) -> list[Exact]:
         """Boundaries of the groove."""
-        if self.design.contact != "groove":
+        if self.design.cam.contact != "groove":
             return []
         return [self._flank("inner"), self._flank("outer")]
 

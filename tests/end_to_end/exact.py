@@ -55,7 +55,7 @@ class Flank:
 
     def points(self, phi: FloatArray, *, left: bool = False) -> ComplexArray:
         """(n,) [mm] at the cam angles `phi` (n,) [rad]."""
-        z, z1 = self.design.pitch_curve.jet(phi, "left" if left else "right")[:2]
+        z, z1 = self.design.cam.disc.pitch_curve.jet(phi, "left" if left else "right")[:2]
         point: ComplexArray = z + self.distance * self._normal(z1)
         return point
 
@@ -93,20 +93,20 @@ class Flank:
         return np.array([h for h, first, _ in self.turns if abs(first) <= POINT], np.complex128)
 
     def _normal(self, z1: ComplexArray) -> ComplexArray:
-        return 1j * self.design.rotation * z1 / np.abs(z1)
+        return 1j * self.design.cam.rotation * z1 / np.abs(z1)
 
     def rates(self, phi: FloatArray) -> tuple[ComplexArray, ComplexArray]:
         """Points and their derivative by the cam angle."""
-        z, z1, z2 = self.design.pitch_curve.jet(phi)[:3]
+        z, z1, z2 = self.design.cam.disc.pitch_curve.jet(phi)[:3]
         pace = np.abs(z1)
         # d/dphi of z1/|z1| is i z1 Im(conj(z1) z2)/|z1|^3.
         turning = (np.conj(z1) * z2).imag / pace**3
-        rate = z1 + self.distance * (1j * self.design.rotation) * 1j * z1 * turning
+        rate = z1 + self.distance * (1j * self.design.cam.rotation) * 1j * z1 * turning
         return z + self.distance * self._normal(z1), rate
 
     def _integral_nodes(self) -> tuple[FloatArray, FloatArray]:
         nodes, weights = np.polynomial.legendre.leggauss(NODES)
-        borders = np.unique(np.append(self.design.motion.borders, 0.0))
+        borders = np.unique(np.append(self.design.cam.drive.motion.borders, 0.0))
         borders = np.concatenate((borders, borders + TURN))
         found = []
         for start, end in self.kept.stretches:
@@ -138,8 +138,8 @@ class Flank:
 
 def half_width(design: Design) -> float:
     """Distance of the flanks from the pitch curve [mm]: half of roller and play together."""
-    diameter = 2.0 * design.roller_radius
-    return (diameter + design.specification.side_clearance) / 2.0
+    diameter = 2.0 * design.cam.follower.roller_radius
+    return (diameter + design.scene.side_clearance) / 2.0
 
 
 def bore_area(spec: PartSpec) -> float:

@@ -37,10 +37,10 @@ DENSE = 60_001
 
 def body_of(design: Design) -> Lever | Carriage:
     """The rigid follower by the dimensions that stand in the scene file."""
-    if isinstance(design.follower, OscillatingRoller):
-        return lever_of(design.follower, math.radians(84.0), 70.0)
-    assert isinstance(design.follower, TranslatingRoller)
-    return carriage_of(design.follower, 135.0, -5.0)
+    if isinstance(design.cam.follower, OscillatingRoller):
+        return lever_of(design.cam.follower, math.radians(84.0), 70.0)
+    assert isinstance(design.cam.follower, TranslatingRoller)
+    return carriage_of(design.cam.follower, 135.0, -5.0)
 
 
 @pytest.fixture(scope="module", params=NAMES)
@@ -65,8 +65,8 @@ def drawn(file: Path) -> Outline:
 def centres(design: Design) -> tuple[ComplexArray, ComplexArray]:
     """Dense roller centres of main and return roller in the cam, by the rigid follower."""
     phi = np.linspace(0.0, 2.0 * math.pi, DENSE)
-    both = body_of(design).rollers(design.lift(phi)[0])
-    turn = np.exp(-1j * design.rotation * phi)
+    both = body_of(design).rollers(design.disc.lift(phi)[0])
+    turn = np.exp(-1j * design.cam.rotation * phi)
     return both[0] * turn, both[1] * turn
 
 
@@ -76,10 +76,8 @@ def test_both_drawings_touch_the_rollers_of_the_rigid_follower(built: Path) -> N
     Chords of the dense path are 90 mm / 60,000 * 2 pi = 0.01 mm long, h^2/8 kappa = 4e-7 mm off.
     """
     design = load(built)
-    tolerance = design.specification.output.tolerance
-    other = design.returning
-    assert other is not None
-    for disc, path in zip((design, other), centres(design), strict=True):
+    tolerance = design.scene.output.tolerance
+    for disc, path in zip(design.discs, centres(design), strict=True):
         outline = drawn(built.with_name(f"{disc.name}.dxf"))
         points = outline.dense(4000)
         off = np.abs(DensePath(path).distances(points) - disc.roller_radius)

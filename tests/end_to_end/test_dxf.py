@@ -26,7 +26,7 @@ ROUNDING = 1e-9
 
 def _outlines(built: Built, layer: str) -> list[Outline]:
     """Closed polylines of `layer` in mm, largest first."""
-    scale = UNITS[built.design.unit][2]
+    scale = UNITS[built.design.scene.unit][2]
     found = []
     for entity in readfile(built.file(".dxf")).modelspace().query(f'*[layer=="{layer}"]'):
         assert isinstance(entity, LWPolyline)
@@ -49,7 +49,7 @@ def _turns(outline: Outline) -> np.ndarray:
 def test_document(built: Built) -> None:
     document = readfile(built.file(".dxf"))
     assert not document.audit().errors
-    insunits, measurement, _ = UNITS[built.design.unit]
+    insunits, measurement, _ = UNITS[built.design.scene.unit]
     assert document.dxfversion == "AC1024"  # R2010
     assert document.header["$INSUNITS"] == insunits
     assert document.header["$MEASUREMENT"] == measurement
@@ -57,7 +57,9 @@ def test_document(built: Built) -> None:
     # Nothing else, and no text anywhere.
     drawn = {("CUT", "LWPOLYLINE"), ("BASE_CIRCLE", "CIRCLE"), ("CENTRE", "LINE")}
     # The contact of a flat face runs on the outline itself: there is no pitch curve to be drawn.
-    assert kinds == drawn | (set() if built.design.is_flat else {("PITCH_CURVE", "LWPOLYLINE")})
+    assert kinds == drawn | (
+        set() if built.design.cam.follower.is_flat else {("PITCH_CURVE", "LWPOLYLINE")}
+    )
 
 
 def test_cut_layer(built: Built) -> None:
@@ -109,14 +111,16 @@ def test_where_the_roller_turns_the_flank_is_its_arc(built: Built) -> None:
 
 
 def test_pitch_curve_and_base_circle(built: Built) -> None:
-    if not built.design.is_flat:
+    if not built.design.cam.follower.is_flat:
         (pitch,) = _outlines(built, "PITCH_CURVE")
         points = built.pitch.dense(DENSE)
         assert np.max(pitch.distances(points[::3])) <= built.tolerance
         assert np.max(DensePath(points).distances(pitch.dense(POINTS))) <= built.tolerance + CHORDS
-    scale = UNITS[built.design.unit][2]
+    scale = UNITS[built.design.scene.unit][2]
     (circle,) = readfile(built.file(".dxf")).modelspace().query("CIRCLE")
-    assert circle.dxf.radius * scale == pytest.approx(built.design.base_radius, rel=1e-15)
+    assert circle.dxf.radius * scale == pytest.approx(
+        built.design.cam.follower.base_radius, rel=1e-15
+    )
 
 
 def test_a_moved_vertex_would_show(built: Built) -> None:

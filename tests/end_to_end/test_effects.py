@@ -50,7 +50,7 @@ def column(text: str, name: str) -> np.ndarray[tuple[int], np.dtype[np.float64]]
 
 
 def test_all_effects_are_in_some_scene() -> None:
-    named = {name for path in EFFECT_SCENES for name in load(path).effect_names}
+    named = {name for path in EFFECT_SCENES for name in load(path).scene.effects}
     assert named == set(EFFECTS)
 
 
@@ -62,7 +62,7 @@ def test_check_tells_every_effect(scene: Path, subject: Design, capsys: Capture)
         for each in (*subject.findings, *subject.effect_findings)
     )
     assert code == (1 if bad else 0)
-    for name in subject.effect_names:
+    for name in subject.scene.effects:
         assert f"\n{name}:\n" in text
     assert "nan" not in text.lower().replace("resonan", "").replace("dominan", "")
 
@@ -70,7 +70,7 @@ def test_check_tells_every_effect(scene: Path, subject: Design, capsys: Capture)
 def test_check_as_json(scene: Path, subject: Design, capsys: Capture) -> None:
     main(["check", str(scene), "--json"])
     document = json.loads(capsys.readouterr().out)
-    assert list(document["effects"]) == list(subject.effect_names)
+    assert list(document["effects"]) == list(subject.scene.effects)
     for found in document["effects"].values():
         for each in found:
             assert each["sentence"]
@@ -83,7 +83,7 @@ def test_table_has_the_columns_and_finite_numbers(
     assert main(["table", str(scene), "--step", "5"]) == 0
     head, values = rows(capsys.readouterr().out)
     names = [each.rpartition(" [")[0] or each for each in head]
-    for each in subject.effect_columns:
+    for each in subject.disc.effect_columns:
         assert each.name in names
     assert len(set(head)) == len(head)
     finite = [k for k, each in enumerate(head) if not each.startswith("r_K")]
@@ -94,13 +94,13 @@ def test_force_and_torque_of_the_table_keep_the_power_balance(
     scene: Path, subject: Design, capsys: Capture
 ) -> None:
     """Without friction the torque is the normal force times its way a radian (virtual work)."""
-    if "friction" in subject.effect_names:
+    if "friction" in subject.scene.effects:
         pytest.skip("the balance with friction is held in tests/effects")
     main(["table", str(scene), "--step", "5"])
     text = capsys.readouterr().out
     phi = np.radians(column(text, "phi"))
     force, torque = column(text, "contact force"), column(text, "drive torque")
-    way = subject.pitch_curve.leverage(phi) * subject.motion.jet(phi)[1]
+    way = subject.cam.disc.pitch_curve.leverage(phi) * subject.cam.drive.motion.jet(phi)[1]
     scale = float(np.max(np.abs(force * way)))
     # Both columns are rounded to a double once, and so are way and product.
     assert np.allclose(torque * 1e3, force * way, rtol=0.0, atol=8.0 * np.spacing(scale))
@@ -124,7 +124,7 @@ def test_velocity_of_the_table_is_that_of_the_motion(capsys: Capture) -> None:
     text = capsys.readouterr().out
     phi = np.radians(column(text, "phi"))
     subject = load(scene)
-    course = subject.time_course
+    course = subject.drive.time_course
     assert course is not None
-    velocity = in_time(subject.stroke(phi), course, phi)[1]
+    velocity = in_time(subject.disc.stroke(phi), course, phi)[1]
     assert np.array_equal(column(text, "velocity"), velocity)

@@ -33,7 +33,7 @@ def program(built: Built) -> Program:
 def _exact_paths(built: Built) -> dict[str, np.ndarray]:
     """Dense points of each cutter path, by the tool's radius and the sides of the material."""
     names = {name: path.dense(DENSE) for name, path in _flank_paths(built).items()}
-    if built.spec.bore is not None and built.design.contact != "outer":
+    if built.spec.bore is not None and built.design.cam.contact != "outer":
         radius = (built.spec.bore - built.gcode.tool_diameter) / 2.0
         names["bore"] = radius * np.exp(1j * np.linspace(0.0, TURN, DENSE, endpoint=False))
     return names
@@ -42,9 +42,9 @@ def _exact_paths(built: Built) -> dict[str, np.ndarray]:
 def _flank_paths(built: Built) -> dict[str, Flank]:
     """The cutter paths along flanks, by the names of their operations."""
     tool = built.gcode.tool_diameter / 2.0
-    if built.design.contact == "inner":
+    if built.design.cam.contact == "inner":
         return {"outline": built.flank("inner", tool)}
-    if built.design.contact == "outer":
+    if built.design.cam.contact == "outer":
         return {"outline": built.flank("outer", -tool)}
     inner, outer = built.flank("inner", tool), built.flank("outer", -tool)
     return {"inner flank": inner, "outer flank": outer}
@@ -58,7 +58,7 @@ def _depth(built: Built, operation: str) -> float:
 
 
 def test_frame(built: Built, program: Program) -> None:
-    unit = {"mm": "G21", "inch": "G20"}[built.design.unit]
+    unit = {"mm": "G21", "inch": "G20"}[built.design.scene.unit]
     for word in ("G17", unit, "G40", "G49", "G54", "G80", "G90", "G94", "G91.1", "M6", "G43"):
         assert word in program.words
     assert program.words[-2:] == ["M5", "M2"]
@@ -107,7 +107,7 @@ def test_paths_lie_on_the_exact_offsets(built: Built, program: Program) -> None:
         back = path.distances(loops[0].dense(POINTS))
         worst = max(worst, float(np.max(there)), float(np.max(back)))
         # Climb milling, spindle clockwise: clockwise round material, else counter-clockwise.
-        climb = -1 if name in ("inner flank",) or built.design.contact == "inner" else 1
+        climb = -1 if name in ("inner flank",) or built.design.cam.contact == "inner" else 1
         assert np.sign(loops[0].area) == (climb if name != "bore" else 1)
     worst += program.blending
     assert worst <= built.tolerance + CHORDS
@@ -116,7 +116,7 @@ def test_paths_lie_on_the_exact_offsets(built: Built, program: Program) -> None:
 
 def test_the_cutter_rolls_round_corners(built: Built, program: Program) -> None:
     """Once a pass, about the corner itself, and about the roller's centre where it turned."""
-    step = STEP[built.design.unit]
+    step = STEP[built.design.scene.unit]
     for name, path in _flank_paths(built).items():
         for moves in program.passes(name):
             arcs = [move for move in moves[1:-1] if move.code > 1]
@@ -137,7 +137,7 @@ def test_cutter_never_enters_the_part(built: Built, program: Program) -> None:
     boundaries = {exact.name: exact for exact in built.through + built.groove}
     against = {
         "bore": [("bore", True)],
-        "outline": [("inner", False)] if built.design.contact == "inner" else [("outer", True)],
+        "outline": [("inner", False)] if built.design.cam.contact == "inner" else [("outer", True)],
         "inner flank": [("inner", False), ("outer", True)],
         "outer flank": [("inner", False), ("outer", True)],
     }
@@ -169,4 +169,4 @@ def test_leads_are_tangential(built: Built, program: Program) -> None:
                 turn = abs(np.angle(arm / other))
                 # Centres are rounded to half a diagonal of the last decimal, 0.7e-5 in, and end
                 # points too; the smaller arm turns by twice that over its length.
-                assert turn <= 3.0 * STEP[built.design.unit] / min(abs(arm), abs(other))
+                assert turn <= 3.0 * STEP[built.design.scene.unit] / min(abs(arm), abs(other))

@@ -34,39 +34,43 @@ def test_table_holds_the_values_of_the_design(built: Built) -> None:
     names, values = rows[0], np.array(rows[1:], dtype=np.float64)
     columns = dict(zip(names, values.T, strict=True))
     degrees = columns["phi [deg]"]
-    step = float(built.design.specification.output.table_step)
+    step = float(built.design.scene.output.table_step)
     assert np.array_equal(degrees, step * np.arange(round(360.0 / step)))
     phi = np.radians(degrees)
-    design, unit, mm = built.design, built.design.unit, built.design.millimetres
-    curves = [("pitch", design.pitch), ("inner", design.inner), ("outer", design.outer)]
-    if design.is_flat:
-        curves = [("contact", design.pitch)]
+    design, unit, mm = built.design, built.design.scene.unit, built.design.disc.millimetres
+    curves = [
+        ("pitch", design.disc.pitch),
+        ("inner", design.disc.inner),
+        ("outer", design.disc.outer),
+    ]
+    if design.cam.follower.is_flat:
+        curves = [("contact", design.disc.pitch)]
         # The contact lies where the face does, turned back by the cam angle.
-        contact = design.pitch(phi) @ [1.0, 1j] * np.exp(1j * design.rotation * phi)
+        contact = design.disc.pitch(phi) @ [1.0, 1j] * np.exp(1j * design.cam.rotation * phi)
         foot = _foot_and_direction(design, phi)
         placed = foot[0] + foot[1] * columns[f"on face [{unit}]"] * mm
-        assert np.max(np.abs(contact - placed)) <= 1e-12 * design.base_radius
+        assert np.max(np.abs(contact - placed)) <= 1e-12 * design.cam.follower.base_radius
     for name, curve in curves:
         points = curve(phi)
         assert np.array_equal(columns[f"{name} x [{unit}]"] * 1.0, points[:, 0] / mm)
         assert np.array_equal(columns[f"{name} y [{unit}]"] * 1.0, points[:, 1] / mm)
-    assert np.array_equal(columns["mu [deg]"], np.degrees(design.transmission_angle(phi)))
-    assert np.array_equal(columns[f"kappa [1/{unit}]"], design.curvature(phi) * mm)
+    assert np.array_equal(columns["mu [deg]"], np.degrees(design.disc.transmission_angle(phi)))
+    assert np.array_equal(columns[f"kappa [1/{unit}]"], design.disc.curvature(phi) * mm)
     rates = ("", "/rad", "/rad^2", "/rad^3")
     if f"s [{unit}]" in columns:
         for order, rate in enumerate(rates):
             mark = "'" * order
             # Behind a linkage whose crank is turned, the slider is the follower.
-            motion = design.stroke(phi) if design.demand_unit == "mm" else design.lift(phi)
+            motion = design.disc.stroke(phi) if design.drive.unit == "mm" else design.disc.lift(phi)
             assert np.array_equal(columns[f"s{mark} [{unit}{rate}]"], motion[order] / mm)
-    assert ("psi [deg]" in columns) == (design.lift_unit == "rad")
-    if design.lift_unit == "rad":
-        assert np.array_equal(columns["psi [deg]"], np.degrees(design.lift(phi)[0]))
+    assert ("psi [deg]" in columns) == (design.disc.lift_unit == "rad")
+    if design.disc.lift_unit == "rad":
+        assert np.array_equal(columns["psi [deg]"], np.degrees(design.disc.lift(phi)[0]))
 
 
 def _foot_and_direction(design: Design, phi: FloatArray) -> tuple[ComplexArray, ComplexArray]:
     """From where a flat face counts, and its direction, both in the fixed frame."""
-    follower, lift = design.follower, design.lift(phi)[0]
+    follower, lift = design.cam.follower, design.disc.lift(phi)[0]
     if isinstance(follower, TranslatingFlat):
         out = np.exp(1j * follower.guide_angle)
         return out * (follower.base_radius + follower.direction * lift), -1j * out + 0.0 * phi
@@ -86,16 +90,16 @@ def test_table_tells_the_motion_in_time(built: Built) -> None:
     with built.file(".csv").open(newline="") as file:
         rows = list(csv.reader(file))
     columns = dict(zip(rows[0], np.array(rows[1:], dtype=np.float64).T, strict=True))
-    course = built.design.time_course
+    course = built.design.drive.time_course
     assert ("t [s]" in columns) == (course is not None)
     if course is None:
         return
-    unit = built.design.unit
+    unit = built.design.scene.unit
     time = columns["t [s]"]
-    speed = built.design.specification.speed
+    speed = built.design.scene.speed
     assert speed is not None
     first = f"v [{unit}/s]" if f"s [{unit}]" in columns else "omega_psi [deg/s]"
-    if built.design.specification.speed_curve is None:
+    if built.design.scene.speed_curve is None:
         assert np.allclose(time, np.radians(columns["phi [deg]"]) / speed, rtol=1e-15)
         if f"s [{unit}]" in columns:
             for order, name in enumerate((f"v [{unit}/s]", f"a [{unit}/s^2]", f"j [{unit}/s^3]")):
@@ -119,7 +123,7 @@ def test_certificate(built: Built) -> None:
     certificate = built.certificate
     scene = next(path for path in SCENES if path.stem == built.design.name)
     assert certificate["scene"]["sha256"] == hashlib.sha256(scene.read_bytes()).hexdigest()
-    assert certificate["camgeo"] == built.design.version
+    assert certificate["camgeo"] == built.design.disc.version
     named = set()
     for record in certificate["files"]:
         data = (built.folder / record["file"]).read_bytes()

@@ -16,7 +16,6 @@ import camgeo
 from camgeo.accuracy.contours import drawn_as
 from camgeo.accuracy.rows import FORMS, Form
 from camgeo.design import Design
-from camgeo.files.product import discs
 from camgeo.files.verify import Against, Wanted, files_in, verify_files
 from tests.end_to_end.built import SCENES
 
@@ -40,9 +39,9 @@ def test_every_file_is_written_and_verified(scene: Path, tmp_path: Path) -> None
             design = drawn_as(base, form, "fewest")
             folder = tmp_path / f"{form}-{tolerance:g}"
             design.write(folder, _formats(design, form), tolerance=tolerance)
-            against = partial(_against, Against(design, tolerance))
+            against = partial(_against, Against(design.disc, tolerance))
             verdicts = verify_files(files_in(folder), against, Wanted())
-            assert len(verdicts) == len(discs(design)) * len(_formats(design, form))
+            assert len(verdicts) == len(design.discs) * len(_formats(design, form))
             for verdict in verdicts:
                 failed = [check.name for check in verdict.checks if check.ok is False]
                 assert verdict.passed, f"{form} {tolerance:g} {verdict.file}: {failed}"
@@ -57,5 +56,5 @@ def _against(found: Against, _folder: Path, _hash: str) -> Against:
 
 
 def _formats(design: Design, form: Form) -> tuple[str, ...]:
-    asked = design.specification.output.formats
+    asked = design.scene.output.formats
     return tuple(name for name in FORMATS[form] if name in asked or name == "dxf")

@@ -152,7 +152,7 @@ def test_what_is_built_passes(
         # The readers are others, and the sense in which a contour is run may be too.
         certain = built.deviation(suffix)
         assert record["deviation_mm"] == pytest.approx(certain, rel=0.02, abs=1e-9)
-        assert record["scene"]["sha256"] == built.design.scene_hash
+        assert record["scene"]["sha256"] == built.design.disc.scene_hash
     volumes = [c for c in records[built.file(".stl").name]["checks"] if c["name"] == "volume"]
     slack = built.tolerance * built.length * built.thickness
     assert volumes[0]["expected"] == pytest.approx(built.volume, abs=slack)

@@ -47,7 +47,7 @@ class _Run:
 
 def kept_of(design: Design, side: int) -> Kept:
     """What is left of the inner (-1) or outer (+1) flank; whole if the scene does not trim."""
-    if design.specification.limits.undercut != "trim":
+    if design.scene.limits.undercut != "trim":
         return WHOLE
     flank = Flank(design, side * half_width(design))
     runs = _runs(flank)
@@ -73,13 +73,13 @@ def pitch_of(design: Design) -> Kept:
         return WHOLE
     stretches = tuple(zip(kinks, [*kinks[1:], kinks[0] + TURN], strict=True))
     ends = np.array([end for _, end in stretches])
-    return Kept(stretches, tuple(complex(z) for z in design.pitch_curve.point(ends)))
+    return Kept(stretches, tuple(complex(z) for z in design.cam.disc.pitch_curve.point(ends)))
 
 
 def _kinks(design: Design) -> FloatArray:
     """Cam angles [rad] at which the velocity jumps."""
-    phi = np.unique(np.append(design.motion.breaks, 0.0))
-    before, after = (design.pitch_curve.jet(phi, side)[1] for side in ("left", "right"))
+    phi = np.unique(np.append(design.cam.drive.motion.breaks, 0.0))
+    before, after = (design.cam.disc.pitch_curve.jet(phi, side)[1] for side in ("left", "right"))
     return np.asarray(phi[np.abs(np.angle(after / before)) > KINK])
 
 
@@ -144,7 +144,7 @@ def _loop(flank: Flank, runs: list[_Run]) -> Kept:
     hinges = []
     for run in runs:
         end = np.array([run.end])
-        point = flank.design.pitch_curve.point(end) if run.sharp_end else flank.points(end)
+        point = flank.design.cam.disc.pitch_curve.point(end) if run.sharp_end else flank.points(end)
         hinges.append(complex(point[0]))
     return Kept(tuple((run.start, run.end) for run in runs), tuple(hinges))
 

@@ -12,6 +12,7 @@ from typing import Literal
 
 import numpy as np
 
+from camgeo.cam.contact import Contact
 from camgeo.check.finding import Finding
 from camgeo.contour.contour import Contour
 from camgeo.contour.fit import Effort, Fit
@@ -25,7 +26,6 @@ from camgeo.lazy import Ledger
 from camgeo.motion.joints import Joint
 from camgeo.numeric.arrays import FloatArray
 from camgeo.part.part import Part
-from camgeo.part.spec import Contact
 from camgeo.toolpath.moves import ArcFeed, Feed, Move, Operation, Rapid, Toolpath
 from camgeo.toolpath.spec import GcodeSpec
 from camgeo.units import MM_PER, LengthUnit

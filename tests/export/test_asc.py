@@ -17,6 +17,7 @@ from camgeo.errors import SceneError
 from camgeo.numeric.arrays import FloatArray
 from camgeo.scene.load import parse_scene
 from camgeo.scene.ocv import import_project
+from camgeo.workpiece import Workpiece
 from camgeo_export.asc.writer import COLUMNS, POINTS, SECOND, WRITER, AscWriter
 from camgeo_export.errors import FileError
 from tests.reference import pitch_curve_of, reference, thesis_params
@@ -28,10 +29,10 @@ EXAMPLES = {"querhub": "T4_querhub_ASSUMED", "schnitt": "T5_schnitt", "setzhub":
 
 
 @cache
-def design(name: str) -> Design:
+def design(name: str) -> Workpiece:
     """The cam of a project."""
     data = (FIXTURES / "reference" / "ocv" / f"{name}.ocv").read_bytes()
-    return Design(parse_scene(import_project(data, name)))
+    return Design(parse_scene(import_project(data, name))).disc
 
 
 def numbers(data: bytes) -> FloatArray:
@@ -120,7 +121,7 @@ def test_another_unit_changes_nothing_but_roundings() -> None:
             line = f"pivot = [{x!r}, {y!r}]"
         lines.append(line)
     inch = "\n".join(lines).replace("[cam]", '[units]\nlength = "inch"\n[cam]', 1)
-    product = Design(parse_scene(inch))
+    product = Design(parse_scene(inch)).disc
     for writer in (WRITER, SECOND):
         data = writer.write(product, 1.0).data
         assert writer.measure(product, data) == 0.0
@@ -171,15 +172,15 @@ def test_no_file_is_refused() -> None:
 
 @pytest.mark.parametrize("scene", ["plate_translating", "shuttle"])
 def test_what_is_no_cam_linkage_is_refused(scene: str) -> None:
-    product = camgeo.load(FIXTURES / "scenes" / f"{scene}.toml")
-    assert product.linkage is None
+    product = camgeo.load(FIXTURES / "scenes" / f"{scene}.toml").disc
+    assert product.cam.drive.linkage is None
     with pytest.raises(SceneError, match=r"asc: needs \[linkage\]"):
         WRITER.write(product, 0.001)
 
 
 def test_the_step_is_that_of_the_project() -> None:
     text = import_project((FIXTURES / "reference" / "ocv" / "setzhub.ocv").read_bytes(), "setzhub")
-    product = Design(parse_scene(text.replace("step = 0.5", "step = 0.7")))
+    product = Design(parse_scene(text.replace("step = 0.5", "step = 0.7"))).disc
     phi = numbers(WRITER.write(product, 1.0).data)[:, 0]
     assert len(phi) == math.ceil(360.0 / 0.7)
     # Each is rounded once; counted up, the last would be 1e-12 off.

@@ -175,10 +175,10 @@ def test_a_second_scale_tells_values_over_time() -> None:
 @pytest.mark.parametrize("scene", SCENES, ids=lambda path: path.stem)
 def test_every_scene_is_drawn_with_titles_that_say_whose_motion(scene: Path) -> None:
     design = camgeo.load(scene)
-    figure = drawn(design)
+    figure = drawn(design.disc)
     plan, diagram = (text.get_text() for text in figure.texts)
-    linked = design.has_linkage
-    demanded = "follower" if design.linkage is None else design.linkage.member
+    linked = design.drive.linkage is not None
+    demanded = "follower" if design.cam.drive.linkage is None else design.cam.drive.linkage.member
     assert plan == f"{design.name}: motion plan of the {demanded}"
     assert ("behind the linkage" in diagram) == linked
     # Nothing is cut off: all text lies on the page.
@@ -191,7 +191,7 @@ def test_every_scene_is_drawn_with_titles_that_say_whose_motion(scene: Path) -> 
 
 @pytest.mark.parametrize("scene", SCENES, ids=lambda path: path.stem)
 def test_names_of_laws_do_not_lie_on_each_other(scene: Path) -> None:
-    names = drawn(camgeo.load(scene)).axes[0]
+    names = drawn(camgeo.load(scene).disc).axes[0]
     boxes = sorted(
         (text.get_window_extent().x0, text.get_window_extent().x1) for text in names.texts
     )
@@ -230,11 +230,11 @@ def test_what_has_room_stays(places: list[float], share: float) -> None:
 
 def test_a_motion_by_data_is_drawn_as_it_is_asked_for() -> None:
     design = camgeo.load(next(path for path in SCENES if path.stem == "points"))
-    (segment,) = [s for s in design.plan_sketch.segments if s.course is not None]
+    (segment,) = [s for s in design.disc.plan_sketch.segments if s.course is not None]
     assert segment.label == "data"
     assert segment.course is not None
     inside = segment.course[1:-1]
-    assert np.array_equal(design.stroke(inside[:, 0])[0], inside[:, 1])
-    (plan,) = [axes for axes in drawn(design).axes if axes.get_ylabel() == "s [mm]"][:1]
+    assert np.array_equal(design.disc.stroke(inside[:, 0])[0], inside[:, 1])
+    (plan,) = [axes for axes in drawn(design.disc).axes if axes.get_ylabel() == "s [mm]"][:1]
     curve = max((np.column_stack(line.get_data()) for line in plan.lines), key=len)
     assert curve == pytest.approx(segment.course * [math.degrees(1.0), 1.0])

@@ -148,6 +148,6 @@ class _Named:
 )
 def test_a_scene_is_drawn_the_same_each_time(case: _Named) -> None:
     made = design(case.scene, case.table)
-    one, other = (figure_file(lambda: drawn(made), ".png") for _ in range(2))
+    one, other = (figure_file(lambda: drawn(made.disc), ".png") for _ in range(2))
     assert one == other
     assert one.startswith(b"\x89PNG")

@@ -13,11 +13,11 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
 import camgeo
+from camgeo.check.judge import transmission_angle_limit
 from camgeo.check.sizing.smallest import Sizing, size
 from camgeo.check.sizing.task import Task
 from camgeo.cli.plot import RENDERERS
 from camgeo.cli.size import RENDERER
-from camgeo.mechanism.kinds import require_roller
 from camgeo_export.plots.size import draw, render, seen, window
 from camgeo_export.plots.style import RC
 
@@ -26,10 +26,9 @@ SCENES = Path(__file__).parents[2] / "fixtures" / "scenes"
 
 def sized(name: str, angle: float | None = None) -> tuple[Task, Sizing]:
     design = camgeo.load(SCENES / f"{name}.toml")
-    follower = require_roller(design.follower)
-    task = Task(design.motion, follower, design.rotation, design.contact)
-    required = design.transmission_angle_limit if angle is None else angle
-    return task, size(task, required, design.specification.limits.radius_ratio)
+    task = Task(design.cam)
+    required = transmission_angle_limit(design.cam, design.scene.limits) if angle is None else angle
+    return task, size(task, required, design.scene.limits.radius_ratio)
 
 
 def axes_of(task: Task, sizing: Sizing) -> Axes:

@@ -76,7 +76,7 @@ def _drawing(
     document.header["$INSUNITS"] = units
     space = document.modelspace()
     attributes = {"layer": layer}
-    for index, boundary in enumerate(design.part.boundaries):
+    for index, boundary in enumerate(design.disc.part.boundaries):
         contour = boundary.arcs(FIT, "fast").contour
         for start, end, sweep, centre in zip(
             contour.vertices, contour.ends, contour.sweeps, contour.centres, strict=True
@@ -112,14 +112,14 @@ def test_foreign_drawing_passes(design: Design, units: int, scale: float, unit: 
     """Single pieces with gaps of rounding, in any unit, said by the file or by the person."""
     decimals = 6 if scale == 1.0 else 7
     data = _data(_drawing(design, units=units, scale=scale, decimals=decimals))
-    checks = _checks(DXF_VERIFIER, design, data, Reading("a.dxf", ours=False, unit=unit))
+    checks = _checks(DXF_VERIFIER, design.disc, data, Reading("a.dxf", ours=False, unit=unit))
     assert not _failed(checks)
     gap = checks["closure", ""].value
     assert isinstance(gap, float)
     # Centre and radius are each off by up to 5e-7 mm, so that ends of flat arcs are, too.
     assert 0.0 < gap <= 1e-5
     assert checks["unit", ""].value == ("mm" if scale == 1.0 else "inch")
-    for boundary in design.part.boundaries:
+    for boundary in design.disc.part.boundaries:
         value = checks["deviation", boundary.name].value
         assert isinstance(value, float)
         assert gap <= value <= FIT + 3e-5
@@ -131,7 +131,7 @@ def test_foreign_drawing_passes(design: Design, units: int, scale: float, unit: 
 
 
 def test_drawing_without_unit_is_not_measured(design: Design) -> None:
-    checks = _checks(DXF_VERIFIER, design, _data(_drawing(design, units=0)))
+    checks = _checks(DXF_VERIFIER, design.disc, _data(_drawing(design, units=0)))
     closure = checks["closure", ""]
     assert closure.ok is False
     assert re.search(r"does not say its unit .*\(--unit\)", closure.note)
@@ -143,14 +143,14 @@ def test_layers_of_a_foreign_drawing(design: Design) -> None:
     document.modelspace().add_circle((0, 0), 3.0, dxfattribs={"layer": "HOLES"})
     data = _data(document)
     assert not _failed(
-        _checks(DXF_VERIFIER, design, data, Reading("a.dxf", ours=False, layer="OUTLINE"))
+        _checks(DXF_VERIFIER, design.disc, data, Reading("a.dxf", ours=False, layer="OUTLINE"))
     )
-    count = _checks(DXF_VERIFIER, design, data)["contours", ""]
+    count = _checks(DXF_VERIFIER, design.disc, data)["contours", ""]
     assert (count.value, count.expected, count.ok) == (3.0, 2.0, False)
 
 
 def test_boundary_left_out_of_a_foreign_drawing(design: Design) -> None:
-    checks = _checks(DXF_VERIFIER, design, _data(_drawing(design, without=1)))
+    checks = _checks(DXF_VERIFIER, design.disc, _data(_drawing(design, without=1)))
     assert _failed(checks) == {"contours", "deviation"}
     assert checks["deviation", "bore"].note == "there is no contour for it"
     assert checks["deviation", "outline"].ok
@@ -160,7 +160,7 @@ def test_gap_beyond_the_tolerance_is_told(design: Design) -> None:
     document = _drawing(design)
     line = next(iter(document.modelspace().query("LINE")))
     line.dxf.start += ezdxf.math.Vec3(0.0, 3.0 * TOLERANCE)
-    closure = _checks(DXF_VERIFIER, design, _data(document))["closure", ""]
+    closure = _checks(DXF_VERIFIER, design.disc, _data(document))["closure", ""]
     assert closure.ok is False
     assert "ends free at" in closure.note
 
@@ -170,37 +170,37 @@ def test_gap_beyond_the_tolerance_is_told(design: Design) -> None:
 
 def test_program_without_comments_is_matched(design: Design) -> None:
     """Operations are told apart by their paths where no comment names them."""
-    text = GCODE.write(design, TOLERANCE).data.decode()
+    text = GCODE.write(design.disc, TOLERANCE).data.decode()
     bare = re.sub(r"\([^()]*\)", "", text).encode()
     assert GCODE_VERIFIER.origin(bare) == Origin()
-    checks = _checks(GCODE_VERIFIER, design, bare)
+    checks = _checks(GCODE_VERIFIER, design.disc, bare)
     assert not _failed(checks)
     assert {of for name, of in checks if name == "deviation"} == {"bore", "outline"}
 
 
 def test_foreign_words_are_refused_with_a_sentence(design: Design) -> None:
-    text = GCODE.write(design, TOLERANCE).data.decode()
-    checks = _checks(GCODE_VERIFIER, design, text.replace("G17 ", "G18 ").encode())
+    text = GCODE.write(design.disc, TOLERANCE).data.decode()
+    checks = _checks(GCODE_VERIFIER, design.disc, text.replace("G17 ", "G18 ").encode())
     assert re.search(r"line \d+: G18 .*only the words", checks["program", ""].note)
 
 
 def test_text_stl_of_another_program(design: Design) -> None:
     """In either unit; STL says none, so that mm is assumed, and said."""
     mesh: Any = trimesh.load_mesh(
-        io.BytesIO(STL.write(design, FIT).data), file_type="stl", process=False
+        io.BytesIO(STL.write(design.disc, FIT).data), file_type="stl", process=False
     )
     text = trimesh.exchange.stl.export_stl_ascii(mesh).encode()
     assert STL_VERIFIER.origin(text) == Origin()
-    checks = _checks(STL_VERIFIER, design, text)
+    checks = _checks(STL_VERIFIER, design.disc, text)
     assert not _failed(checks)
     assert "assumed" in checks["unit", ""].note
     mesh.apply_scale(1.0 / 25.4)
     inch = trimesh.exchange.stl.export_stl(mesh)
-    assert {"deviation", "volume"} <= _failed(_checks(STL_VERIFIER, design, inch))
-    note = _checks(STL_VERIFIER, design, inch)["deviation", "outline, lower face"].note
+    assert {"deviation", "volume"} <= _failed(_checks(STL_VERIFIER, design.disc, inch))
+    note = _checks(STL_VERIFIER, design.disc, inch)["deviation", "outline, lower face"].note
     assert "inch taken for mm?" in note
     reading = Reading("a.stl", ours=False, unit="inch")
-    assert not _failed(_checks(STL_VERIFIER, design, inch, reading))
+    assert not _failed(_checks(STL_VERIFIER, design.disc, inch, reading))
     assert STL_VERIFIER.origin(text[: len(text) // 2]).damage.endswith("no endsolid at its end")
 
 
@@ -209,9 +209,9 @@ def test_3mf_in_inch_is_measured_in_inch(design: Design) -> None:
         text = text.replace('unit="millimeter"', 'unit="inch"').replace("camgeo", "other")
         return re.sub(r'([xyz])="([^"]+)"', lambda m: f'{m[1]}="{float(m[2]) / 25.4!r}"', text)
 
-    data = _repacked(THREEMF.write(design, FIT).data, inch)
+    data = _repacked(THREEMF.write(design.disc, FIT).data, inch)
     assert THREEMF_VERIFIER.origin(data) == Origin()
-    checks = _checks(THREEMF_VERIFIER, design, data)
+    checks = _checks(THREEMF_VERIFIER, design.disc, data)
     assert not _failed(checks)
     assert checks["unit", ""].value == "inch"
 

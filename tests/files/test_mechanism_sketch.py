@@ -34,10 +34,10 @@ def lengths(sketch: MechanismSketch) -> list[float]:
 
 
 def test_links_keep_their_lengths_and_shafts_their_places(design: Design) -> None:
-    start = design.mechanism_sketch(0.0)
+    start = design.disc.mechanism_sketch(0.0)
     size = max(abs(point) for point in start.points)
     for phi in ANGLES:
-        sketch = design.mechanism_sketch(float(phi))
+        sketch = design.disc.mechanism_sketch(float(phi))
         assert lengths(sketch) == pytest.approx(lengths(start), abs=ROUNDING * size)
         assert sketch.shafts == start.shafts
         for guide, first in zip(sketch.guides, start.guides, strict=True):
@@ -47,22 +47,22 @@ def test_links_keep_their_lengths_and_shafts_their_places(design: Design) -> Non
 
 
 def test_rollers_lie_on_the_pitch_curves_of_the_turned_discs(design: Design) -> None:
-    discs = [each for each in (design, design.returning) if each is not None]
+    discs = design.discs
     for phi in ANGLES:
-        rollers = design.mechanism_sketch(float(phi)).rollers
+        rollers = design.disc.mechanism_sketch(float(phi)).rollers
         for disc, (centre, radius) in zip(discs, rollers, strict=False):
             ((x, y),) = disc.pitch(np.array([phi]))
-            turned = complex(x, y) * cmath.exp(1j * design.rotation * phi)
+            turned = complex(x, y) * cmath.exp(1j * design.cam.rotation * phi)
             assert abs(centre - turned) <= ROUNDING * abs(turned)
-            assert radius == disc.roller_radius
+            assert radius == disc.cam.follower.roller_radius
 
 
 def test_faces_touch_the_turned_disc(design: Design) -> None:
-    outline = design.pitch(np.linspace(0.0, TURN, 3601)) @ np.array([1.0, 1j])
+    outline = design.disc.pitch(np.linspace(0.0, TURN, 3601)) @ np.array([1.0, 1j])
     for phi in ANGLES:
-        ((x, y),) = design.pitch(np.array([phi]))
-        turn = cmath.exp(1j * design.rotation * phi)
-        for number, (start, end) in enumerate(design.mechanism_sketch(float(phi)).faces):
+        ((x, y),) = design.disc.pitch(np.array([phi]))
+        turn = cmath.exp(1j * design.cam.rotation * phi)
+        for number, (start, end) in enumerate(design.disc.mechanism_sketch(float(phi)).faces):
             along = (end - start) / abs(end - start)
             outward = 1j * along if ((start * along.conjugate()).imag > 0.0) else -1j * along
             beyond = ((outline * turn - start) * outward.conjugate()).real
@@ -77,17 +77,17 @@ def test_faces_touch_the_turned_disc(design: Design) -> None:
 
 def test_the_far_angle_is_where_the_demanded_motion_is_farthest(design: Design) -> None:
     phi = np.linspace(0.0, TURN, 3601)
-    strokes = np.abs(design.stroke(phi)[0])
-    far = design.far_angle
+    strokes = np.abs(design.disc.stroke(phi)[0])
+    far = design.drive.far_angle
     assert 0.0 <= far < TURN
-    farthest = float(np.abs(design.stroke(np.array([far]))[0, 0]))
+    farthest = float(np.abs(design.disc.stroke(np.array([far]))[0, 0]))
     assert farthest >= float(strokes.max()) * (1.0 - ROUNDING)
 
 
 def test_a_rod_reaches_through_its_guide_all_the_time() -> None:
     design = Design(load_scene(next(path for path in SCENES if path.stem == "plate_translating")))
-    for phi in (0.0, design.far_angle, *ANGLES):
-        sketch = design.mechanism_sketch(float(phi))
+    for phi in (0.0, design.drive.far_angle, *ANGLES):
+        sketch = design.disc.mechanism_sketch(float(phi))
         ((foot, end),) = sketch.links
         (guide,) = sketch.guides
         along = [((p - guide.middle) / guide.direction).real for p in (foot, end)]

@@ -15,7 +15,7 @@ from tests.effects.scenes import SCENES
 
 @pytest.fixture(scope="module")
 def plan() -> MotionPlan:
-    return load(SCENES / "groove.toml").plan
+    return load(SCENES / "groove.toml").cam.drive.plan
 
 
 @pytest.fixture

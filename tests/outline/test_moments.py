@@ -97,7 +97,7 @@ def test_the_error_that_is_told_holds_at_every_tolerance() -> None:
 
 @pytest.mark.parametrize("scene", ["plate_translating", "groove", "ring", "shuttle", "measured"])
 def test_the_area_is_that_of_the_other_quadrature(scene: str) -> None:
-    for path in design(scene, "").flank_paths:
+    for path in design(scene, "").cam.disc.flank_paths:
         # the other one tells no error; its parts have their digits with eight of twelve nodes
         assert path_moments(path, 1e-12).area == pytest.approx(area(path), rel=1e-11)
 
@@ -110,7 +110,7 @@ def test_a_polygon_within_a_tolerance_has_moments_within_what_it_allows(scene: s
 
     tolerance = 1e-3
     made = design(scene, "")
-    for boundary in made.part.boundaries:
+    for boundary in made.disc.part.boundaries:
         if not hasattr(boundary, "path"):
             continue
         found = path_moments(boundary.path, 1e-10).counter_clockwise()

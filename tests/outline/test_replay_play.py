@@ -122,6 +122,6 @@ def test_a_small_play_is_what_the_check_tells(curve: PitchCurve, press: int) -> 
 
 def test_a_trimmed_flank_is_left_to_its_drawing() -> None:
     design = camgeo.load(SCENES / "trimmed_ring.toml")
-    path = design.outline("outer").path
+    path = design.cam.disc.outline("outer").path
     with pytest.raises(GeometryError, match="replay a drawing"):
-        replay_outline(design.pitch_curve, path, clearance=0.1)
+        replay_outline(design.cam.disc.pitch_curve, path, clearance=0.1)

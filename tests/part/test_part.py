@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from camgeo.cam.contact import Contact
 from camgeo.contour.winding import winding_number
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.curve.working_curve import WorkingCurve
@@ -21,7 +22,7 @@ from camgeo.part.bore import bore_outline, bore_reach
 from camgeo.part.boundaries import ExactBoundary, largest_radius, smallest_radius
 from camgeo.part.build import build_part
 from camgeo.part.part import Part
-from camgeo.part.spec import Contact, Keyway, PartSpec
+from camgeo.part.spec import Keyway, PartSpec
 from tests.contour.cams import dwell, flank, move, outline
 from tests.contour.paths import area, cut_off_lobe, swallow_tail
 from tests.end_to_end.exact import bore_area, bore_length

@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 
+from camgeo.check.judge import disc_findings
 from camgeo.design import Design
 from camgeo.errors import SceneError
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
@@ -111,16 +112,16 @@ def test_behind_a_linkage_both_rollers_move_with_the_crank() -> None:
     """The lever is placed by the slider-crank's angle, its rollers by formulas of our own."""
     text = SETZHUB.replace("[linkage]", "[follower.return]\narm_angle = -95\narm = 60\n\n[linkage]")
     design = Design(parse_scene(text))
-    follower, other = design.follower, design.returning
+    follower, other = design.cam.follower, design.disc.returning
     assert isinstance(follower, OscillatingRoller)
     assert other is not None
     body = lever_of(follower, math.radians(-95.0), 60.0)
     phi = np.linspace(0.0, TURN, 100)
-    turn = np.exp(-1j * design.rotation * phi)
-    main, back = body.rollers(design.lift(phi)[0])
+    turn = np.exp(-1j * design.cam.rotation * phi)
+    main, back = body.rollers(design.disc.lift(phi)[0])
     # Rounding of a triangle of some 100 mm whose angles are 20 degrees at least.
-    assert np.max(np.abs(design.pitch_curve.point(phi) - main * turn)) < 1e-12 * 100.0
-    assert np.max(np.abs(other.pitch_curve.point(phi) - back * turn)) < 1e-12 * 100.0
+    assert np.max(np.abs(design.cam.disc.pitch_curve.point(phi) - main * turn)) < 1e-12 * 100.0
+    assert np.max(np.abs(other.cam.disc.pitch_curve.point(phi) - back * turn)) < 1e-12 * 100.0
 
 
 def test_the_drive_torque_of_a_pair_is_that_of_the_motion() -> None:
@@ -130,7 +131,7 @@ def test_the_drive_torque_of_a_pair_is_that_of_the_motion() -> None:
     table = LEVER[LEVER.index("[follower.return]") : LEVER.index("[[motion]]")]
     alone = Design(parse_scene(LEVER.replace(table, "") + effects))
     phi = np.linspace(0.0, TURN, 721)
-    for one, two in zip(pair.effect_columns, alone.effect_columns, strict=True):
+    for one, two in zip(pair.disc.effect_columns, alone.disc.effect_columns, strict=True):
         assert one.name == two.name
         assert np.array_equal(one.values(phi, "right"), two.values(phi, "right"))
     assert "torque-without-contact" in {each.name for each in alone.effect_findings}
@@ -140,17 +141,17 @@ def test_the_drive_torque_of_a_pair_is_that_of_the_motion() -> None:
 def test_the_return_disc_is_a_design_of_its_own() -> None:
     effects = "\n[effects.inertia]\nmoment_of_inertia = 0.05\n"
     design = Design(parse_scene(LEVER + effects))
-    other = design.returning
+    other = design.disc.returning
     assert other is not None
-    assert other is design.returning
+    assert other is design.disc.returning
     assert other.name == "conjugate_lever-return"
-    assert other.effect_names == ()
+    assert other.effect_columns == ()
     assert other.returning is None
-    assert other.motion == design.motion
-    assert (other.scene_hash, other.rotation) == (design.scene_hash, design.rotation)
+    assert other.cam.drive.motion == design.cam.drive.motion
+    assert (other.scene_hash, other.rotation) == (design.disc.scene_hash, design.cam.rotation)
     told = {each.name for each in design.findings}
-    own = {each.name for each in other.findings} - {"laws", "joints"}
-    assert {f"return: {name}" for name in own if not name.startswith("largest-")} <= told
+    own = {each.name for each in disc_findings(other.cam, design.scene.limits)}
+    assert {f"return: {name}" for name in own} <= told
     told_of = [each for each in design.findings if each.name.startswith("return: ")]
     assert all(each.sentence.startswith("return disc: ") for each in told_of)
 
@@ -158,9 +159,9 @@ def test_the_return_disc_is_a_design_of_its_own() -> None:
 def test_a_return_disc_that_undercuts_leaves_no_outline() -> None:
     text = LEVER.replace("roller_radius = 12", "roller_radius = 46")
     design = Design(parse_scene(text))
-    assert design.returning is not None
+    assert design.disc.returning is not None
     bad = {each.name for each in design.findings if each.severity == "fatal"}
     assert bad
     assert all(name.startswith("return: ") for name in bad)
-    assert not design.has_outline
-    assert not design.returning.has_outline
+    assert not design.judgement.has_outline
+    assert not design.disc.returning.judgement.has_outline

@@ -114,8 +114,8 @@ def test_lengths_and_angles_are_converted() -> None:
     assert follower == TranslatingFlat(1.5 * 25.4, math.radians(60.0), 1, (-0.75 * 25.4, 25.4))
     rocker = parse_scene(ROCKER).follower
     assert rocker == OscillatingFlat(-96.0 + 30.0j, 45.0, 6.0, 1, 1, (65.0, 125.0))
-    assert Design(parse_scene(ROCKER)).lift_unit == "rad"
-    assert Design(parse_scene(TAPPET)).lift_unit == "mm"
+    assert Design(parse_scene(ROCKER)).disc.lift_unit == "rad"
+    assert Design(parse_scene(TAPPET)).disc.lift_unit == "mm"
 
 
 def test_a_linkage_drives_a_flat_rocker() -> None:
@@ -125,10 +125,10 @@ def test_a_linkage_drives_a_flat_rocker() -> None:
         ("face_offset = 6", "face_offset = 16"),
     )  # fmt: skip
     design = Design(parse_scene(linked))
-    follower = design.follower
+    follower = design.cam.follower
     assert isinstance(follower, OscillatingFlat)
     assert follower.direction is None
-    assert design.has_outline
+    assert design.judgement.has_outline
     for word in ("outward", "inward"):
         stated = changed(linked, ("face_offset = 16", f'direction = "{word}"\nface_offset = 16'))
         try:

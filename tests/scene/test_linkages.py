@@ -30,34 +30,39 @@ def loaded(text: str, *changes: tuple[str, str]) -> Design:
 
 def test_the_keys_of_a_four_bar() -> None:
     inch = loaded(FOUR_BAR, ('name = "four_bar"', 'name = "four_bar"\n[units]\nlength = "inch"'))
-    assert inch.linkage == FourBar(
+    assert inch.cam.drive.linkage == FourBar(
         70 * 25.4, 120 * 25.4, 85 * 25.4, 25.4 * (-110 + 29j), math.radians(270.0), -1, -1
     )
     made = loaded(FOUR_BAR, ('lever_sense = "cw"\n', ""))
-    assert isinstance(made.linkage, FourBar)
-    assert made.linkage.lever_sense == 1
+    assert isinstance(made.cam.drive.linkage, FourBar)
+    assert made.cam.drive.linkage.lever_sense == 1
     # Positions are degrees of the lever; the rocker's own angle is another one.
-    assert made.demand_unit == "rad"
-    assert made.demanded_of == "lever"
+    assert made.drive.unit == "rad"
+    assert made.drive.demanded_of == "lever"
     at = np.radians([200.0])
-    assert made.stroke(at)[0] == pytest.approx(math.radians(22.0), rel=1e-14)
-    assert made.lift(at)[0] == pytest.approx(made.linkage.transform(made.stroke(at))[0])
+    assert made.disc.stroke(at)[0] == pytest.approx(math.radians(22.0), rel=1e-14)
+    assert made.disc.lift(at)[0] == pytest.approx(
+        made.cam.drive.linkage.transform(made.disc.stroke(at))[0]
+    )
 
 
 def test_the_follower_decides_which_member_of_a_slider_crank_moves_as_demanded() -> None:
     made = loaded(CRANK_SLIDER)
-    assert isinstance(made.linkage, CrankSlider)
-    assert (made.demand_unit, made.demanded_of, made.lift_unit) == ("rad", "crank", "mm")
+    assert isinstance(made.cam.drive.linkage, CrankSlider)
+    assert (made.drive.unit, made.drive.demanded_of, made.disc.lift_unit) == ("rad", "crank", "mm")
     inward = loaded(CRANK_SLIDER, ('"outward"', '"inward"'))
     at = np.radians([180.0])
     # A positive stroke of the slider moves the roller the way `direction` says.
-    assert made.lift(at)[0][0] == inward.lift(at)[0][0] > 0.0
-    grown = [np.linalg.norm(each.pitch(at)) - each.base_radius for each in (made, inward)]
+    assert made.disc.lift(at)[0][0] == inward.disc.lift(at)[0][0] > 0.0
+    grown = [
+        np.linalg.norm(each.disc.pitch(at)) - each.cam.follower.base_radius
+        for each in (made, inward)
+    ]
     assert grown[0] > 0.0 > grown[1]
     # Without the linkage the same numbers are millimetres.
     head, _, rest = CRANK_SLIDER.partition("[linkage]")
     plain = Design(parse_scene(head + rest[rest.index("[[motion]]") :].replace("-40", "20")))
-    assert plain.demand_unit == "mm"
+    assert plain.drive.unit == "mm"
 
 
 @pytest.mark.parametrize(
@@ -113,24 +118,24 @@ def test_a_direction_that_contradicts_the_four_bar_is_told() -> None:
 
 
 def _moves_outward(design: Design) -> bool:
-    at = design.pitch(np.radians([0.0, 200.0]))
+    at = design.disc.pitch(np.radians([0.0, 200.0]))
     return bool(np.linalg.norm(at[1]) > np.linalg.norm(at[0]))
 
 
 @pytest.mark.parametrize(("text", "angle"), [(FOUR_BAR, "chi"), (CRANK_SLIDER, "theta")])
 def test_the_table_has_both_motions(text: str, angle: str) -> None:
     made = loaded(text)
-    table = made.table()
+    table = made.disc.table()
     columns = dict(zip(table.names, table.values.T, strict=True))
     assert len(columns) == len(table.names)
     phi = np.radians(columns["phi [deg]"])
-    assert columns[f"{angle} [deg]"] == pytest.approx(np.degrees(made.stroke(phi)[0]))
-    own = "psi' [1]" if made.lift_unit == "rad" else "s' [mm/rad]"
-    assert columns[own] == pytest.approx(made.lift(phi)[1])
-    speed = made.specification.speed
+    assert columns[f"{angle} [deg]"] == pytest.approx(np.degrees(made.disc.stroke(phi)[0]))
+    own = "psi' [1]" if made.disc.lift_unit == "rad" else "s' [mm/rad]"
+    assert columns[own] == pytest.approx(made.disc.lift(phi)[1])
+    speed = made.scene.speed
     assert speed is not None
     assert columns[f"omega_{angle} [deg/s]"] == pytest.approx(
-        np.degrees(made.stroke(phi)[1]) * speed
+        np.degrees(made.disc.stroke(phi)[1]) * speed
     )
 
 
@@ -175,16 +180,16 @@ damping = 0.05
 def test_effects_at_the_follower_itself_work(text: str, tables: str, prefix: str) -> None:
     made = loaded(text, ("[part]", f"{tables}[part]"))
     assert {each.severity for each in made.effect_findings} <= {"ok", "warning"}
-    names = {column.name: column for column in made.effect_columns}
+    names = {column.name: column for column in made.disc.effect_columns}
     phi = np.radians(np.arange(0.5, 360.0, 7.0))
     own = names[f"{prefix} velocity"].values(phi, "right")
-    speed = made.specification.speed
+    speed = made.scene.speed
     assert speed is not None
-    scale = math.degrees(1.0) if made.lift_unit == "rad" else 1.0
-    assert own == pytest.approx(scale * speed * made.lift(phi)[1], abs=1e-9)
+    scale = math.degrees(1.0) if made.disc.lift_unit == "rad" else 1.0
+    assert own == pytest.approx(scale * speed * made.disc.lift(phi)[1], abs=1e-9)
     # Kinetic energy of what moves with the follower: its own, whatever the linkage.
     inertia = made.effect("inertia")
-    mass = 1e3 * 0.01 + 1e-4 * 80.0**2 if made.lift_unit == "rad" else 1.1e-3
+    mass = 1e3 * 0.01 + 1e-4 * 80.0**2 if made.disc.lift_unit == "rad" else 1.1e-3
     assert inertia.to_follower(phi) == pytest.approx(np.full(len(phi), mass))
 
 

@@ -45,11 +45,11 @@ def test_effects_that_are_offered_work(kind: str) -> None:
     text = head + mark + asked + output + tail
     design = Design(parse_scene(text))
     # Most effects are for rollers, and some for a single contact.
-    flat = design.specification.follower.is_flat
+    flat = design.scene.follower.is_flat
     core = {"kinematics"} if flat else {"inertia", "drive-torque"}
-    if not flat and design.returning is None:
+    if not flat and design.disc.returning is None:
         core |= {"contact-force", "lift-off"}
-    assert core <= set(design.effect_names)
+    assert core <= set(design.scene.effects)
     assert [f for f in design.effect_findings if f.severity not in ("ok", "warning")] == []
 
 

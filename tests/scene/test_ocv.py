@@ -63,7 +63,7 @@ def test_the_fixtures_are_the_tables_of_the_thesis(name: str) -> None:
 def test_a_project_is_the_scene_that_was_made_from_its_table(name: str) -> None:
     text = import_project((PROJECTS / f"{name}.ocv").read_bytes(), name)
     made = parse_scene(text)
-    written = camgeo.load(FIXTURES / "scenes" / f"{name}.toml").specification
+    written = camgeo.load(FIXTURES / "scenes" / f"{name}.toml").scene
     assert made.name == written.name
     assert made.rotation == written.rotation == -1
     assert made.linkage == written.linkage
@@ -80,7 +80,7 @@ def test_its_cam_is_the_one_of_the_reference(name: str) -> None:
     curve = pitch_curve_of(thesis_params(EXAMPLES[name], -1))
     phi = np.linspace(0.0, 2.0 * math.pi, 361)
     points = curve.point(phi)
-    assert np.array_equal(design.pitch(phi), np.column_stack((points.real, points.imag)))
+    assert np.array_equal(design.disc.pitch(phi), np.column_stack((points.real, points.imag)))
 
 
 def test_the_text_names_its_source_and_every_number_of_it() -> None:

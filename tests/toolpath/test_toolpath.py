@@ -9,6 +9,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from camgeo.cam.contact import Contact
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import GeometryError
@@ -16,7 +17,7 @@ from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.motion.plan import MotionPlan
 from camgeo.outline.path import whole
 from camgeo.part.build import build_part
-from camgeo.part.spec import Contact, Keyway, PartSpec
+from camgeo.part.spec import Keyway, PartSpec
 from camgeo.toolpath.moves import ArcFeed, Feed, Move, Operation, Rapid, Toolpath
 from camgeo.toolpath.paths import cutter_paths
 from camgeo.toolpath.plan import plan_toolpath

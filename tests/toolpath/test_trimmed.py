@@ -8,12 +8,13 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from camgeo.cam.contact import Contact
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import GeometryError
 from camgeo.outline.path import Path, whole
 from camgeo.part.build import build_part
 from camgeo.part.part import Part
-from camgeo.part.spec import Contact, PartSpec
+from camgeo.part.spec import PartSpec
 from camgeo.toolpath.moves import ArcFeed, Operation, Rapid, Toolpath
 from camgeo.toolpath.paths import cutter_paths
 from camgeo.toolpath.plan import plan_toolpath

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from camgeo.check.cures.cam import Cam, margin
 from camgeo.check.cures.cure import Change, Cure
+from camgeo.check.cures.margin import margin
 from camgeo.check.cures.smallest import cures
 
-__all__ = ["Cam", "Change", "Cure", "cures", "margin"]
+__all__ = ["Change", "Cure", "cures", "margin"]

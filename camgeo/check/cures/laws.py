@@ -6,8 +6,9 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
-from camgeo.check.cures.cam import Cam, Crossed, Pairs, bends_of, is_sound, margin_within
+from camgeo.cam.cam import Cam
 from camgeo.check.cures.cure import Change, Cure, no_cure, told_share
+from camgeo.check.cures.margin import Crossed, Pairs, bends_of, is_sound, margin_within
 from camgeo.check.cures.moves import (
     angles_of,
     dwells_beside,
@@ -45,7 +46,7 @@ def other_law(cam: Cam, pairs: Pairs, crossed: Crossed) -> Cure:
     only where the present one's does. Each move has its own against local undercut; if the flank
     still crosses itself, all get the same.
     """
-    plan, places = cam.plan, undercut_segments(cam, pairs)
+    plan, places = cam.drive.plan, undercut_segments(cam, pairs)
     for number in places:
         move = plan.segments[number]
         if not (isinstance(move, Move) and move.law.task == TASK and _at_rest(plan, number, move)):
@@ -94,10 +95,10 @@ def offers_for(plan: MotionPlan, number: int) -> list[Offer]:
 def _fitting(cam: Cam, number: int) -> list[Offer]:
     """The offers that leave no cusp and no local undercut in a move, the cheapest first."""
     found = []
-    for offer in offers_for(cam.plan, number):
+    for offer in offers_for(cam.drive.plan, number):
         changed = _with(cam, {number: offer})
         bends = bends_of(changed)
-        angles = angles_of(cam.plan, number)
+        angles = angles_of(cam.drive.plan, number)
         if bends is not None and margin_within(changed, bends, *angles) > CUSP:
             found.append(offer)
     return found
@@ -115,7 +116,7 @@ def _same_for_all(fitting: Mapping[int, list[Offer]]) -> list[dict[int, Offer]]:
 
 
 def _with(cam: Cam, offers: Mapping[int, Offer]) -> Cam:
-    segments = list(cam.plan.segments)
+    segments = list(cam.drive.plan.segments)
     for number, offer in offers.items():
         move = segments[number]
         assert isinstance(move, Move)

@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from decimal import Decimal
 
-from camgeo.check.cures.cam import Cam, Pairs, bends_of, margin_within
+from camgeo.cam.cam import Cam
+from camgeo.check.cures.margin import Pairs, bends_of, margin_within
 from camgeo.motion.plan import Dwell, MotionPlan, Move, Segment
 from camgeo.outline.cusps import CUSP
 
@@ -21,14 +22,14 @@ def undercut_segments(cam: Cam, pairs: Pairs) -> tuple[int, ...]:
         return ()
     local = [
         number
-        for number, segment in enumerate(cam.plan.segments)
-        if segment.span and margin_within(cam, bends, *angles_of(cam.plan, number)) <= CUSP
+        for number, segment in enumerate(cam.drive.plan.segments)
+        if segment.span and margin_within(cam, bends, *angles_of(cam.drive.plan, number)) <= CUSP
     ]
     if local:
         return tuple(local)
     angles = [angle for pair in pairs for angle in pair]
-    places = sorted({segment_at(cam.plan, angle) for angle in angles})
-    moves = [place for place in places if not isinstance(cam.plan.segments[place], Dwell)]
+    places = sorted({segment_at(cam.drive.plan, angle) for angle in angles})
+    moves = [place for place in places if not isinstance(cam.drive.plan.segments[place], Dwell)]
     return tuple(moves or places)
 
 

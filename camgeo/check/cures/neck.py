@@ -12,7 +12,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from camgeo.check.cures.cam import Cam, Pairs
+from camgeo.cam.cam import Cam
+from camgeo.check.cures.margin import Pairs
 from camgeo.check.cures.moves import angles_of, segment_at
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.errors import GeometryError
@@ -63,7 +64,7 @@ def followed(cam: Cam, neck: Neck) -> Neck | None:
 
 def _neck(cam: Cam, first: float, second: float) -> Neck | None:
     try:
-        pitch = cam.pitch_curve()
+        pitch = cam.disc.pitch_curve
         ends = _square_chord(pitch, first, second)
     except GeometryError:
         return None
@@ -77,7 +78,7 @@ def _neck(cam: Cam, first: float, second: float) -> Neck | None:
     # The flank lies in the chord at both its ends, or at neither.
     if not any(np.all(distance * facing > 0.0) for distance in cam.distances):
         return None
-    clearance = abs(chord) - 2.0 * cam.flank_distance
+    clearance = abs(chord) - 2.0 * cam.disc.flank_distance
     return Neck(_place(cam, ends[0]), _place(cam, ends[1]), clearance)
 
 
@@ -109,11 +110,11 @@ def _square_chord(pitch: PitchCurve, first: float, second: float) -> tuple[float
 
 
 def _place(cam: Cam, angle: float) -> Place:
-    number = segment_at(cam.plan, angle % math.tau)
-    start, end = angles_of(cam.plan, number)
+    number = segment_at(cam.drive.plan, angle % math.tau)
+    start, end = angles_of(cam.drive.plan, number)
     return number, (angle % math.tau - start) / (end - start)
 
 
 def _angle(cam: Cam, place: Place) -> float:
-    start, end = angles_of(cam.plan, place[0])
+    start, end = angles_of(cam.drive.plan, place[0])
     return start + place[1] * (end - start)

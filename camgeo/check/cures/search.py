@@ -6,7 +6,8 @@ from collections.abc import Callable
 
 import numpy as np
 
-from camgeo.check.cures.cam import Cam, Crossed, Pairs, crossings_of, margin
+from camgeo.cam.cam import Cam
+from camgeo.check.cures.margin import Crossed, Pairs, crossings_of, margin
 from camgeo.check.cures.neck import Neck, followed, narrowest
 from camgeo.errors import GeometryError
 from camgeo.numeric.arrays import FloatArray

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from camgeo.check.cures.cam import Cam, Crossed, Pairs, bends_of, is_sound
+from camgeo.cam.cam import Cam
 from camgeo.check.cures.cure import Cure, length_cure, no_cure
+from camgeo.check.cures.margin import Crossed, Pairs, bends_of, is_sound
 from camgeo.check.cures.search import BEYOND, Make, nearest_cure
+from camgeo.mechanism.kinds import require_roller
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
 
 MOST = 100.0
@@ -60,7 +62,7 @@ def offset_or_arm(cam: Cam, _: Pairs, crossed: Crossed) -> Cure:
 
     The nearer one of the two directions in which it can be changed.
     """
-    follower = cam.follower
+    follower = require_roller(cam.follower)
     base = follower.base_radius
     if isinstance(follower, OscillatingRoller):
         distance, old = follower.centre_distance, follower.arm

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 
-from camgeo.check.cures.cam import Cam, Crossed, crossings, margin
+from camgeo.cam.cam import Cam
 from camgeo.check.cures.cure import Cure
 from camgeo.check.cures.laws import other_law
+from camgeo.check.cures.margin import Crossed, crossings, flanks_of, margin
 from camgeo.check.cures.sizes import base_radius, offset_or_arm, roller_radius
 from camgeo.check.cures.spans import longer_segment
 from camgeo.outline.cusps import CUSP
@@ -32,7 +33,7 @@ def cures(cam: Cam, crossed: Crossed = crossings) -> tuple[Cure, ...]:
     least = margin(cam)
     if least is None:
         return ()
-    pairs = crossed(cam.flanks()) if least > CUSP else ()
+    pairs = crossed(flanks_of(cam)) if least > CUSP else ()
     if least > CUSP and not pairs:
         return ()
     found = [knob(cam, pairs, crossed) for knob in KNOBS]

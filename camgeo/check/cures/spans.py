@@ -6,8 +6,9 @@ from collections.abc import Mapping
 from dataclasses import replace
 from decimal import ROUND_FLOOR, Decimal, localcontext
 
-from camgeo.check.cures.cam import Cam, Crossed, Pairs, bends_of, is_sound, margin_within
+from camgeo.cam.cam import Cam
 from camgeo.check.cures.cure import Change, Cure, no_cure, told_share
+from camgeo.check.cures.margin import Crossed, Pairs, bends_of, is_sound, margin_within
 from camgeo.check.cures.moves import (
     angles_of,
     degrees,
@@ -40,7 +41,7 @@ def longer_segment(cam: Cam, pairs: Pairs, crossed: Crossed) -> Cure:
     undercut each move has a limit of its own. Against global undercut all of them grow by one
     factor. Each takes from the dwells before and after it in proportion to what these have.
     """
-    plan, places = cam.plan, undercut_segments(cam, pairs)
+    plan, places = cam.drive.plan, undercut_segments(cam, pairs)
     for number in places:
         segment = plan.segments[number]
         if not from_rest_to_rest(plan, number):
@@ -111,7 +112,7 @@ def _take(rests: dict[int, Decimal], among: list[int], wanted: Decimal) -> Decim
 
 def _local_limit(cam: Cam, number: int) -> Decimal | None:
     """Least span of one move without cusp or local undercut in it; None if the dwells are short."""
-    plan = cam.plan
+    plan = cam.drive.plan
     span = plan.segments[number].span
     room = sum((plan.segments[each].span for each in dwells_around(plan, number)), Decimal(0))
 
@@ -143,7 +144,7 @@ def _grown(cam: Cam, spans: dict[int, Decimal], crossed: Crossed) -> dict[int, D
             context.prec = EXACT
             factor = 1 + Decimal(growth)
             every = {number: span * factor for number, span in spans.items()}
-        return longer_plan(cam.plan, every)
+        return longer_plan(cam.drive.plan, every)
 
     def make(growth: float) -> Cam:
         longer = plan(growth)
@@ -159,7 +160,7 @@ def _grown(cam: Cam, spans: dict[int, Decimal], crossed: Crossed) -> dict[int, D
     if limit is None:
         return None
     grown = {number: _rounded_up(float(span) * (1.0 + limit)) for number, span in spans.items()}
-    longer = longer_plan(cam.plan, grown)
+    longer = longer_plan(cam.drive.plan, grown)
     return grown if longer is not None and is_sound(cam.moved(longer), crossed) else None
 
 

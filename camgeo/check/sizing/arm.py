@@ -10,7 +10,6 @@ No arm above r_G,best/r_G,mu of the shortest one can be better, which ends the s
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
 import numpy as np
 
@@ -36,15 +35,8 @@ def with_arm(task: Task, arm: float) -> Task:
     follower = task.follower
     assert isinstance(follower, OscillatingRoller)
     scale = arm / follower.arm
-    return replace(
-        task,
-        follower=replace(
-            follower,
-            arm=arm,
-            pivot=follower.pivot * scale,
-            base_radius=follower.base_radius * scale,
-        ),
-    )
+    pivot, base_radius = follower.pivot * scale, follower.base_radius * scale
+    return Task(task.cam.sized(arm=arm, pivot=pivot, base_radius=base_radius))
 
 
 def size_with_arm(

@@ -55,10 +55,10 @@ def _ends(
     follower = task.follower
     if isinstance(follower, OscillatingRoller):
         sense = follower.arm_side * follower.swing_sense
-        along = follower.arm_side * task.rotation * sense * rates
+        along = follower.arm_side * task.cam.rotation * sense * rates
         return np.zeros_like(lifts), follower.arm * (1.0 - along), np.exp(-1j * sense * lifts)
     one = np.ones(len(lifts), dtype=np.complex128)
-    return follower.direction * lifts, task.rotation * follower.direction * rates, one
+    return follower.direction * lifts, task.cam.rotation * follower.direction * rates, one
 
 
 def _velocity_range(task: Task) -> tuple[float, float]:

@@ -109,8 +109,8 @@ def size(task: Task, angle: float, ratio: float) -> Sizing:
         )
     if not 0.0 < ratio <= 1.0:
         raise GeometryError("must be above 0 and at most 1", key="radius_ratio", value=f"{ratio:g}")
-    if task.clearance > 0.0:  # beyond it, the flanks of a groove with play come to a cusp
-        ratio = min(ratio, task.follower.roller_radius / task.flank_distance)
+    if task.cam.clearance > 0.0:  # beyond it, the flanks of a groove with play come to a cusp
+        ratio = min(ratio, task.follower.roller_radius / task.cam.disc.flank_distance)
     tangent = tangent_of(angle)
     construction = flocke(task, tangent)
     proposal = None if construction.place is None else rate(task, construction.place)
@@ -118,8 +118,8 @@ def size(task: Task, angle: float, ratio: float) -> Sizing:
     if place is None:
         nearest = largest_angle(task)
         return Sizing(angle, ratio, construction, proposal, None, None, (), nearest)
-    inner = task.contact != "outer"
-    base, half = abs(place - task.start), task.flank_distance
+    inner = task.cam.contact != "outer"
+    base, half = abs(place - task.start), task.cam.disc.flank_distance
     if not base > 0.0:
         raise GeometryError("there is nothing to size: the follower does not move", key="motion")
     for_angle = rate(task, place)

@@ -17,14 +17,15 @@ from __future__ import annotations
 import cmath
 import math
 from dataclasses import dataclass, replace
-from typing import Final, Literal
+from typing import Final
 
 import numpy as np
 
+from camgeo.cam.cam import Cam
 from camgeo.curve.extremes import Extremes, extremes
 from camgeo.curve.pitch_curve import PitchCurve
+from camgeo.mechanism.kinds import RollerFollower, require_roller
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
-from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.motion.motion import Motion, Side
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 
@@ -67,27 +68,32 @@ class Terms:
 
 @dataclass(frozen=True, slots=True)
 class Task:
-    """A mechanism whose cam axis is to be placed.
+    """A cam whose axis is to be placed.
 
     Attributes
     ----------
-    motion : the follower's own motion [mm or rad].
-    follower : the present design; arm, roller radius and directions are kept.
-    rotation : +1 for a cam that turns counter-clockwise, -1 clockwise.
-    contact : the flank on which the roller runs; both for a groove.
-    clearance : groove's width less the roller's diameter [mm].
+    cam : the present design; the follower's arm, roller radius and directions are kept.
+
+    Raises
+    ------
+    GeometryError
+        With the key of its kind, if the follower has no roller.
     """
 
-    motion: Motion
-    follower: TranslatingRoller | OscillatingRoller
-    rotation: int
-    contact: Literal["inner", "outer", "groove"]
-    clearance: float = 0.0
+    cam: Cam
+
+    def __post_init__(self) -> None:
+        require_roller(self.cam.follower)
 
     @property
-    def flank_distance(self) -> float:
-        """Distance of either flank from the pitch curve [mm]: r_R, or half the groove's width."""
-        return self.follower.roller_radius + 0.5 * self.clearance
+    def motion(self) -> Motion:
+        """The follower's own motion [mm or rad]."""
+        return self.cam.drive.motion
+
+    @property
+    def follower(self) -> RollerFollower:
+        """The follower of the present design."""
+        return require_roller(self.cam.follower)
 
     @property
     def start(self) -> complex:
@@ -103,7 +109,7 @@ class Task:
             return cmath.rect(follower.centre_distance, -follower.start_angle)
         return complex(follower.offset, -follower.start_height)
 
-    def follower_at(self, place: complex) -> TranslatingRoller | OscillatingRoller:
+    def follower_at(self, place: complex) -> RollerFollower:
         """The follower with the cam axis at `place` [mm].
 
         An oscillating one keeps the direction in which the pivot lies. Raises GeometryError if
@@ -117,7 +123,7 @@ class Task:
 
     def pitch_curve_at(self, place: complex) -> PitchCurve:
         """The pitch curve with the cam axis at `place` [mm]."""
-        return PitchCurve(self.motion, self.follower_at(place), self.rotation)
+        return PitchCurve(self.motion, self.follower_at(place), self.cam.rotation)
 
     def terms(self, phi: FloatArray, side: Side = "right") -> Terms:
         """What the conditions are made of at `phi` (n,) [rad]."""
@@ -126,7 +132,7 @@ class Task:
         one, none = np.ones(len(phi), dtype=np.complex128), np.zeros(len(phi))
         if isinstance(follower, OscillatingRoller):
             sense = follower.arm_side * follower.swing_sense
-            rotation, arm = follower.arm_side * self.rotation, follower.arm
+            rotation, arm = follower.arm_side * self.cam.rotation, follower.arm
             angle, rate, bend = sense * lift[0], sense * lift[1], sense * lift[2]
             along = rotation * rate
             q = arm * (1.0 - along)
@@ -135,8 +141,8 @@ class Task:
                 none, -arm * rotation * bend, rate,
             )  # fmt: skip
         height, rate, bend = follower.direction * lift[:3]
-        q = self.rotation * rate
-        return Terms(height, q, one, bend, q, rate, self.rotation * bend, none)
+        q = self.cam.rotation * rate
+        return Terms(height, q, one, bend, q, rate, self.cam.rotation * bend, none)
 
     def slack(self, place: complex, tangent: float) -> Extremes:
         """Local extremes of u - `tangent` v [mm/rad] over the turn, by the roots of its slope."""

@@ -1,31 +1,22 @@
-"""What of a design decides undercut, and how far it is from it."""
+"""How far a cam is from undercut."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
+from camgeo.cam.cam import Cam
 from camgeo.check.follower import check_follower
 from camgeo.check.standstill import check_standstill
 from camgeo.curve.curvature import curvature_extremes
 from camgeo.curve.extremes import Extremes
-from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import GeometryError
-from camgeo.mechanism.linkage import LinkedMotion
-from camgeo.mechanism.oscillating_roller import OscillatingRoller
-from camgeo.mechanism.translating_roller import TranslatingRoller
-from camgeo.motion.motion import Motion
-from camgeo.motion.plan import SNAP, MotionPlan
+from camgeo.motion.plan import SNAP
 from camgeo.numeric.arrays import FloatArray
 from camgeo.outline.cusps import CUSP
 from camgeo.units import TURN
-
-if TYPE_CHECKING:
-    from camgeo.mechanism.linkage_protocol import Linkage
 
 Flanks = tuple[WorkingCurve, ...]
 
@@ -36,66 +27,9 @@ Crossed = Callable[[Flanks], Pairs]
 """Finds the crossings of the flanks in use; asked only where these are regular."""
 
 
-@dataclass(frozen=True, slots=True)
-class Cam:
-    """The parts of a specification that decide undercut.
-
-    Attributes
-    ----------
-    plan : the motion demanded, the slider's if there is a linkage.
-    linkage : between slider and rocker, or None.
-    follower : the roller follower.
-    rotation : +1 for a cam that turns counter-clockwise, -1 clockwise.
-    contact : the flank on which the roller runs; both for a groove.
-    clearance : groove's width less the roller's diameter [mm].
-    """
-
-    plan: MotionPlan
-    linkage: Linkage | None
-    follower: TranslatingRoller | OscillatingRoller
-    rotation: int
-    contact: Literal["inner", "outer", "groove"]
-    clearance: float = 0.0
-    _made: Motion | None = field(default=None, repr=False, compare=False)
-
-    @property
-    def motion(self) -> Motion:
-        """The follower's own motion; GeometryError if the linkage does not close."""
-        if self._made is not None:
-            return self._made
-        return self.plan if self.linkage is None else LinkedMotion(self.plan, self.linkage)
-
-    def pitch_curve(self) -> PitchCurve:
-        """The pitch curve; GeometryError if the linkage does not close."""
-        return PitchCurve(self.motion, self.follower, self.rotation)
-
-    @property
-    def distances(self) -> tuple[float, ...]:
-        """d [mm] of each flank in use: negative for the inner one, positive for the outer one."""
-        half = self.flank_distance
-        return {"inner": (-half,), "outer": (half,), "groove": (-half, half)}[self.contact]
-
-    @property
-    def flank_distance(self) -> float:
-        """Distance of either flank from the pitch curve [mm]: r_R, or half the groove's width."""
-        return self.follower.roller_radius + 0.5 * self.clearance
-
-    def flanks(self) -> Flanks:
-        """The working curves in use."""
-        pitch = self.pitch_curve()
-        return tuple(WorkingCurve(pitch, distance) for distance in self.distances)
-
-    def sized(self, **sizes: float) -> Cam:
-        """The same cam with other dimensions of the follower; GeometryError if it has none.
-
-        The motion, whose linkage is looked at all round when it is made, is made once.
-        """
-        changes: dict[str, Any] = dict(sizes)
-        return replace(self, follower=replace(self.follower, **changes), _made=self.motion)
-
-    def moved(self, plan: MotionPlan) -> Cam:
-        """The same cam with another motion plan."""
-        return replace(self, plan=plan, _made=None)
+def flanks_of(cam: Cam) -> Flanks:
+    """The working curves in use."""
+    return tuple(curve for _, curve in cam.disc.flanks)
 
 
 def margin(cam: Cam) -> float | None:
@@ -114,7 +48,7 @@ def bends_of(cam: Cam) -> Extremes | None:
     if check_follower(cam.follower, runs_on_inner=inner, clearance=cam.clearance):
         return None
     try:
-        return curvature_extremes(cam.pitch_curve())
+        return curvature_extremes(cam.disc.pitch_curve)
     except GeometryError:
         return None
 
@@ -145,7 +79,7 @@ def crossings_of(cam: Cam, crossed: Crossed) -> Pairs | None:
     least = margin(cam)
     if least is None or least <= CUSP:
         return None
-    flanks = cam.flanks()
+    flanks = flanks_of(cam)
     if check_standstill(flanks[0].pitch):
         return None
     try:

@@ -1,0 +1,76 @@
+"""How wide a cam of constant breadth is between the two sides of its yoke.
+
+A yoke holds two parallel faces, or two rollers in line with the cam axis, at a fixed distance b.
+The follower's height over the axis is h(phi) = h_0 + kappa_F s(phi) on one side, and what the cam
+asks for on the other side is h(phi + pi), as the yoke does not turn: the cam is as wide as
+
+    w(phi) = h(phi) + h(phi + pi),
+
+which must be b at every cam angle.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from camgeo.curve.extremes import extremes
+from camgeo.motion.motion import Dwell, Motion, Side
+from camgeo.numeric.arrays import FloatArray, merged
+from camgeo.units import TURN
+
+HALF = 0.5 * TURN
+
+
+@dataclass(frozen=True)
+class Breadth:
+    """How wide a cam is between the two sides of a yoke, over the cam angle.
+
+    Attributes
+    ----------
+    motion : the follower's lift [mm].
+    height : h_0, of the face or the roller centre over the cam axis at lift 0 [mm].
+    reach : +1 if a positive lift moves the yoke's first side outward, -1 inward.
+    """
+
+    motion: Motion
+    height: float
+    reach: float
+
+    @property
+    def breaks(self) -> FloatArray:
+        """(m,) cam angles [rad] at which a derivative may jump on either side."""
+        breaks = self.motion.breaks
+        return merged(np.concatenate((breaks, (breaks + HALF) % TURN)))
+
+    @property
+    def dwells(self) -> tuple[Dwell, ...]:
+        """None: where both sides rest the slope is 0 as where they do not."""
+        return ()
+
+    def width(self, phi: FloatArray, side: Side = "right") -> FloatArray:
+        """(n,) w [mm] at `phi` (n,) [rad]."""
+        return 2.0 * self.height + self.reach * self._sum(phi, side, 0)
+
+    def slope(self, phi: FloatArray, side: Side = "right") -> FloatArray:
+        """(n,) w' [mm/rad]."""
+        return self.reach * self._sum(phi, side, 1)
+
+    def _sum(self, phi: FloatArray, side: Side, order: int) -> FloatArray:
+        one = self.motion.jet(phi, side, 1)[order]
+        other = self.motion.jet(phi + HALF, side, 1)[order]
+        return np.asarray(one + other)
+
+    @cached_property
+    def range(self) -> tuple[tuple[float, float], tuple[float, float]]:
+        """Least and largest width [mm], each with its cam angle [rad]."""
+        found = extremes(self, self.width, self.slope)
+        return found.smallest(), found.largest()
+
+    @property
+    def best(self) -> float:
+        """Breadth of the yoke [mm] whose largest error is least."""
+        (least, _), (most, _) = self.range
+        return 0.5 * (least + most)

@@ -1,0 +1,85 @@
+"""A cam: a drive, a follower with its contact, and the body that moves it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+from camgeo.cam.contact import Contact, flank_distances
+from camgeo.cam.disc import Disc
+from camgeo.lazy import Ledger
+from camgeo.motion.plan import MotionPlan
+
+if TYPE_CHECKING:
+    from camgeo.cam.breadth import Breadth
+    from camgeo.cam.drive import Drive, LiftUnit
+    from camgeo.mechanism.kinds import AnyFollower
+    from camgeo.mechanism.yoke import Yoke
+
+
+@dataclass(frozen=True)
+class Cam:
+    """One disc with what it moves; a conjugate pair is two of them, of one drive.
+
+    Attributes
+    ----------
+    drive : what is demanded.
+    follower : what touches the disc.
+    rotation, contact, clearance : as of `Disc`.
+    yoke : the other side of the follower on a cam of constant breadth; None if there is none.
+    """
+
+    drive: Drive
+    follower: AnyFollower
+    rotation: int = 1
+    contact: Contact = "inner"
+    clearance: float = 0.0
+    yoke: Yoke | None = None
+    ledger: Ledger = field(default_factory=Ledger, repr=False, compare=False)
+
+    @cached_property
+    def disc(self) -> Disc:
+        """The body."""
+        return Disc(
+            self.drive, self.follower, self.rotation, self.contact, self.clearance, self.ledger
+        )
+
+    @property
+    def lift_unit(self) -> LiftUnit:
+        """Unit of the follower's own motion."""
+        return "rad" if self.follower.rocks else "mm"
+
+    @property
+    def distances(self) -> tuple[float, ...]:
+        """d [mm] of each flank in use: negative for the inner one, positive for the outer one."""
+        return tuple(flank_distances(self.contact, self.disc.flank_distance).values())
+
+    @cached_property
+    def breadth(self) -> Breadth | None:
+        """How wide the disc is between the two sides of its yoke; None if there is no yoke."""
+        if self.yoke is None:
+            return None
+        from camgeo.cam.breadth import Breadth  # few followers are yokes
+
+        return Breadth(self.drive.motion, self.follower.base_radius, self.follower.reach)
+
+    @property
+    def yoke_breadth(self) -> float:
+        """Distance of the two sides of the yoke [mm], see `camgeo.mechanism.yoke`; 0 without."""
+        if self.yoke is None or self.breadth is None:
+            return 0.0
+        return self.breadth.best if self.yoke.breadth is None else self.yoke.breadth
+
+    def sized(self, **sizes: complex) -> Cam:
+        """The same cam with other dimensions of the follower; GeometryError if it has none.
+
+        The drive, whose linkage is looked at all round when its motion is made, is shared.
+        """
+        changes: dict[str, Any] = dict(sizes)
+        return replace(self, follower=replace(self.follower, **changes), ledger=Ledger())
+
+    def moved(self, plan: MotionPlan) -> Cam:
+        """The same cam with another motion plan."""
+        ledger = Ledger()
+        return replace(self, drive=replace(self.drive, plan=plan, ledger=ledger), ledger=ledger)

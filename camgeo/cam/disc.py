@@ -1,0 +1,134 @@
+"""A disc: the body of a cam that turns in a plane, its curves and what is left of its flanks."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from camgeo.cam.contact import Contact, flank_distances
+from camgeo.curve.curvature import curvature_extremes
+from camgeo.curve.extremes import Extremes
+from camgeo.curve.pitch_curve import PitchCurve
+from camgeo.curve.working_curve import WorkingCurve
+from camgeo.lazy import Ledger, lazy
+
+if TYPE_CHECKING:
+    from camgeo.cam.drive import Drive
+    from camgeo.mechanism.kinds import AnyFollower
+    from camgeo.outline.outline import Outline
+    from camgeo.outline.path import Path
+    from camgeo.outline.replay_result import Replay
+
+
+@dataclass(frozen=True)
+class Disc:
+    """The curves of a disc, on demand; GeometryError where the mechanism does not exist.
+
+    Attributes
+    ----------
+    drive : what moves the follower.
+    follower : what touches the disc.
+    rotation : sense in which the disc turns: +1 counter-clockwise, -1 clockwise.
+    contact : the flank on which the follower runs; both for a groove.
+    clearance : groove's width less the roller's diameter [mm].
+    """
+
+    drive: Drive
+    follower: AnyFollower
+    rotation: int = 1
+    contact: Contact = "inner"
+    clearance: float = 0.0
+    ledger: Ledger = field(default_factory=Ledger, repr=False, compare=False)
+
+    @property
+    def flank_distance(self) -> float:
+        """Distance of either flank from the pitch curve [mm]: r_R, or half the groove's width."""
+        return self.follower.roller_radius + 0.5 * self.clearance
+
+    @lazy
+    def pitch_curve(self) -> PitchCurve:
+        """The pitch curve in cam coordinates; of a flat face the outline itself."""
+        return PitchCurve(self.drive.motion, self.follower, self.rotation)
+
+    @lazy
+    def inner_curve(self) -> WorkingCurve:
+        """The inner working curve."""
+        return WorkingCurve(self.pitch_curve, -self.flank_distance)
+
+    @lazy
+    def outer_curve(self) -> WorkingCurve:
+        """The outer working curve."""
+        return WorkingCurve(self.pitch_curve, self.flank_distance)
+
+    @property
+    def flanks(self) -> tuple[tuple[str, WorkingCurve], ...]:
+        """The working curves in use, with their names, the inner one first."""
+        named = {"inner": self.inner_curve, "outer": self.outer_curve}
+        used = flank_distances(self.contact, self.flank_distance)
+        return tuple((name, named[name]) for name in used)
+
+    @lazy
+    def bends(self) -> Extremes:
+        """The extremes of the pitch curve's curvature; GeometryError where it stands still.
+
+        Guaranteed to include every extreme behind which undercut on a flank in use could hide.
+        """
+        bends = curvature_extremes(self.pitch_curve)
+        if self.follower.is_flat:  # whose own check leaves no undercut
+            return bends
+        from camgeo.outline.sure_bends import sure_bends
+
+        for _, flank in self.flanks:
+            bends = sure_bends(flank, bends)
+        return bends
+
+    @lazy
+    def inner_outline(self) -> Outline:
+        """What is left of the inner flank, see `camgeo.outline.outline.real_outline`."""
+        from camgeo.outline.outline import real_outline
+
+        return real_outline(self.inner_curve, None if self.follower.is_flat else self.bends)
+
+    @lazy
+    def outer_outline(self) -> Outline:
+        """What is left of the outer flank, see `camgeo.outline.outline.real_outline`."""
+        from camgeo.outline.outline import real_outline
+
+        return real_outline(self.outer_curve, self.bends)
+
+    def outline(self, flank: str) -> Outline:
+        """What is left of the "inner" or "outer" flank."""
+        return self.inner_outline if flank == "inner" else self.outer_outline
+
+    def replay(self, flank: str) -> Replay:
+        """The roller pressed against what is left of the "inner" or "outer" flank.
+
+        In a groove with side clearance it is a roller without play: what it loses comes on top of
+        the play.
+        """
+        from camgeo.outline.replay import replay_outline  # only what undercuts needs it
+
+        path = self.outline(flank).path
+        return self.ledger.run(
+            f"replay of {flank} flank", lambda: replay_outline(self.pitch_curve, path)
+        )
+
+    @property
+    def pitch_path(self) -> Path:
+        """The pitch curve, with its corners where the velocity jumps."""
+        from camgeo.outline.envelope import Envelope
+        from camgeo.outline.path import Path
+
+        return Path(Envelope(WorkingCurve(self.pitch_curve, 0.0)).elements)
+
+    @property
+    def flank_paths(self) -> tuple[Path, Path]:
+        """Inner and outer outline; the whole curve for the flank on which no roller runs."""
+        from camgeo.outline.path import whole
+
+        used = [name for name, _ in self.flanks]
+        inner, outer = (
+            self.outline(name).path if name in used else whole(curve)
+            for name, curve in (("inner", self.inner_curve), ("outer", self.outer_curve))
+        )
+        return inner, outer

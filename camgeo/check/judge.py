@@ -1,0 +1,229 @@
+"""What the checks find of a cam, or of the two cams of a conjugate pair."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Final
+
+from camgeo.check.closure import check_closure
+from camgeo.check.curvature import check_radius_ratio, check_undercut
+from camgeo.check.finding import Finding, Severity
+from camgeo.check.follower import check_follower
+from camgeo.check.limits import Limits, default_transmission_angle
+from camgeo.check.linkage import check_linkage
+from camgeo.check.motion import Unit, check_motion
+from camgeo.check.speed import check_speed
+from camgeo.check.standstill import check_standstill
+from camgeo.check.transmission_angle import check_transmission_angle
+from camgeo.errors import GeometryError, UndercutError
+from camgeo.lazy import Ledger, lazy
+from camgeo.mechanism.linkage import LinkedMotion
+
+if TYPE_CHECKING:
+    from camgeo.cam.cam import Cam
+    from camgeo.cam.drive import Drive
+    from camgeo.check.cures import Cure
+    from camgeo.curve.working_curve import WorkingCurve
+
+WORST_FIRST: Final = ("wrong", "fatal", "broken", "warning", "ok")
+"""Order of the findings by their severity."""
+
+UNDERCUT: Final = ("cusp-", "undercut-", "global-undercut-")
+"""How the names of findings begin that a cure can be looked for."""
+
+NO_OUTLINE: Final = ("wrong", "fatal")
+"""Severities with which no outline is made."""
+
+RETURN: Final = "return"
+"""What marks the return disc: its files are NAME-return, its findings begin with "return: "."""
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """What the checks find, on demand.
+
+    Attributes
+    ----------
+    cams : the cam; of a conjugate pair the main one and the return one, of the same drive.
+    limits : what they are held to.
+    tolerance : by which a flank may be off along its normal [mm], for the closing error of a pair.
+    ledger : where it is entered what was computed.
+    """
+
+    cams: tuple[Cam, ...]
+    limits: Limits
+    tolerance: float
+    ledger: Ledger = field(default_factory=Ledger, repr=False, compare=False)
+
+    @lazy
+    def findings(self) -> tuple[Finding, ...]:
+        """All findings, the good with the bad, worst first.
+
+        Of a conjugate pair also those of the return disc, and of both together.
+        """
+        main = self.cams[0]
+        found = [*self._of_main, *self._of_pair(), *_of_yoke(main, self.limits)]
+        return _worst_first([*found, *motion_findings(main.drive)])
+
+    @cached_property
+    def _of_main(self) -> tuple[Finding, ...]:
+        return disc_findings(self.cams[0], self.limits)
+
+    def _of_pair(self) -> list[Finding]:
+        """What is found of the return disc and of both discs together; nothing of one."""
+        if len(self.cams) == 1:
+            return []
+        from camgeo.check.conjugate import check_pair  # few cams are pairs
+
+        main, other = self.cams
+        # The linkage, which both discs share, is told once.
+        shared = _of_linkage(main.drive)
+        found = [
+            replace(each, name=f"{RETURN}: {each.name}", sentence=f"{RETURN} disc: {each.sentence}")
+            for each in disc_findings(other, self.limits)
+            if each not in shared
+        ]
+        if is_fatal(shared):
+            return found
+        curves = main.disc.pitch_curve, other.disc.pitch_curve
+        try:
+            return [*found, *check_pair(*curves, self.tolerance, self.limits.closing_error)]
+        except GeometryError:  # a cusp, which the findings of its disc tell
+            return found
+
+    @property
+    def has_outline(self) -> bool:
+        """False if a finding says that there is no such disc."""
+        return not is_fatal(self.findings)
+
+    def require_outline(self, *, of_return: bool = False) -> None:
+        """Raise UndercutError if there is no such disc, or with `of_return` no return disc."""
+        forbidding = [
+            finding.sentence
+            for finding in self.findings
+            if finding.severity in NO_OUTLINE
+            and (of_return or not finding.name.startswith(f"{RETURN}: "))
+        ]
+        if forbidding:
+            raise UndercutError("; ".join(forbidding))
+
+    @lazy
+    def cures(self) -> tuple[Cure, ...]:
+        """What would cure the undercut, one for each knob, the cheapest first; empty without any.
+
+        Raises GeometryError if it cannot be decided whether the flanks cross.
+        """
+        if not any(f.name.startswith(UNDERCUT) and f.severity != "ok" for f in self.findings):
+            return ()
+        from camgeo.check.cures import cures  # a search, and few cams need one
+
+        return cures(self.cams[0])
+
+
+def transmission_angle_limit(cam: Cam, limits: Limits) -> float:
+    """Smallest transmission angle that is allowed [rad], the one stated or the sources'."""
+    if limits.transmission_angle is not None:
+        return limits.transmission_angle
+    return default_transmission_angle(translating=not cam.follower.rocks, speed=cam.drive.speed)
+
+
+def motion_findings(drive: Drive) -> tuple[Finding, ...]:
+    """What the checks find of the motion and of the speed, without any disc."""
+    unit: Unit = "mm" if drive.unit == "mm" else "deg"
+    return (
+        *check_motion(drive.plan, unit),
+        *check_speed(drive.plan, drive.time_course, unit),
+    )
+
+
+def disc_findings(cam: Cam, limits: Limits) -> tuple[Finding, ...]:
+    """What the checks find of the mechanism and of the disc, without the motion."""
+    inner = cam.contact != "outer"
+    found = [*check_follower(cam.follower, runs_on_inner=inner, clearance=cam.clearance)]
+    of_linkage = _of_linkage(cam.drive)
+    found += of_linkage
+    if is_fatal(of_linkage):
+        return tuple(found)
+    return (*found, *(_of_face if cam.follower.is_flat else _of_roller)(cam, limits, found))
+
+
+def is_fatal(found: Iterable[Finding]) -> bool:
+    """Whether a finding says that there is no such disc."""
+    return any(finding.severity in NO_OUTLINE for finding in found)
+
+
+def _worst_first(found: list[Finding]) -> tuple[Finding, ...]:
+    return tuple(sorted(found, key=lambda finding: WORST_FIRST.index(finding.severity)))
+
+
+def _of_linkage(drive: Drive) -> tuple[Finding, ...]:
+    motion = drive.motion
+    return tuple(check_linkage(motion)) if isinstance(motion, LinkedMotion) else ()
+
+
+def _of_yoke(cam: Cam, limits: Limits) -> list[Finding]:
+    """Whether both sides of a yoke touch all through the turn; nothing without one."""
+    if cam.breadth is None:
+        return []
+    from camgeo.check.breadth import check_breadth
+
+    return [check_breadth(cam.breadth, cam.yoke_breadth, limits.closing_error)]
+
+
+def _of_face(cam: Cam, limits: Limits, _: list[Finding]) -> list[Finding]:
+    """Whether there is a cam for a flat face, and how the face is used."""
+    from camgeo.check.convexity import check_convexity  # few cams have a flat face
+    from camgeo.check.face import check_face
+
+    curve = cam.disc.pitch_curve
+    found = [*check_convexity(curve)]
+    if not is_fatal(found):
+        found.append(check_transmission_angle(curve, transmission_angle_limit(cam, limits)))
+        found += check_face(curve)
+        found += check_closure(curve)
+    return found
+
+
+def _of_roller(cam: Cam, limits: Limits, before: list[Finding]) -> list[Finding]:
+    """Whether the curve is one that a roller can follow, and what is left of the flanks in use."""
+    disc = cam.disc
+    curve = disc.pitch_curve
+    stands = check_standstill(curve)
+    if stands:
+        return [*stands]
+    # Of a disc that undercuts: whether it is made all the same.
+    severity: Severity = "broken" if limits.undercut == "trim" else "fatal"
+    found = [check_transmission_angle(curve, transmission_angle_limit(cam, limits))]
+    mechanism = not any(finding.severity == "wrong" for finding in (*before, *found))
+    radius = cam.follower.roller_radius
+    for name, flank in disc.flanks:
+        found.append(check_radius_ratio(flank, name, disc.bends, limits.radius_ratio, radius))
+        found += check_undercut(flank, name, disc.bends, severity)
+        if mechanism:
+            found += _of_outline(cam, name, flank, severity)
+    if cam.clearance > 0.0:
+        from camgeo.check.side_clearance import check_side_clearance  # few grooves have it
+
+        found.append(check_side_clearance(curve, cam.clearance))
+    return [*found, *check_closure(curve, severity)]
+
+
+def _of_outline(cam: Cam, name: str, flank: WorkingCurve, severity: Severity) -> list[Finding]:
+    """What is left of a flank, and what the follower does on it."""
+    from camgeo.check.outline import check_lost_stroke, check_outline, no_outline
+    from camgeo.outline.cusps import undercut_ranges
+
+    disc = cam.disc
+    try:
+        outline = disc.outline(name)
+        replay = disc.replay(name) if outline.is_trimmed else None
+    except GeometryError as error:
+        return [no_outline(name, error.message)]
+    ranges = undercut_ranges(flank, disc.bends)
+    kinks = [pivot.after for pivot in disc.pitch_path.pivots]
+    found = [*check_outline(outline, name, ranges, severity, kinks)]
+    if replay is not None:
+        found.append(check_lost_stroke(replay, name, cam.lift_unit, severity))
+    return found

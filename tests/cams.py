@@ -1,0 +1,23 @@
+"""Cams put together from their parts."""
+
+from __future__ import annotations
+
+from camgeo.cam.cam import Cam
+from camgeo.cam.contact import Contact
+from camgeo.cam.drive import Drive, LiftUnit
+from camgeo.mechanism.kinds import AnyFollower
+from camgeo.mechanism.linkage_protocol import Linkage
+from camgeo.motion.plan import MotionPlan
+
+
+def cam_of(
+    plan: MotionPlan,
+    follower: AnyFollower,
+    rotation: int = 1,
+    contact: Contact = "inner",
+    linkage: Linkage | None = None,
+) -> Cam:
+    unit: LiftUnit = "rad" if follower.rocks else "mm"
+    if linkage is not None:
+        unit = linkage.unit
+    return Cam(Drive(plan, linkage, unit), follower, rotation, contact)
