@@ -1,0 +1,156 @@
+"""Values checked where they come in: each is what it should be, or a `GeometryError` says so.
+
+Whole numbers, fractions and numpy's scalars are numbers and become floats; truth values, text and
+complex numbers are none. Products of a few lengths must neither overflow nor vanish, so that no
+number is larger than `LARGEST`, and a positive one no smaller than `SMALLEST`.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import reprlib
+from collections.abc import Sequence
+from numbers import Complex, Integral, Real
+from typing import Any, Final, TypeVar
+
+import numpy as np
+
+from camgeo.errors import GeometryError
+from camgeo.numeric.arrays import FloatArray
+
+SMALLEST: Final = 1e-30
+LARGEST: Final = 1e30
+
+Choice = TypeVar("Choice", str, int, float)
+Kind = TypeVar("Kind")
+
+
+def number(
+    key: str,
+    value: Any,
+    *,
+    above: float | None = None,
+    least: float | None = None,
+    below: float | None = None,
+    most: float | None = None,
+    unit: str = "",
+) -> float:
+    """`value` as a float, between the bounds: `above` and `below` are excluded, the others allowed.
+
+    Raises
+    ------
+    GeometryError
+        With `key`, the value and what is allowed, in `unit`.
+    """
+    found = _float(value)
+    if not (
+        math.isfinite(found)
+        and (above is None or found > above)
+        and (least is None or found >= least)
+        and (below is None or found < below)
+        and (most is None or found <= most)
+    ):
+        raise GeometryError(_allowed(above, least, below, most, unit), key, shown(value))
+    if abs(found) > LARGEST:
+        raise GeometryError(f"must be at most {LARGEST:g} in magnitude", key, shown(value))
+    if above == 0.0 and found < SMALLEST:
+        raise GeometryError(f"must be at least {SMALLEST:g}", key, shown(value))
+    return found
+
+
+def finite(key: str, value: Any, unit: str = "") -> float:
+    """`value` as a float; GeometryError unless it is a finite number."""
+    return number(key, value, unit=unit)
+
+
+def positive(key: str, value: Any, unit: str = "") -> float:
+    """`value` as a float; GeometryError unless it is a number above 0."""
+    return number(key, value, above=0.0, unit=unit)
+
+
+def point(key: str, value: Any, unit: str = "") -> complex:
+    """`value` as a point x + i y; GeometryError unless both are finite numbers."""
+    if isinstance(value, bool) or not isinstance(value, Complex):
+        raise GeometryError("must be a point x + i y, a complex number", key, shown(value))
+    return complex(finite(key, value.real, unit), finite(key, value.imag, unit))
+
+
+def whole(key: str, value: Any, least: int, most: int) -> int:
+    """`value` as an int; GeometryError unless it is a whole number from `least` to `most`."""
+    if isinstance(value, Integral) and least <= _float(value) <= most:
+        return int(value)
+    raise GeometryError(f"must be a whole number from {least} to {most}", key, shown(value))
+
+
+def one_of(key: str, value: Any, choices: Sequence[Choice]) -> Choice:
+    """The one of `choices`, texts or numbers, that `value` is; GeometryError if it is none."""
+    if isinstance(value, str | Real) and not isinstance(value, bool):
+        for choice in choices:
+            if choice == value:
+                return choice
+    allowed = ", ".join(json.dumps(choice) for choice in choices)
+    raise GeometryError(f"must be one of {allowed}", key, shown(value))
+
+
+def instance(key: str, value: Any, kind: type[Kind], what: str) -> Kind:
+    """`value`; GeometryError unless it is of the class `kind`, which messages call `what`."""
+    if not isinstance(value, kind):
+        raise GeometryError(f"must be {what}", key, shown(value))
+    return value
+
+
+def array(key: str, values: Any, dimensions: int = 1) -> FloatArray:
+    """`values` as a read-only array of finite numbers; GeometryError if they are none."""
+    try:
+        found = np.array(values)
+    except (ValueError, OverflowError):  # rows of unequal length
+        found = np.empty(())
+    if found.dtype.kind not in "iuf" or found.ndim != dimensions:
+        shape = " by ".join("n" for _ in range(dimensions))
+        raise GeometryError(f"must be numbers in an array, {shape}", key, shown(values))
+    found = found.astype(np.float64, copy=False)
+    wrong = found[~(np.abs(found) <= LARGEST)]
+    if len(wrong):
+        allowed = f"must be finite numbers, at most {LARGEST:g} in magnitude"
+        raise GeometryError(allowed, key, repr(float(wrong[0])))
+    found.flags.writeable = False
+    return found
+
+
+def hold(owner: object, **values: Any) -> None:
+    """Set fields of a frozen dataclass that is being made to their checked values."""
+    for name, value in values.items():
+        object.__setattr__(owner, name, value)
+
+
+def shown(value: Any) -> str:
+    """A value in a message, shortened."""
+    number = _float(value)
+    return reprlib.repr(value) if math.isnan(number) else repr(number)
+
+
+def _float(value: Any) -> float:
+    """`value` as a float; NaN if it is no number."""
+    if isinstance(value, bool) or not isinstance(value, Real):
+        return math.nan
+    try:
+        return float(value)
+    except OverflowError:  # of a whole number or a fraction
+        return -math.inf if value < 0 else math.inf
+
+
+def _allowed(
+    above: float | None,
+    least: float | None,
+    below: float | None,
+    most: float | None,
+    unit: str,
+) -> str:
+    """What is allowed between these bounds, in words."""
+    low = f" above {above:g}" if above is not None else ""
+    low = f" from {least:g}" if least is not None else low
+    high = f"{' and' if low else ''} below {below:g}" if below is not None else ""
+    high = f"{' ' if low else ' up '}to {most:g}" if most is not None else high
+    text = f"must be a {'' if low or high else 'finite '}number{low}{high}"
+    return f"{text} ({unit})" if unit else text
