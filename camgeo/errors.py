@@ -7,10 +7,19 @@ camgeo can still catch it.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 
 class CamgeoError(Exception):
-    """Root of all errors that camgeo raises on purpose."""
+    """Root of all errors that camgeo raises on purpose; each can be pickled, as pools ask."""
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _again, (type(self), self.args), self.__dict__
+
+
+def _again(kind: type[CamgeoError], arguments: tuple[Any, ...]) -> CamgeoError:
+    """An error without what its own class makes of its arguments: that is in its state."""
+    return kind.__new__(kind, *arguments)
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,6 +112,14 @@ class CycleError(CamgeoError, RecursionError):
     def __init__(self, way: tuple[str, ...]) -> None:
         self.way = way
         super().__init__(f"needs itself: {' -> '.join(way)}")
+
+
+class VersionError(CamgeoError, ValueError):
+    """What was pickled is of another version of camgeo, and is not read."""
+
+
+class Cancelled(CamgeoError, RuntimeError):
+    """A computation was told to stop before it was done."""
 
 
 class EffectError(CamgeoError, ArithmeticError):

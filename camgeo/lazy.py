@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, MutableMapping
 from dataclasses import dataclass
 from typing import Any, Generic, Protocol, Self, TypeVar, overload
 
-from camgeo.errors import CycleError
+from camgeo.errors import Cancelled, CycleError
 
 Value = TypeVar("Value")
 Out = TypeVar("Out", covariant=True)
@@ -36,15 +37,44 @@ class Run:
 class Ledger:
     """What was computed, in the order of the answers.
 
+    Threads may ask at the same time: one of them computes, with all that it asks for, and the
+    others wait for it. No computation may wait for another thread that asks the same owner.
+
+    Parameters
+    ----------
+    progress : is told the name of each quantity that starts.
+    cancelled : is asked when a quantity starts whether all is to end.
+    beside : the ledger of an owner whose quantities ask for those of this one, and the other way
+        round: of both together one thread computes at a time.
+
     Attributes
     ----------
     runs : one for each computation that has ended.
+    lock : is held by the thread that computes.
     """
 
-    def __init__(self) -> None:
+    def __init__(
+        self,
+        progress: Callable[[str], None] | None = None,
+        cancelled: Callable[[], bool] | None = None,
+        beside: Ledger | None = None,
+    ) -> None:
         self.runs: list[Run] = []
+        self._progress = progress
+        self._cancelled = cancelled
+        self.lock: threading.RLock = threading.RLock() if beside is None else beside.lock
         self._open: list[str] = []
         self._inner: list[float] = []
+
+    def once(self, name: str, known: MutableMapping[str, Any], make: Callable[[], Any]) -> Any:
+        """What stands in `known` under `name`; if nothing does, what `make` gives stands there now.
+
+        Raises as `run`.
+        """
+        with self.lock:  # another thread may have made it meanwhile
+            if name not in known:
+                known[name] = self.run(name, make)
+            return known[name]
 
     def run(self, name: str, make: Callable[[], Value]) -> Value:
         """What `make` gives, entered under `name`.
@@ -53,9 +83,19 @@ class Ledger:
         ------
         CycleError
             If `name` is being computed already: it needs itself.
+        Cancelled
+            If all is to end.
         """
-        if name in self._open:
-            raise CycleError((*self._open[self._open.index(name) :], name))
+        with self.lock:
+            if name in self._open:
+                raise CycleError((*self._open[self._open.index(name) :], name))
+            if self._cancelled is not None and self._cancelled():
+                raise Cancelled(f"told to stop before {name} was computed")
+            if self._progress is not None:
+                self._progress(name)
+            return self._run(name, make)
+
+    def _run(self, name: str, make: Callable[[], Value]) -> Value:
         asked_by = self._open[-1] if self._open else ""
         self._open.append(name)
         self._inner.append(0.0)
@@ -85,7 +125,9 @@ class lazy(Generic[Out]):
     """A property that is computed at most once, and entered into the ledger of its owner.
 
     Like `functools.cached_property` the value stands in the owner's ``__dict__`` afterwards, so
-    that asking again costs nothing.
+    that asking again costs nothing. The ledger must be there when the owner is: two threads that
+    made one each would compute twice. Neither travels in a pickle or copy of an owner that is
+    `camgeo.pickled.Pickled`.
     """
 
     def __init__(self, make: Callable[[Any], Out]) -> None:
@@ -105,9 +147,8 @@ class lazy(Generic[Out]):
     def __get__(self, instance: HasLedger | None, owner: type) -> Self | Out:
         if instance is None:
             return self
-        value = instance.ledger.run(self.name, lambda: self.make(instance))
-        instance.__dict__[self.name] = value
-        return value
+        found: Out = instance.ledger.once(self.name, instance.__dict__, lambda: self.make(instance))
+        return found
 
 
 def lazy_names(owner: type) -> tuple[str, ...]:

@@ -18,7 +18,7 @@ PACKAGE = "camgeo"
 WRITERS = "camgeo_export"
 
 STAGES: tuple[tuple[str, ...], ...] = (
-    ("_version", "errors", "units", "lazy", "numeric"),
+    ("_version", "errors", "units", "lazy", "pickled", "numeric"),
     ("motion",),
     ("mechanism",),
     ("curve",),

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+import threading
+import time
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from camgeo.errors import CycleError
+from camgeo.errors import Cancelled, CycleError
 from camgeo.lazy import Ledger, Run, lazy, lazy_names
 
 
@@ -195,6 +198,132 @@ def test_names_come_in_the_order_of_their_definition() -> None:
     assert "added" in found
     assert "plain" not in found
     assert len(set(found)) == len(found)
+
+
+THREADS = 8
+
+
+class Slow:
+    """Quantities that give other threads the time to come between, over a diamond and a ring."""
+
+    def __init__(self, ledger: Ledger) -> None:
+        self.ledger = ledger
+        self.made: list[str] = []
+
+    def make(self, name: str) -> None:
+        time.sleep(1e-3)
+        self.made.append(name)
+
+    @lazy
+    def base(self) -> object:
+        self.make("base")
+        return object()
+
+    @lazy
+    def left(self) -> tuple[object, ...]:
+        self.make("left")
+        return ("left", self.base)
+
+    @lazy
+    def right(self) -> tuple[object, ...]:
+        self.make("right")
+        return ("right", self.base)
+
+    @lazy
+    def whole(self) -> tuple[object, ...]:
+        return (self.left, self.right)
+
+    @lazy
+    def circle(self) -> object:
+        time.sleep(1e-3)
+        found: object = self.circle
+        return found
+
+
+def asked_at_once(ask: Callable[[int], object]) -> list[object]:
+    """What eight threads are answered that ask in the same moment."""
+    start = threading.Barrier(THREADS)
+
+    def wait_and_ask(number: int) -> object:
+        start.wait()
+        return ask(number)
+
+    with ThreadPoolExecutor(THREADS) as pool:
+        return list(pool.map(wait_and_ask, range(THREADS)))
+
+
+@pytest.mark.parametrize("_round", range(5))
+def test_threads_that_ask_at_once_are_answered_from_one_computation(_round: int) -> None:
+    owner = Slow(Ledger())
+    names = ("whole", "left", "right", "base")
+    found = asked_at_once(lambda number: getattr(owner, names[number % 4]))
+    assert sorted(owner.made) == ["base", "left", "right"]
+    assert sorted(run.name for run in owner.ledger.runs) == ["base", "left", "right", "whole"]
+    assert all(value is getattr(owner, names[k % 4]) for k, value in enumerate(found))
+
+
+def test_a_ring_is_found_in_every_thread_and_only_there() -> None:
+    owner = Slow(Ledger())
+
+    def ask(number: int) -> object:
+        if number % 2:
+            return owner.whole
+        with pytest.raises(CycleError, match="needs itself: circle -> circle"):
+            owner.circle  # noqa: B018 - it is computed
+        return owner.whole
+
+    assert len({id(value) for value in asked_at_once(ask)}) == 1
+
+
+def test_ledgers_side_by_side_do_not_wait_for_each_other() -> None:
+    """Each of two owners asks the other; with a lock each, two threads would wait for ever."""
+    main = Slow(Ledger())
+    other = Slow(Ledger(beside=main.ledger))
+
+    def ask(number: int) -> object:
+        first, second = (main, other) if number % 2 else (other, main)
+
+        def both() -> object:
+            time.sleep(1e-3)
+            return second.base
+
+        return first.ledger.run(f"pair {number}", both)
+
+    assert len({id(value) for value in asked_at_once(ask)}) == 2
+    assert sorted(run.name for run in main.ledger.runs)[0] == "base"
+
+
+def test_progress_is_told_each_name_once_before_it_is_computed() -> None:
+    told: list[str] = []
+    owner = Slow(Ledger(progress=told.append))
+    asked_at_once(lambda _: owner.whole)
+    assert told == ["whole", "left", "base", "right"]
+
+
+def test_a_computation_ends_where_it_is_told_to() -> None:
+    stop = threading.Event()
+    owner = Slow(Ledger(progress=lambda name: stop.set() if name == "base" else None,
+                        cancelled=stop.is_set))  # fmt: skip
+    with pytest.raises(Cancelled, match="before right was computed"):
+        owner.whole  # noqa: B018 - it is computed
+    assert [(run.name, run.failed) for run in owner.ledger.runs] == [
+        ("base", False),
+        ("left", False),
+        ("whole", True),
+    ]
+    stop.clear()
+    owner.whole  # noqa: B018 - it goes on from what there is
+    assert owner.made == ["left", "base", "right"]
+
+
+def test_once_looks_before_it_makes() -> None:
+    ledger, known = Ledger(), {"there": None}
+    assert ledger.once("there", known, lambda: pytest.fail("made again")) is None
+    assert ledger.once("new", known, lambda: 3) == 3
+    assert known == {"there": None, "new": 3}
+    with pytest.raises(ZeroDivisionError):
+        ledger.once("wrong", known, lambda: 1 // 0)
+    assert "wrong" not in known
 
 
 Tree = tuple[float, list["Tree"]]

@@ -1,0 +1,44 @@
+"""Data that travel in pickles and copies as what they were made of, and nothing else.
+
+What was computed of them, their ledgers and caches stay behind; what is made again goes through
+their own checks, and has read-only arrays as they had.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import fields
+from typing import Any, TypeVar
+
+from camgeo._version import __version__
+from camgeo.errors import VersionError
+
+Made = TypeVar("Made")
+
+
+class Pickled:
+    """Base of a dataclass whose pickles and copies are made again from its fields.
+
+    A pickle names its class and the version of camgeo; another version raises VersionError.
+    """
+
+    __slots__ = ()
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        given = (each.name for each in fields(self) if each.init)  # type: ignore[arg-type]
+        return pickled(type(self), **{name: getattr(self, name) for name in given})
+
+
+def pickled(make: Callable[..., Any], **given: Any) -> tuple[Any, ...]:
+    """What `__reduce__` of a class returns whose objects are made by `make` of what is `given`."""
+    return _again, (make, __version__, given)
+
+
+def _again(make: Callable[..., Made], version: str, given: dict[str, Any]) -> Made:
+    if version != __version__:
+        name = getattr(make, "__name__", "object")
+        raise VersionError(
+            f"a {name} pickled by camgeo {version} cannot be read by camgeo {__version__};"
+            " make it again from its scene"
+        )
+    return make(**given)
