@@ -180,11 +180,102 @@ def find_violations(root: Path) -> list[str]:
     return found
 
 
+# -- kinds answer for themselves -----------------------------------------------------------------
+
+KIND_FLAGS = {"flat", "has_yoke", "is_flat", "rocks", "slides"}
+"""Attributes that tell a kind of follower."""
+
+KIND_WORDS = {
+    "translating-roller", "oscillating-roller", "translating-flat", "oscillating-flat",
+    "slider-crank", "four-bar", "inner", "outer", "groove", "slider", "lever", "crank", "guide",
+    "pivot", "roller", "face", "rocker",
+}  # fmt: skip
+"""What followers, linkages, contacts and their parts are called."""
+
+KIND_FUNCTIONS = {"require_roller"}
+
+MOST_KIND_QUESTIONS = 218
+"""Places outside `mechanism` that ask what kind of follower, linkage or contact it is."""
+
+
+def kind_questions(root: Path) -> list[str]:
+    """Where the packages below `root` ask what kind a follower, linkage or contact is, a line each.
+
+    Outside `mechanism`, whose rooms know their kinds. A question is a flag that is read, a class of
+    `mechanism` in `isinstance`, in a cast or in a case, a comparison with a kind's name, and a
+    choice by it from a dictionary that stands there.
+    """
+    found = []
+    for top in (root / PACKAGE, root / "export" / WRITERS):
+        for path in sorted(top.rglob("*.py")):
+            place = path.relative_to(top.parent).with_suffix("")
+            if place.parts[:2] == (PACKAGE, "mechanism"):
+                continue
+            tree = ast.parse(path.read_text("utf-8"), str(path))
+            classes = mechanism_names(tree)
+            nodes = (n for n in ast.walk(tree) if isinstance(n, ast.expr | ast.pattern))
+            lines = (node.lineno for node in nodes if asks_kind(node, classes))
+            found += [f"{'.'.join(place.parts)}, line {line}" for line in sorted(lines)]
+    return found
+
+
+def mechanism_names(tree: ast.AST) -> set[str]:
+    """Classes that a module imports from `mechanism`."""
+    return {
+        alias.asname or alias.name
+        for node in ast.walk(tree)
+        if isinstance(node, ast.ImportFrom)
+        and (node.module or "").startswith(f"{PACKAGE}.mechanism")
+        for alias in node.names
+        if alias.name[:1].isupper()
+    }
+
+
+def asks_kind(node: ast.AST, classes: set[str]) -> bool:
+    """Whether a node of a syntax tree asks for a kind; `classes` are those of `mechanism`."""
+    match node:
+        case ast.Attribute(attr=name, ctx=ast.Load()):
+            return name in KIND_FLAGS
+        case ast.Call(func=ast.Name("isinstance" | "issubclass" | "cast")):
+            return any(names_in(each) & classes for each in node.args)
+        case ast.Call(func=ast.Name(name)):
+            return name in KIND_FUNCTIONS
+        case ast.MatchClass(cls=ast.Name(name)):
+            return name in classes
+        case ast.MatchValue(value=value):
+            return bool(words_in(value))
+        case ast.Compare(ops=ops):
+            asked = any(isinstance(op, ast.Eq | ast.NotEq | ast.In | ast.NotIn) for op in ops)
+            return asked and any(words_in(each) for each in (node.left, *node.comparators))
+        case ast.Subscript(value=ast.Dict(keys=keys)):
+            return any(each is not None and words_in(each) for each in keys)
+    return False
+
+
+def names_in(node: ast.AST) -> set[str]:
+    """Names and quoted names in an argument."""
+    inside = list(ast.walk(node))
+    quoted = {n.value for n in inside if isinstance(n, ast.Constant) and isinstance(n.value, str)}
+    return {n.id for n in inside if isinstance(n, ast.Name)} | quoted
+
+
+def words_in(node: ast.AST) -> set[str]:
+    """Names of kinds in a text, or in a list of texts, that stands there."""
+    parts = node.elts if isinstance(node, ast.Tuple | ast.List | ast.Set) else [node]
+    return {
+        part.value for part in parts if isinstance(part, ast.Constant) and part.value in KIND_WORDS
+    }
+
+
 # -- camgeo keeps them ---------------------------------------------------------------------------
 
 
 def test_camgeo_keeps_the_rules() -> None:
     assert find_violations(ROOT) == []
+
+
+def test_kinds_are_asked_for_no_more_often() -> None:
+    assert len(kind_questions(ROOT)) <= MOST_KIND_QUESTIONS
 
 
 def test_stages_are_named_once() -> None:
@@ -337,6 +428,47 @@ def test_each_rule_finds_its_breach(tmp_path: Path, name: str, text: str, expect
         changes["motion/plan.py"] = "from camgeo.motion.table import read\n"
     found = find_violations(package_tree(tmp_path, changes))
     assert any(expected in line for line in found), found
+
+
+@pytest.mark.parametrize(
+    "question",
+    [
+        "return follower.is_flat",
+        "return 'a' if spec.follower.rocks else 'b'",
+        "return isinstance(follower, TranslatingRoller)",
+        "return isinstance(follower, int | TranslatingRoller)",
+        "return cast('TranslatingRoller', follower)",
+        "return require_roller(follower)",
+        "return contact == 'inner'",
+        "return contact in ('outer', 'groove')",
+        "return 'groove' != contact",
+        "return {'inner': -1, 'outer': 1}[contact]",
+        "match follower:\n        case TranslatingRoller():\n            pass",
+        "match contact:\n        case 'inner':\n            pass",
+    ],
+)
+def test_each_question_for_a_kind_is_found(tmp_path: Path, question: str) -> None:
+    head = "from camgeo.mechanism.translating_roller import TranslatingRoller\n"
+    text = f"{head}def f(follower, contact, spec):\n    {question}\n"
+    tree = package_tree(tmp_path, {"mechanism/own.py": text, "check/own.py": text})
+    (line,) = kind_questions(tree)
+    assert line.startswith("camgeo.check.own, line ")
+
+
+@pytest.mark.parametrize(
+    "answer",
+    [
+        "return follower.reach",
+        "return isinstance(follower, int)",
+        "return {'inner': -1, 'outer': 1}",
+        "return 'inner'",
+        "follower.rocks = True",
+        "return [sign for name, sign in contact.sides]",
+    ],
+)
+def test_an_answer_is_no_question(tmp_path: Path, answer: str) -> None:
+    text = f"def f(follower, contact):\n    {answer}\n"
+    assert kind_questions(package_tree(tmp_path, {"check/own.py": text})) == []
 
 
 def test_what_a_run_imports_is_seen(tmp_path: Path) -> None:
