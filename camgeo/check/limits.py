@@ -6,6 +6,8 @@ import math
 from dataclasses import dataclass
 from typing import Literal
 
+from camgeo.mechanism.values import length, right_angle
+from camgeo.numeric.checked import hold, number, one_of
 from camgeo.units import RPM
 
 SLOW = 30.0 * RPM
@@ -18,17 +20,33 @@ class Limits:
 
     Attributes
     ----------
-    transmission_angle : smallest allowed [rad].
+    transmission_angle : smallest allowed [rad], up to pi/2.
     radius_ratio : largest allowed r_R / r_K (Wirsig eq. 3.36: r_K >= r_R / 0.7).
     undercut : whether a disc that undercuts is refused, or trimmed to what is left of it.
     closing_error : largest allowed play or squeeze of a conjugate pair whose discs are true to the
         tolerance, as way of the main roller [mm].
+
+    Raises
+    ------
+    GeometryError
+        With the key, if a value is not what it has to be.
     """
 
     transmission_angle: float | None = None
     radius_ratio: float = 0.7
     undercut: Literal["refuse", "trim"] = "refuse"
     closing_error: float = 0.02
+
+    def __post_init__(self) -> None:
+        if self.transmission_angle is not None:
+            least = right_angle("limits.transmission_angle", self.transmission_angle)
+            hold(self, transmission_angle=least)
+        hold(
+            self,
+            radius_ratio=number("limits.radius_ratio", self.radius_ratio, above=0.0, most=1.0),
+            undercut=one_of("limits.undercut", self.undercut, ("refuse", "trim")),
+            closing_error=length("limits.closing_error", self.closing_error),
+        )
 
 
 def default_transmission_angle(*, translating: bool, speed: float | None) -> float:

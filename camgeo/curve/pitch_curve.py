@@ -12,8 +12,10 @@ import numpy as np
 from camgeo.curve.blocks import in_blocks
 from camgeo.errors import GeometryError
 from camgeo.mechanism.follower import Follower, RelativeJet, TangentJet
+from camgeo.mechanism.values import able, sense
 from camgeo.motion.motion import FULL_ORDER, Dwell, Motion, Side
 from camgeo.numeric.arrays import ComplexArray, FloatArray
+from camgeo.numeric.checked import hold
 
 STANDSTILL = 1e-13
 """|Z'| below this share of the base radius, per rad, is a zero: its digits are rounding."""
@@ -30,11 +32,21 @@ class PitchCurve:
     follower : from lift to roller centre.
     rotation : sigma, +1 if the cam turns counter-clockwise, -1 clockwise. The curve itself is run
         through the other way, clockwise for sigma = +1.
+
+    Raises
+    ------
+    GeometryError
+        With key "motion", "follower" or "cam.rotation", if it is not what it has to be.
     """
 
     motion: Motion
     follower: Follower
     rotation: int
+
+    def __post_init__(self) -> None:
+        able("motion", self.motion, "jet_and_bounds", "a motion over the cam angle")
+        able("follower", self.follower, "relative_jet", "a follower")
+        hold(self, rotation=sense("cam.rotation", self.rotation))
 
     @property
     def breaks(self) -> FloatArray:

@@ -5,11 +5,15 @@ from __future__ import annotations
 import numpy as np
 
 from camgeo.curve.pitch_curve import PitchCurve
-from camgeo.numeric.arrays import FloatArray, ascending
+from camgeo.errors import GeometryError
+from camgeo.numeric.arrays import BoolArray, FloatArray, ascending
 from camgeo.units import TURN
 
 WIDEST = np.pi / 32.0
 """Longest cell [rad]."""
+
+MOST = 1_000_000
+"""Cells halved at a time; a curve takes some hundred, and as many as its motion has segments."""
 
 
 def turn_cells(pitch: PitchCurve, *marks: float) -> tuple[FloatArray, FloatArray]:
@@ -17,6 +21,18 @@ def turn_cells(pitch: PitchCurve, *marks: float) -> tuple[FloatArray, FloatArray
     grid = np.linspace(0.0, TURN, int(np.ceil(TURN / WIDEST)) + 1)
     ends = ascending(np.concatenate((grid, pitch.borders, np.mod(marks, TURN))))
     return ends[:-1], ends[1:]
+
+
+def halves(low: FloatArray, high: FloatArray, which: BoolArray) -> tuple[FloatArray, FloatArray]:
+    """Ends (2 k,), (2 k,) of the halves of those cells [low, high] (n,) [rad] that are asked for.
+
+    GeometryError if there are more than `MOST`.
+    """
+    low, high = low[which], high[which]
+    if len(low) > MOST:
+        raise GeometryError("the pitch curve is too steep to be looked into: it has no outline")
+    middle = 0.5 * (low + high)
+    return np.concatenate((low, middle)), np.concatenate((middle, high))
 
 
 def slowest(pitch: PitchCurve) -> float:

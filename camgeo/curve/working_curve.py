@@ -14,8 +14,10 @@ import numpy as np
 from camgeo.curve.blocks import in_blocks
 from camgeo.curve.pitch_curve import PitchCurve, curvature
 from camgeo.mechanism.follower import RelativeJet
+from camgeo.mechanism.values import coordinate
 from camgeo.motion.motion import Dwell, Side
 from camgeo.numeric.arrays import ComplexArray, FloatArray
+from camgeo.numeric.checked import hold, instance
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,10 +31,19 @@ class WorkingCurve:
     ----------
     pitch : the pitch curve.
     distance : d [mm], positive outward; -r_R gives the inner, +r_R the outer working curve.
+
+    Raises
+    ------
+    GeometryError
+        With key "pitch" or "distance", if it is not what it has to be.
     """
 
     pitch: PitchCurve
     distance: float
+
+    def __post_init__(self) -> None:
+        instance("pitch", self.pitch, PitchCurve, "a pitch curve")
+        hold(self, distance=coordinate("distance", self.distance))
 
     @property
     def breaks(self) -> FloatArray:

@@ -18,6 +18,8 @@ from typing import Final
 from camgeo.errors import GeometryError
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.mechanism.translating_roller import TranslatingRoller
+from camgeo.mechanism.values import angle, coordinate, length, radius
+from camgeo.numeric.checked import instance
 from camgeo.units import TURN
 
 FLAT: Final = 1e-6
@@ -44,10 +46,15 @@ def return_on_carriage(
     Raises
     ------
     GeometryError
-        With key "follower.return.spacing", if the return roller does not lie on the other side of
-        the cam axis at cam angle 0.
+        With the key, if a value is not what it has to be; with "follower.return.spacing" also if
+        the return roller does not lie on the other side of the cam axis at cam angle 0.
     """
-    across = main.offset if offset is None else offset
+    instance("follower.kind", main, TranslatingRoller, "a roller on a carriage")
+    spacing = length("follower.return.spacing", spacing)
+    across = main.offset
+    if offset is not None:
+        across = coordinate("follower.return.offset", offset)
+    size = _size(main, roller_radius)
     height = spacing - main.start_height
     if not height > FLAT * spacing:
         raise GeometryError(
@@ -59,9 +66,9 @@ def return_on_carriage(
         )
     return TranslatingRoller(
         base_radius=math.hypot(across, height),
-        roller_radius=main.roller_radius if roller_radius is None else roller_radius,
+        roller_radius=size,
         offset=-across,  # looked at along the other direction
-        guide_angle=main.guide_angle + math.pi,
+        guide_angle=main.guide_angle + (math.pi if main.guide_angle <= math.pi else -math.pi),
         direction=-main.direction,
     )
 
@@ -83,23 +90,27 @@ def return_on_lever(
     Raises
     ------
     GeometryError
-        With key "follower.return.arm_angle", if the return arm lies on the line from the pivot to
-        the cam axis at cam angle 0: there is no triangle, and its disc could not move it.
+        With the key, if a value is not what it has to be; with "follower.return.arm_angle" also if
+        the return arm lies on the line from the pivot to the cam axis at cam angle 0: there is no
+        triangle, and its disc could not move it.
     """
-    length = main.arm if arm is None else arm
+    instance("follower.kind", main, OscillatingRoller, "a roller on a lever")
+    arm_angle = angle("follower.return.arm_angle", arm_angle)
+    own = main.arm if arm is None else length("follower.return.arm", arm)
+    size = _size(main, roller_radius)
     chi = math.remainder(main.arm_side * main.start_angle + arm_angle, TURN)
     side = 1 if chi > 0.0 else -1
     # |A_0 B_2| by the law of cosines, in the form that keeps its digits for small angles.
-    apart = 4.0 * main.centre_distance * length * math.sin(0.5 * chi) ** 2
-    base_radius = math.sqrt((main.centre_distance - length) ** 2 + apart)
+    apart = 4.0 * main.centre_distance * own * math.sin(0.5 * chi) ** 2
+    base_radius = math.sqrt((main.centre_distance - own) ** 2 + apart)
     flat = not FLAT < abs(chi) < math.pi - FLAT
     try:
         if not flat:
             return OscillatingRoller(
                 pivot=main.pivot,
-                arm=length,
+                arm=own,
                 base_radius=base_radius,
-                roller_radius=main.roller_radius if roller_radius is None else roller_radius,
+                roller_radius=size,
                 arm_side=side,
                 direction=None if main.direction is None else main.swing_sense * side,
             )
@@ -112,3 +123,9 @@ def return_on_lever(
         key="follower.return.arm_angle",
         value=f"{math.degrees(arm_angle):g}",
     )
+
+
+def _size(main: TranslatingRoller | OscillatingRoller, roller_radius: float | None) -> float:
+    if roller_radius is None:
+        return main.roller_radius
+    return radius("follower.return.roller_radius", roller_radius)

@@ -25,7 +25,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from camgeo.errors import GeometryError
+from camgeo.mechanism.values import any_size
 from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.checked import hold
 from camgeo.numeric.extremes import Extreme, Extremes
 
 NEAR = 0.5
@@ -52,13 +54,8 @@ class CrankSlide:
     distance: float
 
     def __post_init__(self) -> None:
-        for name, length in (("crank", self.crank), ("distance", self.distance)):
-            if not (length > 0.0 and math.isfinite(length)):
-                raise GeometryError(
-                    f"the {name} of a crank-slide must be a positive length",
-                    key=name,
-                    value=f"{length:g}",
-                )
+        crank, distance = any_size("crank", self.crank), any_size("distance", self.distance)
+        hold(self, crank=crank, distance=distance)
 
     @property
     def ratio(self) -> float:

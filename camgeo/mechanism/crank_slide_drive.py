@@ -15,7 +15,9 @@ import numpy as np
 
 from camgeo.errors import GeometryError
 from camgeo.mechanism.crank_slide import CrankSlide
+from camgeo.mechanism.values import any_size
 from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.checked import hold, instance
 from camgeo.units import TURN
 
 Quantity = Literal["angle", "velocity", "acceleration"]
@@ -79,12 +81,8 @@ class DrivenSlide:
     speed: float
 
     def __post_init__(self) -> None:
-        if not (self.speed > 0.0 and math.isfinite(self.speed)):
-            raise GeometryError(
-                "the speed of the crank must be a positive number",
-                key="speed",
-                value=f"{self.speed:g}",
-            )
+        instance("slide", self.slide, CrankSlide, "a crank-slide, a `CrankSlide`")
+        hold(self, speed=any_size("speed", self.speed))
         largest = (
             self.turn_time,
             self.speed * self.slide.velocity_extremes.magnitude,

@@ -19,6 +19,7 @@ from camgeo.mechanism.triangle import IN_LINE, ROUNDING, SLACK, dot, turning
 from camgeo.mechanism.turns import cosine_range, within
 from camgeo.motion.motion import FULL_ORDER, Jet
 from camgeo.numeric.arrays import ComplexArray, FloatArray
+from camgeo.numeric.checked import instance
 
 if TYPE_CHECKING:
     from camgeo.mechanism.linkage_protocol import Size
@@ -49,6 +50,7 @@ class CrankSlider:
     inner: SliderCrank
 
     def __post_init__(self) -> None:
+        instance("linkage", self.inner, SliderCrank, "a slider-crank, a `SliderCrank`")
         drop = float(self._drop(np.zeros(1))[0])
         if self.coupler - abs(drop) <= ROUNDING * (self.crank + self.coupler):
             raise GeometryError(

@@ -32,13 +32,16 @@ for the direction of Z', whose own parts are smooth: there A is the part that ne
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
+from camgeo.errors import GeometryError
 from camgeo.mechanism.follower import Follower
+from camgeo.mechanism.values import coordinate
 from camgeo.motion.motion import FULL_ORDER, Jet
 from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.checked import shown
 
 HIGHEST = FULL_ORDER - 1
 """Order of the highest derivative of Z: each takes one more of the lift."""
@@ -87,3 +90,17 @@ class FlatFollower(Follower, Protocol):
 def spread(change: FloatArray, half: FloatArray) -> FloatArray:
     """(n,) 3 D / H, see the module; 0 for cells without width, in which nothing changes."""
     return np.divide(3.0 * change, half, out=np.zeros_like(change), where=half > 0.0)
+
+
+def face_ends(face: tuple[float, float] | None) -> tuple[float, float] | None:
+    """Where a face begins and ends [mm], checked; GeometryError unless it ends behind its start."""
+    key = "follower.face"
+    if face is None:
+        return None
+    ends: Any = face  # whatever a caller hands over
+    if not isinstance(ends, tuple | list) or len(ends) != 2:
+        raise GeometryError("must be two lengths, (from, to)", key, shown(face))
+    start, end = (coordinate(key, each) for each in ends)
+    if not start < end:
+        raise GeometryError("must end beyond where it begins", key, shown(face))
+    return start, end

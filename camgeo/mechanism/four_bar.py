@@ -18,8 +18,10 @@ import numpy as np
 from camgeo.errors import GeometryError
 from camgeo.mechanism.triangle import IN_LINE, ROUNDING, SLACK, dot, half_angle, turning
 from camgeo.mechanism.turns import cosine_range, within
+from camgeo.mechanism.values import angle, length, place, sense
 from camgeo.motion.motion import FULL_ORDER, Jet
 from camgeo.numeric.arrays import ComplexArray, FloatArray
+from camgeo.numeric.checked import hold
 
 if TYPE_CHECKING:
     from camgeo.mechanism.linkage_protocol import Size
@@ -44,7 +46,8 @@ class FourBar:
     Raises
     ------
     GeometryError
-        With key "linkage", if the linkage does not close at motion 0.
+        With the key, if a value is not what it has to be; with "linkage", if the linkage does not
+        close at motion 0.
     """
 
     crank: float
@@ -56,6 +59,16 @@ class FourBar:
     branch: int
 
     def __post_init__(self) -> None:
+        hold(
+            self,
+            crank=length("linkage.crank", self.crank),
+            coupler=length("linkage.coupler", self.coupler),
+            lever=length("linkage.lever", self.lever),
+            shaft=place("linkage.shaft", self.shaft),
+            lever_angle=angle("linkage.lever_angle", self.lever_angle),
+            lever_sense=sense("linkage.lever_sense", self.lever_sense),
+            branch=sense("linkage.branch", self.branch),
+        )
         gap = float(self.missing_length(np.zeros(1))[0])
         if gap > ROUNDING * (self.crank + self.coupler):
             distance = abs(self.shaft + cmath.rect(self.lever, self.lever_angle))

@@ -9,6 +9,7 @@ import numpy as np
 
 from camgeo.errors import GeometryError
 from camgeo.mechanism.triangle import ROUNDING
+from camgeo.mechanism.values import able
 from camgeo.motion.extremes import lift_range
 from camgeo.motion.motion import FULL_ORDER, Dwell, Jet, Motion, Side
 from camgeo.numeric.arrays import FloatArray
@@ -30,7 +31,8 @@ class LinkedMotion:
     Raises
     ------
     GeometryError
-        With key "linkage", if the linkage does not close somewhere in the turn; it names each range
+        With key "motion" or "linkage", if it is none; with "linkage" also if the linkage does not
+        close somewhere in the turn; it names each range
         of cam angles, the missing length, and what would close it.
     """
 
@@ -38,6 +40,8 @@ class LinkedMotion:
     linkage: Linkage
 
     def __post_init__(self) -> None:
+        able("motion", self.demanded, "jet_and_bounds", "a motion over the cam angle")
+        able("linkage", self.linkage, "transform_bounds", "a linkage")
         _, gap = self.tightest()
         if gap <= ROUNDING * (self.linkage.crank + self.linkage.coupler):
             return

@@ -9,10 +9,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from camgeo.errors import GeometryError
-from camgeo.mechanism.face import HIGHEST, Touch, spread
+from camgeo.mechanism.face import HIGHEST, Touch, face_ends, spread
 from camgeo.mechanism.follower import RelativeJet, TangentJet
+from camgeo.mechanism.values import coordinate, length, place, sense
 from camgeo.motion.motion import FULL_ORDER, Jet
 from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.checked import hold
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,8 +47,9 @@ class OscillatingFlat:
     Raises
     ------
     GeometryError
-        With key "follower.base_radius", if the face cannot be that far from the cam axis; with
-        "follower.pivot" or "follower.face_offset", if it can be at no distance.
+        With the key, if a value is not what it has to be; with "follower.base_radius" also if the
+        face cannot be that far from the cam axis, with "follower.pivot" or "follower.face_offset"
+        if it can be at no distance.
     """
 
     pivot: complex
@@ -57,6 +60,16 @@ class OscillatingFlat:
     face: tuple[float, float] | None = None
 
     def __post_init__(self) -> None:
+        own = self.direction
+        hold(
+            self,
+            pivot=place("follower.pivot", self.pivot),
+            base_radius=length("follower.base_radius", self.base_radius),
+            face_offset=coordinate("follower.face_offset", self.face_offset),
+            arm_side=sense("follower.arm_side", self.arm_side),
+            direction=None if own is None else sense("follower.direction", own),
+            face=face_ends(self.face),
+        )
         l1, f = self.centre_distance, self.face_offset
         if l1 == 0.0:
             message = "the pivot lies on the cam axis: no rocker there moves its face outward"

@@ -10,8 +10,10 @@ import numpy as np
 
 from camgeo.errors import GeometryError
 from camgeo.mechanism.follower import RelativeJet, TangentJet
+from camgeo.mechanism.values import length, place, radius, sense
 from camgeo.motion.motion import FULL_ORDER, Jet
 from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.checked import hold
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,7 +38,8 @@ class OscillatingRoller:
     Raises
     ------
     GeometryError
-        With key "follower.base_radius", if the triangle cannot close, or closes only stretched out.
+        With the key, if a value is not what it has to be; with "follower.base_radius" also if the
+        triangle cannot close, or closes only stretched out.
     """
 
     pivot: complex
@@ -47,6 +50,16 @@ class OscillatingRoller:
     direction: int | None = 1
 
     def __post_init__(self) -> None:
+        own = self.direction
+        hold(
+            self,
+            pivot=place("follower.pivot", self.pivot),
+            arm=length("follower.arm", self.arm),
+            base_radius=length("follower.base_radius", self.base_radius),
+            roller_radius=radius("follower.roller_radius", self.roller_radius),
+            arm_side=sense("follower.arm_side", self.arm_side),
+            direction=None if own is None else sense("follower.direction", own),
+        )
         low, high = abs(self.centre_distance - self.arm), self.centre_distance + self.arm
         if not low < self.base_radius < high:
             raise GeometryError(

@@ -16,8 +16,10 @@ import numpy as np
 
 from camgeo.errors import GeometryError
 from camgeo.mechanism.triangle import ROUNDING, half_angle, turning
+from camgeo.mechanism.values import angle, length, sense, truth
 from camgeo.motion.motion import FULL_ORDER, Jet
 from camgeo.numeric.arrays import ComplexArray, FloatArray
+from camgeo.numeric.checked import hold
 
 if TYPE_CHECKING:
     from camgeo.mechanism.linkage_protocol import Size
@@ -31,7 +33,8 @@ class SliderCrank:
     ----------
     crank : l_sk, crank on the rocker shaft [mm].
     coupler : l_4 [mm].
-    deflection : alpha_sk, angle of the crank from the perpendicular to the guide at stroke 0 [rad].
+    deflection : alpha_sk, angle of the crank from the perpendicular to the guide at stroke 0 [rad],
+        -pi/2 to pi/2.
     leans_away : True if at stroke 0 the crank leans away from the slider (Q21 "ja"),
         s_0 = l_4 - l_sk sin alpha_sk; False if towards it, s_0 = l_4 + l_sk sin alpha_sk.
     slider_side : +1 if at stroke 0 the slider is to the left of the rocker shaft, -1 to the right
@@ -45,7 +48,8 @@ class SliderCrank:
     Raises
     ------
     GeometryError
-        With key "linkage", if the linkage does not close at stroke 0.
+        With the key, if a value is not what it has to be; with "linkage", if the linkage does not
+        close at stroke 0.
     """
 
     crank: float
@@ -58,6 +62,18 @@ class SliderCrank:
     mirrored: bool = False
 
     def __post_init__(self) -> None:
+        right = 0.5 * math.pi
+        hold(
+            self,
+            crank=length("linkage.crank", self.crank),
+            coupler=length("linkage.coupler", self.coupler),
+            deflection=angle("linkage.crank_deflection", self.deflection, -right, right),
+            leans_away=truth("linkage.crank_leans", self.leans_away),
+            slider_side=sense("linkage.slider_side", self.slider_side),
+            stroke_direction=sense("linkage.stroke_direction", self.stroke_direction),
+            branch=sense("linkage.branch", self.branch),
+            mirrored=truth("linkage.mirrored", self.mirrored),
+        )
         gap = self.missing_length(np.zeros(1))[0]
         if gap > 0.0:
             raise GeometryError(

@@ -7,10 +7,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from camgeo.mechanism.face import HIGHEST, Touch, spread
+from camgeo.mechanism.face import HIGHEST, Touch, face_ends, spread
 from camgeo.mechanism.follower import RelativeJet, TangentJet
+from camgeo.mechanism.values import angle, length, sense
 from camgeo.motion.motion import FULL_ORDER, Jet
 from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.checked import hold
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,16 +30,30 @@ class TranslatingFlat:
     Attributes
     ----------
     base_radius : r_G, cam axis to face at cam angle 0 [mm].
-    guide_angle : direction of the guide away from the cam, from the x axis [rad].
+    guide_angle : direction of the guide away from the cam, from the x axis [rad], -2 pi to 2 pi.
     direction : kappa_F, +1 if a positive lift moves the face outward (F-cam), -1 inward (P-cam).
     face : where the face begins and ends [mm], along the face from the foot of the cam axis on it,
         positive to the right when looking along the guide; None if it is as long as it needs to be.
+
+    Raises
+    ------
+    GeometryError
+        With the key, if a value is not what it has to be.
     """
 
     base_radius: float
     guide_angle: float = math.pi / 2.0
     direction: int = 1
     face: tuple[float, float] | None = None
+
+    def __post_init__(self) -> None:
+        hold(
+            self,
+            base_radius=length("follower.base_radius", self.base_radius),
+            guide_angle=angle("follower.guide_angle", self.guide_angle),
+            direction=sense("follower.direction", self.direction),
+            face=face_ends(self.face),
+        )
 
     @property
     def rocks(self) -> bool:

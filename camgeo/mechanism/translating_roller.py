@@ -9,8 +9,10 @@ import numpy as np
 
 from camgeo.errors import GeometryError
 from camgeo.mechanism.follower import RelativeJet, TangentJet
+from camgeo.mechanism.values import angle, coordinate, length, radius, sense
 from camgeo.motion.motion import FULL_ORDER, Jet
 from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.checked import hold
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,13 +28,13 @@ class TranslatingRoller:
     base_radius : r_G, cam axis to roller centre at cam angle 0 [mm].
     roller_radius : r_R [mm].
     offset : e [mm], positive to the right of the cam axis when looking along the guide; |e| <= r_G.
-    guide_angle : direction of the guide away from the cam, from the x axis [rad].
+    guide_angle : direction of the guide away from the cam, from the x axis [rad], -2 pi to 2 pi.
     direction : kappa_F, +1 if a positive lift moves the roller outward (F-cam), -1 inward (P-cam).
 
     Raises
     ------
     GeometryError
-        With key "offset", if the offset exceeds the base radius.
+        With the key, if a value is not what it has to be, or the offset exceeds the base radius.
     """
 
     base_radius: float
@@ -42,6 +44,14 @@ class TranslatingRoller:
     direction: int = 1
 
     def __post_init__(self) -> None:
+        hold(
+            self,
+            base_radius=length("follower.base_radius", self.base_radius),
+            roller_radius=radius("follower.roller_radius", self.roller_radius),
+            offset=coordinate("follower.offset", self.offset),
+            guide_angle=angle("follower.guide_angle", self.guide_angle),
+            direction=sense("follower.direction", self.direction),
+        )
         if abs(self.offset) > self.base_radius:
             raise GeometryError(
                 "the roller cannot lie on the base circle: the offset must not exceed"

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from camgeo.mechanism.values import length
+from camgeo.numeric.checked import hold
+
 
 @dataclass(frozen=True, slots=True)
 class Yoke:
@@ -13,6 +16,15 @@ class Yoke:
     ----------
     breadth : distance of its two faces, or of its two roller centres [mm]; None for the one with
         the least closing error.
+
+    Raises
+    ------
+    GeometryError
+        With key "follower.yoke.breadth", if that is no length above 0.
     """
 
     breadth: float | None = None
+
+    def __post_init__(self) -> None:
+        if self.breadth is not None:
+            hold(self, breadth=length("follower.yoke.breadth", self.breadth))

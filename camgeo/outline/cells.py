@@ -17,6 +17,7 @@ from typing import Any
 
 import numpy as np
 
+from camgeo.errors import GeometryError
 from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, IntArray
 from camgeo.outline.envelope import Envelope
 from camgeo.outline.path import Pivot
@@ -24,6 +25,10 @@ from camgeo.units import TURN
 
 ROUNDING = 2.0**-52 * 16.0
 """Rounding of a point, as a share of the largest length that enters it."""
+
+MOST = 1_000_000
+"""Cells halved at a time; a flank takes some thousand, and a hundred for each segment of a motion
+that has very many."""
 
 PLACE = 2.0**-52 * 32.0
 """Rounding of a path parameter [rad]: a few units in the last place of a turn."""
@@ -146,7 +151,14 @@ def _of_pivot(envelope: Envelope, number: int, low: FloatArray, high: FloatArray
 
 
 def halved(envelope: Envelope, cells: Cells) -> Cells:
-    """The cells halved, (2 n,): the lower half of cell k at 2 k, the upper one at 2 k + 1."""
+    """The cells halved, (2 n,): the lower half of cell k at 2 k, the upper one at 2 k + 1.
+
+    GeometryError if there are more than `MOST`.
+    """
+    if len(cells) > MOST:
+        raise GeometryError(
+            "the flank bends more tightly than can be looked into; it has no outline"
+        )
     middle = 0.5 * (cells.low + cells.high)
     low = np.column_stack((cells.low, middle)).ravel()
     high = np.column_stack((middle, cells.high)).ravel()

@@ -6,7 +6,7 @@ import numpy as np
 
 from camgeo.curve.extremes import extremes
 from camgeo.curve.pitch_curve import PitchCurve
-from camgeo.curve.turn_cells import turn_cells
+from camgeo.curve.turn_cells import halves, turn_cells
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.motion.extremes import lift_range
@@ -45,8 +45,7 @@ def is_clear(pitch: PitchCurve, point: complex, radius: float, own: tuple[float,
         near = distance - reach < (1.0 - CLOSE) * radius
         if not np.any(near):
             return True
-        low, middle, high = low[near], middle[near], high[near]
-        low, high = np.concatenate((low, middle)), np.concatenate((middle, high))
+        low, high = halves(low, high, near)
     return True  # touched, to rounding
 
 

@@ -17,7 +17,7 @@ import numpy as np
 from camgeo.curve.closure import joints
 from camgeo.curve.extremes import Extremes, extremes
 from camgeo.curve.pitch_curve import PitchCurve
-from camgeo.curve.turn_cells import turn_cells
+from camgeo.curve.turn_cells import halves, turn_cells
 from camgeo.mechanism.face import FlatFollower, Touch
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray, ascending
@@ -110,8 +110,7 @@ def _distances(curve: PitchCurve) -> Extremes:
     def contact(phi: FloatArray, side: Side) -> FloatArray:
         return np.asarray(touch(curve, phi, side).contact[0])
 
-    slopes = (velocity, contact) if curve.follower.rocks else (velocity,)
-    return extremes(curve, lambda phi, side: touch(curve, phi, side).distance, *slopes)
+    return extremes(curve, lambda phi, side: touch(curve, phi, side).distance, velocity, contact)
 
 
 def _smallest_radius(curve: PitchCurve) -> Extreme:
@@ -142,8 +141,7 @@ def _smallest_radius(curve: PitchCurve) -> Extreme:
         near = at.pace[0] <= half * curve.speed_bounds(low, high)[1]
         if not np.any(near):
             break
-        low, middle, high = low[near], middle[near], high[near]
-        low, high = np.concatenate((low, middle)), np.concatenate((middle, high))
+        low, high = halves(low, high, near)
     return found
 
 

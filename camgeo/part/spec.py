@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from camgeo.mechanism.values import angle, length
+from camgeo.numeric.checked import hold, instance
+
 
 @dataclass(frozen=True, slots=True)
 class Keyway:
@@ -13,12 +16,26 @@ class Keyway:
     ----------
     width : width of the slot [mm].
     depth : from the bore's edge to the bottom, measured on the middle line [mm] (t2 of DIN 6885).
-    angle : direction of the middle line from the x axis at cam angle 0 [rad], counter-clockwise.
+    angle : direction of the middle line from the x axis at cam angle 0 [rad], counter-clockwise,
+        -2 pi to 2 pi.
+
+    Raises
+    ------
+    GeometryError
+        With the key, if a value is not what it has to be.
     """
 
     width: float
     depth: float
     angle: float = 0.0
+
+    def __post_init__(self) -> None:
+        hold(
+            self,
+            width=length("part.keyway.width", self.width),
+            depth=length("part.keyway.depth", self.depth),
+            angle=angle("part.keyway.angle", self.angle),
+        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,6 +50,11 @@ class PartSpec:
     rim : diameter of the blank, the outer boundary of a groove cam or of a cam whose roller runs
         inside ("outer" contact).
     groove_depth : of a groove cam, less than the thickness; the groove is open to the upper face.
+
+    Raises
+    ------
+    GeometryError
+        With the key, if a value is not what it has to be.
     """
 
     thickness: float | None = None
@@ -40,3 +62,11 @@ class PartSpec:
     keyway: Keyway | None = None
     rim: float | None = None
     groove_depth: float | None = None
+
+    def __post_init__(self) -> None:
+        for name in ("thickness", "bore", "rim", "groove_depth"):
+            value = getattr(self, name)
+            if value is not None:
+                hold(self, **{name: length(f"part.{name}", value)})
+        if self.keyway is not None:
+            instance("part.keyway", self.keyway, Keyway, "a `Keyway`, or None")

@@ -3,6 +3,21 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Final
+
+from camgeo.numeric.checked import hold, instance, positive, whole
+
+UNITS: Final = {
+    "tool_diameter": "mm",
+    "spindle_speed": "rev/min",
+    "feed": "mm/min",
+    "plunge_feed": "mm/min",
+    "pass_depth": "mm",
+    "safe_height": "mm",
+}
+"""Of what is above 0."""
+
+LARGEST_TOOL_NUMBER: Final = 99999
 
 
 @dataclass(frozen=True, slots=True)
@@ -17,6 +32,11 @@ class GcodeSpec:
     feed, plunge_feed : in the plane and along Z.
     pass_depth : largest depth of one pass; None cuts in one.
     safe_height : Z of traverses above the upper face.
+
+    Raises
+    ------
+    GeometryError
+        With the key, if a value is not what it has to be.
     """
 
     machine: str = "linuxcnc"
@@ -27,3 +47,15 @@ class GcodeSpec:
     plunge_feed: float = 100.0
     pass_depth: float | None = None
     safe_height: float = 5.0
+
+    def __post_init__(self) -> None:
+        key = "output.gcode"
+        instance(f"{key}.machine", self.machine, str, "the name or the file of a machine profile")
+        hold(
+            self,
+            tool_number=whole(f"{key}.tool_number", self.tool_number, 1, LARGEST_TOOL_NUMBER),
+        )
+        for name, unit in UNITS.items():
+            value = getattr(self, name)
+            if not (value is None and name == "pass_depth"):
+                hold(self, **{name: positive(f"{key}.{name}", value, unit)})

@@ -40,7 +40,7 @@ def mechanisms(draw: st.DrawFn) -> PitchCurve:
     """Any mechanism, with a roller that may be far too large."""
     curve = draw(st.one_of(wild_pitch_curves(), pitch_curves(BENT), linked_pitch_curves(BENT)))
     if draw(st.booleans()):
-        radius = draw(st.floats(0.0, 0.9)) * curve.follower.base_radius
+        radius = draw(st.one_of(st.just(0.0), st.floats(1e-12, 0.9))) * curve.follower.base_radius
         return with_roller(curve, radius)
     return curve
 

@@ -9,7 +9,8 @@ import pytest
 from hypothesis import given
 
 from camgeo.curve.pitch_curve import PitchCurve
-from camgeo.curve.turn_cells import slowest, turn_cells
+from camgeo.curve.turn_cells import MOST, halves, slowest, turn_cells
+from camgeo.errors import GeometryError
 from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.motion.plan import Dwell, MotionPlan
 from camgeo.units import TURN
@@ -44,3 +45,17 @@ def test_of_a_circle_the_bound_is_near_its_radius() -> None:
     pitch = PitchCurve(MotionPlan((Dwell(Decimal(360)),)), TranslatingRoller(40.0, 5.0), 1)
     h = np.pi / 64.0
     assert slowest(pitch) == pytest.approx(40.0 * (1.0 - h - 0.5 * h * h), rel=1e-12)
+
+
+def test_halves_fill_the_cells_that_are_asked_for() -> None:
+    low, high = np.array([0.0, 1.0, 2.0]), np.array([1.0, 2.0, 4.0])
+    lows, highs = halves(low, high, np.array([True, False, True]))
+    assert sorted(zip(lows.tolist(), highs.tolist(), strict=True)) == [
+        (0.0, 0.5), (0.5, 1.0), (2.0, 3.0), (3.0, 4.0),
+    ]  # fmt: skip
+
+
+def test_cells_without_end_are_refused() -> None:
+    many = np.zeros(MOST + 1)
+    with pytest.raises(GeometryError, match="too steep"):
+        halves(many, many, many == 0.0)

@@ -235,7 +235,7 @@ def test_what_a_turning_slide_has_not() -> None:
 @pytest.mark.parametrize("length", [0.0, -1.0, math.nan, math.inf])
 def test_lengths_must_be_positive(length: float) -> None:
     for given_lengths in ((length, 1.0), (1.0, length)):
-        with pytest.raises(GeometryError, match="positive length"):
+        with pytest.raises(GeometryError, match="positive number"):
             CrankSlide(*given_lengths)
 
 

@@ -15,7 +15,7 @@ from tests.reference import POLYNOMIAL
 RISE = MotionPlan((Move(Decimal(180), 20.0, POLYNOMIAL), Move(Decimal(180), 0.0, POLYNOMIAL)))
 
 
-@pytest.mark.parametrize("offset", [50.001, -50.001, math.inf])
+@pytest.mark.parametrize("offset", [50.001, -50.001])
 def test_an_offset_above_the_base_radius_is_refused(offset: float) -> None:
     with pytest.raises(GeometryError, match="must not exceed the base radius, 50 mm") as caught:
         TranslatingRoller(50.0, 5.0, offset=offset)

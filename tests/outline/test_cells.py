@@ -14,6 +14,7 @@ from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import GeometryError
 from camgeo.outline.cells import Cells, enclose, halved
 from camgeo.outline.envelope import Envelope
+from tests.reference import hard_case, pitch_curve_of
 from tests.strategies import attack, signs, wild_pitch_curves
 
 
@@ -85,3 +86,11 @@ def test_a_box_that_is_too_small_is_seen() -> None:
     local = (ends - cells.middle) * np.conj(cells.tangent)
     with pytest.raises(AssertionError):
         assert np.all(np.abs(local.real) <= 0.5 * cells.along)
+
+
+def test_cells_without_end_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    envelope = envelope_of(pitch_curve_of(hard_case("HC18")[0]), 1)
+    cells = cells_of(envelope, 4)
+    monkeypatch.setattr("camgeo.outline.cells.MOST", len(cells) - 1)
+    with pytest.raises(GeometryError, match="more tightly than can be looked into"):
+        halved(envelope, cells)

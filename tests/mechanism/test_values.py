@@ -1,0 +1,217 @@
+"""Every class of the engine that takes numbers refuses what is none, at its own door."""
+
+from __future__ import annotations
+
+import importlib
+import inspect
+import math
+import pkgutil
+import sys
+import tracemalloc
+from collections.abc import Callable, Iterator
+from dataclasses import fields, is_dataclass, replace
+from decimal import Decimal
+from functools import partial
+from typing import Any
+
+import numpy as np
+import pytest
+
+import camgeo
+from camgeo.check.limits import Limits
+from camgeo.curve.pitch_curve import PitchCurve
+from camgeo.curve.working_curve import WorkingCurve
+from camgeo.errors import GeometryError
+from camgeo.files.specs import DxfSpec
+from camgeo.mechanism.conjugate import return_on_carriage, return_on_lever
+from camgeo.mechanism.crank_slide import CrankSlide
+from camgeo.mechanism.crank_slide_drive import DrivenSlide
+from camgeo.mechanism.crank_slider import CrankSlider
+from camgeo.mechanism.four_bar import FourBar
+from camgeo.mechanism.linkage import LinkedMotion
+from camgeo.mechanism.oscillating_flat import OscillatingFlat
+from camgeo.mechanism.oscillating_roller import OscillatingRoller
+from camgeo.mechanism.slider_crank import SliderCrank
+from camgeo.mechanism.translating_flat import TranslatingFlat
+from camgeo.mechanism.translating_roller import TranslatingRoller
+from camgeo.mechanism.yoke import Yoke
+from camgeo.motion.plan import MotionPlan, Move
+from camgeo.part.spec import Keyway, PartSpec
+from camgeo.toolpath.spec import GcodeSpec
+from tests.reference import POLYNOMIAL
+
+ROOMS = ("mechanism", "curve", "part", "check", "toolpath", "files")
+
+RESULTS = {"SlideTable", "Table"}
+"""Classes that freeze what was computed, and are given nothing by anyone else."""
+
+RISE = MotionPlan((Move(Decimal(180), 5.0, POLYNOMIAL), Move(Decimal(180), 0.0, POLYNOMIAL)))
+ROLLER = TranslatingRoller(40.0, 10.0, offset=5.0)
+ROCKER = OscillatingRoller(100.0 + 0j, 80.0, 60.0, 10.0)
+CRANK = SliderCrank(50.0, 120.0, 0.2, True, 1, 1, 1)
+PITCH = PitchCurve(RISE, ROLLER, 1)
+
+EXAMPLES: tuple[Any, ...] = (
+    ROLLER,
+    ROCKER,
+    TranslatingFlat(40.0, face=(-10.0, 10.0)),
+    OscillatingFlat(100.0 + 0j, 60.0, 1.0, face=(10.0, 90.0)),
+    Yoke(80.0),
+    CRANK,
+    CrankSlider(CRANK),
+    FourBar(40.0, 90.0, 80.0, 100.0 + 0j, 2.0, 1, 1),
+    LinkedMotion(RISE, CRANK),
+    CrankSlide(10.0, 20.0),
+    DrivenSlide(CrankSlide(10.0, 20.0), 5.0),
+    PITCH,
+    WorkingCurve(PITCH, -10.0),
+    Keyway(6.0, 3.0, 0.5),
+    PartSpec(10.0, 20.0, Keyway(6.0, 3.0), 200.0, 5.0),
+    Limits(1.0),
+    GcodeSpec(pass_depth=2.0),
+    DxfSpec(),
+)
+"""One sound object of each class."""
+
+SIGNED = {"offset", "face_offset", "guide_angle", "deflection", "lever_angle", "angle", "distance"}
+"""Numbers that may be negative; all others are above 0, or 0 as the radius of a knife edge."""
+
+ANGLES = {"guide_angle", "deflection", "lever_angle", "angle", "transmission_angle"}
+
+ANY_SIZE = {"CrankSlide", "DrivenSlide"}
+"""What is computed from ratios alone, of lengths as large or small as doubles are."""
+
+NEVER: tuple[Any, ...] = (
+    math.nan, -math.nan, math.inf, -math.inf, 1e308, -1e308, 10**400, np.float64("nan"), 3.0 + 4.0j,
+    "5", "", b"5", True, False, [1.0], (1.0,), {}, object(), np.array([1.0, 2.0]), Decimal("NaN"),
+    complex(math.nan, 0.0), complex(0.0, math.inf), complex(1e308, 0.0), int, len,
+)  # fmt: skip
+"""What no number, point, sense, text or part of a mechanism is, but for what `allowed` says."""
+
+SMALL = (-1.0, -5, -1e-3, -5e-324, 5e-324, 2.2250738585072014e-308, 1e-300, 1e-31, -1e30)
+"""What no length above 0 is."""
+
+MOST_CALLS = 3000
+"""Calls of functions in which a value is refused."""
+
+MOST_BYTES = 100_000
+
+Refusal = tuple[str, Callable[[], object]]
+
+
+def allowed(annotation: str, value: Any) -> bool:
+    """Whether `value` is of what the annotation names: not of interest here."""
+    if isinstance(value, str):
+        return annotation == "str"
+    if isinstance(value, bool):
+        return annotation == "bool"
+    if isinstance(value, complex):
+        finite = math.isfinite(abs(value)) and abs(value) < 1e300
+        return annotation == "complex" and finite
+    return False
+
+
+def refusals() -> Iterator[Refusal]:
+    """A name, and a call that has to be refused, for every field of every example."""
+    for example in EXAMPLES:
+        for each in fields(example):
+            for value in bad_values(each.name, str(each.type), type(example).__name__):
+                name = f"{type(example).__name__}.{each.name}={value!r:.30}"
+                yield name, partial(replace, example, **{each.name: value})
+    builders: tuple[tuple[Callable[..., object], object, dict[str, float]], ...] = (
+        (return_on_carriage, ROLLER, {"spacing": 90.0, "offset": 1.0, "roller_radius": 9.0}),
+        (return_on_lever, ROCKER, {"arm_angle": 1.4, "arm": 70.0, "roller_radius": 9.0}),
+    )
+    for function, main, sound in builders:
+        for key in sound:
+            values = [*NEVER] if key == "offset" else [*NEVER, *SMALL]
+            values = [90.0, *NEVER] if key == "arm_angle" else values
+            for value in values:
+                given: dict[str, Any] = {**sound, key: value}
+                name = f"{function.__name__}({key}={value!r:.30})"
+                yield name, partial(function, main, **given)
+
+
+def bad_values(name: str, annotation: str, owner: str) -> list[Any]:
+    values = [value for value in NEVER if not allowed(annotation, value)]
+    if "None" not in annotation:
+        values.append(None)
+    signed = name in SIGNED and not (name == "distance" and owner == "CrankSlide")
+    if owner in ANY_SIZE:
+        return [value for value in values if not (type(value) is float and 0.0 < value < math.inf)]
+    if annotation.startswith("float") and not signed:
+        values += SMALL
+    if annotation.startswith("int"):
+        values += [0, -2, 0.5, 100_000]
+    if name in ANGLES:
+        values += [90.0, -90.0, 1e30]
+    return values
+
+
+REFUSALS = list(refusals())
+
+
+def bounded(call: Callable[[], object]) -> None:
+    """Make the call; fail as soon as it needs more work than refusing takes."""
+    calls = 0
+
+    def count(*_: object) -> None:
+        nonlocal calls
+        calls += 1
+        assert calls < MOST_CALLS
+
+    tracemalloc.start()
+    sys.setprofile(count)
+    try:
+        call()
+    finally:
+        sys.setprofile(None)
+        peak = tracemalloc.get_traced_memory()[1]
+        tracemalloc.stop()
+        assert peak < MOST_BYTES
+
+
+def test_there_are_values_enough() -> None:
+    assert len(REFUSALS) >= 500
+
+
+@pytest.mark.parametrize(("name", "call"), REFUSALS, ids=[name for name, _ in REFUSALS])
+def test_what_is_no_value_is_refused_with_its_key(name: str, call: Callable[[], object]) -> None:
+    with pytest.raises(GeometryError) as caught:
+        bounded(call)
+    assert caught.value.key
+    assert caught.value.message
+
+
+def test_degrees_are_told_from_radians() -> None:
+    with pytest.raises(GeometryError, match="radians") as caught:
+        TranslatingRoller(40.0, 10.0, guide_angle=90.0)
+    assert caught.value.key == "follower.guide_angle"
+    assert caught.value.value == "90.0"
+
+
+def test_what_is_kept_is_the_number_that_was_given() -> None:
+    roller = TranslatingRoller(40, np.float64(10.0), guide_angle=1)
+    assert roller == TranslatingRoller(40.0, 10.0, guide_angle=1.0)
+    assert [type(each) for each in (roller.base_radius, roller.roller_radius)] == [float, float]
+
+
+def test_every_class_with_values_of_its_own_is_tried() -> None:
+    found: set[Any] = set()
+    for room in ROOMS:
+        package = importlib.import_module(f"camgeo.{room}")
+        for info in pkgutil.walk_packages(package.__path__, f"camgeo.{room}."):
+            module = importlib.import_module(info.name)
+            found |= {
+                each
+                for each in vars(module).values()
+                if inspect.isclass(each) and each.__module__ == info.name
+                if is_dataclass(each) and hasattr(each, "__post_init__")
+            }
+    public: list[Any] = [getattr(camgeo, name) for name in camgeo.__all__ if name != "Finding"]
+    found |= {
+        each for each in public if is_dataclass(each) and each.__module__.split(".")[1] in ROOMS
+    }
+    tried = {type(example) for example in EXAMPLES}
+    assert {each.__name__ for each in found - tried} <= RESULTS
+    assert tried <= found
