@@ -5,19 +5,17 @@ The schema is the one definition of keys, types and ranges; a test holds the pag
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-import camgeo
+from camgeo.scene.schema import schema
 
 PAGE = Path(__file__).with_name("scene.md")
-SCHEMA = Path(camgeo.__file__).with_name("scene") / "schema.json"
 
 HEAD = """# The scene file
 
-<!-- Made from camgeo/scene/schema.json by docs/scene_page.py; change it there. -->
+<!-- Made from the declarations that `camgeo.scene.schema` composes, by docs/scene_page.py. -->
 
 A scene is one TOML file that states what is wanted. `camgeo new KIND` writes one to start from,
 with a comment on every key; `fixtures/scenes` holds more. Lengths are in the unit of
@@ -33,9 +31,8 @@ are added as they are written: 359.999 is not 360.
 
 def page() -> str:
     """The page's text."""
-    schema = json.loads(SCHEMA.read_text(encoding="utf-8"))
     parts = [HEAD]
-    for heading, description, rows in _tables(schema):
+    for heading, description, rows in _tables(schema()):
         parts.append(f"\n## {heading}\n" + (f"\n{description}\n" if description else ""))
         if rows:
             parts.append("\n| key | |\n|---|---|\n")

@@ -23,6 +23,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Protocol
 
+from camgeo.mechanism.kind import Touching, Unit
 from camgeo.motion.motion import FULL_ORDER, Jet
 from camgeo.numeric.arrays import FloatArray
 
@@ -84,6 +85,9 @@ class Follower(Protocol):
     reach : way of the roller centre a unit of lift [1 or mm/rad], positive if a positive lift moves
         the rocker counter-clockwise, or the roller outward along the guide. Of a flat face that
         rocks, whose contact wanders, the one at cam angle 0 if the cam rests there.
+    lift_unit : of its lift.
+    touching : what of it touches the cam, "roller" or "face", as sentences call it.
+    pivot : what it swings about, seen from the cam axis, complex [mm]; None on a guide.
     rocks : whether it swings about a pivot, its lift an angle; else it slides along a guide.
     is_flat : whether a flat face touches the cam; else a roller does.
     ahead : derivatives of the lift that R_k takes beyond the k-th. A flat face takes one, so that
@@ -98,6 +102,15 @@ class Follower(Protocol):
 
     @property
     def roller_radius(self) -> float: ...
+
+    @property
+    def lift_unit(self) -> Unit: ...
+
+    @property
+    def touching(self) -> Touching: ...
+
+    @property
+    def pivot(self) -> complex | None: ...
 
     @property
     def rocks(self) -> bool: ...

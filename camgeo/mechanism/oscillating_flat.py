@@ -11,6 +11,7 @@ import numpy as np
 from camgeo.errors import GeometryError
 from camgeo.mechanism.face import HIGHEST, Touch, face_ends, spread
 from camgeo.mechanism.follower import RelativeJet, TangentJet
+from camgeo.mechanism.kind import Touching, Unit
 from camgeo.mechanism.values import coordinate, length, place, sense
 from camgeo.motion.motion import FULL_ORDER, Jet
 from camgeo.numeric.arrays import FloatArray
@@ -89,6 +90,16 @@ class OscillatingFlat:
                 key="follower.base_radius",
                 value=f"{self.base_radius:g}",
             )
+
+    @property
+    def lift_unit(self) -> Unit:
+        """See `Follower`."""
+        return "rad"
+
+    @property
+    def touching(self) -> Touching:
+        """See `Follower`."""
+        return "face"
 
     @property
     def rocks(self) -> bool:

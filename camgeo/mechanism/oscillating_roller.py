@@ -10,6 +10,7 @@ import numpy as np
 
 from camgeo.errors import GeometryError
 from camgeo.mechanism.follower import RelativeJet, TangentJet
+from camgeo.mechanism.kind import Touching, Unit
 from camgeo.mechanism.values import length, place, radius, sense
 from camgeo.motion.motion import FULL_ORDER, Jet
 from camgeo.numeric.arrays import FloatArray
@@ -88,6 +89,16 @@ class OscillatingRoller:
     def swing_sense(self) -> int:
         """Sense in which a positive lift turns the rocker: +1 counter-clockwise, -1 clockwise."""
         return 1 if self.direction is None else self.direction * self.arm_side
+
+    @property
+    def lift_unit(self) -> Unit:
+        """See `Follower`."""
+        return "rad"
+
+    @property
+    def touching(self) -> Touching:
+        """See `Follower`."""
+        return "roller"
 
     @property
     def rocks(self) -> bool:

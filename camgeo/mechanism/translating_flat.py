@@ -9,6 +9,7 @@ import numpy as np
 
 from camgeo.mechanism.face import HIGHEST, Touch, face_ends, spread
 from camgeo.mechanism.follower import RelativeJet, TangentJet
+from camgeo.mechanism.kind import Touching, Unit
 from camgeo.mechanism.values import angle, length, sense
 from camgeo.motion.motion import FULL_ORDER, Jet
 from camgeo.numeric.arrays import FloatArray
@@ -54,6 +55,21 @@ class TranslatingFlat:
             direction=sense("follower.direction", self.direction),
             face=face_ends(self.face),
         )
+
+    @property
+    def lift_unit(self) -> Unit:
+        """See `Follower`."""
+        return "mm"
+
+    @property
+    def touching(self) -> Touching:
+        """See `Follower`."""
+        return "face"
+
+    @property
+    def pivot(self) -> None:
+        """See `Follower`: none."""
+        return None
 
     @property
     def rocks(self) -> bool:

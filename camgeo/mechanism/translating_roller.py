@@ -9,6 +9,7 @@ import numpy as np
 
 from camgeo.errors import GeometryError
 from camgeo.mechanism.follower import RelativeJet, TangentJet
+from camgeo.mechanism.kind import Touching, Unit
 from camgeo.mechanism.values import angle, coordinate, length, radius, sense
 from camgeo.motion.motion import FULL_ORDER, Jet
 from camgeo.numeric.arrays import FloatArray
@@ -59,6 +60,21 @@ class TranslatingRoller:
                 key="follower.offset",
                 value=f"{self.offset:g}",
             )
+
+    @property
+    def lift_unit(self) -> Unit:
+        """See `Follower`."""
+        return "mm"
+
+    @property
+    def touching(self) -> Touching:
+        """See `Follower`."""
+        return "roller"
+
+    @property
+    def pivot(self) -> None:
+        """See `Follower`: none."""
+        return None
 
     @property
     def rocks(self) -> bool:

@@ -13,10 +13,9 @@ import numpy as np
 from camgeo.check.limits import Limits
 from camgeo.errors import Fault, GeometryError
 from camgeo.files.specs import DxfSpec
+from camgeo.mechanism.declared.registry import FOLLOWERS, LINKAGES
+from camgeo.mechanism.kind import SIGNS, Values
 from camgeo.mechanism.linkage import LinkedMotion
-from camgeo.mechanism.oscillating_roller import OscillatingRoller
-from camgeo.mechanism.slider_crank import SliderCrank
-from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.motion.plan import Dwell, MotionPlan
 from camgeo.motion.planning import plan_motion
 from camgeo.part.spec import Keyway, PartSpec
@@ -31,25 +30,12 @@ from camgeo.toolpath.spec import GcodeSpec
 from camgeo.units import RPM, TURN
 
 if TYPE_CHECKING:
-    from camgeo.mechanism.kinds import AnyFlat, AnyFollower, RollerFollower
+    from camgeo.mechanism.kinds import AnyFollower, RollerFollower
     from camgeo.mechanism.linkage_protocol import Linkage
     from camgeo.mechanism.yoke import Yoke
     from camgeo.motion.time_course import SpeedCurve
 
 Built = TypeVar("Built")
-
-SIGNS: Final = {
-    "ccw": 1,
-    "cw": -1,
-    "outward": 1,
-    "inward": -1,
-    "left": 1,
-    "right": -1,
-}
-"""The engine's signs for the scene's words."""
-
-BRANCHES: Final = {"cw": 1, "ccw": -1}
-"""Signs of the linkage's branch: +1 with the crank's tip clockwise of the slider pin."""
 
 PATH_STEP: Final = re.compile(r"([A-Za-z0-9_-]+)|\[(\d+)\]")
 
@@ -92,76 +78,18 @@ class Builder:
         values = self.values
         if not values.sound("follower"):
             return None
-        table: dict[str, Any] = values.get("follower")
-        direction = SIGNS[table.get("direction", "outward")]
-        base_radius = self._mm * table["base_radius"]
-        if values.flat:
-            return self._flat(table, direction, base_radius)
-        roller_radius = self._mm * table["roller_radius"]
-        if table["kind"] == "translating-roller":
-            return self._engine(
-                ("follower",),
-                lambda: TranslatingRoller(
-                    base_radius=base_radius,
-                    roller_radius=roller_radius,
-                    offset=self._mm * table.get("offset", 0.0),
-                    guide_angle=math.radians(table.get("guide_angle", 90.0)),
-                    direction=direction,
-                ),
-            )
-        return self._engine(
-            ("follower",),
-            lambda: OscillatingRoller(
-                pivot=self._mm * complex(*table["pivot"]),
-                arm=self._mm * table["arm"],
-                base_radius=base_radius,
-                roller_radius=roller_radius,
-                arm_side=SIGNS[table.get("arm_side", "ccw")],
-                # A linkage gives the rocker's own angle, sign and all.
-                direction=None if values.has("linkage") else direction,
-            ),
-        )
-
-    def _flat(self, table: dict[str, Any], direction: int, base_radius: float) -> AnyFlat | None:
-        """A flat-faced follower, see `follower`."""
-        from camgeo.mechanism.oscillating_flat import OscillatingFlat  # few cams have a flat face
-        from camgeo.mechanism.translating_flat import TranslatingFlat
-
-        face = tuple(self._mm * end for end in table["face"]) if "face" in table else None
-        if table["kind"] == "translating-flat":
-            return TranslatingFlat(
-                base_radius=base_radius,
-                guide_angle=math.radians(table.get("guide_angle", 90.0)),
-                direction=direction,
-                face=face,
-            )
-        return self._engine(
-            ("follower",),
-            lambda: OscillatingFlat(
-                pivot=self._mm * complex(*table["pivot"]),
-                base_radius=base_radius,
-                face_offset=self._mm * table.get("face_offset", 0.0),
-                arm_side=SIGNS[table.get("arm_side", "ccw")],
-                direction=None if self.values.has("linkage") else direction,
-                face=face,
-            ),
-        )
+        kind = FOLLOWERS[values.get("follower", "kind")]
+        return self._engine(("follower",), lambda: kind.build(self._table("follower")))
 
     def returning(self, follower: AnyFollower) -> RollerFollower | None:
         """The return roller of a conjugate pair; None if there is none, or none that works."""
         table: dict[str, Any] | None = self.values.get("follower", "return")
         if table is None:
             return None
-        # few scenes have one
-        from camgeo.mechanism.conjugate import return_on_carriage, return_on_lever
-
-        lengths = ("spacing", "offset", "arm", "roller_radius")
-        given = _given(table, dict.fromkeys(lengths, self._mm))
-        if isinstance(follower, TranslatingRoller):
-            return self._engine(("follower",), lambda: return_on_carriage(follower, **given))
-        assert isinstance(follower, OscillatingRoller)  # the only other kind that may have one
-        angle = math.radians(table["arm_angle"])
-        return self._engine(("follower",), lambda: return_on_lever(follower, angle, **given))
+        build = FOLLOWERS[self.values.get("follower", "kind")].build_return
+        assert build is not None  # the schema of other kinds has no such table
+        given = self._table("follower", "return")
+        return self._engine(("follower",), lambda: build(follower, given))
 
     def _yoke(self) -> Yoke | None:
         table: dict[str, Any] | None = self.values.get("follower", "yoke")
@@ -176,50 +104,24 @@ class Builder:
 
         Of a slider-crank the follower's kind decides which member makes the demanded motion.
         """
-        table: dict[str, Any] | None = self.values.get("linkage")
-        if table is None:
+        if self.values.get("linkage") is None:
             return None
-        if table["kind"] == "four-bar":
-            return self._engine(("linkage",), lambda: self._four_bar(table))
-        if self.values.slides:
-            return self._engine(("linkage",), lambda: self._crank_slider(table))
-        return self._engine(("linkage",), lambda: self._slider_crank(table))
+        kind = LINKAGES[self.values.get("linkage", "kind")]
+        given, follower = self._table("linkage"), self.values.follower_kind
+        unit = next(iter(kind.members)) if follower is None else follower.unit
+        if unit not in kind.members:
+            return None  # which is told
+        return self._engine(("linkage",), lambda: kind.build(given, unit))
 
-    def _slider_crank(self, table: dict[str, Any]) -> SliderCrank:
-        return SliderCrank(
-            crank=self._mm * table["crank"],
-            coupler=self._mm * table["coupler"],
-            deflection=math.radians(table["crank_deflection"]),
-            leans_away=table["crank_leans"] == "away",
-            slider_side=SIGNS[table.get("slider_side", "left")],
-            stroke_direction=SIGNS[table["stroke_direction"]],
-            branch=BRANCHES[table["branch"]],
-            mirrored=table.get("mirrored", False),
-        )
-
-    def _crank_slider(self, table: dict[str, Any]) -> Linkage:
-        from camgeo.mechanism.crank_slider import CrankSlider  # few scenes have one
-
-        return CrankSlider(self._slider_crank(table))
-
-    def _four_bar(self, table: dict[str, Any]) -> Linkage:
-        from camgeo.mechanism.four_bar import FourBar  # few scenes have one
-
-        return FourBar(
-            crank=self._mm * table["crank"],
-            coupler=self._mm * table["coupler"],
-            lever=self._mm * table["lever"],
-            shaft=self._mm * complex(*table["shaft"]),
-            lever_angle=math.radians(table["lever_angle"]),
-            lever_sense=SIGNS[table.get("lever_sense", "ccw")],
-            branch=BRANCHES[table["branch"]],
-        )
+    def _table(self, *place: str) -> Values:
+        """The sound table at `place`."""
+        return Values(self.values.get(*place), self._mm, linked=self.values.has("linkage"))
 
     def join(self, plan: MotionPlan, follower: AnyFollower, linkage: Linkage) -> None:
         """Check that the linkage makes the motion, and moves the roller as the scene says."""
         linked = self._engine(("linkage",), lambda: LinkedMotion(plan, linkage))
         stated = self.values.get("follower", "direction")
-        if linked is None or stated is None or not follower.rocks:
+        if linked is None or stated is None or follower.pivot is None:
             return
         arm_side = SIGNS[self.values.get("follower", "arm_side") or "ccw"]
         strokes = [segment.to for segment in plan.segments if not isinstance(segment, Dwell)]
@@ -228,8 +130,7 @@ class Builder:
         swing = float(linkage.transform(jet)[0, 0])
         if swing * farthest * arm_side * SIGNS[stated] < 0.0:
             found = "inward" if stated == "outward" else "outward"
-            what = "face" if follower.is_flat else "roller"
-            message = f"contradicts the linkage, which moves the {what} {found}"
+            message = f"contradicts the linkage, which moves the {follower.touching} {found}"
             hint = f'leave it out, write "{found}", or turn one of the linkage\'s choices'
             self.faults.append(self.values.scene.fault(("follower", "direction"), message, hint))
 

@@ -5,21 +5,18 @@ from __future__ import annotations
 import pathlib
 from typing import Final
 
+from camgeo.mechanism.declared.registry import FOLLOWERS, LINKAGES
+
 TEMPLATES: Final = pathlib.Path(__file__).with_name("templates")
 
 KINDS: Final = (
-    "translating-roller",
-    "oscillating-roller",
+    *FOLLOWERS,
     "knife-edge",
-    "translating-flat",
-    "oscillating-flat",
     "groove",
     "conjugate-carriage",
     "conjugate-lever",
     "constant-breadth",
-    "slider-crank",
-    "crank-slider",
-    "four-bar",
+    *(name for kind in LINKAGES.values() for name in kind.templates),
 )
 """What `template` has a scene for; the first is the default of the command line."""
 

@@ -9,6 +9,7 @@ from typing import Final
 
 from camgeo.errors import Fault
 from camgeo.files.specs import LARGEST_TOLERANCE, SMALLEST_TOLERANCE
+from camgeo.mechanism.declared.registry import FOLLOWERS, LINKAGES
 from camgeo.motion.laws import find_family
 from camgeo.motion.planning import AUTO
 from camgeo.scene.folder import beside
@@ -105,6 +106,9 @@ TILTS: Final = (
     " goes with the length of the guide"
 )
 """What is said to the friction of a guide of a flat-faced follower that has no length."""
+
+DRIVES: Final = {"mm": "turns a rocker", "rad": "moves a guided follower"}
+"""What a linkage does that cannot drive a follower whose lift has that unit."""
 
 MACHINES: Final = ("linuxcnc",)
 """Machine profiles that come with camgeo; any other is a file."""
@@ -263,12 +267,16 @@ def a_yoke_stands_astride(values: SoundValues) -> Iterator[Fault]:
             yield values.scene.fault(("effects", name), message)
 
 
-def face_has_a_length(values: SoundValues) -> Iterator[Fault]:
-    """A face ends behind its beginning."""
-    face = values.get("follower", "face")
-    if face is not None and not face[0] < face[1]:
-        message = "must end beyond where it begins, [from, to]"
-        yield values.scene.fault(("follower", "face"), message)
+def followers_keep_their_own_rules(values: SoundValues) -> Iterator[Fault]:
+    """What the follower's kind declares of its keys."""
+    kind = values.follower_kind
+    if kind is None:
+        return
+    known = {key: values.get("follower", key) for key in kind.schema["properties"]}
+    table = {key: value for key, value in known.items() if value is not None}
+    for rule in kind.rules:
+        for key, message in rule(table):
+            yield values.scene.fault(("follower", key), message)
 
 
 def rollers_have_what_is_theirs(values: SoundValues) -> Iterator[Fault]:
@@ -296,13 +304,15 @@ def rollers_have_what_is_theirs(values: SoundValues) -> Iterator[Fault]:
         yield values.scene.fault(("limits", "radius_ratio"), FOR_ROLLERS)
 
 
-def four_bar_turns_a_rocker(values: SoundValues) -> Iterator[Fault]:
-    """A translating follower cannot be driven through a four-bar."""
-    if values.get("linkage", "kind") == "four-bar" and values.slides:
-        message = (
-            'a four-bar turns a rocker: it needs kind = "oscillating-roller" or "oscillating-flat"'
-        )
-        yield values.scene.fault(("follower", "kind"), message)
+def linkage_drives_the_follower(values: SoundValues) -> Iterator[Fault]:
+    """A linkage may drive rockers only, or guided followers only."""
+    linkage, follower = values.get("linkage", "kind"), values.follower_kind
+    if linkage is None or follower is None or follower.unit in LINKAGES[linkage].members:
+        return
+    units = LINKAGES[linkage].members
+    fitting = " or ".join(f'"{each.name}"' for each in FOLLOWERS.values() if each.unit in units)
+    message = f"a {linkage} {DRIVES[follower.unit]}: it needs kind = {fitting}"
+    yield values.scene.fault(("follower", "kind"), message)
 
 
 def effects_know_the_linkage(values: SoundValues) -> Iterator[Fault]:
@@ -470,17 +480,10 @@ def _largest_length(values: SoundValues) -> float | None:
     """The mechanism's largest length, in the scene's unit."""
     if not (values.sound("follower") and values.sound("motion")):
         return None
-    lengths: list[float] = [
-        abs(values.get("follower", key) or 0.0)
-        for key in ("base_radius", "roller_radius", "offset", "arm", "face_offset")
-    ]
-    lengths += [
-        abs(values.get("follower", "return", key) or 0.0)
-        for key in ("spacing", "offset", "arm", "roller_radius")
-    ]
-    pivot = values.get("follower", "pivot")
-    if pivot is not None:
-        lengths.append(math.hypot(*pivot))
+    kind = values.follower_kind
+    assert kind is not None  # the table is sound
+    sizes = (values.get("follower", *key.split(".")) for key in kind.sizes)
+    lengths = [math.hypot(*size) if isinstance(size, list) else abs(size or 0.0) for size in sizes]
     if not values.angular:
         ends = (values.get("motion", index, "to") for index in range(values.segments))
         lengths.extend(abs(end) for end in ends if end is not None)
@@ -496,9 +499,9 @@ RULES: Final[tuple[Rule, ...]] = (
     swing_is_possible,
     a_return_disc_has_a_main_disc,
     a_yoke_stands_astride,
-    face_has_a_length,
+    followers_keep_their_own_rules,
     rollers_have_what_is_theirs,
-    four_bar_turns_a_rocker,
+    linkage_drives_the_follower,
     effects_know_the_linkage,
     formats_have_what_they_need,
     contact_and_part_agree,

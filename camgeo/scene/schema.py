@@ -1,6 +1,7 @@
 """The JSON Schema of the scene format: the one definition of its keys, types and ranges.
 
-Besides the keywords of JSON Schema it carries these, for the messages:
+It is composed: of the file beside this module, and of what followers and linkages declare of their
+tables. Besides the keywords of JSON Schema it carries these, for the messages:
 
 x-allowed : what is allowed, in words; else the words follow from type and range.
 x-foreign : group of entry points by whose names other distributions add keys to the table.
@@ -20,6 +21,8 @@ from typing import Any, Final
 
 from jsonschema_rs import Draft202012Validator
 
+from camgeo.scene.kinds import with_kinds
+
 SCHEMA_FILE: Final = pathlib.Path(__file__).with_name("schema.json")
 
 Node = dict[str, Any]
@@ -29,8 +32,7 @@ Node = dict[str, Any]
 @functools.cache
 def schema() -> Node:
     """Return the schema; it is shared and must not be changed."""
-    loaded: Node = json.loads(SCHEMA_FILE.read_bytes())
-    return loaded
+    return with_kinds(json.loads(SCHEMA_FILE.read_bytes()))
 
 
 @functools.cache

@@ -4,20 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Collection
 from decimal import Decimal
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any
 
+from camgeo.mechanism.declared.registry import FOLLOWERS, LINKAGES
+from camgeo.mechanism.kind import UNIT_OF, FollowerKind
 from camgeo.scene.document import Document
 from camgeo.scene.keys import Path, value_at
 from camgeo.units import MM_PER, LengthUnit
 
-ROCKERS: Final = ("oscillating-roller", "oscillating-flat")
-"""Kinds of followers that swing about a pivot."""
-
-SLIDERS: Final = ("translating-roller", "translating-flat")
-"""Kinds of followers that move along a guide."""
-
-FLATS: Final = ("translating-flat", "oscillating-flat")
-"""Kinds of followers that touch the cam with a flat face."""
+if TYPE_CHECKING:
+    from camgeo.mechanism.linkage_protocol import Member
 
 
 class SoundValues:
@@ -79,26 +75,31 @@ class SoundValues:
         return len(motion) if isinstance(motion, list) else 0
 
     @property
-    def flat(self) -> bool:
-        """Whether the follower has a flat face."""
-        return self.get("follower", "kind") in FLATS
+    def follower_kind(self) -> FollowerKind | None:
+        """What kind of follower it is; None if that is not known."""
+        return FOLLOWERS.get(self.get("follower", "kind") or "")
 
     @property
-    def angular(self) -> bool:
-        """Whether positions of the motion are angles.
-
-        Of an oscillating follower without linkage, the lever of a four-bar, or the crank that the
-        slider of a translating follower turns.
-        """
-        rocks: bool = self.get("follower", "kind") in ROCKERS
-        if self.lacks("linkage"):
-            return rocks
-        linkage = self.get("linkage", "kind")
-        angular: bool = linkage == "four-bar" or (linkage == "slider-crank" and self.slides)
-        return angular
+    def flat(self) -> bool:
+        """Whether the follower has a flat face."""
+        return self.follower_kind is not None and self.follower_kind.touching == "face"
 
     @property
     def slides(self) -> bool:
         """Whether the follower is a translating one."""
-        slides: bool = self.get("follower", "kind") in SLIDERS
-        return slides
+        return self.follower_kind is not None and self.follower_kind.unit == "mm"
+
+    @property
+    def far_end(self) -> Member | None:
+        """Whose motion a linkage's far end makes; None without one, or if that is not known."""
+        linkage, follower = self.get("linkage", "kind"), self.follower_kind
+        if linkage is None or follower is None:
+            return None
+        return LINKAGES[linkage].members.get(follower.unit)
+
+    @property
+    def angular(self) -> bool:
+        """Whether positions of the motion are angles: of the follower, or of a linkage's end."""
+        if self.lacks("linkage"):
+            return self.follower_kind is not None and self.follower_kind.unit == "rad"
+        return self.far_end is not None and UNIT_OF[self.far_end] == "rad"

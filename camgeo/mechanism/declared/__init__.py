@@ -1,0 +1,1 @@
+"""The kinds of followers and linkages, each declared without what computes with it."""
