@@ -6,15 +6,15 @@ files need are imported only then, so that a check stays as quick as its sums.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from functools import cached_property
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from camgeo.cam.cam import Cam
 from camgeo.cam.drive import Drive
 from camgeo.check.finding import Finding
 from camgeo.check.judge import Judgement
-from camgeo.lazy import Ledger
+from camgeo.lazy import Ledger, built
+from camgeo.pickled import Pickled
 from camgeo.specification import Specification
 from camgeo.workpiece import Workpiece
 
@@ -29,25 +29,28 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Design:
+class Design(Pickled):
     """What follows from a scene, on demand.
 
-    Errors of the mechanism are raised as `GeometryError` when the quantity is asked for.
+    Errors of the mechanism are raised as `GeometryError` when the quantity is asked for. Any number
+    of threads may ask; pickles and copies carry the scene, and compute anew.
+
+    Attributes
+    ----------
+    scene : what is asked for.
+    ledger : what was computed, and how long it took; give it a `progress` and a `cancelled` to
+        follow or end a long computation.
     """
 
     scene: Specification
-
-    @cached_property
-    def ledger(self) -> Ledger:
-        """What was computed of this design, and how long it took."""
-        return Ledger()
+    ledger: Ledger = field(default_factory=Ledger, repr=False, compare=False)
 
     @property
     def name(self) -> str:
         """Name of the design, the stem of its files."""
         return self.scene.name
 
-    @cached_property
+    @built
     def drive(self) -> Drive:
         """What moves the follower."""
         scene = self.scene
@@ -57,7 +60,7 @@ class Design:
             unit = "rad" if scene.follower.rocks else "mm"
         return Drive(scene.plan, scene.linkage, unit, scene.speed, scene.speed_curve, self.ledger)
 
-    @cached_property
+    @built
     def cams(self) -> tuple[Cam, ...]:
         """The cam; of a conjugate pair the main one and the return one, of the same drive."""
         scene = self.scene
@@ -67,7 +70,8 @@ class Design:
         )  # fmt: skip
         if scene.returning is None:
             return (main,)
-        other = Cam(self.drive, scene.returning, scene.rotation, scene.contact)
+        beside = Ledger(beside=self.ledger)
+        other = Cam(self.drive, scene.returning, scene.rotation, scene.contact, ledger=beside)
         return (main, other)
 
     @property
@@ -77,7 +81,7 @@ class Design:
 
     # Checks -----------------------------------------------------------------------------------
 
-    @cached_property
+    @built
     def judgement(self) -> Judgement:
         """What the checks find."""
         scene = self.scene
@@ -98,7 +102,7 @@ class Design:
 
     # Effects ----------------------------------------------------------------------------------
 
-    @cached_property
+    @built
     def effects(self) -> Effects:
         """The effects that the scene calls for, each computed when it is asked for."""
         from camgeo.effects.graph import Effects  # few scenes name an effect
@@ -130,7 +134,7 @@ class Design:
 
     # Files ------------------------------------------------------------------------------------
 
-    @cached_property
+    @built
     def discs(self) -> tuple[Workpiece, ...]:
         """The discs as they are made, the main one first."""
         pieces: list[Workpiece] = []

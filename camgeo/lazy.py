@@ -66,6 +66,10 @@ class Ledger:
         self._open: list[str] = []
         self._inner: list[float] = []
 
+    def __reduce__(self) -> tuple[type[Ledger], tuple[()]]:
+        """A copy or pickle is an empty ledger: what was computed stays behind, and so do hooks."""
+        return Ledger, ()
+
     def once(self, name: str, known: MutableMapping[str, Any], make: Callable[[], Any]) -> Any:
         """What stands in `known` under `name`; if nothing does, what `make` gives stands there now.
 
@@ -147,14 +151,30 @@ class lazy(Generic[Out]):
     def __get__(self, instance: HasLedger | None, owner: type) -> Self | Out:
         if instance is None:
             return self
+        return self.find(instance)
+
+    def find(self, instance: HasLedger) -> Out:
+        """The value, made now if no thread has made it."""
         found: Out = instance.ledger.once(self.name, instance.__dict__, lambda: self.make(instance))
         return found
+
+
+class built(lazy[Out]):
+    """A property that is put together at most once and computes nothing, so no ledger has it."""
+
+    def find(self, instance: HasLedger) -> Out:
+        """See `lazy.find`."""
+        with instance.ledger.lock:
+            if self.name not in instance.__dict__:
+                instance.__dict__[self.name] = self.make(instance)
+            found: Out = instance.__dict__[self.name]
+            return found
 
 
 def lazy_names(owner: type) -> tuple[str, ...]:
     """Names of the lazy quantities of a class, in the order of their definition."""
     found = [
         name for each in reversed(owner.__mro__) for name, value in vars(each).items()
-        if isinstance(value, lazy)
+        if isinstance(value, lazy) and not isinstance(value, built)
     ]  # fmt: skip
     return tuple(dict.fromkeys(found))

@@ -18,6 +18,7 @@ from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.motion.motion import Jet, Side
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.part.spec import PartSpec
+from camgeo.pickled import Pickled
 from camgeo.units import MM_PER, LengthUnit
 
 if TYPE_CHECKING:
@@ -46,7 +47,7 @@ TOPOLOGY_TOLERANCE = 0.01
 
 
 @dataclass(frozen=True)
-class Workpiece:
+class Workpiece(Pickled):
     """One disc as its files show it; a `camgeo.files.product.Product`.
 
     Attributes

@@ -27,7 +27,7 @@ def design() -> Design:
 
 
 def test_nothing_is_computed_on_loading(design: Design, monkeypatch: pytest.MonkeyPatch) -> None:
-    assert set(vars(design)) == {"scene"}
+    assert set(vars(design)) == {"scene", "ledger"}
     calls: list[str] = []
     jet = pitch_curve.PitchCurve.relative_jet
 

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from camgeo.cam.contact import Contact, flank_distances
 from camgeo.cam.disc import Disc
-from camgeo.lazy import Ledger
+from camgeo.lazy import Ledger, built
 from camgeo.motion.plan import MotionPlan
+from camgeo.pickled import Pickled
 
 if TYPE_CHECKING:
     from camgeo.cam.breadth import Breadth
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Cam:
+class Cam(Pickled):
     """One disc with what it moves; a conjugate pair is two of them, of one drive.
 
     Attributes
@@ -38,7 +38,7 @@ class Cam:
     yoke: Yoke | None = None
     ledger: Ledger = field(default_factory=Ledger, repr=False, compare=False)
 
-    @cached_property
+    @built
     def disc(self) -> Disc:
         """The body."""
         return Disc(
@@ -55,7 +55,7 @@ class Cam:
         """d [mm] of each flank in use: negative for the inner one, positive for the outer one."""
         return tuple(flank_distances(self.contact, self.disc.flank_distance).values())
 
-    @cached_property
+    @built
     def breadth(self) -> Breadth | None:
         """How wide the disc is between the two sides of its yoke; None if there is no yoke."""
         if self.yoke is None:

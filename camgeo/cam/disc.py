@@ -11,6 +11,7 @@ from camgeo.curve.extremes import Extremes
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.lazy import Ledger, lazy
+from camgeo.pickled import Pickled
 
 if TYPE_CHECKING:
     from camgeo.cam.drive import Drive
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Disc:
+class Disc(Pickled):
     """The curves of a disc, on demand; GeometryError where the mechanism does not exist.
 
     Attributes

@@ -18,6 +18,7 @@ from camgeo.mechanism.linkage_protocol import Member
 from camgeo.motion.motion import Jet, Motion, Side
 from camgeo.motion.plan import MotionPlan
 from camgeo.numeric.arrays import FloatArray, merged
+from camgeo.pickled import Pickled
 from camgeo.units import TURN
 
 if TYPE_CHECKING:
@@ -31,7 +32,7 @@ Demanded = Literal["follower"] | Member
 
 
 @dataclass(frozen=True)
-class Drive:
+class Drive(Pickled):
     """What moves the follower, on demand; nothing is computed before it is asked for.
 
     Cam angles are in radians, any number of turns, arrays (n,); lengths in mm.

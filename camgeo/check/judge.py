@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
-from functools import cached_property
 from typing import TYPE_CHECKING, Final
 
 from camgeo.check.closure import check_closure
@@ -18,8 +17,9 @@ from camgeo.check.speed import check_speed
 from camgeo.check.standstill import check_standstill
 from camgeo.check.transmission_angle import check_transmission_angle
 from camgeo.errors import GeometryError, UndercutError
-from camgeo.lazy import Ledger, lazy
+from camgeo.lazy import Ledger, built, lazy
 from camgeo.mechanism.linkage import LinkedMotion
+from camgeo.pickled import Pickled
 
 if TYPE_CHECKING:
     from camgeo.cam.cam import Cam
@@ -41,7 +41,7 @@ RETURN: Final = "return"
 
 
 @dataclass(frozen=True)
-class Judgement:
+class Judgement(Pickled):
     """What the checks find, on demand.
 
     Attributes
@@ -67,7 +67,7 @@ class Judgement:
         found = [*self._of_main, *self._of_pair(), *_of_yoke(main, self.limits)]
         return _worst_first([*found, *motion_findings(main.drive)])
 
-    @cached_property
+    @built
     def _of_main(self) -> tuple[Finding, ...]:
         return disc_findings(self.cams[0], self.limits)
 
