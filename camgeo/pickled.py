@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import fields
+from types import MappingProxyType
 from typing import Any, TypeVar
 
 from camgeo._version import __version__
@@ -25,13 +26,18 @@ class Pickled:
     __slots__ = ()
 
     def __reduce__(self) -> tuple[Any, ...]:
-        given = (each.name for each in fields(self) if each.init)  # type: ignore[arg-type]
-        return pickled(type(self), **{name: getattr(self, name) for name in given})
+        names = (each.name for each in fields(self) if each.init)  # type: ignore[arg-type]
+        return pickled(type(self), **{name: _plain(getattr(self, name)) for name in names})
 
 
 def pickled(make: Callable[..., Any], **given: Any) -> tuple[Any, ...]:
     """What `__reduce__` of a class returns whose objects are made by `make` of what is `given`."""
     return _again, (make, __version__, given)
+
+
+def _plain(value: Any) -> Any:
+    """A mapping that is read-only as one that can be pickled; its owner makes it so again."""
+    return dict(value) if isinstance(value, MappingProxyType) else value
 
 
 def _again(make: Callable[..., Made], version: str, given: dict[str, Any]) -> Made:

@@ -2,9 +2,21 @@
 
 from __future__ import annotations
 
-from typing import Final
+from typing import Any, Final
+
+from camgeo.errors import GeometryError
+from camgeo.numeric import checked
 
 Boundary = tuple[float | None, float | None]
 """Velocity s' and acceleration s'' at a point; None where it is free."""
 
 FREE: Final[Boundary] = (None, None)
+
+
+def boundary_of(key: str, values: Any) -> Boundary:
+    """`values` as a boundary; GeometryError unless it is two numbers, or None where free."""
+    if not isinstance(values, tuple | list) or len(values) != 2:
+        raise GeometryError(
+            "must be a velocity and an acceleration, None where free", key, checked.shown(values)
+        )
+    return checked.optional(key, values[0]), checked.optional(key, values[1])

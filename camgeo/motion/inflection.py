@@ -7,7 +7,7 @@ with the stretching. f'' stays continuous at lambda wherever the base law has f'
 
 from __future__ import annotations
 
-from camgeo.motion.laws import find_family
+from camgeo.motion.laws import law_of
 from camgeo.motion.laws.law import Law
 
 
@@ -16,4 +16,4 @@ def shift(law: Law, inflection: float) -> Law:
 
     Raises GeometryError if lambda is not inside (0, 1) or the law has none.
     """
-    return find_family(law.name).law(law.task, {**law.parameters, "inflection": inflection})
+    return law_of(law.name, law.task, {**law.parameters, "inflection": inflection})

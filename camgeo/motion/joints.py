@@ -6,9 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from camgeo.motion.plan import FULL_TURN, MotionPlan
+from camgeo.motion.plan import MotionPlan
+from camgeo.motion.spans import FULL_TURN
 from camgeo.motion.task import End, end_of
+from camgeo.numeric import checked
 from camgeo.numeric.arrays import FloatArray, ascending, frozen
+from camgeo.pickled import Pickled
 from camgeo.units import TURN
 
 ROUNDING = 1e-9
@@ -20,7 +23,7 @@ JUMP = 1e-10
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Joint:
+class Joint(Pickled):
     """A place where two segments meet; the first one is cam angle 0, where the turn closes.
 
     Attributes
@@ -39,6 +42,9 @@ class Joint:
     order: int
     left: FloatArray
     right: FloatArray
+
+    def __post_init__(self) -> None:
+        checked.hold(self, left=frozen(self.left, np.float64), right=frozen(self.right, np.float64))
 
 
 def joints(plan: MotionPlan) -> tuple[Joint, ...]:
@@ -69,8 +75,8 @@ def _joints_at(plan: MotionPlan, angles: FloatArray) -> tuple[Joint, ...]:
             before=end_of(float(left[1, k]), float(left[2, k])),
             after=end_of(float(right[1, k]), float(right[2, k])),
             order=int(np.argmax([*jumps[:, k], True])) - 1,
-            left=frozen(left[:, k], np.float64),
-            right=frozen(right[:, k], np.float64),
+            left=left[:, k],
+            right=right[:, k],
         )
         for k in range(len(angles))
     )

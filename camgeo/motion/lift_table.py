@@ -26,7 +26,9 @@ from camgeo.motion.two_columns import (
     fault,
     read_two_columns,
 )
-from camgeo.numeric.arrays import FloatArray, frozen
+from camgeo.numeric import checked
+from camgeo.numeric.arrays import FloatArray
+from camgeo.pickled import Pickled
 
 ANGLE: Final = Column("angle", ("phi", "angle", "cam angle"), ("deg", "degree", "degrees", "°"))
 LIFT: Final = Column("lift", ("s", "lift", "psi", "swing"))
@@ -36,7 +38,7 @@ LAST_ROW: Final = 1e-9
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class LiftTable:
+class LiftTable(Pickled):
     """Lift over the cam angle, row by row.
 
     Attributes
@@ -54,8 +56,15 @@ class LiftTable:
     unit: str = ""
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "angle_deg", frozen(self.angle_deg, np.float64))
-        object.__setattr__(self, "lift", frozen(self.lift, np.float64))
+        angle, lift = checked.array("angle_deg", self.angle_deg), checked.array("lift", self.lift)
+        if len(angle) < 2 or len(angle) != len(lift) or angle[0] or np.any(np.diff(angle) <= 0.0):
+            raise GeometryError(
+                "must be 2 angles or more that ascend from 0, as many as lifts",
+                key="angle_deg",
+                value=checked.shown(angle),
+            )
+        span = checked.number("span", self.span, least=float(angle[-1]))
+        checked.hold(self, angle_deg=angle, lift=lift, span=span)
 
 
 def read_lift_table(
@@ -79,10 +88,7 @@ def read_lift_table(
         With file and line, if anything is not as said here: not a number or not a finite one, too
         few or too many rows or cells, angles that do not start at 0, ascend, or end at the span.
     """
-    if not (math.isfinite(span) and span > 0.0):
-        raise GeometryError(
-            f"the span is {span!r} degrees; allowed are numbers above 0", value=repr(span)
-        )
+    span = checked.positive("span", span, "degrees")
     table = read_two_columns(data, file, (ANGLE, LIFT))
     angles = table.first.copy()
     _check_angles(table, file, span)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from decimal import Decimal, localcontext
+from decimal import Decimal
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -19,14 +19,15 @@ from camgeo.motion.laws.law import Law
 from camgeo.motion.motion import FULL_ORDER, Jet, Side
 from camgeo.motion.motion import Dwell as DwellSpan
 from camgeo.motion.piece import Piece, spline_piece
+from camgeo.motion.spans import SHORTEST_SPAN, joints_of, span_of
+from camgeo.numeric import checked
 from camgeo.numeric.arrays import FloatArray, IntArray, ascending, frozen
+from camgeo.pickled import Pickled
 from camgeo.units import TURN
 
 if TYPE_CHECKING:  # only a motion by data needs splines
     from camgeo.motion.points import FitReport
     from camgeo.motion.spline import Spline
-
-FULL_TURN = Decimal(360)
 
 BLOCK = 8192
 """Points worked on at a time, so that intermediate results stay in the processor's cache."""
@@ -41,6 +42,9 @@ class Dwell:
     """A rest over `span` degrees of cam angle, exactly as written; 0 is allowed."""
 
     span: Decimal
+
+    def __post_init__(self) -> None:
+        checked.hold(self, span=span_of(self.span))
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,6 +61,15 @@ class Move:
     to: float
     law: Law
     scale: float | None = None
+
+    def __post_init__(self) -> None:
+        checked.instance("law", self.law, Law, "a motion law")
+        checked.hold(
+            self,
+            span=span_of(self.span, SHORTEST_SPAN),
+            to=checked.finite("to", self.to),
+            scale=checked.optional("scale", self.scale),
+        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,12 +88,19 @@ class Course:
     spline: Spline
     report: FitReport | None = None
 
+    def __post_init__(self) -> None:
+        knots = getattr(self.spline, "knots", None)
+        if knots is None or (knots[0], knots[-1]) != (0.0, 1.0):
+            raise GeometryError("must be a spline over 0 to 1", "spline", checked.shown(knots))
+        span, to = span_of(self.span, SHORTEST_SPAN), checked.finite("to", self.to)
+        checked.hold(self, span=span, to=to)
+
 
 Segment = Dwell | Move | Course
 
 
 @dataclass(frozen=True)
-class MotionPlan:
+class MotionPlan(Pickled):
     """Segments that fill one turn; the lift is counted from the position at cam angle 0.
 
     Attributes
@@ -98,20 +118,9 @@ class MotionPlan:
     joints_deg: tuple[Decimal, ...] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
-        joints = [Decimal(0)]
-        with localcontext() as context:
-            context.prec = 400  # sums of written decimals stay exact
-            for segment in self.segments:
-                joints.append(joints[-1] + segment.span)
-        if any(segment.span < 0 for segment in self.segments):
-            raise GeometryError("a span cannot be negative", key="motion")
-        if joints[-1] != FULL_TURN:
-            raise GeometryError(
-                f"the spans add up to {joints[-1]} degrees, they must add up to exactly 360",
-                key="motion",
-                value=str(joints[-1]),
-            )
-        object.__setattr__(self, "joints_deg", tuple(joints))
+        segments = checked.instances("motion", self.segments, (Dwell, Move, Course), "segments")
+        joints = joints_of(segment.span for segment in segments)
+        checked.hold(self, segments=segments, joints_deg=joints)
         position = 0.0
         for number, segment in enumerate(self.segments, start=1):
             if isinstance(segment, Dwell):

@@ -21,7 +21,6 @@ C. de Boor, A Practical Guide to Splines, ch. XIV (smoothing); C. H. Reinsch, Nu
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final
@@ -29,21 +28,18 @@ from typing import Final
 import numpy as np
 
 from camgeo.errors import GeometryError
-from camgeo.motion.boundary import FREE, Boundary
+from camgeo.motion.boundary import FREE, Boundary, boundary_of
 from camgeo.motion.interpolation import interpolate
-from camgeo.motion.smoothing import Smoothing, from_stress
+from camgeo.motion.smoothing import HIGHEST, Smoothing, from_stress
 from camgeo.motion.spline import Spline
 from camgeo.motion.spline_energy import hermite
+from camgeo.numeric import checked
 from camgeo.numeric.arrays import BoolArray, FloatArray
 
 MOST_UNEQUAL: Final = 1e6
 """Largest allowed ratio of the longest to the shortest distance of neighbouring points. The solve
 keeps eight digits there; but what rounding the points' own values have counts ever more in the
 slope between near ones."""
-
-SPANS: Final = (1e-30, 1e30)
-HIGHEST: Final = 1e100
-"""Allowed spans of x and sizes of y: within them no fifth derivative overflows."""
 
 MIN_RING: Final = 3
 """Points of the smallest ring that can be solved."""
@@ -271,18 +267,11 @@ def _report(x: FloatArray, deviation: FloatArray, length: float) -> FitReport:
 
 
 def _checked(x: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:
-    x, y = np.asarray(x, dtype=np.float64), np.asarray(y, dtype=np.float64)
-    if x.ndim != 1 or x.shape != y.shape:
+    x, y = checked.array("x", x), checked.array("y", y, largest=HIGHEST)
+    if x.shape != y.shape:
         raise GeometryError(f"x {x.shape} and y {y.shape} must be two rows of equal length")
     if len(x) < 2:
         raise GeometryError(f"{len(x)} points are too few; at least 2 are allowed")
-    for name, values in (("x", x), ("y", y)):
-        wrong = np.flatnonzero(~np.isfinite(values))
-        if len(wrong):
-            raise GeometryError(
-                f"{name} of point {wrong[0]} is {values[wrong[0]]}, allowed are finite numbers",
-                value=repr(float(values[wrong[0]])),
-            )
     step = np.diff(x)
     wrong = np.flatnonzero(step <= 0.0)
     if len(wrong):
@@ -294,18 +283,14 @@ def _checked(x: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:
             " allowed is only ascending",
             value=repr(float(x[place + 1])),
         )
+    checked.positive("x", x[-1] - x[0])
     _check_spacing(step)
-    span, height = float(x[-1] - x[0]), float(np.max(np.abs(y)))
-    if not (SPANS[0] <= span <= SPANS[1] and height <= HIGHEST):
-        raise GeometryError(
-            f"the points span {span:g} and have heights up to {height:g}; allowed are spans from"
-            f" {SPANS[0]:g} to {SPANS[1]:g} and heights up to {HIGHEST:g}"
-        )
     return x, y
 
 
 def _check_spacing(step: FloatArray) -> None:
-    found = float(np.max(step) / np.min(step))
+    with np.errstate(over="ignore"):
+        found = float(np.max(step) / np.min(step))
     if not found <= MOST_UNEQUAL * (1.0 + 1e-6):
         place = int(np.argmin(step))
         raise GeometryError(
@@ -319,10 +304,9 @@ def _ring(
     x: FloatArray, y: FloatArray, period: float, rise: float, gap: float
 ) -> tuple[FloatArray, FloatArray]:
     """The points of one period without the closing one."""
-    if not (math.isfinite(period) and period > 0.0 and math.isfinite(rise)):
-        raise GeometryError(
-            f"period {period!r} and rise {rise!r}: allowed are a period above 0 and a finite rise"
-        )
+    period = checked.positive("period", period)
+    rise = checked.number("rise", rise, largest=HIGHEST)
+    gap = checked.number("gap", gap, least=0.0, largest=HIGHEST)
     rest = float(x[0]) + period - float(x[-1])
     rounding = 4.0 * np.spacing(max(abs(float(x[0])), abs(float(x[-1])), period))
     if rest < -rounding:
@@ -351,20 +335,9 @@ def _prescribed(
     nodes = np.zeros((len(y), 3))
     fixed = np.zeros((len(y), 3), dtype=np.bool_)
     nodes[:, 0] = y
-    for index in inner:
-        if not 0 < index < len(y) - 1:
-            raise GeometryError(
-                f"point {index} is no inner point; allowed are 1 to {len(y) - 2}", value=str(index)
-            )
-    for index, values in ((0, start), (len(y) - 1, end), *inner.items()):
-        for column, value in zip((VELOCITY, ACCELERATION), values, strict=True):
-            if value is None:
-                continue
-            if not math.isfinite(value):
-                raise GeometryError(
-                    f"the derivative prescribed at point {index} is {value}; allowed are finite"
-                    " numbers",
-                    value=repr(value),
-                )
-            nodes[index, column], fixed[index, column] = value, True
+    places = (checked.whole("inner", index, 1, len(y) - 2) for index in inner)
+    for index, values in ((0, start), (len(y) - 1, end), *zip(places, inner.values(), strict=True)):
+        for column, value in enumerate(boundary_of("inner", values), start=VELOCITY):
+            if value is not None:
+                nodes[index, column], fixed[index, column] = value, True
     return nodes, fixed

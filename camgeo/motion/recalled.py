@@ -24,7 +24,8 @@ keeping them would cost memory that no one asked for."""
 class RecalledPlan(MotionPlan):
     """The plan of the same segments, which keeps the last answer of each side.
 
-    The answer is read-only, and the same array for the same question.
+    The answer is read-only, and the same array for the same question. Threads need no lock: an
+    answer is kept and found together with its question.
     """
 
     _last: dict[Side, tuple[FloatArray, Jet]] = field(
@@ -36,8 +37,9 @@ class RecalledPlan(MotionPlan):
         last = self._last.get(side)
         if last is not None and np.array_equal(last[0], phi):
             return last[1]
+        phi = np.array(phi, dtype=np.float64)  # of our own, before it is evaluated
         found = super().jet(phi, side, _order)
         found.flags.writeable = False
         if found.shape[1] <= MOST:
-            self._last[side] = (np.array(phi, dtype=np.float64), found)
+            self._last[side] = phi, found
         return found

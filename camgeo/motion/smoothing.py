@@ -15,6 +15,7 @@ from camgeo.motion.spline_energy import (
     pieces,
     positions,
 )
+from camgeo.numeric import checked
 from camgeo.numeric.arrays import BoolArray, FloatArray
 
 LONGEST: Final = 1e4
@@ -28,6 +29,10 @@ NEAR_ENOUGH: Final = 0.97
 """The search for a cut-off length ends with a deviation of this share of the allowed one."""
 
 MAX_SEARCH: Final = 40
+
+HIGHEST: Final = 1e100
+"""Largest size of y: with it and the spans that `camgeo.numeric.checked` allows no fifth derivative
+overflows."""
 
 TINY: Final = 1e-300
 
@@ -96,18 +101,12 @@ class Smoothing:
         if (largest_deviation is None) == (length is None):
             raise GeometryError("smoothing takes a largest deviation or a length, and not both")
         if length is not None:
-            if not 0.0 < length <= limit:
-                raise GeometryError(
-                    f"the cut-off length is {length!r}; allowed is above 0 and up to {limit:g}",
-                    value=repr(length),
-                )
+            length = checked.number("length", length, above=0.0, most=limit)
             return (*self.solve(length), length)
-        if not (largest_deviation is not None and 0.0 < largest_deviation < math.inf):
-            raise GeometryError(
-                f"the largest deviation is {largest_deviation!r}; allowed is a number above 0",
-                value=repr(largest_deviation),
-            )
-        return self._within(largest_deviation, limit)
+        return self._within(
+            checked.number("largest_deviation", largest_deviation, above=0.0, largest=HIGHEST),
+            limit,
+        )
 
     def _within(self, allowed: float, limit: float) -> tuple[FloatArray, FloatArray, float]:
         """The longest cut-off length found that keeps the deviation.

@@ -13,20 +13,25 @@ import numpy as np
 
 from camgeo.errors import GeometryError
 from camgeo.motion.motion import FULL_ORDER, Side
-from camgeo.numeric.arrays import FloatArray, IntArray, frozen
+from camgeo.numeric import checked
+from camgeo.numeric.arrays import FloatArray, IntArray
 from camgeo.numeric.extremes import Extremes, extremes_of
+from camgeo.pickled import Pickled
 
 DEGREE: Final = 5
 
 MAX_STEPS: Final = 200
 """Every third step of the root search halves the bracket, and 53 halvings of [0, 1] are enough."""
 
+LARGEST: Final = 1e200
+"""Of knots, coefficients and rise: more than those of any points within their limits."""
+
 EDGE: Final = 8.0 * 2.0**-52
 """An argument that lies outside the knots by this share of the largest of them was rounded."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Spline:
+class Spline(Pickled):
     """s(x) in pieces, each a polynomial of degree 5 at most.
 
     In piece i, with h = knots[i + 1] - knots[i] and t = (x - knots[i]) / h in [0, 1], s is the sum
@@ -52,18 +57,17 @@ class Spline:
     rise: float = 0.0
 
     def __post_init__(self) -> None:
-        knots, taylor = frozen(self.knots, np.float64), frozen(self.taylor, np.float64)
-        if knots.ndim != 1 or len(knots) < 2 or taylor.shape != (len(knots) - 1, DEGREE + 1):
+        knots = checked.array("knots", self.knots, largest=LARGEST)
+        taylor = checked.array("taylor", self.taylor, 2, LARGEST)
+        if len(knots) < 2 or taylor.shape != (len(knots) - 1, DEGREE + 1):
             raise GeometryError(
                 f"{knots.shape} knots and {taylor.shape} coefficients do not fit; allowed are"
                 f" (m + 1,) and (m, {DEGREE + 1}) with m at least 1"
             )
-        if not (np.all(np.isfinite(knots)) and np.all(np.isfinite(taylor))):
-            raise GeometryError("knots and coefficients must be finite numbers")
         if not np.all(knots[1:] > knots[:-1]):
             raise GeometryError("the knots must ascend")
-        object.__setattr__(self, "knots", knots)
-        object.__setattr__(self, "taylor", taylor)
+        rise = checked.number("rise", self.rise, largest=LARGEST)
+        checked.hold(self, knots=knots, taylor=taylor, rise=rise)
 
     @property
     def period(self) -> float:

@@ -16,10 +16,12 @@ import numpy as np
 
 from camgeo.errors import GeometryError
 from camgeo.motion.motion import Jet, Motion, Side
-from camgeo.numeric.arrays import FloatArray, ascending, frozen
+from camgeo.numeric import checked
+from camgeo.numeric.arrays import FloatArray, ascending
 from camgeo.numeric.extremes import Extremes, extremes_of
 from camgeo.numeric.peaks import grid_of, peaks
 from camgeo.numeric.roots import bracketed_roots
+from camgeo.pickled import Pickled
 from camgeo.units import TURN
 
 if TYPE_CHECKING:
@@ -73,12 +75,7 @@ class ConstantSpeed:
     speed: float
 
     def __post_init__(self) -> None:
-        if not (math.isfinite(self.speed) and self.speed > 0.0):
-            raise GeometryError(
-                "the speed of the cam must be a finite number above 0 rad/s",
-                key="speed",
-                value=repr(self.speed),
-            )
+        checked.hold(self, speed=checked.positive("speed", self.speed, "rad/s"))
 
     @property
     def borders(self) -> FloatArray:
@@ -106,7 +103,7 @@ class ConstantSpeed:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class SpeedCurve:
+class SpeedCurve(Pickled):
     """The cam angle over time by a table of one turn: a quintic spline through it, C4, periodic.
 
     Attributes
@@ -127,10 +124,9 @@ class SpeedCurve:
     spline: Spline = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
-        t, phi = frozen(self.t, np.float64), frozen(self.phi, np.float64)
-        object.__setattr__(self, "t", t)
-        object.__setattr__(self, "phi", phi)
-        if t.ndim != 1 or t.shape != phi.shape or len(t) < 4:
+        t, phi = checked.array("t", self.t), checked.array("phi", self.phi)
+        checked.hold(self, t=t, phi=phi)
+        if t.shape != phi.shape or len(t) < 4:
             raise GeometryError(
                 f"times {t.shape} and angles {phi.shape}: allowed are 4 rows or more, as many of"
                 " one as of the other",
@@ -156,7 +152,7 @@ class SpeedCurve:
                 key="speed",
                 value=repr(slowest.value),
             )
-        object.__setattr__(self, "spline", spline)
+        checked.hold(self, spline=spline)
 
     @property
     def borders(self) -> FloatArray:

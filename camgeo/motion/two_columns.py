@@ -10,6 +10,7 @@ from typing import Final
 import numpy as np
 
 from camgeo.errors import GeometryError
+from camgeo.numeric import checked
 from camgeo.numeric.arrays import FloatArray
 
 MOST_BYTES: Final = 16_000_000
@@ -151,7 +152,7 @@ def _columns(
 
 
 def _lines(data: bytes | str, file: str) -> list[str]:
-    size = len(data)
+    size = len(checked.instance("data", data, (bytes, str), "bytes or text"))
     if size > MOST_BYTES:
         raise GeometryError(
             f"{file}, line 1: the file has {size:,} bytes; allowed are {MOST_BYTES:,}",

@@ -12,7 +12,9 @@ import numpy as np
 
 from camgeo.errors import GeometryError
 from camgeo.motion.laws.law import Law
+from camgeo.numeric import checked
 from camgeo.numeric.arrays import FloatArray, frozen
+from camgeo.pickled import Pickled
 
 SMALLEST_STEP: Final = Decimal("0.000001")
 LARGEST_STEP: Final = Decimal("0.5")
@@ -30,7 +32,7 @@ PRINTED_DECIMALS_OF_Z: Final = 3
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class LawTable:
+class LawTable(Pickled):
     """Values of a law at equidistant z.
 
     Attributes
@@ -44,7 +46,7 @@ class LawTable:
     values: FloatArray
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "values", frozen(self.values, np.float64))
+        checked.hold(self, values=frozen(self.values, np.float64))
 
     def printed(self) -> list[tuple[str, str, str, str]]:
         """The rows z, f, f', f'' rounded as in the guideline: 7 decimals of f, 4 of f' and f''.
@@ -75,10 +77,12 @@ def law_table(law: Law, step: Decimal = PRINTED_STEP) -> LawTable:
     Raises
     ------
     GeometryError
-        If the step is outside these limits, or the law has parameters so extreme that its values
-        exceed what a double holds.
+        If the step is outside these limits.
     """
-    if not (step.is_finite() and SMALLEST_STEP <= step <= LARGEST_STEP):
+    if not (
+        checked.instance("step", step, Decimal, "a decimal").is_finite()
+        and SMALLEST_STEP <= step <= LARGEST_STEP
+    ):
         raise GeometryError(
             f"the step of z must be from {SMALLEST_STEP:f} to {LARGEST_STEP}",
             key="step",
@@ -90,10 +94,5 @@ def law_table(law: Law, step: Decimal = PRINTED_STEP) -> LawTable:
         count = math.ceil(1 / Fraction(step))
         z = (*(step * number for number in range(count)), Decimal(1))
     rounded = np.array([float(place) for place in z])
-    with np.errstate(over="ignore", invalid="ignore"):
-        values = np.column_stack((rounded, *law(rounded)))
-    bad = ~np.isfinite(values).all(axis=1)
-    if bad.any():
-        place = z[int(np.argmax(bad))]
-        raise GeometryError(f"the values of {law.name} are too large for a number at z = {place}")
+    values = np.column_stack((rounded, *law(rounded)))
     return LawTable(z, values + 0.0)

@@ -10,8 +10,9 @@ from __future__ import annotations
 import json
 import math
 import reprlib
-from collections.abc import Sequence
+from collections.abc import Collection, Mapping, Sequence
 from numbers import Complex, Integral, Real
+from types import MappingProxyType
 from typing import Any, Final, TypeVar
 
 import numpy as np
@@ -21,6 +22,9 @@ from camgeo.numeric.arrays import FloatArray
 
 SMALLEST: Final = 1e-30
 LARGEST: Final = 1e30
+
+LONGEST: Final = 60
+"""Characters shown of a value."""
 
 Choice = TypeVar("Choice", str, int, float)
 Kind = TypeVar("Kind")
@@ -35,8 +39,11 @@ def number(
     below: float | None = None,
     most: float | None = None,
     unit: str = "",
+    largest: float = LARGEST,
 ) -> float:
     """`value` as a float, between the bounds: `above` and `below` are excluded, the others allowed.
+
+    `largest` is the largest magnitude, for what is multiplied less or more often than lengths are.
 
     Raises
     ------
@@ -52,8 +59,8 @@ def number(
         and (most is None or found <= most)
     ):
         raise GeometryError(_allowed(above, least, below, most, unit), key, shown(value))
-    if abs(found) > LARGEST:
-        raise GeometryError(f"must be at most {LARGEST:g} in magnitude", key, shown(value))
+    if abs(found) > largest:
+        raise GeometryError(f"must be at most {largest:g} in magnitude", key, shown(value))
     if above == 0.0 and found < SMALLEST:
         raise GeometryError(f"must be at least {SMALLEST:g}", key, shown(value))
     return found
@@ -93,27 +100,59 @@ def one_of(key: str, value: Any, choices: Sequence[Choice]) -> Choice:
     raise GeometryError(f"must be one of {allowed}", key, shown(value))
 
 
-def instance(key: str, value: Any, kind: type[Kind], what: str) -> Kind:
+def among(value: object, names: Collection[str]) -> bool:
+    """Whether `value` is one of `names`; whatever else it is, it is none."""
+    return isinstance(value, str) and value in names
+
+
+def instance(key: str, value: Any, kind: type[Kind] | tuple[type[Kind], ...], what: str) -> Kind:
     """`value`; GeometryError unless it is of the class `kind`, which messages call `what`."""
     if not isinstance(value, kind):
         raise GeometryError(f"must be {what}", key, shown(value))
     return value
 
 
-def array(key: str, values: Any, dimensions: int = 1) -> FloatArray:
+def instances(key: str, values: Any, kinds: tuple[type, ...], what: str) -> tuple[Any, ...]:
+    """`values` as a tuple; GeometryError unless they are a sequence of objects of these classes."""
+    for value in instance(key, values, Sequence, f"a sequence of {what}"):
+        if not isinstance(value, kinds):
+            raise GeometryError(f"must be a sequence of {what}", key, shown(value))
+    return tuple(values)
+
+
+def optional(key: str, value: Any, unit: str = "") -> float | None:
+    """`value` as a float, or None; GeometryError unless it is a finite number or None."""
+    return None if value is None else finite(key, value, unit)
+
+
+def by_name(key: str, values: Any, largest: float = LARGEST) -> Mapping[str, float]:
+    """`values` as a read-only mapping of names to finite numbers; GeometryError if it is none.
+
+    The key of a number is its own name.
+    """
+    found = instance(key, values, Mapping, "numbers by name")
+    names = [instance(key, name, str, "numbers by name") for name in found]
+    return MappingProxyType({name: number(name, found[name], largest=largest) for name in names})
+
+
+def array(key: str, values: Any, dimensions: int = 1, largest: float = LARGEST) -> FloatArray:
     """`values` as a read-only array of finite numbers; GeometryError if they are none."""
     try:
         found = np.array(values)
     except (ValueError, OverflowError):  # rows of unequal length
         found = np.empty(())
     if found.dtype.kind not in "iuf" or found.ndim != dimensions:
-        shape = " by ".join("n" for _ in range(dimensions))
-        raise GeometryError(f"must be numbers in an array, {shape}", key, shown(values))
+        shape = "a row of numbers" if dimensions == 1 else "rows of numbers of equal length"
+        raise GeometryError(f"must be {shape}", key, shown(values))
     found = found.astype(np.float64, copy=False)
-    wrong = found[~(np.abs(found) <= LARGEST)]
+    wrong = np.flatnonzero(~(np.abs(found) <= largest))
     if len(wrong):
-        allowed = f"must be finite numbers, at most {LARGEST:g} in magnitude"
-        raise GeometryError(allowed, key, repr(float(wrong[0])))
+        raise GeometryError(
+            f"must be finite numbers, at most {largest:g} in magnitude; number {wrong[0] + 1} of"
+            " them is not",
+            key=key,
+            value=repr(float(found.ravel()[wrong[0]])),
+        )
     found.flags.writeable = False
     return found
 
@@ -127,7 +166,10 @@ def hold(owner: object, **values: Any) -> None:
 def shown(value: Any) -> str:
     """A value in a message, shortened."""
     number = _float(value)
-    return reprlib.repr(value) if math.isnan(number) else repr(number)
+    if not math.isnan(number):
+        return repr(number)
+    text = value if isinstance(value, str) else reprlib.repr(value)
+    return text if len(text) <= LONGEST else text[: LONGEST - 3] + "..."
 
 
 def _float(value: Any) -> float:

@@ -9,8 +9,8 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from camgeo.errors import GeometryError
-from camgeo.motion.laws import characteristic, make_law
-from camgeo.motion.laws.balance import QUANTITIES, balanced, equal_accelerations, inflection_for
+from camgeo.motion.laws import BALANCES, characteristic, make_law
+from camgeo.motion.laws.balance import balanced, equal_accelerations, inflection_for
 from camgeo.motion.laws.characteristic import Characteristic
 from camgeo.motion.laws.sine_straight import curved_for_velocity
 from tests.strategies import attack
@@ -46,7 +46,7 @@ def test_the_claims_of_the_guideline(law: str, quantity: str, inflection: float)
 
 
 @pytest.mark.parametrize("law", ["modified-sine", "modified-trapezoid", "polynomial-345", "scca"])
-@pytest.mark.parametrize("quantity", QUANTITIES)
+@pytest.mark.parametrize("quantity", BALANCES)
 def test_symmetric_laws_are_balanced_in_the_middle(law: str, quantity: str) -> None:
     assert balanced(law, "R-R", quantity, {}) == pytest.approx(0.5, abs=1e-12)
 

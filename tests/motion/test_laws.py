@@ -751,7 +751,7 @@ def test_names_and_aliases() -> None:
     for alias, name in ALIASES.items():
         assert find_family(alias) is FAMILIES[name]
         assert make_law(alias).name == name
-    with pytest.raises(KeyError):
+    with pytest.raises(GeometryError, match="there is no such law"):
         find_family("cycloid")
 
 

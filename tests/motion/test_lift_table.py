@@ -123,7 +123,7 @@ def test_as_much_as_is_allowed_is_read() -> None:
 
 @pytest.mark.parametrize("span", [0.0, -1.0, math.nan, math.inf])
 def test_a_poor_span_is_refused(span: float) -> None:
-    with pytest.raises(GeometryError, match="allowed are numbers above 0"):
+    with pytest.raises(GeometryError, match="must be a number above 0"):
         read_lift_table(PLAIN, "lift.csv", span)
 
 

@@ -91,8 +91,9 @@ def test_a_plan_that_does_not_close_is_refused_with_its_sum(
 
 
 def test_a_negative_span_is_refused() -> None:
-    with pytest.raises(GeometryError, match="negative"):
-        MotionPlan((Dwell(Decimal(400)), Dwell(Decimal(-40))))
+    with pytest.raises(GeometryError, match="must be from 0 to 360") as caught:
+        Dwell(Decimal(-40))
+    assert caught.value.key == "span"
 
 
 def test_a_plan_that_ends_elsewhere_is_refused_with_the_place() -> None:

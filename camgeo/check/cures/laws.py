@@ -15,7 +15,7 @@ from camgeo.check.cures.moves import (
     key_of,
     undercut_segments,
 )
-from camgeo.motion.laws import FAMILIES, characteristic
+from camgeo.motion.laws import FAMILIES, characteristic, law_of
 from camgeo.motion.laws.characteristic import acceleration_jumps
 from camgeo.motion.laws.law import Law
 from camgeo.motion.plan import MotionPlan, Move
@@ -80,7 +80,7 @@ def offers_for(plan: MotionPlan, number: int) -> list[Offer]:
     for family in FAMILIES.values():
         if TASK not in family.tasks:
             continue
-        law = family.law(TASK, {})
+        law = law_of(family.name, TASK, {})
         ends = ((law.start, before), (law.end, after))
         joins = all(
             end.velocity == 0.0 and (end.acceleration == 0.0 or bool(dwells))

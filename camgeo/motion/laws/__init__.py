@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import replace
 from typing import Final
 
 from camgeo.errors import GeometryError
@@ -21,14 +23,18 @@ from camgeo.motion.laws.scca import SCCA
 from camgeo.motion.laws.simple_sine import SIMPLE_SINE
 from camgeo.motion.laws.sine_straight import SINE_STRAIGHT
 from camgeo.motion.laws.straight_line import STRAIGHT_LINE
+from camgeo.numeric import checked
 
 __all__ = [
     "ALIASES",
+    "BALANCES",
     "FAMILIES",
+    "LARGEST",
     "LAWS",
     "Characteristic",
     "characteristic",
     "find_family",
+    "law_of",
     "make_law",
 ]
 
@@ -55,10 +61,47 @@ FAMILIES: Final[dict[str, Family]] = {
 
 ALIASES: Final[dict[str, str]] = {"cycloidal": "inclined-sine"}
 
+BALANCES: Final = ("acceleration", "jerk", "moment")
+"""Quantities of which both parts of a law can have the same extreme, see
+`camgeo.motion.laws.balance`."""
+
+LARGEST: Final = 1e50
+"""Largest magnitude of a parameter: the velocity of the steepest scene, as a part of the smallest
+stroke, has 1e42. Values of a law with larger ones overflow."""
+
 
 def find_family(name: str) -> Family:
-    """The family of that name or alias; KeyError if there is none."""
+    """The family of that name or alias.
+
+    Raises
+    ------
+    GeometryError
+        If there is none; it tells which there are.
+    """
+    known = (*FAMILIES, *ALIASES)
+    if not checked.among(name, known):
+        names = ", ".join(known)
+        raise GeometryError(f"there is no such law; there are {names}", "law", checked.shown(name))
     return FAMILIES[ALIASES.get(name, name)]
+
+
+def law_of(name: str, task: str, given: Mapping[str, float]) -> Law:
+    """The law of that name for a motion task, with the parameters `given`, see `make_law`."""
+    family = find_family(name)
+    if not checked.among(task, family.parameters):
+        tasks = ", ".join(family.tasks)
+        raise GeometryError(f"{family.name} is made for {tasks}", "task", checked.shown(task))
+    taken = family.parameters[task]
+    values = checked.by_name("parameters", given, LARGEST)
+    for key in values:
+        if key not in taken:
+            known = ", ".join(taken) or "none"
+            raise GeometryError(
+                f"{family.name} for {task} takes no {key}; its parameters: {known}",
+                key=key,
+                value=repr(values[key]),
+            )
+    return replace(family.make(task, values), recipe=(law_of, (family.name, task, dict(values))))
 
 
 def make_law(name: str, task: str = "R-R", /, **parameters: float) -> Law:
@@ -75,20 +118,14 @@ def make_law(name: str, task: str = "R-R", /, **parameters: float) -> Law:
     Raises
     ------
     GeometryError
-        If there is no such law; it tells which there are, and which values would do.
+        If there is no such law, it is not made for the task, does not take a parameter, or a value
+        is not possible; it tells which there are, and which values would do.
     """
-    try:
-        family = find_family(name)
-    except KeyError:
-        names = ", ".join((*FAMILIES, *ALIASES))
-        raise GeometryError(
-            f"there is no such law; there are {names}", key="law", value=name
-        ) from None
-    return family.law(task, parameters)
+    return law_of(name, task, parameters)
 
 
 LAWS: Final[dict[str, Law]] = {
-    name: family.law("R-R", {})
+    name: law_of(name, "R-R", {})
     for name, family in FAMILIES.items()
     if "R-R" in family.tasks and "inflection" in family.parameters["R-R"]
 }

@@ -14,10 +14,11 @@ from typing import Final
 import numpy as np
 
 from camgeo.errors import GeometryError
-from camgeo.motion.laws import find_family
+from camgeo.motion.laws import BALANCES, find_family, law_of
 from camgeo.motion.laws.characteristic import Characteristic, characteristic
 from camgeo.motion.laws.family import COUNTED_FROM_END
 from camgeo.motion.laws.pulse import DIGITS
+from camgeo.numeric import checked
 from camgeo.numeric.arrays import FloatArray
 from camgeo.numeric.roots import roots_on_grid
 
@@ -31,8 +32,6 @@ TINY: Final = 1e-300
 
 GRID: Final = 65
 """Places at which the two parts are compared before the root is bracketed."""
-
-QUANTITIES: Final = ("acceleration", "jerk", "moment")
 
 
 def equal_accelerations(name: str, task: str, given: Given) -> float:
@@ -61,19 +60,18 @@ def balanced(name: str, task: str, quantity: str, given: Given) -> float:
 
     Parameters
     ----------
-    quantity : one of `QUANTITIES`.
+    quantity : one of `BALANCES`.
 
     Raises
     ------
     GeometryError
         If the law has no inflection point, or none makes them equal.
     """
-    if quantity == "acceleration":
+    if checked.one_of("quantity", quantity, BALANCES) == "acceleration":
         return equal_accelerations(name, task, given)
-    family = find_family(name)
 
     def difference(places: FloatArray) -> FloatArray:
-        laws = (family.law(task, {**given, "inflection": float(lam)}) for lam in places)
+        laws = (law_of(name, task, {**given, "inflection": float(lam)}) for lam in places)
         return np.array([_log_ratio(characteristic(law), quantity) for law in laws])
 
     # Denser towards both ends, where one part is short.

@@ -6,13 +6,12 @@ import itertools
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from types import MappingProxyType
 from typing import Final
 
 import numpy as np
 
 from camgeo.errors import GeometryError
-from camgeo.motion.laws import FAMILIES, Characteristic, characteristic, find_family
+from camgeo.motion.laws import FAMILIES, Characteristic, characteristic, find_family, law_of
 from camgeo.motion.laws.characteristic import ROUNDING
 from camgeo.motion.laws.law import Law, Region
 from camgeo.motion.task import ends_of
@@ -137,7 +136,7 @@ def compare(task: str, given: Mapping[str, float], names: Sequence[str] = ()) ->
     ----------
     task : one of `camgeo.motion.task.TASKS`.
     given : parameters by the names that `make_law` takes.
-    names : families or aliases, in the order to be listed; KeyError if one is not known.
+    names : families or aliases, in the order to be listed; GeometryError if one is not known.
     """
     families = [find_family(name) for name in dict.fromkeys(names)] or [
         family for family in FAMILIES.values() if task in family.tasks
@@ -151,7 +150,7 @@ def _entry(name: str, task: str, given: Mapping[str, float]) -> Entry:
     ignored = tuple(key for key in given if key not in taken)
     own = {key: value for key, value in given.items() if key in taken}
     try:
-        law = family.law(task, MappingProxyType(own))
+        law = law_of(name, task, own)
         values = characteristic(law)
     except GeometryError as error:
         given_as = f"{error.key} = {error.value}: " if error.value and error.key != "task" else ""

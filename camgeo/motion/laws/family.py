@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from decimal import Decimal, localcontext
@@ -12,6 +11,7 @@ from camgeo.errors import GeometryError
 from camgeo.motion.laws.law import Law
 from camgeo.motion.laws.pulse import DIGITS, Pulse
 from camgeo.motion.laws.two_pulses import Parts, law_of_two_pulses
+from camgeo.numeric.checked import SMALLEST
 
 Given = Mapping[str, float]
 
@@ -27,7 +27,8 @@ class Family:
     ----------
     name : as written in a scene.
     parameters : for each task that it is made for, the names of the parameters it takes.
-    make : task, parameters given -> law. The names have been checked, the values have not.
+    make : task, parameters given -> law. All are numbers of names that it takes; whether they are
+        possible is its own to check.
     parts : task, parameters given -> the two pulses and what they meet, for a law that has them.
     """
 
@@ -40,31 +41,6 @@ class Family:
     def tasks(self) -> tuple[str, ...]:
         """The motion tasks that it is made for."""
         return tuple(self.parameters)
-
-    def law(self, task: str, given: Given) -> Law:
-        """The law for `task` with the parameters `given`.
-
-        Raises
-        ------
-        GeometryError
-            If it is not made for the task, does not take a parameter, or a value is not possible;
-            it tells what is.
-        """
-        if task not in self.parameters:
-            tasks = ", ".join(self.tasks)
-            raise GeometryError(f"{self.name} is made for {tasks}", key="task", value=task)
-        taken = self.parameters[task]
-        for key, value in given.items():
-            if key not in taken:
-                known = ", ".join(taken) or "none"
-                raise GeometryError(
-                    f"{self.name} for {task} takes no {key}; its parameters: {known}",
-                    key=key,
-                    value=repr(value),
-                )
-            if not math.isfinite(value):
-                raise GeometryError("must be a finite number", key=key, value=repr(value))
-        return self.make(task, given)
 
 
 def boundary_parameters(task: str, orders: str = "va") -> tuple[str, ...]:
@@ -121,10 +97,10 @@ def pulse_law(name: str, task: str, parts: Parts, given: Given, **also: float) -
 
 def inflection_at(task: str, stated: float) -> Decimal:
     """z of the inflection point, with 50 digits, from lambda as VDI 2143-1 counts it for `task`."""
-    if not 0.0 < stated < 1.0:
+    if not SMALLEST <= stated < 1.0:
         raise GeometryError(
-            "the inflection point must lie strictly between 0 and 1: the acceleration would be"
-            " infinite",
+            f"the inflection point must lie strictly between 0 and 1 (from {SMALLEST:g}): the"
+            " acceleration would be infinite",
             key="inflection",
             value=repr(stated),
         )
@@ -135,7 +111,7 @@ def inflection_at(task: str, stated: float) -> Decimal:
 def share(given: Given, key: str, default: float, *, positive: bool = False) -> Decimal:
     """A parameter that is a part of 1."""
     value = given.get(key, default)
-    if not (0.0 < value <= 1.0 or (value == 0.0 and not positive)):
-        lowest = "above 0" if positive else "from 0"
+    if not (SMALLEST <= value <= 1.0 or (value == 0.0 and not positive)):
+        lowest = f"above 0 (from {SMALLEST:g})" if positive else f"at 0, or from {SMALLEST:g}"
         raise GeometryError(f"must lie {lowest} to 1", key=key, value=repr(value))
     return Decimal(value)

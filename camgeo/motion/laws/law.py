@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 
@@ -19,6 +20,7 @@ Values = tuple[FloatArray, FloatArray, FloatArray, FloatArray]
 Formula = Callable[[FloatArray, FloatArray], Values]
 Complement = Callable[[FloatArray, FloatArray], FloatArray]
 Turns = Callable[[], tuple[float, ...]]
+Recipe = tuple[Callable[..., "Law"], tuple[Any, ...]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,6 +61,8 @@ class Boundary:
 class Law:
     """A normalised motion law: f(0) = 0, f(1) = 1.
 
+    A pickle or copy of a law has its recipe alone, and makes the law again.
+
     Attributes
     ----------
     name : as written in a scene.
@@ -70,16 +74,24 @@ class Law:
     inflection : z at which the accelerating part ends and the decelerating one begins; None for
         laws without parts.
     parameters : what it was made of, by the names that `make_law` takes.
+    recipe : the function of a module that makes it, and its arguments; every law of a family has
+        one, see `camgeo.motion.laws.law_of`.
     """
 
     name: str
     task: str
-    regions: tuple[Region, ...]
+    regions: tuple[Region, ...] = field(compare=False)
     borders: tuple[float, ...]
     start: Boundary
     end: Boundary
     inflection: float | None = None
     parameters: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
+    recipe: Recipe | None = field(default=None, repr=False)
+
+    def __reduce__(self) -> Recipe:
+        if self.recipe is None:
+            raise TypeError(f"the law {self.name} has no recipe to be made again by")
+        return self.recipe
 
     def __call__(self, z: FloatArray) -> Values:
         """f, f', f'', f''' at `z` (n,) in [0, 1]; right-hand values at the borders."""

@@ -71,6 +71,10 @@ def law_of_boundary_values(
         start=_boundary(shape, 0.0),
         end=_boundary(shape, 1.0),
         parameters=MappingProxyType(dict(parameters)),
+        recipe=(
+            law_of_boundary_values,
+            (name, task, dict(start), dict(end), dict(parameters), rise),
+        ),
     )
 
 

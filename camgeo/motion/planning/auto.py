@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from camgeo.errors import GeometryError
-from camgeo.motion.laws import FAMILIES, characteristic
+from camgeo.motion.laws import FAMILIES, characteristic, law_of
 from camgeo.motion.laws.balance import equal_accelerations
 from camgeo.motion.laws.characteristic import Characteristic, acceleration_jumps
 from camgeo.motion.laws.law import Law
@@ -95,7 +95,7 @@ def _candidates(
                 given["inflection"] = equal_accelerations(name, task, given)
         elif "inflection" in given:
             given = {key: value for key, value in given.items() if key[0] != "a"}
-        law = family.law(task, given)
+        law = law_of(name, task, given)
     except GeometryError:
         return []
     return [law] if _fits(law, known) else []

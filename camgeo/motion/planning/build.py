@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 from camgeo.errors import GeometryError
-from camgeo.motion.laws import find_family, make_law
+from camgeo.motion.laws import find_family, law_of
 from camgeo.motion.laws.law import Law
 from camgeo.motion.laws.two_point import law_of_boundary_values
 from camgeo.motion.planning.chain import Chain, Joint, Link
@@ -46,7 +46,7 @@ def named_law(chain: Chain, number: int, task: str) -> Law:
             given["inflection"] = balanced(family.name, task, request.balance, given)
         wrong = None
         try:
-            law = make_law(family.name, task, **given)
+            law = law_of(family.name, task, given)
         except GeometryError:
             wrong = out_of_reach(chain, number, family, task, given)
             if wrong is None:
@@ -69,7 +69,8 @@ def middle_law(chain: Chain, number: int, task: str) -> Law:
     given = {key: value for key, value in gentlest.items() if key in taken}
     given |= {key: known[key] for key in ("v0", "v1") if key in taken and key in known}
     with keyed(link):
-        return family.law(task, given | {k: v for k, v in request.parameters.items() if k in taken})
+        shaped = {key: value for key, value in request.parameters.items() if key in taken}
+        return law_of(family.name, task, given | shaped)
 
 
 def normalised(chain: Chain, number: int) -> dict[str, float]:

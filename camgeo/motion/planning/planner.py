@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from typing import Final
 
@@ -10,7 +9,7 @@ import numpy as np
 
 from camgeo.errors import GeometryError
 from camgeo.motion.boundary import Boundary
-from camgeo.motion.laws import ALIASES, FAMILIES, find_family, make_law
+from camgeo.motion.laws import find_family, make_law
 from camgeo.motion.plan import Course, Dwell, MotionPlan, Move, Segment
 from camgeo.motion.planning.build import keyed, law_without_stroke, named_law, normalised
 from camgeo.motion.planning.chain import STRAIGHT, Chain, chain_of
@@ -25,6 +24,8 @@ from camgeo.motion.planning.request import (
 )
 from camgeo.motion.planning.tasks import settle_straight_lines, settle_tasks, task_of
 from camgeo.motion.planning.values import settle_values
+from camgeo.motion.spans import joints_of
+from camgeo.numeric import checked
 
 PLAIN: Final = Unit()
 """No unit: values are told as they are, per radian."""
@@ -58,34 +59,16 @@ def plan_motion(requests: Sequence[Request], unit: Unit = PLAIN) -> MotionPlan:
 
 
 def _check_spans(requests: Sequence[Request]) -> None:
-    """What `MotionPlan` checks of spans, before anything is planned on them; names and numbers."""
-    for number, request in enumerate(requests):
-        if isinstance(request, MoveRequest):
-            _check_name(request.law, f"motion[{number + 1}].law")
-        if isinstance(request, MoveRequest | PointsRequest) and not math.isfinite(request.to):
-            raise GeometryError(
-                "must be a finite number", key=f"motion[{number + 1}].to", value=repr(request.to)
-            )
+    """What `MotionPlan` checks of spans, before anything is planned on them."""
+    kinds = (Rest, MoveRequest, PointsRequest, TableRequest)
+    for number, request in enumerate(checked.instances("motion", requests, kinds, "requests")):
         if request.span == 0 and not isinstance(request, Rest):
             raise GeometryError(
                 "a move of zero length cannot change the position (infinite velocity)",
                 key=f"motion[{number + 1}].span",
                 value=str(request.span),
             )
-    MotionPlan(
-        tuple(
-            Dwell(request.span)
-            if isinstance(request, Rest)
-            else Move(request.span, 0.0, make_law("polynomial-345"))
-            for request in requests
-        )
-    )
-
-
-def _check_name(law: str, key: str) -> None:
-    if law not in (AUTO, *FAMILIES, *ALIASES):
-        names = ", ".join((AUTO, *FAMILIES, *ALIASES))
-        raise GeometryError(f"there is no such law; there are {names}", key=key, value=law)
+    joints_of(request.span for request in requests)
 
 
 def _segment(chain: Chain, number: int) -> Segment:

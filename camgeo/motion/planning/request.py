@@ -8,10 +8,13 @@ from decimal import Decimal
 from types import MappingProxyType
 from typing import Final
 
-from camgeo.motion.boundary import Boundary
+from camgeo.errors import GeometryError
+from camgeo.motion.boundary import Boundary, boundary_of
+from camgeo.motion.laws import ALIASES, BALANCES, FAMILIES, LARGEST
+from camgeo.motion.spans import FULL_TURN, SHORTEST_SPAN, span_of
+from camgeo.numeric import checked
 from camgeo.numeric.arrays import FloatArray
-
-FULL_TURN: Final = Decimal(360)
+from camgeo.pickled import Pickled
 
 AUTO: Final = "auto"
 """The law that picks a law."""
@@ -20,6 +23,24 @@ CRITERIA: Final = ("velocity", "acceleration", "jerk", "moment")
 """What `AUTO` can be told to keep small."""
 
 NOTHING: Final[Mapping[str, float]] = MappingProxyType({})
+
+SMALLEST_POSITION: Final = 1e-32
+"""Smallest position [mm or rad] that is not 0, a scene's 1e-30 degrees; with less, velocities of up
+to 1e12 as parts of the stroke are beyond what a double can hold when they are multiplied."""
+
+VALUES: Final = ("velocity", "acceleration", "jerk")
+
+
+def _checked_end(request: MoveRequest | PointsRequest) -> None:
+    """Check what a request tells of its span and its end."""
+    to = checked.finite("to", request.to)
+    if 0.0 < abs(to) < SMALLEST_POSITION:
+        raise GeometryError(
+            f"must be 0, or at least {SMALLEST_POSITION:g} in magnitude", "to", repr(to)
+        )
+    given = {key: getattr(request, key) for key in VALUES if hasattr(request, key)}
+    values = {key: checked.optional(key, value) for key, value in given.items()}
+    checked.hold(request, span=span_of(request.span, SHORTEST_SPAN), to=to, **values)
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,6 +55,9 @@ class Unit:
 
     name: str = ""
     size: float = 1.0
+
+    def __post_init__(self) -> None:
+        checked.hold(self, size=checked.positive("size", self.size))
 
     def told(self, value: float, order: int = 0) -> str:
         """A position, or its derivative of that order, in words."""
@@ -50,9 +74,12 @@ class Rest:
 
     span: Decimal
 
+    def __post_init__(self) -> None:
+        checked.hold(self, span=span_of(self.span))
+
 
 @dataclass(frozen=True, slots=True)
-class MoveRequest:
+class MoveRequest(Pickled):
     """A move by a law.
 
     Attributes
@@ -78,6 +105,17 @@ class MoveRequest:
     optimise: Mapping[str, float] = field(default_factory=lambda: NOTHING)
     balance: str = ""
 
+    def __post_init__(self) -> None:
+        _checked_end(self)
+        checked.one_of("law", self.law, (AUTO, *FAMILIES, *ALIASES))
+        checked.one_of("balance", self.balance, ("", *BALANCES))
+        weights = checked.by_name("optimise", self.optimise)
+        for name, weight in weights.items():
+            checked.one_of("optimise", name, CRITERIA)
+            checked.positive(name, weight)
+        parameters = checked.by_name("parameters", self.parameters, LARGEST)
+        checked.hold(self, parameters=parameters, optimise=weights)
+
     @property
     def shaped_by(self) -> frozenset[str]:
         """Names of the parameters that the designer decides."""
@@ -85,7 +123,7 @@ class MoveRequest:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class PointsRequest:
+class PointsRequest(Pickled):
     """A move through points.
 
     Attributes
@@ -105,9 +143,22 @@ class PointsRequest:
     velocity: float | None = None
     acceleration: float | None = None
 
+    def __post_init__(self) -> None:
+        _checked_end(self)
+        shares, positions = (checked.array(k, getattr(self, k)) for k in ("shares", "positions"))
+        if len(shares) != len(positions):
+            raise GeometryError(
+                f"must be as many as the shares, {len(shares)}", "positions", str(len(positions))
+            )
+        given = {
+            checked.whole("given", index, 0, len(shares) - 1): boundary_of("given", values)
+            for index, values in self.given.items()
+        }
+        checked.hold(self, shares=shares, positions=positions, given=MappingProxyType(given))
+
 
 @dataclass(frozen=True, slots=True, eq=False)
-class TableRequest:
+class TableRequest(Pickled):
     """A move by a lift table.
 
     Attributes
@@ -122,6 +173,16 @@ class TableRequest:
     shares: FloatArray
     lifts: FloatArray
     smoothing: float | None = None
+
+    def __post_init__(self) -> None:
+        shares, lifts = checked.array("shares", self.shares), checked.array("lifts", self.lifts)
+        if len(shares) < 2 or len(shares) != len(lifts):
+            raise GeometryError(
+                f"must be 2 or more, as many as the shares, {len(shares)}", "lifts", str(len(lifts))
+            )
+        if self.smoothing is not None:
+            checked.hold(self, smoothing=checked.positive("smoothing", self.smoothing))
+        checked.hold(self, span=span_of(self.span, SHORTEST_SPAN), shares=shares, lifts=lifts)
 
     @property
     def rise(self) -> float:

@@ -1,0 +1,65 @@
+"""Spans of the cam angle [degrees], exactly as written: what one is, and how they add up."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from decimal import Decimal, localcontext
+from numbers import Real
+from typing import Any, Final
+
+from camgeo.errors import GeometryError
+from camgeo.numeric import checked
+
+FULL_TURN: Final = Decimal(360)
+
+SHORTEST_SPAN: Final = Decimal("1e-6")
+"""Of a segment that moves; below it, velocities leave what a double can resolve."""
+
+DECIMALS: Final = 300
+"""Of a span at most; with 100 digits more, sums of written decimals stay exact."""
+
+
+def span_of(value: Any, shortest: Decimal = Decimal(0)) -> Decimal:
+    """A span from a decimal or another number, a float as Python writes it.
+
+    Raises
+    ------
+    GeometryError
+        With key "span", unless it is 0 or a number from `shortest` to 360.
+    """
+    found = Decimal(repr(checked.finite("span", value))) if isinstance(value, Real) else value
+    if (
+        not isinstance(found, Decimal)
+        or not found.is_finite()
+        or not (found == 0 or shortest <= found <= FULL_TURN)
+        or int(found.as_tuple().exponent) < -DECIMALS
+    ):
+        lowest = f"0, or from {shortest} to 360" if shortest else "from 0 to 360"
+        raise GeometryError(
+            f"must be {lowest} (degrees), with at most {DECIMALS} decimals",
+            key="span",
+            value=checked.shown(str(value) if isinstance(value, Decimal) else value),
+        )
+    return found
+
+
+def joints_of(spans: Iterable[Decimal]) -> tuple[Decimal, ...]:
+    """Sums of the spans, from 0 on.
+
+    Raises
+    ------
+    GeometryError
+        With key "motion", if they do not end at 360 degrees exactly.
+    """
+    joints = [Decimal(0)]
+    with localcontext() as context:
+        context.prec = DECIMALS + 100
+        for span in spans:
+            joints.append(joints[-1] + span)
+    if joints[-1] != FULL_TURN:
+        raise GeometryError(
+            f"the spans add up to {joints[-1]} degrees, they must add up to exactly 360",
+            key="motion",
+            value=str(joints[-1]),
+        )
+    return tuple(joints)

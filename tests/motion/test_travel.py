@@ -1,0 +1,188 @@
+"""Laws, plans and time courses are data: pickles and copies give the same values bit for bit."""
+
+from __future__ import annotations
+
+import copy
+import pickle
+from collections.abc import Callable
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from decimal import Decimal
+from multiprocessing import get_context
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+
+from camgeo.errors import VersionError
+from camgeo.mechanism.linkage import LinkedMotion
+from camgeo.motion.joints import joints
+from camgeo.motion.laws import FAMILIES, make_law
+from camgeo.motion.laws.law import Law
+from camgeo.motion.lift_table import LiftTable, read_lift_table
+from camgeo.motion.motion import Motion
+from camgeo.motion.plan import Course, Dwell, MotionPlan, Move
+from camgeo.motion.planning import plan_motion
+from camgeo.motion.recalled import RecalledPlan
+from camgeo.motion.time_course import ConstantSpeed, SpeedCurve
+from camgeo.numeric.arrays import FloatArray
+from camgeo.scene.load import load_scene
+from camgeo.units import TURN
+from tests.motion.planning import wishes
+from tests.strategies import laws
+
+ROOT = Path(__file__).parents[2] / "fixtures"
+SCENES = sorted((*ROOT.glob("scenes/*.toml"), *ROOT.glob("effects/*.toml")))
+PHI = np.concatenate((np.linspace(-0.1, TURN + 0.1, 501), [0.0, TURN]))
+Z = np.concatenate((np.linspace(0.0, 1.0, 201), [1e-9, 1.0 - 1e-9]))
+
+Travel = Callable[[Any], Any]
+
+TRAVELS: dict[str, Travel] = {
+    "pickle": lambda value: pickle.loads(pickle.dumps(value)),
+    "copy": copy.copy,
+    "deepcopy": copy.deepcopy,
+}
+each_way = pytest.mark.parametrize("travel", TRAVELS.values(), ids=TRAVELS)
+
+
+def bits(law: Law) -> list[bytes]:
+    """All that a law says of itself."""
+    turns = [np.array(region.turns()).tobytes() for region in law.regions]
+    return [np.array(law(Z)).tobytes(), law.complement(Z).tobytes(), *turns]
+
+
+def arrays_of(value: Any) -> list[FloatArray]:
+    """The arrays that stand in an object of ours."""
+    names = [name for each in type(value).__mro__ for name in getattr(each, "__slots__", ())]
+    held = [getattr(value, name) for name in (*names, *getattr(value, "__dict__", ()))]
+    return [each for each in held if isinstance(each, np.ndarray)]
+
+
+@each_way
+@pytest.mark.parametrize(
+    ("name", "task"), [(name, task) for name, each in FAMILIES.items() for task in each.tasks]
+)
+def test_a_law_of_every_family_travels(travel: Travel, name: str, task: str) -> None:
+    taken = FAMILIES[name].parameters[task]
+    given_values = {key: 0.7 for key in taken if key in ("v0", "v1", "curved")}
+    given_values |= {key: 0.2 for key in taken if key in ("sine", "cosine")}
+    given_values |= {key: 0.4 for key in taken if key == "inflection"}
+    if name.startswith("polynomial") and "inflection" not in taken:
+        given_values |= {key: 0.3 for key in taken if key[0] in "aj"}
+    law = make_law(name, task, **given_values)
+    found = travel(law)
+    assert found == law
+    assert dict(found.parameters) == dict(law.parameters)
+    assert bits(found) == bits(law)
+
+
+@given(law=laws())
+def test_any_law_travels(law: Law) -> None:
+    found = pickle.loads(pickle.dumps(law))
+    assert found == law
+    assert bits(found) == bits(law)
+
+
+def test_a_law_of_no_family_is_not_lost_silently() -> None:
+    law = make_law("inclined-sine")
+    own = Law("own", "R-R", law.regions, (), law.start, law.end)
+    with pytest.raises(TypeError, match="the law own has no recipe"):
+        pickle.dumps(own)
+
+
+def motions() -> list[tuple[str, Motion]]:
+    """The plan of every scene there is, also behind its linkage."""
+    found: list[tuple[str, Motion]] = []
+    for path in SCENES:
+        scene = load_scene(path)
+        found.append((path.stem, scene.plan))
+        if scene.linkage is not None:
+            found.append((f"{path.stem} linked", LinkedMotion(scene.plan, scene.linkage)))
+    stays = plan_motion(
+        [wishes.move(60, 10.0), wishes.move(120, 10.0, "polynomial-5"), wishes.move(180, 0.0)]
+    )
+    return [*found, ("without stroke", stays)]
+
+
+MOTIONS = motions()
+
+
+@each_way
+@pytest.mark.parametrize(("name", "motion"), MOTIONS, ids=[name for name, _ in MOTIONS])
+def test_a_motion_travels(travel: Travel, name: str, motion: Motion) -> None:
+    before = [motion.jet(PHI, side).tobytes() for side in ("right", "left")]
+    found = travel(motion)
+    assert [found.jet(PHI, side).tobytes() for side in ("right", "left")] == before
+    assert found.borders.tobytes() == motion.borders.tobytes()
+    assert found.breaks.tobytes() == motion.breaks.tobytes()
+    assert found.dwells == motion.dwells
+    cells = np.unique(np.concatenate((motion.borders, [0.0, TURN])))
+    bounds = zip(
+        found.jet_and_bounds(cells[:-1], cells[1:]),
+        motion.jet_and_bounds(cells[:-1], cells[1:]),
+        strict=True,
+    )
+    assert all(one.tobytes() == other.tobytes() for one, other in bounds)
+    if isinstance(found, MotionPlan):
+        splines = [each.spline for each in found.segments if isinstance(each, Course)]
+        assert all(not array.flags.writeable for each in splines for array in arrays_of(each))
+
+
+def test_a_plan_travels_without_what_was_computed_and_names_its_version(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    plan = RecalledPlan(
+        plan_motion([wishes.rest(60), wishes.move(120, 10.0), wishes.move(180, 0.0)]).segments
+    )
+    fresh = pickle.dumps(plan)
+    plan.jet(PHI)
+    data = pickle.dumps(plan)
+    assert data == fresh
+    assert type(pickle.loads(data)) is RecalledPlan
+    monkeypatch.setattr("camgeo.pickled.__version__", "99.0")
+    with pytest.raises(VersionError, match="a RecalledPlan pickled by camgeo"):
+        pickle.loads(data)
+
+
+@each_way
+def test_time_courses_and_tables_travel(travel: Travel) -> None:
+    t = np.linspace(0.0, 2.0, 9)
+    phi = TURN * t / 2.0 + 0.1 * np.sin(TURN * t / 2.0)
+    curve = SpeedCurve(t, phi)
+    found = travel(curve)
+    assert found.rates(PHI).tobytes() == curve.rates(PHI).tobytes()
+    assert found.time(PHI).tobytes() == curve.time(PHI).tobytes()
+    assert len(arrays_of(found)) == 2
+    assert not any(array.flags.writeable for array in (*arrays_of(found), *arrays_of(found.spline)))
+    assert travel(ConstantSpeed(20.0)) == ConstantSpeed(20.0)
+    table: LiftTable = travel(read_lift_table("0;0\n30;1\n60;2\n", "a.csv", 60.0))
+    assert table.lift.tolist() == [0.0, 1.0, 2.0]
+    assert not any(array.flags.writeable for array in arrays_of(table))
+    for joint in travel(joints(MOTIONS[0][1])):  # type: ignore[arg-type]
+        assert not joint.left.flags.writeable
+
+
+def _lift(plan: MotionPlan) -> bytes:
+    return plan.jet(PHI).tobytes()
+
+
+def test_processes_and_threads_give_the_same_bits() -> None:
+    plans = [motion for _, motion in MOTIONS[:4] if isinstance(motion, MotionPlan)]
+    expected = [_lift(plan) for plan in plans]
+    with ProcessPoolExecutor(2, mp_context=get_context("spawn")) as processes:
+        assert list(processes.map(_lift, plans)) == expected
+    again = [copy.deepcopy(plan) for plan in plans]
+    with ThreadPoolExecutor(8) as threads:
+        assert list(threads.map(_lift, again * 8)) == expected * 8
+
+
+@pytest.mark.parametrize("span", [3, 3.0, np.float64(3.0), Decimal("3")])
+def test_spans_are_the_same_however_they_are_given(span: Any) -> None:
+    law = make_law("inclined-sine")
+    plan = MotionPlan((Dwell(Decimal(300)), Move(span, 2, law), Move(57, 0, law)))  # type: ignore[arg-type]
+    assert plan.joints_deg == tuple(map(Decimal, (0, 300, 303, 360)))
+    move = plan.segments[1]
+    assert isinstance(move, Move)
+    assert type(move.to) is float
