@@ -10,7 +10,7 @@ import math
 from dataclasses import dataclass, field
 from decimal import Decimal
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
@@ -99,6 +99,11 @@ class Course:
 Segment = Dwell | Move | Course
 
 
+MOST_KEPT: Final = 65_536
+"""Cam angles whose lift is kept [3 MB]; more are evaluated each time, for comparing and keeping
+them would cost memory that no one asked for."""
+
+
 @dataclass(frozen=True)
 class MotionPlan(Pickled):
     """Segments that fill one turn; the lift is counted from the position at cam angle 0.
@@ -116,6 +121,9 @@ class MotionPlan(Pickled):
 
     segments: tuple[Segment, ...]
     joints_deg: tuple[Decimal, ...] = field(init=False, repr=False)
+    _last: dict[Side, tuple[FloatArray, Jet]] = field(
+        default_factory=dict, init=False, repr=False, compare=False
+    )
 
     def __post_init__(self) -> None:
         segments = checked.instances("motion", self.segments, (Dwell, Move, Course), "segments")
@@ -242,8 +250,22 @@ class MotionPlan(Pickled):
     def jet(self, phi: FloatArray, side: Side = "right", _order: int = FULL_ORDER) -> Jet:
         """(4, n) lift and derivatives at the cam angles `phi` (n,) [rad], any number of turns.
 
-        All orders, as the higher ones cost little once the law's sines are there.
+        All orders, as the higher ones cost little once the law's sines are there. Read-only, and
+        the same array for the question asked last from that side: forces, contact and torque at
+        the same cam angles each ask for the lift there. Threads need no lock: an answer is kept
+        and found together with its question.
         """
+        last = self._last.get(side)
+        if last is not None and np.array_equal(last[0], phi):
+            return last[1]
+        phi = np.array(phi, dtype=np.float64)  # of our own, before it is evaluated
+        found = self._evaluated(phi, side)
+        found.flags.writeable = False
+        if found.shape[1] <= MOST_KEPT:
+            self._last[side] = phi, found
+        return found
+
+    def _evaluated(self, phi: FloatArray, side: Side) -> Jet:
         angle = in_turn(phi, side)
         out = np.empty((4, len(angle)))
         for piece, index in self._by_piece(angle, side):

@@ -83,7 +83,7 @@ ANY_SIZE = {"CrankSlide", "DrivenSlide"}
 
 NEVER: tuple[Any, ...] = (
     math.nan, -math.nan, math.inf, -math.inf, 1e308, -1e308, 10**400, np.float64("nan"), 3.0 + 4.0j,
-    "5", "", b"5", True, False, [1.0], (1.0,), {}, object(), np.array([1.0, 2.0]), Decimal("NaN"),
+    "5", "", b"5", True, False, [1.0], (1.0,), {}, object, np.array([1.0, 2.0]), Decimal("NaN"),
     complex(math.nan, 0.0), complex(0.0, math.inf), complex(1e308, 0.0), int, len,
 )  # fmt: skip
 """What no number, point, sense, text or part of a mechanism is, but for what `allowed` says."""

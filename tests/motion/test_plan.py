@@ -329,7 +329,7 @@ def overshoot(plan: MotionPlan, low: FloatArray, high: FloatArray, bounds: Float
     worst = -math.inf
     for share in (*np.linspace(0.0, 1.0, 33), 1e-9, 1.0 - 1e-9):
         phi = np.clip(low + share * (high - low), low, high)
-        values = plan.jet(phi, "left" if share == 1.0 else "right")
+        values = plan.jet(phi, "left" if share == 1.0 else "right").copy()
         values[0] -= middle
         excess = np.max(np.abs(values) - bounds, axis=1)
         worst = max(worst, float(np.max(excess / np.maximum(sizes, 1e-300))))

@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 from camgeo import load
-from camgeo.motion import recalled
+from camgeo.motion import plan as plans
 from camgeo.motion.plan import MotionPlan
-from camgeo.motion.recalled import RecalledPlan
 from camgeo.units import TURN
 from tests.effects.scenes import SCENES
 
@@ -19,21 +18,21 @@ def plan() -> MotionPlan:
 
 
 @pytest.fixture
-def recalling(plan: MotionPlan) -> RecalledPlan:
-    return RecalledPlan(plan.segments)
+def recalling(plan: MotionPlan) -> MotionPlan:
+    return MotionPlan(plan.segments)
 
 
 PHI = np.linspace(-1.0, TURN + 1.0, 101)
 
 
-def test_same_answers(plan: MotionPlan, recalling: RecalledPlan) -> None:
+def test_same_answers(plan: MotionPlan, recalling: MotionPlan) -> None:
     borders = plan.borders
     for phi in (PHI, borders, PHI, PHI[::-1], borders):
         for side in ("right", "left"):
             assert np.array_equal(recalling.jet(phi, side), plan.jet(phi, side))
 
 
-def test_the_same_question_is_answered_once(recalling: RecalledPlan) -> None:
+def test_the_same_question_is_answered_once(recalling: MotionPlan) -> None:
     first = recalling.jet(PHI)
     assert recalling.jet(PHI.copy()) is first
     assert recalling.jet(PHI, "left") is not first
@@ -42,7 +41,7 @@ def test_the_same_question_is_answered_once(recalling: RecalledPlan) -> None:
     assert recalling.jet(PHI) is not first
 
 
-def test_what_is_recalled_cannot_be_changed(recalling: RecalledPlan, plan: MotionPlan) -> None:
+def test_what_is_recalled_cannot_be_changed(recalling: MotionPlan, plan: MotionPlan) -> None:
     phi = PHI.copy()
     found = recalling.jet(phi)
     with pytest.raises(ValueError, match="read-only"):
@@ -51,7 +50,7 @@ def test_what_is_recalled_cannot_be_changed(recalling: RecalledPlan, plan: Motio
     assert np.array_equal(recalling.jet(phi), plan.jet(PHI + 0.5))
 
 
-def test_much_is_not_kept(recalling: RecalledPlan, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(recalled, "MOST", 10)
+def test_much_is_not_kept(recalling: MotionPlan, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(plans, "MOST_KEPT", 10)
     assert recalling.jet(PHI) is not recalling.jet(PHI)
     assert recalling.jet(PHI[:10]) is recalling.jet(PHI[:10])

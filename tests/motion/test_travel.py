@@ -24,7 +24,6 @@ from camgeo.motion.lift_table import LiftTable, read_lift_table
 from camgeo.motion.motion import Motion
 from camgeo.motion.plan import Course, Dwell, MotionPlan, Move
 from camgeo.motion.planning import plan_motion
-from camgeo.motion.recalled import RecalledPlan
 from camgeo.motion.time_course import ConstantSpeed, SpeedCurve
 from camgeo.numeric.arrays import FloatArray
 from camgeo.scene.load import load_scene
@@ -133,16 +132,16 @@ def test_a_motion_travels(travel: Travel, name: str, motion: Motion) -> None:
 def test_a_plan_travels_without_what_was_computed_and_names_its_version(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    plan = RecalledPlan(
+    plan = MotionPlan(
         plan_motion([wishes.rest(60), wishes.move(120, 10.0), wishes.move(180, 0.0)]).segments
     )
     fresh = pickle.dumps(plan)
     plan.jet(PHI)
     data = pickle.dumps(plan)
     assert data == fresh
-    assert type(pickle.loads(data)) is RecalledPlan
+    assert type(pickle.loads(data)) is MotionPlan
     monkeypatch.setattr("camgeo.pickled.__version__", "99.0")
-    with pytest.raises(VersionError, match="a RecalledPlan pickled by camgeo"):
+    with pytest.raises(VersionError, match="a MotionPlan pickled by camgeo"):
         pickle.loads(data)
 
 
