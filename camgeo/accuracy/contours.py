@@ -72,7 +72,7 @@ def milling_of(design: Design) -> Milling:
 
 def has_program(design: Design) -> bool:
     """True if the scene tells all that a milling program needs."""
-    return design.disc.gcode is not None and design.disc.part.thickness is not None
+    return design.disc.gcode is not None and design.disc.part.thickness > 0.0
 
 
 def contour_rows(

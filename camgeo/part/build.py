@@ -14,7 +14,7 @@ from camgeo.part.boundaries import (
     largest_radius,
     smallest_radius,
 )
-from camgeo.part.part import Boundary, Part
+from camgeo.part.part import Boundary, Layer, Part
 from camgeo.part.spec import PartSpec
 
 
@@ -47,21 +47,24 @@ def build_part(
     bore: tuple[Boundary, ...] = ()
     if spec.bore is not None and contact != "outer":
         bore = (ExactBoundary("bore", hole=True, exact=bore_outline(spec.bore, spec.keyway)),)
-    thickness = spec.thickness
+    bottom = -(spec.thickness or 0.0)
     if contact == "inner":
         outline = CurveBoundary("outline", hole=False, path=inner, ledger=book)
         _bore_fits(spec, outline, tolerance)
-        return Part((outline, *bore), (), thickness, 0.0)
+        return Part((Layer(bottom, 0.0, (outline, *bore)),))
     rim = _rim(spec, CurveBoundary("outer flank", hole=True, path=outer, ledger=book), tolerance)
     if contact == "outer":
         flank = CurveBoundary("outline", hole=True, path=outer, ledger=book)
-        return Part((rim, flank), (), thickness, 0.0)
+        return Part((Layer(bottom, 0.0, (rim, flank)),))
     groove = (
         CurveBoundary("inner flank", hole=False, path=inner, ledger=book),
         CurveBoundary("outer flank", hole=True, path=outer, ledger=book),
     )
     _bore_fits(spec, groove[0], tolerance)
-    return Part((rim, *bore), groove, thickness, spec.groove_depth or 0.0)
+    body = (rim, *bore)
+    # Without thickness there is nothing for the groove to be sunk into.
+    floor = -(spec.groove_depth or 0.0) if spec.thickness else 0.0
+    return Part((Layer(bottom, floor, body), Layer(floor, 0.0, (*body, *groove), "groove")))
 
 
 def _rim(spec: PartSpec, flank: CurveBoundary, tolerance: float) -> ExactBoundary:

@@ -1,13 +1,17 @@
-"""The part in the plane: its closed boundaries, and on which side of each the material is."""
+"""The part: layers of closed boundaries, and on which side of each the material is."""
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
+from itertools import groupby, pairwise
+from operator import itemgetter
 from typing import Protocol
 
 from camgeo.contour.contour import Contour
 from camgeo.contour.fit import Effort, Fit
 from camgeo.contour.spline import SplineContour, SplineFit
+from camgeo.errors import GeometryError
 
 
 class Boundary(Protocol):
@@ -15,7 +19,8 @@ class Boundary(Protocol):
 
     Attributes
     ----------
-    name : "outline", "inner flank", "outer flank", "rim" or "bore".
+    name : its identity, unique in the part: "outline", "inner flank", "outer flank", "rim", "bore".
+        Faces of a solid, dimensions and milling operations refer to it.
     hole : True where the material lies outside of the boundary.
     """
 
@@ -41,23 +46,142 @@ class Boundary(Protocol):
 
 
 @dataclass(frozen=True, slots=True)
-class Part:
-    """The part: boundaries through its whole thickness, and those of a groove in its upper face.
+class Layer:
+    """A slice of the part with the same section all through.
 
     Attributes
     ----------
-    through : boundaries of the body, the outermost first; then its holes.
-    groove : () or (inner flank, outer flank) of the groove; the groove lies between the two.
-    thickness : [mm], or None if the scene gives none: then there is a drawing but no solid.
-    groove_depth : [mm] from the upper face; 0 without groove.
+    z0, z1 : heights of its lower and upper face [mm]; 0 is the upper face of the disc, as in its
+        milling program. Equal where the scene does not tell how high the layer is.
+    boundaries : of the section, nested without crossing; one that holds others stands before them
+        or they before it, the outermost of the part is the first of all.
+    name : what the layer is made for: "disc", "groove".
+
+    Raises
+    ------
+    GeometryError
+        With key "part", if a height is not finite or the layer upside down, or if it has no
+        boundary or two of one name.
     """
 
-    through: tuple[Boundary, ...]
-    groove: tuple[Boundary, ...]
-    thickness: float | None
-    groove_depth: float
+    z0: float
+    z1: float
+    boundaries: tuple[Boundary, ...]
+    name: str = "disc"
+
+    def __post_init__(self) -> None:
+        if not -math.inf < self.z0 <= self.z1 < math.inf:
+            heights = f"from {self.z0} to {self.z1} mm"
+            raise GeometryError(f"the {self.name} must reach upwards", key="part", value=heights)
+        names = [boundary.name for boundary in self.boundaries]
+        if not names or len(set(names)) < len(names):
+            message = f"the {self.name} needs boundaries, each with a name of its own"
+            raise GeometryError(message, key="part", value=", ".join(names))
+
+
+@dataclass(frozen=True, slots=True)
+class Wall:
+    """The upright face along one boundary, from the height `z0` to `z1` [mm]."""
+
+    boundary: Boundary
+    z0: float
+    z1: float
+
+
+@dataclass(frozen=True, slots=True)
+class Level:
+    """The flat faces at one height.
+
+    Attributes
+    ----------
+    name : "lower face", "upper face", or that of the floor between two layers.
+    z : height [mm].
+    below : boundaries that end here; the faces inside of their material look up.
+    above : boundaries that begin here; the faces inside of their material look down.
+    """
+
+    name: str
+    z: float
+    below: tuple[Boundary, ...]
+    above: tuple[Boundary, ...]
 
     @property
     def boundaries(self) -> tuple[Boundary, ...]:
-        """All boundaries, in the order of drawing."""
-        return self.through + self.groove
+        """All edges of the faces."""
+        return self.below + self.above
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """The part: layers from the lowest upwards, each upon the one before.
+
+    A boundary that goes through several layers is the same object in each.
+
+    Raises
+    ------
+    GeometryError
+        With key "part", if there is no layer, a gap between two, or a name for two boundaries.
+    """
+
+    layers: tuple[Layer, ...]
+
+    def __post_init__(self) -> None:
+        if not self.layers:
+            raise GeometryError("a part needs a layer", key="part")
+        for lower, upper in pairwise(self.layers):
+            if lower.z1 != upper.z0:
+                message = f"the {upper.name} must begin where the {lower.name} ends"
+                raise GeometryError(message, key="part", value=f"{lower.z1} and {upper.z0} mm")
+        names = [boundary.name for boundary in self.boundaries]
+        if len(set(names)) < len(names):
+            message = "each boundary needs a name of its own"
+            raise GeometryError(message, key="part", value=", ".join(names))
+
+    @property
+    def boundaries(self) -> tuple[Boundary, ...]:
+        """All boundaries, each once, in the order of drawing: as they begin on the way up."""
+        found: list[Boundary] = []
+        for layer in self.layers:
+            found += [each for each in layer.boundaries if each not in found]
+        return tuple(found)
+
+    @property
+    def thickness(self) -> float:
+        """From the lowest to the highest face [mm]; 0 if the scene gives none."""
+        return self.layers[-1].z1 - self.layers[0].z0
+
+    @property
+    def walls(self) -> tuple[Wall, ...]:
+        """The upright faces, boundary by boundary; a wall goes on through layers."""
+        found: list[Wall] = []
+        for boundary in self.boundaries:
+            there = [boundary in layer.boundaries for layer in self.layers]
+            for runs, group in groupby(zip(there, self.layers, strict=True), itemgetter(0)):
+                run = [layer for _, layer in group]
+                if runs:
+                    found.append(Wall(boundary, run[0].z0, run[-1].z1))
+        return tuple(found)
+
+    @property
+    def levels(self) -> tuple[Level, ...]:
+        """The flat faces, from the lowest upwards.
+
+        Raises
+        ------
+        GeometryError
+            With the key of the height that the scene does not tell: then there is a drawing of the
+            part but no solid.
+        """
+        if not self.thickness:
+            raise GeometryError("a solid needs part.thickness", key="part.thickness")
+        for layer in self.layers:
+            if layer.z0 == layer.z1:
+                key = f"part.{layer.name}_depth"
+                raise GeometryError(f"a solid needs {key}", key=key)
+        first, last = self.layers[0], self.layers[-1]
+        found = [Level("lower face", first.z0, (), first.boundaries)]
+        for lower, upper in pairwise(self.layers):
+            ends = tuple(each for each in lower.boundaries if each not in upper.boundaries)
+            begins = tuple(each for each in upper.boundaries if each not in lower.boundaries)
+            found.append(Level(f"floor of the {upper.name}", upper.z0, ends, begins))
+        return (*found, Level("upper face", last.z1, last.boundaries, ()))

@@ -55,7 +55,7 @@ def cutter_paths(
     GeometryError
         With the key of the scene, if the cutter does not fit or the thickness is missing.
     """
-    if part.thickness is None:
+    if not part.thickness:
         raise GeometryError("milling needs the thickness of the part", key="part.thickness")
     paths: list[CutterPath] = []
     if spec.bore is not None and contact != "outer":
@@ -76,7 +76,7 @@ def cutter_paths(
         path = outer.offset(-tool_radius)
         paths.append(CutterPath("outline", path, None, -1, tool_radius, part.thickness))
     else:
-        paths += _groove_paths(inner, outer, tool_radius, part.groove_depth)
+        paths += _groove_paths(inner, outer, tool_radius, -part.layers[-1].z0)
     return tuple(paths)
 
 

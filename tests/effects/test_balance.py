@@ -127,7 +127,6 @@ def test_the_solid_of_the_writers_has_the_same_mass_and_centre(scene: str) -> No
     solid = body(part, tolerance, lambda x: x)
     mesh = trimesh.Trimesh(solid.vertices, solid.triangles, process=False)
     mass = 1e-3 * 7850e-9 * mesh.volume  # kg from mm^3, in t
-    assert part.thickness is not None
     faces = part.thickness * sum(each.polyline(0.1).contour.length for each in part.boundaries)
     room = RHO * 1.1 * tolerance * faces
     largest = float(np.max(np.hypot(*solid.vertices.T[:2])))

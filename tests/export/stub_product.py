@@ -25,7 +25,7 @@ from camgeo.files.table import Table
 from camgeo.lazy import Ledger
 from camgeo.motion.joints import Joint
 from camgeo.numeric.arrays import FloatArray
-from camgeo.part.part import Part
+from camgeo.part.part import Layer, Part
 from camgeo.toolpath.moves import ArcFeed, Feed, Move, Operation, Rapid, Toolpath
 from camgeo.toolpath.spec import GcodeSpec
 from camgeo.units import MM_PER, LengthUnit
@@ -171,15 +171,17 @@ class StubProduct:
         inner = self.pitch_radius - self.roller_radius
         outer = self.pitch_radius + self.roller_radius
         bore = CircleBoundary("bore", True, 10.0 * self.scale)
+        bottom = -(self.thickness or 0.0)
         if not self.groove:
             outline = CircleBoundary("outline", False, inner, self.centre)
-            return Part((outline, bore), (), self.thickness, 0.0)
+            return Part((Layer(bottom, 0.0, (outline, bore)),))
         rim = CircleBoundary("rim", False, 60.0 * self.scale)
         flanks = (
             CircleBoundary("inner flank", False, inner, self.centre),
             CircleBoundary("outer flank", True, outer, self.centre),
         )
-        return Part((rim, bore), flanks, self.thickness, 3.0)
+        body = (rim, bore)
+        return Part((Layer(bottom, -3.0, body), Layer(-3.0, 0.0, body + flanks, "groove")))
 
     @property
     def is_flat(self) -> bool:

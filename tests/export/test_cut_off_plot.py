@@ -129,9 +129,8 @@ def test_the_disc_is_drawn_and_beside_it_what_is_cut_off(scene: str) -> None:
     bodies = [patch for patch in axes.patches if patch.get_facecolor()[:3] != (1.0, 1.0, 1.0)]
     rings = [np.asarray(ring) for ring in bodies[0].get_path().to_polygons()]
     area = abs(sum(shapely.Polygon(ring).area * (-1) ** k for k, ring in enumerate(rings)))
-    exact = sum(
-        (-1) ** k * b.arcs(1e-3).contour.area for k, b in enumerate(design.disc.part.through)
-    )
+    boundaries = design.disc.part.boundaries
+    exact = sum((-1) ** k * each.arcs(1e-3).contour.area for k, each in enumerate(boundaries))
     assert area == pytest.approx(exact, rel=1e-3)
 
 

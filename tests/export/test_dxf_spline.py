@@ -12,17 +12,13 @@ import numpy as np
 import pytest
 from ezdxf.layouts.layout import Modelspace
 
-from camgeo.contour.arcs.fast import fit_arcs
-from camgeo.contour.chords.fast import fit_polyline
 from camgeo.contour.contour import Contour
 from camgeo.contour.cubics.deviation import spline_deviation
-from camgeo.contour.cubics.fits import fewest_cubics, fit_spline
-from camgeo.contour.fit import Effort, Fit
-from camgeo.contour.proof.deviation import deviation
-from camgeo.contour.spline import CubicSpline, SplineContour, SplineFit
+from camgeo.contour.spline import CubicSpline, SplineContour
 from camgeo.files.specs import DxfSpec
-from camgeo.outline.path import Path, whole
-from camgeo.part.part import Part
+from camgeo.outline.path import whole
+from camgeo.part.boundaries import CurveBoundary
+from camgeo.part.part import Layer, Part
 from camgeo_export.dxf.curves import Curve
 from camgeo_export.dxf.foreign import READER
 from camgeo_export.dxf.reader import read
@@ -38,27 +34,6 @@ TOLERANCE = 1e-3
 
 
 @dataclass(frozen=True, slots=True)
-class FlankBoundary:
-    name: str
-    hole: bool
-    path: Path
-
-    def arcs(self, tolerance: float, effort: Effort = "fewest") -> Fit:
-        return fit_arcs(self.path, tolerance)
-
-    def polyline(self, tolerance: float, effort: Effort = "fewest") -> Fit:
-        return fit_polyline(self.path, tolerance)
-
-    def spline(self, tolerance: float, effort: Effort = "fewest") -> SplineFit:
-        return (fewest_cubics if effort == "fewest" else fit_spline)(self.path, tolerance)
-
-    def deviation(self, contour: Contour | SplineContour) -> float:
-        if isinstance(contour, SplineContour):
-            return spline_deviation(self.path, contour)
-        return deviation(self.path, contour)
-
-
-@dataclass(frozen=True, slots=True)
 class FlankProduct(StubProduct):
     """A real flank with dwells and a round bore, drawn by splines."""
 
@@ -66,8 +41,9 @@ class FlankProduct(StubProduct):
 
     @property
     def part(self) -> Part:
-        outline = FlankBoundary("outline", False, whole(flank("plate_translating", -1)))
-        return Part((outline, CircleBoundary("bore", True, 10.0)), (), 8.0, 0.0)
+        path = whole(flank("plate_translating", -1))
+        outline = CurveBoundary("outline", hole=False, path=path)
+        return Part((Layer(-8.0, 0.0, (outline, CircleBoundary("bore", True, 10.0))),))
 
 
 PRODUCTS = {

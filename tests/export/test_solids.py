@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import cmath
 import io
 import math
 import zipfile
+from dataclasses import dataclass, replace
 
 import lib3mf  # type: ignore[import-untyped]
 import numpy as np
@@ -13,15 +15,30 @@ import trimesh
 
 from camgeo.errors import ToleranceError
 from camgeo.files.product import Writer
+from camgeo.part.part import Layer, Part
 from camgeo_export.errors import FileError
-from camgeo_export.solid.prism import FIT_SHARE
+from camgeo_export.solid.prism import FIT_SHARE, body
 from camgeo_export.stl.writer import FACET
 from camgeo_export.stl.writer import WRITER as STL
 from camgeo_export.threemf.writer import WRITER as THREEMF
-from tests.export.stub_product import StubProduct
+from camgeo_export.verify.body import body_checks
+from tests.export.stub_product import CircleBoundary, StubProduct
 
 VOLUMES = {False: 8.0 * math.pi * (32.0**2 - 10.0**2)}
 VOLUMES[True] = math.pi * (8.0 * (60.0**2 - 10.0**2) - 3.0 * (48.0**2 - 32.0**2))
+
+
+@dataclass(frozen=True, slots=True)
+class PartProduct(StubProduct):
+    """A product that is nothing but its part."""
+
+    given: Part | None = None
+
+    @property
+    def part(self) -> Part:
+        assert self.given is not None
+        return self.given
+
 
 both = pytest.mark.parametrize("writer", [STL, THREEMF], ids=["stl", "3mf"])
 
@@ -179,7 +196,75 @@ def test_a_cut_3mf_is_refused() -> None:
 def test_a_3mf_keeps_doubles() -> None:
     product = StubProduct()
     data = THREEMF.write(product, 0.01).data
-    boundary = product.part.through[0].polyline(FIT_SHARE * 0.01).contour.vertices
+    boundary = product.part.boundaries[0].polyline(FIT_SHARE * 0.01).contour.vertices
     mesh = trimesh.load_mesh(io.BytesIO(data), file_type="3mf", process=False)
     plane = np.asarray(mesh.vertices)[:, 0] + 1j * np.asarray(mesh.vertices)[:, 1]
     assert set(boundary.tolist()) <= set(plane.tolist())
+
+
+def _shifted(name: str, radius: float, centre: complex, *, hole: bool) -> CircleBoundary:
+    return CircleBoundary(name, hole, radius, centre)
+
+
+RIM, BORE = _shifted("rim", 40.0, 0j, hole=False), _shifted("bore", 8.0, 0j, hole=True)
+HUB = _shifted("hub", 15.0, 0j, hole=False)
+COUNTERBORE = _shifted("counterbore", 12.0, 0j, hole=True)
+POCKETS = tuple(
+    _shifted(f"pocket {k}", 5.0 - k, 28.0 * cmath.exp(2j * math.pi * k / 3.0), hole=True)
+    for k in range(3)
+)
+ISLAND = _shifted("island", 2.0, 28.0 + 0j, hole=False)
+
+PARTS: dict[str, tuple[Layer, ...]] = {
+    "hub": (Layer(-10.0, 0.0, (RIM, BORE)), Layer(0.0, 6.0, (HUB, BORE), "hub")),
+    "hubs on both sides": (
+        Layer(-16.0, -10.0, (HUB, BORE), "lower hub"),
+        Layer(-10.0, 0.0, (RIM, BORE)),
+        Layer(0.0, 6.0, (replace(HUB, name="upper hub"), BORE), "hub"),
+    ),
+    "counterbore above": (
+        Layer(-10.0, -4.0, (RIM, BORE)),
+        Layer(-4.0, 0.0, (RIM, COUNTERBORE), "counterbore"),
+    ),
+    "counterbore below": (
+        Layer(-10.0, -6.0, (RIM, COUNTERBORE), "counterbore"),
+        Layer(-6.0, 0.0, (RIM, BORE)),
+    ),
+    "pockets round an island": (
+        Layer(-10.0, -4.0, (RIM, BORE)),
+        Layer(-4.0, 0.0, (RIM, BORE, *POCKETS, ISLAND), "pocket"),
+    ),
+    "floors that look up and down at one height": (
+        Layer(-10.0, -4.0, (RIM, COUNTERBORE), "counterbore"),
+        Layer(-4.0, 0.0, (RIM, BORE, *POCKETS, ISLAND), "pocket"),
+    ),
+}
+
+
+@pytest.mark.parametrize("name", PARTS)
+def test_layers_of_any_kind_make_one_body(name: str) -> None:
+    """Closed, upright, at the right heights and of the right volume, without a word about kinds."""
+    part = Part(PARTS[name])
+    tolerance = 1e-3
+    solid = body(part, tolerance, lambda values: values)
+    mesh = trimesh.Trimesh(solid.vertices, solid.triangles, process=False)
+    assert mesh.is_volume
+    volume = sum(
+        math.pi * each.radius**2 * (-1.0 if each.hole else 1.0) * (layer.z1 - layer.z0)
+        for layer in part.layers
+        for each in layer.boundaries
+        if isinstance(each, CircleBoundary)
+    )
+    walls = sum(
+        math.tau * wall.boundary.radius * (wall.z1 - wall.z0)
+        for wall in part.walls
+        if isinstance(wall.boundary, CircleBoundary)
+    )
+    assert abs(solid.volume - volume) <= tolerance * walls
+    heights = np.unique(solid.vertices[:, 2]).tolist()
+    assert heights == [level.z - part.levels[0].z for level in part.levels]
+    product = PartProduct(given=part)
+    data = THREEMF.write(product, tolerance).data
+    assert 0.5 * tolerance < THREEMF.measure(product, data) <= tolerance
+    checks = body_checks(product, solid.vertices, solid.triangles, tolerance)
+    assert all(check.ok for check in checks)

@@ -11,6 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from camgeo.cam.contact import Contact
+from camgeo.contour.contour import Contour
 from camgeo.contour.winding import winding_number
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.curve.working_curve import WorkingCurve
@@ -21,7 +22,7 @@ from camgeo.outline.path import Path, whole
 from camgeo.part.bore import bore_outline, bore_reach
 from camgeo.part.boundaries import ExactBoundary, largest_radius, smallest_radius
 from camgeo.part.build import build_part
-from camgeo.part.part import Part
+from camgeo.part.part import Layer, Part
 from camgeo.part.spec import Keyway, PartSpec
 from tests.contour.cams import dwell, flank, move, outline
 from tests.contour.paths import area, cut_off_lobe, swallow_tail
@@ -77,8 +78,11 @@ def test_keyway_wider_than_its_bore(width: float) -> None:
 def test_disc() -> None:
     part = _part("inner", PartSpec(thickness=10.0, bore=20.0))
     assert [(b.name, b.hole) for b in part.boundaries] == [("outline", False), ("bore", True)]
-    assert part.groove == ()
     assert part.thickness == 10.0
+    assert [(wall.boundary.name, wall.z0, wall.z1) for wall in part.walls] == [
+        ("outline", -10.0, 0.0),
+        ("bore", -10.0, 0.0),
+    ]
 
 
 def test_ring() -> None:
@@ -89,16 +93,79 @@ def test_ring() -> None:
 def test_groove() -> None:
     spec = PartSpec(thickness=10.0, rim=140.0, bore=20.0, groove_depth=4.0)
     part = _part("groove", spec)
-    assert [b.name for b in part.through] == ["rim", "bore"]
-    assert [(b.name, b.hole) for b in part.groove] == [
-        ("inner flank", False),
-        ("outer flank", True),
+    walls = [(wall.boundary.name, wall.boundary.hole, wall.z0, wall.z1) for wall in part.walls]
+    assert walls == [
+        ("rim", False, -10.0, 0.0),
+        ("bore", True, -10.0, 0.0),
+        ("inner flank", False, -4.0, 0.0),
+        ("outer flank", True, -4.0, 0.0),
     ]
-    assert part.groove_depth == 4.0
+    assert [wall[0] for wall in walls] == [each.name for each in part.boundaries]
+    below, floor, above = part.levels
+    assert (below.z, floor.z, above.z) == (-10.0, -4.0, 0.0)
+    assert [each.name for each in floor.above] == ["inner flank", "outer flank"]
+    assert (floor.name, floor.below) == ("floor of the groove", ())
+    assert above.below == part.boundaries
     # The groove is as wide as the roller, everywhere.
-    inner, outer = (boundary.arcs(0.001).contour for boundary in part.groove)
+    inner, outer = (boundary.arcs(0.001).contour for boundary in part.boundaries[2:])
     distances = outline(outer).distances(outline(inner).dense(2_000))
     assert distances == pytest.approx(np.full(len(distances), 2.0 * ROLLER), abs=0.002)
+
+
+def test_without_heights_there_is_a_drawing_but_no_solid() -> None:
+    flat = _part("groove", PartSpec(rim=140.0, bore=20.0, groove_depth=4.0))
+    solid = _part("groove", PartSpec(thickness=10.0, rim=140.0, bore=20.0, groove_depth=4.0))
+    assert [b.name for b in flat.boundaries] == [b.name for b in solid.boundaries]
+    assert flat.thickness == 0.0
+    shallow = _part("groove", PartSpec(thickness=10.0, rim=140.0, bore=20.0))
+    for part, key in ((flat, "part.thickness"), (shallow, "part.groove_depth")):
+        with pytest.raises(GeometryError, match=f"a solid needs {key}") as caught:
+            _ = part.levels
+        assert caught.value.key == key
+
+
+def _circle(name: str, radius: float, *, hole: bool) -> ExactBoundary:
+    return ExactBoundary(name, hole=hole, exact=Contour.circle(radius))
+
+
+RIM, HUB = _circle("rim", 40.0, hole=False), _circle("hub", 15.0, hole=False)
+
+BORE = _circle("bore", 8.0, hole=True)
+
+
+def test_a_boundary_goes_on_through_layers() -> None:
+    part = Part((Layer(-10.0, 0.0, (RIM, BORE)), Layer(0.0, 5.0, (HUB, BORE), "hub")))
+    assert [(wall.boundary, wall.z0, wall.z1) for wall in part.walls] == [
+        (RIM, -10.0, 0.0),
+        (BORE, -10.0, 5.0),
+        (HUB, 0.0, 5.0),
+    ]
+    _, shoulder, _ = part.levels
+    assert (shoulder.below, shoulder.above) == ((RIM,), (HUB,))
+    assert part.boundaries == (RIM, BORE, HUB)
+    assert part.thickness == 15.0
+
+
+@pytest.mark.parametrize(
+    ("layers", "message"),
+    [
+        (lambda: (), "needs a layer"),
+        (lambda: (Layer(0.0, 1.0, ()),), "needs boundaries"),
+        (lambda: (Layer(0.0, 1.0, (BORE, BORE)),), "each with a name of its own"),
+        (lambda: (Layer(1.0, 0.0, (RIM,)),), "must reach upwards"),
+        (lambda: (Layer(math.nan, 0.0, (RIM,)),), "must reach upwards"),
+        (lambda: (Layer(0.0, math.inf, (RIM,)),), "must reach upwards"),
+        (lambda: (Layer(0.0, 1.0, (RIM,)), Layer(2.0, 3.0, (RIM,), "hub")), "must begin where"),
+        (
+            lambda: (Layer(0.0, 1.0, (RIM,)), Layer(1.0, 2.0, (_circle("rim", 9.0, hole=False),))),
+            "a name of its own",
+        ),
+    ],
+)
+def test_layers_that_are_no_part(layers: Callable[[], tuple[Layer, ...]], message: str) -> None:
+    with pytest.raises(GeometryError, match=message) as caught:
+        Part(layers())
+    assert caught.value.key == "part"
 
 
 @pytest.mark.parametrize(
@@ -141,7 +208,7 @@ def test_undercut_is_no_part() -> None:
         build_part("inner", undercut, OUTER, PartSpec(bore=5.0), 0.01)
     # Without anything to fit into it, it is found when its outline is asked for.
     part = build_part("inner", undercut, OUTER, PartSpec(), 0.01)
-    for ask in (part.through[0].arcs, part.through[0].polyline):
+    for ask in (part.boundaries[0].arcs, part.boundaries[0].polyline):
         with pytest.raises(UndercutError):
             ask(0.01)
 
@@ -177,7 +244,7 @@ def test_exact_boundary(tolerance: float) -> None:
 def test_trimmed_disc(trimmed: Callable[[], Path]) -> None:
     path = trimmed()
     part = build_part("inner", path, path, PartSpec(thickness=10.0, bore=4.0), 0.01)
-    flank = part.through[0]
+    flank = part.boundaries[0]
     tolerance = 0.001
     fit, straight = flank.arcs(tolerance), flank.polyline(tolerance)
     for found in (fit, straight):
@@ -193,7 +260,7 @@ def test_bore_beside_a_corner() -> None:
     """HC22: without the lobe the disc is the base circle of 6 mm with a corner at 9.06 mm."""
     path = cut_off_lobe()
     part = build_part("inner", path, path, PartSpec(bore=11.9), 0.01)
-    contour = part.through[0].arcs(0.001).contour
+    contour = part.boundaries[0].arcs(0.001).contour
     assert largest_radius(contour) == pytest.approx(9.06066828504406653, rel=1e-12)
     with pytest.raises(GeometryError, match=r"the outline comes as near as (5\.99|6)"):
         build_part("inner", path, path, PartSpec(bore=12.1), 0.01)

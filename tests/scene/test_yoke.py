@@ -40,7 +40,7 @@ def on_rollers(yoke: str = "[follower.yoke]\n", offset: str = "") -> str:
 
 def test_the_written_contour_has_the_breadth_in_every_direction() -> None:
     design = Design(parse_scene(TEXT))
-    points = design.disc.part.through[0].arcs(1e-3).contour.points(1e-5)
+    points = design.disc.part.boundaries[0].arcs(1e-3).contour.points(1e-5)
     ways = np.exp(1j * np.linspace(0.0, math.pi, 181))
     heights = (points[:, None] * np.conj(ways)).real
     widths = np.max(heights, axis=0) - np.min(heights, axis=0)

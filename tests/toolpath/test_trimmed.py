@@ -9,11 +9,13 @@ import numpy as np
 import pytest
 
 from camgeo.cam.contact import Contact
+from camgeo.contour.contour import Contour
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import GeometryError
 from camgeo.outline.path import Path, whole
+from camgeo.part.boundaries import ExactBoundary
 from camgeo.part.build import build_part
-from camgeo.part.part import Part
+from camgeo.part.part import Layer, Part
 from camgeo.part.spec import PartSpec
 from camgeo.toolpath.moves import ArcFeed, Operation, Rapid, Toolpath
 from camgeo.toolpath.paths import cutter_paths
@@ -125,7 +127,8 @@ def test_groove_takes_a_tool_like_the_roller_alone() -> None:
     curve = inner.stretches[0].curve
     roller = -curve.distance
     outer = whole(WorkingCurve(curve.pitch, roller))
-    part = Part((), (), 10.0, 6.0)
+    rim = ExactBoundary("rim", hole=False, exact=Contour.circle(100.0))
+    part = Part((Layer(-10.0, -6.0, (rim,)), Layer(-6.0, 0.0, (rim,))))
     (path,) = cutter_paths("groove", inner, outer, part, GROOVE, roller)
     assert path.path == whole(WorkingCurve(curve.pitch, 0.0))
     assert path.free_side == 0
@@ -162,6 +165,7 @@ def test_path_along_a_whole_flank_is_one_parallel(
 ) -> None:
     inner = translating(dwell(60), move(120, 15.0), dwell(60), move(120, 0.0))
     outer = WorkingCurve(inner.pitch, 8.0)
-    part = Part((), (), 10.0, 0.0)
+    rim = ExactBoundary("rim", hole=False, exact=Contour.circle(100.0))
+    part = Part((Layer(-10.0, 0.0, (rim,)),))
     (path,) = cutter_paths(contact, whole(inner), whole(outer), part, PART, tool / 2.0)
     assert path.path == whole(WorkingCurve(inner.pitch, distance))

@@ -80,7 +80,6 @@ def compute(request: Request) -> Balance:
     if spec.grade is not None and course is None:
         raise GeometryError("needs [cam] speed or speed_curve", key="effects.balance.grade")
     part = _part(request)
-    assert part.thickness is not None  # the effect declares it among its keys
     per_area = spec.density * part.thickness
     moments = disc_moments(part, spec.density, request.tolerance * TAKEN)
     mass, unbalance, unsure = moments.area, moments.first, moments.first_error

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from functools import reduce
+from operator import and_, xor
 from typing import Any, Final
 
 import numpy as np
@@ -32,13 +34,12 @@ class Room:
     def __init__(self, part: Part, largest: float) -> None:
         self._tolerance = SHARE * largest
         self._boundaries = {each.name: self._polygon(each) for each in part.boundaries}
-        material, *holes = (self._boundaries[each.name] for each in part.through)
-        if part.groove:
-            inner, outer = (self._boundaries[each.name] for each in part.groove)
-            holes.append(outer.difference(inner))
-        for hole in holes:
-            material = material.difference(hole)
-        self._material = material
+        # Boundaries lie inside each other: material begins at one and ends at the next.
+        sections = [
+            reduce(xor, (self._boundaries[each.name] for each in layer.boundaries))
+            for layer in part.layers
+        ]
+        self._material = reduce(and_, sections)
 
     def _polygon(self, boundary: Boundary) -> Any:
         import shapely  # its import costs more than the rest of the effect

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patches import PathPatch
@@ -27,19 +29,19 @@ def draw(axes: Axes, part: Part, scale: complex, sagitta: float) -> list[Complex
 
     A complex scale turns the part.
     """
-    body = [ring * scale for ring in _rings(part.through, sagitta)]
-    groove = [ring * scale for ring in _rings(part.groove, sagitta)]
-    axes.add_patch(_area(body, BODY))
-    if groove:
-        axes.add_patch(_area(groove, GROOVE))
-    for ring in (*body, *groove):
+    drawn: list[ComplexArray] = []
+    for boundaries, colour in _areas(part):
+        rings = [ring * scale for ring in _rings(boundaries, sagitta)]
+        axes.add_patch(_area(rings, colour))
+        drawn += rings
+    for ring in drawn:
         axes.add_patch(PathPatch(_outline(ring), fill=False, edgecolor=LINE, linewidth=EDGE))
-    return [*body, *groove]
+    return drawn
 
 
 def draw_behind(axes: Axes, part: Part, scale: complex, sagitta: float) -> None:
     """Draw the outline of a second disc, that of a conjugate pair, over the first one."""
-    for ring in _rings(part.through[:1], sagitta):
+    for ring in _rings(part.boundaries[:1], sagitta):
         line = np.append(ring, ring[:1]) * scale
         axes.plot(line.real, line.imag, zorder=3, **RETURN_STYLE)
 
@@ -47,7 +49,7 @@ def draw_behind(axes: Axes, part: Part, scale: complex, sagitta: float) -> None:
 def draw_near(axes: Axes, part: Part, middle: complex, width: float) -> None:
     """Draw what lies in and about the square of side `width` [mm] round `middle`, in mm."""
     sagitta = FINE * width
-    for boundaries, colour in ((part.through, BODY), (part.groove, GROOVE)):
+    for boundaries, colour in _areas(part):
         rings = _rings(boundaries, sagitta)
         inside = [cut_off.clipped(ring, middle, 2.0 * width) for ring in rings]
         inside = [ring for ring in inside if len(ring)]
@@ -56,6 +58,15 @@ def draw_near(axes: Axes, part: Part, middle: complex, width: float) -> None:
         for ring in rings:
             edge = cut_off.near(np.append(ring, ring[:1]), middle, width)
             axes.plot(edge.real, edge.imag, color=LINE, linewidth=EDGE)
+
+
+def _areas(part: Part) -> list[tuple[tuple[Boundary, ...], str]]:
+    """What is filled with a colour: the lowest layer, and what each of the others begins."""
+    found = [(part.layers[0].boundaries, BODY)]
+    for lower, upper in pairwise(part.layers):
+        begins = tuple(each for each in upper.boundaries if each not in lower.boundaries)
+        found.append((begins, GROOVE))
+    return found
 
 
 def _rings(boundaries: tuple[Boundary, ...], sagitta: float) -> list[ComplexArray]:

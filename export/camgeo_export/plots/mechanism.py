@@ -100,7 +100,7 @@ def _window(
     """Lower left and upper right corner [mm] of what both panes show."""
     reach = product.base_radius
     for part in _parts(product):
-        ring = part.through[0].arcs(COARSE * reach).contour
+        ring = part.boundaries[0].arcs(COARSE * reach).contour
         reach = max(reach, largest_radius(ring))
     points = [point for _, sketch in sketches for point in sketch.points]
     corners = np.array([*points, *(reach * side for side in (1, 1j, -1, -1j))])

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from camgeo.contour.contour import Contour
+from camgeo.errors import GeometryError
 from camgeo.files.product import Product
 from camgeo.numeric.arrays import FloatArray, IntArray
-from camgeo.part.part import Boundary
 from camgeo_export.errors import FileError
 from camgeo_export.matching import deviation
 
@@ -18,9 +18,10 @@ def measure(product: Product, vertices: FloatArray, triangles: IntArray) -> floa
     `vertices` (n, 3) [mm] and `triangles` (m, 3) as they stand in the file. Raises FileError unless
     they form one closed, outward oriented body with upright walls between flat faces.
     """
-    part = product.part
-    if part.thickness is None:
-        raise FileError("the scene has no part.thickness that this body could be held against")
+    try:
+        wanted = product.part.levels
+    except GeometryError as error:
+        raise FileError(f"no body to hold this against: {error.message}") from None
     if not np.isfinite(vertices).all():
         raise FileError("the mesh has coordinates that are not finite")
     # An STL repeats its vertices; equal ones are one.
@@ -31,17 +32,14 @@ def measure(product: Product, vertices: FloatArray, triangles: IntArray) -> floa
     flat = (corners[:, :, 2] == corners[:, :1, 2]).all(axis=1)
     _check_upright(corners[~flat])
     heights = sorted(set(corners[flat][:, 0, 2].tolist()))
-    wanted: list[tuple[float, tuple[Boundary, ...]]] = [(0.0, part.through)]
-    if part.groove:
-        wanted.append((part.thickness - part.groove_depth, part.groove))
-    wanted.append((part.thickness, part.boundaries))
     if len(heights) != len(wanted):
         raise FileError(f"flat faces at {len(heights)} heights, expected {len(wanted)}")
     largest = 0.0
-    for height, (exact, boundaries) in zip(heights, wanted, strict=True):
+    for height, exact in zip(heights, wanted, strict=True):
         level = triangles[flat & (corners[:, 0, 2] == height)]
         contours = [_contour(vertices[loop]) for loop in border_loops(level)]
-        largest = max(largest, abs(height - exact), deviation(contours, boundaries))
+        off = abs(height - (exact.z - wanted[0].z))
+        largest = max(largest, off, deviation(contours, exact.boundaries))
     return largest
 
 

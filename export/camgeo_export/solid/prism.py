@@ -1,4 +1,4 @@
-"""The part as a closed body of triangles: boundaries drawn up along Z, a groove sunk from above.
+"""The part as a closed body of triangles: boundaries drawn up along Z, layer upon layer.
 
 All faces are flat at a few heights, so the body is put together directly from its polygons: every
 vertex stays the double that the fit gave. (A cross-section of manifold3d rounds to 1e-8 mm.)
@@ -8,13 +8,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import groupby
 
 import manifold3d
 import numpy as np
 
 from camgeo.errors import ToleranceError
 from camgeo.numeric.arrays import ComplexArray, FloatArray, IntArray
-from camgeo.part.part import Boundary, Part
+from camgeo.part.part import Boundary, Level, Part
 
 FIT_SHARE = 0.98
 """Share of the tolerance that the chords may use; the rest is for the rounding of the file and for
@@ -45,31 +46,26 @@ class Body:
 def body(part: Part, tolerance: float, rounding: Rounding) -> Body:
     """The part as a body whose edges lie within `tolerance` [mm] of its boundaries.
 
-    `rounding` turns coordinates [mm] into those which the file can hold.
+    `rounding` turns coordinates [mm] into those which the file can hold. Raises GeometryError with
+    the key of the height that the scene does not tell.
     """
-    if part.thickness is None:
-        raise ValueError("a part without thickness is no body")
-    top = float(rounding(np.array(part.thickness)))
-    floor = float(rounding(np.array(part.thickness - part.groove_depth)))
-    through = [_ring(boundary, tolerance, rounding) for boundary in part.through]
-    groove = [_ring(boundary, tolerance, rounding) for boundary in part.groove]
+    levels = part.levels
+    rings = {each.name: _ring(each, tolerance, rounding) for each in part.boundaries}
     mesh = _Mesh()
-    below = mesh.level(through, 0.0)
-    above = mesh.level(through, top)
-    mesh.face(through, below, upwards=False)
-    for lower, upper in zip(below, above, strict=True):
-        mesh.wall(lower, upper)
-    if groove:
-        sunk = mesh.level(groove, floor)
-        rim = mesh.level(groove, top)
-        for lower, upper in zip(sunk, rim, strict=True):
-            mesh.wall(lower, upper)
-        # The rings of the groove run with the material on their left; its floor lies on the right.
-        backwards = [ring[::-1] for ring in groove]
-        mesh.face(backwards, [indices[::-1] for indices in sunk], upwards=True)
-        mesh.face(through + groove, above + rim, upwards=True)
-    else:
-        mesh.face(through, above, upwards=True)
+    corners: dict[tuple[str, float], IntArray] = {}
+    for heights, walls in groupby(part.walls, lambda wall: (wall.z0, wall.z1)):
+        names = [wall.boundary.name for wall in walls]
+        for z in heights:
+            height = float(rounding(np.array(z - levels[0].z)))
+            indices = mesh.level([rings[name] for name in names], height)
+            corners |= {(name, z): ring for name, ring in zip(names, indices, strict=True)}
+    lowest, *others = levels
+    mesh.faces_of(lowest, rings, corners)
+    for wall in part.walls:
+        name = wall.boundary.name
+        mesh.wall(corners[name, wall.z0], corners[name, wall.z1])
+    for level in others:
+        mesh.faces_of(level, rings, corners)
     return mesh.close()
 
 
@@ -91,6 +87,28 @@ def _ring(boundary: Boundary, tolerance: float, rounding: Rounding) -> ComplexAr
     return polygon[::-1] if boundary.hole else polygon
 
 
+def _winds_up(ring: ComplexArray, rings: list[ComplexArray]) -> bool:
+    """Whether `ring` bounds a face that looks up, among the disjoint `rings` of a height.
+
+    A face that looks up has its outermost ring counter-clockwise and its holes clockwise.
+    """
+    around = sum(_holds(other, complex(ring[0])) for other in rings if other is not ring)
+    return (_area(ring) > 0.0) == (around % 2 == 0)
+
+
+def _area(ring: ComplexArray) -> float:
+    return 0.5 * float(np.sum((ring.conj() * np.roll(ring, -1)).imag))
+
+
+def _holds(ring: ComplexArray, point: complex) -> bool:
+    """Whether a ray from `point` along x crosses `ring` an odd number of times."""
+    start, end = ring - point, np.roll(ring, -1) - point
+    crossing = (start.imag > 0.0) != (end.imag > 0.0)
+    start, end = start[crossing], end[crossing]
+    ahead = (start.conj() * end).imag / (end.imag - start.imag)
+    return bool(np.count_nonzero(ahead > 0.0) % 2)
+
+
 class _Mesh:
     """Triangles in the making."""
 
@@ -108,10 +126,33 @@ class _Mesh:
             self.count += len(ring)
         return indices
 
-    def face(self, rings: list[ComplexArray], indices: list[IntArray], upwards: bool) -> None:
-        """The flat face on the left of `rings`."""
-        polygons = [np.column_stack((ring.real, ring.imag)) for ring in rings]
-        triangles = np.concatenate(indices)[manifold3d.triangulate(polygons)]
+    def faces_of(
+        self,
+        level: Level,
+        rings: dict[str, ComplexArray],
+        corners: dict[tuple[str, float], IntArray],
+    ) -> None:
+        """The flat faces at one height: up where material ends, down where it begins.
+
+        Seen from above, the rings that end and those that begin, turned round, wind once about the
+        faces that look up and once backwards about those that look down.
+        """
+        sides = [(rings[each.name], corners[each.name, level.z]) for each in level.below]
+        sides += [
+            (rings[each.name][::-1], corners[each.name, level.z][::-1]) for each in level.above
+        ]
+        up = [_winds_up(ring, [other for other, _ in sides]) for ring, _ in sides]
+        upper = [side for side, upwards in zip(sides, up, strict=True) if upwards]
+        lower = [side for side, upwards in zip(sides, up, strict=True) if not upwards]
+        if upper:
+            self.face(upper, upwards=True)
+        if lower:
+            self.face([(ring[::-1], indices[::-1]) for ring, indices in lower], upwards=False)
+
+    def face(self, sides: list[tuple[ComplexArray, IntArray]], upwards: bool) -> None:
+        """The flat face on the left of rings with the indices of their points."""
+        polygons = [np.column_stack((ring.real, ring.imag)) for ring, _ in sides]
+        triangles = np.concatenate([each for _, each in sides])[manifold3d.triangulate(polygons)]
         self.faces.append(triangles if upwards else triangles[:, ::-1])
 
     def wall(self, lower: IntArray, upper: IntArray) -> None:

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from camgeo.contour.contour import Contour
-from camgeo.errors import CamgeoError
+from camgeo.errors import CamgeoError, GeometryError
 from camgeo.files.product import Product
 from camgeo.files.verification import Check, failed, near
 from camgeo.numeric.arrays import BoolArray, FloatArray, IntArray
@@ -16,8 +16,6 @@ from camgeo_export.solid.measure import border_loops
 from camgeo_export.verify.mesh import merged, solid_checks, volume
 from camgeo_export.verify.plane import contour_checks, matched
 from camgeo_export.verify.shapes import Shape, shapes_of
-
-Level = tuple[str, float, tuple[Boundary, ...]]
 
 
 def body_checks(
@@ -31,9 +29,10 @@ def body_checks(
     tolerance : [mm].
     """
     part = product.part
-    if part.thickness is None:
-        note = "the scene has no part.thickness that the body could be held against"
-        return [failed("body", note)]
+    try:
+        wanted = part.levels
+    except GeometryError as error:
+        return [failed("body", f"there is none to hold it against: {error.message}")]
     if not len(triangles) or not np.isfinite(vertices).all():
         return [failed("facets", "there are none, or one of their coordinates is not finite")]
     if np.min(triangles) < 0 or np.max(triangles) >= len(vertices):
@@ -44,30 +43,22 @@ def body_checks(
     flat: BoolArray = (corners[:, :, 2] == corners[:, :1, 2]).all(axis=1)
     checks.append(_walls(corners[~flat]))
     heights = sorted(set(corners[flat][:, 0, 2].tolist()))
-    wanted = _levels(part, part.thickness)
-    names = [name for name, _, _ in wanted]
     if len(heights) != len(wanted):
-        note = f"flat faces at {len(heights)} heights, not at {len(wanted)}: {', '.join(names)}"
+        note = f"flat faces at {len(heights)} heights, not at {len(wanted)}: "
+        note += ", ".join(level.name for level in wanted)
         checks.append(failed("height", note))
     else:
         shapes = shapes_of(part.boundaries, product.base_radius, tolerance)
         by_name = {shape.name: shape for shape in shapes}
         done: dict[tuple[str, bytes], None] = {}
-        for height, (name, exact, boundaries) in zip(heights, wanted, strict=True):
-            checks.append(near("height", height, exact, tolerance, "mm", name))
-            level = triangles[flat & (corners[:, 0, 2] == height)]
-            own = [by_name[boundary.name] for boundary in boundaries]
-            checks += _level_checks(vertices, level, own, tolerance, name, done)
-        checks += _volume(part, part.thickness, by_name, vertices, triangles, tolerance)
+        for height, level in zip(heights, wanted, strict=True):
+            exact = level.z - wanted[0].z
+            checks.append(near("height", height, exact, tolerance, "mm", level.name))
+            faces = triangles[flat & (corners[:, 0, 2] == height)]
+            own = [by_name[boundary.name] for boundary in level.boundaries]
+            checks += _level_checks(vertices, faces, own, tolerance, level.name, done)
+        checks += _volume(part, by_name, vertices, triangles, tolerance)
     return checks
-
-
-def _levels(part: Part, thickness: float) -> list[Level]:
-    """The flat faces: name, height [mm], boundaries."""
-    levels: list[Level] = [("lower face", 0.0, part.through)]
-    if part.groove:
-        levels.append(("floor of the groove", thickness - part.groove_depth, part.groove))
-    return [*levels, ("upper face", thickness, part.boundaries)]
 
 
 def _walls(corners: FloatArray) -> Check:
@@ -127,25 +118,26 @@ def _first(contour: Contour) -> int:
 
 def _volume(
     part: Part,
-    thickness: float,
     shapes: dict[str, Shape],
     vertices: FloatArray,
     triangles: IntArray,
     tolerance: float,
 ) -> list[Check]:
-    """Exact areas times heights; off by the tolerance along all walls and on both faces at most."""
-    if any(shapes[each.name].area is None for each in part.boundaries):
+    """Exact areas times heights; off by the tolerance along all faces at most."""
+    if any(shape.area is None for shape in shapes.values()):
         return []
-    body = _area(part.through, shapes)
-    exact = body * thickness + _area(part.groove, shapes) * part.groove_depth
-    walls = math.fsum(shapes[each.name].length for each in part.through) * thickness
-    walls += math.fsum(shapes[each.name].length for each in part.groove) * part.groove_depth
-    allowed = tolerance * (walls + 2.0 * body)
+    volumes, faces = [], []
+    for wall in part.walls:
+        height = wall.z1 - wall.z0
+        volumes.append(_area((wall.boundary,), shapes) * height)
+        faces.append(shapes[wall.boundary.name].length * height)
+    faces += [abs(_area(each.below, shapes) - _area(each.above, shapes)) for each in part.levels]
+    exact, allowed = math.fsum(volumes), tolerance * math.fsum(faces)
     return [near("volume", volume(vertices, triangles), exact, allowed, "mm^3")]
 
 
 def _area(boundaries: tuple[Boundary, ...], shapes: dict[str, Shape]) -> float:
-    """Sum of the areas [mm^2], holes negative; of a groove minus what it takes away."""
+    """Sum of the areas [mm^2], holes negative."""
     return math.fsum(
         (shapes[each.name].area or 0.0) * (-1.0 if each.hole else 1.0) for each in boundaries
     )
