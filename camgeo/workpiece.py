@@ -38,8 +38,8 @@ if TYPE_CHECKING:
     from camgeo.motion.time_course import TimeCourse
     from camgeo.part.part import Part
     from camgeo.specification import Specification
+    from camgeo.toolpath.cut import Cut
     from camgeo.toolpath.moves import Toolpath
-    from camgeo.toolpath.paths import CutterPath
     from camgeo.toolpath.spec import GcodeSpec
 
 TOPOLOGY_TOLERANCE = 0.01
@@ -278,39 +278,25 @@ class Workpiece(Pickled):
         return deviation(self.cam.disc.pitch_path, contour)
 
     @lazy
-    def cutter_paths(self) -> tuple[CutterPath, ...]:
-        """The exact cutter paths of all operations; needs `[part]` and `[output.gcode]`."""
-        from camgeo.toolpath.paths import cutter_paths
+    def cuts(self) -> tuple[Cut, ...]:
+        """What is milled, exactly; needs `[part]` and `[output.gcode]`."""
+        from camgeo.toolpath.sequence import cuts_of
 
-        spec = self.scene.part
-        if self.gcode is None or spec is None:
+        if self.gcode is None or self.scene.part is None:
             raise GeometryError("milling needs [part] and [output.gcode]", key="output.gcode")
-        radius = self.gcode.tool_diameter / 2.0
-        return cutter_paths(self.contact, *self.cam.disc.flank_paths, self.part, spec, radius)
+        return cuts_of(self.part, self.gcode.tool, self.gcode.pass_depth)
 
     def toolpath(self, tolerance: float) -> Toolpath:
         """The milling program; its arcs lie within `tolerance` [mm] of the exact cutter paths."""
+        from camgeo.toolpath.machine import load
         from camgeo.toolpath.plan import plan_toolpath
 
-        paths, spec = self.cutter_paths, self.gcode
-        assert spec is not None  # cutter_paths raises without it
+        cuts, spec = self.cuts, self.gcode
+        assert spec is not None  # cuts raises without it
+        limits, height = load(spec.machine).arcs, spec.safe_height
         return self.ledger.run(
-            "toolpath", lambda: plan_toolpath(paths, spec, tolerance, self.effort)
+            "toolpath", lambda: plan_toolpath(cuts, height, limits, tolerance, self.effort)
         )
-
-    def toolpath_deviation(self, operation: str, contour: Contour) -> float:
-        """Proved bound [mm] of the distance between `contour` and the cutter path of `operation`.
-
-        Raises KeyError if there is no such operation.
-        """
-        from camgeo.contour.exact import distance_between
-        from camgeo.contour.proof.deviation import deviation
-
-        path = {path.name: path for path in self.cutter_paths}[operation]
-        if path.path is not None:
-            return deviation(path.path, contour)
-        assert path.circle is not None  # a path is one or the other
-        return distance_between(path.circle, contour)
 
     # Pictures --------------------------------------------------------------------------------
 

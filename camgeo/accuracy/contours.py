@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Final, Protocol
+from typing import Final
 
 from camgeo.accuracy.clock import timed
 from camgeo.accuracy.rows import EFFORTS, FORMS, ContourRow, Count, FileCost, Form
@@ -14,11 +14,12 @@ from camgeo.contour.least_pieces import forced_pieces, least_arcs, least_chords,
 from camgeo.contour.spline import SplineFit
 from camgeo.design import Design
 from camgeo.errors import GeometryError, ToleranceError
-from camgeo.files.product import Product, Writer
+from camgeo.files.product import Product
 from camgeo.files.writers import find_writer
 from camgeo.outline.path import Path
 from camgeo.outline.replay import replay_contour
 from camgeo.part.boundaries import CurveBoundary
+from camgeo.toolpath.machine import load
 from camgeo.toolpath.machining_time import Dynamics, contour_time
 from camgeo.toolpath.spec import GcodeSpec
 
@@ -35,13 +36,6 @@ LEAST: Final[dict[Form, Least]] = {
 DRAWING: Final = "dxf"
 PROGRAM: Final = "gcode"
 """Names of the writers."""
-
-
-class MillingWriter(Writer, Protocol):
-    """A writer of programs, which knows machines."""
-
-    def dynamics(self, gcode: GcodeSpec) -> Dynamics | None:
-        """What the machine can do, if it is known."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,8 +60,7 @@ def flanks_of(design: Design) -> tuple[CurveBoundary, ...]:
 def milling_of(design: Design) -> Milling:
     """Feed and machine of the scene, or those that a scene has if it says nothing."""
     gcode = design.disc.gcode or GcodeSpec()
-    writer: MillingWriter = find_writer(PROGRAM)  # type: ignore[assignment] # its own entry point
-    return Milling(gcode.feed, writer.dynamics(gcode))
+    return Milling(gcode.feed, load(gcode.machine).dynamics)
 
 
 def has_program(design: Design) -> bool:

@@ -20,6 +20,7 @@ from camgeo.mechanism.linkage_protocol import Member
 from camgeo.motion.joints import Joint
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.part.part import Part
+from camgeo.toolpath.cut import Cut
 from camgeo.toolpath.moves import Toolpath
 from camgeo.toolpath.spec import GcodeSpec
 from camgeo.units import LengthUnit
@@ -231,8 +232,9 @@ class Product(Protocol):
     def toolpath(self, tolerance: float) -> Toolpath:
         """The milling program; its arcs lie within `tolerance` [mm] of the exact cutter path."""
 
-    def toolpath_deviation(self, operation: str, contour: Contour) -> float:
-        """Proved bound [mm] of the distance of `contour` from the cutter path of `operation`."""
+    @property
+    def cuts(self) -> tuple[Cut, ...]:
+        """What the milling program cuts, exactly."""
 
     def table(self) -> Table:
         """The value table, in the scene's unit and degrees."""

@@ -9,6 +9,7 @@ import numpy as np
 
 from camgeo.contour.contour import Contour
 from camgeo.errors import GeometryError
+from camgeo.part.boundaries import ExactBoundary
 from camgeo.part.spec import Keyway
 
 
@@ -40,6 +41,12 @@ def bore_outline(diameter: float, keyway: Keyway | None) -> Contour:
     vertices = corners * cmath.exp(1j * keyway.angle)
     sweeps = np.array([0.0, 0.0, 0.0, 2.0 * math.pi - opening])
     return Contour(vertices, sweeps, np.zeros(4, dtype=np.complex128))
+
+
+def bore_boundary(diameter: float, keyway: Keyway | None) -> ExactBoundary:
+    """The bore as boundary; raises as `bore_outline`."""
+    core = None if keyway is None else Contour.circle(diameter / 2.0)
+    return ExactBoundary("bore", hole=True, exact=bore_outline(diameter, keyway), core=core)
 
 
 def bore_reach(diameter: float, keyway: Keyway | None) -> float:

@@ -20,6 +20,7 @@ from camgeo.contour.fit import Effort, Fit
 from camgeo.contour.proof.deviation import deviation
 from camgeo.contour.simple import require_simple
 from camgeo.contour.spline import Arc, SplineContour, SplineFit
+from camgeo.errors import GeometryError
 from camgeo.lazy import Ledger
 from camgeo.outline.path import Path
 
@@ -68,14 +69,42 @@ class CurveBoundary:
             return spline_deviation(self.path, contour)
         return deviation(self.path, contour)
 
+    def beside(self, distance: float) -> CurveBoundary:
+        """See `camgeo.part.part.Boundary`; the cutter rolls round corners on arcs."""
+        path = self.path.offset(-distance if self.hole else distance)
+        return CurveBoundary(f"path of the cutter along the {self.name}", self.hole, path)
+
 
 @dataclass(frozen=True, slots=True)
 class ExactBoundary:
-    """An outline of lines and arcs as boundary, see `camgeo.part.part.Boundary`."""
+    """An outline of lines and arcs as boundary, see `camgeo.part.part.Boundary`.
+
+    Attributes
+    ----------
+    exact : the outline.
+    core : the circle that a round cutter makes of it, of a bore with keyway; None if that is the
+        whole outline.
+    """
 
     name: str
     hole: bool
     exact: Contour
+    core: Contour | None = None
+
+    @property
+    def round_radius(self) -> float:
+        """Radius [mm] of what a round cutter makes of it; GeometryError if that is no circle."""
+        circle = self.core or self.exact
+        if circle.arc_count < len(circle) or np.ptp(circle.centres) != 0.0:
+            raise GeometryError(f"the {self.name} is not round", key="part", value=self.name)
+        return float(circle.radii[0])
+
+    def beside(self, distance: float) -> ExactBoundary:
+        """See `camgeo.part.part.Boundary`; of a round outline or core only."""
+        radius = self.round_radius + (-distance if self.hole else distance)
+        centre = complex((self.core or self.exact).centres[0])
+        name = f"path of the cutter along the {self.name}"
+        return ExactBoundary(name, self.hole, Contour.circle(radius, centre))
 
     def arcs(self, tolerance: float, effort: Effort = "fewest") -> Fit:
         """The outline itself, with either effort."""

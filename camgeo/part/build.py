@@ -7,7 +7,7 @@ from camgeo.contour.contour import Contour
 from camgeo.errors import GeometryError
 from camgeo.lazy import Ledger
 from camgeo.outline.path import Path
-from camgeo.part.bore import bore_outline, bore_reach
+from camgeo.part.bore import bore_boundary, bore_reach
 from camgeo.part.boundaries import (
     CurveBoundary,
     ExactBoundary,
@@ -46,7 +46,7 @@ def build_part(
     book = ledger or Ledger()
     bore: tuple[Boundary, ...] = ()
     if spec.bore is not None and contact != "outer":
-        bore = (ExactBoundary("bore", hole=True, exact=bore_outline(spec.bore, spec.keyway)),)
+        bore = (bore_boundary(spec.bore, spec.keyway),)
     bottom = -(spec.thickness or 0.0)
     if contact == "inner":
         outline = CurveBoundary("outline", hole=False, path=inner, ledger=book)

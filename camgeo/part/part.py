@@ -44,6 +44,12 @@ class Boundary(Protocol):
     def deviation(self, contour: Contour | SplineContour) -> float:
         """Proved upper bound [mm] of the distance between `contour` and the exact boundary."""
 
+    def beside(self, distance: float) -> Boundary:
+        """The path of a cutter's centre at `distance` [mm], on the side without material.
+
+        A hole gives a hole. Raises GeometryError if the boundary has no such parallel.
+        """
+
 
 @dataclass(frozen=True, slots=True)
 class Layer:
@@ -162,15 +168,10 @@ class Part:
                     found.append(Wall(boundary, run[0].z0, run[-1].z1))
         return tuple(found)
 
-    @property
-    def levels(self) -> tuple[Level, ...]:
-        """The flat faces, from the lowest upwards.
+    def require_heights(self) -> None:
+        """Raise GeometryError with the key of a height that the scene does not tell.
 
-        Raises
-        ------
-        GeometryError
-            With the key of the height that the scene does not tell: then there is a drawing of the
-            part but no solid.
+        Such a part can be drawn, but there is no solid and nothing to be milled.
         """
         if not self.thickness:
             raise GeometryError("a solid needs part.thickness", key="part.thickness")
@@ -178,6 +179,11 @@ class Part:
             if layer.z0 == layer.z1:
                 key = f"part.{layer.name}_depth"
                 raise GeometryError(f"a solid needs {key}", key=key)
+
+    @property
+    def levels(self) -> tuple[Level, ...]:
+        """The flat faces, from the lowest upwards; raises as `require_heights`."""
+        self.require_heights()
         first, last = self.layers[0], self.layers[-1]
         found = [Level("lower face", first.z0, (), first.boundaries)]
         for lower, upper in pairwise(self.layers):

@@ -7,6 +7,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from camgeo.toolpath.cut import Cut
+
 Point = tuple[float, float, float]
 
 
@@ -43,20 +45,16 @@ Move = Rapid | Feed | ArcFeed
 
 @dataclass(frozen=True, slots=True)
 class Operation:
-    """One operation of the program, e.g. "outline" or "bore", with all its passes.
+    """One operation of the program, with all its passes.
 
     Attributes
     ----------
-    name : what is cut, for the comment in the file.
-    depths : Z of each pass [mm], descending, all negative.
-    moves : in order; the first is a Rapid at the safe height above the first point.
-    note : what the person at the machine should know of it, or empty.
+    cut : what it cuts, and with which tool.
+    moves : in order; the first and the last are traverses at the safe height.
     """
 
-    name: str
-    depths: tuple[float, ...]
+    cut: Cut
     moves: tuple[Move, ...]
-    note: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,15 +63,9 @@ class Toolpath:
 
     Attributes
     ----------
-    tool_number : number in the tool table.
-    tool_diameter : cutter diameter [mm].
-    spindle_speed : rev/min, clockwise.
     safe_height : Z of all traverses [mm].
     operations : in the order of cutting.
     """
 
-    tool_number: int
-    tool_diameter: float
-    spindle_speed: float
     safe_height: float
     operations: tuple[Operation, ...]

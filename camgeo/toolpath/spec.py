@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from camgeo.numeric.checked import hold, instance, positive, whole
+from camgeo.toolpath.tool import Tool
 
 UNITS: Final = {
     "tool_diameter": "mm",
@@ -59,3 +60,10 @@ class GcodeSpec:
             value = getattr(self, name)
             if not (value is None and name == "pass_depth"):
                 hold(self, **{name: positive(f"{key}.{name}", value, unit)})
+
+    @property
+    def tool(self) -> Tool:
+        """The end mill, and how it is run."""
+        return Tool(
+            self.tool_number, self.tool_diameter, self.spindle_speed, self.feed, self.plunge_feed
+        )

@@ -7,7 +7,8 @@ that a writer which spends more than its share is found out.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 import numpy as np
@@ -26,8 +27,12 @@ from camgeo.lazy import Ledger
 from camgeo.motion.joints import Joint
 from camgeo.numeric.arrays import FloatArray
 from camgeo.part.part import Layer, Part
+from camgeo.toolpath import machine
+from camgeo.toolpath.cut import Cut
 from camgeo.toolpath.moves import ArcFeed, Feed, Move, Operation, Rapid, Toolpath
+from camgeo.toolpath.plan import divided
 from camgeo.toolpath.spec import GcodeSpec
+from camgeo.toolpath.tool import Tool
 from camgeo.units import MM_PER, LengthUnit
 from camgeo_export.chain import chain
 
@@ -87,6 +92,9 @@ class CircleBoundary:
         assert isinstance(contour, Contour)
         return off_circle(contour, self.radius, self.centre)
 
+    def beside(self, distance: float) -> CircleBoundary:
+        return replace(self, radius=self.radius + (-distance if self.hole else distance))
+
 
 @dataclass(frozen=True, slots=True)
 class StubProduct:
@@ -110,6 +118,7 @@ class StubProduct:
     cut_off: tuple[CutOff, ...] = ()
     effect_columns: tuple[Column, ...] = ()
     returning: Product | None = None
+    second_tool: Tool | None = None
     ledger: Ledger = field(default_factory=Ledger, compare=False)
     findings: tuple[Finding, ...] = field(
         default=(Finding("transmission-angle", "ok", "fine", 70.0, 60.0, "deg"),)
@@ -194,33 +203,37 @@ class StubProduct:
     def pitch_deviation(self, contour: Contour) -> float:
         return off_circle(contour, self.pitch_radius, self.centre)
 
-    def _path(self, operation: str) -> tuple[float, complex]:
+    @property
+    def tools(self) -> tuple[Tool, Tool]:
+        """Of the bore and of the outline."""
         assert self.gcode is not None
-        cutter = 0.5 * self.gcode.tool_diameter
-        if operation == "bore":
-            return 10.0 * self.scale - cutter, 0j
-        return (self.pitch_radius - self.roller_radius) + cutter, self.centre
+        return self.gcode.tool, self.second_tool or self.gcode.tool
+
+    @property
+    def cuts(self) -> tuple[Cut, ...]:
+        bore, outline = self.tools
+        radius = self.pitch_radius - self.roller_radius
+        made = (
+            (CircleBoundary("bore", True, 10.0 * self.scale), bore),
+            (CircleBoundary("outline", False, radius, self.centre), outline),
+        )
+        return tuple(
+            Cut(each.name, "profile", tool, each.beside(tool.radius), each.name, "", DEPTHS, 1.0)
+            for each, tool in made
+        )
 
     def toolpath(self, tolerance: float) -> Toolpath:
         assert self.gcode is not None
+        largest = machine.load(self.gcode.machine).arcs.largest_turn
         operations = []
-        for name in ("bore", "outline"):
-            radius, centre = self._path(name)
-            contour = bulged(radius, centre, tolerance)
-            if name == "outline":
+        for cut in self.cuts:
+            contour = cut.centre.arcs(tolerance).contour
+            if cut.name == "outline":
                 contour = contour.reversed()
-            operations.append(_operation(name, contour, centre, self.gcode))
-        gcode = self.gcode
-        return Toolpath(
-            gcode.tool_number,
-            gcode.tool_diameter,
-            gcode.spindle_speed,
-            gcode.safe_height,
-            tuple(operations),
-        )
-
-    def toolpath_deviation(self, operation: str, contour: Contour) -> float:
-        return off_circle(contour, *self._path(operation))
+            assert isinstance(cut.centre, CircleBoundary)
+            moves = _moves(cut, contour, cut.centre.centre, self.gcode.safe_height)
+            operations.append(Operation(cut, tuple(divided(moves, largest))))
+        return Toolpath(self.gcode.safe_height, tuple(operations))
 
     def curve(self, what: str, phi: FloatArray) -> FloatArray:
         offset = {"pitch": 0.0, "inner": -self.roller_radius, "outer": self.roller_radius}[what]
@@ -244,30 +257,31 @@ class StubProduct:
         return Table(names, np.column_stack((np.degrees(phi), lift, points)))
 
 
-def _operation(name: str, contour: Contour, centre: complex, gcode: GcodeSpec) -> Operation:
+DEPTHS = (-4.0, -8.0)
+
+
+def _moves(cut: Cut, contour: Contour, centre: complex, safe_height: float) -> Iterator[Move]:
     """Two passes along `contour`, entered and left tangentially on quarter circles."""
-    depths = (-4.0, -8.0)
+    tool = cut.tool
     start = complex(contour.vertices[0])
     inwards = (centre - start) / abs(centre - start)
     ccw = bool(contour.sweeps[0] > 0.0)
     ahead = inwards * (-1j if ccw else 1j)
     # The leads lie on the side of the waste: inside a bore, outside an outline.
-    inside = name == "bore"
+    inside = cut.centre.hole
     reach = (0.4 if inside else -0.1) * abs(centre - start)
     hinge = start + inwards * reach
     entry, leave = hinge - ahead * abs(reach), hinge + ahead * abs(reach)
     turn = ccw if inside else not ccw
-    moves: list[Move] = []
-    for depth in depths:
-        moves.append(Rapid((entry.real, entry.imag, gcode.safe_height)))
-        moves.append(Feed((entry.real, entry.imag, depth), gcode.plunge_feed))
-        moves.append(_arc(start, hinge, depth, turn, gcode.feed))
+    for depth in cut.depths:
+        yield Rapid((entry.real, entry.imag, safe_height))
+        yield Feed((entry.real, entry.imag, depth), tool.plunge_feed)
+        yield _arc(start, hinge, depth, turn, tool.feed)
         pieces = zip(contour.ends, contour.centres, contour.sweeps, strict=True)
         for end, hub, sweep in pieces:
-            moves.append(_arc(complex(end), complex(hub), depth, bool(sweep > 0.0), gcode.feed))
-        moves.append(_arc(leave, hinge, depth, turn, gcode.feed))
-        moves.append(Rapid((leave.real, leave.imag, gcode.safe_height)))
-    return Operation(name, depths, tuple(moves))
+            yield _arc(complex(end), complex(hub), depth, bool(sweep > 0.0), tool.feed)
+        yield _arc(leave, hinge, depth, turn, tool.feed)
+        yield Rapid((leave.real, leave.imag, safe_height))
 
 
 def _arc(end: complex, hub: complex, depth: float, ccw: bool, feed: float) -> ArcFeed:

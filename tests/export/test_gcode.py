@@ -12,11 +12,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from camgeo.errors import SceneError, ToleranceError
+from camgeo.toolpath import machine as machines
 from camgeo.toolpath.moves import ArcFeed, Feed, Rapid
 from camgeo.toolpath.spec import GcodeSpec
 from camgeo.units import LengthUnit
 from camgeo_export.errors import FileError
-from camgeo_export.gcode import machine as machines
 from camgeo_export.gcode.blocks import Grid, Speller
 from camgeo_export.gcode.budget import Budget, budget
 from camgeo_export.gcode.reader import Program, read
@@ -76,6 +76,31 @@ def test_frame_of_the_program() -> None:
     assert f"(scene {StubProduct().scene_hash})" in text
     assert "(tolerance 0.001 mm)" in text
     assert "(operation outline)" in text
+
+
+def test_tools_are_changed_between_operations() -> None:
+    """Each operation with its own tool; what goes on with the same one is not interrupted."""
+    first = GcodeSpec().tool
+    tools = {
+        "same": first,
+        "feed": replace(first, feed=200.0),
+        "speed": replace(first, spindle_speed=5000.0),
+        "other": replace(first, number=7, diameter=4.0),
+    }
+    frames = {}
+    for name, tool in tools.items():
+        product = StubProduct(second_tool=tool)
+        text, program = program_of(product, 0.001)
+        between = text[text.index("(operation bore)") : text.index("(operation outline)")]
+        frames[name] = [line for line in between.splitlines() if not re.match("[(]|G[123] ", line)]
+        assert WRITER.measure(product, text.encode()) <= 0.001
+        assert {loop.tool for loop in program.loops()} == {1, tool.number}
+    assert frames["same"] == frames["feed"]
+    assert frames["speed"] == [*frames["same"], "S5000 M3", "G0 Z5.0000"]
+    assert frames["other"] == [*frames["same"], "T7 M6", "G43 H7", "S3000 M3", "G0 Z5.0000"]
+    assert "(tool 7: end mill, diameter 4 mm)" in text
+    with pytest.raises(FileError, match="'outline' is cut with tool 7, not 1"):
+        WRITER.measure(StubProduct(), text.encode())
 
 
 def test_feed_is_written_first_and_when_it_changes() -> None:
@@ -219,6 +244,8 @@ def test_printed_arcs_meet_their_ends(
         ("G21", "G20", "not in mm"),
         ("M2\n", "", "does not end"),
         ("(operation outline)", "(operation rim)", "does not have"),
+        ("T1 M6", "T2 M6", "'bore' is cut with tool 2, not 1"),
+        ("T1 M6", "M6", "'bore' is cut with tool 0, not 1"),
         ("G1 Z-8.0000 F100", "G1 Z-7.0000 F100", "no closed path of 'bore' at Z -8"),
         ("G17 ", "", "cut without G17"),
         ("G91.1", "G90.1", "G90.1 is not expected"),
@@ -257,7 +284,7 @@ def test_a_program_needs_its_table() -> None:
 
 
 def test_a_machine_may_be_a_file(tmp_path: Path) -> None:
-    source = Path(machines.__file__).parents[1] / "machines" / "linuxcnc.toml"
+    source = Path(machines.__file__).parent / "machines" / "linuxcnc.toml"
     text = source.read_text().replace('end = ["M5", "M2"]', 'end = ["M5", "M30"]')
     profile = tmp_path / "mill.toml"
     profile.write_text(text.replace("mm = 4", "mm = 6"))
@@ -270,7 +297,7 @@ def test_a_machine_may_be_a_file(tmp_path: Path) -> None:
 
 def profile(tmp_path: Path, **changes: str) -> StubProduct:
     """A product for LinuxCNC with other lines in its profile, by the key they begin with."""
-    text = (Path(machines.__file__).parents[1] / "machines" / "linuxcnc.toml").read_text()
+    text = (Path(machines.__file__).parent / "machines" / "linuxcnc.toml").read_text()
     for key, line in changes.items():
         text, count = re.subn(rf"^(# )?{key} = .*$", line, text, flags=re.MULTILINE)
         assert count == 1
@@ -330,14 +357,14 @@ def test_the_machining_time_is_told(tmp_path: Path) -> None:
 
 
 def test_a_profile_without_dynamics_tells_no_time(tmp_path: Path) -> None:
-    source = Path(machines.__file__).parents[1] / "machines" / "linuxcnc.toml"
+    source = Path(machines.__file__).parent / "machines" / "linuxcnc.toml"
     text = source.read_text()
     file = tmp_path / "mill.toml"
     file.write_text(text[: text.index("[dynamics]")])
     spec = GcodeSpec(machine=str(file))
-    assert WRITER.dynamics(spec) is None
+    assert machines.load(spec.machine).dynamics is None
     assert "machining_time_s" not in WRITER.write(StubProduct(gcode=spec), 0.001).facts
-    known = WRITER.dynamics(GcodeSpec())
+    known = machines.load("linuxcnc").dynamics
     assert known is not None
     assert known.acceleration == 508.0
 

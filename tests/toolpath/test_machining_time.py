@@ -11,6 +11,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from camgeo.contour.contour import Contour
+from camgeo.part.boundaries import ExactBoundary
+from camgeo.toolpath.cut import Cut
 from camgeo.toolpath.machining_time import (
     Dynamics,
     arc_sweep,
@@ -20,6 +22,7 @@ from camgeo.toolpath.machining_time import (
     traverse_time,
 )
 from camgeo.toolpath.moves import ArcFeed, Feed, Move, Operation, Rapid, Toolpath
+from camgeo.toolpath.tool import Tool
 
 MACHINE = Dynamics(acceleration=500.0, rapid_feed=6000.0)
 """v = 100 mm/s after 0.2 s and 10 mm."""
@@ -37,7 +40,9 @@ def time_of(length: float, radius: float, feed: float, acceleration: float) -> f
 
 
 def program(*moves: Move) -> Toolpath:
-    return Toolpath(1, 6.0, 3000.0, 5.0, (Operation("outline", (-1.0,), moves),))
+    rim = ExactBoundary("rim", hole=False, exact=Contour.circle(10.0))
+    cut = Cut("rim", "profile", Tool(1, 6.0, 3000.0, 300.0, 100.0), rim, "rim", "", (-1.0,))
+    return Toolpath(5.0, (Operation(cut, moves),))
 
 
 @pytest.mark.parametrize(

@@ -10,18 +10,25 @@ import numpy as np
 import pytest
 
 from camgeo.cam.contact import Contact
+from camgeo.contour.contour import Contour
+from camgeo.contour.fit import Effort
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import GeometryError
 from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.motion.plan import MotionPlan
 from camgeo.outline.path import whole
+from camgeo.part.boundaries import ExactBoundary
 from camgeo.part.build import build_part
 from camgeo.part.spec import Keyway, PartSpec
+from camgeo.toolpath import plan
+from camgeo.toolpath.cut import Cut
+from camgeo.toolpath.machine import load
 from camgeo.toolpath.moves import ArcFeed, Feed, Move, Operation, Rapid, Toolpath
-from camgeo.toolpath.paths import cutter_paths
 from camgeo.toolpath.plan import plan_toolpath
+from camgeo.toolpath.sequence import cuts_of
 from camgeo.toolpath.spec import GcodeSpec
+from camgeo.toolpath.strategies.registry import STRATEGIES
 from tests.contour.cams import dense, dwell, move
 from tests.measuring import DensePath, Outline
 
@@ -29,6 +36,8 @@ TOLERANCE = 0.001
 
 SAGITTA = 5e-6
 """Of chords of the dense curves [mm]: h = 5e-3 mm, kappa < 1/mm."""
+
+LIMITS = load("linuxcnc").arcs
 
 ROLLER = 8.0
 
@@ -48,12 +57,13 @@ def _toolpath(
 ) -> Toolpath:
     inner, outer = (whole(WorkingCurve(pitch, distance)) for distance in (-ROLLER, ROLLER))
     built = build_part(contact, inner, outer, part, 0.01)
-    paths = cutter_paths(contact, inner, outer, built, part, tool / 2.0)
-    return plan_toolpath(paths, GcodeSpec(tool_diameter=tool, **spec), TOLERANCE)  # type: ignore[arg-type]
+    gcode = GcodeSpec(tool_diameter=tool, **spec)  # type: ignore[arg-type]
+    cuts = cuts_of(built, gcode.tool, gcode.pass_depth)
+    return plan_toolpath(cuts, gcode.safe_height, LIMITS, TOLERANCE)
 
 
 def _operations(toolpath: Toolpath) -> dict[str, Operation]:
-    return {operation.name: operation for operation in toolpath.operations}
+    return {operation.cut.name: operation for operation in toolpath.operations}
 
 
 def _outline(moves: tuple[Move, ...]) -> Outline:
@@ -200,15 +210,15 @@ def test_milling_needs_a_thickness() -> None:
 def test_depth_passes(pass_depth: float, count: int) -> None:
     toolpath = _toolpath("inner", 6.0, pass_depth=pass_depth)
     for operation in toolpath.operations:
-        assert len(operation.depths) == count
-        assert operation.depths[-1] == -10.0
-        steps = -np.diff((0.0, *operation.depths))
+        assert len(operation.cut.depths) == count
+        assert operation.cut.depths[-1] == -10.0
+        steps = -np.diff((0.0, *operation.cut.depths))
         assert steps == pytest.approx(np.full(count, 10.0 / count))
         assert np.max(steps) <= pass_depth * (1.0 + 1e-9)
 
 
 def test_one_pass_if_nothing_is_said() -> None:
-    assert all(len(operation.depths) == 1 for operation in _toolpath("inner", 6.0).operations)
+    assert all(len(operation.cut.depths) == 1 for operation in _toolpath("inner", 6.0).operations)
 
 
 @pytest.mark.parametrize(("contact", "tool"), [("inner", 6.0), ("outer", 6.0), ("groove", 10.0),
@@ -234,9 +244,9 @@ def test_heights_and_feeds(contact: Contact, tool: float) -> None:
             else:
                 assert after.feed == 250
                 depths.add(after.end[2])
-        assert tuple(sorted(depths, reverse=True)) == operation.depths
+        assert tuple(sorted(depths, reverse=True)) == operation.cut.depths
     depth = 6.0 if contact == "groove" else 10.0
-    assert toolpath.operations[-1].depths[-1] == -depth
+    assert toolpath.operations[-1].cut.depths[-1] == -depth
 
 
 @pytest.mark.parametrize("contact", ["inner", "outer", "groove"])
@@ -251,8 +261,79 @@ def test_no_arc_exceeds_half_a_turn(contact: Contact) -> None:
 
 def test_bore_is_cut_first_and_inside() -> None:
     operation = _toolpath("inner", 6.0).operations[0]
-    assert operation.name == "bore"
+    assert operation.cut.name == "bore"
     points = _outline(operation.moves).dense(1_000)
     # Radius 12.5 less the tool's 3; the keyway is left to a broach.
     assert np.max(np.abs(points)) == pytest.approx(9.5, rel=1e-12)
     assert _outline(operation.moves).area > 0.0
+
+
+@pytest.mark.parametrize(
+    ("contact", "tool", "expected"),
+    [
+        ("inner", 6.0, [("bore", "profile", "bore", ""), ("outline", "profile", "outline", "")]),
+        ("outer", 6.0, [("outline", "profile", "outline", "")]),
+        (
+            "groove",
+            2.0 * ROLLER,
+            [("bore", "profile", "bore", ""), ("groove", "slot", "outer flank", "inner flank")],
+        ),
+        (
+            "groove",
+            10.0,
+            [
+                ("bore", "profile", "bore", ""),
+                ("outer flank", "profile", "outer flank", ""),
+                ("inner flank", "profile", "inner flank", ""),
+            ],
+        ),
+    ],
+)
+def test_cuts_know_what_is_beside_them(
+    contact: Contact, tool: float, expected: list[tuple[str, ...]]
+) -> None:
+    """Their boundaries are the part's, on the side that they say, and as deep as their walls."""
+    inner, outer = (whole(WorkingCurve(PITCH, distance)) for distance in (-ROLLER, ROLLER))
+    part = build_part(contact, inner, outer, PART, 0.01)
+    cuts = cuts_of(part, GcodeSpec(tool_diameter=tool).tool, 4.0)
+    assert [(cut.name, cut.strategy, cut.right, cut.left) for cut in cuts] == expected
+    walls = {wall.boundary.name: wall for wall in part.walls}
+    toolpath = plan_toolpath(cuts, 5.0, LIMITS, TOLERANCE)
+    for cut, operation in zip(cuts, toolpath.operations, strict=True):
+        assert operation.cut is cut
+        path = _outline(operation.moves)
+        loop = _without_leads(path) if cut.room else path
+        along = loop.starts[0] - loop.ends[-2]
+        for name, side in ((cut.right, -1j), (cut.left, 1j)):
+            if name:
+                assert cut.depths[-1] == walls[name].z0
+                ring = walls[name].boundary.polyline(0.01, "fast").contour.vertices
+                nearest = ring[np.argmin(np.abs(ring - loop.starts[0]))]
+                assert ((nearest - loop.starts[0]) * np.conj(along * side)).real > 0.0
+
+
+@pytest.mark.parametrize("largest", [120.0, 90.0, 10.0])
+def test_arcs_are_divided_as_the_machine_wants(largest: float) -> None:
+    limits = replace(LIMITS, largest_sweep=largest)
+    inner, outer = (whole(WorkingCurve(PITCH, distance)) for distance in (-ROLLER, ROLLER))
+    part = build_part("inner", inner, outer, PART, 0.01)
+    cuts = cuts_of(part, GcodeSpec().tool, None)
+    found = [plan_toolpath(cuts, 5.0, each, TOLERANCE).operations for each in (LIMITS, limits)]
+    for whole_arcs, parts in zip(*found, strict=True):
+        one, other = _outline(whole_arcs.moves), _outline(parts.moves)
+        assert np.max(np.abs(other.sweeps)) <= math.radians(largest) * (1.0 + 1e-9)
+        assert np.sum(np.abs(other.sweeps)) == pytest.approx(np.sum(np.abs(one.sweeps)), rel=1e-12)
+
+
+def test_a_new_strategy_is_a_function_and_its_name(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The plan asks the registry alone; nothing else has to know of it."""
+
+    def drill(cut: Cut, safe_height: float, tolerance: float, effort: Effort) -> list[Move]:
+        above, down = (0.0, 0.0, safe_height), (0.0, 0.0, cut.depths[-1])
+        return [Rapid(above), Feed(down, cut.tool.plunge_feed), Rapid(above)]
+
+    monkeypatch.setattr(plan, "STRATEGIES", {**STRATEGIES, "drill": drill})
+    bore = ExactBoundary("bore", hole=True, exact=Contour.circle(3.0))
+    cut = Cut("hole", "drill", GcodeSpec().tool, bore, "bore", "", (-8.0,))
+    (operation,) = plan_toolpath((cut,), 5.0, LIMITS, TOLERANCE).operations
+    assert operation.moves[1] == Feed((0.0, 0.0, -8.0), 100.0)

@@ -13,13 +13,15 @@ from camgeo.contour.contour import Contour
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import GeometryError
 from camgeo.outline.path import Path, whole
-from camgeo.part.boundaries import ExactBoundary
+from camgeo.part.boundaries import CurveBoundary, ExactBoundary
 from camgeo.part.build import build_part
 from camgeo.part.part import Layer, Part
 from camgeo.part.spec import PartSpec
+from camgeo.toolpath.cut import Cut
+from camgeo.toolpath.machine import load
 from camgeo.toolpath.moves import ArcFeed, Operation, Rapid, Toolpath
-from camgeo.toolpath.paths import cutter_paths
 from camgeo.toolpath.plan import plan_toolpath
+from camgeo.toolpath.sequence import cuts_of
 from camgeo.toolpath.spec import GcodeSpec
 from tests.contour.cams import dense, dwell, move, translating
 from tests.contour.paths import SAGITTA, cut_off_lobe, dense_path, shocks, swallow_tail
@@ -35,9 +37,15 @@ GROOVE = PartSpec(thickness=10.0, rim=200.0, groove_depth=6.0)
 def _toolpath(
     contact: Contact, inner: Path, outer: Path, tool: float, part: PartSpec = PART
 ) -> Toolpath:
+    limits = load("linuxcnc").arcs
+    return plan_toolpath(_cuts_of(contact, inner, outer, tool, part), 5.0, limits, TOLERANCE)
+
+
+def _cuts_of(
+    contact: Contact, inner: Path, outer: Path, tool: float, part: PartSpec = PART
+) -> tuple[Cut, ...]:
     built = build_part(contact, inner, outer, part, 0.01)
-    paths = cutter_paths(contact, inner, outer, built, part, tool / 2.0)
-    return plan_toolpath(paths, GcodeSpec(tool_diameter=tool), TOLERANCE)
+    return cuts_of(built, GcodeSpec(tool_diameter=tool).tool, None)
 
 
 def _cuts(operation: Operation) -> Outline:
@@ -127,13 +135,18 @@ def test_groove_takes_a_tool_like_the_roller_alone() -> None:
     curve = inner.stretches[0].curve
     roller = -curve.distance
     outer = whole(WorkingCurve(curve.pitch, roller))
+    flanks = (
+        CurveBoundary("inner flank", hole=False, path=inner),
+        CurveBoundary("outer flank", hole=True, path=outer),
+    )
     rim = ExactBoundary("rim", hole=False, exact=Contour.circle(100.0))
-    part = Part((Layer(-10.0, -6.0, (rim,)), Layer(-6.0, 0.0, (rim,))))
-    (path,) = cutter_paths("groove", inner, outer, part, GROOVE, roller)
-    assert path.path == whole(WorkingCurve(curve.pitch, 0.0))
-    assert path.free_side == 0
+    part = Part((Layer(-10.0, -6.0, (rim,)), Layer(-6.0, 0.0, (rim, *flanks), "groove")))
+    (cut,) = cuts_of(part, GcodeSpec(tool_diameter=2.0 * roller).tool, None)
+    assert isinstance(cut.centre, CurveBoundary)
+    assert cut.centre.path == whole(WorkingCurve(curve.pitch, 0.0))
+    assert cut.strategy == "slot"
     with pytest.raises(GeometryError, match="only a cutter like the roller") as caught:
-        cutter_paths("groove", inner, outer, part, GROOVE, 0.75 * roller)
+        cuts_of(part, GcodeSpec(tool_diameter=1.5 * roller).tool, None)
     assert caught.value.key == "output.gcode.tool_diameter"
 
 
@@ -165,7 +178,7 @@ def test_path_along_a_whole_flank_is_one_parallel(
 ) -> None:
     inner = translating(dwell(60), move(120, 15.0), dwell(60), move(120, 0.0))
     outer = WorkingCurve(inner.pitch, 8.0)
-    rim = ExactBoundary("rim", hole=False, exact=Contour.circle(100.0))
-    part = Part((Layer(-10.0, 0.0, (rim,)),))
-    (path,) = cutter_paths(contact, whole(inner), whole(outer), part, PART, tool / 2.0)
-    assert path.path == whole(WorkingCurve(inner.pitch, distance))
+    part = PartSpec(thickness=10.0, rim=200.0)
+    (cut,) = _cuts_of(contact, whole(inner), whole(outer), tool, part)
+    assert isinstance(cut.centre, CurveBoundary)
+    assert cut.centre.path == whole(WorkingCurve(inner.pitch, distance))

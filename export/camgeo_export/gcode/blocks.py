@@ -11,10 +11,10 @@ import math
 from dataclasses import dataclass, field
 
 from camgeo.errors import ToleranceError
+from camgeo.toolpath.machine import ArcLimits
 from camgeo.toolpath.machining_time import arc_sweep
 from camgeo.toolpath.moves import ArcFeed, Feed, Move, Rapid
 from camgeo_export.gcode.budget import Budget
-from camgeo_export.gcode.machine import ArcLimits
 
 FEED_DECIMALS = 4
 """Decimals of a feed, trailing zeros dropped."""

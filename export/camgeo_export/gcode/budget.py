@@ -6,8 +6,8 @@ import math
 from dataclasses import dataclass
 
 from camgeo.errors import ToleranceError
+from camgeo.toolpath.machine import Machine
 from camgeo.units import MM_PER, LengthUnit
-from camgeo_export.gcode.machine import Machine
 
 ROUNDING_SHARE = 0.3
 """Share of the tolerance for printed numbers; it decides the number of decimals: four at 1 um."""

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from camgeo.files.product import Product
+from camgeo.toolpath.cut import Cut
+from camgeo.toolpath.machine import load
 from camgeo.units import MM_PER
 from camgeo_export.errors import FileError
-from camgeo_export.gcode.machine import load
 from camgeo_export.gcode.reader import Loop, Program, read
 
 
@@ -23,10 +24,12 @@ def measure(product: Product, data: bytes) -> float:
         raise FileError("the scene has no [output.gcode] that this program could be held against")
     limits = load(product.gcode.machine).arcs
     program.verify(product.gcode.safe_height, limits.radius_tolerance)
+    _require_tolerance(program)
     loops = program.loops()
-    _check_complete(product, program, loops)
+    _check_complete(product.cuts, program, loops)
+    centres = {cut.name: cut.centre for cut in product.cuts}
     path = max(
-        loop.mismatch + product.toolpath_deviation(loop.operation, loop.contour.counter_clockwise())
+        loop.mismatch + centres[loop.operation].deviation(loop.contour.counter_clockwise())
         for loop in loops
     )
     arcs = any(move.kind == "arc" for move in program.moves)
@@ -34,23 +37,25 @@ def measure(product: Product, data: bytes) -> float:
     return path + program.blending + program.naive_cam + own
 
 
-def _check_complete(product: Product, program: Program, loops: list[Loop]) -> None:
-    """Every operation must run its closed path at each of its depths."""
-    toolpath = product.toolpath(_tolerance(program))
-    wanted = [operation.name for operation in toolpath.operations]
+def _check_complete(cuts: tuple[Cut, ...], program: Program, loops: list[Loop]) -> None:
+    """Every cut must be made with its tool, on its closed path at each of its depths."""
+    tools = {cut.name: cut.tool.number for cut in cuts}
     for loop in loops:
-        if loop.operation not in wanted:
+        if loop.operation not in tools:
             raise FileError(f"the program cuts {loop.operation!r}, which the part does not have")
-    for operation in toolpath.operations:
-        heights = [loop.z for loop in loops if loop.operation == operation.name]
-        for depth in operation.depths:
+        if loop.tool != tools[loop.operation]:
+            raise FileError(
+                f"{loop.operation!r} is cut with tool {loop.tool}, not {tools[loop.operation]}"
+            )
+    for cut in cuts:
+        heights = [loop.z for loop in loops if loop.operation == cut.name]
+        for depth in cut.depths:
             if not any(abs(height - depth) <= program.step for height in heights):
-                raise FileError(f"no closed path of {operation.name!r} at Z {depth:g} mm")
+                raise FileError(f"no closed path of {cut.name!r} at Z {depth:g} mm")
 
 
-def _tolerance(program: Program) -> float:
-    for note in program.comments:
-        words = note.split()
-        if len(words) == 3 and words[0] == "tolerance" and words[2] == "mm":
-            return float(words[1])
-    raise FileError("the program does not name its tolerance")
+def _require_tolerance(program: Program) -> None:
+    """A program that does not name its tolerance cannot be verified later."""
+    words = [note.split() for note in program.comments]
+    if not any(len(each) == 3 and each[::2] == ["tolerance", "mm"] for each in words):
+        raise FileError("the program does not name its tolerance")

@@ -43,6 +43,7 @@ class CutterMove:
     feed : 0 for a traverse.
     spindle : whether it turns.
     operation : the last one that a comment has named.
+    tool : number of the one that was changed to last; 0 before any.
     line : in the file, counted from 1.
     """
 
@@ -57,6 +58,7 @@ class CutterMove:
     feed: float
     spindle: bool
     operation: str
+    tool: int
     line: int
 
 
@@ -67,12 +69,14 @@ class Loop:
     Attributes
     ----------
     operation : its name.
+    tool : number of the one that cuts it.
     z : height [mm].
     contour : path of the tool centre, in the direction of cutting; each arc meets its end points.
     mismatch : largest difference of radii [mm]: the controller's path lies within it of `contour`.
     """
 
     operation: str
+    tool: int
     z: float
     contour: Contour
     mismatch: float
@@ -141,6 +145,8 @@ class _State:
     feed: float = 0.0
     spindle: bool = False
     operation: str = ""
+    tool: int = 0
+    chosen: int = 0
     active: frozenset[float] = frozenset()
     blending: float = math.inf
     naive_cam: float = math.inf
@@ -183,6 +189,7 @@ def _run(state: _State, words: list[tuple[str, str]], line: int) -> CutterMove |
         _g(state, code, values, line)
     if "F" in values:
         state.feed = values["F"] * state.scale
+    state.chosen = int(values.get("T", state.chosen))
     for code in (float(value) for letter, value in words if letter == "M"):
         _m(state, code, line)
     if not values.keys() & {"X", "Y", "Z", "I", "J"}:
@@ -216,7 +223,9 @@ def _m(state: _State, code: float, line: int) -> None:
         state.spindle = code == 3
     elif code in (2, 30):
         state.ended = True
-    elif code != 6:
+    elif code == 6:
+        state.tool = state.chosen
+    else:
         raise FileError(f"line {line}: M{code:g} is not expected in our programs")
 
 
@@ -247,7 +256,7 @@ def _move(state: _State, values: dict[str, float], line: int) -> CutterMove:
     feed = 0.0 if kind == "rapid" else state.feed
     return CutterMove(
         kind, start, end, z_start, z_end, centre, sweep, mismatch, feed, state.spindle,
-        state.operation, line,
+        state.operation, state.tool, line,
     )  # fmt: skip
 
 
@@ -273,4 +282,4 @@ def _loop(run: list[CutterMove]) -> Loop:
     vertices = np.array([move.start for move in run])
     sweeps = np.array([move.sweep for move in run])
     mismatch = max(move.mismatch for move in run)
-    return Loop(run[0].operation, run[0].z_start, chain(vertices, sweeps), mismatch)
+    return Loop(run[0].operation, run[0].tool, run[0].z_start, chain(vertices, sweeps), mismatch)

@@ -2,25 +2,19 @@
 
 from __future__ import annotations
 
-import cmath
-import math
 import textwrap
-from collections.abc import Iterator
-from dataclasses import replace
 
 from camgeo.errors import Fault, SceneError
 from camgeo.files.product import Product, Written
-from camgeo.toolpath.machining_time import Dynamics, arc_sweep, toolpath_time
-from camgeo.toolpath.moves import ArcFeed, Move, Operation, Rapid, Toolpath
+from camgeo.toolpath.machine import CommentStyle, Machine, load
+from camgeo.toolpath.machining_time import toolpath_time
+from camgeo.toolpath.moves import Operation, Rapid, Toolpath
 from camgeo.toolpath.spec import GcodeSpec
+from camgeo.toolpath.tool import Tool
 from camgeo.units import MM_PER
 from camgeo_export.gcode.blocks import Grid, Speller, number
 from camgeo_export.gcode.budget import Budget, budget
-from camgeo_export.gcode.machine import CommentStyle, Machine, load
 from camgeo_export.gcode.measure import measure
-
-ROUNDED = 1e-12
-"""An arc that exceeds the largest one by this share of it is one of it, rounded."""
 
 
 class GcodeWriter:
@@ -33,18 +27,23 @@ class GcodeWriter:
         """The program, in the product's unit; path blending counts against `tolerance` [mm]."""
         machine = load(spec(product).machine)
         shares = budget(machine, product.unit, tolerance)
-        toolpath = _divided(product.toolpath(shares.fit), machine.arcs.largest_turn)
+        toolpath = product.toolpath(shares.fit)
         grid = Grid(shares.decimals, MM_PER[product.unit])
         speller = Speller(grid, shares, machine.arcs)
         lines = _head(product, machine, shares, toolpath)
-        lines += _frame(product, machine, shares, toolpath)
-        speller.retract(toolpath.safe_height)
-        lines += speller.take()
+        lines += _frame(product, machine, shares)
+        tool: Tool | None = None
         for operation in toolpath.operations:
-            depths = " ".join(grid.text(grid.steps(depth)) for depth in operation.depths)
-            lines += comment(f"operation {operation.name}", machine.comment)
+            cut = operation.cut
+            change = _change(tool, cut.tool, machine)
+            if change:
+                speller.retract(toolpath.safe_height)
+                lines += (*change, *speller.take())
+            tool = cut.tool
+            depths = " ".join(grid.text(grid.steps(depth)) for depth in cut.depths)
+            lines += comment(f"operation {cut.name}", machine.comment)
             lines += comment(f"depths {depths}", machine.comment)
-            lines += comment(operation.note, machine.comment)
+            lines += comment(cut.note, machine.comment)
             lines += _blocks(speller, operation)
         speller.retract(toolpath.safe_height)
         lines += speller.take()
@@ -65,10 +64,6 @@ class GcodeWriter:
         if machine.dynamics is not None:
             facts["machining_time_s"] = round(toolpath_time(toolpath, machine.dynamics), 1)
         return Written("".join(line + "\n" for line in lines).encode("ascii"), facts)
-
-    def dynamics(self, gcode: GcodeSpec) -> Dynamics | None:
-        """What the machine that `gcode` names can do; None if its profile does not tell it."""
-        return load(gcode.machine).dynamics
 
     def measure(self, product: Product, data: bytes) -> float:
         """Run the program in an interpreter of our own and measure the cutter path [mm]."""
@@ -92,6 +87,7 @@ def comment(text: str, style: CommentStyle) -> list[str]:
 
 
 def _head(product: Product, machine: Machine, shares: Budget, toolpath: Toolpath) -> list[str]:
+    tools = {each.cut.tool.number: each.cut.tool.diameter for each in toolpath.operations}
     parts = (
         f"part {product.name}",
         f"camgeo {product.version}, for {machine.name}",
@@ -101,56 +97,35 @@ def _head(product: Product, machine: Machine, shares: Budget, toolpath: Toolpath
         f"fit within {shares.fit:.4g} mm, printed within {shares.rounding:.4g} mm",
         f"chords within {shares.chord:.4g} mm, path blending {shares.blending:.4g} mm",
         f"arcs run within {shares.interpolation:.4g} mm" if shares.interpolation > 0.0 else "",
-        f"tool {toolpath.tool_number}: end mill, diameter {number(toolpath.tool_diameter)} mm",
+        *(f"tool {each}: end mill, diameter {number(width)} mm" for each, width in tools.items()),
     )
     return [line for part in parts if part for line in comment(part, machine.comment)]
 
 
-def _frame(product: Product, machine: Machine, shares: Budget, toolpath: Toolpath) -> list[str]:
-    """Modal state, path blending, tool and spindle."""
-    words = {
-        "unit": machine.unit_word(product.unit),
-        "tool": str(toolpath.tool_number),
-        "speed": number(toolpath.spindle_speed),
-    }
+def _frame(product: Product, machine: Machine, shares: Budget) -> list[str]:
+    """Modal state and path blending."""
+    unit = machine.unit_word(product.unit)
     blending = machine.blending.off
     if shares.blending > 0.0:
         printed = f"{shares.blending / MM_PER[product.unit]:.{shares.decimals}f}"
         blending = machine.blending.on.format(p=printed)
-    blocks = (*machine.preamble, blending, *machine.tool_change, *machine.spindle_on)
+    return [*(block.format(unit=unit) for block in machine.preamble), blending]
+
+
+def _change(before: Tool | None, tool: Tool, machine: Machine) -> list[str]:
+    """From one tool and its speed to the next; the cutter stands at the safe height."""
+    blocks: tuple[str, ...] = ()
+    if before is None or before.number != tool.number:
+        blocks += machine.tool_change
+    if blocks or before is None or before.spindle_speed != tool.spindle_speed:
+        blocks += machine.spindle_on
+    words = {"tool": str(tool.number), "speed": number(tool.spindle_speed)}
     return [block.format(**words) for block in blocks]
-
-
-def _divided(toolpath: Toolpath, largest: float) -> Toolpath:
-    """The same with each arc cut into equal parts of at most `largest` [rad]."""
-
-    def moves(operation: Operation) -> Iterator[Move]:
-        at = operation.moves[0].end
-        for move in operation.moves:
-            if isinstance(move, ArcFeed):
-                yield from _parts(complex(at[0], at[1]), move, largest)
-            else:
-                yield move
-            at = move.end
-
-    operations = [replace(each, moves=tuple(moves(each))) for each in toolpath.operations]
-    return replace(toolpath, operations=tuple(operations))
-
-
-def _parts(start: complex, move: ArcFeed, largest: float) -> Iterator[ArcFeed]:
-    centre = complex(*move.centre)
-    arm = start - centre
-    sweep = arc_sweep(arm, complex(move.end[0], move.end[1]) - centre, ccw=move.ccw)
-    count = max(1, math.ceil(abs(sweep) / largest - ROUNDED))
-    for part in range(1, count):
-        point = centre + arm * cmath.exp(1j * sweep * part / count)
-        yield replace(move, end=(point.real, point.imag, move.end[2]))
-    yield move
 
 
 def _blocks(speller: Speller, operation: Operation) -> list[str]:
     if not isinstance(operation.moves[0], Rapid):
-        raise ValueError(f"operation {operation.name} must begin with a traverse")
+        raise ValueError(f"operation {operation.cut.name} must begin with a traverse")
     for move in operation.moves:
         speller.move(move)
     return speller.take()

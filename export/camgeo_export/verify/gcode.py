@@ -7,17 +7,17 @@ import re
 from dataclasses import dataclass
 
 from camgeo.contour.contour import Contour
-from camgeo.contour.spline import SplineContour
 from camgeo.files.product import Product
 from camgeo.files.verification import Check, Origin, Reading, at_most, equal, failed, told
-from camgeo.toolpath.moves import Operation, Toolpath
+from camgeo.toolpath.cut import Cut
+from camgeo.toolpath.machine import load
+from camgeo.toolpath.moves import Operation
 from camgeo_export.errors import FileError
-from camgeo_export.gcode.machine import load
 from camgeo_export.gcode.reader import Loop, Program, read
 from camgeo_export.verify.leads import lead_checks
 from camgeo_export.verify.length import length_of
 from camgeo_export.verify.plane import contour_checks
-from camgeo_export.verify.planned import has_leads, planned_contour
+from camgeo_export.verify.planned import planned_contour
 from camgeo_export.verify.shapes import LOOSE, Shape, corners_of_contour
 
 COMMENT = re.compile(r"\(([^()]*)\)|;(.*)")
@@ -74,8 +74,7 @@ class GcodeVerifier:
         checks.append(at_most("path blending", blending, tolerance, "mm", note=note))
         arcs = any(move.kind == "arc" for move in program.moves)
         extra = blending + (limits.interpolation if arcs else 0.0)
-        toolpath = product.toolpath(LOOSE * product.base_radius)
-        return (*checks, *_paths(product, program, toolpath, tolerance, extra))
+        return (*checks, *_paths(product, program, tolerance, extra))
 
 
 def _unit(program: Program, product: Product, reading: Reading) -> Check:
@@ -87,16 +86,15 @@ def _unit(program: Program, product: Product, reading: Reading) -> Check:
     return told("unit", name)
 
 
-def _paths(
-    product: Product, program: Program, toolpath: Toolpath, tolerance: float, extra: float
-) -> list[Check]:
+def _paths(product: Product, program: Program, tolerance: float, extra: float) -> list[Check]:
     """Every operation runs its closed path at each of its depths, and no other."""
-    shapes = {each.name: _shape(product, each) for each in toolpath.operations}
+    operations = product.toolpath(LOOSE * product.base_radius).operations
+    shapes = {each.cut.name: _shape(each) for each in operations}
     loops = [(_owner(loop, shapes), loop) for loop in program.loops()]
     checks: list[Check] = []
-    for operation in toolpath.operations:
-        own = [loop for name, loop in loops if name == operation.name]
-        checks.append(_passes(operation, own, max(program.step, tolerance)))
+    for cut in (each.cut for each in operations):
+        own = [loop for name, loop in loops if name == cut.name]
+        checks.append(_passes(cut, own, max(program.step, tolerance)))
         depths: dict[bytes, _Pass] = {}
         for loop in own:
             key = _key(loop.contour)
@@ -109,20 +107,16 @@ def _paths(
             if len(each.heights) == len(own):
                 where = ""
             checks += contour_checks(
-                shapes[operation.name],
+                shapes[cut.name],
                 each.contour,
                 tolerance,
                 extra=extra + each.mismatch,
                 where=where,
             )
-            if all(loop.operation == operation.name for loop in own):  # it is one of ours
+            if all(loop.operation == cut.name for loop in own):  # it is one of ours
+                wanted = cut.room > 0.0
                 checks += lead_checks(
-                    program,
-                    operation.name,
-                    each.contour,
-                    each.heights,
-                    tolerance,
-                    wanted=has_leads(operation),
+                    program, cut.name, each.contour, each.heights, tolerance, wanted=wanted
                 )
     for name, loop in loops:
         if name not in shapes:
@@ -144,17 +138,20 @@ def _key(contour: Contour) -> bytes:
     return contour.vertices.tobytes() + contour.sweeps.tobytes()
 
 
-def _passes(operation: Operation, loops: list[Loop], slack: float) -> Check:
+def _passes(cut: Cut, loops: list[Loop], slack: float) -> Check:
     """One closed path at each depth."""
     heights = [loop.z for loop in loops]
-    missing = [depth for depth in operation.depths if all(abs(z - depth) > slack for z in heights)]
-    count = len(operation.depths)
+    missing = [depth for depth in cut.depths if all(abs(z - depth) > slack for z in heights)]
+    count = len(cut.depths)
     found = f"{count - len(missing)} of {count}"
     note = f"no closed path at Z {', '.join(f'{z:g}' for z in missing)} mm" if missing else ""
-    stray = [z for z in heights if all(abs(z - depth) > slack for depth in operation.depths)]
+    stray = [z for z in heights if all(abs(z - depth) > slack for depth in cut.depths)]
     if stray and not missing:
         note = f"a closed path at Z {stray[0]:g} mm, which is no depth of it"
-    return Check("passes", operation.name, found, ok=not note, note=note)
+    other = [each.tool for each in loops if each.operation and each.tool != cut.tool.number]
+    if other and not note:
+        note = f"cut with tool {other[0]}, not {cut.tool.number}"
+    return Check("passes", cut.name, found, ok=not note, note=note)
 
 
 def _owner(loop: Loop, shapes: dict[str, Shape]) -> str:
@@ -165,22 +162,15 @@ def _owner(loop: Loop, shapes: dict[str, Shape]) -> str:
     return min(shapes, key=lambda name: abs(shapes[name].length - length))
 
 
-def _shape(product: Product, operation: Operation) -> Shape:
+def _shape(operation: Operation) -> Shape:
     """The exact cutter path of an operation; its area is of no use to anyone."""
-    course = planned_contour(operation)
-
-    def deviation(contour: Contour | SplineContour) -> float:
-        assert isinstance(contour, Contour)  # programs have no splines
-        return product.toolpath_deviation(operation.name, contour)
+    course, centre = planned_contour(operation), operation.cut.centre
 
     def polygon(within: float) -> Contour:
-        operations = product.toolpath(0.5 * within).operations
-        path = next(each for each in operations if each.name == operation.name)
-        points = planned_contour(path).points(0.5 * within)
-        return Contour(points, 0.0 * points.real, 0.0 * points)
+        return centre.polyline(within, "fast").contour
 
     corners = corners_of_contour(course)
-    return Shape(operation.name, deviation, polygon, corners, course.length, None)
+    return Shape(operation.cut.name, centre.deviation, polygon, corners, course.length, None)
 
 
 VERIFIER = GcodeVerifier()

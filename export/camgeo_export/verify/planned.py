@@ -19,7 +19,7 @@ def planned_contour(operation: Operation) -> Contour:
     ValueError
         If the operation runs no closed path.
     """
-    depth = operation.depths[0]
+    depth = operation.cut.depths[0]
     at: complex | None = None
     starts: list[complex] = []
     sweeps: list[float] = []
@@ -40,7 +40,7 @@ def planned_contour(operation: Operation) -> Contour:
                     np.array(starts[first:]), np.array(sweeps[first:]), np.array(centres[first:])
                 )
         at = end
-    raise ValueError(f"operation {operation.name} runs no closed path")
+    raise ValueError(f"operation {operation.cut.name} runs no closed path")
 
 
 def _sweep(move: ArcFeed, start: complex, end: complex) -> float:
@@ -49,10 +49,3 @@ def _sweep(move: ArcFeed, start: complex, end: complex) -> float:
     if move.ccw:
         return turn % (2.0 * math.pi)
     return -(-turn % (2.0 * math.pi))
-
-
-def has_leads(operation: Operation) -> bool:
-    """Whether the operation leads onto its closed path and off again, beside it."""
-    depth = operation.depths[0]
-    cuts = [move for move in operation.moves if isinstance(move, ArcFeed) and move.end[2] == depth]
-    return len(cuts) > planned_contour(operation).arc_count

@@ -116,7 +116,7 @@ class Machine:
 
 def names() -> list[str]:
     """Names of the profiles that come with the package."""
-    folder = files("camgeo_export").joinpath("machines")
+    folder = files("camgeo.toolpath").joinpath("machines")
     return sorted(
         entry.name.removesuffix(".toml")
         for entry in folder.iterdir()
@@ -128,7 +128,7 @@ def load(machine: str) -> Machine:
     """The profile of that name or file; raises SceneError with all that is wrong in it."""
     known = names()
     if machine in known:
-        resource = files("camgeo_export").joinpath("machines", f"{machine}.toml")
+        resource = files("camgeo.toolpath").joinpath("machines", f"{machine}.toml")
         return parse(resource.read_text(encoding="utf-8"), f"{machine}.toml")
     if not machine.endswith(".toml"):
         near = difflib.get_close_matches(machine, known, 1)

@@ -1,0 +1,89 @@
+"""What is milled of a part, and in which order, if nothing else is asked for."""
+
+from __future__ import annotations
+
+from camgeo.curve.working_curve import WorkingCurve
+from camgeo.errors import GeometryError
+from camgeo.outline.envelope import Envelope
+from camgeo.outline.path import Path
+from camgeo.part.boundaries import CurveBoundary, ExactBoundary
+from camgeo.part.part import Part, Wall
+from camgeo.toolpath.cut import Cut, passes
+from camgeo.toolpath.strategies import profile, slot
+from camgeo.toolpath.tool import Tool
+
+SAME = 2.0**-48
+"""Radii that differ by less, as a share of them, are one: what a sum of two lengths rounds to."""
+
+
+def cuts_of(part: Part, tool: Tool, pass_depth: float | None) -> tuple[Cut, ...]:
+    """The bore first, for it is cut while the blank is whole; then outline or groove.
+
+    The rim is that of the blank. `pass_depth` [mm] is the largest depth of a pass; None cuts in
+    one.
+
+    Raises
+    ------
+    GeometryError
+        With the key of the scene, if the cutter does not fit or a height is missing.
+    """
+    part.require_heights()
+    walls = {wall.boundary.name: wall for wall in part.walls}
+    cuts: list[Cut] = []
+    if "bore" in walls:
+        cuts.append(_bore(walls["bore"], tool, pass_depth))
+    if "outline" in walls:
+        cuts.append(profile.cut(walls["outline"], tool, pass_depth, tool.radius))
+    else:
+        cuts += _groove(walls["inner flank"], walls["outer flank"], tool, pass_depth)
+    return tuple(cuts)
+
+
+def _bore(wall: Wall, tool: Tool, pass_depth: float | None) -> Cut:
+    """Round the inside of the bore; a keyway is no work for an end mill."""
+    bore = wall.boundary
+    assert isinstance(bore, ExactBoundary)  # as every bore is
+    room = bore.round_radius - tool.radius
+    if room <= 0.0:
+        raise GeometryError(
+            f"the cutter must be smaller than the bore, {2.0 * bore.round_radius:g} mm",
+            key="output.gcode.tool_diameter",
+            value=f"{tool.diameter:g}",
+        )
+    note = "the keyway is left to be broached" if bore.core is not None else ""
+    return profile.cut(wall, tool, pass_depth, room / 2.0, note)
+
+
+def _groove(inner: Wall, outer: Wall, tool: Tool, pass_depth: float | None) -> list[Cut]:
+    """One round of a cutter as wide as the groove on the pitch curve, or one along each flank.
+
+    What the roller sweeps where a flank is trimmed is wider than two rounds along what is left of
+    the flanks; there only a cutter as wide as the groove clears it for certain.
+    """
+    flanks = inner.boundary, outer.boundary
+    paths = [flank.path for flank in flanks if isinstance(flank, CurveBoundary)]
+    curve = paths[-1].stretches[0].curve
+    pitch, half = curve.pitch, curve.distance
+    like = "the roller" if half == pitch.follower.roller_radius else "the groove"
+    side = half - tool.radius
+    if abs(side) <= SAME * half:
+        path = Path(Envelope(WorkingCurve(pitch, 0.0)).elements)
+        centre = CurveBoundary("path of the cutter along the groove", hole=True, path=path)
+        depths = passes(outer.z1, outer.z0, pass_depth)
+        names = outer.boundary.name, inner.boundary.name
+        return [Cut("groove", slot.NAME, tool, centre, *names, depths)]
+    if side < 0.0 or tool.diameter < half:
+        raise GeometryError(
+            f"the cutter of a groove must not be larger than {like}, and at least half as large,"
+            f" so that two rounds clear it: from {half:g} to {2.0 * half:g} mm",
+            key="output.gcode.tool_diameter",
+            value=f"{tool.diameter:g}",
+        )
+    if not all(path.is_whole for path in paths):
+        raise GeometryError(
+            f"a flank of the groove is trimmed or has a corner: only a cutter like {like},"
+            f" {2.0 * half:g} mm, clears all that the roller passes over",
+            key="output.gcode.tool_diameter",
+            value=f"{tool.diameter:g}",
+        )
+    return [profile.cut(wall, tool, pass_depth, side / 2.0) for wall in (outer, inner)]
