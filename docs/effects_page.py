@@ -28,7 +28,7 @@ from camgeo.effects.contact_pressure.findings import HEAVY
 from camgeo.effects.contact_pressure.hertz import SHEAR_DEPTH, SHEAR_SHARE
 from camgeo.effects.friction.jamming import NEAR
 from camgeo.effects.graph import TOLERANCE
-from camgeo.effects.gravity import STANDARD_GRAVITY
+from camgeo.effects.gravity.spec import STANDARD_GRAVITY
 from camgeo.effects.lift_off.of_groove import LISTED
 from camgeo.effects.materials import MATERIALS, PER_CUBIC_CM
 from camgeo.effects.registry import EFFECTS, find_effect
@@ -39,7 +39,6 @@ from camgeo.numeric.arrays import FloatArray
 from camgeo.numeric.oscillator.spectrum import Shock, shock_of
 from camgeo.numeric.peaks import Side, piecewise_extremes
 from camgeo.scene.load import load_scene
-from camgeo.scene.schema import schema
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -199,7 +198,7 @@ def _of_scene(name: str) -> list[str]:
     """What a scene must have for the effect besides what this needs."""
     effect = find_effect(name)
     found = [" or ".join(f"`{key}`" for key in keys) for keys in effect.keys]
-    required = schema()["properties"]["effects"]["properties"][name].get("required", [])
+    required = find_effect(name).schema.get("required", [])
     if effect.tabled:
         found.append(f"`effects.{name}`")
     found += [f"`effects.{name}.{key}`" for key in required]

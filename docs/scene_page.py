@@ -1,6 +1,7 @@
 """Writes docs/scene.md from the schema of the scene format: `python docs/scene_page.py`.
 
-The schema is the one definition of keys, types and ranges; a test holds the page to it.
+The schema is the one definition of keys, types and ranges, composed of the format's own and of
+what effects declare; a test holds the page to it.
 """
 
 from __future__ import annotations
@@ -9,7 +10,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from camgeo.scene.schema import schema
+from camgeo.scene.whole_schema import whole_schema
 
 PAGE = Path(__file__).with_name("scene.md")
 
@@ -31,8 +32,9 @@ are added as they are written: 359.999 is not 360.
 
 def page() -> str:
     """The page's text."""
+    schema = whole_schema()
     parts = [HEAD]
-    for heading, description, rows in _tables(schema()):
+    for heading, description, rows in _tables(schema):
         parts.append(f"\n## {heading}\n" + (f"\n{description}\n" if description else ""))
         if rows:
             parts.append("\n| key | |\n|---|---|\n")
@@ -73,9 +75,13 @@ def _variants(schema: dict[str, Any], node: dict[str, Any]) -> Iterator[tuple[st
     for choice in node.get("allOf", []):
         kind = choice["if"]["properties"]["kind"]["const"]
         yield f'of kind "{kind}"', _resolved(schema, choice["then"])
-    if "then" in node:
-        yield "that rests", _resolved(schema, node["then"])
-        yield "that moves", _resolved(schema, node["else"])
+    while "then" in node:
+        law = node["if"].get("properties", {}).get("law")
+        label = "that rests" if law is None else f'of law "{law["const"]}"'
+        yield label, _resolved(schema, node["then"])
+        node = _resolved(schema, node["else"])
+        if "then" not in node:
+            yield "that moves by another law", node
 
 
 def _rows(schema: dict[str, Any], nodes: dict[str, Any], required: list[str]) -> Rows:
@@ -89,6 +95,7 @@ def _rows(schema: dict[str, Any], nodes: dict[str, Any], required: list[str]) ->
             continue
         mark = "" if key not in required else "**Required.** "
         rows.append((key, mark + text))
+        merged = {**_resolved(schema, merged.get("items", {})), **merged}
         inner = merged.get("properties", {})
         rows += [(f"{key}.{k}", t) for k, t in _rows(schema, inner, merged.get("required", []))]
     return rows

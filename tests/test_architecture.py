@@ -60,6 +60,8 @@ EFFECT_FRAME = {
     "locked",
     "materials",
     "registry",
+    "results",
+    "rules",
     "subject",
 }
 """What is in `effects` and no effect: effects are imported by the registry alone."""

@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 
+from camgeo.scene.load import parse_scene
+from camgeo.scene.whole_schema import whole_schema
 from tests.pages import page_maker
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -14,6 +19,40 @@ ROOT = Path(__file__).resolve().parents[1]
 def test_the_page_of_the_scene_file_is_made_from_the_schema() -> None:
     written = (ROOT / "docs" / "scene.md").read_text(encoding="utf-8")
     assert page_maker("scene_page").page() == written, "run python docs/scene_page.py"
+
+
+def keys_of(node: Any, definitions: dict[str, Any], path: str = "") -> Iterator[str]:
+    """The keys of a node of the schema, with those of all its kinds and of the tables in it."""
+    if not isinstance(node, dict):
+        return
+    if "$ref" in node:
+        yield from keys_of(definitions[node["$ref"].rpartition("/")[2]], definitions, path)
+    for kind in (*node.get("allOf", ()), node.get("then"), node.get("else"), node.get("items")):
+        yield from keys_of(kind, definitions, path)
+    for key, inner in node.get("properties", {}).items():
+        yield f"{path}{key}"
+        yield from keys_of(inner, definitions, f"{path}{key}.")
+
+
+def test_every_key_of_the_schema_stands_on_the_page_of_the_scene_file() -> None:
+    shown, table = set(), ""
+    for line in (ROOT / "docs" / "scene.md").read_text(encoding="utf-8").splitlines():
+        if heading := re.match(r"## `\[+([a-z.-]+)\]+`", line):
+            table = f"{heading[1]}."
+            shown.add(heading[1])
+        elif row := re.match(r"\| `([a-z0-9_.]+)` \| .", line):
+            shown.add(table + row[1])
+    schema = whole_schema()
+    assert shown == set(keys_of(schema, schema["$defs"]))
+
+
+def test_what_a_pair_has_no_effects_for_is_told_by_the_rules() -> None:
+    """Those that a conjugate pair has are in a fixture, and not among those that it has not."""
+    page = (ROOT / "docs" / "scene.md").read_text(encoding="utf-8")
+    (barred,) = set(re.findall(r"Conjugate cams.* Not with (.*)\. \|", page))
+    assert barred == "[effects.friction] guide_length and guide_overhang, [effects.balance]"
+    scene = parse_scene((ROOT / "fixtures" / "effects" / "conjugate_lever.toml").read_text("utf-8"))
+    assert {"friction", "contact-force", "lift-off", "contact-pressure"} <= scene.effects.keys()
 
 
 def test_the_python_lines_of_the_readme_run(
@@ -30,8 +69,6 @@ def test_the_python_lines_of_the_readme_run(
 
 
 def test_the_scene_lines_of_the_readme_are_a_valid_scene() -> None:
-    from camgeo.scene.load import parse_scene
-
     readme = (ROOT / "README.md").read_text(encoding="utf-8")
     heart = readme.split("```toml\n")[1].split("```")[0]
     scene = parse_scene('camgeo = 1\nname = "readme"\n[cam]\nrotation = "ccw"\n' + heart)

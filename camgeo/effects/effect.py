@@ -6,14 +6,16 @@ for moments of inertia, so that no factor stands in any formula.
 
 from __future__ import annotations
 
+import json
+import pathlib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Final, Literal, Protocol
+from typing import TYPE_CHECKING, Any, Final, Generic, Literal, Protocol, TypeVar
 
 import numpy as np
 
 from camgeo.check.finding import Finding
+from camgeo.effects.rules import Machine, Rule
 from camgeo.errors import GeometryError
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray
@@ -22,6 +24,7 @@ if TYPE_CHECKING:  # an effect imports what it computes with itself
     from camgeo.cam.contact import Contact
     from camgeo.curve.pitch_curve import PitchCurve
     from camgeo.curve.working_curve import WorkingCurve
+    from camgeo.effects.results import Results
     from camgeo.mechanism.kinds import AnyFollower
     from camgeo.mechanism.linkage_protocol import Linkage
     from camgeo.mechanism.slider_crank import SliderCrank
@@ -129,16 +132,6 @@ def toucher(subject: Subject) -> Literal["face", "roller"]:
     return "face" if subject.follower.is_flat else "roller"
 
 
-ROLLERS_ONLY: Final = "is for roller followers, and this one has a flat face"
-"""What is said to data of a roller where there is a flat face."""
-
-FLATS_ONLY: Final = "is for flat-faced followers, and this one has a roller"
-"""What is said to data of a face where there is a roller."""
-
-SLIDER_ONLY: Final = "is for a slider that drives a rocker; no such linkage is here"
-"""What is said to data of a linkage's slider or coupler where the linkage is another one."""
-
-
 def demand_unit(subject: Subject) -> Literal["mm", "rad"]:
     """Unit of the motion that the scene demands."""
     return subject.lift_unit if subject.linkage is None else subject.linkage.unit
@@ -154,23 +147,36 @@ def driving_slider(subject: Subject) -> SliderCrank | None:
     return subject.linkage
 
 
+def machine_of(subject: Subject) -> Machine:
+    """The machine as the rules of effects see it."""
+    return Machine(
+        flat=subject.follower.is_flat,
+        far="" if subject.linkage is None else subject.linkage.member,
+        paired=subject.returning is not None,
+        yoked=subject.has_yoke,
+    )
+
+
+Spec = TypeVar("Spec")
+
+
 @dataclass(frozen=True, slots=True)
-class Request:
-    """What an effect is given.
+class Request(Generic[Spec]):
+    """What an effect is given; `Spec` is what its `parse` makes.
 
     Attributes
     ----------
     subject : the design.
     spec : what `Effect.parse` makes of the scene's table ``[effects.NAME]``; of an empty table if
         the effect is computed for another one that needs it.
-    results : of the effects that it needs, and of those it uses that the scene names, by name.
+    results : of the effects that it needs, and of those it uses that the scene names, by key.
     tolerance : largest error that is allowed, as a share of the largest magnitude of what the
         effect gives; only numerical effects look at it.
     """
 
     subject: Subject
-    spec: Any
-    results: Mapping[str, Any]
+    spec: Spec
+    results: Results
     tolerance: float
 
     @property
@@ -247,20 +253,24 @@ SPEED: Final = ("cam.speed", "cam.speed_curve")
 """Keys of a scene of which one gives the speed of the cam."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Effect:
-    """One effect.
+    """The declaration of one effect: all that is known of it without computing it.
 
     Attributes
     ----------
     name : its table in the scene is ``[effects.NAME]``.
     title : what it gives, a few words.
-    compute : the result. It raises GeometryError with the key of the scene if data are missing or
+    compute : "module:function" that makes the result of a `Request`, imported when it is first
+        computed. It raises GeometryError with the key of the scene if data are missing or
         contradict each other, `EffectError` if there is no answer for this design.
+    schema : JSON Schema of its table, an object. It may refer to the definitions of the scene's
+        schema, as {"$ref": "#/$defs/length"}; a number with an "x-unit" is given in that unit.
     parse : from the table to what `compute` gets as `Request.spec`, a frozen dataclass. Numbers of
         the table are in the units of this module, angles in radians, files are `DataFile`. It
         raises GeometryError with the key in the table, e.g. "preload", if data are missing or
         contradict each other.
+    rules : what does not go together with a machine that has it.
     needs : effects whose results it cannot do without.
     uses : effects whose results it takes into account if the scene names them.
     keys : data without which it cannot be: for each entry the scene has one of its keys at least,
@@ -268,17 +278,24 @@ class Effect:
     tabled : whether it is computed only if the scene has its table; if not, other effects that need
         it get it with an empty one.
     numerical : whether it takes a tolerance and estimates its error.
-    schema : JSON Schema of its table, for effects from other distributions; those of camgeo stand
-        in the schema of the scene.
     """
 
     name: str
     title: str
-    compute: Callable[[Request], Any]
+    compute: str
+    schema: Mapping[str, Any]
     parse: Callable[[Mapping[str, Any]], Any] = dict
+    rules: tuple[Rule, ...] = ()
     needs: tuple[str, ...] = ()
     uses: tuple[str, ...] = ()
     keys: tuple[tuple[str, ...], ...] = ()
     tabled: bool = False
     numerical: bool = False
-    schema: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
+
+
+def schema_beside(module: str) -> Mapping[str, Any]:
+    """The JSON Schema in the file schema.json in the folder of `module`, a `__file__`."""
+    found: Mapping[str, Any] = json.loads(
+        pathlib.Path(module).with_name("schema.json").read_bytes()
+    )
+    return found

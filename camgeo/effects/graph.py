@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import pkgutil
 from collections.abc import Callable, Mapping
-from typing import Any, Final
+from typing import Any, Final, overload
 
 from camgeo.check.finding import Finding
-from camgeo.effects.effect import Effect, Request, Subject
+from camgeo.effects.effect import Effect, Request, Subject, machine_of
 from camgeo.effects.registry import find_effect
+from camgeo.effects.results import Answer, Key, Results
+from camgeo.effects.rules import Table
 from camgeo.errors import CycleError, EffectError, GeometryError
 from camgeo.lazy import Ledger
 
@@ -20,6 +23,11 @@ Find = Callable[[str], Effect]
 def node_name(name: str) -> str:
     """What the ledger calls the effect `name`."""
     return f"effects.{name}"
+
+
+def _place(name: str, key: str | None) -> str:
+    """The key of a scene for a `key` of the table of the effect `name`, or for all of it."""
+    return ".".join(filter(None, (node_name(name), key)))
 
 
 class Effects:
@@ -81,6 +89,12 @@ class Effects:
         for each in self._inputs(name):
             self._walk(each, (*way, name))
 
+    @overload
+    def result(self, name: Key[Answer]) -> Answer: ...
+
+    @overload
+    def result(self, name: str) -> Any: ...
+
     def result(self, name: str) -> Any:
         """The result of the effect `name`, which the scene need not name.
 
@@ -114,15 +128,23 @@ class Effects:
             raise GeometryError(
                 f"is missing: without it there is no {effect.title}", key=node_name(name)
             )
-        results = {each: self.result(each) for each in self._inputs(name)}
+        results = Results({each: self.result(each) for each in self._inputs(name)})
         table = self.tables.get(name, {})
         tolerance = float(table.get("tolerance", TOLERANCE))
+        if name in self.tables and effect.rules:
+            self._refuse_misfits(effect, table)
         try:
             spec = effect.parse(table)
         except GeometryError as error:
-            key = ".".join(filter(None, (node_name(name), error.key)))
-            raise GeometryError(error.message, key, error.value) from error
-        return effect.compute(Request(self.subject, spec, results, tolerance))
+            raise GeometryError(error.message, _place(name, error.key), error.value) from error
+        compute = pkgutil.resolve_name(effect.compute)
+        return compute(Request(self.subject, spec, results, tolerance))
+
+    def _refuse_misfits(self, effect: Effect, table: Mapping[str, Any]) -> None:
+        """Raise GeometryError with the key, if the effect or a key of its table has no place."""
+        machine = machine_of(self.subject)
+        for key, message in (told for rule in effect.rules for told in rule(machine, Table(table))):
+            raise GeometryError(message, _place(effect.name, key))
 
     def findings(self, name: str) -> tuple[Finding, ...]:
         """What the effect `name` finds; one that has no answer says so, and is beyond a limit."""

@@ -1,4 +1,4 @@
-"""The effects there are, by name; each is imported when it is asked for and not before."""
+"""The effects there are, by name: their declarations, and what computes them."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from camgeo.effects.effect import GROUP, Effect
 if TYPE_CHECKING:
     from importlib.metadata import EntryPoint
 
-EFFECTS: Final = (
+EFFECTS: Final[tuple[str, ...]] = (
     "kinematics",
     "inertia",
     "gravity",
@@ -26,11 +26,11 @@ EFFECTS: Final = (
     "shock-spectrum",
     "balance",
 )
-"""Effects of camgeo; each has the module or package of its name, whose `EFFECT` it is."""
+"""Effects of camgeo; each has the package of its name, whose `EFFECT` declares it."""
 
 
 def find_effect(name: str) -> Effect:
-    """The effect `name`; its module is imported now.
+    """The declaration of the effect `name`; it is imported now, what computes the effect is not.
 
     Raises
     ------
@@ -54,12 +54,7 @@ def effect_names() -> tuple[str, ...]:
     return (*EFFECTS, *sorted(_foreign()))
 
 
-def foreign_names() -> tuple[str, ...]:
-    """Names of the effects of other distributions."""
-    return tuple(sorted(_foreign()))
-
-
 def _foreign() -> dict[str, EntryPoint]:
-    from importlib.metadata import entry_points  # few scenes name an effect
+    from importlib.metadata import entry_points  # few scenes name a foreign effect
 
     return {each.name: each for each in entry_points(group=GROUP) if each.name not in EFFECTS}

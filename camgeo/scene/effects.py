@@ -1,4 +1,4 @@
-"""The tables of the effects that a scene names: converted, and held against what each needs."""
+"""The tables of the effects that a scene names: converted, and held against what each asks for."""
 
 from __future__ import annotations
 
@@ -8,13 +8,12 @@ from typing import Any, Final
 
 from camgeo.effects.effect import DataFile, Effect
 from camgeo.effects.registry import find_effect
-from camgeo.errors import GeometryError
+from camgeo.effects.rules import Machine, Table
+from camgeo.errors import Fault, GeometryError
 from camgeo.scene.data_files import DataFiles
-from camgeo.scene.schema import Node, schema
+from camgeo.scene.schema import EFFECTS, Node, schema, schema_for
 from camgeo.scene.sound import SoundValues
 from camgeo.units import RPM
-
-TABLE: Final = "effects"
 
 SCALES: Final[dict[str, float]] = {
     "kg": 1e-3,
@@ -56,18 +55,17 @@ class EffectTables:
     ) -> None:
         self._values = values
         self._files = files
-        named = values.scene.plain.get(TABLE)
+        named = values.scene.plain.get(EFFECTS)
         self._named: Mapping[str, Any] = named if isinstance(named, dict) else {}
-        self._refused = {name for name in self._named if f"{TABLE}.{name}" in faulted}
-        self.faults = list(self._of_foreign())
+        self.faults: list[Fault] = []
         self.all: dict[str, dict[str, Any]] = {}
-        known: Mapping[str, Any] = schema()["properties"][TABLE]["properties"]
         for name, table in self._named.items():
-            if name in self._refused or not values.sound(TABLE, name):
+            if f"{EFFECTS}.{name}" in faulted or not values.sound(EFFECTS, name):
                 continue
             effect = find_effect(name)
-            node = known[name] if name in known else dict(effect.schema)
-            own = {key: self._inside(name, key, item, node) for key, item in table.items()}
+            nodes: Mapping[str, Node] = effect.schema.get("properties", {})
+            own = {key: self._converted((EFFECTS, name, key), item, nodes.get(key, {}))
+                   for key, item in table.items()}  # fmt: skip
             if any(item is None for item in own.values()):
                 continue  # a file that cannot be read, which is told
             self._judge(effect, own)
@@ -75,7 +73,7 @@ class EffectTables:
 
     def _judge(self, effect: Effect, table: dict[str, Any]) -> None:
         """Find what the effect's own data lack, and what it needs of the rest of the scene."""
-        place = (TABLE, effect.name)
+        place = (EFFECTS, effect.name)
         try:
             effect.parse(table)
         except GeometryError as error:
@@ -88,9 +86,6 @@ class EffectTables:
                 who = "" if each.name == effect.name else f"needs {each.name}, which "
                 fault = self._values.scene.fault(place, f"{who}needs {_spelled(keys)}")
                 self.faults.append(fault)
-
-    def _inside(self, name: str, key: str, value: Any, node: Node) -> Any:
-        return self._converted((TABLE, name, key), value, node.get("properties", {}).get(key, {}))
 
     def _converted(self, path: tuple[str, ...], value: Any, node: Node) -> Any:
         """A value of a table in the units inside."""
@@ -112,24 +107,32 @@ class EffectTables:
         if reference in LENGTHS:
             return float(value) * self._values.mm
         unit = {**schema()["$defs"].get(reference.rpartition("/")[2], {}), **node}.get("x-unit", "")
-        return float(value) * SCALES.get(unit, 1.0)
+        return float(value) * (SCALES[unit] if unit else 1.0)
 
-    def _of_foreign(self) -> Iterator[Any]:
-        """Faults of the tables of effects from other distributions, which bring their schema."""
-        tables = self._named
-        names = [name for name in tables if name not in schema()["properties"][TABLE]["properties"]]
-        if not names:
-            return
-        from jsonschema_rs import Draft202012Validator
 
-        for name in names:
-            if not self._values.sound(TABLE, name):
-                continue
-            errors = Draft202012Validator(dict(find_effect(name).schema)).iter_errors(tables[name])
-            for error in errors:
-                self._refused.add(name)
-                path = (TABLE, name, *error.instance_path)
-                yield self._values.scene.fault(path, f"is refused by the effect: {error.message}")
+def misfits(values: SoundValues) -> Iterator[Fault]:
+    """Effects that a scene names, or keys of their tables, that have no place on its machine."""
+    machine = _machine(values)
+    for effect in schema_for(values.scene.plain).effects:
+        name, table = effect.name, values.scene.plain[EFFECTS][effect.name]
+        if not isinstance(table, dict):
+            continue
+        meant = {key for key in effect.schema.get("properties", {})
+                 if key not in table and not values.lacks(EFFECTS, name, key)}  # fmt: skip
+        own = Table({key: values.get(EFFECTS, name, key) for key in table}, meant)
+        for rule in effect.rules:
+            for key, message in rule(machine, own):
+                yield values.scene.fault((EFFECTS, name, *filter(None, [key])), message)
+
+
+def _machine(values: SoundValues) -> Machine:
+    """The machine as far as it is known."""
+    return Machine(
+        flat=None if values.follower_kind is None else values.flat,
+        far="" if values.lacks("linkage") else values.far_end,
+        paired=values.has("follower", "return"),
+        yoked=values.has("follower", "yoke"),
+    )
 
 
 def _with_inputs(effect: Effect, named: Mapping[str, Any]) -> list[Effect]:
@@ -147,6 +150,6 @@ def _with_inputs(effect: Effect, named: Mapping[str, Any]) -> list[Effect]:
 
 def _spelled(keys: tuple[str, ...]) -> str:
     """The keys of which one is needed, as messages tell them."""
-    tables = [f"[{key}]" if key.startswith(f"{TABLE}.") else f"[{head}] {tail}"
+    tables = [f"[{key}]" if key.startswith(f"{EFFECTS}.") else f"[{head}] {tail}"
               for key in keys for head, _, tail in [key.rpartition(".")]]  # fmt: skip
     return tables[0] if len(tables) == 1 else f"one of {', '.join(tables)}"

@@ -14,6 +14,7 @@ from camgeo.motion.laws import find_family
 from camgeo.motion.planning import AUTO
 from camgeo.scene.folder import beside
 from camgeo.scene.model import OutputSpec
+from camgeo.scene.schema import EFFECTS
 from camgeo.scene.sound import SoundValues
 
 TURN: Final = Decimal(360)
@@ -30,15 +31,6 @@ WIDEST_SWING: Final = 180.0
 
 WIDEST_TURN: Final = 3600.0
 """Largest angle of the far end of a linkage [degrees]: a crank may turn over and over."""
-
-OF_SLIDER: Final = (("friction", "slider"),)
-"""Effects, or keys of them, that know the linkage of a slider that drives a rocker alone."""
-
-OF_TURNING: Final = ("inertia", "output_moment")
-"""Key of an effect that needs a linkage at whose far end a lever or crank turns."""
-
-OF_STRAIGHT: Final = (("inertia", "mass"), ("friction", "guide_viscous"))
-"""Keys of effects that need something with a straight motion."""
 
 SMALLEST_POSITION: Final = 1e-30
 """Smallest position that is not 0; with less, velocities of up to 1e12 as parts of the stroke are
@@ -61,51 +53,9 @@ DEFAULT_TOLERANCE: Final = OutputSpec().tolerance
 SHAPES: Final = ("inflection", "curved", "sine", "cosine")
 """Keys of a move that shape its law."""
 
-ONE_DISC: Final = ("balance",)
-"""Effects of which a conjugate pair would need one for each disc."""
-
-ONE_ROLLER: Final = (("friction", "guide_length"), ("friction", "guide_overhang"))
-"""Keys of effects that know where one roller presses a carriage."""
-
 YOKE: Final = ("follower", "yoke")
 
-ONE_CONTACT: Final = ("friction", "contact-force", "lift-off", "contact-pressure")
-"""Effects that suppose that one side of the follower is led all over the turn."""
-
 FOR_ROLLERS: Final = "is for roller followers"
-
-FOR_FLATS: Final = "is for flat-faced followers"
-
-OF_ROLLER: Final = (
-    ("inertia", "roller_mass"),
-    ("friction", "roller_pin"),
-    ("friction", "roller_pin_diameter"),
-    ("friction", "rolling"),
-    ("contact-pressure", "roller_material"),
-    ("contact-pressure", "roller_modulus"),
-    ("contact-pressure", "roller_poisson"),
-    ("contact-pressure", "rating"),
-    ("contact-pressure", "life"),
-    ("lift-off", "backlash"),
-)
-"""Keys of effects that a flat face does not have."""
-
-OF_FACE: Final = (
-    ("friction", "face"),
-    ("friction", "guide_offset"),
-    ("contact-pressure", "face_material"),
-    ("contact-pressure", "face_modulus"),
-    ("contact-pressure", "face_poisson"),
-)
-"""Keys of effects that only a flat face has."""
-
-GUIDE_LENGTH: Final = ("friction", "guide_length")
-
-TILTS: Final = (
-    "is missing: a flat face is pressed beside the axis of its guide and tilts in it, by how much"
-    " goes with the length of the guide"
-)
-"""What is said to the friction of a guide of a flat-faced follower that has no length."""
 
 DRIVES: Final = {"mm": "turns a rocker", "rad": "moves a guided follower"}
 """What a linkage does that cannot drive a follower whose lift has that unit."""
@@ -226,7 +176,7 @@ def swing_is_possible(values: SoundValues) -> Iterator[Fault]:
 
 
 def a_return_disc_has_a_main_disc(values: SoundValues) -> Iterator[Fault]:
-    """A conjugate pair is two plate cams, and the effects that know one contact have two there."""
+    """A conjugate pair is two plate cams."""
     place = ("follower", "return")
     if not values.has(*place):
         free = values.lacks(*place) and values.lacks(*YOKE)
@@ -238,14 +188,6 @@ def a_return_disc_has_a_main_disc(values: SoundValues) -> Iterator[Fault]:
     if contact in ("outer", "groove"):
         message = 'belongs to contact "inner": both discs of a conjugate pair are plate cams'
         yield values.scene.fault(place, message)
-    for name in ONE_DISC:
-        if values.has("effects", name):
-            message = "knows one disc; a conjugate pair, [follower.return], has two"
-            yield values.scene.fault(("effects", name), message)
-    for keys in ONE_ROLLER:
-        if values.has("effects", *keys):
-            message = "knows one roller; a conjugate pair, [follower.return], has two"
-            yield values.scene.fault(("effects", *keys), message)
 
 
 def a_yoke_stands_astride(values: SoundValues) -> Iterator[Fault]:
@@ -261,10 +203,6 @@ def a_yoke_stands_astride(values: SoundValues) -> Iterator[Fault]:
     if values.has("follower", "return"):
         message = "contradicts [follower.return]: one disc leads a yoke both ways"
         yield values.scene.fault(YOKE, message)
-    for name in ONE_CONTACT:
-        if values.has("effects", name):
-            message = "knows one contact; a yoke, [follower.yoke], has two"
-            yield values.scene.fault(("effects", name), message)
 
 
 def followers_keep_their_own_rules(values: SoundValues) -> Iterator[Fault]:
@@ -280,23 +218,12 @@ def followers_keep_their_own_rules(values: SoundValues) -> Iterator[Fault]:
 
 
 def rollers_have_what_is_theirs(values: SoundValues) -> Iterator[Fault]:
-    """What a flat face does not have: a ratio to its radius, undercut to be trimmed, a bearing.
+    """What a flat face does not have: a ratio to its radius, undercut to be trimmed.
 
     A flat face touches only what is convex: of a cam that is not, nothing can be left.
     """
-    if values.get("follower", "kind") is None:
-        return
-    keys, message = (OF_ROLLER, FOR_ROLLERS) if values.flat else (OF_FACE, FOR_FLATS)
-    for each in keys:
-        if values.has("effects", *each):
-            yield values.scene.fault(("effects", *each), message)
     if not values.flat:
         return
-    levers = ("guide_overhang", "guide_offset")  # which ask for the length themselves
-    told = any(values.has("effects", "friction", key) for key in levers)
-    tilts = values.get("effects", "friction", "guide") and values.lacks("effects", *GUIDE_LENGTH)
-    if tilts and not told:
-        yield values.scene.fault(("effects", *GUIDE_LENGTH), TILTS)
     if values.get("limits", "undercut") == "trim":
         message = f'{FOR_ROLLERS}; a cam for a flat face is convex or not made: "refuse"'
         yield values.scene.fault(("limits", "undercut"), message)
@@ -315,19 +242,12 @@ def linkage_drives_the_follower(values: SoundValues) -> Iterator[Fault]:
     yield values.scene.fault(("follower", "kind"), message)
 
 
-def effects_know_the_linkage(values: SoundValues) -> Iterator[Fault]:
-    """What is computed for a slider that drives a rocker is asked for of no other linkage."""
-    kind = values.get("linkage", "kind")
-    turns = kind == "four-bar" or (kind == "slider-crank" and values.slides)
-    if values.has("effects", *OF_TURNING) and kind == "slider-crank" and not turns:
-        message = "is for the lever of a four-bar, or for a crank that a slider turns"
-        yield values.scene.fault(("effects", *OF_TURNING), message)
-    if not turns:
-        return
-    for keys in (*OF_SLIDER, *(() if values.slides else OF_STRAIGHT)):
-        if values.has("effects", *keys):
-            message = "is for a slider that drives a rocker; no such linkage is here"
-            yield values.scene.fault(("effects", *keys), message)
+def effects_suit_the_machine(values: SoundValues) -> Iterator[Fault]:
+    """What effects declare as for machines of a kind alone is asked for of no other."""
+    if isinstance(values.scene.plain.get(EFFECTS), dict):
+        from camgeo.scene.effects import misfits  # few scenes name an effect
+
+        yield from misfits(values)
 
 
 def formats_have_what_they_need(values: SoundValues) -> Iterator[Fault]:
@@ -502,7 +422,7 @@ RULES: Final[tuple[Rule, ...]] = (
     followers_keep_their_own_rules,
     rollers_have_what_is_theirs,
     linkage_drives_the_follower,
-    effects_know_the_linkage,
+    effects_suit_the_machine,
     formats_have_what_they_need,
     contact_and_part_agree,
     roller_is_possible,

@@ -12,7 +12,7 @@ from jsonschema_rs import ValidationError
 from camgeo.errors import Fault
 from camgeo.scene.document import Document
 from camgeo.scene.keys import Path, quoted
-from camgeo.scene.schema import Node, definition, node_at, resolved, schema, validator
+from camgeo.scene.schema import Node, definition, node_at, resolved, schema, schema_for
 
 TYPES: Final = {
     "array": "a list in square brackets",
@@ -46,19 +46,18 @@ class Verdict:
 
 def judge(scene: Document) -> Verdict:
     """Hold a scene against the schema."""
-    told = itertools.islice(validator().iter_errors(scene.plain), MOST_FAULTS)
-    errors = [(tuple(error.instance_path), error) for error in told]
+    schema = schema_for(scene.plain)
+    told = itertools.islice(schema.validator.iter_errors(scene.plain), MOST_FAULTS)
+    errors = [(tuple(each.instance_path), each, node_at(schema.root, each.evaluation_path))
+              for each in told]  # fmt: skip
     faults: list[Fault] = []
     meant: set[Path] = set()
     excused: set[Path] = set()
     unknown: set[Path] = set()
-    for path, error in errors:
+    for path, error, node in errors:
         if error.kind.name == "additionalProperties":
-            foreign = _foreign(error)
             for name in error.kind.as_dict()["unexpected"][:MOST_FAULTS]:
-                if name in foreign:
-                    continue
-                fault, known, sibling = _unknown_key(scene, path, name, error)
+                fault, known, sibling = _unknown_key(scene, path, name, node)
                 faults.append(fault)
                 unknown.add((*path, name))
                 if known:
@@ -66,17 +65,17 @@ def judge(scene: Document) -> Verdict:
                 if sibling:
                     excused.add(path)
     bad = set(scene.bad) | unknown
-    for path, error in errors:
+    for path, error, node in errors:
         if error.kind.name == "additionalProperties":
             continue
         if error.kind.name == "required":
             name = str(error.kind.as_dict()["property"])
             bad.add((*path, name))
             if (*path, name) not in meant and path not in excused:
-                faults.append(_missing(scene, (*path, name), error))
+                faults.append(_missing(scene, (*path, name), node))
         elif path not in scene.bad:
             bad.add(path)
-            fault = _refused(scene, path, error)
+            fault = _refused(scene, path, error, node)
             if fault not in faults:
                 faults.append(fault)
     if len(errors) == MOST_FAULTS or len(faults) >= MOST_FAULTS:
@@ -86,22 +85,12 @@ def judge(scene: Document) -> Verdict:
     return Verdict(tuple(faults), frozenset(bad), frozenset(meant))
 
 
-def _foreign(error: ValidationError) -> tuple[str, ...]:
-    """Keys that other distributions add to the table in which keys are not known."""
-    if "x-foreign" not in node_at(error.evaluation_path):
-        return ()
-    from camgeo.effects.registry import foreign_names  # only such a scene asks
-
-    return foreign_names()
-
-
-def _missing(scene: Document, path: Path, error: ValidationError) -> Fault:
-    node = resolved(node_at(error.evaluation_path).get("properties", {}).get(path[-1], {}))
+def _missing(scene: Document, path: Path, table: Node) -> Fault:
+    node = resolved(table.get("properties", {}).get(path[-1], {}))
     return scene.fault(path, f"is missing: {node.get('description', 'it is needed')}".rstrip("."))
 
 
-def _refused(scene: Document, path: Path, error: ValidationError) -> Fault:
-    node = node_at(error.evaluation_path)
+def _refused(scene: Document, path: Path, error: ValidationError, node: Node) -> Fault:
     value = scene.at(path)
     hint = ""
     choices: list[Any] = node.get("enum") or node.get("x-values") or []
@@ -115,7 +104,8 @@ def _refused(scene: Document, path: Path, error: ValidationError) -> Fault:
             hint = f'did you mean "{close}"?'
         elif error.kind.name == "type" and _reads_as_number(value):
             hint = "leave out the quotes"
-    return scene.fault(path, allowed(node), hint)
+    told = {"x-allowed", "enum", "type"} & node.keys()  # of what other distributions declare
+    return scene.fault(path, allowed(node) if told else str(error.message), hint)
 
 
 def allowed(node: Node) -> str:
@@ -131,6 +121,10 @@ def allowed(node: Node) -> str:
         above = " above" if "exclusiveMinimum" in node else " from"
         below = " to" if "maximum" in node else " and below"
         text += f"{above} {lowest:g}{below} {highest:g}"
+    elif lowest is not None:
+        text += f", {'above' if 'exclusiveMinimum' in node else 'at least'} {lowest:g}"
+    elif highest is not None:
+        text += f", {'at most' if 'maximum' in node else 'below'} {highest:g}"
     unit = node.get("x-unit")
     return f"{text} ({unit})" if unit else text
 
@@ -144,11 +138,8 @@ def nearest(word: str, words: Iterable[str]) -> str:
     return by_lower[close[0]] if close else ""
 
 
-def _unknown_key(
-    scene: Document, path: Path, name: str, error: ValidationError
-) -> tuple[Fault, str, bool]:
+def _unknown_key(scene: Document, path: Path, name: str, node: Node) -> tuple[Fault, str, bool]:
     """The fault, the key of the same table that was meant, and whether a sibling's key was."""
-    node = node_at(error.evaluation_path)
     place = (*path, name)
     if "x-unknown" in node:
         return scene.fault(place, node["x-unknown"]), "", False

@@ -26,6 +26,7 @@ from camgeo.effects.graph import Effects
 from camgeo.errors import EffectError, GeometryError
 from camgeo.numeric.arrays import FloatArray
 from camgeo_export.plots.accuracy import render
+from tests.effects.fakes import fake
 from tests.effects.scenes import SCENES, design
 
 Capture = pytest.CaptureFixture[str]
@@ -45,15 +46,15 @@ def curve(size: float) -> Column:
     return Column("force", "N", lambda phi, side: size * np.sin(phi))
 
 
-def off(request: Request) -> float:
+def off(request: Request[Any]) -> float:
     return 50.0 * (1.0 + BENT * request.tolerance)
 
 
-def with_column(request: Request) -> Answer:
+def with_column(request: Request[Any]) -> Answer:
     return Answer((), (curve(off(request)), curve(0.0)), request.tolerance / 2.0)
 
 
-def with_findings(request: Request) -> Answer:
+def with_findings(request: Request[Any]) -> Answer:
     findings = (
         Finding("work", "ok", "work", value=off(request), unit="N m"),
         Finding("rest", "ok", "rest", value=50.0 - off(request), unit="N m"),
@@ -63,11 +64,11 @@ def with_findings(request: Request) -> Answer:
     return Answer(findings, (), request.tolerance)
 
 
-def no_answer(request: Request) -> Any:
+def no_answer(request: Request[Any]) -> Any:
     raise EffectError("the follower jams at 90 degrees", finding="jamming")
 
 
-def not_beyond(request: Request) -> Answer:
+def not_beyond(request: Request[Any]) -> Answer:
     if request.tolerance < 5e-7:
         raise EffectError("cannot be had to this tolerance")
     return with_column(request)
@@ -81,13 +82,13 @@ class Made:
         self.effects: dict[str, Effect] = {}
         self.calls: list[tuple[str, float]] = []
 
-    def add(self, name: str, compute: Callable[[Request], Any], **options: Any) -> None:
-        def counted(request: Request) -> Any:
+    def add(self, name: str, compute: Callable[[Request[Any]], Any], **options: Any) -> None:
+        def counted(request: Request[Any]) -> Any:
             self.calls.append((name, request.tolerance))
             return compute(request)
 
         options = {"numerical": True, **options}
-        self.effects[name] = Effect(name, name, counted, **options)
+        self.effects[name] = fake(name, counted, **options)
 
     def named(self, *names: str) -> Design:
         tables: dict[str, dict[str, Any]] = {name: {} for name in names}
@@ -128,7 +129,7 @@ def test_tolerances_are_one_a_decade() -> None:
 
 @pytest.mark.parametrize("compute", [with_column, with_findings])
 def test_differences_are_those_from_the_tightest(
-    made: Made, compute: Callable[[Request], Answer]
+    made: Made, compute: Callable[[Request[Any]], Answer]
 ) -> None:
     made.add("effect", compute)
     rows = made.rows("effect")
@@ -176,7 +177,7 @@ def test_other_tolerances_are_compared_with_the_tightest_that_has_an_answer(made
 
 
 def test_missing_data_are_a_reason_too(made: Made) -> None:
-    def compute(request: Request) -> Any:
+    def compute(request: Request[Any]) -> Any:
         raise GeometryError("is missing: no spring without it", key="effects.spring.anchor")
 
     made.add("effect", compute)
@@ -185,7 +186,7 @@ def test_missing_data_are_a_reason_too(made: Made) -> None:
 
 
 def test_other_errors_are_not_hidden(made: Made) -> None:
-    def compute(request: Request) -> Any:
+    def compute(request: Request[Any]) -> Any:
         raise ZeroDivisionError
 
     made.add("effect", compute)

@@ -5,6 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 from camgeo.design import Design
+from camgeo.effects.registry import EFFECTS, find_effect
+from camgeo.effects.rules import Kind, Only
 from camgeo.scene.load import parse_scene
 
 SCENES = Path(__file__).resolve().parents[2] / "fixtures" / "scenes"
@@ -22,3 +24,14 @@ def design(scene: str, effects: str, *changes: tuple[str, str]) -> Design:
     if effects:
         text += f"\n{effects}\n"
     return Design(parse_scene(text, str(SCENES / f"{scene}.toml")))
+
+
+def only_for(kind: Kind) -> set[tuple[str, str]]:
+    """Effects of camgeo for machines of a `kind` alone, with the key if it is but that."""
+    return {
+        (name, key)
+        for name in EFFECTS
+        for rule in find_effect(name).rules
+        if isinstance(rule, Only) and rule.kind is kind
+        for key in rule.keys or ("",)
+    }

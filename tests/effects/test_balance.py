@@ -15,8 +15,8 @@ from camgeo.check.finding import Finding
 from camgeo.contour.contour import Contour
 from camgeo.contour.moments import contour_moments
 from camgeo.design import Design
-from camgeo.effects.balance import Balance
 from camgeo.effects.balance.holes import PITCH, most, rows
+from camgeo.effects.balance.result import Balance
 from camgeo.effects.balance.spec import parse
 from camgeo.errors import EffectError, GeometryError
 from camgeo.outline.moments import total

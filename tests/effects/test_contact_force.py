@@ -9,9 +9,11 @@ import numpy as np
 import pytest
 
 from camgeo.design import Design
-from camgeo.effects.contact_force import EFFECT, ContactForce, parse
+from camgeo.effects.contact_force.result import ContactForce, compute
+from camgeo.effects.contact_force.spec import parse
 from camgeo.effects.effect import Request
 from camgeo.effects.force import Force
+from camgeo.effects.results import Results
 from camgeo.errors import EffectError, SceneError
 from camgeo.motion.motion import Side
 from camgeo.motion.time_course import in_time
@@ -85,7 +87,7 @@ def constant(value: float) -> Any:
 
 def computed(subject: Design, results: dict[str, Any], limit: float | None = None) -> ContactForce:
     table = {} if limit is None else {"limit": limit}
-    found = EFFECT.compute(Request(subject.effects.subject, parse(table), results, 1e-6))
+    found = compute(Request(subject.effects.subject, parse(table), Results(results), 1e-6))
     assert isinstance(found, ContactForce)
     return found
 

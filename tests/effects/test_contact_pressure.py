@@ -15,22 +15,21 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from camgeo.design import Design
-from camgeo.effects.contact_pressure import EFFECT, ContactPressure
 from camgeo.effects.contact_pressure.contact import INNER, OUTER, Contact
 from camgeo.effects.contact_pressure.hertz import (
     SHEAR_DEPTH,
     SHEAR_SHARE,
-    Body,
-    contact_modulus,
     half_width,
     largest_pressure,
     needed_radius,
     roller_radii,
 )
 from camgeo.effects.contact_pressure.life import EXPONENT, spin
-from camgeo.effects.contact_pressure.spec import Spec, parse
+from camgeo.effects.contact_pressure.result import ContactPressure, compute
+from camgeo.effects.contact_pressure.spec import Body, Spec, contact_modulus, parse
 from camgeo.effects.effect import Request
 from camgeo.effects.materials import find_material
+from camgeo.effects.results import Results
 from camgeo.errors import EffectError, GeometryError
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray
@@ -70,11 +69,8 @@ def steady(force: float) -> Given:
 def pressed(
     subject: Design, force: Given, table: dict[str, Any] | None = None, tolerance: float = 1e-6
 ) -> ContactPressure:
-    request = Request(
-        subject.effects.subject, parse(table or {}), {"contact-force": force}, tolerance
-    )
-    found: ContactPressure = EFFECT.compute(request)
-    return found
+    given = Results({"contact-force": force})
+    return compute(Request(subject.effects.subject, parse(table or {}), given, tolerance))
 
 
 def scene(name: str, *changes: tuple[str, str]) -> Design:

@@ -10,11 +10,12 @@ import pytest
 
 from camgeo.check.finding import Finding
 from camgeo.design import Design
-from camgeo.effects import drive_torque
-from camgeo.effects.drive_torque import DriveTorque
 from camgeo.effects.drive_torque.flywheel import moment_of_inertia, stored_energy
+from camgeo.effects.drive_torque.result import DriveTorque, compute
+from camgeo.effects.drive_torque.spec import parse
 from camgeo.effects.effect import Request
 from camgeo.effects.force import Force, at_rates, total
+from camgeo.effects.results import Results
 from camgeo.errors import EffectError, GeometryError
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray, merged
@@ -116,10 +117,10 @@ def damper(subject: Design, viscous: float) -> Force:
 def drive(
     subject: Design, contact: Contact, tolerance: float = 1e-9, **table: float
 ) -> DriveTorque:
-    spec = drive_torque.parse(table)
-    return drive_torque.compute(
-        Request(subject.effects.subject, spec, {"contact-force": contact}, tolerance)
-    )
+    given = Results({"contact-force": contact})
+    found = compute(Request(subject.effects.subject, parse(table), given, tolerance))
+    assert isinstance(found, DriveTorque)
+    return found
 
 
 def finding(result: Any, name: str) -> Finding:

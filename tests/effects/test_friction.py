@@ -12,9 +12,10 @@ from hypothesis import strategies as st
 
 from camgeo.design import Design
 from camgeo.effects.effect import Request
-from camgeo.effects.friction import Friction, compute
+from camgeo.effects.friction.result import Friction, compute
 from camgeo.effects.friction.spec import parse
 from camgeo.effects.friction.statics import Statics
+from camgeo.effects.results import Results
 from camgeo.errors import EffectError, GeometryError
 from camgeo.mechanism.locking import locked_at
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
@@ -50,7 +51,9 @@ LARGE: Final = {
 
 
 def friction(made: Any, **table: float) -> Friction:
-    return compute(Request(made.effects.subject, parse(table), {}, 1e-6))
+    found = compute(Request(made.effects.subject, parse(table), Results({}), 1e-6))
+    assert isinstance(found, Friction)
+    return found
 
 
 def angles(made: Design) -> FloatArray:

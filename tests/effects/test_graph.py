@@ -13,6 +13,7 @@ from camgeo.effects.effect import Column, Effect, Request
 from camgeo.effects.graph import TOLERANCE, Effects
 from camgeo.errors import CycleError, EffectError, GeometryError
 from camgeo.lazy import Ledger
+from tests.effects.fakes import fake
 from tests.effects.scenes import design
 
 SUBJECT: Any = object()
@@ -24,14 +25,14 @@ class Answer:
     """A result that tells what its effect was given."""
 
     name: str
-    request: Request
+    request: Request[Any]
     findings: tuple[Finding, ...] = ()
     columns: tuple[Column, ...] = ()
     error: float | None = None
 
     @property
     def given(self) -> dict[str, Any]:
-        return dict(self.request.results)
+        return dict(self.request.results._by_name)
 
 
 class Fakes:
@@ -43,15 +44,15 @@ class Fakes:
         self.calls: list[str] = []
 
     def add(
-        self, name: str, compute: Callable[[Request], Any] | None = None, **options: Any
+        self, name: str, compute: Callable[[Request[Any]], Any] | None = None, **options: Any
     ) -> None:
-        def counted(request: Request) -> Any:
+        def counted(request: Request[Any]) -> Any:
             self.calls.append(name)
             if compute is not None:
                 return compute(request)
             return Answer(name, request, (Finding(name, "ok", f"{name} was computed"),))
 
-        self.effects[name] = Effect(name, f"title of {name}", counted, **options)
+        self.effects[name] = fake(name, counted, title=f"title of {name}", **options)
 
     def find(self, name: str) -> Effect:
         self.found.append(name)
@@ -66,7 +67,7 @@ def fakes() -> Fakes:
     return Fakes()
 
 
-def no_answer(request: Request) -> Any:
+def no_answer(request: Request[Any]) -> Any:
     raise EffectError(
         "it jams at 90 degrees",
         finding="jamming",
@@ -245,7 +246,7 @@ def test_no_answer_is_one_finding_of_all_that_need_it(fakes: Fakes) -> None:
 
 
 def test_a_finding_without_a_name_has_that_of_the_effect(fakes: Fakes) -> None:
-    def compute(request: Request) -> Any:
+    def compute(request: Request[Any]) -> Any:
         raise EffectError("no spectrum")
 
     fakes.add("spectrum", compute)
@@ -260,7 +261,7 @@ def test_findings_are_those_of_the_result(fakes: Fakes) -> None:
 def test_other_errors_are_not_kept(fakes: Fakes) -> None:
     tries = []
 
-    def compute(request: Request) -> Any:
+    def compute(request: Request[Any]) -> Any:
         tries.append(request)
         if len(tries) == 1:
             raise ValueError("out of luck")
@@ -323,7 +324,7 @@ def test_a_design_has_one_graph_and_one_ledger(fakes: Fakes) -> None:
     assert plate.effects is plate.effects
     assert plate.effects.subject.follower is plate.cam.follower
 
-    def compute(request: Request) -> Any:
+    def compute(request: Request[Any]) -> Any:
         return Answer("angles", request, columns=()), request.subject.smooth_angles
 
     fakes.add("angles", compute)

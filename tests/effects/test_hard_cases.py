@@ -15,15 +15,15 @@ import pytest
 
 from camgeo.check.finding import Finding
 from camgeo.design import Design
+from camgeo.effects.rules import ONE_CONTACT, ROLLERS
 from camgeo.errors import EffectError, SceneError
 from camgeo.motion.motion import Side
 from camgeo.motion.time_course import in_time
 from camgeo.numeric.arrays import FloatArray
 from camgeo.numeric.peaks import piecewise_extremes
 from camgeo.scene.load import parse_scene
-from camgeo.scene.rules import OF_ROLLER, ONE_CONTACT
 from camgeo.units import TURN
-from tests.effects.scenes import SCENES
+from tests.effects.scenes import SCENES, only_for
 from tests.effects.test_random_scenes import NAMES, assert_sound, scene_text
 
 ROUNDING: Final = 1e-12
@@ -154,11 +154,11 @@ def every(text: str, **data: str) -> str:
     if "\nroller_radius = 0\n" in text:  # a knife edge has no friction of a roller
         tables = re.sub(r"^roll(er_pin|er_pin_diameter|ing) = .*\n", "", tables, flags=re.MULTILINE)
     if '-flat"' in text:
-        for _, key in OF_ROLLER:
+        for _, key in only_for(ROLLERS):
             tables = re.sub(rf"^{key} = .*\n", "", tables, flags=re.MULTILINE)
         of_face = "face = 0.08\n" if rocks else "face = 0.08\nguide_length = 40\n"
         tables = tables.replace("[effects.friction]\n", f"[effects.friction]\n{of_face}")
-    for name in ONE_CONTACT if "[follower.yoke]" in text else ():
+    for name, _ in only_for(ONE_CONTACT) if "[follower.yoke]" in text else ():
         table = re.compile(rf"^\[effects\.{name}\]\n([^\[].*\n|\n)*", re.MULTILINE)
         tables = table.sub("", tables)
     if "[follower.return]" in text:  # two discs have no balance of one

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import itertools
 import json
+import re
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 import pytest
@@ -19,8 +20,8 @@ from tests.effects.scenes import SCENES, design
 
 SCENE = "plate_translating"
 
-FRAME = {"carrier", "effect", "force", "graph", "locked", "materials", "registry", "subject"}
-"""Modules of `camgeo.effects` that are no effect."""
+COMPUTES = re.compile(r"camgeo\.effects\.([a-z_]+)\.result")
+"""The module of an effect that computes it."""
 
 TABLES = {
     "kinematics": "",
@@ -109,42 +110,29 @@ def test_only_what_is_needed_runs_and_once(names: tuple[str, ...]) -> None:
 
 @pytest.fixture
 def no_effect_imported() -> Iterator[None]:
-    """As in a fresh interpreter: no effect is in `sys.modules`; all is put back afterwards."""
-    prefix = "camgeo.effects."
-    mine = {
-        name: module
-        for name, module in sys.modules.items()
-        if name.startswith(prefix) and name.split(".")[2] not in FRAME
-    }
+    """As in a fresh interpreter: none that computes is in `sys.modules`; put back afterwards."""
+    mine = {name: module for name, module in sys.modules.items() if COMPUTES.fullmatch(name)}
     for name in mine:
         del sys.modules[name]
     yield
-    for name in [each for each in sys.modules if each.startswith(prefix)]:
-        if name.split(".")[2] not in FRAME:
-            del sys.modules[name]
     sys.modules.update(mine)
 
 
-def imported_effects() -> set[str]:
-    return {
-        name.split(".")[2].replace("_", "-")
-        for name in sys.modules
-        if name.startswith("camgeo.effects.") and name.split(".")[2] not in FRAME
-    }
+def computing(modules: Iterable[str]) -> set[str]:
+    """The effects among whose `modules` is the one that computes them."""
+    found = (COMPUTES.fullmatch(name) for name in modules)
+    return {each[1].replace("_", "-") for each in found if each}
 
 
 @pytest.mark.parametrize("names", SETS, ids="+".join)
 @pytest.mark.usefixtures("no_effect_imported")
 def test_only_what_is_needed_is_imported(names: tuple[str, ...]) -> None:
-    named = with_data(*names)  # which asks the effects for their needs, and so imports them
-    needed = expected(named)
-    for name in list(sys.modules):
-        if name.startswith("camgeo.effects.") and name.split(".")[2] not in FRAME:
-            del sys.modules[name]
+    named = with_data(*names)
     found = subject(named)
+    assert computing(sys.modules) == set()
     for name in named:
         found.effect(name)
-    assert imported_effects() == needed
+    assert computing(sys.modules) == expected(named)
 
 
 RUN = """
@@ -152,25 +140,39 @@ import json, sys
 import camgeo
 from camgeo.scene.load import load_scene
 design = camgeo.load(sys.argv[1])
-design.findings
-design.effect_findings
+if sys.argv[2:]:
+    design.findings
+    design.effect_findings
 json.dump(sorted(sys.modules), sys.stdout)
 """
 
 
-def modules_of(scene: Path) -> set[str]:
-    """What a fresh interpreter has imported after judging a scene."""
+def modules_of(scene: Path, *judge: str) -> set[str]:
+    """What a fresh interpreter has imported after loading a scene, and after judging it if told."""
     done = subprocess.run(
-        [sys.executable, "-c", RUN, str(scene)],
+        [sys.executable, "-c", RUN, str(scene), *judge],
         capture_output=True, text=True, check=True, timeout=120,
     )  # fmt: skip
     return set(json.loads(done.stdout))
 
 
 def test_a_scene_without_effects_imports_nothing_of_them() -> None:
-    loaded = modules_of(SCENES / f"{SCENE}.toml")
+    loaded = modules_of(SCENES / f"{SCENE}.toml", "judge")
     assert not {name for name in loaded if name.startswith("camgeo.effects")}
     assert not loaded & {"scipy", "shapely", "mpmath"}
+
+
+def test_loading_a_scene_with_all_effects_imports_only_what_declares_them(tmp_path: Path) -> None:
+    """The frame's own data, each effect's package and what reads its table, nothing else."""
+    scene = tmp_path / "scene.toml"
+    text = (SCENES / f"{SCENE}.toml").read_text("utf-8")
+    scene.write_text(f"{text}\n{text_of(EFFECTS)}\n", "utf-8")
+    packages = {name.replace("-", "_") for name in EFFECTS}
+    declaring = {"effect", "registry", "results", "rules", "materials", *packages}
+    declaring |= {f"{name}.spec" for name in packages} | {"speed_fluctuation.motor"}
+    loaded = modules_of(scene)
+    found = {each.partition("effects.")[2] for each in loaded if each.startswith("camgeo.effects.")}
+    assert packages <= found <= declaring
 
 
 @pytest.mark.parametrize("name", EFFECTS)
@@ -179,13 +181,8 @@ def test_a_fresh_interpreter_imports_one_effect_and_its_needs(name: str, tmp_pat
     scene = tmp_path / "scene.toml"
     text = (SCENES / f"{SCENE}.toml").read_text("utf-8")
     scene.write_text(f"{text}\n{text_of(named)}\n", "utf-8")
-    loaded = modules_of(scene)
-    effects = {
-        each.split(".")[2].replace("_", "-")
-        for each in loaded
-        if each.startswith("camgeo.effects.") and each.split(".")[2] not in FRAME
-    }
-    assert effects == expected(named)
+    loaded = modules_of(scene, "judge")
+    assert computing(loaded) == expected(named)
     assert not loaded & {"ezdxf", "trimesh", "manifold3d", "matplotlib", "camgeo_export", "mpmath"}
 
 

@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 
 from camgeo.design import Design
-from camgeo.effects.lift_off import LiftOff, crossing
+from camgeo.effects.lift_off import crossing
 from camgeo.effects.lift_off.flanks import Change
 from camgeo.effects.lift_off.ranges import ranges_below, runs
+from camgeo.effects.lift_off.result import LiftOff
 from camgeo.errors import EffectError, GeometryError
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray

@@ -23,16 +23,19 @@ from camgeo.check.finding import Finding
 from camgeo.cli.command import finding_record
 from camgeo.design import Design
 from camgeo.effects.effect import Column
-from camgeo.effects.registry import EFFECTS
+from camgeo.effects.registry import EFFECTS, find_effect
+from camgeo.effects.rules import FLATS, ONE_CONTACT, ONE_DISC, ONE_ROLLER, ROLLERS
 from camgeo.errors import EffectError, Fault, GeometryError, SceneError
 from camgeo.numeric.arrays import FloatArray
 from camgeo.scene.load import parse_scene
-from camgeo.scene.rules import OF_FACE, OF_ROLLER, ONE_CONTACT, ONE_DISC, ONE_ROLLER
 from camgeo.scene.schema import schema
+from camgeo.scene.whole_schema import whole_schema
 from camgeo.units import TURN
-from tests.effects.scenes import SCENES
+from tests.effects.scenes import SCENES, only_for
 
 NAMES: Final = tuple(sorted(path.stem for path in SCENES.glob("*.toml")))
+
+WHOLE: Final = whole_schema()
 
 ANGLES: Final = np.linspace(0.0, TURN, 97, endpoint=False)
 
@@ -161,9 +164,11 @@ def foreign_keys(effect: str, text: str) -> set[str]:
     slides = drives_slider(text)
     own = OF_LINKAGE if slides else OF_ROCKER if "oscillating" in text else OF_GUIDE
     found = set(own.get(effect, ()))
-    found |= {key for name, key in (OF_ROLLER if '-flat"' in text else OF_FACE) if name == effect}
+    found |= {
+        key for name, key in only_for(ROLLERS if '-flat"' in text else FLATS) if name == effect
+    }
     if "[follower.return]" in text:
-        found |= {key for name, key in ONE_ROLLER if name == effect}
+        found |= {key for name, key in only_for(ONE_ROLLER) if name == effect}
     if "[linkage]" not in text or slides:
         found.add("output_moment")
     return found
@@ -221,22 +226,21 @@ def spelled(item: Any) -> str:
 
 def tables_of(rng: Random, text: str) -> str:
     """Tables of some effects."""
-    known = schema()["properties"]["effects"]["properties"]
     wild = rng.random() < 0.25
     named = {each for each in EFFECTS if rng.random() < 0.45}
     if rng.random() < 0.9 and named & {"gravity", "lift-off", "speed-fluctuation"}:
         named |= {"inertia", "spring"}
     if "[follower.return]" in text and rng.random() < 0.95:
-        named -= set(ONE_DISC)
+        named -= {name for name, _ in only_for(ONE_DISC)}
     if "[follower.yoke]" in text and rng.random() < 0.95:
-        named -= set(ONE_CONTACT)
+        named -= {name for name, _ in only_for(ONE_CONTACT)}
     lines = []
     for effect in EFFECTS:
         other = "[linkage]" in text and not ("oscillating" in text and "slider-crank" in text)
         if effect not in named or (effect == "load" and other):
             continue
         lines.append(f"[effects.{effect}]")
-        properties = known[effect].get("properties", {})
+        properties = find_effect(effect).schema["properties"]
         for key in keys_of(rng, effect, properties, text):
             if key == "kind":
                 kind = "torsion" if "torsional_stiffness" in lines[-1] + lines[-2] else "extension"
@@ -273,7 +277,7 @@ def within(node: dict[str, Any]) -> dict[str, Any]:
 
 def known_key(key: str) -> bool:
     """Whether a scene may have `key`, e.g. "effects.spring.preload"."""
-    node: dict[str, Any] = schema()
+    node: dict[str, Any] = WHOLE
     for step in re.sub(r"\[\d+\]", "", key).split("."):
         keys = within(node)
         if step not in keys:

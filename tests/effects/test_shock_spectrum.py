@@ -7,8 +7,8 @@ import math
 import numpy as np
 import pytest
 
-from camgeo.effects.shock_spectrum import ShockSpectrum
 from camgeo.effects.shock_spectrum.measures import QUIET, measured
+from camgeo.effects.shock_spectrum.result import ShockSpectrum
 from camgeo.motion.laws import LAWS, make_law
 from camgeo.numeric.oscillator.spectrum import shock_of, shock_spectrum
 from tests.effects.scenes import design

@@ -12,11 +12,12 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from camgeo.design import Design
-from camgeo.effects import speed_fluctuation
 from camgeo.effects.effect import DataFile, Request
 from camgeo.effects.force import Force
-from camgeo.effects.speed_fluctuation import SpeedFluctuation
+from camgeo.effects.results import Results
 from camgeo.effects.speed_fluctuation.motor import Motor, parse_motor
+from camgeo.effects.speed_fluctuation.result import SpeedFluctuation, compute
+from camgeo.effects.speed_fluctuation.spec import parse
 from camgeo.errors import EffectError, GeometryError
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray
@@ -64,9 +65,9 @@ def steady(
 ) -> SpeedFluctuation:
     """Moment of inertia [t mm^2], stall torque [N mm]."""
     motor = {} if "file" in more else {"stall_torque": stall, "no_load_speed": NO_LOAD}
-    spec = speed_fluctuation.parse({"moment_of_inertia": moment, **motor, **more})
-    return speed_fluctuation.compute(
-        Request(subject.effects.subject, spec, {"drive-torque": torque}, tolerance)
+    spec = parse({"moment_of_inertia": moment, **motor, **more})
+    return compute(
+        Request(subject.effects.subject, spec, Results({"drive-torque": torque}), tolerance)
     )
 
 
@@ -342,7 +343,7 @@ def test_motors_that_are_refused(table: dict[str, Any], key: str) -> None:
 @pytest.mark.parametrize("table", [{}, {"moment_of_inertia": 0.0}])
 def test_a_shaft_without_inertia_is_refused(table: dict[str, Any]) -> None:
     with pytest.raises(GeometryError) as caught:
-        speed_fluctuation.parse({"stall_torque": 1.0, "no_load_speed": 1.0, **table})
+        parse({"stall_torque": 1.0, "no_load_speed": 1.0, **table})
     assert caught.value.key == "moment_of_inertia"
 
 

@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from camgeo.design import Design
-from camgeo.effects.spring import parse
+from camgeo.effects.spring.spec import parse
 from camgeo.effects.spring.ways import BetweenPoints, along_slider
 from camgeo.errors import GeometryError
 from camgeo.mechanism.locking import locked_at

@@ -12,7 +12,9 @@ import pytest
 from camgeo.check.finding import Finding
 from camgeo.design import Design
 from camgeo.effects.effect import Request
-from camgeo.effects.vibration import EFFECT, Vibration
+from camgeo.effects.results import Results
+from camgeo.effects.vibration import EFFECT
+from camgeo.effects.vibration.result import Vibration, compute
 from camgeo.errors import EffectError, GeometryError, SceneError
 from camgeo.motion.laws import make_law
 from camgeo.motion.time_course import in_time
@@ -47,10 +49,7 @@ def demanded(made_: Design) -> FloatArray:
 
 def stubbed(made_: Design, table: dict[str, Any], results: dict[str, Any]) -> Vibration:
     """Computed with results of other effects made up."""
-    request = Request(made_.effects.subject, EFFECT.parse(table), results, 1e-6)
-    found = EFFECT.compute(request)
-    assert isinstance(found, Vibration)
-    return found
+    return compute(Request(made_.effects.subject, EFFECT.parse(table), Results(results), 1e-6))
 
 
 class Moved:

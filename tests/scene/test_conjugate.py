@@ -9,12 +9,13 @@ import pytest
 
 from camgeo.check.judge import disc_findings
 from camgeo.design import Design
+from camgeo.effects.rules import ONE_DISC
 from camgeo.errors import SceneError
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.scene.load import parse_scene
-from camgeo.scene.rules import ONE_DISC
 from camgeo.units import TURN
+from tests.effects.scenes import only_for
 from tests.pairs import lever_of
 from tests.scene.scenes import FIXTURES, spoilt
 
@@ -86,7 +87,7 @@ def test_all_faults_are_told_at_once() -> None:
         assert f"{key}" in told
 
 
-@pytest.mark.parametrize("name", ONE_DISC)
+@pytest.mark.parametrize("name", [name for name, _ in only_for(ONE_DISC)])
 def test_effects_of_one_disc_are_refused(name: str) -> None:
     assert f"effects.{name}: knows one disc;" in faults_of(f"{LEVER}\n[effects.{name}]\n")
 

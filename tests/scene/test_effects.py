@@ -9,15 +9,15 @@ from typing import Any
 
 import pytest
 
+from camgeo.effects import registry
 from camgeo.effects.effect import DataFile, Effect
-from camgeo.effects.registry import EFFECTS
+from camgeo.effects.registry import EFFECTS, find_effect
 from camgeo.errors import Fault, GeometryError, SceneError
 from camgeo.scene import effects as tables
 from camgeo.scene.load import load_scene, parse_scene
 from camgeo.scene.model import Scene
-from camgeo.scene.new import template
-from camgeo.scene.rules import OF_FACE
-from camgeo.scene.schema import Node, resolved, schema
+from camgeo.scene.schema import Node, resolved
+from tests.effects.fakes import fake
 from tests.scene.scenes import PLATE, ROCKER
 
 LAST_LINE = len(PLATE.splitlines())
@@ -44,14 +44,16 @@ UNITS = {
 """What 1 of each unit is in mm, s, t, N and rad."""
 
 
-FLAT = template("translating-flat")
-"""For the keys that only a flat face has."""
+def declared(name: str, **options: Any) -> Effect:
+    """An effect of that name with its own schema, and else only what a test says."""
+    return fake(name, schema=find_effect(name).schema, **options)
 
 
 @pytest.fixture
 def fakes(monkeypatch: pytest.MonkeyPatch) -> dict[str, Effect]:
     """Effects of camgeo's names that ask for nothing, to be replaced by others in a test."""
-    found = {name: Effect(name, name, lambda request: request.spec) for name in EFFECTS}
+    found = {name: declared(name) for name in EFFECTS}
+    monkeypatch.setattr(registry, "find_effect", found.__getitem__)
     monkeypatch.setattr(tables, "find_effect", found.__getitem__)
     return found
 
@@ -76,8 +78,8 @@ def faults(text: str, scene: str = PLATE) -> tuple[Fault, ...]:
 def numbers() -> list[tuple[str, str, Node]]:
     """Every key of every effect that is a single number."""
     found = []
-    for name, node in schema()["properties"]["effects"]["properties"].items():
-        for key, own in node["properties"].items():
+    for name in EFFECTS:
+        for key, own in find_effect(name).schema["properties"].items():
             if resolved(own).get("type") == "number":
                 found.append((name, key, own))
     return found
@@ -96,7 +98,7 @@ def test_each_number_is_converted_by_its_unit(
     fakes: Fakes, name: str, key: str, node: Node
 ) -> None:
     value = within(node)
-    own = schema()["properties"]["effects"]["properties"][name]
+    own = find_effect(name).schema
     required = [need for need in own.get("required", ()) if need != key]
     others = "".join(f"{need} = {within(own['properties'][need])!r}\n" for need in required)
     text = f"{others}{key} = {value!r}"
@@ -105,9 +107,8 @@ def test_each_number_is_converted_by_its_unit(
     assert not (unit and length)
     # Two roundings: of the factor and of the product.
     expected = pytest.approx(value * (UNITS[unit] if unit else 1.0), rel=5e-16)
-    scene = FLAT if (name, key) in OF_FACE else PLATE
-    assert table(name, text, scene)[key] == expected
-    inch = scene.replace('length = "mm"', 'length = "inch"')
+    assert table(name, text)[key] == expected
+    inch = PLATE.replace('length = "mm"', 'length = "inch"')
     found = table(name, text, inch)[key]
     assert found == (pytest.approx(value * INCH, rel=5e-16) if length else expected)
 
@@ -228,7 +229,7 @@ def parse_spring(given: Mapping[str, Any]) -> Mapping[str, Any]:
 def test_what_parse_refuses_is_told_with_key_and_line(
     fakes: Fakes, text: str, expected: Fault
 ) -> None:
-    fakes["spring"] = Effect("spring", "spring", lambda request: None, parse_spring)
+    fakes["spring"] = declared("spring", parse=parse_spring)
     assert faults(f"[effects.spring]\n{text}\n") == (expected,)
 
 
@@ -236,7 +237,7 @@ SPEED = ("cam.speed", "cam.speed_curve")
 
 
 def test_a_missing_key_is_told_with_the_line_of_the_table(fakes: Fakes) -> None:
-    fakes["kinematics"] = Effect("kinematics", "motion", lambda request: None, keys=(SPEED,))
+    fakes["kinematics"] = declared("kinematics", keys=(SPEED,))
     (fault,) = faults("[effects.kinematics]\n", ROCKER)
     assert fault.key == "effects.kinematics"
     assert fault.message == "needs one of [cam] speed, [cam] speed_curve"
@@ -246,7 +247,7 @@ def test_a_missing_key_is_told_with_the_line_of_the_table(fakes: Fakes) -> None:
 
 def test_a_missing_table_is_told(fakes: Fakes) -> None:
     keys = (("effects.inertia",),)
-    fakes["gravity"] = Effect("gravity", "weights", lambda request: None, keys=keys)
+    fakes["gravity"] = declared("gravity", keys=keys)
     (fault,) = faults("[effects.gravity]\n")
     assert fault.message == "needs [effects.inertia]"
     text = "[effects.gravity]\n[effects.inertia]\n"
@@ -255,7 +256,7 @@ def test_a_missing_table_is_told(fakes: Fakes) -> None:
 
 def test_one_of_several_tables_is_enough(fakes: Fakes) -> None:
     keys = (("effects.inertia", "effects.load", "effects.spring"),)
-    fakes["contact-force"] = Effect("contact-force", "force", lambda request: None, keys=keys)
+    fakes["contact-force"] = declared("contact-force", keys=keys)
     (fault,) = faults("[effects.contact-force]\n")
     assert fault.message == "needs one of [effects.inertia], [effects.load], [effects.spring]"
     text = "[effects.contact-force]\n[effects.load]\nconstant = 1\n"
@@ -263,12 +264,10 @@ def test_one_of_several_tables_is_enough(fakes: Fakes) -> None:
 
 
 def test_what_a_needed_effect_needs_is_told_of_the_one_named(fakes: Fakes) -> None:
-    fakes["balance"] = Effect("balance", "balance", lambda request: None, needs=("inertia",))
-    fakes["inertia"] = Effect(
-        "inertia", "inertia", lambda request: None, needs=("kinematics",), uses=("load",)
-    )
-    fakes["kinematics"] = Effect("kinematics", "motion", lambda request: None, keys=(SPEED,))
-    fakes["load"] = Effect("load", "load", lambda request: None, keys=(("part.bore",),))
+    fakes["balance"] = declared("balance", needs=("inertia",))
+    fakes["inertia"] = declared("inertia", needs=("kinematics",), uses=("load",))
+    fakes["kinematics"] = declared("kinematics", keys=(SPEED,))
+    fakes["load"] = declared("load", keys=(("part.bore",),))
     (fault,) = faults("[effects.balance]\n", ROCKER)
     assert fault.key == "effects.balance"
     assert fault.message == "needs kinematics, which needs one of [cam] speed, [cam] speed_curve"
@@ -281,7 +280,7 @@ def test_what_a_needed_effect_needs_is_told_of_the_one_named(fakes: Fakes) -> No
 
 
 def test_a_misspelt_key_is_not_missing_too(fakes: Fakes) -> None:
-    fakes["kinematics"] = Effect("kinematics", "motion", lambda request: None, keys=(SPEED,))
+    fakes["kinematics"] = declared("kinematics", keys=(SPEED,))
     scene = PLATE.replace("speed = 60", "sped = 60")
     (fault,) = faults("[effects.kinematics]\n", scene)
     assert fault.key == "cam.sped"
@@ -289,16 +288,16 @@ def test_a_misspelt_key_is_not_missing_too(fakes: Fakes) -> None:
 
 def test_a_ring_ends_the_search(fakes: Fakes) -> None:
     """The graph refuses it when one of them is asked for."""
-    fakes["load"] = Effect("load", "load", lambda request: None, needs=("spring",))
-    fakes["spring"] = Effect("spring", "spring", lambda request: None, needs=("load",))
+    fakes["load"] = declared("load", needs=("spring",))
+    fakes["spring"] = declared("spring", needs=("load",))
     assert set(parse_scene(with_effects("[effects.load]\n")).effects) == {"load"}
 
 
 def test_all_faults_are_told_at_once(fakes: Fakes) -> None:
     """Of several tables, those that the schema finds beside those that an effect finds."""
-    fakes["spring"] = Effect("spring", "spring", lambda request: None, parse_spring)
+    fakes["spring"] = declared("spring", parse=parse_spring)
     keys = (("effects.inertia",),)
-    fakes["gravity"] = Effect("gravity", "weights", lambda request: None, keys=keys)
+    fakes["gravity"] = declared("gravity", keys=keys)
     text = "[effects.friction]\nguide = -1\n[effects.spring]\n[effects.gravity]\n"
     assert [fault.key for fault in faults(text)] == [
         "effects.friction.guide",
@@ -308,7 +307,7 @@ def test_all_faults_are_told_at_once(fakes: Fakes) -> None:
 
 
 def test_a_table_with_a_wrong_value_is_not_judged_any_further(fakes: Fakes) -> None:
-    fakes["spring"] = Effect("spring", "spring", lambda request: None, parse_spring)
+    fakes["spring"] = declared("spring", parse=parse_spring)
     (fault,) = faults("[effects.spring]\nstiffness = -1\n")
     assert fault.key == "effects.spring.stiffness"
 

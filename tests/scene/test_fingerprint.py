@@ -9,12 +9,13 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from camgeo.effects.effect import Effect
+from camgeo.effects import registry
 from camgeo.effects.registry import EFFECTS
 from camgeo.scene import effects as tables
 from camgeo.scene.document import document
 from camgeo.scene.fingerprint import without_effects
 from camgeo.scene.load import parse_scene
+from tests.effects.fakes import fake
 from tests.scene.scenes import GROOVE, PLATE
 
 SPRING = "[effects.spring]\npreload = 40\nstiffness = 2.5\n"
@@ -23,7 +24,8 @@ SPRING = "[effects.spring]\npreload = 40\nstiffness = 2.5\n"
 @pytest.fixture(autouse=True)
 def _fakes(monkeypatch: pytest.MonkeyPatch) -> None:
     """Which effects there are is no matter of the hash."""
-    found = {name: Effect(name, name, lambda request: None) for name in EFFECTS}
+    found = {name: fake(name) for name in EFFECTS}
+    monkeypatch.setattr(registry, "find_effect", found.__getitem__)
     monkeypatch.setattr(tables, "find_effect", found.__getitem__)
 
 

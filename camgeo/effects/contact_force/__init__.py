@@ -2,152 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Any, Final
+from typing import Final
 
-import numpy as np
-
-from camgeo.check.finding import Finding
-from camgeo.effects.contact_force.balance import Balance, Friction
-from camgeo.effects.contact_force.findings import force_findings, shock_findings
-from camgeo.effects.contact_force.places import refuse_jamming, smooth_edges
-from camgeo.effects.effect import Column, Effect, Quantity, Request, Subject
-from camgeo.effects.force import Force, all_borders
-from camgeo.motion.motion import Side
-from camgeo.numeric.arrays import FloatArray
-from camgeo.numeric.extremes import Extremes
-from camgeo.numeric.peaks import piecewise_extremes
-
-FORCES: Final = ("inertia", "gravity", "load", "spring")
-"""Effects that are forces on the follower, besides friction."""
-
-
-@dataclass(frozen=True, slots=True)
-class Spec:
-    """What the scene says: `limit` is the largest force allowed [N], None for none."""
-
-    limit: float | None = None
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class ContactForce:
-    """The normal force on the follower, positive where the inner flank carries.
-
-    Of a conjugate pair it is positive where the main disc carries, negative where the return disc
-    does; the other one carries nothing then.
-
-    Attributes
-    ----------
-    findings, columns, error : see `camgeo.effects.effect.Result`.
-    balance : the forces on the follower.
-    edges : (k,) cam angles [rad] from 0 to 2 pi between which the force is smooth and keeps its
-        sign.
-    extremes : smallest and largest force [N] of the turn, signed.
-    """
-
-    findings: tuple[Finding, ...]
-    columns: tuple[Column, ...]
-    balance: Balance
-    edges: FloatArray
-    extremes: Extremes
-    error: float | None = None
-
-    @property
-    def forces(self) -> tuple[Force, ...]:
-        """All forces on the follower but that of the contact."""
-        return self.balance.forces
-
-    @property
-    def friction(self) -> Friction | None:
-        """The result of the effect `friction`, None if the scene does not name it."""
-        return self.balance.friction
-
-    def required(self, phi: FloatArray, side: Side) -> FloatArray:
-        """(4, n) coefficients of the generalised force R that the contact has to give."""
-        return self.balance.required(phi, side)
-
-    def bracket(self, phi: FloatArray, side: Side, sense: int) -> FloatArray:
-        """(n,) [1 or mm/rad] R per unit of |N| on the side `sense`, see `carrier`."""
-        return self.balance.bracket(phi, side, sense)
-
-    def normal(self, phi: FloatArray, side: Side) -> FloatArray:
-        """(n,) N [N] at the scene's speed, or at rest if it has none."""
-        return self.balance.normal(phi, side, self.balance.rates(phi))
-
-    def normal_at(
-        self, phi: FloatArray, side: Side, omega: FloatArray, alpha: FloatArray
-    ) -> FloatArray:
-        """(n,) N [N] at the speeds `omega` [rad/s] and accelerations `alpha` [rad/s^2], (n,)."""
-        return self.balance.normal(phi, side, np.stack((omega, alpha)))
-
-
-def parse(table: Mapping[str, Any]) -> Spec:
-    """From the table of the scene."""
-    return Spec(table.get("limit"))
-
-
-def compute(request: Request) -> ContactForce:
-    """The contact force.
-
-    Raises
-    ------
-    EffectError
-        "jamming", if the follower jams anywhere in the turn; if the pitch curve has a cusp.
-    """
-    subject, results = request.subject, request.results
-    friction: Friction | None = results.get("friction")
-    forces: list[Force] = [results[name].force for name in FORCES if name in results]
-    if friction is not None:
-        forces.append(friction.force)
-    if subject.follower.is_flat:
-        from camgeo.effects.face import require_convex
-
-        require_convex(subject, "contact force")
-    balance = Balance(subject, tuple(forces), friction)
-    edges = smooth_edges(balance)
-    refuse_jamming(balance, edges)
-
-    def normal(phi: FloatArray, side: Side) -> FloatArray:
-        return balance.normal(phi, side, balance.rates(phi))
-
-    limit: float | None = request.spec.limit
-    extremes = piecewise_extremes(normal, edges)
-    found = force_findings(extremes, subject, limit)
-    return ContactForce(
-        findings=(*found, *shock_findings(request)),
-        columns=_columns(subject, normal, limit, all_borders(forces)),
-        balance=balance,
-        edges=edges,
-        extremes=extremes,
-    )
-
-
-def _columns(
-    subject: Subject, normal: Quantity, limit: float | None, borders: FloatArray
-) -> tuple[Column, ...]:
-    """The signed force; of a conjugate pair that of each disc, which only pushes."""
-    if subject.returning is None:
-        signed = -limit if limit is not None and subject.contact == "outer" else limit
-        return (Column("contact force", "N", normal, signed, borders),)
-
-    def on_main(phi: FloatArray, side: Side) -> FloatArray:
-        return np.maximum(normal(phi, side), 0.0)
-
-    def on_return(phi: FloatArray, side: Side) -> FloatArray:
-        return np.maximum(-normal(phi, side), 0.0)
-
-    return (
-        Column("main contact force", "N", on_main, limit, borders),
-        Column("return contact force", "N", on_return, limit, borders),
-    )
-
+from camgeo.effects.contact_force.spec import FORCES, parse
+from camgeo.effects.effect import Effect, schema_beside
+from camgeo.effects.results import CONTACT_FORCE, FRICTION
+from camgeo.effects.rules import ONE_CONTACT, Only
 
 EFFECT: Final = Effect(
-    name="contact-force",
+    name=CONTACT_FORCE,
     title="force between cam and follower along their common normal",
-    compute=compute,
+    compute="camgeo.effects.contact_force.result:compute",
+    schema=schema_beside(__file__),
     parse=parse,
-    uses=(*FORCES, "friction"),
+    rules=(Only(ONE_CONTACT),),
+    uses=(*FORCES, FRICTION),
     keys=(tuple(f"effects.{name}" for name in FORCES),),
 )

@@ -17,13 +17,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Final, NoReturn, Protocol
+from typing import Final, NoReturn
 
 import numpy as np
 
 from camgeo.effects.carrier import INNER, OUTER, carrier, leverage_of
 from camgeo.effects.effect import Subject, toucher
 from camgeo.effects.force import Force, at_rates, total
+from camgeo.effects.results import Friction
 from camgeo.errors import EffectError, GeometryError
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray
@@ -35,17 +36,6 @@ ROUNDING: Final = 64.0 * 2.0**-52
 VANISHING: Final = 1e-12
 """A normal force whose leverage, with friction, is below this share of the reach of the follower
 moves nothing: a few thousand roundings of the roller's place."""
-
-
-class Friction(Protocol):
-    """What the effect `friction` gives."""
-
-    @property
-    def force(self) -> Force:
-        """What does not depend on the normal force."""
-
-    def per_normal(self, phi: FloatArray, side: Side, sense: int) -> FloatArray:
-        """(2, n) force on q, and torque on the cam, per unit of |N| on the side `sense`."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -3,26 +3,20 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from typing import Final, Protocol
+from typing import Any, Final
 
 import numpy as np
 
 from camgeo.check.finding import Finding
 from camgeo.effects.carrier import INNER, OUTER, holds_both_ways, sides_of
 from camgeo.effects.effect import Request, Subject, toucher
+from camgeo.effects.results import INERTIA
 from camgeo.motion.joints import breaks
-from camgeo.motion.motion import Side
-from camgeo.numeric.arrays import FloatArray
 from camgeo.numeric.extremes import Extreme, Extremes
 from camgeo.units import TURN
 
 SHOCK: Final = 0
 """Order up to which the motion is continuous where its velocity jumps."""
-
-
-class _Inertia(Protocol):
-    to_follower: Callable[[FloatArray, Side], FloatArray]
 
 
 def force_findings(extremes: Extremes, subject: Subject, limit: float | None) -> list[Finding]:
@@ -90,9 +84,9 @@ def _told(extreme: Extreme, where: str) -> str:
     return f"on {where} {extreme.value:.6g} N at cam angle {angle:.4f} deg"
 
 
-def shock_findings(request: Request) -> list[Finding]:
+def shock_findings(request: Request[Any]) -> list[Finding]:
     """Where the velocity jumps: with a mass the force is infinite there, and not in the values."""
-    inertia: _Inertia | None = request.results.get("inertia")
+    inertia = request.results.get(INERTIA)
     if inertia is None:
         return []
     found = []

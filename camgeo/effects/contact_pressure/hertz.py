@@ -19,7 +19,6 @@ surface.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import Final
 
 GOLDEN: Final = 0.5 * (math.sqrt(5.0) - 1.0)
@@ -29,24 +28,6 @@ SHEAR_SHARE: Final[float] = GOLDEN**2.5
 
 SHEAR_DEPTH: Final = math.sqrt(GOLDEN)
 """Its depth as a share of the half width, 0.78615."""
-
-
-@dataclass(frozen=True, slots=True)
-class Body:
-    """One of the two: Young's modulus [MPa] above 0, and Poisson's ratio."""
-
-    modulus: float
-    poisson: float
-
-    @property
-    def compliance(self) -> float:
-        """(1 - nu^2)/E [1/MPa]."""
-        return (1.0 - self.poisson * self.poisson) / self.modulus
-
-
-def contact_modulus(first: Body, second: Body) -> float:
-    """E* [MPa]."""
-    return 1.0 / (first.compliance + second.compliance)
 
 
 def largest_pressure(load: float, modulus: float, radius: float) -> float:

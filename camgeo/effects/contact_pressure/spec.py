@@ -4,20 +4,33 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
-from camgeo.effects.contact_pressure.hertz import Body, contact_modulus
-from camgeo.effects.effect import FLATS_ONLY, ROLLERS_ONLY
 from camgeo.effects.materials import Material, find_material
 from camgeo.errors import GeometryError
-
-if TYPE_CHECKING:
-    from camgeo.effects.effect import Subject
 
 MATERIAL: Final = "steel-hardened"
 
 OF_FACE: Final = ("face_material", "face_modulus", "face_poisson")
 OF_ROLLER: Final = ("roller_material", "roller_modulus", "roller_poisson", "rating", "life")
+
+
+@dataclass(frozen=True, slots=True)
+class Body:
+    """One of the two: Young's modulus [MPa] above 0, and Poisson's ratio."""
+
+    modulus: float
+    poisson: float
+
+    @property
+    def compliance(self) -> float:
+        """(1 - nu^2)/E [1/MPa]."""
+        return (1.0 - self.poisson * self.poisson) / self.modulus
+
+
+def contact_modulus(first: Body, second: Body) -> float:
+    """E* [MPa]."""
+    return 1.0 / (first.compliance + second.compliance)
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,7 +45,6 @@ class Spec:
     width : of the contact [mm]; None for that of the part.
     rating : dynamic load rating of the roller's bearing [N]; None if no life is asked for.
     life : asked of it [s]; None for none.
-    given : the keys of the table.
     """
 
     cam: Body
@@ -42,11 +54,10 @@ class Spec:
     width: float | None = None
     rating: float | None = None
     life: float | None = None
-    given: tuple[str, ...] = ()
 
     @property
     def modulus(self) -> float:
-        """E* [MPa]."""
+        """Contact modulus E* [MPa], see `hertz`."""
         return contact_modulus(self.cam, self.mate)
 
     @property
@@ -84,17 +95,7 @@ def parse(table: Mapping[str, Any]) -> Spec:
         width=table.get("width"),
         rating=rating,
         life=life,
-        given=tuple(table),
     )
-
-
-def refuse_misfits(spec: Spec, subject: Subject) -> None:
-    """Raise GeometryError with the key of a value that has no place on this follower."""
-    flat = subject.follower.is_flat
-    for key in OF_ROLLER if flat else OF_FACE:
-        if key in spec.given:
-            message = ROLLERS_ONLY if flat else FLATS_ONLY
-            raise GeometryError(message, key=f"effects.contact-pressure.{key}")
 
 
 def _body(material: Material, who: str, table: Mapping[str, Any]) -> Body:

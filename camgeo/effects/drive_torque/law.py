@@ -15,52 +15,21 @@ R = 0, and continuous there.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Final, Protocol
+from typing import Final
 
 import numpy as np
 
 from camgeo.effects.carrier import INNER, OUTER, carrier, leverage_of
 from camgeo.effects.effect import Subject
-from camgeo.effects.force import Force, at_rates
+from camgeo.effects.force import at_rates
+from camgeo.effects.results import ContactForce
 from camgeo.errors import EffectError
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray
 
 ROWS: Final = 6
 """Rows of the law: c0 to c3 of R, and the torque per R where R is positive and where it is not."""
-
-
-class Friction(Protocol):
-    """What is asked of the effect friction."""
-
-    def per_normal(self, phi: FloatArray, side: Side, sense: int) -> FloatArray:
-        """(2, n) force on q and torque on the cam per unit of |N| on the flank `sense`."""
-
-
-class ContactForce(Protocol):
-    """What is asked of the effect contact-force."""
-
-    @property
-    def forces(self) -> Sequence[Force]: ...
-
-    @property
-    def friction(self) -> Friction | None: ...
-
-    @property
-    def edges(self) -> FloatArray: ...
-
-    def required(self, phi: FloatArray, side: Side) -> FloatArray:
-        """(4, n) coefficients of R."""
-
-    def normal(self, phi: FloatArray, side: Side) -> FloatArray:
-        """(n,) N [N] at the scene's speed, positive outwards."""
-
-    def normal_at(
-        self, phi: FloatArray, side: Side, omega: FloatArray, alpha: FloatArray
-    ) -> FloatArray:
-        """(n,) N [N] at other speeds."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
 
-from camgeo.effects.effect import FLATS_ONLY, ROLLERS_ONLY, SLIDER_ONLY, driving_slider
+from camgeo.effects.effect import driving_slider
 from camgeo.errors import GeometryError
 
 if TYPE_CHECKING:
     from camgeo.effects.effect import Subject
+    from camgeo.effects.rules import Machine, Table
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,6 +55,12 @@ class Spec:
 
 DIAMETERS: Final = {"pivot": "pivot_diameter", "roller_pin": "roller_pin_diameter"}
 
+TILTS: Final = (
+    "is missing: a flat face is pressed beside the axis of its guide and tilts in it, by how much"
+    " goes with the length of the guide"
+)
+"""What is said to the friction of a guide of a flat-faced follower that has no length."""
+
 OF_GUIDE: Final = ("guide", "guide_length", "guide_overhang", "guide_offset")
 OF_LEVER: Final = ("guide_length", "guide_overhang")
 OF_ROLLER: Final = ("roller_pin", "roller_pin_diameter", "rolling")
@@ -84,6 +91,14 @@ def parse(table: Mapping[str, Any]) -> Spec:
     return Spec(**table, given=tuple(table))
 
 
+def tilts(machine: Machine, table: Table) -> Iterator[tuple[str, str]]:
+    """A flat face that rubs in its guide needs the guide's length, see `Rule`."""
+    told = {"guide_overhang", "guide_offset"} & table.values.keys()  # they ask for it themselves
+    rubs = machine.flat and table.values.get("guide")
+    if rubs and table.lacks("guide_length") and not told:
+        yield "guide_length", TILTS
+
+
 def refuse_misfits(spec: Spec, subject: Subject) -> None:
     """Raise GeometryError with the key of a value that has no place on this follower."""
     rocker = subject.follower.rocks
@@ -94,29 +109,10 @@ def refuse_misfits(spec: Spec, subject: Subject) -> None:
         if rocker
         else "is for rockers: a translating follower has a guide",
     )
-    if not slides:
-        misfits["slider"] = (
-            "is for the slider of a linkage, and there is none"
-            if subject.linkage is None
-            else SLIDER_ONLY
-        )
+    if subject.linkage is None:
+        misfits["slider"] = "is for the slider of a linkage, and there is none"
     if rocker and not slides:
         misfits["guide_viscous"] = "is for translating followers and for sliders of linkages"
-    if subject.returning is not None:
-        misfits |= dict.fromkeys(
-            OF_LEVER,
-            "is for a follower with one roller: the force of the return roller has another lever"
-            " about the guide",
-        )
-    if subject.follower.is_flat:
-        misfits |= dict.fromkeys(OF_ROLLER, ROLLERS_ONLY)
-        if spec.guide and spec.guide_length is None:
-            raise GeometryError(
-                "is missing: how much a flat face tilts in its guide goes with the length",
-                key="effects.friction.guide_length",
-            )
-    else:
-        misfits |= {key: FLATS_ONLY for key in OF_FACE if key not in misfits}
     if subject.follower.roller_radius == 0.0 and not subject.follower.is_flat:
         misfits |= dict.fromkeys(OF_ROLLER, "is for rollers: the follower has a knife edge")
     for key in spec.given:

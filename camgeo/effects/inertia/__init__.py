@@ -1,25 +1,25 @@
-"""Inertia: the masses that are moved, their inertia forces, and what they amount to elsewhere.
-
-All masses move as the cam angle says, so that their generalised force on the follower follows from
-d'Alembert's principle in Lagrange's form (virtual work of -m x'' and -J v''), and their inertia as
-felt at the follower or at the camshaft from their kinetic energy. VDI 2142 and the textbooks of
-machine dynamics (Volmer, "Getriebetechnik", reduction of masses; Norton, "Design of Machinery",
-the chapters on dynamics and cam dynamics) say the same for the single mass.
-"""
+"""Effect `inertia`: the masses that are moved, and their inertia forces."""
 
 from __future__ import annotations
 
 from typing import Final
 
-from camgeo.effects.effect import SPEED, Effect
-from camgeo.effects.inertia.result import compute
+from camgeo.effects.effect import SPEED, Effect, schema_beside
 from camgeo.effects.inertia.spec import parse
+from camgeo.effects.results import INERTIA
+from camgeo.effects.rules import ROLLERS, STRAIGHT, TURNING, Only
 
 EFFECT: Final = Effect(
-    name="inertia",
+    name=INERTIA,
     title="inertia force",
-    compute=compute,
+    compute="camgeo.effects.inertia.result:compute",
+    schema=schema_beside(__file__),
     parse=parse,
+    rules=(
+        Only(ROLLERS, "roller_mass"),
+        Only(TURNING, "output_moment"),
+        Only(STRAIGHT, "mass"),
+    ),
     keys=(SPEED,),
     tabled=True,
 )

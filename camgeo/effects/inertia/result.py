@@ -1,4 +1,11 @@
-"""What the effect of inertia answers."""
+"""Inertia: the masses that are moved, their inertia forces, and what they amount to elsewhere.
+
+All masses move as the cam angle says, so that their generalised force on the follower follows from
+d'Alembert's principle in Lagrange's form (virtual work of -m x'' and -J v''), and their inertia as
+felt at the follower or at the camshaft from their kinetic energy. VDI 2142 and the textbooks of
+machine dynamics (Volmer, "Getriebetechnik", reduction of masses; Norton, "Design of Machinery",
+the chapters on dynamics and cam dynamics) say the same for the single mass.
+"""
 
 from __future__ import annotations
 
@@ -15,6 +22,7 @@ from camgeo.effects.inertia.rates import Train, at_follower, train_of
 from camgeo.effects.inertia.sums import inertia_force, reduced
 from camgeo.effects.inertia.told import Told, lacking
 from camgeo.effects.locked import refuse_locked
+from camgeo.effects.results import Inertia as Asked
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray
 
@@ -65,7 +73,7 @@ class Inertia:
         return out
 
 
-def compute(request: Request) -> Inertia:
+def compute(request: Request[InertiaSpec]) -> Asked:
     """The inertia of what `request.spec` names.
 
     Raises

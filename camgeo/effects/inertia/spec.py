@@ -6,7 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
 
-from camgeo.effects.effect import ROLLERS_ONLY, driving_slider
+from camgeo.effects.effect import driving_slider
+from camgeo.effects.rules import TURNING
 from camgeo.errors import GeometryError
 
 if TYPE_CHECKING:
@@ -14,7 +15,6 @@ if TYPE_CHECKING:
     from camgeo.mechanism.linkage_protocol import Linkage
 
 OF_ROCKER: Final = ("moment_of_inertia", "rocker_mass", "rocker_centre")
-TURNING_ONLY: Final = "is for the lever of a four-bar, or for a crank that a slider turns"
 OF_COUPLER: Final = ("coupler_mass", "coupler_centre", "coupler_moment")
 
 
@@ -67,12 +67,9 @@ class InertiaSpec:
         elif not slides:
             message = "nothing makes a straight motion here; a rocker has a moment_of_inertia"
             refused.append((("mass",), message))
-        if subject.follower.is_flat:
-            refused.append((("roller_mass",), ROLLERS_ONLY))
         if subject.linkage is None:
             refused.append((OF_COUPLER, "there is no coupler without [linkage]"))
-        if subject.linkage is None or slides:
-            refused.append((("output_moment",), TURNING_ONLY))
+            refused.append((("output_moment",), TURNING.refusal))
         for keys, message in refused:
             for key in keys:
                 if key in self.given:

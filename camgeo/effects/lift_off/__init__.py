@@ -1,126 +1,22 @@
-"""Effect `lift-off`: where the follower leaves its flank, from which speed on, and what keeps it.
-
-In a groove, or between two discs: which side carries, where they change, and the impact at the end
-of the clearance.
-"""
+"""Effect `lift-off`: where the follower leaves its flank, and what keeps it."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Any, Final
+from typing import Final
 
-from camgeo.check.finding import Finding
-from camgeo.effects.carrier import holds_both_ways
-from camgeo.effects.effect import Column, Effect, Request
-from camgeo.effects.lift_off.inputs import Contact, Flank, Inertia, Spring
-from camgeo.effects.lift_off.of_flank import OfFlank, of_flank
-from camgeo.effects.lift_off.of_groove import OfGroove, of_groove
-from camgeo.errors import GeometryError
-
-NAME: Final = "lift-off"
-
-
-@dataclass(frozen=True, slots=True)
-class Spec:
-    """What the scene says.
-
-    Attributes
-    ----------
-    margin : contact force that has to remain [N].
-    backlash : clearance of the roller in a groove, or between two discs the play of the roller that
-        comes to carry, along its normal [mm]; None if it is the scene's side clearance.
-    """
-
-    margin: float = 0.0
-    backlash: float | None = None
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class LiftOff:
-    """What is found of the contact.
-
-    Attributes
-    ----------
-    findings, columns, error : see `camgeo.effects.effect.Result`; the error is that of the impact
-        speeds.
-    flank : for a roller on one flank, else None.
-    groove : for a roller in a groove, or for a conjugate pair, else None.
-    """
-
-    findings: tuple[Finding, ...]
-    flank: OfFlank | None = None
-    groove: OfGroove | None = None
-    error: float | None = None
-    columns: tuple[Column, ...] = ()
-
-
-def parse(table: Mapping[str, Any]) -> Spec:
-    """From the table of the scene."""
-    return Spec(table.get("margin", 0.0), table.get("backlash"))
-
-
-def compute(request: Request) -> LiftOff:
-    """What becomes of the contact.
-
-    Raises
-    ------
-    GeometryError
-        If the scene gives a margin for a roller in a groove, which leaves its flanks all the time,
-        or a backlash for one that touches one flank only, or one that is not the side clearance of
-        its groove.
-    EffectError
-        If an impact speed cannot be told to the tolerance.
-    """
-    subject, spec = request.subject, request.spec
-    contact: Contact = request.results["contact-force"]
-    inertia: Inertia | None = request.results.get("inertia")
-    if holds_both_ways(subject):
-        if spec.margin > 0.0:
-            raise GeometryError(
-                "a margin is for a roller on one flank; in a groove, or between two discs, the"
-                " force changes its sign",
-                key=f"effects.{NAME}.margin",
-                value=f"{spec.margin:g}",
-            )
-        backlash = _backlash(spec, subject.side_clearance)
-        groove = of_groove(subject, contact, inertia, backlash, request.tolerance)
-        return LiftOff(groove.findings, groove=groove, error=groove.error)
-    if spec.backlash is not None:
-        raise GeometryError(
-            'a backlash is for a roller in a groove, contact = "groove", or between two discs',
-            key=f"effects.{NAME}.backlash",
-            value=f"{spec.backlash:g}",
-        )
-    spring: Spring | None = request.results.get("spring")
-    sense = 1 if subject.contact == "inner" else -1
-    flank = of_flank(Flank(subject, contact, sense, spec.margin, inertia), spring)
-    return LiftOff(flank.findings, flank=flank)
-
-
-def _backlash(spec: Spec, side_clearance: float) -> float:
-    """The clearance [mm] that the roller crosses.
-
-    A groove that is as wide as the roller may be said to have a backlash, by wear for instance.
-    """
-    if spec.backlash is None:
-        return side_clearance
-    if side_clearance > 0.0 and spec.backlash != side_clearance:
-        raise GeometryError(
-            f"contradicts [follower] side_clearance, {side_clearance:g} mm: leave it out, or give"
-            " the same",
-            key=f"effects.{NAME}.backlash",
-            value=f"{spec.backlash:g}",
-        )
-    return spec.backlash
-
+from camgeo.effects.effect import Effect, schema_beside
+from camgeo.effects.lift_off.spec import parse
+from camgeo.effects.results import CONTACT_FORCE, INERTIA, SPRING
+from camgeo.effects.rules import ONE_CONTACT, ROLLERS, Only
 
 EFFECT: Final = Effect(
-    name=NAME,
+    name="lift-off",
     title="where the follower leaves its flank, from which speed on, and what keeps it",
-    compute=compute,
+    compute="camgeo.effects.lift_off.result:compute",
+    schema=schema_beside(__file__),
     parse=parse,
-    needs=("contact-force",),
-    uses=("inertia", "spring"),
+    rules=(Only(ONE_CONTACT), Only(ROLLERS, "backlash")),
+    needs=(CONTACT_FORCE,),
+    uses=(INERTIA, SPRING),
     numerical=True,
 )

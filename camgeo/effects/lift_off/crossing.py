@@ -24,7 +24,8 @@ import numpy as np
 from camgeo.effects.carrier import leverage_of
 from camgeo.effects.force import at_rates
 from camgeo.effects.lift_off.flanks import Change
-from camgeo.effects.lift_off.inputs import Flank, Inertia
+from camgeo.effects.lift_off.inputs import Flank
+from camgeo.effects.results import Inertia
 from camgeo.errors import EffectError
 from camgeo.numeric.arrays import FloatArray
 from camgeo.numeric.roots import bracketed_roots, sign_changes

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from camgeo.effects.lift_off.inputs import Contact
 from camgeo.effects.lift_off.ranges import runs
+from camgeo.effects.results import ContactForce
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,7 +26,7 @@ class Change:
     sense: int
 
 
-def flank_changes(contact: Contact) -> tuple[int, tuple[Change, ...]]:
+def flank_changes(contact: ContactForce) -> tuple[int, tuple[Change, ...]]:
     """The flank that carries at first, 0 if none ever does, and the changes of a turn.
 
     `contact.edges` has all places at which the force changes its sign. Stretches without force

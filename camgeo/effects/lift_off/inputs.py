@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Final, Protocol
+from typing import Final
 
 import numpy as np
 
 from camgeo.effects.effect import Subject, toucher
-from camgeo.effects.force import Force
+from camgeo.effects.results import ContactForce, Inertia
 from camgeo.motion.joints import breaks
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray
-from camgeo.numeric.extremes import Extreme, Extremes
+from camgeo.numeric.extremes import Extreme
 
 FLANKS: Final = {1: "inner", -1: "outer"}
 
@@ -22,43 +21,6 @@ ROUNDING: Final = 64.0 * 2.0**-52
 
 TOUCH: Final = 1e-12
 """A force below this share of the largest one of the turn is none."""
-
-
-class Contact(Protocol):
-    """The result of the effect `contact-force`."""
-
-    @property
-    def edges(self) -> FloatArray: ...
-
-    @property
-    def extremes(self) -> Extremes:
-        """Smallest and largest force of the turn."""
-
-    @property
-    def forces(self) -> tuple[Force, ...]: ...
-
-    def normal(self, phi: FloatArray, side: Side) -> FloatArray: ...
-
-    def required(self, phi: FloatArray, side: Side) -> FloatArray: ...
-
-    def bracket(self, phi: FloatArray, side: Side, sense: int) -> FloatArray: ...
-
-
-class Inertia(Protocol):
-    """The result of the effect `inertia`."""
-
-    to_follower: Callable[[FloatArray, Side], FloatArray]
-
-
-class Spring(Protocol):
-    """The result of the effect `spring`."""
-
-    preload: float
-    stiffness: float
-    per_preload: Callable[[FloatArray, Side], FloatArray]
-    per_stiffness: Callable[[FloatArray, Side], FloatArray]
-    unit_of_preload: str
-    unit_of_stiffness: str
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -75,7 +37,7 @@ class Flank:
     """
 
     subject: Subject
-    contact: Contact
+    contact: ContactForce
     sense: int
     margin: float
     inertia: Inertia | None = None

@@ -8,10 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from camgeo.check.finding import Finding
-from camgeo.effects.lift_off.inputs import FLANKS, TOUCH, Flank, Spring
+from camgeo.effects.lift_off.inputs import FLANKS, TOUCH, Flank
 from camgeo.effects.lift_off.ranges import Range, ranges_below
 from camgeo.effects.lift_off.sizing import Least, least_preload, least_stiffness
 from camgeo.effects.lift_off.speed import LiftOffSpeed, lift_off_speed
+from camgeo.effects.results import Spring
 from camgeo.motion.time_course import TimeCourse
 from camgeo.numeric.extremes import Extreme
 from camgeo.units import RPM, TURN

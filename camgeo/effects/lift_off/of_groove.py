@@ -13,7 +13,8 @@ from camgeo.effects.carrier import sides_of
 from camgeo.effects.effect import Subject
 from camgeo.effects.lift_off.crossing import Impact, impact_after
 from camgeo.effects.lift_off.flanks import Change, flank_changes
-from camgeo.effects.lift_off.inputs import Contact, Flank, Inertia
+from camgeo.effects.lift_off.inputs import Flank
+from camgeo.effects.results import ContactForce, Inertia
 from camgeo.motion.joints import breaks
 from camgeo.numeric.peaks import piecewise_extremes
 from camgeo.units import TURN
@@ -44,7 +45,7 @@ class OfGroove:
 
 def of_groove(
     subject: Subject,
-    contact: Contact,
+    contact: ContactForce,
     inertia: Inertia | None,
     backlash: float,
     tolerance: float,
@@ -77,7 +78,7 @@ def of_groove(
     return OfGroove(tuple(found), first, changes, impacts, error)
 
 
-def _why_not(subject: Subject, contact: Contact, inertia: Inertia | None) -> str:
+def _why_not(subject: Subject, contact: ContactForce, inertia: Inertia | None) -> str:
     """Why there is no impact speed; empty if there is."""
     if inertia is None or subject.time_course is None:
         return "it needs [effects.inertia]: without a mass the clearance is crossed in no time"

@@ -14,7 +14,8 @@ from typing import Final
 import numpy as np
 
 from camgeo.effects.effect import Quantity
-from camgeo.effects.lift_off.inputs import TOUCH, Flank, Spring
+from camgeo.effects.lift_off.inputs import TOUCH, Flank
+from camgeo.effects.results import Spring
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray, merged
 from camgeo.numeric.peaks import grid_of, piecewise_extremes

@@ -1,23 +1,18 @@
-"""Load: the force of the process over the cam angle.
-
-The load F acts against a positive demanded motion s, so that its generalised force on the follower
-is Q = -F ds/dq by virtual work: -F where the follower makes the demanded motion itself. A positive
-load on what turns, a rocker without linkage, or the lever or crank at the far end of one, is a
-torque against its positive angle.
-"""
+"""Effect `load`: the force of the process over the cam angle."""
 
 from __future__ import annotations
 
 from typing import Final
 
-from camgeo.effects.effect import Effect
-from camgeo.effects.load.result import compute
+from camgeo.effects.effect import Effect, schema_beside
 from camgeo.effects.load.spec import parse
+from camgeo.effects.results import LOAD
 
 EFFECT: Final = Effect(
-    name="load",
+    name=LOAD,
     title="load of the process",
-    compute=compute,
+    compute="camgeo.effects.load.result:compute",
+    schema=schema_beside(__file__),
     parse=parse,
     tabled=True,
 )

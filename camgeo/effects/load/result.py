@@ -1,4 +1,10 @@
-"""The load as a force on the follower."""
+"""Load: the force of the process over the cam angle.
+
+The load F acts against a positive demanded motion s, so that its generalised force on the follower
+is Q = -F ds/dq by virtual work: -F where the follower makes the demanded motion itself. A positive
+load on what turns, a rocker without linkage, or the lever or crank at the far end of one, is a
+torque against its positive angle.
+"""
 
 from __future__ import annotations
 
@@ -11,10 +17,14 @@ import numpy as np
 from camgeo.check.finding import Finding
 from camgeo.effects.effect import Column, Request, Subject, demand_unit
 from camgeo.effects.force import Force
-from camgeo.effects.load.course import Constant
+from camgeo.effects.load.course import Constant, Course, Steps
+from camgeo.effects.load.spec import LoadSpec
 from camgeo.effects.locked import refuse_locked
+from camgeo.effects.results import Acting
+from camgeo.errors import GeometryError
 from camgeo.motion.motion import Side
-from camgeo.numeric.arrays import FloatArray, merged
+from camgeo.motion.plan import MotionPlan
+from camgeo.numeric.arrays import FloatArray, frozen, merged
 from camgeo.numeric.extremes import Extreme
 from camgeo.numeric.peaks import piecewise_extremes
 from camgeo.units import TURN
@@ -40,13 +50,13 @@ class Load:
     error: None = None
 
 
-def compute(request: Request) -> Load:
+def compute(request: Request[LoadSpec]) -> Acting:
     """The load of `request.spec`.
 
     Raises
     ------
     GeometryError
-        With the key, see `LoadSpec.course`.
+        With the key, see `course_of`.
     EffectError
         If the load acts on the far end of a linkage that the follower cannot move at some cam
         angle.
@@ -54,7 +64,7 @@ def compute(request: Request) -> Load:
     subject = request.subject
     is_torque = demand_unit(subject) == "rad"
     unit = "N m" if is_torque else "N"
-    course = request.spec.course(subject.plan, unit)
+    course = course_of(request.spec, subject.plan, unit)
     scale = N_MM if is_torque else 1.0
     refuse_locked(subject, " against its load")
 
@@ -79,6 +89,38 @@ def compute(request: Request) -> Load:
         ),
         columns=(Column("load", unit, course.values, borders=course.borders),),
     )
+
+
+def course_of(spec: LoadSpec, plan: MotionPlan, unit: str) -> Course:
+    """The load of a scene over the cam angle, in `unit`.
+
+    Raises
+    ------
+    GeometryError
+        With key "effects.load.segments", if there is not one value for each segment that has
+        a length; with "effects.load.file", if its heading tells another unit.
+    """
+    if spec.table is not None:
+        if spec.table.unit not in ("", unit):
+            raise GeometryError(
+                f"the heading tells loads in {spec.table.unit}; of this follower the load is in"
+                f" {unit}",
+                key="effects.load.file",
+            )
+        return spec.table
+    if spec.segments is None:
+        assert spec.constant is not None  # `parse` sees to it
+        return Constant(spec.constant)
+    # A rest of no length has no load; the plan of a scene does not keep it either.
+    pairs = zip(plan.segments, plan.joints_deg[:-1], strict=True)
+    starts = [math.radians(float(start)) for segment, start in pairs if segment.span > 0]
+    if len(spec.segments) != len(starts):
+        raise GeometryError(
+            f"{len(spec.segments)} values for the {len(starts)} segments of the motion that"
+            " have a length; allowed is one for each",
+            key="effects.load.segments",
+        )
+    return Steps(frozen(starts, np.float64), frozen(spec.segments, np.float64))
 
 
 def _way(subject: Subject, phi: FloatArray, side: Side) -> FloatArray:

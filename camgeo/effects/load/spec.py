@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
-import numpy as np
-
-from camgeo.effects.load.course import Constant, Course, Steps, Table, read_load_table
 from camgeo.errors import GeometryError
-from camgeo.motion.plan import MotionPlan
-from camgeo.numeric.arrays import frozen
+
+if TYPE_CHECKING:
+    from camgeo.effects.load.course import Table
 
 KINDS: Final = ("constant", "segments", "file")
 
@@ -31,37 +28,6 @@ class LoadSpec:
     constant: float | None = None
     segments: tuple[float, ...] | None = None
     table: Table | None = None
-
-    def course(self, plan: MotionPlan, unit: str) -> Course:
-        """The load over the cam angle, in `unit`.
-
-        Raises
-        ------
-        GeometryError
-            With key "effects.load.segments", if there is not one value for each segment that has
-            a length; with "effects.load.file", if its heading tells another unit.
-        """
-        if self.table is not None:
-            if self.table.unit not in ("", unit):
-                raise GeometryError(
-                    f"the heading tells loads in {self.table.unit}; of this follower the load is in"
-                    f" {unit}",
-                    key="effects.load.file",
-                )
-            return self.table
-        if self.segments is None:
-            assert self.constant is not None  # `parse` sees to it
-            return Constant(self.constant)
-        # A rest of no length has no load; the plan of a scene does not keep it either.
-        pairs = zip(plan.segments, plan.joints_deg[:-1], strict=True)
-        starts = [math.radians(float(start)) for segment, start in pairs if segment.span > 0]
-        if len(self.segments) != len(starts):
-            raise GeometryError(
-                f"{len(self.segments)} values for the {len(starts)} segments of the motion that"
-                " have a length; allowed is one for each",
-                key="effects.load.segments",
-            )
-        return Steps(frozen(starts, np.float64), frozen(self.segments, np.float64))
 
 
 def parse(table: Mapping[str, Any]) -> LoadSpec:
@@ -83,6 +49,8 @@ def parse(table: Mapping[str, Any]) -> LoadSpec:
     file = table.get("file")
     if file is None:
         return LoadSpec(**table)
+    from camgeo.effects.load.course import read_load_table  # few loads are in a file
+
     try:
         return LoadSpec(table=read_load_table(file))
     except GeometryError as error:

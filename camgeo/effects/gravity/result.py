@@ -8,65 +8,24 @@ frame does not turn.
 
 from __future__ import annotations
 
-import cmath
 import math
-from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, Final, Protocol
+from typing import Final
 
 import numpy as np
 
 from camgeo.check.finding import Finding
-from camgeo.effects.effect import Column, Effect, Request
+from camgeo.effects.effect import Column, Request
 from camgeo.effects.force import Force
+from camgeo.effects.gravity.spec import STANDARD_GRAVITY, GravitySpec
+from camgeo.effects.results import INERTIA, Acting
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.numeric.extremes import Extreme
 from camgeo.numeric.peaks import piecewise_extremes
 
-STANDARD_GRAVITY: Final = 9806.65
-"""g_n [mm/s^2] (3rd CGPM 1901, resolution on the standard value of the acceleration of gravity;
-ISO 80000-3, acceleration of free fall)."""
-
 N_M: Final = 1e-3
 """N m a N mm."""
-
-Places = Callable[[FloatArray, Side], ComplexArray]
-
-
-class Weighed(Protocol):
-    """A mass, as `camgeo.effects.inertia` has it."""
-
-    @property
-    def mass(self) -> float: ...
-
-    @property
-    def place(self) -> Places: ...
-
-    @property
-    def per_lift(self) -> Places: ...
-
-
-@dataclass(frozen=True, slots=True)
-class GravitySpec:
-    """The table ``[effects.gravity]``.
-
-    Attributes
-    ----------
-    angle : direction in which weights pull [rad], from the x axis, counter-clockwise.
-    """
-
-    angle: float = -0.5 * math.pi
-
-    @property
-    def pull(self) -> complex:
-        """The acceleration of free fall [mm/s^2]."""
-        return STANDARD_GRAVITY * cmath.rect(1.0, self.angle)
-
-
-def parse(table: Mapping[str, Any]) -> GravitySpec:
-    """The table, numbers converted."""
-    return GravitySpec(**table)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -86,9 +45,9 @@ class Gravity:
     error: None = None
 
 
-def compute(request: Request) -> Gravity:
+def compute(request: Request[GravitySpec]) -> Acting:
     """The weights of the masses of ``[effects.inertia]``."""
-    masses: tuple[Weighed, ...] = request.results["inertia"].masses
+    masses = request.results[INERTIA].masses
     pull = request.spec.pull
     subject = request.subject
     start = [each.place(np.zeros(1), "right")[0] for each in masses]
@@ -147,13 +106,3 @@ def _extreme(which: str, what: str, end: Extreme, unit: str) -> Finding:
         unit=unit,
         cam_angle=math.fmod(end.place, 2.0 * math.pi),
     )
-
-
-EFFECT: Final = Effect(
-    name="gravity",
-    title="weights",
-    compute=compute,
-    parse=parse,
-    needs=("inertia",),
-    keys=(("effects.inertia",),),
-)

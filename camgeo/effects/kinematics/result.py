@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from camgeo.check.finding import Finding
-from camgeo.effects.effect import SPEED, Column, Effect, Request, demand_unit
+from camgeo.effects.effect import Column, Request, demand_unit
 from camgeo.motion.joints import breaks
 from camgeo.motion.law_extremes import extremes_at_turns
 from camgeo.motion.motion import Side
@@ -105,7 +105,7 @@ class _Moving:
         )
 
 
-def compute(request: Request) -> Kinematics:
+def compute(request: Request[object]) -> Kinematics:
     """The motion in time at the speed of the scene."""
     subject, course = request.subject, request.course
     moving = _motions(subject, course)
@@ -149,11 +149,3 @@ def _motions(subject: Subject, course: TimeCourse) -> list[_Moving]:
         of_follower = time_extremes(motion, course, own)
         found.append(_Moving(prefix, motion, own, order, of_follower))
     return found
-
-
-EFFECT: Final = Effect(
-    name="kinematics",
-    title="motion in time",
-    compute=compute,
-    keys=(SPEED,),
-)

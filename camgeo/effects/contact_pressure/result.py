@@ -1,0 +1,202 @@
+"""Effect `contact-pressure`: Hertz's pressure between cam and follower, and what follows from it.
+
+Needed are the normal force, the curvature of roller and flank (a flat face has none), and their
+materials; see `hertz` for
+the formulas of the contact, `contact` for its curvature, `life` for the roller's bearing. Friction
+between roller and flank adds little to the stresses where the roller rolls, and is left out.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+
+from camgeo.check.finding import Finding
+from camgeo.effects.contact_pressure.contact import FLANKS, Contact, Normal
+from camgeo.effects.contact_pressure.findings import Worst, life_findings, pressure_findings
+from camgeo.effects.contact_pressure.hertz import SHEAR_SHARE
+from camgeo.effects.contact_pressure.life import Life, rolling_life
+from camgeo.effects.contact_pressure.spec import Spec
+from camgeo.effects.effect import SPEED, Column, Request, Subject
+from camgeo.effects.results import CONTACT_FORCE
+from camgeo.errors import EffectError, GeometryError
+from camgeo.motion.motion import Side
+from camgeo.numeric.arrays import FloatArray, merged
+from camgeo.numeric.extremes import Extreme
+from camgeo.numeric.peaks import piecewise_extremes
+from camgeo.units import TURN
+
+KEY: Final = "effects.contact-pressure"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ContactPressure:
+    """What `compute` gives.
+
+    Attributes
+    ----------
+    findings, columns, error : see `camgeo.effects.effect.Result`; the pressure is exact, the life
+        is integrated.
+    contact : force, relative curvature and pressure over the cam angle.
+    largest : the largest pressure [MPa] and its cam angle [rad] in [0, 2 pi).
+    life : of the roller's bearing; None if the scene gives no rating.
+    returning : the same of the return disc of a conjugate pair; None if there is none.
+    """
+
+    findings: tuple[Finding, ...]
+    columns: tuple[Column, ...]
+    error: float | None
+    contact: Contact
+    largest: Extreme
+    life: Life | None
+    returning: ContactPressure | None = None
+
+
+def compute(request: Request[Spec]) -> ContactPressure:
+    """The pressure at the scene's speed.
+
+    Raises
+    ------
+    GeometryError
+        If the follower has a knife edge, if neither the effect's table nor that of the part has the
+        width of the contact, if it is wider than the part, or if a life is asked for of a cam
+        without speed.
+    EffectError
+        If a cusp or undercut is under force, or the life cannot be brought within the tolerance.
+    """
+    force = request.results[CONTACT_FORCE]
+    subject = request.subject
+    main = _of_disc(request, subject, force.normal, force.edges)
+    if subject.returning is None:
+        return main
+
+    def on_return(phi: FloatArray, side: Side) -> FloatArray:
+        return -force.normal(phi, side)
+
+    other = _of_return(request, subject.returning, on_return, force.edges)
+    told = [
+        replace(each, name=f"return-{each.name}", sentence=f"return disc: {each.sentence}")
+        for each in other.findings
+    ]
+    columns = [
+        replace(column, name=f"{disc} {column.name}")
+        for disc, of in (("main", main), ("return", other))
+        for column in of.columns
+    ]
+    errors = [each.error for each in (main, other) if each.error is not None]
+    return replace(
+        main,
+        findings=(*main.findings, *told),
+        columns=tuple(columns),
+        error=max(errors, default=None),
+        returning=other,
+    )
+
+
+def _of_disc(
+    request: Request[Spec], subject: Subject, normal: Normal, edges: FloatArray
+) -> ContactPressure:
+    """The pressure on one disc, `subject`; `edges` are those of the force `normal`."""
+    spec = request.spec
+    if subject.follower.roller_radius == 0.0 and not subject.follower.is_flat:
+        raise GeometryError(
+            "is 0, a knife edge: pressure needs a roller that bears on a line of some width",
+            key="follower.roller_radius",
+            value="0",
+        )
+    contact = Contact(subject, normal, spec.modulus, _width(subject, spec))
+    edges = merged(np.concatenate((subject.smooth_angles, edges)))
+    contact.refuse_cusps(edges)
+    highest = piecewise_extremes(contact.square, edges).highest
+    worst = _worst(contact, highest.place, highest.value)
+    life = None
+    if spec.rating is not None:
+        if subject.time_course is None:
+            raise GeometryError(
+                f"is missing: the life of the roller's bearing needs {SPEED[0]} or {SPEED[1]}",
+                key=SPEED[0],
+            )
+        life = rolling_life(contact, edges, request.course, spec.rating, request.tolerance)
+
+    def shear(phi: FloatArray, side: Side) -> FloatArray:
+        return SHEAR_SHARE * contact.pressure(phi, side)
+
+    inside = edges[(edges > 0.0) & (edges < TURN)]
+    return ContactPressure(
+        findings=(
+            *pressure_findings(worst, spec),
+            *(() if life is None else life_findings(life, spec)),
+        ),
+        columns=(
+            Column("contact pressure", "MPa", contact.pressure, spec.limit, inside),
+            Column("subsurface shear", "MPa", shear, None, inside),
+        ),
+        error=None if life is None else life.error,
+        contact=contact,
+        largest=Extreme(worst.pressure(spec.modulus), worst.angle),
+        life=life,
+    )
+
+
+def _of_return(
+    request: Request[Spec], subject: Subject, normal: Normal, edges: FloatArray
+) -> ContactPressure:
+    """As `_of_disc`; an error tells that it is the return disc's."""
+    try:
+        return _of_disc(request, subject, normal, edges)
+    except EffectError as error:
+        raise EffectError(
+            f"return disc: {error.message}",
+            finding=error.finding,
+            value=error.value,
+            limit=error.limit,
+            unit=error.unit,
+            cam_angle=error.cam_angle,
+            cam_range=error.cam_range,
+        ) from error
+
+
+def _width(subject: Subject, spec: Spec) -> float:
+    """L [mm]."""
+    part = subject.part_spec
+    groove = subject.contact == "groove"
+    whole = None if part is None else part.groove_depth if groove else part.thickness
+    name = "groove_depth" if groove else "thickness"
+    if spec.width is None:
+        if whole is None:
+            raise GeometryError(
+                f"is missing, and so is {name} of [part], which would stand for it",
+                key=f"{KEY}.width",
+            )
+        return whole
+    if whole is not None and spec.width > whole:
+        raise GeometryError(
+            f"the contact cannot be wider than the flank: {name} of [part] is {whole:g} mm",
+            key=f"{KEY}.width",
+            value=f"{spec.width:g}",
+        )
+    return spec.width
+
+
+def _worst(contact: Contact, angle: float, square: float) -> Worst:
+    """The contact at the cam angle `angle` [rad], from the side on which p^2 is `square`."""
+    phi = np.array([angle])
+    sides: tuple[Side, ...] = ("right", "left")
+    side = min(sides, key=lambda each: abs(float(contact.square(phi, each)[0]) - square))
+    load, radius = contact.load_and_radius(phi, side)
+    sense = int(contact.carried(phi, side)[1][0])
+    follower = contact.subject.follower
+    # Of the curve on which the centre of a roller with play runs, half the clearance aside.
+    bend = sense * float(contact.curvature(phi, side)[0])
+    bend /= 1.0 - 0.5 * contact.subject.side_clearance * bend
+    return Worst(
+        angle=angle % TURN,
+        flank=FLANKS[sense],
+        load=float(load[0]),
+        radius=float(radius[0]),
+        curvature=bend,
+        roller=None if follower.is_flat else follower.roller_radius,
+        width=contact.width,
+    )

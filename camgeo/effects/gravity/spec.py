@@ -1,0 +1,35 @@
+"""What a scene says of gravity."""
+
+from __future__ import annotations
+
+import cmath
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Final
+
+STANDARD_GRAVITY: Final = 9806.65
+"""g_n [mm/s^2] (3rd CGPM 1901, resolution on the standard value of the acceleration of gravity;
+ISO 80000-3, acceleration of free fall)."""
+
+
+@dataclass(frozen=True, slots=True)
+class GravitySpec:
+    """The table ``[effects.gravity]``.
+
+    Attributes
+    ----------
+    angle : direction in which weights pull [rad], from the x axis, counter-clockwise.
+    """
+
+    angle: float = -0.5 * math.pi
+
+    @property
+    def pull(self) -> complex:
+        """The acceleration of free fall [mm/s^2]."""
+        return STANDARD_GRAVITY * cmath.rect(1.0, self.angle)
+
+
+def parse(table: Mapping[str, Any]) -> GravitySpec:
+    """The table, numbers converted."""
+    return GravitySpec(**table)

@@ -1,0 +1,15 @@
+"""Effect `kinematics`: velocity, acceleration and jerk in time."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from camgeo.effects.effect import SPEED, Effect, schema_beside
+
+EFFECT: Final = Effect(
+    name="kinematics",
+    title="motion in time",
+    compute="camgeo.effects.kinematics.result:compute",
+    schema=schema_beside(__file__),
+    keys=(SPEED,),
+)

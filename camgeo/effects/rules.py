@@ -1,0 +1,132 @@
+"""What does not go together: an effect, or keys of its table, and a kind of machine.
+
+A rule looks at one effect's table and at the machine, before anything is computed. Most rules are
+data, `Only`, of which the descriptions in the scene's schema are made too.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Any, Final, Literal
+
+Far = Literal["", "slider", "lever", "crank"]
+"""What makes the demanded motion at the far end of a linkage; empty without one."""
+
+
+@dataclass(frozen=True, slots=True)
+class Machine:
+    """What rules ask of a machine.
+
+    Attributes
+    ----------
+    flat : whether the follower has a flat face; None if that is not known.
+    far : the far end of its linkage; None if that is not known.
+    paired : whether a return disc holds the follower back.
+    yoked : whether the follower has a second side beyond the cam axis.
+    """
+
+    flat: bool | None = False
+    far: Far | None = ""
+    paired: bool = False
+    yoked: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Table:
+    """The table of an effect in a scene.
+
+    Attributes
+    ----------
+    values : by the keys that it has; None where the value is known to be wrong.
+    meant : keys that it lacks but, by a misspelt one, was meant to have.
+    """
+
+    values: Mapping[str, Any]
+    meant: Collection[str] = field(default=())
+
+    def lacks(self, key: str) -> bool:
+        """Whether the table neither has the key nor was meant to."""
+        return key not in self.values and key not in self.meant
+
+
+Rule = Callable[[Machine, Table], Iterator[tuple[str, str]]]
+"""The keys of the table that are at fault, empty for the effect as a whole, and why."""
+
+
+@dataclass(frozen=True, slots=True)
+class Kind:
+    """Machines of a kind.
+
+    Attributes
+    ----------
+    others : whether a machine is surely of another kind.
+    refusal : what is said to a scene of another kind.
+    told : the same as a sentence of a description.
+    barring : key of the scene's [follower] that makes a machine of another kind; empty if none.
+    """
+
+    others: Callable[[Machine], bool]
+    refusal: str
+    told: str
+    barring: str = ""
+
+
+@dataclass(frozen=True, slots=True, init=False)
+class Only:
+    """The effect, or the named keys of its table, are for machines of a kind alone."""
+
+    kind: Kind
+    keys: tuple[str, ...]
+
+    def __init__(self, kind: Kind, *keys: str) -> None:
+        object.__setattr__(self, "kind", kind)
+        object.__setattr__(self, "keys", keys)
+
+    def __call__(self, machine: Machine, table: Table) -> Iterator[tuple[str, str]]:
+        """See `Rule`."""
+        if self.kind.others(machine):
+            for key in self.keys or ("",):
+                if not key or key in table.values:
+                    yield key, self.kind.refusal
+
+
+ROLLERS: Final = Kind(
+    lambda machine: machine.flat is True, "is for roller followers", "Roller followers only."
+)
+FLATS: Final = Kind(
+    lambda machine: machine.flat is False,
+    "is for flat-faced followers",
+    "Flat-faced followers only.",
+)
+ONE_DISC: Final = Kind(
+    lambda machine: machine.paired,
+    "knows one disc; a conjugate pair, [follower.return], has two",
+    "Not with a conjugate pair.",
+    "return",
+)
+ONE_ROLLER: Final = Kind(
+    lambda machine: machine.paired,
+    "knows one roller; a conjugate pair, [follower.return], has two",
+    "Not with a conjugate pair.",
+    "return",
+)
+ONE_CONTACT: Final = Kind(
+    lambda machine: machine.yoked,
+    "knows one contact; a yoke, [follower.yoke], has two",
+    "Not with a yoke.",
+    "yoke",
+)
+DRIVING_SLIDER: Final = Kind(
+    lambda machine: machine.far in ("lever", "crank"),
+    "is for a slider that drives a rocker; no such linkage is here",
+    "Of linkages only with a slider that drives a rocker.",
+)
+STRAIGHT: Final = Kind(
+    lambda machine: machine.far == "lever", DRIVING_SLIDER.refusal, "Not with a four-bar."
+)
+TURNING: Final = Kind(
+    lambda machine: machine.far == "slider",
+    "is for the lever of a four-bar, or for a crank that a slider turns",
+    "Not with a slider that drives a rocker.",
+)

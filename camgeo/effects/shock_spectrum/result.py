@@ -1,0 +1,120 @@
+"""Effect `shock-spectrum`: what remains of the vibration after each move, over t_move / T_n.
+
+The train is at rest when the move begins; after it the free vibration has an amplitude that is told
+as a share of the stroke, see `camgeo.numeric.oscillator.spectrum`. Two figures are taken from the
+spectrum: the largest share from one natural period a move upwards, and the ratio from which on it
+stays below 1 %. Trains with less than one period a move hardly follow: what remains tends to the
+stroke itself.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from camgeo.check.finding import Finding
+from camgeo.effects.effect import Column, Request
+from camgeo.effects.shock_spectrum.measures import QUIET, measured
+from camgeo.effects.shock_spectrum.moves import RestToRest, moves_of
+from camgeo.effects.shock_spectrum.spec import Spec
+from camgeo.motion.time_course import ConstantSpeed
+from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.extremes import Extreme
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Spectrum:
+    """The spectrum of one move.
+
+    Attributes
+    ----------
+    move : with its place.
+    damping : damping ratio of the train.
+    worst : the largest residual from ratio 1 on, or over all of them if they end below, with its
+        ratio; where it is taken first.
+    quiet : ratio from which on the residual stays below a hundredth; None if it does not up to the
+        highest one, 0 if it always is.
+    """
+
+    move: RestToRest
+    damping: float
+    worst: Extreme
+    quiet: float | None
+
+    def residual(self, ratios: FloatArray) -> FloatArray:
+        """(n,) amplitude by stroke at the ratios (n,) of the move's duration to T_n, above 0."""
+        return self.move.shock.residual(ratios, self.damping)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ShockSpectrum:
+    """What `compute` gives.
+
+    Attributes
+    ----------
+    findings, columns, error : see `camgeo.effects.effect.Result`.
+    spectra : of the moves from rest to rest, in the order of the cam angle.
+    highest_ratio : up to which they were looked at.
+    """
+
+    findings: tuple[Finding, ...]
+    spectra: tuple[Spectrum, ...]
+    highest_ratio: float
+    columns: tuple[Column, ...] = ()
+    error: None = None
+
+
+def compute(request: Request[Spec]) -> ShockSpectrum:
+    """The spectra of all moves.
+
+    Without a speed of the cam it is taken to turn evenly; how fast does not matter.
+    A plan without a move from rest to rest has none, which is a warning.
+    """
+    spec, subject = request.spec, request.subject
+    course = subject.time_course or ConstantSpeed(1.0)
+    moves = moves_of(subject, course)
+    if not moves:
+        sentence = (
+            "no move is from rest to rest, with velocity and acceleration 0 at both ends: there is"
+            " no residual vibration to speak of"
+        )
+        return ShockSpectrum(
+            (Finding("shock-spectrum", "warning", sentence),), (), spec.highest_ratio
+        )
+    spectra = tuple(
+        Spectrum(move, spec.damping, *measured(move.shock, spec.damping, spec.highest_ratio))
+        for move in moves
+    )
+    findings = [each for found in spectra for each in _findings(found, spec.highest_ratio)]
+    return ShockSpectrum(tuple(findings), spectra, spec.highest_ratio)
+
+
+def _findings(found: Spectrum, highest: float) -> Iterator[Finding]:
+    start = found.move.start
+    ends = math.degrees(start), math.degrees(start + found.move.span)
+    move = f"the move from cam angle {ends[0]:.6g} to {ends[1]:.6g} deg"
+    yield Finding(
+        name="largest-residual",
+        severity="ok",
+        sentence=(
+            f"after {move} {100.0 * found.worst.value:.4g} % of the stroke remain as vibration at"
+            f" most, with {found.worst.place:.4g} natural periods a move; looked at"
+            f" {'from 1 up' if highest > 1.0 else 'up'} to {highest:g}"
+        ),
+        value=found.worst.value,
+        cam_angle=start,
+    )
+    below = (
+        f"does not stay below {100.0 * QUIET:g} % of the stroke up to {highest:g} natural periods"
+        if found.quiet is None
+        else f"stays below {100.0 * QUIET:g} % of the stroke from {found.quiet:.4g} natural periods"
+        " a move on"
+    )
+    yield Finding(
+        name="residual-small-from",
+        severity="ok",
+        sentence=f"what remains after {move} {below}",
+        value=found.quiet,
+        cam_angle=start,
+    )

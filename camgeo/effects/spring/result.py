@@ -1,0 +1,145 @@
+"""Effect `spring`: a linear spring that closes the contact."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final, cast
+
+import numpy as np
+
+from camgeo.check.finding import Finding
+from camgeo.effects.effect import Column, Request, Subject, driving_slider
+from camgeo.effects.force import Force
+from camgeo.effects.results import Spring as Asked
+from camgeo.effects.spring.findings import deflection, force_findings, opening
+from camgeo.effects.spring.spec import Spec
+from camgeo.effects.spring.ways import (
+    Way,
+    about_pivot,
+    along_guide,
+    along_slider,
+    between_points,
+)
+from camgeo.errors import GeometryError
+from camgeo.motion.motion import Side
+from camgeo.numeric.arrays import FloatArray
+
+if TYPE_CHECKING:
+    from camgeo.mechanism.kinds import AnyRocker
+
+
+NEWTON_METRE: Final = 1e3
+"""N mm, and N mm/rad."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Spring:
+    """A linear spring on the follower, see `camgeo.effects.spring.ways` for its formulas.
+
+    Attributes
+    ----------
+    findings, columns, error : see `camgeo.effects.effect.Result`.
+    force : its generalised force, with its potential.
+    way : how it relaxes.
+    preload, stiffness : P [N] and k [N/mm]; of a torsion spring [N mm] and [N mm/rad].
+    unit_of_preload, unit_of_stiffness : in which to show the two; "N" and "N/mm", or "N m" and
+        "N m/rad", of which one is 1000 of those inside.
+    """
+
+    findings: tuple[Finding, ...]
+    columns: tuple[Column, ...]
+    force: Force
+    way: Way
+    preload: float
+    stiffness: float
+    unit_of_preload: str
+    unit_of_stiffness: str
+    error: float | None = None
+
+    def per_preload(self, phi: FloatArray, side: Side) -> FloatArray:
+        """(n,) dx/dq: generalised force per unit of preload."""
+        return self.way(phi, side)[1]
+
+    def per_stiffness(self, phi: FloatArray, side: Side) -> FloatArray:
+        """(n,) -x dx/dq: generalised force per unit of stiffness."""
+        x, rate = self.way(phi, side)
+        return -x * rate
+
+
+def compute(request: Request[Spec]) -> Asked:
+    """The spring.
+
+    Raises
+    ------
+    GeometryError
+        With the key, if a spring of this kind does not fit the follower, or has no direction, or
+        cannot close the contact all round by a slider.
+    """
+    subject, spec = request.subject, request.spec
+    way = way_of(subject, spec)
+    torsion = spec.kind == "torsion"
+    preload, stiffness = spec.preload, spec.stiffness
+
+    def magnitude(phi: FloatArray, side: Side) -> FloatArray:
+        """F (n,) [N or N mm]."""
+        return np.asarray(preload - stiffness * way(phi, side)[0])
+
+    def coefficients(phi: FloatArray, side: Side) -> FloatArray:
+        x, rate = way(phi, side)
+        out = np.zeros((4, len(x)))
+        out[0] = (preload - stiffness * x) * rate
+        return out
+
+    def potential(phi: FloatArray, side: Side) -> FloatArray:
+        x = way(phi, side)[0]
+        return np.asarray((0.5 * stiffness * x - preload) * x)
+
+    unit, scale = ("N m", NEWTON_METRE) if torsion else ("N", 1.0)
+
+    def shown(phi: FloatArray, side: Side) -> FloatArray:
+        return magnitude(phi, side) / scale
+
+    return Spring(
+        findings=(
+            *force_findings(shown, subject, unit),
+            deflection(way, subject, torsion=torsion),
+            *opening(way, subject),
+        ),
+        columns=(Column("spring torque" if torsion else "spring force", unit, shown),),
+        force=Force("spring", coefficients, potential),
+        way=way,
+        preload=preload,
+        stiffness=stiffness,
+        unit_of_preload=unit,
+        unit_of_stiffness="N m/rad" if torsion else "N/mm",
+    )
+
+
+def way_of(subject: Subject, spec: Spec) -> Way:
+    """How the spring of `spec` relaxes; GeometryError as of `compute`."""
+    if not subject.follower.rocks:
+        if spec.kind == "torsion":
+            raise GeometryError(
+                "a translating follower has no pivot for a torsion spring",
+                key="effects.spring.kind",
+                value="torsion",
+            )
+        if spec.anchor is not None:
+            raise GeometryError(
+                "is for rockers: the spring of a translating follower acts along its guide",
+                key="effects.spring.anchor",
+            )
+        return along_guide(subject)
+    if spec.kind == "torsion":
+        return about_pivot(subject)
+    if spec.anchor is not None and spec.attachment is not None:
+        follower = cast("AnyRocker", subject.follower)
+        sense = 1.0 if spec.kind == "compression" else -1.0
+        return between_points(subject, follower, spec.anchor, spec.attachment, sense)
+    linkage = driving_slider(subject)
+    if linkage is None:
+        raise GeometryError(
+            "is missing: a spring on a rocker needs anchor and attachment, or is a torsion spring",
+            key="effects.spring.anchor",
+        )
+    return along_slider(subject, linkage)

@@ -1,0 +1,152 @@
+"""Effect `vibration`: an elastic follower train in its steady state, solved exactly.
+
+The train is one mass on a spring and a damper whose base makes the demanded motion, or two in a
+row: `camgeo.numeric.oscillator.train` has the equations with their sources. The motion laws are
+smooth in pieces, and on each the response is known in closed form,
+`camgeo.numeric.oscillator.mode`.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from camgeo.check.finding import Finding
+from camgeo.effects.effect import Column, Request
+from camgeo.effects.vibration.findings import (
+    Telling,
+    largest,
+    of_acceleration,
+    of_error,
+    of_modes,
+    of_resonance,
+    of_rests,
+    search_edges,
+)
+from camgeo.effects.vibration.output import Clock, Elastic, Output, Rigid, clock_of
+from camgeo.effects.vibration.spec import Spec
+from camgeo.effects.vibration.train import limit_of, train_of, turns
+from camgeo.errors import EffectError
+from camgeo.motion.motion import Side
+from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.oscillator.steady import ResonanceError, steady_state
+from camgeo.numeric.oscillator.train import Train
+from camgeo.units import TURN
+
+FORCING: Final = 1e-3
+"""Share of the tolerance that the forcing may miss at first; the response magnifies it."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Vibration:
+    """What is found of the vibration.
+
+    Attributes
+    ----------
+    findings, columns : see `camgeo.effects.effect.Result`.
+    error : estimate of the error of the deflection, as a share of the largest lift.
+    train : its modes; None if it is rigid.
+    source : the output over the cam angle.
+    """
+
+    findings: tuple[Finding, ...]
+    columns: tuple[Column, ...]
+    error: float
+    train: Train | None
+    source: Output
+    clock: Clock
+
+    def deflection(self, phi: FloatArray, side: Side) -> FloatArray:
+        """(n,) output less demanded motion [mm or rad] at `phi` (n,) [rad]."""
+        found: FloatArray = self.source.states(phi, side)[0]
+        return found
+
+    def output(self, phi: FloatArray, side: Side) -> FloatArray:
+        """(n,) motion of the output [mm or rad]."""
+        moved: FloatArray = self.clock.plan.jet(phi, side)[0] + self.deflection(phi, side)
+        return moved
+
+    def acceleration(self, phi: FloatArray, side: Side) -> FloatArray:
+        """(n,) acceleration of the output [mm/s^2 or rad/s^2]."""
+        found: FloatArray = self.source.states(phi, side)[2]
+        return found
+
+
+def compute(request: Request[Spec]) -> Vibration:
+    """The steady state of the train.
+
+    Raises
+    ------
+    GeometryError
+        With its key, if data are missing or do not suit the demanded motion.
+    EffectError
+        If an undamped train is in resonance, or the tolerance cannot be reached.
+    """
+    subject = request.subject
+    limit = limit_of(subject, request.spec)
+    telling = Telling("deg", math.degrees(1.0)) if turns(subject) else Telling("mm", 1.0)
+    train = train_of(request)
+    clock = clock_of(subject, request.course)
+    period = float(clock.time(clock.edges[-1:])[0])
+    edges = search_edges(subject.smooth_angles, train, period)
+    findings: list[Finding] = []
+    source: Output = Rigid(clock)
+    elastic, error = None, 0.0
+    if train is not None:
+        elastic, error = _elastic(clock, train, request.tolerance)
+        source = elastic
+        findings += of_modes(train, period)
+    most = largest(source, 0, edges)
+    findings.append(of_error(most, limit, telling))
+    findings.append(of_acceleration(largest(source, 2, edges), clock, clock.edges, telling))
+    if elastic is not None:
+        findings += of_rests(elastic, telling)
+        findings += of_resonance(elastic, most.value, telling)
+    return Vibration(tuple(findings), _columns(source, telling, limit), error, train, source, clock)
+
+
+def _elastic(clock: Clock, train: Train, tolerance: float) -> tuple[Elastic, float]:
+    """The output, and the error of its deflection as a share of the largest lift."""
+    lift = float(np.max(np.abs(clock.plan.jet(clock.edges)[0])))
+    error = math.inf
+    for share in (FORCING * tolerance, 0.0):
+        try:
+            response = steady_state(train, clock.base, share)
+        except ResonanceError as resonance:
+            raise EffectError(
+                f"resonance without damping: harmonic {resonance.harmonic} of the cam's speed is"
+                f" the natural frequency, {resonance.frequency / TURN:.6g} Hz, and the vibration"
+                " grows from turn to turn; there is a steady state with damping, or beside it",
+                finding="resonance",
+                value=resonance.frequency / TURN,
+                unit="Hz",
+            ) from None
+        error = response.error / lift if lift > 0.0 else 0.0
+        if error <= tolerance:
+            return Elastic(clock, response), error
+    raise EffectError(
+        f"the deflection is known to {error:.3g} of the lift only, {tolerance:.3g} is asked: an"
+        " undamped train so near to resonance magnifies all rounding",
+        finding="vibration-tolerance",
+        value=error,
+        limit=tolerance,
+    )
+
+
+def _columns(source: Output, telling: Telling, limit: float | None) -> tuple[Column, ...]:
+    def deflection(phi: FloatArray, side: Side) -> FloatArray:
+        found: FloatArray = telling.scale * source.states(phi, side)[0]
+        return found
+
+    def acceleration(phi: FloatArray, side: Side) -> FloatArray:
+        found: FloatArray = telling.scale * source.states(phi, side)[2]
+        return found
+
+    bound = None if limit is None else telling.scale * limit
+    return (
+        Column("vibration deflection", telling.unit, deflection, bound),
+        Column("output acceleration", f"{telling.unit}/s^2", acceleration),
+    )

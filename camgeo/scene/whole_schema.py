@@ -1,0 +1,53 @@
+"""The whole JSON Schema of scenes, as an editor or a page of documentation takes it.
+
+What effects have no place where is said in their descriptions, and in those of the keys of
+[follower] with which they have none: both are made of the effects' own rules.
+"""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Iterable, Iterator
+from typing import Any
+
+from camgeo.effects.effect import Effect
+from camgeo.effects.registry import EFFECTS, find_effect
+from camgeo.effects.rules import Only
+from camgeo.scene.schema import Node, with_effects
+
+
+def whole_schema(names: Iterable[str] = EFFECTS) -> Node:
+    """Return the schema with the tables of the effects `names`; the caller's own to change."""
+    effects = [find_effect(name) for name in names]
+    root: Node = copy.deepcopy(with_effects({each.name: each.schema for each in effects}))
+    for effect in effects:
+        table = root["properties"]["effects"]["properties"][effect.name]
+        for rule in _bounds(effect):
+            for node in [table["properties"][key] for key in rule.keys] or [table]:
+                node["description"] += f" {rule.kind.told}"
+    for node in _nodes(root):
+        if "x-barring" in node:
+            node["description"] += f" Not with {', '.join(_barred(effects, node['x-barring']))}."
+    return root
+
+
+def _bounds(effect: Effect) -> Iterator[Only]:
+    return (rule for rule in effect.rules if isinstance(rule, Only))
+
+
+def _barred(effects: Iterable[Effect], key: str) -> Iterator[str]:
+    """The effects, or keys of theirs, that have no place beside the `key` of [follower]."""
+    for effect in effects:
+        for rule in _bounds(effect):
+            if rule.kind.barring == key:
+                yield f"[effects.{effect.name}] {' and '.join(rule.keys)}".rstrip()
+
+
+def _nodes(root: Any) -> Iterator[Node]:
+    """All objects of the schema."""
+    if isinstance(root, dict):
+        yield root
+    for inner in (
+        root.values() if isinstance(root, dict) else root if isinstance(root, list) else ()
+    ):
+        yield from _nodes(inner)
