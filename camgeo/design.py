@@ -105,13 +105,13 @@ class Design(Pickled):
     @built
     def effects(self) -> Effects:
         """The effects that the scene calls for, each computed when it is asked for."""
-        from camgeo.effects.graph import Effects  # few scenes name an effect
-        from camgeo.effects.subject import CamSubject
+        from camgeo.effects.effect import Subject  # few scenes name an effect
+        from camgeo.effects.graph import Effects
 
-        main, *others = (
-            CamSubject(each.cam, self.scene.unit, self.scene.part, each) for each in self.discs
-        )
-        subject = main.beside(others[0]) if others else main
+        subject = None
+        for each in reversed(self.discs):
+            subject = Subject(each.cam, self.scene.unit, self.scene.part, each, subject)
+        assert subject is not None  # a design has a disc
         return Effects(subject, self.scene.effects, self.ledger)
 
     def effect(self, name: str) -> Any:

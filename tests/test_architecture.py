@@ -62,7 +62,6 @@ EFFECT_FRAME = {
     "registry",
     "results",
     "rules",
-    "subject",
 }
 """What is in `effects` and no effect: effects are imported by the registry alone."""
 

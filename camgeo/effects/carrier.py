@@ -23,7 +23,11 @@ OF_PAIR: Final = ({INNER: "main", OUTER: "return"}, "disc")
 
 def holds_both_ways(subject: Subject) -> bool:
     """Whether the follower is held in both senses: in a groove, between two discs, by a yoke."""
-    return subject.contact == "groove" or subject.returning is not None or subject.has_yoke
+    return (
+        subject.cam.contact == "groove"
+        or subject.returning is not None
+        or subject.cam.yoke is not None
+    )
 
 
 def carrier(subject: Subject, sense: int) -> tuple[Subject, int]:
@@ -38,7 +42,7 @@ def leverage_of(subject: Subject, phi: FloatArray, side: Side, sense: int) -> Fl
     GeometryError where the pitch curve has a cusp.
     """
     disc, flank = carrier(subject, sense)
-    return flank * disc.pitch_curve.leverage(phi, side)
+    return flank * disc.cam.disc.pitch_curve.leverage(phi, side)
 
 
 def sides_of(subject: Subject) -> tuple[dict[int, str], str]:

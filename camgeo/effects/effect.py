@@ -21,17 +21,10 @@ from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray
 
 if TYPE_CHECKING:  # an effect imports what it computes with itself
-    from camgeo.cam.contact import Contact
-    from camgeo.curve.pitch_curve import PitchCurve
-    from camgeo.curve.working_curve import WorkingCurve
+    from camgeo.cam.cam import Cam
     from camgeo.effects.results import Results
-    from camgeo.mechanism.kinds import AnyFollower
-    from camgeo.mechanism.linkage_protocol import Linkage
     from camgeo.mechanism.slider_crank import SliderCrank
-    from camgeo.motion.motion import Motion
-    from camgeo.motion.plan import MotionPlan
     from camgeo.motion.time_course import TimeCourse
-    from camgeo.outline.path import Path
     from camgeo.part.part import Part
     from camgeo.part.spec import PartSpec
     from camgeo.units import LengthUnit
@@ -43,117 +36,56 @@ Quantity = Callable[[FloatArray, Side], FloatArray]
 """(n,) values at n cam angles [rad], from the side asked for."""
 
 
-class Subject(Protocol):
-    """A design as its effects see it; `camgeo.design.Design` is one."""
-
-    @property
-    def unit(self) -> LengthUnit:
-        """Unit of length of the scene, for sentences; values are in mm."""
-
-    @property
-    def rotation(self) -> int:
-        """Sense in which the disc turns: +1 counter-clockwise, -1 clockwise."""
-
-    @property
-    def contact(self) -> Contact:
-        """The flank on which the roller runs."""
-
-    @property
-    def side_clearance(self) -> float:
-        """Groove's width less the roller's diameter [mm]; 0 without groove."""
-
-    @property
-    def flank_distance(self) -> float:
-        """Distance of either flank from the pitch curve [mm]: r_R, or half the groove's width."""
-
-    @property
-    def plan(self) -> MotionPlan:
-        """The motion that the scene demands: that of a linkage's far end, if there is one."""
-
-    @property
-    def linkage(self) -> Linkage | None: ...
-
-    @property
-    def follower(self) -> AnyFollower: ...
-
-    @property
-    def has_yoke(self) -> bool:
-        """Whether the follower has a second side beyond the cam axis, which the disc leads too."""
-
-    @property
-    def returning(self) -> Subject | None:
-        """The return disc of a conjugate pair, of the same motion; None if there is none."""
-
-    @property
-    def motion(self) -> Motion:
-        """The follower's own motion [mm or rad]."""
-
-    @property
-    def lift_unit(self) -> Literal["mm", "rad"]:
-        """Unit of the follower's own motion."""
-
-    @property
-    def pitch_curve(self) -> PitchCurve: ...
-
-    @property
-    def inner_curve(self) -> WorkingCurve: ...
-
-    @property
-    def outer_curve(self) -> WorkingCurve: ...
-
-    @property
-    def time_course(self) -> TimeCourse | None:
-        """How the cam turns; None if the scene gives no speed."""
-
-    @property
-    def smooth_angles(self) -> FloatArray:
-        """(k,) cam angles [rad] from 0 to 2 pi, both included, ascending: between two neighbours
-        all derivatives of motion and time course are smooth, and the follower's velocity keeps its
-        sign.
-        """
-
-    @property
-    def part_spec(self) -> PartSpec | None:
-        """What the scene says of the part."""
+class HasPart(Protocol):
+    """What makes the part when it is asked for."""
 
     @property
     def part(self) -> Part: ...
 
-    def outline(self, flank: str) -> Any:
-        """What is left of the "inner" or "outer" flank, see `camgeo.outline.outline.Outline`."""
 
-    @property
-    def flank_paths(self) -> tuple[Path, Path]:
-        """Inner and outer outline; the whole curve for the flank on which no roller runs."""
+@dataclass(frozen=True, slots=True)
+class Subject:
+    """What effects are computed of.
+
+    Attributes
+    ----------
+    cam : the cam.
+    unit : of length of the scene, for sentences; values are in mm.
+    part_spec : what the scene says of the part.
+    made : gives the part.
+    returning : the return disc of a conjugate pair, of the same motion; None if there is none.
+    """
+
+    cam: Cam
+    unit: LengthUnit
+    part_spec: PartSpec | None
+    made: HasPart = field(repr=False, compare=False)
+    returning: Subject | None = None
 
 
 def toucher(subject: Subject) -> Literal["face", "roller"]:
     """What touches the cam, as sentences name it; a knife edge is a roller of radius 0."""
-    return "face" if subject.follower.is_flat else "roller"
-
-
-def demand_unit(subject: Subject) -> Literal["mm", "rad"]:
-    """Unit of the motion that the scene demands."""
-    return subject.lift_unit if subject.linkage is None else subject.linkage.unit
+    return "face" if subject.cam.follower.is_flat else "roller"
 
 
 def driving_slider(subject: Subject) -> SliderCrank | None:
     """The linkage whose slider makes the demanded motion; None without one, or with another."""
-    if subject.linkage is None or subject.linkage.member != "slider":
+    linkage = subject.cam.drive.linkage
+    if linkage is None or linkage.member != "slider":
         return None
     from camgeo.mechanism.slider_crank import SliderCrank
 
-    assert isinstance(subject.linkage, SliderCrank)  # the only one with a slider at its far end
-    return subject.linkage
+    assert isinstance(linkage, SliderCrank)  # the only one with a slider at its far end
+    return linkage
 
 
 def machine_of(subject: Subject) -> Machine:
     """The machine as the rules of effects see it."""
     return Machine(
-        flat=subject.follower.is_flat,
-        far="" if subject.linkage is None else subject.linkage.member,
+        flat=subject.cam.follower.is_flat,
+        far="" if subject.cam.drive.linkage is None else subject.cam.drive.linkage.member,
         paired=subject.returning is not None,
-        yoked=subject.has_yoke,
+        yoked=subject.cam.yoke is not None,
     )
 
 
@@ -186,7 +118,7 @@ class Request(Generic[Spec]):
         Raises GeometryError with the key if the scene gives none and names no such effect, which
         is then asked for by another one or from outside.
         """
-        course = self.subject.time_course
+        course = self.subject.cam.drive.time_course
         if course is None:
             raise GeometryError("is missing: the speed of the cam is needed", key="cam.speed")
         return course

@@ -35,17 +35,17 @@ def sliding(subject: Subject, phi: FloatArray, side: Side) -> FloatArray:
 
     Per unit of cam speed: times omega it is in mm/s. For flat-faced followers.
     """
-    jet = subject.motion.jet(phi, side)
-    slide = cast("AnyFlat", subject.follower).touch(jet, subject.rotation).distance
-    if subject.follower.rocks:
-        rocker = cast("OscillatingFlat", subject.follower)
-        slide = slide - subject.rotation * rocker.face_offset * rocker.swing_sense * jet[1]
+    jet = subject.cam.drive.motion.jet(phi, side)
+    slide = cast("AnyFlat", subject.cam.follower).touch(jet, subject.cam.rotation).distance
+    if subject.cam.follower.rocks:
+        rocker = cast("OscillatingFlat", subject.cam.follower)
+        slide = slide - subject.cam.rotation * rocker.face_offset * rocker.swing_sense * jet[1]
     return np.asarray(slide)
 
 
 def require_convex(subject: Subject, what: str) -> None:
     """Raise EffectError that there is no `what`, if a flat face cannot touch the cam all round."""
-    for found in check_convexity(subject.pitch_curve):
+    for found in check_convexity(subject.cam.disc.pitch_curve):
         if found.severity == "fatal":
             raise EffectError(
                 f"there is no {what}: {found.sentence}",

@@ -29,12 +29,12 @@ def refuse_locked(subject: Subject, burden: str) -> None:
 
     `burden` is what it would have to be moved with, as the sentence goes on: "'s mass".
     """
-    linkage = subject.linkage
+    linkage = subject.cam.drive.linkage
     if linkage is None:
         return
     from camgeo.mechanism.locking import locked_at
 
-    locked = locked_at(linkage, subject.plan)
+    locked = locked_at(linkage, subject.cam.drive.plan)
     if locked is None:
         return
     pose, what, cannot = POSES[linkage.member]

@@ -467,13 +467,9 @@ def test_a_slider_that_cannot_be_moved() -> None:
     linkages = [SliderCrank(50.0, 60.0, 0.0, True, 1, -1, branch) for branch in (1, -1)]
     (locked,) = (each for each in linkages if locked_at(each, plan) is not None)
 
-    class Stub(SimpleNamespace):
-        def __getattr__(self, name: str) -> Any:
-            return getattr(made.effects.subject, name)
-
-    subject = Stub(plan=plan, linkage=locked)
+    drive = Changed(made.cam.drive, plan=plan, linkage=locked)
     with pytest.raises(EffectError, match="across the guide"):
-        friction(SimpleNamespace(effects=SimpleNamespace(subject=subject)), slider=3.0)
+        friction(with_cam(made, drive=drive), slider=3.0)
 
 
 def test_a_cusp_of_the_pitch_curve_has_no_answer() -> None:
@@ -481,8 +477,9 @@ def test_a_cusp_of_the_pitch_curve_has_no_answer() -> None:
     made = design("plate_translating", "")
     still: Any = Cusp()
     cusp = replace(made.cam.disc.pitch_curve, follower=still)
+    disc = Changed(made.cam.disc, pitch_curve=cusp)
     with pytest.raises(EffectError, match="cusp"):
-        friction(SimpleNamespace(effects=SimpleNamespace(subject=Subject(made, cusp))), guide=0.1)
+        friction(with_cam(made, disc=disc, follower=still), guide=0.1)
 
 
 class Cusp:
@@ -496,14 +493,22 @@ class Cusp:
         return SimpleNamespace(u=still, v=still, turning=0.0)
 
 
-class Subject:
-    """A design with another pitch curve."""
+class Changed:
+    """An object with other attributes."""
 
-    def __init__(self, made: Design, curve: Any) -> None:
-        self.made, self.pitch_curve, self.follower = made, curve, curve.follower
+    def __init__(self, of: Any, **changes: Any) -> None:
+        self.__dict__.update(changes)
+        self._of = of
 
     def __getattr__(self, name: str) -> Any:
-        return getattr(self.made.effects.subject, name)
+        return getattr(self._of, name)
+
+
+def with_cam(made: Design, **changes: Any) -> Any:
+    """A design with other parts of its cam."""
+    subject = made.effects.subject
+    cam = Changed(subject.cam, **changes)
+    return SimpleNamespace(effects=SimpleNamespace(subject=Changed(subject, cam=cam)))
 
 
 def test_from_a_scene() -> None:

@@ -322,10 +322,10 @@ def test_a_design_has_one_graph_and_one_ledger(fakes: Fakes) -> None:
     assert plate.effect_findings == ()
     assert plate.disc.effect_columns == ()
     assert plate.effects is plate.effects
-    assert plate.effects.subject.follower is plate.cam.follower
+    assert plate.effects.subject.cam.follower is plate.cam.follower
 
     def compute(request: Request[Any]) -> Any:
-        return Answer("angles", request, columns=()), request.subject.smooth_angles
+        return Answer("angles", request, columns=()), request.subject.cam.drive.smooth_angles
 
     fakes.add("angles", compute)
     graph = Effects(plate.effects.subject, {"angles": {}}, plate.ledger, find=fakes.find)

@@ -74,9 +74,9 @@ def finding(result: Inertia, name: str) -> Any:
 def test_a_translating_follower_obeys_newton(scene: str, side: Any) -> None:
     """-m a [N], 0.9 kg; the masses need no linkage, so that nothing but products is rounded."""
     result, subject = inertia_of(scene, TRANSLATING)
-    course = subject.time_course
+    course = subject.cam.drive.time_course
     assert course is not None
-    timed = in_time(subject.motion.jet(PHI, side), course, PHI)
+    timed = in_time(subject.cam.drive.motion.jet(PHI, side), course, PHI)
     force = at_rates(result.force.coefficients(PHI, side), course.rates(PHI))
     expected = -0.9 * timed[2] * 1e-3
     assert force == pytest.approx(expected, rel=1e-14, abs=1e-15 * np.max(np.abs(expected)))
@@ -87,9 +87,9 @@ def test_a_translating_follower_obeys_newton(scene: str, side: Any) -> None:
 def test_an_uneven_speed_adds_its_own_acceleration() -> None:
     """The scene with a speed curve: -m (s'' omega^2 + s' alpha), the latter not to be lost."""
     result, subject = inertia_of("points", "[effects.inertia]\nmass = 2\n")
-    course = subject.time_course
+    course = subject.cam.drive.time_course
     assert course is not None
-    timed = in_time(subject.motion.jet(PHI), course, PHI)
+    timed = in_time(subject.cam.drive.motion.jet(PHI), course, PHI)
     coefficients = result.force.coefficients(PHI, "right")
     force = at_rates(coefficients, course.rates(PHI))
     assert np.max(np.abs(coefficients[3] * course.rates(PHI)[1])) > 0.01 * np.max(np.abs(force))
@@ -101,7 +101,7 @@ def test_a_rocker_has_its_moment_and_the_roller_at_its_arm() -> None:
     result, subject = inertia_of("groove", ROCKER)
     assert result.moved == pytest.approx(20.64, rel=1e-14)
     assert finding(result, "reduced-moment-of-inertia").value == pytest.approx(0.02064, rel=1e-14)
-    jet = subject.motion.jet(PHI)
+    jet = subject.cam.drive.motion.jet(PHI)
     coefficients = result.force.coefficients(PHI, "right")
     assert not np.any(coefficients[:2])
     assert coefficients[2:] == pytest.approx(-20.64 * jet[[2, 1]], rel=1e-14)
@@ -121,7 +121,7 @@ def test_columns_show_what_findings_tell() -> None:
     result, subject = inertia_of("setzhub", LINKED)
     mass, force = result.columns
     assert (mass.unit, force.unit) == ("kg m^2", "N m")
-    angles = np.concatenate((PHI, subject.smooth_angles))
+    angles = np.concatenate((PHI, subject.cam.drive.smooth_angles))
     largest = finding(result, "largest-reduced-moment-of-inertia")
     smallest = finding(result, "smallest-reduced-moment-of-inertia")
     values = mass.values(angles, "right")
@@ -286,7 +286,7 @@ def _at_stroke(train: LinkedTrain, stroke: float) -> list[Any]:
 
 def test_a_coupler_without_a_moment_of_its_own_is_a_slender_rod() -> None:
     rod, subject = inertia_of("schnitt", "[effects.inertia]\ncoupler_mass = 0.6\n")
-    linkage = subject.linkage
+    linkage = subject.cam.drive.linkage
     assert linkage is not None
     moment = 0.6 * (linkage.coupler * 1e-3) ** 2 / 12.0  # kg m^2
     told, _ = inertia_of(
@@ -310,17 +310,17 @@ def test_a_coupler_without_a_moment_of_its_own_is_a_slender_rod() -> None:
 def test_a_turn_at_constant_speed_costs_no_work(scene: str, effects: str) -> None:
     """To 1e-12 of the peak power; and J and dJ/dphi belong together."""
     result, subject = inertia_of(scene, effects)
-    low, high = cells(subject.smooth_angles[:-1], 8)
+    low, high = cells(subject.cam.drive.smooth_angles[:-1], 8)
 
     def power(phi: FloatArray) -> FloatArray:
-        rate = subject.motion.jet(phi)[1]
+        rate = subject.cam.drive.motion.jet(phi)[1]
         return np.asarray(result.force.coefficients(phi, "right")[2] * rate)
 
     peak = float(np.max(np.abs(power(PHI))))
     assert peak > 0.0
     assert abs(np.sum(integrals(power, low, high))) <= 1e-12 * peak * TURN
     moment, slope = result.to_cam(PHI)
-    rate = subject.motion.jet(PHI)[1]
+    rate = subject.cam.drive.motion.jet(PHI)[1]
     largest = float(np.max(moment))
     assert moment == pytest.approx(result.to_follower(PHI) * rate**2, abs=1e-12 * largest)
     assert -2.0 * power(PHI) == pytest.approx(slope, abs=1e-12 * 2.0 * peak)
@@ -339,7 +339,9 @@ def test_a_turn_at_constant_speed_costs_no_work(scene: str, effects: str) -> Non
 def test_the_roller_is_where_the_follower_has_it(scene: str, effects: str) -> None:
     result, subject = inertia_of(scene, effects)
     (roller,) = [each for each in result.masses if each.name == "roller"]
-    relative = subject.follower.relative_jet(subject.motion.jet(PHI), subject.rotation)
+    relative = subject.cam.follower.relative_jet(
+        subject.cam.drive.motion.jet(PHI), subject.cam.rotation
+    )
     expected = (relative.along[0] + 1j * relative.across[0]) * np.exp(1j * relative.axis)
     # Lengths of up to 200 mm.
     assert roller.place(PHI, "right") == pytest.approx(expected, abs=1e-12)
@@ -353,11 +355,11 @@ def test_places_and_their_ways_belong_together(scene: str, mirrored: bool) -> No
     effects = f"{LINKED}rocker_mass = 0.7\nrocker_centre = [10, 20]\n"
     result, subject = inertia_of(scene, effects, *changes)
     assert [each.name for each in result.masses] == ["rocker", "roller", "slider", "coupler"]
-    low, high = cells(subject.smooth_angles[:-1], 6)
+    low, high = cells(subject.cam.drive.smooth_angles[:-1], 6)
     for mass in result.masses:
 
         def way(phi: FloatArray, mass: Any = mass) -> Any:
-            return mass.per_lift(phi, "right") * subject.motion.jet(phi)[1]
+            return mass.per_lift(phi, "right") * subject.cam.drive.motion.jet(phi)[1]
 
         moved = mass.place(high, "left") - mass.place(low, "right")
         assert integrals(way, low, high) == pytest.approx(moved, abs=1e-11)
@@ -372,7 +374,7 @@ def test_the_slider_runs_along_x_the_way_it_is_told() -> None:
         (slider,) = [each for each in result.masses if each.name == "slider"]
         at = slider.place(np.radians([0.0, 195.0]), "right")
         assert at[1] - at[0] == pytest.approx(sense * 58.5, abs=1e-12)
-        pivot: Any = subject.follower
+        pivot: Any = subject.cam.follower
         assert math.copysign(1.0, at[0].real - pivot.pivot.real) == sense
         assert at[0].imag - pivot.pivot.imag == pytest.approx(
             160.5 * math.cos(math.radians(34.68)), rel=1e-14

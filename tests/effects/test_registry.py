@@ -252,6 +252,6 @@ def test_request_is_what_it_gets(register: Register) -> None:
     design = Design(parse_scene(with_noise("mass = 3")))
     assert design.effect(NAME) is None
     (request,) = seen
-    assert request.subject.plan.segments is design.cam.drive.plan.segments
+    assert request.subject.cam.drive.plan.segments is design.cam.drive.plan.segments
     assert request.spec == {"mass": 3e-3}
     assert request.results.get(INERTIA) is None

@@ -75,7 +75,7 @@ def compute(request: Request[BalanceSpec]) -> Balance:
         If there is no disc, or the tolerance cannot be reached.
     """
     spec, subject = request.spec, request.subject
-    course = subject.time_course
+    course = subject.cam.drive.time_course
     if spec.grade is not None and course is None:
         raise GeometryError("needs [cam] speed or speed_curve", key="effects.balance.grade")
     part = _part(request)
@@ -90,7 +90,7 @@ def compute(request: Request[BalanceSpec]) -> Balance:
     findings = [*disc_findings(mass, unbalance, balanced=balanced)]
     spin = None
     if course is not None:
-        spin = Spin(unbalance, subject.rotation, course, subject.smooth_angles)
+        spin = Spin(unbalance, subject.cam.rotation, course, subject.cam.drive.smooth_angles)
     findings.append(unbalance_finding(spec.grade, mass, unbalance, unsure, spin))
     if spin is not None:
         findings.append(force_finding(spin))
@@ -118,7 +118,7 @@ def compute(request: Request[BalanceSpec]) -> Balance:
 def _part(request: Request[BalanceSpec]) -> Part:
     """The part; EffectError if there is none."""
     try:
-        return request.subject.part
+        return request.subject.made.part
     except GeometryError as error:
         if error.key:
             raise

@@ -55,7 +55,7 @@ class Balance:
 
     def rates(self, phi: FloatArray) -> FloatArray:
         """(2 or more, n) omega [rad/s] and alpha [rad/s^2] of the scene; 0 if it has no speed."""
-        course = self.subject.time_course
+        course = self.subject.cam.drive.time_course
         return np.zeros((2, len(phi))) if course is None else course.rates(phi)
 
     def required(self, phi: FloatArray, side: Side) -> FloatArray:
@@ -126,7 +126,7 @@ class Balance:
         """
         needed, sense, reserve = self.parts(phi, side, rates)
         loaded = needed != 0.0
-        jammed = loaded & (reserve <= VANISHING * abs(self.subject.follower.reach))
+        jammed = loaded & (reserve <= VANISHING * abs(self.subject.cam.follower.reach))
         if np.any(jammed):
             self.refuse(float(phi[jammed][0]), side)
         found = np.zeros(len(phi))
@@ -140,7 +140,7 @@ class Balance:
         """Raise that the follower jams; `angle` [rad] is where worst."""
         here = np.array([angle])
         sense = int(self.parts(here, side, self.rates(here))[1][0])
-        curve = carrier(self.subject, sense)[0].pitch_curve
+        curve = carrier(self.subject, sense)[0].cam.disc.pitch_curve
 
         def transmission(*angles: float) -> float:
             return math.degrees(float(np.max(curve.transmission_angle(np.array(angles), side))))
@@ -151,7 +151,7 @@ class Balance:
         if cam_range is not None:
             first, last = (math.degrees(end) for end in cam_range)
             where = f"from cam angle {first:.4f} to {last:.4f} deg"
-        if self.friction is not None and self.subject.follower.is_flat:
+        if self.friction is not None and self.subject.cam.follower.is_flat:
             value = limit = None
             why = "friction takes all that the contact force gives"
         elif cam_range is None or self.friction is None:

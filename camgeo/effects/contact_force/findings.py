@@ -28,8 +28,8 @@ def force_findings(extremes: Extremes, subject: Subject, limit: float | None) ->
     low, high = extremes.lowest, extremes.highest
     mirrored = Extreme(-low.value, low.place)
     if not holds_both_ways(subject):
-        inner = subject.contact == "inner"
-        where = f"the {subject.contact} flank"
+        inner = subject.cam.contact == "inner"
+        where = f"the {subject.cam.contact} flank"
         smallest = low if inner else Extreme(-high.value, high.place)
         largest = _largest(high if inner else mirrored, where, limit)
         return [largest, _smallest(smallest, where, toucher(subject))]
@@ -90,7 +90,7 @@ def shock_findings(request: Request[Any]) -> list[Finding]:
     if inertia is None:
         return []
     found = []
-    for joint in breaks(request.subject.plan):
+    for joint in breaks(request.subject.cam.drive.plan):
         angle = joint.cam_angle
         if joint.order >= SHOCK + 1 or not inertia.to_follower(np.array([angle]), "right")[0] > 0.0:
             continue

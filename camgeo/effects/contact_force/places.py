@@ -23,7 +23,7 @@ def smooth_edges(balance: Balance) -> FloatArray:
     the flank that carries changes.
     """
     borders = all_borders(balance.forces)
-    edges = merged(np.concatenate((balance.subject.smooth_angles, borders)))
+    edges = merged(np.concatenate((balance.subject.cam.drive.smooth_angles, borders)))
     grid = grid_of(edges)
 
     def demand(phi: FloatArray) -> FloatArray:
@@ -72,11 +72,11 @@ def refuse_jamming(balance: Balance, edges: FloatArray) -> None:
     the transmission angle): friction outweighs what the normal force does along the path of the
     follower. Without friction it happens at transmission angle 0.
     """
-    least = VANISHING * abs(balance.subject.follower.reach)
+    least = VANISHING * abs(balance.subject.cam.follower.reach)
 
     def reserve(phi: FloatArray, side: Side) -> FloatArray:
         needed, _, left = balance.parts(phi, side, balance.rates(phi))
-        return np.where(needed != 0.0, left, abs(balance.subject.follower.reach)) - least
+        return np.where(needed != 0.0, left, abs(balance.subject.cam.follower.reach)) - least
 
     lowest = piecewise_extremes(reserve, edges).lowest
     if lowest.value > 0.0:

@@ -86,7 +86,7 @@ def compute(request: Request[Spec]) -> Asked:
     forces = [each.force for each in acting if each is not None]
     if friction is not None:
         forces.append(friction.force)
-    if subject.follower.is_flat:
+    if subject.cam.follower.is_flat:
         from camgeo.effects.face import require_convex
 
         require_convex(subject, "contact force")
@@ -114,7 +114,7 @@ def _columns(
 ) -> tuple[Column, ...]:
     """The signed force; of a conjugate pair that of each disc, which only pushes."""
     if subject.returning is None:
-        signed = -limit if limit is not None and subject.contact == "outer" else limit
+        signed = -limit if limit is not None and subject.cam.contact == "outer" else limit
         return (Column("contact force", "N", normal, signed, borders),)
 
     def on_main(phi: FloatArray, side: Side) -> FloatArray:

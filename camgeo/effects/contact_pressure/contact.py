@@ -66,7 +66,7 @@ class Contact:
     @property
     def scale(self) -> float:
         """r_R [mm], against which a cusp is told; r_G with a flat face."""
-        follower = self.subject.follower
+        follower = self.subject.cam.follower
         return follower.base_radius if follower.is_flat else follower.roller_radius
 
     def carried(self, phi: FloatArray, side: Side) -> tuple[FloatArray, FloatArray]:
@@ -75,9 +75,9 @@ class Contact:
         A flank on which no roller runs bears nothing: there the roller has lifted off.
         """
         normal = self.normal(phi, side)
-        if self.subject.contact == "groove":
+        if self.subject.cam.contact == "groove":
             return np.abs(normal), np.where(normal < 0.0, float(OUTER), float(INNER))
-        sense = INNER if self.subject.contact == "inner" else OUTER
+        sense = INNER if self.subject.cam.contact == "inner" else OUTER
         return np.maximum(sense * normal, 0.0), np.full(len(phi), float(sense))
 
     def curvature(self, phi: FloatArray, side: Side) -> FloatArray:
@@ -89,7 +89,7 @@ class Contact:
             Where the pitch curve has a cusp.
         """
         try:
-            return self.subject.pitch_curve.curvature(phi, side)
+            return self.subject.cam.disc.pitch_curve.curvature(phi, side)
         except GeometryError as error:
             raise EffectError(f"there is no contact pressure: {error.message}") from error
 
@@ -97,9 +97,9 @@ class Contact:
         """(n,) F [N] and (n,) R [mm]."""
         load, sense = self.carried(phi, side)
         kappa = sense * self.curvature(phi, side)
-        if self.subject.follower.is_flat:  # on a convex cam, or there is no force
+        if self.subject.cam.follower.is_flat:  # on a convex cam, or there is no force
             return load, 1.0 / kappa
-        roller, half = self.subject.follower.roller_radius, self.subject.flank_distance
+        roller, half = self.subject.cam.follower.roller_radius, self.subject.cam.disc.flank_distance
         radius = roller * (1.0 - half * kappa)
         # 1/R = 1/r_R + kappa/(1 - d kappa), d the flank's distance: r_R but in a groove with play.
         share = 1.0 - (half - roller) * kappa

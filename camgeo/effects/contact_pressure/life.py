@@ -62,9 +62,9 @@ def spin(contact: Contact, phi: FloatArray, side: Side, sense: FloatArray) -> Fl
     `sense` (n,) is s, the flank on which it rolls.
     """
     subject = contact.subject
-    relative = subject.pitch_curve.relative_jet(phi, side, order=1)
-    rolling = np.hypot(relative.u, relative.v) / subject.follower.roller_radius
-    return np.asarray(rolling - sense * (1.0 - subject.rotation * relative.turning))
+    relative = subject.cam.disc.pitch_curve.relative_jet(phi, side, order=1)
+    rolling = np.hypot(relative.u, relative.v) / subject.cam.follower.roller_radius
+    return np.asarray(rolling - sense * (1.0 - subject.cam.rotation * relative.turning))
 
 
 def rolling_life(

@@ -100,20 +100,20 @@ def _of_disc(
 ) -> ContactPressure:
     """The pressure on one disc, `subject`; `edges` are those of the force `normal`."""
     spec = request.spec
-    if subject.follower.roller_radius == 0.0 and not subject.follower.is_flat:
+    if subject.cam.follower.roller_radius == 0.0 and not subject.cam.follower.is_flat:
         raise GeometryError(
             "is 0, a knife edge: pressure needs a roller that bears on a line of some width",
             key="follower.roller_radius",
             value="0",
         )
     contact = Contact(subject, normal, spec.modulus, _width(subject, spec))
-    edges = merged(np.concatenate((subject.smooth_angles, edges)))
+    edges = merged(np.concatenate((subject.cam.drive.smooth_angles, edges)))
     contact.refuse_cusps(edges)
     highest = piecewise_extremes(contact.square, edges).highest
     worst = _worst(contact, highest.place, highest.value)
     life = None
     if spec.rating is not None:
-        if subject.time_course is None:
+        if subject.cam.drive.time_course is None:
             raise GeometryError(
                 f"is missing: the life of the roller's bearing needs {SPEED[0]} or {SPEED[1]}",
                 key=SPEED[0],
@@ -161,7 +161,7 @@ def _of_return(
 def _width(subject: Subject, spec: Spec) -> float:
     """L [mm]."""
     part = subject.part_spec
-    groove = subject.contact == "groove"
+    groove = subject.cam.contact == "groove"
     whole = None if part is None else part.groove_depth if groove else part.thickness
     name = "groove_depth" if groove else "thickness"
     if spec.width is None:
@@ -187,10 +187,10 @@ def _worst(contact: Contact, angle: float, square: float) -> Worst:
     side = min(sides, key=lambda each: abs(float(contact.square(phi, each)[0]) - square))
     load, radius = contact.load_and_radius(phi, side)
     sense = int(contact.carried(phi, side)[1][0])
-    follower = contact.subject.follower
+    follower = contact.subject.cam.follower
     # Of the curve on which the centre of a roller with play runs, half the clearance aside.
     bend = sense * float(contact.curvature(phi, side)[0])
-    bend /= 1.0 - 0.5 * contact.subject.side_clearance * bend
+    bend /= 1.0 - 0.5 * contact.subject.cam.clearance * bend
     return Worst(
         angle=angle % TURN,
         flank=FLANKS[sense],

@@ -125,14 +125,14 @@ def _shock(torque: LawfulTorque) -> list[Finding]:
     if torque.course is None:
         return []
     law = torque.law
-    places = np.asarray(law.subject.motion.breaks)
+    places = np.asarray(law.subject.cam.drive.motion.breaks)
     if not len(places):
         return []
-    before = law.subject.motion.jet(places, "left", 1)[1]
-    after = law.subject.motion.jet(places, "right", 1)[1]
+    before = law.subject.cam.drive.motion.jet(places, "left", 1)[1]
+    after = law.subject.cam.drive.motion.jet(places, "right", 1)[1]
     jump = np.abs(after - before)
     scale = np.max(
-        np.abs(law.subject.motion.jet(torque.edges[:-1] + 0.5 * np.diff(torque.edges))[1])
+        np.abs(law.subject.cam.drive.motion.jet(torque.edges[:-1] + 0.5 * np.diff(torque.edges))[1])
     )
     sides = (law.contact.required(places, "left"), law.contact.required(places, "right"))
     heavy = np.maximum(np.abs(sides[0][3]), np.abs(sides[1][3])) > 0.0
@@ -157,7 +157,7 @@ def _loss_of_contact(torque: LawfulTorque) -> list[Finding]:
     law = torque.law
     if holds_both_ways(law.subject):
         return []
-    sense = 1.0 if law.subject.contact == "inner" else -1.0
+    sense = 1.0 if law.subject.cam.contact == "inner" else -1.0
 
     def pressing(phi: FloatArray, side: str) -> FloatArray:
         return sense * law.contact.normal(phi, "left" if side == "left" else "right")

@@ -52,7 +52,7 @@ class TorqueLaw:
         """
         out = np.empty((ROWS, len(phi)))
         out[:4] = self.contact.required(phi, side)
-        velocity = self.subject.motion.jet(phi, side, 1)[1]
+        velocity = self.subject.cam.drive.motion.jet(phi, side, 1)[1]
         friction = self.contact.friction
         if friction is None:
             out[4:] = velocity
@@ -89,7 +89,7 @@ class TorqueLaw:
 
     def jamming(self, phi: float) -> EffectError:
         """The error of a follower that jams at the cam angle `phi` [rad]."""
-        curves = [carrier(self.subject, sense)[0].pitch_curve for sense in (INNER, OUTER)]
+        curves = [carrier(self.subject, sense)[0].cam.disc.pitch_curve for sense in (INNER, OUTER)]
         here = np.array([phi])
         angle = math.degrees(min(curve.transmission_angle(here)[0] for curve in curves))
         place = float(np.mod(phi, 2.0 * math.pi))

@@ -88,7 +88,7 @@ def compute(request: Request[Spec]) -> Asked:
         tolerance cannot be reached.
     """
     subject, spec = request.subject, request.spec
-    course = subject.time_course
+    course = subject.cam.drive.time_course
     if spec.fluctuation is not None and course is None:
         raise GeometryError(
             "a flywheel needs the speed of the cam, [cam] speed or speed_curve",
@@ -112,7 +112,9 @@ def compute(request: Request[Spec]) -> Asked:
 def _static_edges(law: TorqueLaw) -> FloatArray:
     """Where the formula of the static part changes; with friction also where its R changes sign."""
     contact = law.contact
-    base = merged(np.concatenate((law.subject.smooth_angles, all_borders(contact.forces))))
+    base = merged(
+        np.concatenate((law.subject.cam.drive.smooth_angles, all_borders(contact.forces)))
+    )
     if contact.friction is None:
         return frozen(base, np.float64)
     roots = roots_on_grid(lambda phi: contact.required(phi, "right")[0], grid_of(base))
@@ -127,7 +129,7 @@ def _columns(result: DriveTorque, subject: Subject, limit: float | None) -> tupl
         return Column(name, "N m", lambda phi, side: N_M * values(phi, side), limit, borders)
 
     total = column("drive torque", result.torque, most)
-    if subject.time_course is None:
+    if subject.cam.drive.time_course is None:
         return (total,)
     return (
         total,

@@ -43,7 +43,7 @@ def margin_of(statics: Statics, phi: FloatArray, side: Side) -> FloatArray:
     That is the one on which the roller runs; of a groove, or of two discs, the one that pushes in
     the sense in which the follower moves, the inner or main one in a rest.
     """
-    contact = statics.subject.contact
+    contact = statics.subject.cam.contact
     if not holds_both_ways(statics.subject):
         return statics.margin(phi, side, 1 if contact == "inner" else -1)
     inner, outer = (statics.margin(phi, side, sense) for sense in (1, -1))
@@ -70,7 +70,7 @@ def jamming_margin(statics: Statics, edges: FloatArray) -> tuple[Finding, ...]:
 
     `edges` (k,) are the cam angles [rad] from 0 to 2 pi between which the margin is smooth.
     """
-    contact, both = statics.subject.contact, holds_both_ways(statics.subject)
+    contact, both = statics.subject.cam.contact, holds_both_ways(statics.subject)
 
     def driven(phi: FloatArray, side: Side) -> FloatArray:
         drive = _drive(statics, phi, side)
@@ -86,7 +86,7 @@ def jamming_margin(statics: Statics, edges: FloatArray) -> tuple[Finding, ...]:
         f"smallest transmission angle above the limit of jamming: by {value:.4f} deg at cam angle"
         f" {angle:.4f} deg"
     )
-    flat = statics.subject.follower.is_flat
+    flat = statics.subject.cam.follower.is_flat
     if flat:  # whose contact force always points the same way on it
         told = (
             f"the contact force may lean {value:.4f} deg more before the follower jams, least at"

@@ -76,13 +76,13 @@ def compute(request: Request[Spec]) -> Asked:
     """
     subject, spec = request.subject, request.spec
     refuse_misfits(spec, subject)
-    if subject.follower.is_flat:
+    if subject.cam.follower.is_flat:
         from camgeo.effects.face import require_convex
 
         require_convex(subject, "friction of the face")
-    edges = subject.smooth_angles
-    senses = senses_of(subject.motion, edges)
-    start = float(subject.motion.jet(np.zeros(1), "right", 1)[0, 0])
+    edges = subject.cam.drive.smooth_angles
+    senses = senses_of(subject.cam.drive.motion, edges)
+    start = float(subject.cam.drive.motion.jet(np.zeros(1), "right", 1)[0, 0])
     back = subject.returning
     other = None if back is None else Statics(back, spec, senses, start)
     statics = Statics(subject, spec, senses, start, other)
@@ -139,7 +139,7 @@ def _coefficients(subject: Subject, spec: Spec, senses: Senses) -> Coefficients:
     def coefficients(phi: FloatArray, side: Side) -> FloatArray:
         out = np.zeros((4, len(phi)))
         if viscous:
-            out[1] = -viscous * subject.motion.jet(phi, side, 1)[1]
+            out[1] = -viscous * subject.cam.drive.motion.jet(phi, side, 1)[1]
         return out
 
     return coefficients
@@ -149,7 +149,7 @@ def _of_slider(
     subject: Subject, spec: Spec, linkage: SliderCrank, edges: FloatArray
 ) -> Coefficients:
     """Of slider and pivot."""
-    plan = subject.plan
+    plan = subject.cam.drive.plan
     locked = locked_at(linkage, plan)
     if locked is not None:
         raise EffectError(
@@ -167,7 +167,7 @@ def _of_slider(
         out[0] = -spec.slider * strokes(phi, side) * slide
         out[1] = -spec.guide_viscous * stroke[1] * slide
         if spec.pivot_viscous:
-            out[1] -= spec.pivot_viscous * subject.motion.jet(phi, side, 1)[1]
+            out[1] -= spec.pivot_viscous * subject.cam.drive.motion.jet(phi, side, 1)[1]
         return out
 
     return coefficients

@@ -101,7 +101,7 @@ def tilts(machine: Machine, table: Table) -> Iterator[tuple[str, str]]:
 
 def refuse_misfits(spec: Spec, subject: Subject) -> None:
     """Raise GeometryError with the key of a value that has no place on this follower."""
-    rocker = subject.follower.rocks
+    rocker = subject.cam.follower.rocks
     slides = driving_slider(subject) is not None
     misfits = dict.fromkeys(
         OF_GUIDE if rocker else OF_PIVOT,
@@ -109,11 +109,11 @@ def refuse_misfits(spec: Spec, subject: Subject) -> None:
         if rocker
         else "is for rockers: a translating follower has a guide",
     )
-    if subject.linkage is None:
+    if subject.cam.drive.linkage is None:
         misfits["slider"] = "is for the slider of a linkage, and there is none"
     if rocker and not slides:
         misfits["guide_viscous"] = "is for translating followers and for sliders of linkages"
-    if subject.follower.roller_radius == 0.0 and not subject.follower.is_flat:
+    if subject.cam.follower.roller_radius == 0.0 and not subject.cam.follower.is_flat:
         misfits |= dict.fromkeys(OF_ROLLER, "is for rollers: the follower has a knife edge")
     for key in spec.given:
         if key in misfits:

@@ -114,12 +114,12 @@ class Statics:
     @property
     def rocks(self) -> bool:
         """Whether the follower is a rocker."""
-        return self.subject.follower.rocks
+        return self.subject.cam.follower.rocks
 
     @property
     def swing(self) -> float:
         """Angle of the follower a unit of q, counter-clockwise: +1, -1, or 0 in a guide."""
-        return math.copysign(1.0, self.subject.follower.reach) if self.rocks else 0.0
+        return math.copysign(1.0, self.subject.cam.follower.reach) if self.rocks else 0.0
 
     def state(self, phi: FloatArray, side: Side, sense: int) -> State:
         """The contact on the inner (+1) or outer (-1) flank.
@@ -132,10 +132,10 @@ class Statics:
         if self.other is not None and sense < 0:
             return self.other.state(phi, side, 1)
         subject, spec = self.subject, self.spec
-        follower, sigma = subject.follower, subject.rotation
-        jet = subject.motion.jet(phi, side, 1 + follower.ahead)
+        follower, sigma = subject.cam.follower, subject.cam.rotation
+        jet = subject.cam.drive.motion.jet(phi, side, 1 + follower.ahead)
         relative = follower.relative_jet(jet, sigma, 1)
-        speed = subject.pitch_curve.speed(relative)
+        speed = subject.cam.disc.pitch_curve.speed(relative)
         slip = np.zeros_like(speed)
         # A knife edge and a face do not roll, and has neither pin nor rolling friction.
         per_radius = 1.0 / follower.roller_radius if follower.roller_radius > 0.0 else 0.0
@@ -219,8 +219,8 @@ class Statics:
             third = loss / at.reach
         else:
             # S = turned (cos mu - helping sin mu)
-            outward = math.copysign(1.0, self.subject.follower.reach)
-            turned = -self.subject.rotation * outward * ahead * pushed * sense
+            outward = math.copysign(1.0, self.subject.cam.follower.reach)
+            turned = -self.subject.cam.rotation * outward * ahead * pushed * sense
             near, far = -_sign(at.near), _sign(at.far)
             length = spec.guide_length
             if length is None:

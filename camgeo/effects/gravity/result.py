@@ -69,14 +69,14 @@ def compute(request: Request[GravitySpec]) -> Acting:
             out -= each.mass * _along(each.place(phi, side) - first, pull)
         return out
 
-    rocks = subject.lift_unit == "rad"
+    rocks = subject.cam.lift_unit == "rad"
     unit, what = ("N m", "torque") if rocks else ("N", "force")
 
     def told(phi: FloatArray, side: Side) -> FloatArray:
         return on_follower(phi, side) * (N_M if rocks else 1.0)
 
     weight = STANDARD_GRAVITY * sum(each.mass for each in masses)
-    extremes = piecewise_extremes(told, subject.smooth_angles)
+    extremes = piecewise_extremes(told, subject.cam.drive.smooth_angles)
     return Gravity(
         force=Force("gravity", coefficients, potential),
         findings=(

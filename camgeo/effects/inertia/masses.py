@@ -49,8 +49,8 @@ class Mass:
 def masses_of(subject: Subject, spec: InertiaSpec) -> tuple[Mass, ...]:
     """Those of `spec` that are not 0."""
     found = []
-    if subject.follower.rocks:
-        follower = cast("AnyRocker", subject.follower)
+    if subject.cam.follower.rocks:
+        follower = cast("AnyRocker", subject.cam.follower)
         centre = follower.pivot if spec.rocker_centre is None else spec.rocker_centre
         rocker = _OnRocker(subject, follower, centre - follower.pivot)
         found.append(Mass("rocker", spec.rocker_mass, rocker.place, rocker.per_lift))
@@ -59,16 +59,16 @@ def masses_of(subject: Subject, spec: InertiaSpec) -> tuple[Mass, ...]:
             found.append(Mass("roller", spec.roller_mass, roller.place, roller.per_lift))
         shaft, turn = follower.pivot, 1.0 + 0.0j
         if driving_slider(subject) is not None:
-            assert subject.linkage is not None  # it has the slider
-            slider = _OnCoupler(subject, subject.linkage, shaft, turn, 1.0)
+            assert subject.cam.drive.linkage is not None  # it has the slider
+            slider = _OnCoupler(subject, subject.cam.drive.linkage, shaft, turn, 1.0)
             found.append(Mass("slider", spec.mass, slider.place, slider.per_lift))
     else:
-        guided = _OnGuide(subject, cast("AnyGuided", subject.follower))
+        guided = _OnGuide(subject, cast("AnyGuided", subject.cam.follower))
         found.append(Mass("follower", spec.mass, guided.place, guided.per_lift))
         found.append(Mass("roller", spec.roller_mass, guided.place, guided.per_lift))
-        shaft, turn = guided.shaft_and_turn(subject.linkage)
-    if subject.linkage is not None:
-        coupler = _OnCoupler(subject, subject.linkage, shaft, turn, spec.coupler_centre)
+        shaft, turn = guided.shaft_and_turn(subject.cam.drive.linkage)
+    if subject.cam.drive.linkage is not None:
+        coupler = _OnCoupler(subject, subject.cam.drive.linkage, shaft, turn, spec.coupler_centre)
         found.append(Mass("coupler", spec.coupler_mass, coupler.place, coupler.per_lift))
     return tuple(each for each in found if each.mass)
 
@@ -99,7 +99,9 @@ class _OnGuide:
         return start * cmath.rect(1.0, follower.guide_angle - 0.5 * math.pi)
 
     def place(self, phi: FloatArray, side: Side) -> ComplexArray:
-        return np.asarray(self.start + self.way * self.subject.motion.jet(phi, side, 1)[0])
+        return np.asarray(
+            self.start + self.way * self.subject.cam.drive.motion.jet(phi, side, 1)[0]
+        )
 
     def per_lift(self, phi: FloatArray, side: Side) -> ComplexArray:
         return np.full(len(phi), self.way)
@@ -127,7 +129,7 @@ class _OnRocker:
     start: complex
 
     def _lever(self, phi: FloatArray, side: Side) -> ComplexArray:
-        swing = self.follower.swing_sense * self.subject.motion.jet(phi, side, 1)[0]
+        swing = self.follower.swing_sense * self.subject.cam.drive.motion.jet(phi, side, 1)[0]
         return np.asarray(self.start * np.exp(1j * swing))
 
     def place(self, phi: FloatArray, side: Side) -> ComplexArray:
@@ -152,9 +154,9 @@ class _OnCoupler:
     share: float
 
     def place(self, phi: FloatArray, side: Side) -> ComplexArray:
-        pin, tip = self.linkage.joints(self.subject.plan.jet(phi, side)[0])
+        pin, tip = self.linkage.joints(self.subject.cam.drive.plan.jet(phi, side)[0])
         return np.asarray(self.shaft + self.turn * (tip + self.share * (pin - tip)))
 
     def per_lift(self, phi: FloatArray, side: Side) -> ComplexArray:
-        pin, tip = joints_per_lift(self.linkage, self.subject.plan.jet(phi, side)[0])
+        pin, tip = joints_per_lift(self.linkage, self.subject.cam.drive.plan.jet(phi, side)[0])
         return np.asarray(self.turn * (tip + self.share * (pin - tip)))

@@ -46,7 +46,7 @@ def at_follower(subject: Subject, spec: InertiaSpec) -> float:
 
     The roller counts as a point in its centre: what it takes to spin it is not in it.
     """
-    follower = subject.follower
+    follower = subject.cam.follower
     if isinstance(follower, OscillatingRoller):
         return spec.moment_of_inertia + spec.roller_mass * follower.arm**2
     if follower.rocks:
@@ -57,10 +57,10 @@ def at_follower(subject: Subject, spec: InertiaSpec) -> float:
 def train_of(subject: Subject, spec: InertiaSpec) -> Train:
     """The train of `subject` with the masses of `spec`."""
     own = at_follower(subject, spec)
-    linkage = subject.linkage
+    linkage = subject.cam.drive.linkage
     if linkage is not None and spec.beyond(linkage):
-        return LinkedTrain(subject.plan, linkage, own, spec)
-    return DirectTrain(subject.motion, own)
+        return LinkedTrain(subject.cam.drive.plan, linkage, own, spec)
+    return DirectTrain(subject.cam.drive.motion, own)
 
 
 @dataclass(frozen=True, slots=True)

@@ -86,14 +86,14 @@ def compute(request: Request[InertiaSpec]) -> Asked:
     subject, spec = request.subject, request.spec
     spec.check(subject)
     train = train_of(subject, spec)
-    if spec.beyond(subject.linkage):
+    if spec.beyond(subject.cam.drive.linkage):
         refuse_locked(subject, "'s mass")
 
     def coefficients(phi: FloatArray, side: Side) -> FloatArray:
         return inertia_force(train, phi, side)
 
     force = Force("inertia", coefficients)
-    rocks = subject.lift_unit == "rad"
+    rocks = subject.cam.lift_unit == "rad"
     told = Told(subject, request.course, train, rocks)
     return Inertia(
         force=force,
@@ -106,6 +106,6 @@ def compute(request: Request[InertiaSpec]) -> Asked:
 
 
 def _moved(subject: Subject, spec: InertiaSpec) -> float:
-    if subject.linkage is None:
+    if subject.cam.drive.linkage is None:
         return at_follower(subject, spec)
-    return spec.far(subject.linkage)
+    return spec.far(subject.cam.drive.linkage)

@@ -59,7 +59,7 @@ class InertiaSpec:
 
     def check(self, subject: Subject) -> None:
         """Raise GeometryError, with the key of the scene, if the mechanism has no such mass."""
-        rocks = subject.follower.rocks
+        rocks = subject.cam.follower.rocks
         slides = driving_slider(subject) is not None
         refused: list[tuple[tuple[str, ...], str]] = []
         if not rocks:
@@ -67,7 +67,7 @@ class InertiaSpec:
         elif not slides:
             message = "nothing makes a straight motion here; a rocker has a moment_of_inertia"
             refused.append((("mass",), message))
-        if subject.linkage is None:
+        if subject.cam.drive.linkage is None:
             refused.append((OF_COUPLER, "there is no coupler without [linkage]"))
             refused.append((("output_moment",), TURNING.refusal))
         for keys, message in refused:

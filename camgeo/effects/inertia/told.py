@@ -44,9 +44,9 @@ def lacking(subject: Subject, spec: InertiaSpec) -> tuple[Finding, ...]:
     By the parallel axis theorem (Steiner) the moment about the pivot is m r^2 and what the body has
     about its centre of mass.
     """
-    if spec.rocker_centre is None or not subject.follower.rocks:
+    if spec.rocker_centre is None or not subject.cam.follower.rocks:
         return ()
-    follower = cast("AnyRocker", subject.follower)
+    follower = cast("AnyRocker", subject.cam.follower)
     least = spec.rocker_mass * abs(spec.rocker_centre - follower.pivot) ** 2
     if spec.moment_of_inertia >= least * (1.0 - WRITTEN):
         return ()
@@ -105,7 +105,7 @@ class Told:
         )
 
     def findings(self) -> tuple[Finding, ...]:
-        edges = self.subject.smooth_angles
+        edges = self.subject.cam.drive.smooth_angles
         at_cam = piecewise_extremes(self.at_cam, edges).highest
         name = f"reduced-{self.what.replace(' ', '-')}"
         at = f"{self.what} reduced to the follower"
@@ -135,7 +135,7 @@ class Told:
         unit, what = ("N m", "torque") if self.rocks else ("N", "force")
         shocks = [
             each
-            for each in breaks(self.subject.plan)
+            for each in breaks(self.subject.cam.drive.plan)
             if each.order < 1 and self.mass(np.array([each.cam_angle]), "right")[0] > 0.0
         ]
         if not shocks:

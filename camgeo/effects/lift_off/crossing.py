@@ -138,7 +138,7 @@ def _flight(
     """Cam angle [rad] of the impact, rate of the gap [mm/s] there, and whether it has crossed."""
     x = np.cos(np.pi * (np.arange(nodes) + 0.5) / nodes)[::-1]
     fit = np.linalg.inv(np.polynomial.chebyshev.chebvander(x, nodes - 1))
-    course = flank.subject.time_course
+    course = flank.subject.cam.drive.time_course
     assert course is not None  # there is inertia, which needs a speed
     velocity = way = 0.0
     for low, high in _cells(change.leaving, edges, 0.5**halvings):

@@ -61,7 +61,7 @@ class Flank:
 
     def outwards(self, phi: FloatArray, side: Side) -> FloatArray:
         """(n,) sense on q in which the flank pushes, +1 or -1."""
-        return self.sense * np.sign(self.subject.pitch_curve.leverage(phi, side))
+        return self.sense * np.sign(self.subject.cam.disc.pitch_curve.leverage(phi, side))
 
     def leaps(self) -> tuple[float, ...]:
         """Cam angles [rad] at which the velocity jumps away from the flank, and there is a mass.
@@ -70,8 +70,8 @@ class Flank:
         """
         if self.inertia is None:
             return ()
-        motion, found = self.subject.motion, []
-        for joint in breaks(self.subject.plan):
+        motion, found = self.subject.cam.drive.motion, []
+        for joint in breaks(self.subject.cam.drive.plan):
             if joint.order >= 1:
                 continue
             here = np.array([joint.cam_angle])
@@ -90,7 +90,7 @@ class Flank:
         that of the margin, if the time course of the scene is run f times as fast: omega grows
         with f, alpha with f^2. It has the sign of the force on the flank less the margin.
         """
-        course = self.subject.time_course
+        course = self.subject.cam.drive.time_course
         omega, alpha = np.zeros((2, len(phi))) if course is None else course.rates(phi)[:2]
         needed = np.zeros((3, len(phi)))
         size = np.zeros((3, len(phi)))

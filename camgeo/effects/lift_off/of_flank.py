@@ -44,7 +44,7 @@ class OfFlank:
 
 def of_flank(flank: Flank, spring: Spring | None) -> OfFlank:
     """All that is found of `flank`."""
-    edges, course = flank.contact.edges, flank.subject.time_course
+    edges, course = flank.contact.edges, flank.subject.cam.drive.time_course
     lowest, least = flank.lowest, TOUCH * flank.contact.extremes.magnitude
     limit = flank.margin - least
     lost = ranges_below(flank.force, edges, limit, lowest) if lowest.value < limit else ()

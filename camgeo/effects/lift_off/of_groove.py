@@ -80,11 +80,11 @@ def of_groove(
 
 def _why_not(subject: Subject, contact: ContactForce, inertia: Inertia | None) -> str:
     """Why there is no impact speed; empty if there is."""
-    if inertia is None or subject.time_course is None:
+    if inertia is None or subject.cam.drive.time_course is None:
         return "it needs [effects.inertia]: without a mass the clearance is crossed in no time"
     if not piecewise_extremes(inertia.to_follower, contact.edges).lowest.value > 0.0:
         return "the follower has no mass: the clearance is crossed in no time"
-    shocks = [joint.cam_angle for joint in breaks(subject.plan) if joint.order < 1]
+    shocks = [joint.cam_angle for joint in breaks(subject.cam.drive.plan) if joint.order < 1]
     if shocks:
         place = math.degrees(shocks[0])
         return f"the velocity jumps at cam angle {place:.4f} deg, a shock of its own"

@@ -64,7 +64,7 @@ def compute(request: Request[Spec]) -> LiftOff:
                 key=f"effects.{NAME}.margin",
                 value=f"{spec.margin:g}",
             )
-        backlash = _backlash(spec, subject.side_clearance)
+        backlash = _backlash(spec, subject.cam.clearance)
         groove = of_groove(subject, contact, inertia, backlash, request.tolerance)
         return LiftOff(groove.findings, groove=groove, error=groove.error)
     if spec.backlash is not None:
@@ -74,7 +74,7 @@ def compute(request: Request[Spec]) -> LiftOff:
             value=f"{spec.backlash:g}",
         )
     spring = request.results.get(SPRING)
-    sense = 1 if subject.contact == "inner" else -1
+    sense = 1 if subject.cam.contact == "inner" else -1
     flank = of_flank(Flank(subject, contact, sense, spec.margin, inertia), spring)
     return LiftOff(flank.findings, flank=flank)
 

@@ -15,7 +15,7 @@ from typing import Final
 import numpy as np
 
 from camgeo.check.finding import Finding
-from camgeo.effects.effect import Column, Request, Subject, demand_unit
+from camgeo.effects.effect import Column, Request, Subject
 from camgeo.effects.force import Force
 from camgeo.effects.load.course import Constant, Course, Steps
 from camgeo.effects.load.spec import LoadSpec
@@ -62,9 +62,9 @@ def compute(request: Request[LoadSpec]) -> Acting:
         angle.
     """
     subject = request.subject
-    is_torque = demand_unit(subject) == "rad"
+    is_torque = subject.cam.drive.unit == "rad"
     unit = "N m" if is_torque else "N"
-    course = course_of(request.spec, subject.plan, unit)
+    course = course_of(request.spec, subject.cam.drive.plan, unit)
     scale = N_MM if is_torque else 1.0
     refuse_locked(subject, " against its load")
 
@@ -75,11 +75,13 @@ def compute(request: Request[LoadSpec]) -> Acting:
 
     def work(phi: FloatArray, side: Side) -> FloatArray:
         """Against a constant load, from the start of the stroke on."""
-        found: FloatArray = scale * course.values(phi, side) * subject.plan.jet(phi, side)[0]
+        found: FloatArray = (
+            scale * course.values(phi, side) * subject.cam.drive.plan.jet(phi, side)[0]
+        )
         return found
 
     potential = work if isinstance(course, Constant) else None
-    edges = merged(np.concatenate((subject.smooth_angles, course.borders)))
+    edges = merged(np.concatenate((subject.cam.drive.smooth_angles, course.borders)))
     extremes = piecewise_extremes(course.values, edges)
     return Load(
         force=Force("load", coefficients, potential, course.borders),
@@ -125,9 +127,9 @@ def course_of(spec: LoadSpec, plan: MotionPlan, unit: str) -> Course:
 
 def _way(subject: Subject, phi: FloatArray, side: Side) -> FloatArray:
     """ds/dq (n,): way of the demanded motion a unit of the follower's."""
-    if subject.linkage is None:
+    if subject.cam.drive.linkage is None:
         return np.ones(len(phi))
-    return subject.linkage.per_follower(subject.plan.jet(phi, side)[0])
+    return subject.cam.drive.linkage.per_follower(subject.cam.drive.plan.jet(phi, side)[0])
 
 
 def _extreme(which: str, end: Extreme, unit: str) -> Finding:

@@ -50,7 +50,7 @@ def moves_of(subject: Subject, course: TimeCourse) -> list[RestToRest]:
 
 def _moves(subject: Subject, course: TimeCourse) -> Iterator[RestToRest]:
     rests = _rests(subject, course)
-    edges = merged(np.concatenate((subject.plan.borders, course.borders, [0.0, TURN])))
+    edges = merged(np.concatenate((subject.cam.drive.plan.borders, course.borders, [0.0, TURN])))
     two_turns = np.concatenate((edges[:-1], edges + TURN))
     for (_, start), (end, _) in zip(rests, [*rests[1:], *_next_turn(rests[:1])], strict=True):
         if not end - start > SLACK:
@@ -71,7 +71,7 @@ def _next_turn(rests: list[tuple[float, float]]) -> list[tuple[float, float]]:
 
 def _rests(subject: Subject, course: TimeCourse) -> list[tuple[float, float]]:
     """Start and end [rad] of all rests, in their order; the end equals the start for a joint."""
-    plan = subject.plan
+    plan = subject.cam.drive.plan
     dwells = [(rest.start, rest.start + rest.span) for rest in plan.dwells if rest.span > 0.0]
     borders = plan.borders
     sides = [in_time(plan.jet(borders, side), course, borders) for side in ("right", "left")]
@@ -95,7 +95,7 @@ def _rests(subject: Subject, course: TimeCourse) -> list[tuple[float, float]]:
 
 def _shock(subject: Subject, course: TimeCourse, edges: FloatArray) -> tuple[Shock, float] | None:
     """The move over `edges` (m + 1,) [rad], normalised, and its stroke; None for no move at all."""
-    plan = subject.plan
+    plan = subject.cam.drive.plan
     begin = plan.jet(edges[:1])[0]
 
     def way(phi: FloatArray, side: Side = "right") -> FloatArray:

@@ -72,7 +72,7 @@ def compute(request: Request[Spec]) -> ShockSpectrum:
     A plan without a move from rest to rest has none, which is a warning.
     """
     spec, subject = request.spec, request.subject
-    course = subject.time_course or ConstantSpeed(1.0)
+    course = subject.cam.drive.time_course or ConstantSpeed(1.0)
     moves = moves_of(subject, course)
     if not moves:
         sentence = (

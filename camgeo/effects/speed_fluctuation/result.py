@@ -76,7 +76,7 @@ def compute(request: Request[Spec]) -> SpeedFluctuation:
     subject, spec = request.subject, request.spec
     drive = request.results[DRIVE_TORQUE].law
     law, contact = drive.coefficients, drive.contact
-    edges = merged(np.concatenate((subject.smooth_angles, all_borders(contact.forces))))
+    edges = merged(np.concatenate((subject.cam.drive.smooth_angles, all_borders(contact.forces))))
     refuse_shocks(subject, law)
     shaft = Shaft(spec.moment_of_inertia, spec.motor)
     turn = solve(shaft, law, edges, request.tolerance)
@@ -100,7 +100,7 @@ def _result(
         return shaft.motor.torque(turn.omega(phi))[0]
 
     def pressing(phi: FloatArray, side: Side) -> FloatArray:
-        sense = 1.0 if subject.contact == "inner" else -1.0
+        sense = 1.0 if subject.cam.contact == "inner" else -1.0
         alpha = _alpha(turn, shaft, law, phi, side)
         return sense * contact.normal_at(phi, side, turn.omega(phi), alpha)
 

@@ -33,10 +33,10 @@ GUESSES: Final = 65
 
 def refuse_shocks(subject: Subject, law: Law) -> None:
     """Raise EffectError if the velocity of a mass jumps: by how much the speed does is unknown."""
-    places = np.asarray(subject.motion.breaks)
+    places = np.asarray(subject.cam.drive.motion.breaks)
     if not len(places):
         return
-    motion, edges = subject.motion, subject.smooth_angles
+    motion, edges = subject.cam.drive.motion, subject.cam.drive.smooth_angles
     jump = np.abs(motion.jet(places, "right", 1)[1] - motion.jet(places, "left", 1)[1])
     heavy = (law(places, "left")[3] != 0.0) | (law(places, "right")[3] != 0.0)
     inside = np.abs(motion.jet(edges[:-1] + 0.5 * np.diff(edges), "right", 1)[1])

@@ -26,7 +26,7 @@ ROUNDING: Final = 64.0 * 2.0**-52
 
 def force_findings(force: Quantity, subject: Subject, unit: str) -> list[Finding]:
     """Largest and smallest force [unit], and where it is below 0."""
-    edges = subject.smooth_angles
+    edges = subject.cam.drive.smooth_angles
     found = piecewise_extremes(force, edges)
     name = "torque" if unit == "N m" else "force"
     findings = [
@@ -64,7 +64,7 @@ def force_findings(force: Quantity, subject: Subject, unit: str) -> list[Finding
 
 def deflection(way: Way, subject: Subject, *, torsion: bool) -> Finding:
     """Largest change of length, or of angle, since cam angle 0."""
-    found = piecewise_extremes(lambda phi, side: way(phi, side)[0], subject.smooth_angles)
+    found = piecewise_extremes(lambda phi, side: way(phi, side)[0], subject.cam.drive.smooth_angles)
     farthest = max(found.highest, found.lowest, key=lambda extreme: abs(extreme.value))
     value = abs(math.degrees(farthest.value) if torsion else farthest.value)
     unit = "deg" if torsion else "mm"
@@ -84,7 +84,7 @@ def deflection(way: Way, subject: Subject, *, torsion: bool) -> Finding:
 
 def opening(way: Way, subject: Subject) -> list[Finding]:
     """Whether the spring presses away from the flank that it is to close, and where."""
-    edges = subject.smooth_angles
+    edges = subject.cam.drive.smooth_angles
 
     def closing(phi: FloatArray, side: Side) -> FloatArray:
         """Of the sign of dx/dn towards the flank."""

@@ -117,7 +117,7 @@ def compute(request: Request[Spec]) -> Asked:
 
 def way_of(subject: Subject, spec: Spec) -> Way:
     """How the spring of `spec` relaxes; GeometryError as of `compute`."""
-    if not subject.follower.rocks:
+    if not subject.cam.follower.rocks:
         if spec.kind == "torsion":
             raise GeometryError(
                 "a translating follower has no pivot for a torsion spring",
@@ -133,7 +133,7 @@ def way_of(subject: Subject, spec: Spec) -> Way:
     if spec.kind == "torsion":
         return about_pivot(subject)
     if spec.anchor is not None and spec.attachment is not None:
-        follower = cast("AnyRocker", subject.follower)
+        follower = cast("AnyRocker", subject.cam.follower)
         sense = 1.0 if spec.kind == "compression" else -1.0
         return between_points(subject, follower, spec.anchor, spec.attachment, sense)
     linkage = driving_slider(subject)

@@ -43,14 +43,14 @@ def closing_sense(subject: Subject) -> int:
 
     Inwards on the inner flank and in a groove, outwards on the outer flank.
     """
-    return 1 if subject.contact == "outer" else -1
+    return 1 if subject.cam.contact == "outer" else -1
 
 
 def outward(subject: Subject, phi: FloatArray, side: Side) -> FloatArray:
     """(n,) [mm^2/rad^2] of the sign of dn/dq, see `PitchCurve.leverage`; it needs no normal."""
-    follower = subject.follower
-    jet = subject.motion.jet(phi, side, 1 + follower.ahead)
-    relative = follower.relative_jet(jet, subject.rotation, 1)
+    follower = subject.cam.follower
+    jet = subject.cam.drive.motion.jet(phi, side, 1 + follower.ahead)
+    relative = follower.relative_jet(jet, subject.cam.rotation, 1)
     along: FloatArray = follower.reach * relative.u
     return along
 
@@ -146,8 +146,8 @@ class BetweenPoints:
 
 def along_guide(subject: Subject) -> AlongLift:
     """Along the guide of a translating follower: it relaxes towards the flank in use."""
-    sense = closing_sense(subject) * subject.follower.reach
-    return AlongLift(subject.motion, _start(subject.motion), sense)
+    sense = closing_sense(subject) * subject.cam.follower.reach
+    return AlongLift(subject.cam.drive.motion, _start(subject.cam.drive.motion), sense)
 
 
 def about_pivot(subject: Subject) -> AlongLift:
@@ -158,7 +158,7 @@ def about_pivot(subject: Subject) -> AlongLift:
     """
     lever = float(outward(subject, np.zeros(1), "right")[0])
     sense = closing_sense(subject) * float(np.sign(lever))
-    return AlongLift(subject.motion, _start(subject.motion), sense)
+    return AlongLift(subject.cam.drive.motion, _start(subject.cam.drive.motion), sense)
 
 
 def along_slider(subject: Subject, linkage: SliderCrank) -> AlongSlider:
@@ -170,7 +170,7 @@ def along_slider(subject: Subject, linkage: SliderCrank) -> AlongSlider:
         With key "effects.spring", if the way of the slider that closes the contact is not the same
         all round: where the coupler stands across the guide, or the arm on the line of centres.
     """
-    plan = subject.plan
+    plan = subject.cam.drive.plan
     locked = locked_at(linkage, plan)
     if locked is not None:
         raise GeometryError(
@@ -183,7 +183,7 @@ def along_slider(subject: Subject, linkage: SliderCrank) -> AlongSlider:
         """Of the sign of dn/ds; ds/dpsi itself may vanish in a dead centre, never change sign."""
         return outward(subject, phi, side)
 
-    found = piecewise_extremes(lever, subject.smooth_angles)
+    found = piecewise_extremes(lever, subject.cam.drive.smooth_angles)
     if found.lowest.value < 0.0 < found.highest.value:
         raise GeometryError(
             "the slider closes the contact by moving one way at cam angle"
@@ -192,7 +192,7 @@ def along_slider(subject: Subject, linkage: SliderCrank) -> AlongSlider:
             key="effects.spring",
         )
     outwards = 1.0 if found.highest.value > 0.0 else -1.0
-    low = np.concatenate((np.zeros(1), subject.smooth_angles))
+    low = np.concatenate((np.zeros(1), subject.cam.drive.smooth_angles))
     slopes = linkage.per_swing(plan.jet(low, "right", 1)[0])[0]
     slope = float(slopes[np.argmax(np.abs(slopes))])
     sense = closing_sense(subject) * outwards * float(np.sign(slope))
@@ -220,9 +220,9 @@ def between_points(
             "is the pivot of the rocker: a spring there turns nothing",
             key="effects.spring.attachment",
         )
-    start = _start(subject.motion)
-    way = BetweenPoints(subject.motion, start, follower.swing_sense, lever, fixed, sense)
-    shortest = piecewise_extremes(way.length, subject.smooth_angles).lowest
+    start = _start(subject.cam.drive.motion)
+    way = BetweenPoints(subject.cam.drive.motion, start, follower.swing_sense, lever, fixed, sense)
+    shortest = piecewise_extremes(way.length, subject.cam.drive.smooth_angles).lowest
     if shortest.value <= SHORTEST * (abs(lever) + abs(fixed)):
         raise GeometryError(
             f"is {shortest.value:.3g} mm from the attachment at cam angle"

@@ -61,8 +61,8 @@ class Clock:
 
 def clock_of(subject: Subject, course: TimeCourse) -> Clock:
     """The demanded motion of `subject` over time."""
-    edges = merged(np.concatenate((subject.plan.borders, course.borders, [0.0, TURN])))
-    return Clock(subject.plan, course, edges)
+    edges = merged(np.concatenate((subject.cam.drive.plan.borders, course.borders, [0.0, TURN])))
+    return Clock(subject.cam.drive.plan, course, edges)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -91,7 +91,7 @@ def compute(request: Request[Spec]) -> Vibration:
     train = train_of(request)
     clock = clock_of(subject, request.course)
     period = float(clock.time(clock.edges[-1:])[0])
-    edges = search_edges(subject.smooth_angles, train, period)
+    edges = search_edges(subject.cam.drive.smooth_angles, train, period)
     findings: list[Finding] = []
     source: Output = Rigid(clock)
     elastic, error = None, 0.0

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from camgeo.effects.effect import Request, Subject, demand_unit
+from camgeo.effects.effect import Request, Subject
 from camgeo.effects.results import INERTIA
 from camgeo.effects.vibration.spec import Spec
 from camgeo.errors import GeometryError
@@ -16,7 +16,7 @@ TABLE: Final = "effects.vibration"
 
 def turns(subject: Subject) -> bool:
     """Whether the demanded motion is an angle."""
-    return demand_unit(subject) == "rad"
+    return subject.cam.drive.unit == "rad"
 
 
 def limit_of(subject: Subject, spec: Spec) -> float | None:
@@ -56,7 +56,7 @@ def train_of(request: Request[Spec]) -> Train | None:
                 "is missing: with a stiffness the natural frequency needs the masses",
                 key="effects.inertia",
             )
-        linkage = request.subject.linkage
+        linkage = request.subject.cam.drive.linkage
         if inertia.moved == 0.0 and linkage is not None and linkage.member != "slider":
             raise GeometryError(
                 "is missing: with a stiffness the natural frequency needs the moment of inertia at"
