@@ -9,6 +9,7 @@ import numpy as np
 
 from camgeo.contour.contour import Contour
 from camgeo.errors import GeometryError
+from camgeo.numeric.checked import positive
 from camgeo.part.boundaries import ExactBoundary
 from camgeo.part.spec import Keyway
 
@@ -19,9 +20,10 @@ def bore_outline(diameter: float, keyway: Keyway | None) -> Contour:
     Raises
     ------
     GeometryError
-        With key "part.keyway", if the slot is not narrower than the bore or does not cut it.
+        With key "part.keyway.width", if the slot is not narrower than the bore; with "part.bore",
+        if the diameter is not above 0.
     """
-    radius = diameter / 2.0
+    radius = positive("part.bore", diameter, "mm") / 2.0
     if keyway is None:
         return Contour.circle(radius)
     half = keyway.width / 2.0

@@ -22,6 +22,7 @@ from camgeo.contour.simple import require_simple
 from camgeo.contour.spline import Arc, SplineContour, SplineFit
 from camgeo.errors import GeometryError
 from camgeo.lazy import Ledger
+from camgeo.numeric.checked import instance, positive
 from camgeo.outline.path import Path
 
 
@@ -39,6 +40,11 @@ class CurveBoundary:
     hole: bool
     path: Path
     ledger: Ledger = field(default_factory=Ledger, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        instance("part", self.name, str, "the name of a boundary")
+        instance("part", self.hole, bool, "true or false")
+        instance("part", self.path, Path, "an outline")
 
     def arcs(self, tolerance: float, effort: Effort = "fewest") -> Fit:
         """Lines and arcs; raises UndercutError if the path is no outline, ToleranceError."""
@@ -91,6 +97,12 @@ class ExactBoundary:
     exact: Contour
     core: Contour | None = None
 
+    def __post_init__(self) -> None:
+        instance("part", self.name, str, "the name of a boundary")
+        instance("part", self.hole, bool, "true or false")
+        for each in (self.exact, self.core or self.exact):
+            instance("part", each, Contour, "an outline of lines and arcs")
+
     @property
     def round_radius(self) -> float:
         """Radius [mm] of what a round cutter makes of it; GeometryError if that is no circle."""
@@ -102,6 +114,7 @@ class ExactBoundary:
     def beside(self, distance: float) -> ExactBoundary:
         """See `camgeo.part.part.Boundary`; of a round outline or core only."""
         radius = self.round_radius + (-distance if self.hole else distance)
+        positive("part", radius, "mm")
         centre = complex((self.core or self.exact).centres[0])
         name = f"path of the cutter along the {self.name}"
         return ExactBoundary(name, self.hole, Contour.circle(radius, centre))

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from itertools import groupby, pairwise
 from operator import itemgetter
-from typing import Protocol
+from typing import Any, Protocol
 
 from camgeo.contour.contour import Contour
 from camgeo.contour.fit import Effort, Fit
 from camgeo.contour.spline import SplineContour, SplineFit
 from camgeo.errors import GeometryError
+from camgeo.numeric.checked import finite, hold, instance, number, shown
 
 
 class Boundary(Protocol):
@@ -51,6 +51,14 @@ class Boundary(Protocol):
         """
 
 
+def _names(boundaries: Any) -> list[str]:
+    """Names of the boundaries; GeometryError if something among them is no boundary."""
+    for each in instance("part", boundaries, tuple, "a tuple of boundaries"):
+        if not isinstance(getattr(each, "name", None), str):
+            raise GeometryError("must be a boundary with a name", "part", shown(each))
+    return [each.name for each in boundaries]
+
+
 @dataclass(frozen=True, slots=True)
 class Layer:
     """A slice of the part with the same section all through.
@@ -76,10 +84,12 @@ class Layer:
     name: str = "disc"
 
     def __post_init__(self) -> None:
-        if not -math.inf < self.z0 <= self.z1 < math.inf:
+        hold(self, z0=finite("part", self.z0, "mm"), z1=finite("part", self.z1, "mm"))
+        instance("part", self.name, str, "the name of a layer")
+        if self.z0 > self.z1:
             heights = f"from {self.z0} to {self.z1} mm"
             raise GeometryError(f"the {self.name} must reach upwards", key="part", value=heights)
-        names = [boundary.name for boundary in self.boundaries]
+        names = _names(self.boundaries)
         if not names or len(set(names)) < len(names):
             message = f"the {self.name} needs boundaries, each with a name of its own"
             raise GeometryError(message, key="part", value=", ".join(names))
@@ -92,6 +102,10 @@ class Wall:
     boundary: Boundary
     z0: float
     z1: float
+
+    def __post_init__(self) -> None:
+        hold(self, z0=finite("part", self.z0, "mm"))
+        hold(self, z1=number("part", self.z1, least=self.z0, unit="mm"))
 
 
 @dataclass(frozen=True, slots=True)
@@ -132,8 +146,9 @@ class Part:
     layers: tuple[Layer, ...]
 
     def __post_init__(self) -> None:
-        if not self.layers:
-            raise GeometryError("a part needs a layer", key="part")
+        layers = instance("part", self.layers, tuple, "a tuple of layers")
+        if not layers or not all(isinstance(layer, Layer) for layer in layers):
+            raise GeometryError("a part needs layers", key="part", value=shown(layers))
         for lower, upper in pairwise(self.layers):
             if lower.z1 != upper.z0:
                 message = f"the {upper.name} must begin where the {lower.name} ends"

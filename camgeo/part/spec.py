@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from camgeo.errors import GeometryError
 from camgeo.mechanism.values import angle, length
-from camgeo.numeric.checked import hold, instance
+from camgeo.numeric.checked import hold, instance, number
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,7 +55,8 @@ class PartSpec:
     Raises
     ------
     GeometryError
-        With the key, if a value is not what it has to be.
+        With the key, if a value is not what it has to be, the groove as deep as the disc, or a
+        keyway without bore.
     """
 
     thickness: float | None = None
@@ -68,5 +70,9 @@ class PartSpec:
             value = getattr(self, name)
             if value is not None:
                 hold(self, **{name: length(f"part.{name}", value)})
+        if self.groove_depth is not None and self.thickness is not None:
+            number("part.groove_depth", self.groove_depth, below=self.thickness, unit="mm")
         if self.keyway is not None:
             instance("part.keyway", self.keyway, Keyway, "a `Keyway`, or None")
+            if self.bore is None:
+                raise GeometryError("a keyway belongs to a bore", key="part.keyway")

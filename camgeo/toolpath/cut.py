@@ -4,9 +4,17 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Final
 
+import numpy as np
+
+from camgeo.errors import GeometryError
+from camgeo.numeric.checked import array, hold, instance, number, positive, shown
 from camgeo.part.part import Boundary
 from camgeo.toolpath.tool import Tool
+
+MOST_PASSES: Final = 10_000
+"""Of one cut; a thinner chip than a ten-thousandth of a part is a slip of the pen."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,6 +33,12 @@ class Cut:
     depths : Z of each pass [mm], descending.
     room : largest radius of the arcs that lead onto the path and off again [mm]; 0 without any.
     note : what the person at the machine should know, or empty.
+
+    Raises
+    ------
+    GeometryError
+        With key "toolpath", if a text or the tool is none, the depths do not descend or the room
+        is negative.
     """
 
     name: str
@@ -37,9 +51,34 @@ class Cut:
     room: float = 0.0
     note: str = ""
 
+    def __post_init__(self) -> None:
+        for text in (self.name, self.strategy, self.right, self.left, self.note):
+            instance("toolpath", text, str, "a text")
+        instance("toolpath", self.tool, Tool, "a tool")
+        depths = array("toolpath", self.depths)
+        if not len(depths) or not np.all(np.diff(depths) < 0.0):
+            raise GeometryError("must be depths that descend", "toolpath", shown(self.depths))
+        hold(
+            self,
+            depths=tuple(depths.tolist()),
+            room=number("toolpath", self.room, least=0.0, unit="mm"),
+        )
+
 
 def passes(top: float, bottom: float, largest: float | None) -> tuple[float, ...]:
-    """Z of equal passes of at most `largest` [mm], the last at `bottom` exactly; one if None."""
-    depth = top - bottom
-    count = 1 if largest is None else max(1, math.ceil(depth / largest * (1.0 - 1e-12)))
+    """Z of equal passes of at most `largest` [mm], the last at `bottom` exactly; one if None.
+
+    Raises
+    ------
+    GeometryError
+        With key "output.gcode.pass_depth", if that makes more than `MOST_PASSES`.
+    """
+    depth = positive("part", top - bottom, "mm")
+    count = 1
+    if largest is not None:
+        share = depth / positive("output.gcode.pass_depth", largest, "mm") * (1.0 - 1e-12)
+        if share > MOST_PASSES:
+            message = f"must be at least {depth / MOST_PASSES:.3g} mm: no more passes than that"
+            raise GeometryError(message, "output.gcode.pass_depth", f"{largest:g}")
+        count = max(1, math.ceil(share))
     return (*(top - depth * (k + 1) / count for k in range(count - 1)), bottom)

@@ -8,17 +8,23 @@ import tomllib
 from dataclasses import MISSING, dataclass, fields, is_dataclass
 from importlib.resources import files
 from pathlib import Path
+from types import UnionType
 from typing import Any, get_args, get_type_hints
 
-from camgeo.errors import Fault, SceneError
+from camgeo.errors import Fault, GeometryError, SceneError
+from camgeo.numeric.checked import hold, instance, number, shown, whole
 from camgeo.toolpath.machining_time import Dynamics
 from camgeo.units import LengthUnit
 
 KEY = "output.gcode.machine"
 """Key of the scene that names the profile."""
 
-LARGEST_SWEEP = 180.0
-"""No arc of a program exceeds half a turn [degrees]: controllers grow strict beyond."""
+SMALLEST_SWEEP, LARGEST_SWEEP = 1.0, 180.0
+"""No arc of a program exceeds half a turn [degrees]: controllers grow strict beyond. No controller
+wants them divided finely."""
+
+LONGEST_LINE = 10_000
+"""Characters; no controller takes as many."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,6 +33,9 @@ class UnitWords:
 
     mm: str
     inch: str
+
+    def __post_init__(self) -> None:
+        _hold(self, "unit.")
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,6 +46,11 @@ class CommentStyle:
     close: str
     line_length: int
 
+    def __post_init__(self) -> None:
+        _hold(self, "comment.")
+        brackets = len(self.open) + len(self.close)
+        whole("comment.line_length", self.line_length, brackets + 1, LONGEST_LINE)
+
 
 @dataclass(frozen=True, slots=True)
 class Decimals:
@@ -44,6 +58,9 @@ class Decimals:
 
     mm: int
     inch: int
+
+    def __post_init__(self) -> None:
+        _hold(self, "decimals.")
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,6 +80,10 @@ class ArcLimits:
     radius_tolerance: float
     largest_sweep: float = 180.0
     interpolation: float = 0.0
+
+    def __post_init__(self) -> None:
+        _hold(self, "arcs.")
+        number("arcs.largest_sweep", self.largest_sweep, least=SMALLEST_SWEEP, most=LARGEST_SWEEP)
 
     @property
     def largest_turn(self) -> float:
@@ -85,12 +106,17 @@ class Blending:
     share: float
     smallest: float
 
+    def __post_init__(self) -> None:
+        _hold(self, "blending.")
+
 
 @dataclass(frozen=True, slots=True)
 class Machine:
     """One controller; its blocks are written with {unit}, {tool} and {speed} filled in.
 
-    `dynamics` is None where a profile does not tell it: then there is no machining time.
+    `dynamics` is None where a profile does not tell it: then there is no machining time. Like all
+    of its tables it raises GeometryError, with the key of the profile, for a value of another type,
+    a negative number, or a block that cannot be filled in.
     """
 
     name: str
@@ -104,6 +130,17 @@ class Machine:
     arcs: ArcLimits
     blending: Blending
     dynamics: Dynamics | None = None
+
+    def __post_init__(self) -> None:
+        _hold(self, "")
+        lists = ("preamble", "tool_change", "spindle_on", "end")
+        texts = [(key, block) for key in lists for block in getattr(self, key)]
+        for key, text in (*texts, ("blending.on", self.blending.on)):
+            try:
+                text.format(unit="", tool="", speed="", p="")
+            except (ValueError, LookupError, AttributeError):
+                message = "must hold no braces but {unit}, {tool}, {speed} and, for blending, {p}"
+                raise GeometryError(message, key, repr(text)) from None
 
     def unit_word(self, unit: LengthUnit) -> str:
         """Word that switches to `unit`."""
@@ -150,67 +187,69 @@ def parse(text: str, file: str) -> Machine:
     except tomllib.TOMLDecodeError as error:
         raise SceneError([Fault("", "", f"not TOML: {error}")], file) from None
     faults: list[Fault] = []
-    machine = _build(Machine, table, "", faults)
-    if not faults:
-        faults = _out_of_range(machine)
-    if faults:
+    machine: Machine | None = _build(Machine, table, "", faults)
+    if machine is None or faults:
         raise SceneError(faults, file)
-    checked: Machine = machine
-    return checked
-
-
-def _out_of_range(machine: Machine) -> list[Fault]:
-    """Numbers that no machine has."""
-    faults = []
-    sweep = machine.arcs.largest_sweep
-    if not 0.0 < sweep <= LARGEST_SWEEP:
-        message = f"must be an angle above 0, at most {LARGEST_SWEEP:g} degrees"
-        faults.append(Fault("arcs.largest_sweep", repr(sweep), message))
-    for key in fields(Dynamics) if machine.dynamics else ():
-        value = getattr(machine.dynamics, key.name)
-        if value <= 0.0:
-            faults.append(Fault(f"dynamics.{key.name}", repr(value), "must be above 0"))
-    return faults
+    return machine
 
 
 def _build(kind: Any, table: dict[str, Any], path: str, faults: list[Fault]) -> Any:
     """An object of the dataclass `kind` from a TOML table; what is wrong goes to `faults`."""
     hints = get_type_hints(kind)
-    expected = [field.name for field in fields(kind)]
     optional = {field.name for field in fields(kind) if field.default is not MISSING}
     for key, given in table.items():
-        if key not in expected:
-            near = difflib.get_close_matches(key, expected, 1)
+        if key not in hints:
+            near = difflib.get_close_matches(key, list(hints), 1)
             hint = f"did you mean {near[0]}?" if near else ""
             faults.append(Fault(path + key, repr(given), "unknown key", hint))
     values: dict[str, Any] = {}
-    for key in expected:
-        if key in table:
-            values[key] = _value(hints[key], table[key], path + key, faults)
-        elif key not in optional:
-            faults.append(Fault(path + key, "", "missing"))
-    return kind(**values) if values.keys() | optional >= set(expected) else None
+    for key, kinds in hints.items():
+        if key not in table:
+            if key not in optional:
+                faults.append(Fault(path + key, "", "missing"))
+            continue
+        given = table[key]
+        inner = next((each for each in _kinds(kinds) if is_dataclass(each)), None)
+        try:
+            if inner is None or not isinstance(given, dict):
+                values[key] = _checked(kinds, given, path + key)
+            else:
+                values[key] = _build(inner, given, f"{path}{key}.", faults)
+        except GeometryError as error:
+            faults.append(Fault(error.key, error.value, error.message))
+    if faults:
+        return None
+    try:
+        return kind(**values)
+    except GeometryError as error:
+        faults.append(Fault(error.key, error.value, error.message))
+        return None
 
 
-def _value(kind: Any, given: Any, path: str, faults: list[Fault]) -> Any:
-    if type(None) in get_args(kind):  # a table that may be left out
-        kind = get_args(kind)[0]
-    if is_dataclass(kind):
-        if isinstance(given, dict):
-            return _build(kind, given, path + ".", faults)
-        faults.append(Fault(path, repr(given), "must be a table"))
-    elif kind is str:
-        if isinstance(given, str):
-            return given
-        faults.append(Fault(path, repr(given), "must be a text"))
-    elif kind in (int, float):
-        numeric = isinstance(given, int if kind is int else int | float)
-        if numeric and not isinstance(given, bool) and 0 <= given < float("inf"):
-            return kind(given)
-        noun = "a whole number" if kind is int else "a number"
-        faults.append(Fault(path, repr(given), f"must be {noun}, not negative"))
-    elif isinstance(given, list) and all(isinstance(line, str) for line in given):
+def _hold(owner: object, path: str) -> None:
+    """Check the fields of a dataclass by their types, see `_checked`."""
+    for key, kind in get_type_hints(type(owner)).items():
+        hold(owner, **{key: _checked(kind, getattr(owner, key), path + key)})
+
+
+def _checked(kind: Any, given: Any, path: str) -> Any:
+    """`given` as one of a field's types; numbers are not negative."""
+    wanted, *others = _kinds(kind)
+    if given is None and others:
+        return None
+    if wanted is float:
+        return number(path, given, least=0.0)
+    if wanted is int:
+        return whole(path, given, 0, LONGEST_LINE)
+    if wanted is str:
+        return instance(path, given, str, "a text")
+    if isinstance(wanted, type) and is_dataclass(wanted):
+        return instance(path, given, wanted, "a table")
+    if isinstance(given, list | tuple) and all(isinstance(line, str) for line in given):
         return tuple(given)
-    else:
-        faults.append(Fault(path, repr(given), "must be a list of texts"))
-    return None
+    raise GeometryError("must be a list of texts", path, shown(given))
+
+
+def _kinds(kind: Any) -> tuple[Any, ...]:
+    """The types that a field may have: itself, or those of a union."""
+    return get_args(kind) if isinstance(kind, UnionType) else (kind,)

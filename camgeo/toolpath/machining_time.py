@@ -21,6 +21,7 @@ import numpy as np
 
 from camgeo.contour.contour import Contour
 from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.checked import hold, positive
 from camgeo.toolpath.moves import ArcFeed, Feed, Point, Rapid, Toolpath
 
 SECONDS = 60.0
@@ -39,6 +40,13 @@ class Dynamics:
 
     acceleration: float
     rapid_feed: float
+
+    def __post_init__(self) -> None:
+        hold(
+            self,
+            acceleration=positive("dynamics.acceleration", self.acceleration, "mm/s^2"),
+            rapid_feed=positive("dynamics.rapid_feed", self.rapid_feed, "mm/min"),
+        )
 
 
 def block_times(

@@ -6,10 +6,22 @@ Millimetres, mm/min, Z = 0 on the upper face of the part, Z up. What moves is th
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
+from camgeo.errors import GeometryError
+from camgeo.numeric.checked import LARGEST, finite, hold, instance, positive, shown
 from camgeo.toolpath.cut import Cut
 
 Point = tuple[float, float, float]
+
+
+def _require(point: Any, size: int) -> None:
+    """Raise GeometryError unless `point` has `size` finite coordinates."""
+    if not (isinstance(point, tuple) and len(point) == size):
+        raise GeometryError(f"must be {size} coordinates", "toolpath", shown(point))
+    for each in point:
+        if type(each) is not float or not -LARGEST <= each <= LARGEST:
+            finite("toolpath", each, "mm")
 
 
 @dataclass(frozen=True, slots=True)
@@ -18,6 +30,9 @@ class Rapid:
 
     end: Point
 
+    def __post_init__(self) -> None:
+        _require(self.end, 3)
+
 
 @dataclass(frozen=True, slots=True)
 class Feed:
@@ -25,6 +40,10 @@ class Feed:
 
     end: Point
     feed: float
+
+    def __post_init__(self) -> None:
+        _require(self.end, 3)
+        positive("toolpath", self.feed, "mm/min")
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,6 +58,12 @@ class ArcFeed:
     ccw: bool
     feed: float
 
+    def __post_init__(self) -> None:
+        _require(self.end, 3)
+        _require(self.centre, 2)
+        instance("toolpath", self.ccw, bool, "true or false")
+        positive("toolpath", self.feed, "mm/min")
+
 
 Move = Rapid | Feed | ArcFeed
 
@@ -50,11 +75,23 @@ class Operation:
     Attributes
     ----------
     cut : what it cuts, and with which tool.
-    moves : in order; the first and the last are traverses at the safe height.
+    moves : in order; the first is a traverse to the safe height above the first point.
+
+    Raises
+    ------
+    GeometryError
+        With key "toolpath", if there is no cut, or it does not begin with a traverse.
     """
 
     cut: Cut
     moves: tuple[Move, ...]
+
+    def __post_init__(self) -> None:
+        instance("toolpath", self.cut, Cut, "a cut")
+        instance("toolpath", self.moves, tuple, "a tuple of moves")
+        if not self.moves or not isinstance(self.moves[0], Rapid):
+            message = f"the operation {self.cut.name} must begin with a traverse"
+            raise GeometryError(message, "toolpath", shown(self.moves[:1]))
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,8 +101,24 @@ class Toolpath:
     Attributes
     ----------
     safe_height : Z of all traverses [mm].
-    operations : in the order of cutting.
+    operations : in the order of cutting, each with a name of its own.
+
+    Raises
+    ------
+    GeometryError
+        With key "output.gcode.safe_height", if that is not above 0; with key "toolpath", if two
+        operations have one name.
     """
 
     safe_height: float
     operations: tuple[Operation, ...]
+
+    def __post_init__(self) -> None:
+        height = positive("output.gcode.safe_height", self.safe_height, "mm")
+        hold(self, safe_height=height)
+        for each in instance("toolpath", self.operations, tuple, "a tuple of operations"):
+            instance("toolpath", each, Operation, "an operation")
+        names = [each.cut.name for each in self.operations]
+        if len(set(names)) < len(names):
+            message = "each operation needs a name of its own"
+            raise GeometryError(message, "toolpath", ", ".join(names))

@@ -3,22 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Final
 
-from camgeo.numeric.checked import hold, instance, positive, whole
+from camgeo.numeric.checked import hold, instance, positive
 from camgeo.toolpath.tool import Tool
-
-UNITS: Final = {
-    "tool_diameter": "mm",
-    "spindle_speed": "rev/min",
-    "feed": "mm/min",
-    "plunge_feed": "mm/min",
-    "pass_depth": "mm",
-    "safe_height": "mm",
-}
-"""Of what is above 0."""
-
-LARGEST_TOOL_NUMBER: Final = 99999
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,14 +39,18 @@ class GcodeSpec:
     def __post_init__(self) -> None:
         key = "output.gcode"
         instance(f"{key}.machine", self.machine, str, "the name or the file of a machine profile")
+        tool = self.tool
         hold(
             self,
-            tool_number=whole(f"{key}.tool_number", self.tool_number, 1, LARGEST_TOOL_NUMBER),
+            tool_diameter=tool.diameter,
+            tool_number=tool.number,
+            spindle_speed=tool.spindle_speed,
+            feed=tool.feed,
+            plunge_feed=tool.plunge_feed,
+            safe_height=positive(f"{key}.safe_height", self.safe_height, "mm"),
         )
-        for name, unit in UNITS.items():
-            value = getattr(self, name)
-            if not (value is None and name == "pass_depth"):
-                hold(self, **{name: positive(f"{key}.{name}", value, unit)})
+        if self.pass_depth is not None:
+            hold(self, pass_depth=positive(f"{key}.pass_depth", self.pass_depth, "mm"))
 
     @property
     def tool(self) -> Tool:

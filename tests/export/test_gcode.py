@@ -372,17 +372,34 @@ def test_a_profile_without_dynamics_tells_no_time(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("key", "line", "message"),
     [
-        ("largest_sweep", "largest_sweep = 181", "above 0, at most 180 degrees"),
-        ("largest_sweep", "largest_sweep = 0", "above 0, at most 180 degrees"),
-        ("acceleration", "acceleration = 0", "dynamics.acceleration = 0.0: must be above 0"),
-        ("rapid_feed", "rapid_feed = 0", "must be above 0"),
+        (
+            "largest_sweep",
+            "largest_sweep = 181",
+            "arcs.largest_sweep = 181.0: must be a number from",
+        ),
+        ("largest_sweep", "largest_sweep = 0", "from 1 to 180"),
+        ("largest_sweep", "largest_sweep = nan", "must be a number from 0"),
+        (
+            "acceleration",
+            "acceleration = 0",
+            "dynamics.acceleration = 0.0: must be a number above 0",
+        ),
+        ("rapid_feed", "rapid_feed = 0", "must be a number above 0"),
+        ("line_length", "line_length = 2", "must be a whole number from 3 to"),
+        ("end", 'end = ["M5", "M{two}"]', "end = 'M{two}': must hold no braces but {unit}"),
         ("rapid_feed", "", "dynamics.rapid_feed: missing"),
-        ("interpolation", "interpolation = -1", "not negative"),
+        ("interpolation", "interpolation = -1", "must be a number from 0"),
     ],
 )
 def test_numbers_that_no_machine_has(tmp_path: Path, key: str, line: str, message: str) -> None:
     product = profile(tmp_path, **{key: line})
     with pytest.raises(SceneError, match=re.escape(message)):
+        WRITER.write(product, 0.01)
+
+
+def test_a_line_too_short_for_a_block_is_told(tmp_path: Path) -> None:
+    product = profile(tmp_path, line_length="line_length = 20")
+    with pytest.raises(SceneError, match="line_length is too short for the block G17"):
         WRITER.write(product, 0.01)
 
 

@@ -149,12 +149,16 @@ def test_a_boundary_goes_on_through_layers() -> None:
 @pytest.mark.parametrize(
     ("layers", "message"),
     [
-        (lambda: (), "needs a layer"),
+        (lambda: (), "needs layers"),
         (lambda: (Layer(0.0, 1.0, ()),), "needs boundaries"),
         (lambda: (Layer(0.0, 1.0, (BORE, BORE)),), "each with a name of its own"),
         (lambda: (Layer(1.0, 0.0, (RIM,)),), "must reach upwards"),
-        (lambda: (Layer(math.nan, 0.0, (RIM,)),), "must reach upwards"),
-        (lambda: (Layer(0.0, math.inf, (RIM,)),), "must reach upwards"),
+        (lambda: (Layer(math.nan, 0.0, (RIM,)),), "must be a finite number"),
+        (lambda: (Layer(0.0, math.inf, (RIM,)),), "must be a finite number"),
+        (lambda: (Layer("0", 1.0, (RIM,)),), "must be a finite number"),  # type: ignore[arg-type]
+        (lambda: (Layer(0.0, 1.0, RIM),), "must be a tuple of boundaries"),  # type: ignore[arg-type]
+        (lambda: (Layer(0.0, 1.0, (3,)),), "must be a boundary with a name"),  # type: ignore[arg-type]
+        (lambda: (RIM,), "needs layers"),
         (lambda: (Layer(0.0, 1.0, (RIM,)), Layer(2.0, 3.0, (RIM,), "hub")), "must begin where"),
         (
             lambda: (Layer(0.0, 1.0, (RIM,)), Layer(1.0, 2.0, (_circle("rim", 9.0, hole=False),))),

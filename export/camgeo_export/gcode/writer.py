@@ -6,9 +6,9 @@ import textwrap
 
 from camgeo.errors import Fault, SceneError
 from camgeo.files.product import Product, Written
-from camgeo.toolpath.machine import CommentStyle, Machine, load
+from camgeo.toolpath.machine import KEY, CommentStyle, Machine, load
 from camgeo.toolpath.machining_time import toolpath_time
-from camgeo.toolpath.moves import Operation, Rapid, Toolpath
+from camgeo.toolpath.moves import Toolpath
 from camgeo.toolpath.spec import GcodeSpec
 from camgeo.toolpath.tool import Tool
 from camgeo.units import MM_PER
@@ -44,7 +44,9 @@ class GcodeWriter:
             lines += comment(f"operation {cut.name}", machine.comment)
             lines += comment(f"depths {depths}", machine.comment)
             lines += comment(cut.note, machine.comment)
-            lines += _blocks(speller, operation)
+            for move in operation.moves:
+                speller.move(move)
+            lines += speller.take()
         speller.retract(toolpath.safe_height)
         lines += speller.take()
         lines += machine.end
@@ -123,14 +125,6 @@ def _change(before: Tool | None, tool: Tool, machine: Machine) -> list[str]:
     return [block.format(**words) for block in blocks]
 
 
-def _blocks(speller: Speller, operation: Operation) -> list[str]:
-    if not isinstance(operation.moves[0], Rapid):
-        raise ValueError(f"operation {operation.cut.name} must begin with a traverse")
-    for move in operation.moves:
-        speller.move(move)
-    return speller.take()
-
-
 def _short(length: float) -> float:
     """A share of the budget with four digits."""
     return float(f"{length:.4g}")
@@ -139,7 +133,8 @@ def _short(length: float) -> float:
 def _check_length(lines: list[str], machine: Machine) -> None:
     for line in lines:
         if len(line) > machine.comment.line_length:
-            raise ValueError(f"block longer than {machine.comment.line_length} characters: {line}")
+            message = f"its comment.line_length is too short for the block {line}"
+            raise SceneError([Fault(KEY, repr(machine.name), message)])
 
 
 WRITER = GcodeWriter()
