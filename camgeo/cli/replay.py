@@ -9,13 +9,13 @@ from dataclasses import dataclass
 from decimal import Decimal, InvalidOperation
 from functools import partial
 from pathlib import Path
-from typing import Any, Final, Protocol
+from typing import Final, Protocol
 
 import numpy as np
 
-from camgeo.cam.cam import Cam
 from camgeo.cli.command import FINE, Subparsers, identity, new_parser, print_json, tell
 from camgeo.cli.plot import RENDERERS, SUFFIXES
+from camgeo.cli.replay_told import Scale, closing_lines, closing_of, lines_of, record_of
 from camgeo.contour.contour import Contour
 from camgeo.design import Design
 from camgeo.errors import Fault, SceneError
@@ -23,13 +23,11 @@ from camgeo.files.product import disc_of
 from camgeo.files.table import Table
 from camgeo.files.value_table import cam_angles
 from camgeo.mechanism.kinds import require_roller
-from camgeo.motion.time_course import TimeCourse, in_time
 from camgeo.numeric.arrays import FloatArray
-from camgeo.numeric.extremes import Extreme
 from camgeo.outline.replay import CORNER, Contact, replay_contour, replay_outline
 from camgeo.outline.replay_result import Replay
 from camgeo.scene.load import load_scene
-from camgeo.units import TURN, LengthUnit
+from camgeo.units import LengthUnit
 from camgeo.workpiece import Workpiece
 
 READERS: Final = "camgeo.readers"
@@ -50,9 +48,6 @@ FLAT: Final = 1e-3
 """Corners of a drawing up to this angle [degrees] are not counted: pieces of 0.1 mm whose ends are
 written with six decimals meet at angles of this size."""
 
-TOUCHING: Final = 1e-9
-"""Rollers that are squeezed by up to this [mm] touch: rounding."""
-
 OUTLINE_SAMPLES: Final = 3601
 
 
@@ -62,14 +57,6 @@ class Reader(Protocol):
     def read(
         self, data: bytes, name: str, *, layer: str | None, unit: LengthUnit | None, gap: float
     ) -> tuple[Contour, ...]: ...
-
-
-@dataclass(frozen=True, slots=True)
-class Scale:
-    """The unit in which the lift is told, and how many of it are in 1 mm or rad."""
-
-    unit: str
-    factor: float
 
 
 def register(subparsers: Subparsers[argparse.ArgumentParser]) -> None:
@@ -142,8 +129,8 @@ def run(parser: argparse.ArgumentParser, arguments: argparse.Namespace) -> int:
     if target is not None:
         what = f"{flank} flank, {first.source}"
         _write(target, first.disc, first.replay, scale, step, what, arguments, pair)
-    records = [_record(each.disc.cam, each.replay, scale) for each in found]
-    closing = None if pair is None else _closing(design, *pair)
+    records = [record_of(each.disc.cam, each.replay, scale) for each in found]
+    closing = None if pair is None else closing_of(design.cam, *pair)
     if arguments.json:
         told = {"contour": first.source, "flank": flank, **records[0]}
         if closing is not None:
@@ -154,10 +141,10 @@ def run(parser: argparse.ArgumentParser, arguments: argparse.Namespace) -> int:
     else:
         for each, record in zip(found, records, strict=True):
             print(f"{each.disc.name}: the roller on {each.source}, {flank} flank")
-            print("\n".join(_lines(record)))
+            print("\n".join(lines_of(record)))
         if closing is not None:
             print(f"{design.name}: both discs")
-            print("\n".join(_closing_lines(closing)))
+            print("\n".join(closing_lines(closing)))
     return FINE
 
 
@@ -260,133 +247,6 @@ def _contour(disc: Workpiece, flank: Contact, file: Path, arguments: argparse.Na
         message = f"crosses itself ({place}): no disc has this outline"
         raise SceneError([Fault("CONTOUR", str(file), message)])
     return chosen
-
-
-# What is told -------------------------------------------------------------------------------------
-
-
-def _record(cam: Cam, replay: Replay, scale: Scale) -> dict[str, Any]:
-    """All that is told, in the unit of the scene; angles in degrees, derivatives per rad."""
-
-    def at(extreme: Extreme) -> dict[str, float]:
-        return {
-            "value": extreme.value * scale.factor + 0.0,
-            "cam_angle_deg": math.degrees(extreme.place),
-        }
-
-    falls = bool(len(replay.drops))
-    peaks = {
-        "velocity": (replay.velocity, replay.demanded_velocity),
-        "acceleration": (replay.acceleration, replay.demanded_acceleration),
-    }
-    record: dict[str, Any] = {
-        "unit": scale.unit,
-        "of": "rocker" if cam.drive.linkage is not None and cam.lift_unit == "rad" else "follower",
-        "lost_stroke": at(replay.largest_loss),
-        "lift_error": at(replay.largest_error),
-    }
-    for name, (actual, demanded) in peaks.items():
-        # Where the roller falls off an edge the velocity has no bound.
-        told = {} if falls else at(actual)
-        record[name] = {**told, "demanded": demanded * scale.factor}
-    record["ripple"] = None if falls else replay.ripple
-    record["ripple_cam_angle_deg"] = math.degrees(replay.largest_acceleration_error.place)
-    jump, drop = replay.shocks.largest(), replay.drops.largest()
-    record["shocks"] = {
-        "count": len(replay.shocks),
-        "largest": None if jump is None else at(jump),
-        "share_of_velocity": replay.largest_shock,
-    }
-    record["drops"] = {
-        "count": len(replay.drops),
-        "largest": None if drop is None else at(drop),
-    }
-    course = cam.drive.time_course
-    if course is not None and not falls:
-        record["in_time"] = _in_time(course, replay, scale)
-    return record
-
-
-def _in_time(course: TimeCourse, replay: Replay, scale: Scale) -> dict[str, float]:
-    """Largest velocity and acceleration per second, actual and demanded at the samples."""
-    out = {}
-    for name, jet in (("actual", replay.actual), ("demanded", replay.demanded)):
-        full = np.vstack((jet, np.zeros_like(jet[:1])))
-        timed = in_time(full, course, replay.phi)
-        out[f"{name}_velocity"] = float(np.max(np.abs(timed[1]))) * scale.factor
-        acceleration = np.abs(timed[2])[replay.smooth]
-        out[f"{name}_acceleration"] = float(np.max(acceleration)) * scale.factor
-    return out
-
-
-def _closing(design: Design, main: Replay, other: Replay) -> dict[str, Any]:
-    """Play and squeeze of a conjugate pair, as way of the main roller [mm]."""
-    from camgeo.outline.closing import closing_error  # few cams are pairs
-
-    found = closing_error(main, other)
-    scale = abs(design.cam.follower.reach)
-
-    def at(extreme: Extreme) -> dict[str, float]:
-        place = math.degrees(extreme.place % TURN)
-        return {"value": scale * extreme.value + 0.0, "cam_angle_deg": place}
-
-    return {"unit": "mm", "largest_play": at(found.highest), "smallest_play": at(found.lowest)}
-
-
-def _closing_lines(closing: dict[str, Any]) -> list[str]:
-    """Play, and squeeze where it is negative."""
-    lines = []
-    for name in ("largest play", "smallest play"):
-        told = closing[name.replace(" ", "_")]
-        tail = ": the rollers are squeezed there" if told["value"] < -TOUCHING else ""
-        lines.append(f"{name:22}{_at(told, 'mm')}, as way of the main roller{tail}")
-    return lines
-
-
-def _lines(record: dict[str, Any]) -> list[str]:
-    unit = record["unit"]
-    lines = [
-        f"{'lost stroke':22}{_at(record['lost_stroke'], unit)}",
-        f"{'lift error':22}{_at(record['lift_error'], unit)}",
-    ]
-    for name, per in (("velocity", "rad"), ("acceleration", "rad^2")):
-        told = record[name]
-        actual = _at(told, f"{unit}/{per}") if "value" in told else "unbounded"
-        lines.append(f"{name:22}{actual}; demanded {told['demanded']:.6g}")
-    if record["ripple"] is not None:
-        place = record["ripple_cam_angle_deg"]
-        lines.append(
-            f"{'ripple':22}{_percent(record['ripple'])} of the demanded peak acceleration,"
-            f" at cam angle {place:.6g} deg"
-        )
-    shocks, drops = record["shocks"], record["drops"]
-    text = "none"
-    if shocks["largest"] is not None:
-        text = f"{shocks['count']}, the largest {_at(shocks['largest'], f'{unit}/rad')}"
-        if shocks["share_of_velocity"] is not None:
-            text += f", {_percent(shocks['share_of_velocity'])} of the demanded peak velocity"
-    lines.append(f"{'shocks':22}{text}")
-    if drops["largest"] is not None:
-        lines.append(
-            f"{'falls off an edge':22}{drops['count']} times, {_at(drops['largest'], unit)}"
-        )
-    if "in_time" in record:
-        timed = record["in_time"]
-        for name, per in (("velocity", "s"), ("acceleration", "s^2")):
-            lines.append(
-                f"{name + ' in time':22}{timed[f'actual_{name}']:.6g} {unit}/{per}; demanded"
-                f" {timed[f'demanded_{name}']:.6g}"
-            )
-    return lines
-
-
-def _at(told: dict[str, float], unit: str) -> str:
-    return f"{told['value']:.6g} {unit} at cam angle {told['cam_angle_deg']:.6g} deg"
-
-
-def _percent(share: float) -> str:
-    percent = 100.0 * share
-    return f"{percent:.0f} %" if percent >= 100.0 else f"{percent:.3g} %"
 
 
 # Files --------------------------------------------------------------------------------------------

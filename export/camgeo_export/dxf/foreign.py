@@ -19,6 +19,7 @@ from camgeo.contour.spline import Arc, CubicSpline
 from camgeo.units import MM_PER, LengthUnit
 from camgeo_export.chain import chain
 from camgeo_export.dxf.curves import Curve, closed, spline_of
+from camgeo_export.dxf.items import Item, Tag, number_of, read_items
 from camgeo_export.errors import FileError
 
 MM_PER_INSUNIT = {1: 25.4, 2: 304.8, 4: 1.0, 5: 10.0, 6: 1000.0}
@@ -37,52 +38,6 @@ CLOSED = 1
 
 NOT_FLAT = 2 | 4 | 8 | 16 | 64
 """Bits of group 70 of a POLYLINE that is fitted by a curve, or is a polygon mesh or in space."""
-
-
-@dataclass(frozen=True, slots=True)
-class Tag:
-    """A group code with its value and the line of the value."""
-
-    code: int
-    value: str
-    line: int
-
-
-@dataclass(frozen=True, slots=True)
-class Item:
-    """An entity of the drawing with the line at which it begins and its vertices, if it has any."""
-
-    name: str
-    kind: str
-    line: int
-    tags: tuple[Tag, ...]
-    vertices: tuple[Item, ...] = ()
-
-    @property
-    def layer(self) -> str:
-        """Its layer, 0 where it names none."""
-        return next((tag.value for tag in self.tags if tag.code == 8), "0")
-
-    def fault(self, message: str) -> FileError:
-        """The error that says what is wrong with it."""
-        return FileError(f"{self.name}, line {self.line}: {self.kind} {message}")
-
-    def number(self, code: int, default: float | None = None) -> float:
-        """The first value of group `code`."""
-        tag = next((tag for tag in self.tags if tag.code == code), None)
-        if tag is None:
-            if default is None:
-                raise self.fault(f"has no group {code}")
-            return default
-        return _number(tag, self.name)
-
-    @property
-    def mirrored(self) -> bool:
-        """True if its own x axis points the other way (extrusion 0, 0, -1)."""
-        x, y, z = (self.number(code, default) for code, default in ((210, 0), (220, 0), (230, 1)))
-        if x or y or abs(z) != 1.0:
-            raise self.fault("does not lie in the plane of the drawing")
-        return z < 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -162,7 +117,7 @@ def _closed(
     kinds: tuple[str, ...],
 ) -> list[Strand]:
     """The closed strands of the entities of `kinds`."""
-    header, items = _read(data, name)
+    header, items = read_items(data, name)
     scale = _scale(header, unit, name)
     chosen = _on_layer(items, layer, name, kinds)
     strands = [strand for item in chosen for strand in _strands(item, scale)]
@@ -173,70 +128,10 @@ def _closed(
     return found
 
 
-def _number(tag: Tag, name: str) -> float:
-    try:
-        number = float(tag.value)
-    except ValueError:
-        number = math.nan
-    if not math.isfinite(number):
-        raise FileError(f"{name}, line {tag.line}: {tag.value[:40]!r} is no finite number")
-    return number
-
-
-def _tags(data: bytes, name: str) -> Iterator[Tag]:
-    if data.startswith(b"AutoCAD Binary DXF"):
-        raise FileError(f"{name}: is a binary DXF; save it as text (ASCII)")
-    lines = data.decode("utf-8", errors="replace").splitlines()
-    for index in range(0, len(lines) - 1, 2):
-        try:
-            code = int(lines[index])
-        except ValueError:
-            raise FileError(
-                f"{name}, line {index + 1}: {lines[index][:40]!r} is no group code; not a DXF file"
-            ) from None
-        yield Tag(code, lines[index + 1].strip(), index + 2)
-
-
-def _read(data: bytes, name: str) -> tuple[dict[str, Tag], list[Item]]:
-    """Header variables, each with its first value, and the entities of the model space."""
-    tags = list(_tags(data, name))
-    if not tags or (tags[-1].code, tags[-1].value) != (0, "EOF"):
-        raise FileError(f"{name}: not a whole DXF file: no EOF at its end")
-    header: dict[str, Tag] = {}
-    items: list[Item] = []
-    section = ""
-    for index, tag in enumerate(tags):
-        if tag.code == 0 and tag.value in ("SECTION", "ENDSEC", "EOF"):
-            section = tags[index + 1].value if tag.value == "SECTION" else ""
-        elif section == "HEADER" and tag.code == 9:
-            header[tag.value] = tags[index + 1]
-        elif section == "ENTITIES" and tag.code == 0:
-            end = index + 1
-            while tags[end].code != 0:
-                end += 1
-            items.append(Item(name, tag.value, tag.line, tuple(tags[index + 1 : end])))
-    model = (item for item in items if item.number(67, 0.0) == 0.0)
-    return header, list(_with_vertices(list(model)))
-
-
-def _with_vertices(items: list[Item]) -> Iterator[Item]:
-    """The entities, with VERTEX entities gathered into their POLYLINE."""
-    place = 0
-    while place < len(items):
-        item = items[place]
-        place += 1
-        if item.kind == "POLYLINE":
-            first = place
-            while place < len(items) and items[place].kind == "VERTEX":
-                place += 1
-            item = Item(item.name, item.kind, item.line, item.tags, tuple(items[first:place]))
-        yield item
-
-
 def _scale(header: dict[str, Tag], unit: LengthUnit | None, name: str) -> float:
     """Millimetres of a drawing unit."""
     tag = header.get("$INSUNITS")
-    code = 0 if tag is None else int(_number(tag, name))
+    code = 0 if tag is None else int(number_of(tag, name))
     if code == 0:
         if unit is None:
             raise FileError(f"{name}: does not say its unit ($INSUNITS); say mm or inch (--unit)")
@@ -296,7 +191,7 @@ def _arc(item: Item, scale: float) -> Strand:
 
 
 def _spline(item: Item, scale: float) -> Strand:
-    numbers = [(tag.code, _number(tag, item.name)) for tag in item.tags if 10 <= tag.code < 80]
+    numbers = [(tag.code, number_of(tag, item.name)) for tag in item.tags if 10 <= tag.code < 80]
     try:
         spline = spline_of(numbers, scale)
     except FileError as error:
@@ -315,9 +210,9 @@ def _polyline(item: Item, scale: float) -> Strand:
     else:
         for tag in item.tags:
             if tag.code == 10:
-                rows.append([_number(tag, item.name), 0.0, 0.0])
+                rows.append([number_of(tag, item.name), 0.0, 0.0])
             elif tag.code in (20, 42) and rows:
-                rows[-1][1 if tag.code == 20 else 2] = _number(tag, item.name)
+                rows[-1][1 if tag.code == 20 else 2] = number_of(tag, item.name)
     points = [complex(x, y) * scale for x, y, _ in rows]
     sweeps = [4.0 * math.atan(bulge) for _, _, bulge in rows]
     if not flags & CLOSED:

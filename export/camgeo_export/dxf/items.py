@@ -1,0 +1,117 @@
+"""What stands in a DXF file: tags, and the entities that they make up."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from camgeo_export.errors import FileError
+
+
+@dataclass(frozen=True, slots=True)
+class Tag:
+    """A group code with its value and the line of the value."""
+
+    code: int
+    value: str
+    line: int
+
+
+@dataclass(frozen=True, slots=True)
+class Item:
+    """An entity of the drawing with the line at which it begins and its vertices, if it has any."""
+
+    name: str
+    kind: str
+    line: int
+    tags: tuple[Tag, ...]
+    vertices: tuple[Item, ...] = ()
+
+    @property
+    def layer(self) -> str:
+        """Its layer, 0 where it names none."""
+        return next((tag.value for tag in self.tags if tag.code == 8), "0")
+
+    def fault(self, message: str) -> FileError:
+        """The error that says what is wrong with it."""
+        return FileError(f"{self.name}, line {self.line}: {self.kind} {message}")
+
+    def number(self, code: int, default: float | None = None) -> float:
+        """The first value of group `code`."""
+        tag = next((tag for tag in self.tags if tag.code == code), None)
+        if tag is None:
+            if default is None:
+                raise self.fault(f"has no group {code}")
+            return default
+        return number_of(tag, self.name)
+
+    @property
+    def mirrored(self) -> bool:
+        """True if its own x axis points the other way (extrusion 0, 0, -1)."""
+        x, y, z = (self.number(code, default) for code, default in ((210, 0), (220, 0), (230, 1)))
+        if x or y or abs(z) != 1.0:
+            raise self.fault("does not lie in the plane of the drawing")
+        return z < 0.0
+
+
+def number_of(tag: Tag, name: str) -> float:
+    """The finite number that a tag of the file `name` has."""
+    try:
+        number = float(tag.value)
+    except ValueError:
+        number = math.nan
+    if not math.isfinite(number):
+        raise FileError(f"{name}, line {tag.line}: {tag.value[:40]!r} is no finite number")
+    return number
+
+
+def tags_of(data: bytes, name: str) -> Iterator[Tag]:
+    """All tags of the file `name`, in order."""
+    if data.startswith(b"AutoCAD Binary DXF"):
+        raise FileError(f"{name}: is a binary DXF; save it as text (ASCII)")
+    lines = data.decode("utf-8", errors="replace").splitlines()
+    for index in range(0, len(lines) - 1, 2):
+        try:
+            code = int(lines[index])
+        except ValueError:
+            raise FileError(
+                f"{name}, line {index + 1}: {lines[index][:40]!r} is no group code; not a DXF file"
+            ) from None
+        yield Tag(code, lines[index + 1].strip(), index + 2)
+
+
+def read_items(data: bytes, name: str) -> tuple[dict[str, Tag], list[Item]]:
+    """Header variables, each with its first value, and the entities of the model space."""
+    tags = list(tags_of(data, name))
+    if not tags or (tags[-1].code, tags[-1].value) != (0, "EOF"):
+        raise FileError(f"{name}: not a whole DXF file: no EOF at its end")
+    header: dict[str, Tag] = {}
+    items: list[Item] = []
+    section = ""
+    for index, tag in enumerate(tags):
+        if tag.code == 0 and tag.value in ("SECTION", "ENDSEC", "EOF"):
+            section = tags[index + 1].value if tag.value == "SECTION" else ""
+        elif section == "HEADER" and tag.code == 9:
+            header[tag.value] = tags[index + 1]
+        elif section == "ENTITIES" and tag.code == 0:
+            end = index + 1
+            while tags[end].code != 0:
+                end += 1
+            items.append(Item(name, tag.value, tag.line, tuple(tags[index + 1 : end])))
+    model = (item for item in items if item.number(67, 0.0) == 0.0)
+    return header, list(_with_vertices(list(model)))
+
+
+def _with_vertices(items: list[Item]) -> Iterator[Item]:
+    """The entities, with VERTEX entities gathered into their POLYLINE."""
+    place = 0
+    while place < len(items):
+        item = items[place]
+        place += 1
+        if item.kind == "POLYLINE":
+            first = place
+            while place < len(items) and items[place].kind == "VERTEX":
+                place += 1
+            item = Item(item.name, item.kind, item.line, item.tags, tuple(items[first:place]))
+        yield item
