@@ -146,6 +146,9 @@ def fault_of_module(module: str, imported: Import) -> str:
     effect = effect_of(imported.target)
     if effect and effect != effect_of(module) and module != f"{PACKAGE}.effects.registry":
         return f"imports {imported.target}"
+    declares = effect and module == f"{PACKAGE}.effects.{effect}"
+    if declares and imported.target not in (module, f"{module}.spec"):
+        return f"imports {imported.target}, which computes what it declares"
     return ""
 
 
@@ -351,8 +354,9 @@ SOUND = {
     "effects/effect.py": "",
     "effects/spring.py": "from camgeo.effects.effect import Effect\n",
     "effects/registry.py": "def load():\n    from camgeo.effects import spring\n",
-    "effects/shake/__init__.py": "from camgeo.effects.shake.response import solve\n",
-    "effects/shake/response.py": "from camgeo.effects.effect import Effect\n",
+    "effects/shake/__init__.py": "from camgeo.effects.shake.spec import parse\n",
+    "effects/shake/spec.py": "",
+    "effects/shake/response.py": "from camgeo.effects.shake.spec import parse\n",
     "design.py": (
         "from camgeo.motion.plan import MotionPlan\nfrom camgeo.effects.registry import load\n"
         "def solve():\n    from scipy.optimize import brentq\n"
@@ -420,6 +424,7 @@ def test_a_sound_tree_has_no_violation(tmp_path: Path) -> None:
         ("design.py", "def f():\n    from camgeo.effects import spring", "camgeo.effects.spring"),
         ("effects/mass.py", "import camgeo.effects.spring", "imports camgeo.effects.spring"),
         ("effects/mass/a.py", "from camgeo.effects import spring", "imports camgeo.effects.spring"),
+        ("effects/shake/__init__.py", "import camgeo.effects.shake.response", "which computes"),
         ("effects/effect.py", "def f():\n    from camgeo.effects import spring", "effects.spring"),
     ],
 )

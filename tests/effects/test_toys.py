@@ -1,0 +1,230 @@
+"""A new effect, in another distribution or in camgeo itself: what it takes, from scene to files."""
+
+from __future__ import annotations
+
+import csv
+import json
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any, Final
+
+import pytest
+
+import camgeo
+from tests.effects.scenes import SCENES
+
+DECLARATION: Final = """
+from camgeo.effects.effect import Effect
+from camgeo.effects.results import CONTACT_FORCE
+from camgeo.effects.rules import ONE_DISC, Only
+
+
+def parse(table):
+    return table["gain"], table.get("gap", 0.0)
+
+
+EFFECT = Effect(
+    name="noise",
+    title="noise of the follower",
+    compute="PACKAGE.result:compute",
+    schema={
+        "description": "How loud the follower is.",
+        "type": "object",
+        "required": ["gain"],
+        "additionalProperties": False,
+        "properties": {
+            "gain": {"description": "By force.", "type": "number", "minimum": 0, "x-unit": "N m"},
+            "gap": {"description": "Play of the roller.", "$ref": "#/$defs/length"},
+        },
+    },
+    parse=parse,
+    rules=(Only(ONE_DISC),),
+    needs=(CONTACT_FORCE,),
+    keys=(("cam.speed",),),
+)
+"""
+
+RESULT: Final = """
+from dataclasses import dataclass
+
+from camgeo.check.finding import Finding
+from camgeo.effects.effect import Column
+from camgeo.effects.results import CONTACT_FORCE
+
+
+@dataclass(frozen=True)
+class Noise:
+    findings: tuple
+    columns: tuple
+    error: None = None
+
+
+def compute(request):
+    gain, gap = request.spec
+    force = request.results[CONTACT_FORCE]
+    loudest = gain * force.extremes.magnitude + gap
+    return Noise(
+        (Finding("loudest", "ok", f"as loud as {loudest:g}", loudest),),
+        (Column("noise", "N mm", lambda phi, side: gain * abs(force.normal(phi, side))),),
+    )
+"""
+
+SPRING: Final = """
+[effects.spring]
+stiffness = 4
+preload = 80
+"""
+
+NOISE: Final = f"{SPRING}\n[effects.noise]\ngain = 2\n"
+
+GAIN: Final = 2000.0
+"""Of `NOISE`, in N mm."""
+
+
+def distribution(folder: Path) -> Path:
+    """A distribution of its own, as pip would unpack it into `folder`."""
+    package = folder / "toy_noise"
+    package.mkdir()
+    (package / "__init__.py").write_text(DECLARATION.replace("PACKAGE", "toy_noise"), "utf-8")
+    (package / "result.py").write_text(RESULT, "utf-8")
+    metadata = folder / "toy_noise-1.0.dist-info"
+    metadata.mkdir()
+    (metadata / "METADATA").write_text("Metadata-Version: 2.1\nName: toy-noise\nVersion: 1.0\n")
+    (metadata / "entry_points.txt").write_text("[camgeo.effects]\nnoise = toy_noise:EFFECT\n")
+    return folder
+
+
+def tree(folder: Path) -> Path:
+    """A copy of camgeo with the effect as one of its own: a package, and a line of the registry."""
+    shutil.copytree(
+        Path(camgeo.__file__).parent,
+        folder / "camgeo",
+        ignore=shutil.ignore_patterns("__pycache__"),
+    )
+    package = folder / "camgeo" / "effects" / "noise"
+    package.mkdir()
+    (package / "__init__.py").write_text(
+        DECLARATION.replace("PACKAGE", "camgeo.effects.noise"), "utf-8"
+    )
+    (package / "result.py").write_text(RESULT, "utf-8")
+    registry = folder / "camgeo" / "effects" / "registry.py"
+    text = registry.read_text("utf-8")
+    assert text.count('    "drive-torque",\n') == 1
+    registry.write_text(
+        text.replace('    "drive-torque",\n', '    "noise",\n    "drive-torque",\n')
+    )
+    return folder
+
+
+@pytest.fixture(params=[distribution, tree])
+def home(request: pytest.FixtureRequest, tmp_path: Path) -> Path:
+    """A folder that has the effect, for the path of an interpreter."""
+    folder = tmp_path / "home"
+    folder.mkdir()
+    found: Path = request.param(folder)
+    return found
+
+
+def run(home: Path, *arguments: str | Path) -> tuple[int, str]:
+    """Exit code and output of camgeo in a fresh interpreter that has `home` on its path."""
+    done = subprocess.run(
+        [sys.executable, "-m", "camgeo", *map(str, arguments)],
+        cwd=home, env={"PYTHONPATH": str(home)},
+        capture_output=True, text=True, check=False, timeout=120,
+    )  # fmt: skip
+    return done.returncode, done.stdout + done.stderr
+
+
+def scene(folder: Path, effects: str, name: str = "plate_translating") -> Path:
+    path = folder / "scene.toml"
+    path.write_text(f"{(SCENES / f'{name}.toml').read_text('utf-8')}\n{effects}", "utf-8")
+    return path
+
+
+def finding(home: Path, file: Path) -> dict[str, Any]:
+    _, told = run(home, "check", file, "--json")
+    (found,) = (each for each in json.loads(told)["effects"]["noise"] if each["name"] == "loudest")
+    assert isinstance(found, dict)
+    return found
+
+
+def test_it_is_computed_with_what_it_needs(home: Path, tmp_path: Path) -> None:
+    file = scene(tmp_path, NOISE)
+    _, told = run(home, "explain", file)
+    assert "effects.noise" in told
+    assert "effects.contact-force" in told
+    loud = finding(home, file)["value"]
+    assert loud > GAIN * 80.0  # of the preload alone
+
+
+def test_its_lengths_are_in_the_unit_of_the_scene(home: Path, tmp_path: Path) -> None:
+    quiet = f"{SPRING}\n[effects.noise]\ngain = 0\n"
+    assert finding(home, scene(tmp_path, f"{quiet}gap = 3\n"))["value"] == 3.0
+    inch = finding(home, scene(tmp_path, f"{quiet}gap = 3\n", "inch"))
+    assert inch["value"] == pytest.approx(3.0 * 25.4, rel=1e-15)
+
+
+def test_its_columns_are_in_the_table(home: Path, tmp_path: Path) -> None:
+    code, told = run(home, "build", scene(tmp_path, NOISE), "--only", "csv", "-o", tmp_path / "out")
+    assert code == 0, told
+    (table,) = (tmp_path / "out").glob("*.csv")
+    lines = [line for line in table.read_text("utf-8").splitlines() if not line.startswith("#")]
+    (name,) = (each for each in next(csv.reader(lines)) if "noise" in each)
+    rows = list(csv.DictReader(lines))
+    assert max(float(row[name]) for row in rows) > GAIN * 80.0
+
+
+@pytest.mark.parametrize(
+    ("text", "name", "message"),
+    [
+        ("gap = 1", "plate_translating", "effects.noise.gain: is missing: By force"),
+        ("gain = -1", "plate_translating", "effects.noise.gain = -1: must be a number, at least 0"),
+        (
+            "gain = 1\ngab = 1",
+            "plate_translating",
+            "effects.noise.gab = 1: is not a known key (did",
+        ),
+        ("gain = 1\ngap = 0", "plate_translating", "effects.noise.gap = 0: must be a positive"),
+        ("gain = 1", "conjugate_lever", "effects.noise: knows one disc"),
+        ("gain = 1", "ring", "effects.noise: needs [cam] speed"),
+    ],
+)
+def test_its_table_is_refused_in_the_words_of_all_others(
+    home: Path, tmp_path: Path, text: str, name: str, message: str
+) -> None:
+    code, told = run(home, "check", scene(tmp_path, f"[effects.noise]\n{text}\n", name))
+    assert code == 2
+    assert message in told
+
+
+def test_editors_know_it(home: Path) -> None:
+    code = (
+        "from camgeo.effects.registry import effect_names\n"
+        "from camgeo.scene.whole_schema import whole_schema\n"
+        "import json; print(json.dumps(whole_schema(effect_names())))"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code],
+        cwd=home, env={"PYTHONPATH": str(home)}, capture_output=True, text=True, check=True,
+    )  # fmt: skip
+    noise = json.loads(done.stdout)["properties"]["effects"]["properties"]["noise"]
+    assert noise["description"] == "How loud the follower is. Not with a conjugate pair."
+
+
+def test_unless_a_scene_names_an_unknown_effect_no_other_distribution_is_looked_at(
+    tmp_path: Path,
+) -> None:
+    code = (
+        "import importlib.metadata, sys\n"
+        "def refuse(**_): raise AssertionError('looked at')\n"
+        "importlib.metadata.entry_points = refuse\n"
+        "import camgeo; camgeo.load(sys.argv[1])"
+    )
+    run_ = [sys.executable, "-c", code]
+    subprocess.run([*run_, str(scene(tmp_path, SPRING))], check=True, timeout=120)
+    named = subprocess.run(
+        [*run_, str(scene(tmp_path, NOISE))], capture_output=True, text=True, check=False
+    )
+    assert "looked at" in named.stderr
