@@ -7,7 +7,7 @@ import math
 from typing import Final
 
 from camgeo.errors import GeometryError
-from camgeo.motion.laws import ALIASES, FAMILIES, make_law
+from camgeo.motion.laws import ALIASES, FAMILIES, OPTIONS, make_law
 from camgeo.motion.laws.law import Law
 from camgeo.motion.task import TASKS
 from camgeo.scene.words import nearest
@@ -18,15 +18,13 @@ EVERY_TASK: Final = "all"
 
 PARAMETERS: Final = {
     "inflection": ("LAMBDA", "z of the inflection point, counted as in VDI 2143"),
-    "curved": ("C", "share of z outside the stretch of constant velocity"),
     "v0": ("F1", "f'(0)"),
     "a0": ("F2", "f''(0)"),
     "j0": ("F3", "f'''(0)"),
     "v1": ("F1", "f'(1)"),
     "a1": ("F2", "f''(1)"),
     "j1": ("F3", "f'''(1)"),
-    "sine": ("B", "share b of the sines in the curved part of an SCCA law"),
-    "cosine": ("D", "share d of the cosines in the curved part of an SCCA law"),
+    **{name: (option.symbol.upper(), option.text) for name, option in OPTIONS.items()},
 }
 """What `make_law` may take besides name and task: metavar and help of the option."""
 

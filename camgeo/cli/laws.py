@@ -20,7 +20,7 @@ from camgeo.cli.law_options import (
     parameters_from,
 )
 from camgeo.cli.plot import RENDERERS, SUFFIXES
-from camgeo.motion.laws import ALIASES, FAMILIES
+from camgeo.motion.laws import ALIASES, FAMILIES, OPTIONS
 from camgeo.motion.laws.comparison import QUANTITIES, Entry, Running, compare
 from camgeo.motion.task import NAMES, TASKS, End, ends_of
 from camgeo.units import RPM
@@ -34,7 +34,10 @@ PHYSICAL_HEAD: Final = ("v", "a", "a*", "j", "j*", "M/m", "M/m*")
 
 UNITS: Final = ("mm/s", "mm/s^2", "mm/s^2", "mm/s^3", "mm/s^3", "N m/kg", "N m/kg")
 
-SYMBOLS: Final = {"inflection": "lambda", "curved": "c", "sine": "b", "cosine": "d"}
+SYMBOLS: Final = {
+    "inflection": "lambda",
+    **{name: option.symbol for name, option in OPTIONS.items()},
+}
 """How the table calls parameters that the guideline has a letter for."""
 
 RUNNING: Final = {

@@ -11,15 +11,14 @@ import numpy as np
 from camgeo.errors import Fault, GeometryError
 from camgeo.motion.boundary import FREE
 from camgeo.motion.planning import MoveRequest, PointsRequest, Request, Rest, TableRequest, Unit
+from camgeo.motion.spans import FULL_TURN
 from camgeo.scene.data_files import DataFiles
 from camgeo.scene.keys import Path
-from camgeo.scene.rules import SHAPES
+from camgeo.scene.laws import INFLECTION, SHAPES
 from camgeo.scene.sound import SoundValues
 
 EQUAL: Final = "equal-"
 """Begins the words for the inflection point that makes both parts of a law equal in something."""
-
-TURN_DEG: Final = Decimal(360)
 
 UNITS: Final = {
     "mm": ("mm",),
@@ -63,7 +62,7 @@ class MotionRequests:
         to = self._scale * table["to"]
         if table["law"] == "points":
             return self._points(place, table, span, to, end)
-        inflection = table.get("inflection")
+        inflection = table.get(INFLECTION)
         balance = inflection.removeprefix(EQUAL) if isinstance(inflection, str) else ""
         return MoveRequest(
             span=span,
@@ -72,7 +71,7 @@ class MotionRequests:
             parameters={
                 key: float(table[key])
                 for key in SHAPES
-                if key in table and not (balance and key == "inflection")
+                if key in table and not (balance and key == INFLECTION)
             },
             jerk=self._scaled(table.get("jerk")),
             optimise=_weights(table.get("optimise")),
@@ -125,7 +124,7 @@ class MotionRequests:
         if data is None:
             return None
         try:
-            rows = read_lift_table(data, table["file"], float(span), periodic=span == TURN_DEG)
+            rows = read_lift_table(data, table["file"], float(span), periodic=span == FULL_TURN)
         except GeometryError as error:
             self._fault(key, error.message)
             return None

@@ -13,6 +13,7 @@ from camgeo.mechanism.declared.registry import FOLLOWERS, LINKAGES
 from camgeo.motion.laws import find_family
 from camgeo.motion.planning import AUTO
 from camgeo.scene.folder import beside
+from camgeo.scene.laws import BY_DATA, SHAPES
 from camgeo.scene.model import OutputSpec
 from camgeo.scene.schema import EFFECTS
 from camgeo.scene.sound import SoundValues
@@ -50,8 +51,6 @@ SOLID_FORMATS: Final = ("stl", "3mf", "gcode")
 
 DEFAULT_TOLERANCE: Final = OutputSpec().tolerance
 
-SHAPES: Final = ("inflection", "curved", "sine", "cosine")
-"""Keys of a move that shape its law."""
 
 YOKE: Final = ("follower", "yoke")
 
@@ -131,7 +130,7 @@ def laws_have_their_parameters(values: SoundValues) -> Iterator[Fault]:
     for index in range(values.segments):
         place = ("motion", index)
         name = values.get(*place, "law")
-        if name is None or not values.sound(*place) or name in ("table", "points"):
+        if name is None or not values.sound(*place) or name in BY_DATA:
             continue
         if name != AUTO and values.has(*place, "optimise"):
             yield values.scene.fault((*place, "optimise"), f'belongs to law "{AUTO}"')

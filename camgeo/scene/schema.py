@@ -1,13 +1,14 @@
 """The JSON Schema of the scene format: the one definition of its keys, types and ranges.
 
 It is composed: of the file beside this module, of what followers and linkages declare of their
-tables, and of the tables of effects. A scene is held against a schema with the tables of the
-effects that it names and no others.
+tables and laws of their parameters, and of the tables of effects. A scene is held against a schema
+with the tables of the effects that it names and no others.
 
 Besides the keywords of JSON Schema it carries these, for the messages:
 
 x-allowed : what is allowed, in words; else the words follow from type and range.
 x-barring : the name of this key of [follower], with which some effects have no place.
+x-default-by-law : what the key's absence means with each law, if always the same.
 x-later : values or keys that the format names but this version does not have.
 x-siblings : names of the definitions that stand beside this one in a choice.
 x-unit : unit of a number.
@@ -27,6 +28,7 @@ from typing import TYPE_CHECKING, Any, Final
 from jsonschema_rs import Draft202012Validator
 
 from camgeo.scene.kinds import with_kinds
+from camgeo.scene.laws import with_laws
 
 if TYPE_CHECKING:
     from camgeo.effects.effect import Effect
@@ -43,7 +45,7 @@ Node = dict[str, Any]
 @functools.cache
 def schema() -> Node:
     """Return the schema without any effects; it is shared and must not be changed."""
-    return with_kinds(json.loads(SCHEMA_FILE.read_bytes()))
+    return with_laws(with_kinds(json.loads(SCHEMA_FILE.read_bytes())))
 
 
 @dataclass(frozen=True, slots=True)

@@ -156,7 +156,7 @@ LAW = ["--law", "modified-sine"]
         ([*LAW, "--inflection", "x"], "argument --inflection: 'x' is no number"),
         ([*LAW, "--v0", "inf"], "argument --v0: 'inf' is no finite number"),
         ([*LAW, "--inflection", "1.5"], "inflection = 1.5: "),
-        ([*LAW, "--inflection", "1e-300", "--json"], "too large for a number at z = 0"),
+        ([*LAW, "--inflection", "1e-300", "--json"], "must lie strictly between 0 and 1"),
         ([*LAW, "--task", "X-R"], "argument --task: invalid choice: 'X-R'"),
     ],
 )

@@ -1,28 +1,16 @@
-"""Motion laws by name, one module a family. Registering a family here puts it under test."""
+"""Motion laws by name, one module a family: its name in `REGISTERED` is all that names it here."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from importlib import import_module
 from typing import Final
 
 from camgeo.errors import GeometryError
 from camgeo.motion.laws.characteristic import Characteristic, characteristic
-from camgeo.motion.laws.double_harmonic import DOUBLE_HARMONIC
-from camgeo.motion.laws.family import Family
-from camgeo.motion.laws.harmonic_combination import HARMONIC_COMBINATION
-from camgeo.motion.laws.inclined_sine import INCLINED_SINE
+from camgeo.motion.laws.family import Family, Option
 from camgeo.motion.laws.law import Law
-from camgeo.motion.laws.modified_sine import MODIFIED_SINE
-from camgeo.motion.laws.modified_trapezoid import MODIFIED_TRAPEZOID
-from camgeo.motion.laws.polynomial_345 import POLYNOMIAL_345
-from camgeo.motion.laws.polynomial_4567 import POLYNOMIAL_4567
-from camgeo.motion.laws.polynomials import POLYNOMIAL, POLYNOMIAL_5, POLYNOMIAL_7
-from camgeo.motion.laws.quadratic_parabola import QUADRATIC_PARABOLA
-from camgeo.motion.laws.scca import SCCA
-from camgeo.motion.laws.simple_sine import SIMPLE_SINE
-from camgeo.motion.laws.sine_straight import SINE_STRAIGHT
-from camgeo.motion.laws.straight_line import STRAIGHT_LINE
 from camgeo.numeric import checked
 
 __all__ = [
@@ -31,6 +19,7 @@ __all__ = [
     "FAMILIES",
     "LARGEST",
     "LAWS",
+    "OPTIONS",
     "Characteristic",
     "characteristic",
     "find_family",
@@ -38,28 +27,37 @@ __all__ = [
     "make_law",
 ]
 
+REGISTERED: Final = (
+    "straight-line",
+    "quadratic-parabola",
+    "simple-sine",
+    "polynomial-345",
+    "polynomial-4567",
+    "inclined-sine",
+    "modified-trapezoid",
+    "modified-sine",
+    "scca",
+    "sine-straight",
+    "harmonic-combination",
+    "double-harmonic",
+    "polynomial-5",
+    "polynomial-7",
+    "polynomial",
+)
+"""Names of the families; each has the module of its name, whose `FAMILY` it is."""
+
 FAMILIES: Final[dict[str, Family]] = {
-    family.name: family
-    for family in (
-        STRAIGHT_LINE,
-        QUADRATIC_PARABOLA,
-        SIMPLE_SINE,
-        POLYNOMIAL_345,
-        POLYNOMIAL_4567,
-        INCLINED_SINE,
-        MODIFIED_TRAPEZOID,
-        MODIFIED_SINE,
-        SCCA,
-        SINE_STRAIGHT,
-        HARMONIC_COMBINATION,
-        DOUBLE_HARMONIC,
-        POLYNOMIAL_5,
-        POLYNOMIAL_7,
-        POLYNOMIAL,
-    )
+    name: import_module(f"{__name__}.{name.replace('-', '_')}").FAMILY for name in REGISTERED
 }
 
-ALIASES: Final[dict[str, str]] = {"cycloidal": "inclined-sine"}
+ALIASES: Final[dict[str, str]] = {
+    alias: name for name, family in FAMILIES.items() for alias in family.aliases
+}
+
+OPTIONS: Final[dict[str, Option]] = {
+    option.name: option for family in FAMILIES.values() for option in family.options
+}
+"""The parameters that families have of their own, by name; their defaults are the families'."""
 
 BALANCES: Final = ("acceleration", "jerk", "moment")
 """Quantities of which both parts of a law can have the same extreme, see

@@ -84,4 +84,4 @@ def _make(task: str, _given: Given) -> Law:
     return Law("double-harmonic", task, regions, (), start, end, parameters=MappingProxyType({}))
 
 
-DOUBLE_HARMONIC = Family("double-harmonic", {"R-U": (), "U-R": ()}, _make)
+FAMILY = Family("double-harmonic", {"R-U": (), "U-R": ()}, _make)

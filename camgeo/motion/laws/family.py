@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from decimal import Decimal, localcontext
-from typing import Final
+from typing import Any, Final
 
 from camgeo.errors import GeometryError
 from camgeo.motion.laws.law import Law
@@ -20,6 +20,43 @@ COUNTED_FROM_END: Final = ("U-R", "U-G")
 
 
 @dataclass(frozen=True, slots=True)
+class Option:
+    """A parameter that a family has of its own, by which a scene and `camgeo laws` ask for it.
+
+    Attributes
+    ----------
+    name : key of a scene, and of the command line.
+    symbol : what formulas and tables call it.
+    text : what it is, without the families that have it.
+    schema : node of the JSON Schema that its values meet.
+    default : its value where nothing decides it.
+    always : whether it has that value wherever it is left out; else other values may decide it.
+    """
+
+    name: str
+    symbol: str
+    text: str
+    schema: Mapping[str, Any]
+    default: float
+    always: bool = True
+
+
+CURVED: Final = Option(
+    name="curved",
+    symbol="c",
+    text="part of the span that is not run at constant velocity, above 0 to 1",
+    schema={
+        "type": "number",
+        "minimum": 1e-6,
+        "maximum": 1,
+        "x-allowed": "must be a number above 0 to 1 (from 1e-6), a part of the span",
+    },
+    default=1.0,
+)
+"""Squeezes the accelerations to both ends of the move."""
+
+
+@dataclass(frozen=True, slots=True)
 class Family:
     """A family of laws.
 
@@ -30,12 +67,16 @@ class Family:
     make : task, parameters given -> law. All are numbers of names that it takes; whether they are
         possible is its own to check.
     parts : task, parameters given -> the two pulses and what they meet, for a law that has them.
+    options : those of its parameters that are neither the inflection point nor boundary values.
+    aliases : other names of it.
     """
 
     name: str
     parameters: Mapping[str, tuple[str, ...]]
     make: Callable[[str, Given], Law]
     parts: Callable[[str, Given], Parts] | None = None
+    options: tuple[Option, ...] = ()
+    aliases: tuple[str, ...] = ()
 
     @property
     def tasks(self) -> tuple[str, ...]:
@@ -52,7 +93,9 @@ def boundary_parameters(task: str, orders: str = "va") -> tuple[str, ...]:
     return tuple(names)
 
 
-def pulse_family(name: str, shapes: Mapping[str, tuple[Pulse, Pulse]]) -> Family:
+def pulse_family(
+    name: str, shapes: Mapping[str, tuple[Pulse, Pulse]], aliases: tuple[str, ...] = ()
+) -> Family:
     """A family of two fixed pulses for each task, with the place of the inflection point.
 
     It takes `inflection`, v0 and v1 where the task has constant velocity at that end, and, in place
@@ -67,7 +110,7 @@ def pulse_family(name: str, shapes: Mapping[str, tuple[Pulse, Pulse]]) -> Family
         return pulse_law(name, task, parts(task, given), given)
 
     parameters = {task: ("inflection", *boundary_parameters(task)) for task in shapes}
-    return Family(name, parameters, make, parts)
+    return Family(name, parameters, make, parts, aliases=aliases)
 
 
 def pulse_law(name: str, task: str, parts: Parts, given: Given, **also: float) -> Law:
@@ -108,10 +151,11 @@ def inflection_at(task: str, stated: float) -> Decimal:
         return 1 - Decimal(stated) if task in COUNTED_FROM_END else Decimal(stated)
 
 
-def share(given: Given, key: str, default: float, *, positive: bool = False) -> Decimal:
-    """A parameter that is a part of 1."""
-    value = given.get(key, default)
+def share(given: Given, option: Option) -> Decimal:
+    """A parameter that is a part of 1, and above 0 if its schema says so."""
+    value = given.get(option.name, option.default)
+    positive = option.schema["minimum"] > 0
     if not (SMALLEST <= value <= 1.0 or (value == 0.0 and not positive)):
         lowest = f"above 0 (from {SMALLEST:g})" if positive else f"at 0, or from {SMALLEST:g}"
-        raise GeometryError(f"must lie {lowest} to 1", key=key, value=repr(value))
+        raise GeometryError(f"must lie {lowest} to 1", key=option.name, value=repr(value))
     return Decimal(value)

@@ -11,7 +11,7 @@ from camgeo.motion.laws.family import pulse_family
 
 START, TURN = modified_sine.PULSE, simple_sine.PULSE
 
-HARMONIC_COMBINATION = pulse_family(
+FAMILY = pulse_family(
     "harmonic-combination",
     {"R-U": (START, TURN), "U-R": (TURN, START), "G-U": (START, TURN), "U-G": (TURN, START)},
 )

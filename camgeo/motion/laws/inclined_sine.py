@@ -9,4 +9,4 @@ from camgeo.motion.laws.pulse import sine_pulse
 
 PULSE = sine_pulse(Decimal("0.5"), Decimal(0), Decimal("0.5"))
 
-INCLINED_SINE = pulse_family("inclined-sine", {"R-R": (PULSE, PULSE)})
+FAMILY = pulse_family("inclined-sine", {"R-R": (PULSE, PULSE)}, aliases=("cycloidal",))

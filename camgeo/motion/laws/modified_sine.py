@@ -13,6 +13,4 @@ from camgeo.motion.laws.pulse import sine_pulse
 
 PULSE = sine_pulse(Decimal("0.25"), Decimal(0), Decimal("0.75"))
 
-MODIFIED_SINE = pulse_family(
-    "modified-sine", dict.fromkeys(("R-R", "G-G", "R-G", "G-R"), (PULSE, PULSE))
-)
+FAMILY = pulse_family("modified-sine", dict.fromkeys(("R-R", "G-G", "R-G", "G-R"), (PULSE, PULSE)))

@@ -14,6 +14,6 @@ from camgeo.motion.laws.pulse import sine_pulse
 REST = sine_pulse(Decimal("0.25"), Decimal("0.5"), Decimal("0.25"))
 TURN = sine_pulse(Decimal(0), Decimal("0.75"), Decimal("0.25"))
 
-MODIFIED_TRAPEZOID = pulse_family(
+FAMILY = pulse_family(
     "modified-trapezoid", {"R-R": (REST, REST), "R-U": (REST, TURN), "U-R": (TURN, REST)}
 )

@@ -8,4 +8,4 @@ from camgeo.motion.laws.pulse import polynomial_pulse
 PULSE = polynomial_pulse((0, 2, -3, 1))
 """a = x (1 - x)(2 - x): f'' = 60 z (1 - z)(1 - 2 z) with z = x/2."""
 
-POLYNOMIAL_345 = pulse_family("polynomial-345", {"R-R": (PULSE, PULSE)})
+FAMILY = pulse_family("polynomial-345", {"R-R": (PULSE, PULSE)})

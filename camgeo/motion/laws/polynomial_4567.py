@@ -12,4 +12,4 @@ from camgeo.motion.laws.pulse import polynomial_pulse
 PULSE = polynomial_pulse((0, 0, 4, -8, 5, -1))
 """a = x^2 (2 - x)^2 (1 - x): f'' = 420 z^2 (1 - z)^2 (1 - 2 z) with z = x/2."""
 
-POLYNOMIAL_4567 = pulse_family("polynomial-4567", {"R-R": (PULSE, PULSE)})
+FAMILY = pulse_family("polynomial-4567", {"R-R": (PULSE, PULSE)})

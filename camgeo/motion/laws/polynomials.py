@@ -16,25 +16,19 @@ from camgeo.motion.task import TASKS
 ORDERS = {"v": 1, "a": 2, "j": 3}
 
 
-def _complete(name: str, orders: str) -> Family:
+def complete(name: str, orders: str) -> Family:
+    """The family that meets these orders at both ends, 0 where they are not given."""
+
     def make(task: str, given: Given) -> Law:
         values = {order + end: given.get(order + end, 0.0) for end in "01" for order in orders}
-        return _law(name, task, values, given)
+        return polynomial_law(name, task, values, given)
 
     parameters = {task: boundary_parameters(task, orders) for task in TASKS}
     return Family(name, parameters, make)
 
 
-def _law(name: str, task: str, values: Given, given: Given) -> Law:
+def polynomial_law(name: str, task: str, values: Given, given: Given) -> Law:
+    """The polynomial that meets `values`, by their names, and says that it was made of `given`."""
     start = {ORDERS[key[0]]: value for key, value in values.items() if key[1] == "0"}
     end = {ORDERS[key[0]]: value for key, value in values.items() if key[1] == "1"}
     return law_of_boundary_values(name, task, start, end, given)
-
-
-def _make_free(task: str, given: Given) -> Law:
-    return _law("polynomial", task, given, given)
-
-
-POLYNOMIAL_5 = _complete("polynomial-5", "va")
-POLYNOMIAL_7 = _complete("polynomial-7", "vaj")
-POLYNOMIAL = Family("polynomial", {"B-B": ("v0", "a0", "j0", "v1", "a1", "j1")}, _make_free)

@@ -12,4 +12,4 @@ from camgeo.motion.laws.pulse import sine_pulse
 
 PULSE = sine_pulse(Decimal(0), Decimal(1), Decimal(0))
 
-QUADRATIC_PARABOLA = pulse_family("quadratic-parabola", {"R-R": (PULSE, PULSE)})
+FAMILY = pulse_family("quadratic-parabola", {"R-R": (PULSE, PULSE)})

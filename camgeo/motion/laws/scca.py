@@ -13,12 +13,25 @@ from __future__ import annotations
 from decimal import Decimal, localcontext
 
 from camgeo.errors import GeometryError
-from camgeo.motion.laws.family import Family, Given, pulse_law, share
+from camgeo.motion.laws.family import CURVED, Family, Given, Option, pulse_law, share
 from camgeo.motion.laws.law import Law
 from camgeo.motion.laws.pulse import DIGITS, sine_pulse
 from camgeo.motion.laws.two_pulses import Parts
 
-SINE, COSINE, CURVED = 0.25, 0.75, 1.0
+PART_OF_ONE = {"type": "number", "minimum": 0, "maximum": 1}
+
+SINE = Option(
+    "sine", "b", "part of each half that is a quarter of a sine", PART_OF_ONE, default=0.25
+)
+COSINE = Option(
+    "cosine",
+    "d",
+    "part of each half that is a quarter of a cosine, at most 1 - sine, the rest being constant"
+    " acceleration",
+    PART_OF_ONE,
+    default=0.75,
+)
+OPTIONS = (SINE, COSINE, CURVED)
 """The modified sine, where nothing is given."""
 
 ROUNDING = Decimal("1e-15")
@@ -27,7 +40,7 @@ ROUNDING = Decimal("1e-15")
 
 def _shares(given: Given) -> tuple[Decimal, Decimal, Decimal]:
     """Shares of sine, constant and cosine, which add up to 1."""
-    sine, cosine = share(given, "sine", SINE), share(given, "cosine", COSINE)
+    sine, cosine = share(given, SINE), share(given, COSINE)
     constant = 1 - sine - cosine
     if constant < -ROUNDING:
         raise GeometryError(
@@ -41,17 +54,16 @@ def _shares(given: Given) -> tuple[Decimal, Decimal, Decimal]:
 
 
 def _parts(_task: str, given: Given) -> Parts:
-    curved = share(given, "curved", CURVED, positive=True)
+    curved = share(given, CURVED)
     with localcontext(DIGITS):
         pulse = sine_pulse(*(part * curved for part in _shares(given)))
     return Parts(pulse, pulse)
 
 
 def _make(task: str, given: Given) -> Law:
-    defaults = {"sine": SINE, "cosine": COSINE, "curved": CURVED}
-    shares = {key: given.get(key, default) for key, default in defaults.items()}
+    shares = {each.name: given.get(each.name, each.default) for each in OPTIONS}
     rest = {key: value for key, value in given.items() if key == "inflection"}
     return pulse_law("scca", task, _parts(task, given), rest, **shares)
 
 
-SCCA = Family("scca", {"R-R": ("inflection", "sine", "cosine", "curved")}, _make, _parts)
+FAMILY = Family("scca", {"R-R": ("inflection", "sine", "cosine", "curved")}, _make, _parts, OPTIONS)

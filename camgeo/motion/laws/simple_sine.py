@@ -12,4 +12,4 @@ from camgeo.motion.laws.pulse import sine_pulse
 
 PULSE = sine_pulse(Decimal(0), Decimal(0), Decimal(1))
 
-SIMPLE_SINE = pulse_family("simple-sine", {"R-R": (PULSE, PULSE), "U-U": (PULSE, PULSE)})
+FAMILY = pulse_family("simple-sine", {"R-R": (PULSE, PULSE), "U-U": (PULSE, PULSE)})

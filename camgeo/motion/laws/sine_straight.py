@@ -7,10 +7,11 @@ them; c = 1 is the simple sine.
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from decimal import Decimal, localcontext
 
 from camgeo.errors import GeometryError
-from camgeo.motion.laws.family import Family, Given, boundary_parameters, pulse_law, share
+from camgeo.motion.laws.family import CURVED, Family, Given, boundary_parameters, pulse_law, share
 from camgeo.motion.laws.law import Law
 from camgeo.motion.laws.pulse import DIGITS, PI, sine_pulse
 from camgeo.motion.laws.two_pulses import Parts
@@ -18,9 +19,8 @@ from camgeo.motion.laws.two_pulses import Parts
 LEAST = math.pi**2 / 4.0
 """Least value of a0 |a1|/(a0 + |a1|), that of the simple sine."""
 
-
-CURVED = 0.5
-"""c where none is given, as in the guideline's Tafel 3."""
+OWN_CURVED = replace(CURVED, default=0.5, always=False)
+"""c where neither it nor two accelerations are given, as in the guideline's Tafel 3."""
 
 
 def _make(task: str, given: Given) -> Law:
@@ -30,12 +30,12 @@ def _make(task: str, given: Given) -> Law:
     elif "inflection" in values and ("a0" in values or "a1" in values):
         values = _from_inflection(values)
     rest = {key: value for key, value in values.items() if key != "curved"}
-    curved = values.get("curved", CURVED)
+    curved = values.get("curved", OWN_CURVED.default)
     return pulse_law("sine-straight", task, _parts(task, values), rest, curved=curved)
 
 
 def _parts(_task: str, given: Given) -> Parts:
-    pulse = sine_pulse(Decimal(0), Decimal(0), share(given, "curved", CURVED, positive=True))
+    pulse = sine_pulse(Decimal(0), Decimal(0), share(given, OWN_CURVED))
     return Parts(pulse, pulse)
 
 
@@ -97,6 +97,10 @@ def curved_for_velocity(velocity: float) -> float:
     return math.pi / (math.pi - 2.0) * ((velocity - 1.0) / velocity)
 
 
-SINE_STRAIGHT = Family(
-    "sine-straight", {"U-U": ("inflection", "curved", *boundary_parameters("U-U"))}, _make, _parts
+FAMILY = Family(
+    "sine-straight",
+    {"U-U": ("inflection", "curved", *boundary_parameters("U-U"))},
+    _make,
+    _parts,
+    (OWN_CURVED,),
 )

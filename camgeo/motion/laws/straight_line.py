@@ -39,4 +39,4 @@ def _make(task: str, given: Given) -> Law:
     )
 
 
-STRAIGHT_LINE = Family("straight-line", {"R-R": ("inflection",), "G-G": ()}, _make)
+FAMILY = Family("straight-line", {"R-R": ("inflection",), "G-G": ()}, _make)

@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from camgeo.errors import GeometryError
+from camgeo.motion.laws import FAMILIES
 from camgeo.motion.planning.request import (
     MoveRequest,
     PointsRequest,
@@ -28,7 +29,11 @@ ROUNDING = 1e-12
 
 STRAIGHT = "straight-line"
 
-TAKE_JERK = ("polynomial-7", "polynomial")
+TAKE_JERK = tuple(
+    name
+    for name, family in FAMILIES.items()
+    if any({"j0", "j1"} & {*taken} for taken in family.parameters.values())
+)
 """Laws that meet a jerk."""
 
 

@@ -1,0 +1,149 @@
+"""A law of one new file and one line is known to the scene, the commands, `auto` and pickles."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import camgeo
+
+TOY = '''"""Septic from rest to rest with a part of the 3-4-5 polynomial's jerk at the ends."""
+
+from camgeo.motion.laws.family import Family, Option
+from camgeo.motion.laws.two_point import law_of_boundary_values
+
+SMOOTH = Option(
+    name="smooth",
+    symbol="s",
+    text="part of the jerk at the ends that is taken away",
+    schema={"type": "number", "minimum": 0, "maximum": 1},
+    default=0.4,
+)
+
+
+def make(task, given):
+    end = {1: 0.0, 2: 0.0, 3: 60.0 * (1.0 - given.get("smooth", SMOOTH.default))}
+    return law_of_boundary_values("toy-septic", task, end, end, given)
+
+
+FAMILY = Family("toy-septic", {"R-R": ("smooth",)}, make, options=(SMOOTH,), aliases=("toy",))
+'''
+
+LINE = '    "polynomial-345",\n'
+"""Of the registry; the toy law's stands behind it."""
+
+SCENE = """camgeo = 1
+name = "toy"
+[cam]
+rotation = "ccw"
+[follower]
+kind = "translating-roller"
+base_radius = 40
+roller_radius = 10
+[[motion]]
+dwell = 60
+[[motion]]
+law = "toy-septic"
+smooth = 0.25
+span = 120
+to = 12
+[[motion]]
+law = "toy"
+span = 180
+to = 0
+"""
+
+
+@pytest.fixture(scope="module")
+def tree(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A copy of the package with the toy law, and a scene that names it."""
+    tree = tmp_path_factory.mktemp("toy")
+    own = Path(camgeo.__file__).parent
+    shutil.copytree(own, tree / "camgeo", ignore=shutil.ignore_patterns("__pycache__"))
+    laws = tree / "camgeo" / "motion" / "laws"
+    (laws / "toy_septic.py").write_text(TOY, encoding="utf-8")
+    registry = laws / "__init__.py"
+    text = registry.read_text(encoding="utf-8")
+    assert text.count(LINE) == 1
+    registry.write_text(text.replace(LINE, f'{LINE}    "toy-septic",\n'), encoding="utf-8")
+    (tree / "toy.toml").write_text(SCENE, encoding="utf-8")
+    return tree
+
+
+def run(tree: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
+    """Run Python on the copy of the package."""
+    return subprocess.run(
+        [sys.executable, *arguments],
+        cwd=tree,
+        env={**os.environ, "PYTHONPATH": str(tree)},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+
+
+def test_a_scene_takes_it_and_its_parameter(tree: Path) -> None:
+    done = run(tree, "-m", "camgeo", "check", "toy.toml")
+    assert (done.returncode, done.stderr) == (0, "")
+    done = run(tree, "-m", "camgeo", "table", "toy.toml", "--step", "30")
+    assert done.returncode == 0, done.stderr
+    rows = [[float(cell) for cell in line.split(",")[:2]] for line in done.stdout.splitlines()[1:]]
+    assert [row[1] for row in rows if row[0] in (60.0, 120.0, 180.0, 270.0)] == pytest.approx(
+        [0.0, 6.0, 12.0, 6.0]
+    )
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "told"),
+    [
+        ('"toy-septic"', '"toy-sceptic"', 'did you mean "toy-septic"?'),
+        ("smooth =", "smoth =", "did you mean smooth?"),
+        ("0.25", "1.5", "must be a number from 0 to 1"),
+        ('"toy-septic"', '"polynomial-345"', 'is no parameter of "polynomial-345"'),
+        ("smooth =", "curved =", 'is no parameter of "toy-septic"; its parameters: smooth'),
+    ],
+)
+def test_what_is_wrong_is_told_as_of_any_law(tree: Path, old: str, new: str, told: str) -> None:
+    (tree / "wrong.toml").write_text(SCENE.replace(old, new), encoding="utf-8")
+    done = run(tree, "-m", "camgeo", "check", "wrong.toml")
+    assert done.returncode == 2
+    assert told in done.stderr
+
+
+def test_the_command_of_laws_lists_and_makes_it(tree: Path) -> None:
+    done = run(tree, "-m", "camgeo", "laws", "--law", "toy", "--smooth", "1", "--json")
+    (found,) = json.loads(done.stdout)
+    assert found["law"] == "toy-septic"
+    assert found["parameters"] == {"smooth": 1.0}
+    assert found["values"]["acceleration"]["value"] == pytest.approx(7.5132, abs=1e-4)  # 4-5-6-7
+    assert "toy-septic" in run(tree, "-m", "camgeo", "laws").stdout
+    assert "--smooth S" in run(tree, "-m", "camgeo", "laws", "--help").stdout
+
+
+def test_auto_picks_it_and_its_plan_travels(tree: Path) -> None:
+    """Two fifths of the jerk taken from the ends leave less jerk than any other law has."""
+    script = """
+import pickle, numpy as np
+from decimal import Decimal
+from camgeo.motion.planning import MoveRequest, Rest, plan_motion
+from camgeo.scene.schema import schema
+asked = [MoveRequest(Decimal(span), to, "auto", optimise={"jerk": 1.0})
+         for span, to in ((120, 12.0), (180, 0.0))]
+plan = plan_motion([Rest(Decimal(30)), asked[0], Rest(Decimal(30)), asked[1]])
+print(plan.segments[1].law.name)
+phi = np.linspace(0.0, 6.0, 99)
+print(np.array_equal(pickle.loads(pickle.dumps(plan)).jet(phi), plan.jet(phi)))
+print(schema()["$defs"]["move"]["properties"]["smooth"]["description"])
+"""
+    done = run(tree, "-c", script)
+    assert done.stdout.splitlines() == [
+        "toy-septic",
+        "True",
+        's: part of the jerk at the ends that is taken away; for "toy-septic" (default 0.4).',
+    ], done.stderr
