@@ -54,10 +54,7 @@ class Design(Pickled):
     def drive(self) -> Drive:
         """What moves the follower."""
         scene = self.scene
-        if scene.linkage is not None:
-            unit = scene.linkage.unit
-        else:
-            unit = "rad" if scene.follower.rocks else "mm"
+        unit = scene.follower.lift_unit if scene.linkage is None else scene.linkage.unit
         return Drive(scene.plan, scene.linkage, unit, scene.speed, scene.speed_curve, self.ledger)
 
     @built

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, field
 from decimal import Decimal
 from typing import TYPE_CHECKING, Literal
@@ -13,8 +12,6 @@ from camgeo._version import __version__
 from camgeo.check.judge import RETURN, Judgement
 from camgeo.errors import GeometryError
 from camgeo.lazy import Ledger, lazy
-from camgeo.mechanism.oscillating_roller import OscillatingRoller
-from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.motion.motion import Jet, Side
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.part.spec import PartSpec
@@ -31,10 +28,10 @@ if TYPE_CHECKING:
     from camgeo.contour.contour import Contour
     from camgeo.contour.fit import Effort, Fit
     from camgeo.effects.effect import Column
-    from camgeo.files.mechanism_sketch import MechanismSketch
     from camgeo.files.product import CutOff, FollowerSketch, PlanSketch
     from camgeo.files.specs import DxfSpec
     from camgeo.files.table import Table
+    from camgeo.mechanism.sketch import MechanismSketch
     from camgeo.motion.time_course import TimeCourse
     from camgeo.part.part import Part
     from camgeo.specification import Specification
@@ -304,20 +301,9 @@ class Workpiece(Pickled):
     def follower_sketch(self) -> FollowerSketch:
         """Where the follower is held, for a picture."""
         from camgeo.files.product import FollowerSketch
+        from camgeo.files.skeleton import face_ends
 
-        follower = self.cam.follower
-        if follower.is_flat:
-            from camgeo.files.sketch import flat_sketch  # few cams have a flat face
-
-            return flat_sketch(self.cam.disc.pitch_curve)
-        if isinstance(follower, OscillatingRoller):
-            return FollowerSketch("pivot", follower.pivot)
-        assert isinstance(follower, TranslatingRoller)  # the other roller there is
-        out = complex(math.cos(follower.guide_angle), math.sin(follower.guide_angle))
-        foot = -1j * out * follower.offset
-        return FollowerSketch(
-            "guide", foot + out * (follower.start_height + 2.0 * self.base_radius)
-        )
+        return FollowerSketch(*self.cam.follower.held(face_ends(self.cam.disc.pitch_curve)))
 
     def mechanism_sketch(self, phi: float) -> MechanismSketch:
         """The mechanism at the cam angle `phi` [rad], for a picture."""

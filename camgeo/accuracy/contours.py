@@ -16,6 +16,7 @@ from camgeo.design import Design
 from camgeo.errors import GeometryError, ToleranceError
 from camgeo.files.product import Product
 from camgeo.files.writers import find_writer
+from camgeo.outline.flank import Flank
 from camgeo.outline.path import Path
 from camgeo.outline.replay import replay_contour
 from camgeo.part.boundaries import CurveBoundary
@@ -183,8 +184,8 @@ def _ripple(
     """The largest ripple of all flanks; None where nothing is demanded."""
     found = []
     for flank, contour in zip(flanks, contours, strict=True):
-        contact = "outer" if flank.hole else "inner"
-        replay = replay_contour(design.cam.disc.pitch_curve, contour, contact)  # type: ignore[arg-type]
+        side = Flank.OUTER if flank.hole else Flank.INNER
+        replay = replay_contour(design.cam.disc.pitch_curve, contour, side)
         # Where the roller falls off an edge, the acceleration has no bound.
         if replay.ripple is not None and not len(replay.drops):
             found.append(replay.ripple)

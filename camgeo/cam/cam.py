@@ -5,10 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
-from camgeo.cam.contact import Contact, flank_distances
+from camgeo.cam.contact import Contact, contact_of
 from camgeo.cam.disc import Disc
 from camgeo.lazy import Ledger, built
 from camgeo.motion.plan import MotionPlan
+from camgeo.numeric.checked import hold
 from camgeo.pickled import Pickled
 
 if TYPE_CHECKING:
@@ -33,10 +34,13 @@ class Cam(Pickled):
     drive: Drive
     follower: AnyFollower
     rotation: int = 1
-    contact: Contact = "inner"
+    contact: Contact = Contact.INNER
     clearance: float = 0.0
     yoke: Yoke | None = None
     ledger: Ledger = field(default_factory=Ledger, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        hold(self, contact=contact_of("follower.contact", self.contact))
 
     @built
     def disc(self) -> Disc:
@@ -48,12 +52,12 @@ class Cam(Pickled):
     @property
     def lift_unit(self) -> LiftUnit:
         """Unit of the follower's own motion."""
-        return "rad" if self.follower.rocks else "mm"
+        return self.follower.lift_unit
 
     @property
     def distances(self) -> tuple[float, ...]:
         """d [mm] of each flank in use: negative for the inner one, positive for the outer one."""
-        return tuple(flank_distances(self.contact, self.disc.flank_distance).values())
+        return tuple(self.contact.distances(self.disc.flank_distance).values())
 
     @built
     def breadth(self) -> Breadth | None:

@@ -2,15 +2,52 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from enum import StrEnum
 
-Contact = Literal["inner", "outer", "groove"]
+from camgeo.numeric.checked import one_of
+from camgeo.outline.flank import Flank
 
 
-def flank_distances(contact: Contact, half: float) -> dict[str, float]:
-    """Signed distance [mm] of each flank in use from the pitch curve, by its name.
+class Contact(StrEnum):
+    """A contact by its name in scenes."""
 
-    `half` is the distance of either flank [mm], positive outward: the inner one lies at -half.
-    """
-    every = {"inner": -half, "outer": half}
-    return {name: way for name, way in every.items() if contact in (name, "groove")}
+    INNER = "inner"
+    OUTER = "outer"
+    GROOVE = "groove"
+
+    @property
+    def flanks(self) -> tuple[Flank, ...]:
+        """The flanks in use, the inner one first."""
+        return tuple(Flank) if self is Contact.GROOVE else (Flank(self.value),)
+
+    @property
+    def closed_by_form(self) -> bool:
+        """Whether the roller is held on both sides."""
+        return len(self.flanks) > 1
+
+    @property
+    def runs_inside(self) -> bool:
+        """Whether there is a flank round the cam axis; else the axis lies in the open."""
+        return Flank.INNER in self.flanks
+
+    @property
+    def is_plate(self) -> bool:
+        """Whether the disc is a plate whose outline is the flank."""
+        return self is Contact.INNER
+
+    @property
+    def main(self) -> Flank:
+        """The flank that closes the contact, the inner one of a groove."""
+        return self.flanks[0]
+
+    def distances(self, half: float) -> dict[Flank, float]:
+        """Signed distance [mm] of each flank in use from the pitch curve.
+
+        `half` is the distance of either flank [mm], positive outward: the inner one lies at -half.
+        """
+        return {flank: flank.sign * half for flank in self.flanks}
+
+
+def contact_of(key: str, value: object) -> Contact:
+    """The contact of that name; GeometryError with `key` if there is none."""
+    return Contact(one_of(key, value, tuple(Contact)))

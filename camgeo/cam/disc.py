@@ -5,12 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from camgeo.cam.contact import Contact, flank_distances
+from camgeo.cam.contact import Contact, contact_of
 from camgeo.curve.curvature import curvature_extremes
 from camgeo.curve.extremes import Extremes
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.lazy import Ledger, lazy
+from camgeo.numeric.checked import hold
+from camgeo.outline.flank import Flank
 from camgeo.pickled import Pickled
 
 if TYPE_CHECKING:
@@ -37,7 +39,7 @@ class Disc(Pickled):
     drive: Drive
     follower: AnyFollower
     rotation: int = 1
-    contact: Contact = "inner"
+    contact: Contact = Contact.INNER
     clearance: float = 0.0
     ledger: Ledger = field(default_factory=Ledger, repr=False, compare=False)
 
@@ -45,6 +47,9 @@ class Disc(Pickled):
     def flank_distance(self) -> float:
         """Distance of either flank from the pitch curve [mm]: r_R, or half the groove's width."""
         return self.follower.roller_radius + 0.5 * self.clearance
+
+    def __post_init__(self) -> None:
+        hold(self, contact=contact_of("follower.contact", self.contact))
 
     @lazy
     def pitch_curve(self) -> PitchCurve:
@@ -64,9 +69,11 @@ class Disc(Pickled):
     @property
     def flanks(self) -> tuple[tuple[str, WorkingCurve], ...]:
         """The working curves in use, with their names, the inner one first."""
-        named = {"inner": self.inner_curve, "outer": self.outer_curve}
-        used = flank_distances(self.contact, self.flank_distance)
-        return tuple((name, named[name]) for name in used)
+        return tuple((flank, self.curve(flank)) for flank in self.contact.flanks)
+
+    def curve(self, flank: Flank) -> WorkingCurve:
+        """The working curve of a flank."""
+        return {Flank.INNER: self.inner_curve, Flank.OUTER: self.outer_curve}[flank]
 
     @lazy
     def bends(self) -> Extremes:
@@ -75,7 +82,7 @@ class Disc(Pickled):
         Guaranteed to include every extreme behind which undercut on a flank in use could hide.
         """
         bends = curvature_extremes(self.pitch_curve)
-        if self.follower.is_flat:  # whose own check leaves no undercut
+        if not self.follower.undercuts:
             return bends
         from camgeo.outline.sure_bends import sure_bends
 
@@ -88,7 +95,7 @@ class Disc(Pickled):
         """What is left of the inner flank, see `camgeo.outline.outline.real_outline`."""
         from camgeo.outline.outline import real_outline
 
-        return real_outline(self.inner_curve, None if self.follower.is_flat else self.bends)
+        return real_outline(self.inner_curve, self.bends if self.follower.undercuts else None)
 
     @lazy
     def outer_outline(self) -> Outline:
@@ -99,7 +106,8 @@ class Disc(Pickled):
 
     def outline(self, flank: str) -> Outline:
         """What is left of the "inner" or "outer" flank."""
-        return self.inner_outline if flank == "inner" else self.outer_outline
+        own: Outline = getattr(self, f"{Flank(flank)}_outline")
+        return own
 
     def replay(self, flank: str) -> Replay:
         """The roller pressed against what is left of the "inner" or "outer" flank.
@@ -127,9 +135,9 @@ class Disc(Pickled):
         """Inner and outer outline; the whole curve for the flank on which no roller runs."""
         from camgeo.outline.path import whole
 
-        used = [name for name, _ in self.flanks]
+        used = self.contact.flanks
         inner, outer = (
-            self.outline(name).path if name in used else whole(curve)
-            for name, curve in (("inner", self.inner_curve), ("outer", self.outer_curve))
+            self.outline(flank).path if flank in used else whole(self.curve(flank))
+            for flank in Flank
         )
         return inner, outer

@@ -6,6 +6,7 @@ import math
 
 from camgeo.check.finding import Finding
 from camgeo.curve.pitch_curve import PitchCurve
+from camgeo.mechanism.face import flat_follower
 from camgeo.outline.convex import SMALLEST, Convexity, convexity
 
 
@@ -19,7 +20,7 @@ def check_convexity(curve: PitchCurve) -> tuple[Finding, ...]:
     found = convexity(curve)
     if found.turn[0] <= 0.0:
         return (_turns_back(found),)
-    findings = [_radius(found, rocks=curve.follower.rocks)]
+    findings = [_radius(found, flat_follower(curve.follower).raised_by)]
     if found.jumps:
         findings.append(_jump(found))
     if found.lowest <= SMALLEST * found.size:
@@ -43,7 +44,7 @@ def _turns_back(found: Convexity) -> Finding:
     )
 
 
-def _radius(found: Convexity, *, rocks: bool) -> Finding:
+def _radius(found: Convexity, sizes: tuple[str, ...]) -> Finding:
     radius, phi = found.radius
     least = SMALLEST * found.size
     place = f"at cam angle {degrees(phi)} deg"
@@ -56,11 +57,9 @@ def _radius(found: Convexity, *, rocks: bool) -> Finding:
             else f"undercut, the radius of curvature falls to {radius:.6g} mm {place}: a flat face"
             " touches only what is convex"
         )
-        both = "follower.base_radius and follower.face_offset both" if rocks else (
-            "follower.base_radius"
-        )  # fmt: skip
+        keys = " and ".join(sizes) + (" both" if len(sizes) > 1 else "")
         missing = f"by more than {max(-radius, 0.0):.6g} mm" if radius < -least else "a little"
-        sentence = f"{what}; make {both} larger {missing}"
+        sentence = f"{what}; make {keys} larger {missing}"
     return Finding(
         name="convexity",
         severity="ok" if radius > least else "fatal",

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from typing import cast
-
 from camgeo.check.convexity import degrees
 from camgeo.check.finding import Finding
 from camgeo.curve.pitch_curve import PitchCurve
-from camgeo.mechanism.face import FlatFollower
+from camgeo.mechanism.face import flat_follower
 from camgeo.outline.convex import contact_extremes
 
 ROUNDING = 1e-12
@@ -19,13 +17,12 @@ def check_face(curve: PitchCurve) -> tuple[Finding, ...]:
 
     The cam must be convex. Places are counted along the face as `FlatFollower` counts them.
     """
-    follower = cast("FlatFollower", curve.follower)  # asked for those only
+    follower = flat_follower(curve.follower)
     places = contact_extremes(curve)
     (low, at_low), (high, at_high) = places.smallest(), places.largest()
-    start = "pivot's foot" if follower.rocks else "cam axis"
     sentence = (
         f"the contact runs along the face from {low:.6g} mm at cam angle {degrees(at_low)} deg to"
-        f" {high:.6g} mm at {degrees(at_high)} deg, counted from the {start}: a face of"
+        f" {high:.6g} mm at {degrees(at_high)} deg, counted from the {follower.origin}: a face of"
         f" {high - low:.6g} mm is needed"
     )
     found = []
@@ -51,7 +48,7 @@ def check_face(curve: PitchCurve) -> tuple[Finding, ...]:
                 cam_angle=phi,
             )
         )
-    if follower.rocks and low <= slack:
+    if low <= follower.least_place + slack:
         found.append(
             Finding(
                 name="contact-lever",

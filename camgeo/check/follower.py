@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import math
+
 from camgeo.check.finding import Finding
 from camgeo.mechanism.follower import Follower
-from camgeo.mechanism.translating_roller import TranslatingRoller
 
 LOCKED = 1e-9
 """A guide within this share of the base radius of a tangent to the base circle is one."""
@@ -37,10 +38,9 @@ def check_follower(
                 unit="mm",
             )
         )
-    if (
-        isinstance(follower, TranslatingRoller)
-        and follower.start_height <= LOCKED * follower.base_radius
-    ):
+    beside = abs(follower.offset)
+    height = math.sqrt((follower.base_radius - beside) * (follower.base_radius + beside))
+    if height <= LOCKED * follower.base_radius:
         found.append(
             Finding(
                 name="self-locking",
@@ -50,7 +50,7 @@ def check_follower(
                     " touches the base circle, the transmission angle is 0 at cam angle 0 and the"
                     " follower locks; make follower.offset smaller"
                 ),
-                value=abs(follower.offset),
+                value=beside,
                 limit=follower.base_radius,
                 unit="mm",
                 cam_angle=0.0,

@@ -126,7 +126,7 @@ def transmission_angle_limit(cam: Cam, limits: Limits) -> float:
     """Smallest transmission angle that is allowed [rad], the one stated or the sources'."""
     if limits.transmission_angle is not None:
         return limits.transmission_angle
-    return default_transmission_angle(translating=not cam.follower.rocks, speed=cam.drive.speed)
+    return default_transmission_angle(cam.follower.lift_unit, cam.drive.speed)
 
 
 def motion_findings(drive: Drive) -> tuple[Finding, ...]:
@@ -140,13 +140,13 @@ def motion_findings(drive: Drive) -> tuple[Finding, ...]:
 
 def disc_findings(cam: Cam, limits: Limits) -> tuple[Finding, ...]:
     """What the checks find of the mechanism and of the disc, without the motion."""
-    inner = cam.contact != "outer"
-    found = [*check_follower(cam.follower, runs_on_inner=inner, clearance=cam.clearance)]
+    inside = cam.contact.runs_inside
+    found = [*check_follower(cam.follower, runs_on_inner=inside, clearance=cam.clearance)]
     of_linkage = _of_linkage(cam.drive)
     found += of_linkage
     if is_fatal(of_linkage):
         return tuple(found)
-    return (*found, *(_of_face if cam.follower.is_flat else _of_roller)(cam, limits, found))
+    return (*found, *OF_DISC[cam.follower.touching](cam, limits, found))
 
 
 def is_fatal(found: Iterable[Finding]) -> bool:
@@ -227,3 +227,7 @@ def _of_outline(cam: Cam, name: str, flank: WorkingCurve, severity: Severity) ->
     if replay is not None:
         found.append(check_lost_stroke(replay, name, cam.lift_unit, severity))
     return found
+
+
+OF_DISC: Final = {"roller": _of_roller, "face": _of_face}
+"""What is found of a disc, by what touches it."""

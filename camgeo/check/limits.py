@@ -3,15 +3,22 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Literal
+from typing import Final, Literal
 
+from camgeo.mechanism.kind import Unit
 from camgeo.mechanism.values import length, right_angle
 from camgeo.numeric.checked import hold, number, one_of
 from camgeo.units import RPM
 
 SLOW = 30.0 * RPM
 """Up to 30 rev/min a mechanism counts as slow (Wirsig, section 2.4)."""
+
+OF_SLOW: Final[Mapping[Unit, float]] = {"mm": 60.0, "rad": 45.0}
+"""Smallest transmission angles to aim for [degrees] in slow mechanisms, by the unit of the lift."""
+
+OF_FAST: Final = 60.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,11 +56,12 @@ class Limits:
         )
 
 
-def default_transmission_angle(*, translating: bool, speed: float | None) -> float:
+def default_transmission_angle(unit: Unit, speed: float | None) -> float:
     """Smallest transmission angle to aim for [rad] (Wirsig, section 2.4).
 
-    60 degrees for translating roller followers at any speed; for the others 45 degrees for slow
-    mechanisms, or where no `speed` [rad/s] is given, and 60 degrees for fast ones.
+    60 degrees for translating followers, of whose lift the `unit` is mm, at any speed; for the
+    others 45 degrees for slow mechanisms, or where no `speed` [rad/s] is given, and 60 degrees for
+    fast ones.
     """
     slow = speed is None or speed <= SLOW
-    return math.radians(45.0 if slow and not translating else 60.0)
+    return math.radians(OF_SLOW[unit] if slow else OF_FAST)

@@ -10,7 +10,6 @@ import numpy as np
 from camgeo.check.finding import Finding
 from camgeo.mechanism.linkage import LinkedMotion
 from camgeo.mechanism.positions import Course, course_of, position_told
-from camgeo.mechanism.slider_crank import SliderCrank
 from camgeo.mechanism.triangle import dot
 from camgeo.motion.extremes import turning_angles
 from camgeo.motion.motion import Side
@@ -133,10 +132,7 @@ def _sine(linkage: Linkage, positions: FloatArray) -> FloatArray:
 
 def _branch(linkage: Linkage) -> tuple[Finding, ...]:
     """A warning if the dimensions of a slider-crank are meant for the other branch."""
-    inner = getattr(linkage, "inner", linkage)
-    if not isinstance(inner, SliderCrank):
-        return ()
-    tilt = abs(math.remainder(inner.coupler_angle, math.pi))
+    tilt = linkage.coupler_tilt
     if tilt <= PARALLEL:
         return ()
     return (

@@ -3,11 +3,19 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Mapping
+from typing import Final
 
 from camgeo.check.finding import Finding
 from camgeo.check.transmission_angle import transmission_angle_extremes
 from camgeo.curve.pitch_curve import PitchCurve
-from camgeo.mechanism.translating_roller import TranslatingRoller
+from camgeo.mechanism.kind import Unit
+
+TOLD: Final[Mapping[Unit, tuple[Callable[[float], float], str]]] = {
+    "mm": (float, "mm"),
+    "rad": (math.degrees, "deg"),
+}
+"""How lifts are told, by their unit."""
 
 
 def largest_deviation(curve: PitchCurve, clearance: float) -> tuple[float, float]:
@@ -29,11 +37,10 @@ def check_side_clearance(curve: PitchCurve, clearance: float) -> Finding:
     Nothing is held to a limit: how much play is good is not a matter of geometry.
     """
     deviation, phi = largest_deviation(curve, clearance)
-    rocker = not isinstance(curve.follower, TranslatingRoller)
-    unit = "deg" if rocker else "mm"
-    whose = "the rocker" if rocker else "the follower"
+    told, unit = TOLD[curve.follower.lift_unit]
+    who = curve.follower.mover
     place = f"at cam angle {math.degrees(phi):.4f} deg"
-    head = f"side clearance {clearance:g} mm: the play lets {whose} deviate from its motion by"
+    head = f"side clearance {clearance:g} mm: the play lets the {who} deviate from its motion by"
     if math.isinf(deviation):
         return Finding(
             name="side-clearance",
@@ -42,7 +49,7 @@ def check_side_clearance(curve: PitchCurve, clearance: float) -> Finding:
             unit=unit,
             cam_angle=phi,
         )
-    value = math.degrees(deviation) if rocker else deviation
+    value = told(deviation)
     return Finding(
         name="side-clearance",
         severity="ok",

@@ -3,31 +3,24 @@
 from __future__ import annotations
 
 import math
+from typing import Final
 
 import numpy as np
 
 from camgeo.check.finding import Finding
-from camgeo.curve.extremes import Extremes, extremes
+from camgeo.curve.extremes import Extremes, Quantity, extremes
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray
 
 
 def transmission_angle_extremes(curve: PitchCurve) -> Extremes:
-    """All local extremes of the transmission angle [rad]; Z' must not vanish.
+    """All local extremes of the transmission angle [rad]; Z' must not vanish."""
+    return extremes(curve, curve.transmission_angle, *SLOPES[curve.follower.touching](curve))
 
-    That of a flat face depends on the place of the contact alone.
-    """
-    if curve.follower.is_flat:
-        from camgeo.outline.convex import touch  # few cams have a flat face
 
-        def place(phi: FloatArray, side: Side) -> FloatArray:
-            return np.asarray(touch(curve, phi, side).contact[0])
-
-        def wander(phi: FloatArray, side: Side) -> FloatArray:
-            return np.asarray(touch(curve, phi, side).contact[1])
-
-        return extremes(curve, curve.transmission_angle, wander, place)
+def _of_roller(curve: PitchCurve) -> tuple[Quantity, ...]:
+    """What vanishes where the angle under a roller can be extreme."""
 
     def slope(phi: FloatArray, side: Side) -> FloatArray:
         motion = curve.motion.jet(phi, side)
@@ -40,7 +33,23 @@ def transmission_angle_extremes(curve: PitchCurve) -> Extremes:
     def along(phi: FloatArray, side: Side) -> FloatArray:
         return curve.relative_jet(phi, side, order=1).v  # and 90 degrees where this does
 
-    return extremes(curve, curve.transmission_angle, slope, across, along)
+    return slope, across, along
+
+
+def _of_face(curve: PitchCurve) -> tuple[Quantity, ...]:
+    """The same under a flat face, where the angle depends on the place of the contact alone."""
+    from camgeo.outline.convex import touch  # few cams have a flat face
+
+    def wander(phi: FloatArray, side: Side) -> FloatArray:
+        return np.asarray(touch(curve, phi, side).contact[1])
+
+    def place(phi: FloatArray, side: Side) -> FloatArray:
+        return np.asarray(touch(curve, phi, side).contact[0])
+
+    return wander, place
+
+
+SLOPES: Final = {"roller": _of_roller, "face": _of_face}
 
 
 def check_transmission_angle(curve: PitchCurve, limit: float) -> Finding:

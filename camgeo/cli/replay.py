@@ -24,7 +24,8 @@ from camgeo.files.table import Table
 from camgeo.files.value_table import cam_angles
 from camgeo.mechanism.kinds import require_roller
 from camgeo.numeric.arrays import FloatArray
-from camgeo.outline.replay import CORNER, Contact, replay_contour, replay_outline
+from camgeo.outline.flank import Flank
+from camgeo.outline.replay import CORNER, replay_contour, replay_outline
 from camgeo.outline.replay_result import Replay
 from camgeo.scene.load import load_scene
 from camgeo.units import LengthUnit
@@ -93,7 +94,7 @@ def register(subparsers: Subparsers[argparse.ArgumentParser]) -> None:
         help=f"corners of CONTOUR up to this angle count as none; default {FLAT:g}",
     )  # fmt: skip
     parser.add_argument(
-        "--flank", choices=("inner", "outer"), help="flank of the roller; default the scene's"
+        "--flank", choices=tuple(Flank), help="flank of the roller; default the scene's"
     )
     parser.add_argument("--step", metavar="DEG", help=f"step of the cam angle; default {STEP}")
     parser.add_argument("--json", action="store_true", help="print JSON")
@@ -118,7 +119,7 @@ def run(parser: argparse.ArgumentParser, arguments: argparse.Namespace) -> int:
         parser.error(f"argument -o: {arguments.output!r} must end in one of {allowed}")
     design = Design(load_scene(arguments.scene))
     require_roller(design.cam.follower)
-    flank: Contact = arguments.flank or ("outer" if design.cam.contact == "outer" else "inner")
+    flank = Flank(arguments.flank or design.cam.contact.main)
     found = [
         _replayed(disc, file, flank, float(step), arguments)
         for disc, file in _discs(parser, design, flank, arguments.contours)
@@ -158,7 +159,7 @@ class _Replayed:
 
 
 def _discs(
-    parser: argparse.ArgumentParser, design: Design, flank: Contact, files: list[str]
+    parser: argparse.ArgumentParser, design: Design, flank: Flank, files: list[str]
 ) -> list[tuple[Workpiece, str | None]]:
     """The discs to replay, the main one first, each with its file or None for its real outline."""
     main, other = design.disc, design.disc.returning
@@ -168,7 +169,7 @@ def _discs(
             if other is None
             else "argument CONTOUR: two files at most, one of each disc"
         )
-    if other is None or flank == "outer":
+    if other is None or flank is Flank.OUTER:
         return [(main, files[0] if files else None)]
     if not files:
         return [(main, None), (other, None)]
@@ -181,7 +182,7 @@ def _discs(
 
 
 def _replayed(
-    disc: Workpiece, file: str | None, flank: Contact, step: float, arguments: argparse.Namespace
+    disc: Workpiece, file: str | None, flank: Flank, step: float, arguments: argparse.Namespace
 ) -> _Replayed:
     """The roller of a disc on its outline, or on the contour of a file; `step` in degrees."""
     angle = math.radians(step)
@@ -215,7 +216,7 @@ def _scale(design: Design) -> Scale:
     return Scale(design.scene.unit, 1.0 / design.disc.millimetres)
 
 
-def _contour(disc: Workpiece, flank: Contact, file: Path, arguments: argparse.Namespace) -> Contour:
+def _contour(disc: Workpiece, flank: Flank, file: Path, arguments: argparse.Namespace) -> Contour:
     """The contour of the file whose area is nearest to that of the flank."""
     from importlib.metadata import entry_points
 

@@ -106,8 +106,7 @@ class PitchCurve:
         """(n,) [1/mm] signed curvature, positive where the curve is convex; an inflection is 0.
 
         kappa = -sigma Im(conj(Z') Z'') / |Z'|^3 (Wirsig eq. 3.35, sign added). The tangent under a
-        flat face is the face: kappa = (1 - sigma nu') / |Z'|, in which nothing cancels where the
-        face nearly stands still in the cam and Z'' is long.
+        flat face is the face: kappa = (1 - sigma nu') / |Z'|.
 
         Raises
         ------
@@ -116,11 +115,8 @@ class PitchCurve:
         """
 
         def block(angles: FloatArray) -> FloatArray:
-            if self.follower.is_flat:
-                relative = self.relative_jet(angles, side, order=1)
-                return (1.0 - self.rotation * relative.turning) / self.speed(relative)
-            relative = self.relative_jet(angles, side, order=2)
-            return curvature(relative, self.speed(relative), self.rotation)
+            relative = self.relative_jet(angles, side, order=2 - self.follower.ahead)
+            return self.follower.curvature(relative, self.speed(relative), self.rotation)
 
         return in_blocks(block, np.atleast_1d(phi))
 
@@ -188,16 +184,7 @@ class PitchCurve:
         """
         size = np.sqrt(relative.u * relative.u + relative.v * relative.v)
         if len(size) and np.min(size) <= STANDSTILL * self.follower.base_radius:
-            if self.follower.is_flat:
-                raise GeometryError(
-                    "the contact of the flat face stands still in the turning cam (Z' = 0): the"
-                    " outline has a cusp and no normal there"
-                )
-            raise GeometryError(
-                "the roller centre stands still in the turning cam (Z' = 0): the pitch curve has a"
-                " cusp and no normal there; the rocker lies on the line of centres and"
-                " l_3 (1 - sigma psi') = l_1"
-            )
+            raise GeometryError(self.follower.standstill)
         return size
 
     def speed_bounds(self, low: FloatArray, high: FloatArray) -> FloatArray:
@@ -220,18 +207,6 @@ class PitchCurve:
 def transmission_angle(relative: RelativeJet) -> FloatArray:
     """mu (n,) [rad], see `PitchCurve.transmission_angle`."""
     return np.arctan2(np.abs(relative.u), np.abs(relative.v))
-
-
-def curvature(relative: RelativeJet, speed: FloatArray, rotation: int) -> FloatArray:
-    """kappa (n,) [1/mm] from R_1 and R_2, see `PitchCurve.curvature`."""
-    (_, a1, a2), (_, b1, b2) = relative.along[:3], relative.across[:3]
-    # conj(Z') Z'' does not see the rotation, so R_k stand for Z^(k).
-    cross = b1 * a2
-    cross -= a1 * b2
-    kappa: FloatArray = cross
-    kappa *= rotation
-    kappa /= speed * speed * speed
-    return kappa
 
 
 def curvature_slope(tangent: TangentJet, rotation: int) -> FloatArray:

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from camgeo.curve.blocks import in_blocks
-from camgeo.curve.pitch_curve import PitchCurve, curvature
-from camgeo.mechanism.follower import RelativeJet
+from camgeo.curve.pitch_curve import PitchCurve
+from camgeo.mechanism.follower import RelativeJet, bend_of_path
 from camgeo.mechanism.values import coordinate
 from camgeo.motion.motion import Dwell, Side
 from camgeo.numeric.arrays import ComplexArray, FloatArray
@@ -108,7 +108,7 @@ class WorkingCurve:
         """(n,) ds/dphi = |Z'| (1 + d kappa) [mm/rad]; negative in undercut."""
         relative = self.pitch.relative_jet(phi, side, order=2)
         speed = self.pitch.speed(relative)
-        kappa = curvature(relative, speed, self.pitch.rotation)
+        kappa = bend_of_path(relative, speed, self.pitch.rotation)
         return speed * (1.0 + self.distance * kappa)
 
     def points_and_tangents(self, phi: FloatArray) -> tuple[ComplexArray, ComplexArray]:
@@ -140,5 +140,5 @@ class WorkingCurve:
         points = jet[0]
         if self.distance != 0.0:
             points = points + (1j * pitch.rotation * self.distance) * tangents
-        kappa = curvature(relative, speed, pitch.rotation)
+        kappa = bend_of_path(relative, speed, pitch.rotation)
         return points, tangents, speed * (1.0 + self.distance * kappa)

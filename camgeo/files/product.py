@@ -27,7 +27,7 @@ from camgeo.units import LengthUnit
 
 if TYPE_CHECKING:  # few scenes name an effect
     from camgeo.effects.effect import Column
-    from camgeo.files.mechanism_sketch import MechanismSketch
+    from camgeo.mechanism.sketch import MechanismSketch
 
 DWELL: Final = "dwell"
 """What a segment of the motion plan that is a rest is called."""

@@ -2,18 +2,13 @@
 
 from __future__ import annotations
 
-import cmath
 import math
-from typing import Literal, cast
+from typing import Literal
 
 import numpy as np
 
-from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.curve.working_curve import WorkingCurve
-from camgeo.files.product import DWELL, CutOff, Demanded, FollowerSketch, PlanSegment, PlanSketch
-from camgeo.files.skeleton import face_ends, face_line
-from camgeo.mechanism.kinds import AnyFlat
-from camgeo.mechanism.oscillating_flat import OscillatingFlat
+from camgeo.files.product import DWELL, CutOff, Demanded, PlanSegment, PlanSketch
 from camgeo.motion.joints import breaks, joints
 from camgeo.motion.plan import Dwell, MotionPlan, Move, Segment
 from camgeo.numeric.arrays import frozen
@@ -45,20 +40,6 @@ def plan_sketch(
         if segment.span > 0
     )
     return PlanSketch(of, unit, joints(plan), breaks(plan), segments, speed)
-
-
-def flat_sketch(curve: PitchCurve) -> FollowerSketch:
-    """What a picture shows of a flat follower, at cam angle 0.
-
-    The face as long as the scene says, else as the contact needs it.
-    """
-    follower = cast("AnyFlat", curve.follower)  # asked for those only
-    ends = face_ends(curve)
-    if isinstance(follower, OscillatingFlat):
-        ends = min(0.0, ends[0]), max(0.0, ends[1])  # to the pivot
-        return FollowerSketch("pivot", follower.pivot, face_line(follower, 0.0, ends))
-    far = 2.0 * follower.base_radius * cmath.exp(1j * follower.guide_angle)
-    return FollowerSketch("guide", far, face_line(follower, 0.0, ends))
 
 
 def cut_off_sketches(curve: WorkingCurve, outline: Outline, flank: str) -> tuple[CutOff, ...]:

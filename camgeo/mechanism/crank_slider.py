@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from camgeo.errors import GeometryError
+from camgeo.mechanism.sketch import MechanismSketch
 from camgeo.mechanism.slider_crank import SliderCrank
 from camgeo.mechanism.triangle import IN_LINE, ROUNDING, SLACK, dot, turning
 from camgeo.mechanism.turns import cosine_range, within
@@ -138,6 +139,22 @@ class CrankSlider:
         pin = -sense * reach + 1j * self.inner.guide_height
         tip = self.crank * (-sense * np.cos(theta) + 1j * np.sin(theta))
         return np.asarray(pin), np.asarray(tip)
+
+    def sketch(self, place: complex, outward: complex, position: float) -> MechanismSketch:
+        """See `Linkage.sketch`: turned so that its slider runs along the follower's guide."""
+        pins, tips = self.joints(np.array([0.0, position]))
+        strokes, _ = self.inner.joints(np.array([0.0, self.crank]))
+        way = complex(strokes[1] - strokes[0])
+        turn = outward * abs(way) / way
+        pin, tip, shaft = (
+            place + turn * (complex(each) - complex(pins[0])) for each in (pins[1], tips[1], 0j)
+        )
+        return MechanismSketch(links=((shaft, tip), (tip, pin)), joints=(tip, pin), shafts=(shaft,))
+
+    @property
+    def coupler_tilt(self) -> float:
+        """See `Linkage`."""
+        return self.inner.coupler_tilt
 
     def joint_rates(
         self, angle: FloatArray, demanded: FloatArray, own: FloatArray

@@ -32,7 +32,7 @@ for the direction of Z', whose own parts are smooth: there A is the part that ne
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any, Protocol, cast
 
 import numpy as np
 
@@ -45,6 +45,13 @@ from camgeo.numeric.checked import shown
 
 HIGHEST = FULL_ORDER - 1
 """Order of the highest derivative of Z: each takes one more of the lift."""
+
+
+STANDSTILL = (
+    "the contact of the flat face stands still in the turning cam (Z' = 0): the outline has a cusp"
+    " and no normal there"
+)
+"""Said where it does."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -67,12 +74,13 @@ class Touch:
 
 
 class FlatFollower(Follower, Protocol):
-    """A follower with a flat face.
+    """A follower with a flat face; its `face` counts as `Touch.contact`.
 
     Attributes
     ----------
-    face : where the face begins and ends [mm], as `Touch.contact` counts; None if it is as long as
-        it needs to be.
+    origin : from where the place of the contact counts, in words.
+    least_place : of the contact [mm]; there and beyond the cam cannot move the follower on.
+    raised_by : keys of the lengths that, all larger by the same, move the face outward by it.
     facing : +1 if the place of the contact counts to the right, looking along the normal away from
         the cam axis, -1 to the left.
     """
@@ -81,7 +89,13 @@ class FlatFollower(Follower, Protocol):
     def facing(self) -> int: ...
 
     @property
-    def face(self) -> tuple[float, float] | None: ...
+    def origin(self) -> str: ...
+
+    @property
+    def least_place(self) -> float: ...
+
+    @property
+    def raised_by(self) -> tuple[str, ...]: ...
 
     def touch(self, jet: Jet, rotation: int) -> Touch:
         """The contact for lifts `jet` (4, n); `rotation` as of `Follower.relative_jet`."""
@@ -104,3 +118,16 @@ def face_ends(face: tuple[float, float] | None) -> tuple[float, float] | None:
     if not start < end:
         raise GeometryError("must end beyond where it begins", key, shown(face))
     return start, end
+
+
+def face_line(start: complex, along: complex, ends: tuple[float, float]) -> tuple[complex, complex]:
+    """The ends of a face [mm] whose places count from `start` in the direction `along`."""
+    return start + along * ends[0], start + along * ends[1]
+
+
+def flat_follower(follower: Follower) -> FlatFollower:
+    """`follower`, which has a flat face; GeometryError with key "follower.kind" if it has none."""
+    if not hasattr(follower, "touch"):
+        message = "what is asked for is for flat-faced followers, and this one has a roller"
+        raise GeometryError(message, key="follower.kind")
+    return cast("FlatFollower", follower)

@@ -21,11 +21,18 @@ The R_k are kept as two real arrays: a third of the cost of complex ones, as mos
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Literal, Protocol
 
-from camgeo.mechanism.kind import Touching, Unit
+from camgeo.mechanism.kind import Mover, Touching, Unit
+from camgeo.mechanism.sketch import MechanismSketch
 from camgeo.motion.motion import FULL_ORDER, Jet
 from camgeo.numeric.arrays import FloatArray
+
+STANDSTILL = (
+    "the roller centre stands still in the turning cam (Z' = 0): the pitch curve has a cusp and no"
+    " normal there; the rocker lies on the line of centres and l_3 (1 - sigma psi') = l_1"
+)
+"""Said where it does."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -87,7 +94,14 @@ class Follower(Protocol):
         rocks, whose contact wanders, the one at cam angle 0 if the cam rests there.
     lift_unit : of its lift.
     touching : what of it touches the cam, "roller" or "face", as sentences call it.
+    mover : what of it moves, "follower" or "rocker", as sentences call it.
     pivot : what it swings about, seen from the cam axis, complex [mm]; None on a guide.
+    offset : e, signed distance of the roller's guide from the cam axis [mm]; 0 without any.
+    face : where a flat face begins and ends [mm], None if it is as long as it needs to be; zeros
+        for a roller.
+    lift_scale : a large lift [mm or rad], for what is small beside it.
+    undercuts : whether its flanks may cross themselves; a flat face touches only what is convex.
+    standstill : what it means where Z' = 0, in words.
     rocks : whether it swings about a pivot, its lift an angle; else it slides along a guide.
     is_flat : whether a flat face touches the cam; else a roller does.
     ahead : derivatives of the lift that R_k takes beyond the k-th. A flat face takes one, so that
@@ -110,7 +124,25 @@ class Follower(Protocol):
     def touching(self) -> Touching: ...
 
     @property
+    def mover(self) -> Mover: ...
+
+    @property
     def pivot(self) -> complex | None: ...
+
+    @property
+    def offset(self) -> float: ...
+
+    @property
+    def face(self) -> tuple[float, float] | None: ...
+
+    @property
+    def lift_scale(self) -> float: ...
+
+    @property
+    def undercuts(self) -> bool: ...
+
+    @property
+    def standstill(self) -> str: ...
 
     @property
     def rocks(self) -> bool: ...
@@ -138,3 +170,59 @@ class Follower(Protocol):
         (n,) half their widths [rad]. Where there is no Z''' the third one says how far Z'' may be
         off its value in the middle, see `camgeo.mechanism.face`.
         """
+
+    def curvature(self, relative: RelativeJet, speed: FloatArray, rotation: int) -> FloatArray:
+        """(n,) [1/mm] of the pitch curve, from R_0 to R_k, k + `ahead` = 2, and `speed` |Z'|."""
+
+    def on_one_side(self, lifts: FloatArray) -> bool:
+        """Whether at these lifts the roller stays before the foot of its guide, or on its side of
+        the line of centres; of a flat face, whose contact does not, False.
+        """
+
+    def sketch(self, lift: float, farthest: float, ends: tuple[float, float]) -> MechanismSketch:
+        """The follower at the lift `lift` [mm or rad].
+
+        `farthest` is the lift farthest from the cam; `ends` are where a flat face begins and ends
+        [mm], as its contact is counted, and of no meaning for a roller.
+        """
+
+    def held(
+        self, ends: tuple[float, float]
+    ) -> tuple[Literal["guide", "pivot"], complex, tuple[complex, complex] | None]:
+        """What holds it, a place there [mm], and the ends of a flat face, at cam angle 0."""
+
+    def linked_at(self, farthest: float) -> tuple[complex, complex]:
+        """Where a linkage takes hold of it at lift 0 [mm], and the direction of a positive lift.
+
+        The pivot of a rocker, of which the direction is 0.
+        """
+
+    def far_side(self, lift: float, ends: tuple[float, float], breadth: float) -> MechanismSketch:
+        """The second side of a yoke of `breadth` [mm] at `lift` [mm]; nothing of a rocker."""
+
+    def beside(self, first: complex, lift: float, reach: float) -> MechanismSketch:
+        """The second roller of the body whose first one is at `first` [mm]; nothing of a face.
+
+        `reach` [mm] is how far their centres come from the cam axis.
+        """
+
+
+def bend_of_path(relative: RelativeJet, speed: FloatArray, rotation: int) -> FloatArray:
+    """(n,) [1/mm] curvature of the path of a roller centre, from R_1 and R_2."""
+    (_, a1, a2), (_, b1, b2) = relative.along[:3], relative.across[:3]
+    # conj(Z') Z'' does not see the rotation, so R_k stand for Z^(k).
+    cross = b1 * a2
+    cross -= a1 * b2
+    kappa: FloatArray = cross
+    kappa *= rotation
+    kappa /= speed * speed * speed
+    return kappa
+
+
+def bend_of_envelope(relative: RelativeJet, speed: FloatArray, rotation: int) -> FloatArray:
+    """(n,) [1/mm] curvature of the envelope of a face, which is its tangent.
+
+    Nothing cancels where the face nearly stands still in the cam and Z'' is long.
+    """
+    kappa: FloatArray = (1.0 - rotation * relative.turning) / speed
+    return kappa

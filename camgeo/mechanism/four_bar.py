@@ -16,7 +16,8 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from camgeo.errors import GeometryError
-from camgeo.mechanism.triangle import IN_LINE, ROUNDING, SLACK, dot, half_angle, turning
+from camgeo.mechanism.sketch import MechanismSketch
+from camgeo.mechanism.triangle import IN_LINE, ROUNDING, SLACK, dot, drawn, half_angle, turning
 from camgeo.mechanism.turns import cosine_range, within
 from camgeo.mechanism.values import angle, length, place, sense
 from camgeo.motion.motion import FULL_ORDER, Jet
@@ -154,6 +155,16 @@ class FourBar:
         """P and T (n,) [mm]: lever's pin and crank's tip at `motion` (n,) [rad]."""
         pin = self.shaft + self.lever * np.exp(1j * (self.lever_angle + self.lever_sense * motion))
         return pin, self.crank * np.exp(1j * self.crank_angle(motion))
+
+    def sketch(self, place: complex, _: complex, position: float) -> MechanismSketch:
+        """See `Linkage.sketch`."""
+        joined, far = drawn(place, self.joints(np.array([position]))), place + self.shaft
+        return joined + MechanismSketch(links=((far, joined.joints[1]),), shafts=(far,))
+
+    @property
+    def coupler_tilt(self) -> float:
+        """See `Linkage`: its dimensions say nothing of it."""
+        return 0.0
 
     def joint_rates(
         self, motion: FloatArray, demanded: FloatArray, own: FloatArray

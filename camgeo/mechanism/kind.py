@@ -22,6 +22,9 @@ Unit = Literal["mm", "rad"]
 Touching = Literal["roller", "face"]
 """What of a follower touches the cam."""
 
+Mover = Literal["follower", "rocker"]
+"""What of a follower moves."""
+
 UNIT_OF: Final[Mapping[Member, Unit]] = {"slider": "mm", "lever": "rad", "crank": "rad"}
 """Of the positions of a linkage's far end."""
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from typing import Literal, Protocol
 
+from camgeo.mechanism.sketch import MechanismSketch
 from camgeo.motion.motion import FULL_ORDER, Jet
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 
@@ -25,6 +26,8 @@ class Linkage(Protocol):
     crank, coupler : their lengths.
     member : whose motion is demanded.
     unit : of the demanded positions.
+    coupler_tilt : angle of the coupler to the direction that it has at position 0 as the
+        dimensions are defined [rad], in [0, pi/2].
     """
 
     @property
@@ -38,6 +41,9 @@ class Linkage(Protocol):
 
     @property
     def unit(self) -> Literal["mm", "rad"]: ...
+
+    @property
+    def coupler_tilt(self) -> float: ...
 
     def transform(self, jet: Jet, order: int = FULL_ORDER) -> Jet:
         """(order + 1, n) the follower's motion for demanded positions and derivatives `jet` (4, n).
@@ -79,6 +85,12 @@ class Linkage(Protocol):
     def joints(self, position: FloatArray) -> tuple[ComplexArray, ComplexArray]:
         """The coupler's far pin P and the crank's tip T (n,) [mm], seen from the crank's shaft with
         the axes of the drawing of the cam.
+        """
+
+    def sketch(self, place: complex, outward: complex, position: float) -> MechanismSketch:
+        """The linkage with its far end at `position` [mm or rad], in the frame of the cam.
+
+        `place` and `outward` are as of `Follower.linked_at`.
         """
 
     def joint_rates(

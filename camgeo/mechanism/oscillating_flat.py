@@ -5,13 +5,15 @@ from __future__ import annotations
 import cmath
 import math
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
 from camgeo.errors import GeometryError
-from camgeo.mechanism.face import HIGHEST, Touch, face_ends, spread
-from camgeo.mechanism.follower import RelativeJet, TangentJet
-from camgeo.mechanism.kind import Touching, Unit
+from camgeo.mechanism.face import HIGHEST, STANDSTILL, Touch, face_ends, face_line, spread
+from camgeo.mechanism.follower import RelativeJet, TangentJet, bend_of_envelope
+from camgeo.mechanism.kind import Mover, Touching, Unit
+from camgeo.mechanism.sketch import MechanismSketch
 from camgeo.mechanism.values import coordinate, length, place, sense
 from camgeo.motion.motion import FULL_ORDER, Jet
 from camgeo.numeric.arrays import FloatArray
@@ -100,6 +102,46 @@ class OscillatingFlat:
     def touching(self) -> Touching:
         """See `Follower`."""
         return "face"
+
+    @property
+    def mover(self) -> Mover:
+        """See `Follower`."""
+        return "rocker"
+
+    @property
+    def offset(self) -> float:
+        """See `Follower`: none."""
+        return 0.0
+
+    @property
+    def lift_scale(self) -> float:
+        """See `Follower`."""
+        return 1.0
+
+    @property
+    def undercuts(self) -> bool:
+        """See `Follower`."""
+        return False
+
+    @property
+    def standstill(self) -> str:
+        """See `Follower`."""
+        return STANDSTILL
+
+    @property
+    def origin(self) -> str:
+        """See `FlatFollower`."""
+        return "pivot's foot"
+
+    @property
+    def least_place(self) -> float:
+        """See `FlatFollower`: at the pivot's foot it has no lever about the pivot."""
+        return 0.0
+
+    @property
+    def raised_by(self) -> tuple[str, ...]:
+        """See `FlatFollower`."""
+        return ("follower.base_radius", "follower.face_offset")
 
     @property
     def rocks(self) -> bool:
@@ -260,3 +302,49 @@ class OscillatingFlat:
             out = np.stack((pace, second, third + jumps))
         out[:, slowest <= 0.0] = np.inf
         return out
+
+    def curvature(self, relative: RelativeJet, speed: FloatArray, rotation: int) -> FloatArray:
+        """See `Follower.curvature`."""
+        return bend_of_envelope(relative, speed, rotation)
+
+    def on_one_side(self, _: FloatArray) -> bool:
+        """See `Follower.on_one_side`."""
+        return False
+
+    def _face(self, lift: float) -> tuple[complex, complex]:
+        """The pivot's foot on the face [mm], and the way in which places count from it."""
+        line = -self.pivot / abs(self.pivot)
+        chi = self.arm_side * float(self.face_angle(np.array([lift]))[0])
+        along = line * cmath.exp(1j * chi)
+        return self.pivot + 1j * self.arm_side * along * self.face_offset, along
+
+    def _face_line(self, lift: float, ends: tuple[float, float]) -> tuple[complex, complex]:
+        """The ends of the face [mm], which reaches to the pivot."""
+        return face_line(*self._face(lift), (min(0.0, ends[0]), max(0.0, ends[1])))
+
+    def sketch(self, lift: float, _: float, ends: tuple[float, float]) -> MechanismSketch:
+        """See `Follower.sketch`."""
+        foot, _along = self._face(lift)
+        return MechanismSketch(
+            links=((self.pivot, foot),),
+            shafts=(self.pivot,),
+            faces=(self._face_line(lift, ends),),
+        )
+
+    def held(
+        self, ends: tuple[float, float]
+    ) -> tuple[Literal["pivot"], complex, tuple[complex, complex]]:
+        """See `Follower.held`."""
+        return "pivot", self.pivot, self._face_line(0.0, ends)
+
+    def linked_at(self, _: float) -> tuple[complex, complex]:
+        """See `Follower.linked_at`."""
+        return self.pivot, 0j
+
+    def far_side(self, _: float, __: tuple[float, float], ___: float) -> MechanismSketch:
+        """See `Follower.far_side`."""
+        return MechanismSketch()
+
+    def beside(self, _: complex, __: float, ___: float) -> MechanismSketch:
+        """See `Follower.beside`."""
+        return MechanismSketch()

@@ -5,12 +5,15 @@ from __future__ import annotations
 import cmath
 import math
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
 from camgeo.errors import GeometryError
-from camgeo.mechanism.follower import RelativeJet, TangentJet
-from camgeo.mechanism.kind import Touching, Unit
+from camgeo.mechanism.drawn import traced_point
+from camgeo.mechanism.follower import STANDSTILL, RelativeJet, TangentJet, bend_of_path
+from camgeo.mechanism.kind import Mover, Touching, Unit
+from camgeo.mechanism.sketch import MechanismSketch
 from camgeo.mechanism.values import length, place, radius, sense
 from camgeo.motion.motion import FULL_ORDER, Jet
 from camgeo.numeric.arrays import FloatArray
@@ -101,6 +104,36 @@ class OscillatingRoller:
         return "roller"
 
     @property
+    def mover(self) -> Mover:
+        """See `Follower`."""
+        return "rocker"
+
+    @property
+    def offset(self) -> float:
+        """See `Follower`: none."""
+        return 0.0
+
+    @property
+    def face(self) -> tuple[float, float]:
+        """See `Follower`: none."""
+        return 0.0, 0.0
+
+    @property
+    def lift_scale(self) -> float:
+        """See `Follower`."""
+        return 1.0
+
+    @property
+    def undercuts(self) -> bool:
+        """See `Follower`."""
+        return True
+
+    @property
+    def standstill(self) -> str:
+        """See `Follower`; hard case HC18."""
+        return STANDSTILL
+
+    @property
     def rocks(self) -> bool:
         """See `Follower`."""
         return True
@@ -186,3 +219,33 @@ class OscillatingRoller:
                 l3 * (omega**3 + 3.0 * omega * bounds[2] + bounds[3]) + l1,
             )
         )
+
+    def curvature(self, relative: RelativeJet, speed: FloatArray, rotation: int) -> FloatArray:
+        """See `Follower.curvature`."""
+        return bend_of_path(relative, speed, rotation)
+
+    def on_one_side(self, lifts: FloatArray) -> bool:
+        """See `Follower.on_one_side`."""
+        rocker = self.rocker_angle(lifts)
+        return bool(np.all((rocker > 0.0) & (rocker < np.pi)))
+
+    def sketch(self, lift: float, _: float, __: tuple[float, float]) -> MechanismSketch:
+        """See `Follower.sketch`."""
+        return MechanismSketch(shafts=(self.pivot,)) + self.beside(0j, lift, 0.0)
+
+    def held(self, _: tuple[float, float]) -> tuple[Literal["pivot"], complex, None]:
+        """See `Follower.held`."""
+        return "pivot", self.pivot, None
+
+    def linked_at(self, _: float) -> tuple[complex, complex]:
+        """See `Follower.linked_at`."""
+        return self.pivot, 0j
+
+    def beside(self, _: complex, lift: float, __: float) -> MechanismSketch:
+        """See `Follower.beside`: both arms are on the pivot."""
+        here = traced_point(self, lift)
+        return MechanismSketch(links=((self.pivot, here),), rollers=((here, self.roller_radius),))
+
+    def far_side(self, _: float, __: tuple[float, float], ___: float) -> MechanismSketch:
+        """See `Follower.far_side`."""
+        return MechanismSketch()

@@ -15,7 +15,8 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from camgeo.errors import GeometryError
-from camgeo.mechanism.triangle import ROUNDING, half_angle, turning
+from camgeo.mechanism.sketch import Guide, MechanismSketch
+from camgeo.mechanism.triangle import ROUNDING, drawn, half_angle, turning
 from camgeo.mechanism.values import angle, length, sense, truth
 from camgeo.motion.motion import FULL_ORDER, Jet
 from camgeo.numeric.arrays import ComplexArray, FloatArray
@@ -314,6 +315,16 @@ class SliderCrank:
         pin = sense * x + 1j * self.guide_height
         tip = self.crank * (-sense * np.cos(theta) + 1j * np.sin(theta))
         return np.asarray(pin), np.asarray(tip)
+
+    def sketch(self, place: complex, _: complex, position: float) -> MechanismSketch:
+        """See `Linkage.sketch`."""
+        joined = drawn(place, self.joints(np.array([position])))
+        return joined + MechanismSketch(guides=(Guide(joined.joints[1], 1.0 + 0j),))
+
+    @property
+    def coupler_tilt(self) -> float:
+        """See `Linkage`."""
+        return abs(math.remainder(self.coupler_angle, math.pi))
 
     def joint_rates(
         self, stroke: FloatArray, demanded: FloatArray, own: FloatArray

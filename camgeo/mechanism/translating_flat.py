@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import cmath
 import math
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
-from camgeo.mechanism.face import HIGHEST, Touch, face_ends, spread
-from camgeo.mechanism.follower import RelativeJet, TangentJet
-from camgeo.mechanism.kind import Touching, Unit
+from camgeo.mechanism.drawn import across, carriage, traced_point
+from camgeo.mechanism.face import HIGHEST, STANDSTILL, Touch, face_ends, face_line, spread
+from camgeo.mechanism.follower import RelativeJet, TangentJet, bend_of_envelope
+from camgeo.mechanism.kind import Mover, Touching, Unit
+from camgeo.mechanism.sketch import MechanismSketch
 from camgeo.mechanism.values import angle, length, sense
 from camgeo.motion.motion import FULL_ORDER, Jet
 from camgeo.numeric.arrays import FloatArray
@@ -70,6 +74,46 @@ class TranslatingFlat:
     def pivot(self) -> None:
         """See `Follower`: none."""
         return None
+
+    @property
+    def mover(self) -> Mover:
+        """See `Follower`."""
+        return "follower"
+
+    @property
+    def offset(self) -> float:
+        """See `Follower`: none."""
+        return 0.0
+
+    @property
+    def lift_scale(self) -> float:
+        """See `Follower`."""
+        return self.base_radius
+
+    @property
+    def undercuts(self) -> bool:
+        """See `Follower`."""
+        return False
+
+    @property
+    def standstill(self) -> str:
+        """See `Follower`."""
+        return STANDSTILL
+
+    @property
+    def origin(self) -> str:
+        """See `FlatFollower`."""
+        return "cam axis"
+
+    @property
+    def least_place(self) -> float:
+        """See `FlatFollower`: it moves by its guide wherever it is pressed."""
+        return -math.inf
+
+    @property
+    def raised_by(self) -> tuple[str, ...]:
+        """See `FlatFollower`."""
+        return ("follower.base_radius",)
 
     @property
     def rocks(self) -> bool:
@@ -149,3 +193,46 @@ class TranslatingFlat:
         return np.stack(
             (height + bounds[2], height + rest, height + 2.0 * rest + spread(change, half))
         )
+
+    def curvature(self, relative: RelativeJet, speed: FloatArray, rotation: int) -> FloatArray:
+        """See `Follower.curvature`."""
+        return bend_of_envelope(relative, speed, rotation)
+
+    def on_one_side(self, _: FloatArray) -> bool:
+        """See `Follower.on_one_side`."""
+        return False
+
+    @property
+    def _out(self) -> complex:
+        return cmath.exp(1j * self.guide_angle)
+
+    def _face(self, lift: float) -> tuple[complex, complex]:
+        """The foot of the cam axis on the face [mm], and the way in which places count."""
+        foot = traced_point(self, lift)  # at rest the contact lies there
+        return foot, -1j * foot / abs(foot)
+
+    def sketch(self, lift: float, farthest: float, ends: tuple[float, float]) -> MechanismSketch:
+        """See `Follower.sketch`."""
+        _, rod = carriage(self, self._out, lift, farthest)
+        return rod + MechanismSketch(faces=(face_line(*self._face(lift), ends),))
+
+    def held(
+        self, ends: tuple[float, float]
+    ) -> tuple[Literal["guide"], complex, tuple[complex, complex]]:
+        """See `Follower.held`."""
+        return "guide", 2.0 * self.base_radius * self._out, face_line(*self._face(0.0), ends)
+
+    def linked_at(self, farthest: float) -> tuple[complex, complex]:
+        """See `Follower.linked_at`: the end of its rod."""
+        _, rod = carriage(self, self._out, 0.0, farthest)
+        return rod.links[0][-1], self.direction * self._out
+
+    def far_side(self, lift: float, ends: tuple[float, float], breadth: float) -> MechanismSketch:
+        """See `Follower.far_side`: the same face, half a turn on."""
+        here, along = self._face(lift)
+        there, joined = across(here, breadth)
+        return joined + MechanismSketch(faces=(face_line(there, -along, ends),))
+
+    def beside(self, _: complex, __: float, ___: float) -> MechanismSketch:
+        """See `Follower.beside`."""
+        return MechanismSketch()

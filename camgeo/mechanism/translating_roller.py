@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import cmath
 import math
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
 from camgeo.errors import GeometryError
-from camgeo.mechanism.follower import RelativeJet, TangentJet
-from camgeo.mechanism.kind import Touching, Unit
+from camgeo.mechanism.drawn import across, bracket, carriage, traced_point
+from camgeo.mechanism.follower import STANDSTILL, RelativeJet, TangentJet, bend_of_path
+from camgeo.mechanism.kind import Mover, Touching, Unit
+from camgeo.mechanism.sketch import MechanismSketch
 from camgeo.mechanism.values import angle, coordinate, length, radius, sense
 from camgeo.motion.motion import FULL_ORDER, Jet
 from camgeo.numeric.arrays import FloatArray
@@ -75,6 +79,31 @@ class TranslatingRoller:
     def pivot(self) -> None:
         """See `Follower`: none."""
         return None
+
+    @property
+    def mover(self) -> Mover:
+        """See `Follower`."""
+        return "follower"
+
+    @property
+    def face(self) -> tuple[float, float]:
+        """See `Follower`: none."""
+        return 0.0, 0.0
+
+    @property
+    def lift_scale(self) -> float:
+        """See `Follower`."""
+        return self.base_radius
+
+    @property
+    def undercuts(self) -> bool:
+        """See `Follower`."""
+        return True
+
+    @property
+    def standstill(self) -> str:
+        """See `Follower`."""
+        return STANDSTILL
 
     @property
     def rocks(self) -> bool:
@@ -146,3 +175,45 @@ class TranslatingRoller:
                 bounds[3] + 3.0 * (bounds[2] + bounds[1]) + radius,
             )
         )
+
+    def curvature(self, relative: RelativeJet, speed: FloatArray, rotation: int) -> FloatArray:
+        """See `Follower.curvature`."""
+        return bend_of_path(relative, speed, rotation)
+
+    def on_one_side(self, lifts: FloatArray) -> bool:
+        """See `Follower.on_one_side`."""
+        return bool(np.all(self.start_height + self.direction * lifts > 0.0))
+
+    @property
+    def _out(self) -> complex:
+        return cmath.exp(1j * self.guide_angle)
+
+    def sketch(self, lift: float, farthest: float, _: tuple[float, float]) -> MechanismSketch:
+        """See `Follower.sketch`."""
+        here, rod = carriage(self, self._out, lift, farthest)
+        return rod + MechanismSketch(rollers=((here, self.roller_radius),))
+
+    def held(self, _: tuple[float, float]) -> tuple[Literal["guide"], complex, None]:
+        """See `Follower.held`."""
+        out = complex(math.cos(self.guide_angle), math.sin(self.guide_angle))
+        return (
+            "guide",
+            -1j * out * self.offset + out * (self.start_height + 2.0 * self.base_radius),
+            None,
+        )
+
+    def linked_at(self, farthest: float) -> tuple[complex, complex]:
+        """See `Follower.linked_at`: the end of its rod."""
+        _, rod = carriage(self, self._out, 0.0, farthest)
+        return rod.links[0][-1], self.direction * self._out
+
+    def far_side(self, lift: float, _: tuple[float, float], breadth: float) -> MechanismSketch:
+        """See `Follower.far_side`."""
+        there, joined = across(traced_point(self, lift), breadth)
+        return joined + MechanismSketch(rollers=((there, self.roller_radius),))
+
+    def beside(self, first: complex, lift: float, reach: float) -> MechanismSketch:
+        """See `Follower.beside`: joined by a bracket."""
+        here = traced_point(self, lift)
+        roller = MechanismSketch(rollers=((here, self.roller_radius),))
+        return roller + MechanismSketch(links=(bracket(first, here, reach),))

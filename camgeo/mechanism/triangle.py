@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from camgeo.mechanism.sketch import MechanismSketch
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 
 ROUNDING = 8.0 * 2.0**-52
@@ -60,3 +61,9 @@ def turning(joint: ComplexArray, rates: FloatArray) -> ComplexArray:
     """
     first, second = rates
     return np.stack((1j * first * joint, (1j * second - first * first) * joint))
+
+
+def drawn(shaft: complex, joints: tuple[ComplexArray, ComplexArray]) -> MechanismSketch:
+    """Crank and coupler of a linkage on the rocker's `shaft` [mm], its `joints` seen from there."""
+    pin, tip = (shaft + complex(joint[0]) for joint in joints)
+    return MechanismSketch(links=((shaft, tip), (tip, pin)), joints=(tip, pin), shafts=(shaft,))

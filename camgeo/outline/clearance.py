@@ -7,8 +7,6 @@ import numpy as np
 from camgeo.curve.extremes import extremes
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.curve.turn_cells import halves, turn_cells
-from camgeo.mechanism.oscillating_roller import OscillatingRoller
-from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.motion.extremes import lift_range
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray
@@ -82,15 +80,6 @@ def stays_on_one_side(pitch: PitchCurve) -> bool:
     """
     middle, bounds = pitch.motion.jet_and_bounds(*turn_cells(pitch))
     reach = np.array([np.min(middle[0] - bounds[0]), np.max(middle[0] + bounds[0])])
-    if _on_one_side(pitch, reach):
+    if pitch.follower.on_one_side(reach):
         return True
-    return _on_one_side(pitch, np.array(lift_range(pitch.motion)))
-
-
-def _on_one_side(pitch: PitchCurve, lifts: FloatArray) -> bool:
-    follower = pitch.follower
-    if isinstance(follower, TranslatingRoller):
-        return bool(np.all(follower.start_height + follower.direction * lifts > 0.0))
-    assert isinstance(follower, OscillatingRoller)  # the other one there is
-    rocker = follower.rocker_angle(lifts)
-    return bool(np.all((rocker > 0.0) & (rocker < np.pi)))
+    return pitch.follower.on_one_side(np.array(lift_range(pitch.motion)))

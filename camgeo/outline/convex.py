@@ -10,7 +10,6 @@ all of it is left. The cam axis lies inside where the face keeps clear of it, h 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import cast
 
 import numpy as np
 
@@ -18,7 +17,7 @@ from camgeo.curve.closure import joints
 from camgeo.curve.extremes import Extremes, extremes
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.curve.turn_cells import halves, turn_cells
-from camgeo.mechanism.face import FlatFollower, Touch
+from camgeo.mechanism.face import Touch, flat_follower
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray, ascending
 
@@ -74,8 +73,7 @@ class Convexity:
 
 def touch(curve: PitchCurve, phi: FloatArray, side: Side = "right") -> Touch:
     """The contact of the flat follower of `curve` at `phi` (n,) [rad]."""
-    follower = cast("FlatFollower", curve.follower)  # asked for those only
-    return follower.touch(curve.motion.jet(phi, side), curve.rotation)
+    return flat_follower(curve.follower).touch(curve.motion.jet(phi, side), curve.rotation)
 
 
 def convexity(curve: PitchCurve) -> Convexity:
@@ -153,7 +151,7 @@ def _jumps(curve: PitchCurve, least: float) -> tuple[Extreme, int]:
     jumping = gaps > least
     if not np.any(jumping):
         return (0.0, 0.0), 0
-    facing = cast("FlatFollower", curve.follower).facing
+    facing = flat_follower(curve.follower).facing
     # The outline runs along the face, to the right for sigma = +1: t = -i sigma n.
     ways = curve.rotation * facing * (after - before)
     worst = int(np.argmin(np.where(jumping, ways, np.inf)))

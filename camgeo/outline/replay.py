@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import Final, Literal
+from typing import Final
 
 import numpy as np
 
@@ -21,13 +21,12 @@ from camgeo.motion.motion import Motion, Side
 from camgeo.motion.plan import SNAP
 from camgeo.numeric.arrays import FloatArray, IntArray, ascending
 from camgeo.numeric.extremes import Extreme
+from camgeo.outline.flank import Flank
 from camgeo.outline.path import Path, Stretch
 from camgeo.outline.replay_course import AS_DEMANDED, Course, pressed
 from camgeo.outline.replay_result import AS_DEMANDED_ELEMENT, Jumps, Replay
 from camgeo.outline.roller_path import LinesAndArcs, branches, circles, parallel
 from camgeo.units import TURN
-
-Contact = Literal["inner", "outer"]
 
 SIDES: Final[tuple[Side, Side]] = ("left", "right")
 
@@ -49,7 +48,7 @@ DROP = 1e-9
 def replay_contour(
     pitch: PitchCurve,
     contour: LinesAndArcs,
-    contact: Contact = "inner",
+    flank: str = Flank.INNER,
     *,
     step: float = STEP,
     corner: float = CORNER,
@@ -59,7 +58,8 @@ def replay_contour(
     Parameters
     ----------
     contour : in cam coordinates, counter-clockwise round the cam axis: the boundary of the disc for
-        contact "inner", that of the hole for "outer", into which the roller is pressed outward.
+        the inner flank, that of the hole for the outer one, into which the roller is pressed.
+    flank : "inner" or "outer".
     step : of the samples [rad].
     corner : corners up to this angle [rad] count as none, neither as shocks nor as ripple.
 
@@ -69,7 +69,7 @@ def replay_contour(
         If the contour does not run counter-clockwise, or not round the cam axis within the
         follower's reach.
     """
-    press = -1 if contact == "inner" else 1
+    press = Flank(flank).sign
     path = path_of(pitch.follower, pitch.rotation)
     found = branches(parallel(contour, -press * pitch.follower.roller_radius), path)
     whole = (np.zeros(1), np.full(1, TURN))
@@ -157,7 +157,7 @@ def _replay(
     grid = ascending(np.concatenate((grid, [peak.place for peak in peaks], besides)))
     special = ascending(np.concatenate((course.borders, course.breaks)))
     lifts = [course.lift(special, side) for side in SIDES]
-    dropped = np.abs(lifts[1] - lifts[0]) > DROP * _size(pitch)
+    dropped = np.abs(lifts[1] - lifts[0]) > DROP * pitch.follower.lift_scale
     drops = Jumps(special[dropped], lifts[0][dropped], lifts[1][dropped])
     special = special[~dropped]
     grid = grid[~np.isin(grid, np.concatenate((special, drops.phi)))]
@@ -217,11 +217,6 @@ def _shocks(path: FollowerPath, left: _Samples, right: _Samples, corner: float) 
     turned = np.abs(np.angle(after * before.conj()))
     found = turned > corner
     return Jumps(right.phi[found], left.actual[1][found], right.actual[1][found])
-
-
-def _size(pitch: PitchCurve) -> float:
-    """The scale of the lift [mm or rad]."""
-    return 1.0 if pitch.follower.rocks else pitch.follower.base_radius
 
 
 def _peak(motion: Motion, order: int) -> Extreme:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Final, TypeVar
 
 import numpy as np
 
+from camgeo.cam.contact import Contact
 from camgeo.check.limits import Limits
 from camgeo.errors import Fault, GeometryError
 from camgeo.files.specs import DxfSpec
@@ -173,7 +174,7 @@ class Builder:
             returning=returning,
             yoke=self._yoke(),
             speed_curve=speed_curve,
-            contact=get("follower", "contact") or "inner",
+            contact=self.values.contact or Contact.INNER,
             side_clearance=self._mm * (get("follower", "side_clearance") or 0.0),
             limits=self._limits(),
             part=self._part(),

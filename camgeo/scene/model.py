@@ -102,7 +102,7 @@ class Scene:
     returning: RollerFollower | None = None
     yoke: Yoke | None = None
     speed_curve: SpeedCurve | None = None
-    contact: Contact = "inner"
+    contact: Contact = Contact.INNER
     side_clearance: float = 0.0
     limits: Limits = field(default_factory=Limits)
     part: PartSpec | None = None

@@ -183,8 +183,7 @@ def a_return_disc_has_a_main_disc(values: SoundValues) -> Iterator[Fault]:
             message = "belongs to a pair or a yoke: it needs [follower.return] or [follower.yoke]"
             yield values.scene.fault(("limits", "closing_error"), message)
         return
-    contact = values.get("follower", "contact")
-    if contact in ("outer", "groove"):
+    if values.contact is not None and not values.contact.is_plate:
         message = 'belongs to contact "inner": both discs of a conjugate pair are plate cams'
         yield values.scene.fault(place, message)
 
@@ -196,7 +195,7 @@ def a_yoke_stands_astride(values: SoundValues) -> Iterator[Fault]:
     if values.get("follower", "offset"):
         message = "must be 0 for a yoke: both its rollers lie in line with the cam axis"
         yield values.scene.fault(("follower", "offset"), message)
-    if values.get("follower", "contact") in ("outer", "groove"):
+    if values.contact is not None and not values.contact.is_plate:
         message = 'belongs to contact "inner": the yoke stands astride a plate cam'
         yield values.scene.fault(YOKE, message)
     if values.has("follower", "return"):
@@ -276,25 +275,25 @@ def formats_have_what_they_need(values: SoundValues) -> Iterator[Fault]:
 
 def contact_and_part_agree(values: SoundValues) -> Iterator[Fault]:
     """The part has the boundaries that its contact asks for, and no others."""
-    if not values.sound("follower", "contact"):
+    contact = values.contact
+    if contact is None:
         return
-    contact = values.get("follower", "contact") or "inner"
-    if contact in ("outer", "groove") and values.lacks("part", "rim"):
+    if not contact.is_plate and values.lacks("part", "rim"):
         message = "needs [part] rim, the diameter of the blank"
         yield values.scene.fault(("follower", "contact"), message)
-    if contact == "inner" and values.has("part", "rim"):
+    if contact.is_plate and values.has("part", "rim"):
         message = 'belongs to contact "outer" or "groove"; the outline of this cam is its flank'
         yield values.scene.fault(("part", "rim"), message)
-    if contact != "groove" and values.has("part", "groove_depth"):
+    if not contact.closed_by_form and values.has("part", "groove_depth"):
         yield values.scene.fault(("part", "groove_depth"), 'belongs to contact "groove"')
-    if contact == "outer" and values.has("part", "bore"):
+    if not contact.runs_inside and values.has("part", "bore"):
         message = 'has no place in a cam with contact "outer": the roller runs where it would be'
         yield values.scene.fault(("part", "bore"), message)
 
 
 def roller_is_possible(values: SoundValues) -> Iterator[Fault]:
     """A roller or a knife edge, and a groove about a roller that it does not dwarf."""
-    groove = values.get("follower", "contact") == "groove"
+    groove = values.contact is not None and values.contact.closed_by_form
     radius = values.get("follower", "roller_radius")
     play = values.get("follower", "side_clearance")
     for key, value in (("roller_radius", radius), ("side_clearance", play)):
@@ -303,7 +302,7 @@ def roller_is_possible(values: SoundValues) -> Iterator[Fault]:
     if radius == 0.0 and groove:
         message = "must be above 0: a groove holds a roller, a knife edge has no groove"
         yield values.scene.fault(("follower", "roller_radius"), message)
-    if play is None or not values.sound("follower", "contact"):
+    if play is None or values.contact is None:
         return
     if not groove:
         message = 'belongs to contact "groove"; a roller on one flank has no play'

@@ -6,6 +6,7 @@ from collections.abc import Collection
 from decimal import Decimal
 from typing import TYPE_CHECKING, Any
 
+from camgeo.cam.contact import Contact
 from camgeo.mechanism.declared.registry import FOLLOWERS, LINKAGES
 from camgeo.mechanism.kind import UNIT_OF, FollowerKind
 from camgeo.scene.document import Document
@@ -78,6 +79,13 @@ class SoundValues:
     def follower_kind(self) -> FollowerKind | None:
         """What kind of follower it is; None if that is not known."""
         return FOLLOWERS.get(self.get("follower", "kind") or "")
+
+    @property
+    def contact(self) -> Contact | None:
+        """The flank on which the follower runs; None if that is not known."""
+        if not self.sound("follower", "contact"):
+            return None
+        return Contact(self.get("follower", "contact") or Contact.INNER)
 
     @property
     def flat(self) -> bool:

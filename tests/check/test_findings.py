@@ -19,6 +19,7 @@ from camgeo.check.transmission_angle import check_transmission_angle
 from camgeo.curve.curvature import curvature_extremes
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.curve.working_curve import WorkingCurve
+from camgeo.mechanism.kind import Unit
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.motion.laws import LAWS
@@ -180,12 +181,12 @@ def test_standstill_is_found_between_the_samples() -> None:
 
 def test_default_limits_of_the_sources() -> None:
     slow, fast = 30.0 * RPM, 30.1 * RPM
-    expected = {
-        (True, None): 60.0, (True, slow): 60.0, (True, fast): 60.0,
-        (False, None): 45.0, (False, slow): 45.0, (False, fast): 60.0,
+    expected: dict[tuple[Unit, float | None], float] = {
+        ("mm", None): 60.0, ("mm", slow): 60.0, ("mm", fast): 60.0,
+        ("rad", None): 45.0, ("rad", slow): 45.0, ("rad", fast): 60.0,
     }  # fmt: skip
-    for (translating, speed), angle in expected.items():
-        found = default_transmission_angle(translating=translating, speed=speed)
+    for (unit, speed), angle in expected.items():
+        found = default_transmission_angle(unit, speed)
         assert math.degrees(found) == pytest.approx(angle, rel=1e-15)
 
 

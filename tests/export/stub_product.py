@@ -19,11 +19,11 @@ from camgeo.contour.contour import Contour
 from camgeo.contour.fit import Effort, Fit
 from camgeo.contour.spline import Arc, SplineContour, SplineFit
 from camgeo.effects.effect import Column
-from camgeo.files.mechanism_sketch import Guide, MechanismSketch
 from camgeo.files.product import CutOff, FollowerSketch, PlanSegment, PlanSketch, Product
 from camgeo.files.specs import DxfSpec
 from camgeo.files.table import Table
 from camgeo.lazy import Ledger
+from camgeo.mechanism.sketch import Guide, MechanismSketch
 from camgeo.motion.joints import Joint
 from camgeo.numeric.arrays import FloatArray
 from camgeo.part.part import Layer, Part

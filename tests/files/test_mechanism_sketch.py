@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from camgeo.design import Design
-from camgeo.files.mechanism_sketch import MechanismSketch
+from camgeo.mechanism.sketch import MechanismSketch
 from camgeo.scene.load import load_scene
 from camgeo.units import TURN
 

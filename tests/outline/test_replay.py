@@ -266,8 +266,8 @@ def test_a_turned_contour_shifts_the_motion(curve: WorkingCurve, angle: float) -
     fit = fit_arcs(whole(curve), 1e-2).contour
     turn = cmath.exp(-1j * curve.pitch.rotation * angle)
     turned = Contour(fit.vertices * turn, fit.sweeps, fit.centres * turn)
-    here = replay_contour(curve.pitch, fit, contact)  # type: ignore[arg-type]
-    there = replay_contour(curve.pitch, turned, contact)  # type: ignore[arg-type]
+    here = replay_contour(curve.pitch, fit, contact)
+    there = replay_contour(curve.pitch, turned, contact)
     phi = np.linspace(0.1, 6.1, 101)
     # Turning costs 1e-16 of the coordinates, 100 mm; the slopes are below 100 mm/rad.
     assert there.course.lift(phi + angle) == pytest.approx(here.course.lift(phi), abs=1e-10)
@@ -287,9 +287,9 @@ def test_a_mirrored_cam_makes_the_same_motion(scene: str, side: int) -> None:
         follower = replace(follower, pivot=follower.pivot.conjugate(), arm_side=-follower.arm_side)
         motion = curve.pitch.motion
     contact = "inner" if side < 0 else "outer"
-    here = replay_contour(curve.pitch, fit, contact)  # type: ignore[arg-type]
+    here = replay_contour(curve.pitch, fit, contact)
     pitch = PitchCurve(motion, follower, -curve.pitch.rotation)
-    there = replay_contour(pitch, mirrored, contact)  # type: ignore[arg-type]
+    there = replay_contour(pitch, mirrored, contact)
     phi = np.linspace(0.1, 6.1, 101)
     assert there.course.jet(phi)[0] == pytest.approx(here.course.jet(phi)[0], abs=1e-11)
     assert there.ripple == pytest.approx(here.ripple, rel=1e-6)

@@ -12,9 +12,10 @@ from functools import cache
 import numpy as np
 import pytest
 
-from camgeo.curve.pitch_curve import PitchCurve, curvature
+from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.mechanism.crank_slider import CrankSlider
+from camgeo.mechanism.follower import bend_of_path
 from camgeo.mechanism.oscillating_flat import OscillatingFlat
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.outline.outline import real_outline
@@ -251,7 +252,7 @@ def test_the_curvature_under_a_face_that_nearly_stands_is_seen() -> None:
 
     def from_derivatives(phi: FloatArray) -> tuple[FloatArray]:
         relative = cam.curve.relative_jet(phi, order=2)
-        return (curvature(relative, cam.curve.speed(relative), cam.rotation),)
+        return (bend_of_path(relative, cam.curve.speed(relative), cam.rotation),)
 
     good, poor = changed(CASES, f"{name}, rise", "curvature", from_derivatives)
     assert good <= LIMIT

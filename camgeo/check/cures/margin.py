@@ -44,8 +44,8 @@ def margin(cam: Cam) -> float | None:
 
 def bends_of(cam: Cam) -> Extremes | None:
     """The extremes of the pitch curve's curvature; None as of `margin`."""
-    inner = cam.contact != "outer"
-    if check_follower(cam.follower, runs_on_inner=inner, clearance=cam.clearance):
+    inside = cam.contact.runs_inside
+    if check_follower(cam.follower, runs_on_inner=inside, clearance=cam.clearance):
         return None
     try:
         return curvature_extremes(cam.disc.pitch_curve)

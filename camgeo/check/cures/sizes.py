@@ -41,9 +41,8 @@ def roller_radius(cam: Cam, _: Pairs, crossed: Crossed) -> Cure:
     key, old = "follower.roller_radius", cam.follower.roller_radius
     bends = bends_of(cam)
     assert bends is not None  # there is something to cure
-    convex, concave = bends.largest()[0], -bends.smallest()[0]
-    kappas = {"inner": (convex,), "outer": (concave,), "groove": (convex, concave)}[cam.contact]
-    kappa = max(kappas)
+    extremes = bends.smallest()[0], bends.largest()[0]
+    kappa = max(-flank.sign * each for flank in cam.contact.flanks for each in extremes)
     regular = min(old, 1.0 / kappa - 0.5 * cam.clearance) if kappa > 0.0 else old
     if regular <= BEYOND * old:
         reason = "the play of the groove alone exceeds the radius of curvature"

@@ -49,7 +49,7 @@ class Conditions:
 
 def signs_of(task: Task) -> tuple[float, ...]:
     """Signs of the curvature that matter: +1 convex for an inner flank, -1 concave for an outer."""
-    return {"inner": (1.0,), "outer": (-1.0,), "groove": (1.0, -1.0)}[task.cam.contact]
+    return tuple(-float(flank.sign) for flank in task.cam.contact.flanks)
 
 
 def samples_of(task: Task) -> FloatArray:

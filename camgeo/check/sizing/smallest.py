@@ -118,7 +118,7 @@ def size(task: Task, angle: float, ratio: float) -> Sizing:
     if place is None:
         nearest = largest_angle(task)
         return Sizing(angle, ratio, construction, proposal, None, None, (), nearest)
-    inner = task.cam.contact != "outer"
+    inner = task.cam.contact.runs_inside
     base, half = abs(place - task.start), task.cam.disc.flank_distance
     if not base > 0.0:
         raise GeometryError("there is nothing to size: the follower does not move", key="motion")

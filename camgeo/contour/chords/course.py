@@ -13,8 +13,8 @@ from itertools import pairwise
 import numpy as np
 
 from camgeo.contour.chords.interpolation import monotone
-from camgeo.curve.pitch_curve import curvature
 from camgeo.curve.working_curve import WorkingCurve
+from camgeo.mechanism.follower import bend_of_path
 from camgeo.numeric.arrays import FloatArray, ascending
 from camgeo.units import TURN
 
@@ -109,7 +109,7 @@ def _cells(
     middle, width = 0.5 * (grid[:-1] + grid[1:]), np.diff(grid)
     relative = curve.pitch.relative_jet(middle, order=2)
     speed = curve.pitch.speed(relative)
-    kappa = curvature(relative, speed, curve.pitch.rotation)
+    kappa = bend_of_path(relative, speed, curve.pitch.rotation)
     regular = np.maximum(1.0 + curve.distance * kappa, 0.0)
     way = speed * width
     return kappa, way * np.sqrt(np.abs(kappa) * regular), way * np.abs(kappa), way * regular

@@ -13,10 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camgeo.curve.pieces import Piece
-from camgeo.curve.pitch_curve import curvature
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import GeometryError
-from camgeo.motion.motion import Side
+from camgeo.mechanism.follower import bend_of_path
+from camgeo.motion.motion import FULL_ORDER, Side
 from camgeo.numeric.arrays import ComplexArray, FloatArray, IntArray
 
 Scalar = TypeVar("Scalar", bound=np.generic)
@@ -70,8 +70,8 @@ class Traced:
         jet = pitch.in_cam(relative, phi, relative.along[:2], relative.across[:2])
         tangents = jet[1] / speed
         points = jet[0] + (1j * pitch.rotation * curve.distance) * tangents
-        bend = curvature(relative, speed, pitch.rotation)
-        if pitch.follower.is_flat:  # which has no R_3
+        bend = bend_of_path(relative, speed, pitch.rotation)
+        if len(relative.along) <= FULL_ORDER:  # a flat face has no R_3
             slope = pitch.curvature_slope(phi, side)
         else:
             (_, a1, a2, a3), (_, b1, b2, b3) = relative.along, relative.across

@@ -13,8 +13,8 @@ from matplotlib.patches import Circle, PathPatch
 from matplotlib.path import Path
 
 from camgeo.errors import CamgeoError
-from camgeo.files.mechanism_sketch import Guide, MechanismSketch
 from camgeo.files.product import Product
+from camgeo.mechanism.sketch import Guide, MechanismSketch
 from camgeo.part.boundaries import largest_radius
 from camgeo.part.part import Part
 from camgeo_export.plots import disc
