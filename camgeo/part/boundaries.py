@@ -45,6 +45,7 @@ class CurveBoundary:
         instance("part", self.name, str, "the name of a boundary")
         instance("part", self.hole, bool, "true or false")
         instance("part", self.path, Path, "an outline")
+        instance("part", self.ledger, Ledger, "a ledger")
 
     def arcs(self, tolerance: float, effort: Effort = "fewest") -> Fit:
         """Lines and arcs; raises UndercutError if the path is no outline, ToleranceError."""
@@ -100,8 +101,9 @@ class ExactBoundary:
     def __post_init__(self) -> None:
         instance("part", self.name, str, "the name of a boundary")
         instance("part", self.hole, bool, "true or false")
-        for each in (self.exact, self.core or self.exact):
-            instance("part", each, Contour, "an outline of lines and arcs")
+        instance("part", self.exact, Contour, "an outline of lines and arcs")
+        if self.core is not None:
+            instance("part", self.core, Contour, "a circle, or None")
 
     @property
     def round_radius(self) -> float:

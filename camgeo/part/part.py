@@ -51,12 +51,10 @@ class Boundary(Protocol):
         """
 
 
-def _names(boundaries: Any) -> list[str]:
-    """Names of the boundaries; GeometryError if something among them is no boundary."""
-    for each in instance("part", boundaries, tuple, "a tuple of boundaries"):
-        if not isinstance(getattr(each, "name", None), str):
-            raise GeometryError("must be a boundary with a name", "part", shown(each))
-    return [each.name for each in boundaries]
+def require_boundary(value: Any) -> None:
+    """Raise GeometryError with key "part" unless `value` is a boundary, as far as its names go."""
+    if not (isinstance(getattr(value, "name", None), str) and hasattr(value, "beside")):
+        raise GeometryError("must be a boundary of a part", "part", shown(value))
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,7 +87,9 @@ class Layer:
         if self.z0 > self.z1:
             heights = f"from {self.z0} to {self.z1} mm"
             raise GeometryError(f"the {self.name} must reach upwards", key="part", value=heights)
-        names = _names(self.boundaries)
+        for each in instance("part", self.boundaries, tuple, "a tuple of boundaries"):
+            require_boundary(each)
+        names = [each.name for each in self.boundaries]
         if not names or len(set(names)) < len(names):
             message = f"the {self.name} needs boundaries, each with a name of its own"
             raise GeometryError(message, key="part", value=", ".join(names))
@@ -104,6 +104,7 @@ class Wall:
     z1: float
 
     def __post_init__(self) -> None:
+        require_boundary(self.boundary)
         hold(self, z0=finite("part", self.z0, "mm"))
         hold(self, z1=number("part", self.z1, least=self.z0, unit="mm"))
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from camgeo.errors import GeometryError
 from camgeo.numeric.checked import array, hold, instance, number, positive, shown
-from camgeo.part.part import Boundary
+from camgeo.part.part import Boundary, require_boundary
 from camgeo.toolpath.tool import Tool
 
 MOST_PASSES: Final = 10_000
@@ -38,7 +38,7 @@ class Cut:
     ------
     GeometryError
         With key "toolpath", if a text or the tool is none, the depths do not descend or the room
-        is negative.
+        is negative; with key "part", if the centre runs on no boundary.
     """
 
     name: str
@@ -55,7 +55,8 @@ class Cut:
         for text in (self.name, self.strategy, self.right, self.left, self.note):
             instance("toolpath", text, str, "a text")
         instance("toolpath", self.tool, Tool, "a tool")
-        depths = array("toolpath", self.depths)
+        require_boundary(self.centre)
+        depths = array("toolpath", instance("toolpath", self.depths, tuple, "a tuple of depths"))
         if not len(depths) or not np.all(np.diff(depths) < 0.0):
             raise GeometryError("must be depths that descend", "toolpath", shown(self.depths))
         hold(

@@ -23,6 +23,9 @@ SMALLEST_SWEEP, LARGEST_SWEEP = 1.0, 180.0
 """No arc of a program exceeds half a turn [degrees]: controllers grow strict beyond. No controller
 wants them divided finely."""
 
+MOST_DECIMALS = 10
+"""More decimals than a controller's double holds of a length of metres."""
+
 LONGEST_LINE = 10_000
 """Characters; no controller takes as many."""
 
@@ -61,6 +64,8 @@ class Decimals:
 
     def __post_init__(self) -> None:
         _hold(self, "decimals.")
+        for key in ("mm", "inch"):
+            whole(f"decimals.{key}", getattr(self, key), 1, MOST_DECIMALS)
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,7 +76,7 @@ class ArcLimits:
     ----------
     smallest_radius, largest_radius : arcs beyond are written as chords.
     radius_tolerance : largest difference of an arc's radii at its two ends.
-    largest_sweep : [degrees] in (0, 180]; larger arcs are divided.
+    largest_sweep : [degrees] from 1 to 180; larger arcs are divided.
     interpolation : how far the path that the controller runs leaves the arc.
     """
 
@@ -240,7 +245,7 @@ def _checked(kind: Any, given: Any, path: str) -> Any:
     if wanted is float:
         return number(path, given, least=0.0)
     if wanted is int:
-        return whole(path, given, 0, LONGEST_LINE)
+        return whole(path, given, 1, LONGEST_LINE)
     if wanted is str:
         return instance(path, given, str, "a text")
     if isinstance(wanted, type) and is_dataclass(wanted):

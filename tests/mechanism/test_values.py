@@ -19,6 +19,7 @@ import pytest
 
 import camgeo
 from camgeo.check.limits import Limits
+from camgeo.contour.contour import Contour
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import GeometryError
@@ -36,8 +37,15 @@ from camgeo.mechanism.translating_flat import TranslatingFlat
 from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.mechanism.yoke import Yoke
 from camgeo.motion.plan import MotionPlan, Move
+from camgeo.outline.path import whole
+from camgeo.part.boundaries import CurveBoundary, ExactBoundary
+from camgeo.part.part import Layer, Part, Wall
 from camgeo.part.spec import Keyway, PartSpec
+from camgeo.toolpath.cut import Cut
+from camgeo.toolpath.machine import load
+from camgeo.toolpath.moves import ArcFeed, Feed, Operation, Rapid, Toolpath
 from camgeo.toolpath.spec import GcodeSpec
+from camgeo.toolpath.tool import Tool
 from tests.reference import POLYNOMIAL
 
 ROOMS = ("mechanism", "curve")
@@ -50,6 +58,13 @@ ROLLER = TranslatingRoller(40.0, 10.0, offset=5.0)
 ROCKER = OscillatingRoller(100.0 + 0j, 80.0, 60.0, 10.0)
 CRANK = SliderCrank(50.0, 120.0, 0.2, True, 1, 1, 1)
 PITCH = PitchCurve(RISE, ROLLER, 1)
+FLANK = CurveBoundary("outline", hole=False, path=whole(WorkingCurve(PITCH, -10.0)))
+BORE = ExactBoundary("bore", hole=True, exact=Contour.circle(10.0))
+LAYER = Layer(-5.0, 0.0, (FLANK, BORE))
+TOOL = Tool(1, 6.0, 3000.0, 300.0, 100.0)
+CUT = Cut("bore", "profile", TOOL, BORE, "bore", "", (-1.0, -2.0), 1.0)
+HOME = Rapid((0.0, 0.0, 5.0))
+MACHINE = load("linuxcnc")
 
 EXAMPLES: tuple[Any, ...] = (
     ROLLER,
@@ -70,11 +85,39 @@ EXAMPLES: tuple[Any, ...] = (
     Limits(1.0),
     GcodeSpec(pass_depth=2.0),
     DxfSpec(),
+    FLANK,
+    BORE,
+    LAYER,
+    Wall(BORE, -5.0, 0.0),
+    Part((LAYER,)),
+    TOOL,
+    CUT,
+    HOME,
+    Feed((0.0, 0.0, -1.0), 100.0),
+    ArcFeed((0.0, 0.0, -1.0), (5.0, 0.0), ccw=True, feed=100.0),
+    Operation(CUT, (HOME,)),
+    Toolpath(5.0, (Operation(CUT, (HOME,)),)),
+    MACHINE,
+    MACHINE.unit,
+    MACHINE.comment,
+    MACHINE.decimals,
+    MACHINE.arcs,
+    MACHINE.blending,
+    MACHINE.dynamics,
 )
 """One sound object of each class."""
 
-SIGNED = {"offset", "face_offset", "guide_angle", "deflection", "lever_angle", "angle", "distance"}
+SIGNED = {
+    "offset", "face_offset", "guide_angle", "deflection", "lever_angle", "angle", "distance",
+    "z0", "z1",
+}  # fmt: skip
 """Numbers that may be negative; all others are above 0, or 0 as the radius of a knife edge."""
+
+NOT_NEGATIVE = {
+    "room", "smallest_radius", "largest_radius", "radius_tolerance", "interpolation", "share",
+    "smallest",
+}  # fmt: skip
+"""Numbers that may be as near to 0 as doubles are."""
 
 ANGLES = {"guide_angle", "deflection", "lever_angle", "angle", "transmission_angle"}
 
@@ -103,6 +146,8 @@ def allowed(annotation: str, value: Any) -> bool:
     """Whether `value` is of what the annotation names: not of interest here."""
     if isinstance(value, str):
         return annotation == "str"
+    if isinstance(value, tuple):
+        return annotation == "tuple[float, ...]"
     if isinstance(value, bool):
         return annotation == "bool"
     if isinstance(value, complex):
@@ -140,7 +185,7 @@ def bad_values(name: str, annotation: str, owner: str) -> list[Any]:
     if owner in ANY_SIZE:
         return [value for value in values if not (type(value) is float and 0.0 < value < math.inf)]
     if annotation.startswith("float") and not signed:
-        values += SMALL
+        values += [value for value in SMALL if name not in NOT_NEGATIVE or value < 0.0]
     if annotation.startswith("int"):
         values += [0, -2, 0.5, 100_000]
     if name in ANGLES:

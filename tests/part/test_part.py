@@ -157,7 +157,7 @@ def test_a_boundary_goes_on_through_layers() -> None:
         (lambda: (Layer(0.0, math.inf, (RIM,)),), "must be a finite number"),
         (lambda: (Layer("0", 1.0, (RIM,)),), "must be a finite number"),  # type: ignore[arg-type]
         (lambda: (Layer(0.0, 1.0, RIM),), "must be a tuple of boundaries"),  # type: ignore[arg-type]
-        (lambda: (Layer(0.0, 1.0, (3,)),), "must be a boundary with a name"),  # type: ignore[arg-type]
+        (lambda: (Layer(0.0, 1.0, (3,)),), "must be a boundary of a part"),  # type: ignore[arg-type]
         (lambda: (RIM,), "needs layers"),
         (lambda: (Layer(0.0, 1.0, (RIM,)), Layer(2.0, 3.0, (RIM,), "hub")), "must begin where"),
         (

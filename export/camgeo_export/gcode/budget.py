@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 
 from camgeo.errors import ToleranceError
-from camgeo.toolpath.machine import Machine
+from camgeo.toolpath.machine import MOST_DECIMALS, Machine
 from camgeo.units import MM_PER, LengthUnit
 
 ROUNDING_SHARE = 0.3
@@ -22,9 +22,6 @@ radius the machine does not take."""
 
 PROOF_SHARE = 0.05
 """Share of the tolerance left to the slack of the bound with which the program is measured."""
-
-MOST_DECIMALS = 10
-"""More decimals than a controller's double holds of a length of metres."""
 
 
 @dataclass(frozen=True, slots=True)
