@@ -40,8 +40,8 @@ from camgeo.numeric.oscillator.spectrum import Shock, shock_of
 from camgeo.numeric.peaks import Side, piecewise_extremes
 from camgeo.scene.load import load_scene
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+if TYPE_CHECKING:  # pages are made without pictures too
+    from camgeo.figure.model import Figure
 
 HERE: Final = Path(__file__).parent
 PAGE: Final = HERE / "effects.md"
@@ -370,8 +370,8 @@ class Excerpt:
     """A design with some of its effects' columns."""
 
     def __init__(self, whole: Design, names: Sequence[str]) -> None:
-        self._whole = whole
-        columns = {column.name: column for column in whole.disc.effect_columns}
+        self._whole = whole.disc
+        columns = {column.name: column for column in self._whole.effect_columns}
         self.effect_columns = tuple(columns[name] for name in names)
 
     def __getattr__(self, name: str) -> Any:
@@ -380,58 +380,52 @@ class Excerpt:
 
 def picture(file: str) -> bytes:
     """The picture of that name."""
-    from camgeo_export.plots.file import figure_file
+    from camgeo_export.plots.render import render
 
-    return figure_file(drawn_spectrum if file == SPECTRUM else lambda: drawn(file), ".png")
+    return render(drawn_spectrum() if file == SPECTRUM else drawn(file), ".png")
 
 
 def drawn(file: str) -> Figure:
     """Columns of effects over the cam angle."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    from camgeo_export.plots import effects
+    from camgeo.figure import effects
 
     scene, names = PICTURES[file]
     shown: Any = Excerpt(design(scene), names)
-    figure = Figure(figsize=effects.size(shown))
-    FigureCanvasAgg(figure)
-    effects.draw(shown, figure)
-    return figure
+    return effects.figure(shown)
 
 
-CURVES: Final = (
-    ("#7a7a7a", (0, (1, 1))),
-    ("#7a7a7a", (0, (5, 1.5))),
-    ("#8c5aa8", (0, (3, 1, 1, 1))),
-    ("#12365c", "-"),
-    ("#2f7fc1", (0, (6, 1.5))),
-    ("#b3261e", "-"),
-    ("#c27c0e", (0, (4, 1.5, 1, 1.5))),
-    ("#3f8f6b", (0, (6, 1.5))),
+CURVES: Final[tuple[tuple[str, tuple[float, ...]], ...]] = (
+    ("#7a7a7a", (1.0, 1.0)),
+    ("#7a7a7a", (5.0, 1.5)),
+    ("#8c5aa8", (3.0, 1.0, 1.0, 1.0)),
+    ("#12365c", ()),
+    ("#2f7fc1", (6.0, 1.5)),
+    ("#b3261e", ()),
+    ("#c27c0e", (4.0, 1.5, 1.0, 1.5)),
+    ("#3f8f6b", (6.0, 1.5)),
 )
-"""Colour and kind of line of each law."""
+"""Colour and dashes of each law."""
 
 
 def drawn_spectrum() -> Figure:
     """The shock spectra of all laws from rest to rest."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
+    from camgeo.figure.marks import Line, Style, over
+    from camgeo.figure.model import Axis, Figure, Legend, Panel, entries
 
-    figure = Figure(figsize=(7.0, 4.4))
-    FigureCanvasAgg(figure)
-    axes = figure.subplots(gridspec_kw={"left": 0.11, "right": 0.97, "top": 0.92, "bottom": 0.12})
     ratios = np.linspace(0.02, 8.0, 1597)
+    marks = []
     for (names, shock), (colour, dashes) in zip(shocks(), CURVES, strict=True):
         shares = np.maximum(100.0 * shock.residual(ratios), 1e-6)
-        axes.semilogy(ratios, shares, color=colour, linestyle=dashes, linewidth=1.1, label=names)
-    axes.set_xlim(0.0, 8.0)
-    axes.set_ylim(2e-4, 1.5e2)
-    axes.set_xlabel("t_move / T_n, natural periods a move")
-    axes.set_ylabel("residual vibration [% of the stroke]")
-    axes.set_title("shock spectra, rest to rest, undamped")
-    axes.legend(loc="lower left", ncols=3, fontsize=7.0)
-    return figure
+        marks.append(Line(over(ratios, shares), Style(colour, 1.1, dashes), names))
+    panel = Panel(
+        (0.11, 0.12, 0.97, 0.92),
+        Axis((0.0, 8.0), "t_move / T_n, natural periods a move"),
+        Axis((2e-4, 1.5e2), "residual vibration [% of the stroke]", log=True),
+        tuple(marks),
+        "shock spectra, rest to rest, undamped",
+        legend=Legend(entries(marks), "lower left", columns=3, size=7.0),
+    )
+    return Figure((7.0, 4.4), (panel,))
 
 
 def write() -> None:

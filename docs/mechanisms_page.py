@@ -133,11 +133,12 @@ def _shown(name: str) -> str:
 
 def write() -> None:
     """Write the page and its pictures."""
+    from camgeo.figure.plots import stacked
     from camgeo_export.plots.render import render
 
     PAGE.write_text(page(), encoding="utf-8")
     for name, scene in MECHANISMS.items():
-        picture(name).write_bytes(render(["mechanism"], design(scene).disc, ".png"))
+        picture(name).write_bytes(render(stacked(design(scene).disc, ["mechanism"]), ".png"))
 
 
 if __name__ == "__main__":

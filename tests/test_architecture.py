@@ -35,6 +35,7 @@ STAGES: tuple[tuple[str, ...], ...] = (
     ("sweep",),
     ("stability",),
     ("accuracy",),
+    ("figure",),
     ("cli",),
     ("__init__", "__main__"),
 )

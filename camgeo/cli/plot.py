@@ -1,17 +1,24 @@
-"""`camgeo plot`: pictures of a scene, by whatever draws them (entry points `camgeo.plots`)."""
+"""`camgeo plot`: pictures of a scene, and what draws the pictures of all commands."""
 
 from __future__ import annotations
 
 import argparse
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from camgeo.cli.command import FINE, Subparsers, new_parser, tell, tell_main_disc
 from camgeo.design import Design
 from camgeo.errors import Fault, SceneError
 from camgeo.scene.load import load_scene
 
-GROUP = "camgeo.plots"
+if TYPE_CHECKING:  # figures are imported when one is asked for
+    from camgeo.figure.model import Figure
+
 RENDERERS = "camgeo.renderers"
+"""Entry points of what draws: each a callable that makes a file of a figure, by its suffix."""
+
+RENDERER = "matplotlib"
+
 CAM = "cam"
 """The plot that shows both discs of a conjugate pair."""
 
@@ -44,11 +51,11 @@ def register(subparsers: Subparsers[argparse.ArgumentParser]) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Write the picture."""
     import difflib
-    from importlib.metadata import entry_points
 
+    from camgeo.figure import plots
     from camgeo.files.transaction import write_set
 
-    names = sorted(entry.name for entry in entry_points(group=GROUP))
+    names = plots.names()
     for name in arguments.what:
         if name not in names:
             near = difflib.get_close_matches(name, names, 1)
@@ -64,13 +71,20 @@ def run(arguments: argparse.Namespace) -> int:
         raise SceneError(
             [Fault("-o", str(target), f"the name must end in one of {', '.join(SUFFIXES)}")]
         )
-    render = entry_points(group=RENDERERS)["matplotlib"].load()
-    data: bytes = render(tuple(wanted), design.disc, target.suffix)
+    data = drawn(plots.stacked(design.disc, wanted), target.suffix)
     write_set(target.parent, {target.name: data}, force=arguments.force)
     tell(f"{target}: {', '.join(wanted)}")
     if set(wanted) - {CAM}:
         tell_main_disc(design, "curves")
     return FINE
+
+
+def drawn(figure: Figure, suffix: str) -> bytes:
+    """The figure as a file of kind `suffix`, one of SUFFIXES."""
+    from importlib.metadata import entry_points
+
+    data: bytes = entry_points(group=RENDERERS)[RENDERER].load()(figure, suffix)
+    return data
 
 
 def add_picture(parser: argparse.ArgumentParser) -> None:

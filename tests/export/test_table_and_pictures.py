@@ -7,12 +7,13 @@ from dataclasses import replace
 import matplotlib as mpl
 import pytest
 
+from camgeo.figure.plots import OWN, find, stacked
 from camgeo.files.product import FollowerSketch
 from camgeo.files.table import Table
 from camgeo.units import LengthUnit
 from camgeo_export.errors import FileError
 from camgeo_export.picture.writer import PNG, SVG, PictureWriter
-from camgeo_export.plots.render import PLOTS, find, render
+from camgeo_export.plots.render import render
 from camgeo_export.table.writer import WRITER as CSV
 from tests.export.stub_product import StubProduct
 
@@ -68,10 +69,10 @@ def test_pictures_are_the_same_each_time(writer: PictureWriter) -> None:
     writer.measure(product, data)
 
 
-@pytest.mark.parametrize("name", PLOTS)
+@pytest.mark.parametrize("name", OWN)
 def test_every_plot_draws(name: str) -> None:
     pivot = replace(StubProduct(lift_unit="rad", rotation=1), name="rocker")
-    assert render([name], pivot, ".svg").startswith(b"<?xml")
+    assert render(stacked(pivot, [name]), ".svg").startswith(b"<?xml")
 
 
 def test_a_pivot_is_drawn() -> None:
@@ -80,14 +81,16 @@ def test_a_pivot_is_drawn() -> None:
         def follower_sketch(self) -> FollowerSketch:
             return FollowerSketch("pivot", 70.0 + 20.0j)
 
-    assert render(["cam"], Rocker(), ".svg") != render(["cam"], StubProduct(), ".svg")
+    assert render(stacked(Rocker(), ["cam"]), ".svg") != render(
+        stacked(StubProduct(), ["cam"]), ".svg"
+    )
 
 
 def test_plots_stack_and_leave_no_state() -> None:
     before = dict(mpl.rcParams)
-    data = render(["motion", "transmission-angle"], StubProduct(), ".pdf")
+    data = render(stacked(StubProduct(), ["motion", "transmission-angle"]), ".pdf")
     assert data.startswith(b"%PDF")
-    assert data == render(["motion", "transmission-angle"], StubProduct(), ".pdf")
+    assert data == render(stacked(StubProduct(), ["motion", "transmission-angle"]), ".pdf")
     assert dict(mpl.rcParams) == before
 
 
@@ -95,4 +98,4 @@ def test_unknown_plots_and_kinds() -> None:
     with pytest.raises(KeyError, match="did you mean motion"):
         find("motoin")
     with pytest.raises(ValueError, match=r"\.svg, \.png and \.pdf"):
-        render(["cam"], StubProduct(), ".bmp")
+        render(stacked(StubProduct(), ["cam"]), ".bmp")

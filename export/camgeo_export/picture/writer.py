@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from camgeo.figure.plots import stacked
 from camgeo.files.product import Product, Written
 from camgeo_export.plots.render import render
 
@@ -16,7 +17,7 @@ class PictureWriter:
 
     def write(self, product: Product, tolerance: float) -> Written:
         """The picture; no tolerance holds for it."""
-        return Written(render(["cam"], product, self.suffix))
+        return Written(render(stacked(product, ["cam"]), self.suffix))
 
     def measure(self, product: Product, data: bytes) -> None:
         """Nothing: a picture is not made to measure from."""

@@ -1,78 +1,317 @@
-"""Figures as files: the plots asked for, one above the other, with the same bytes each time."""
+"""A figure as the bytes of a file, drawn by matplotlib: the same bytes for the same figure."""
 
 from __future__ import annotations
 
-import difflib
-from collections.abc import Callable, Sequence
-from importlib.metadata import entry_points
-from typing import Protocol
+import io
+from functools import singledispatch
+from typing import Any
 
+import numpy as np
+from matplotlib import rc_context
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure, SubFigure
+from matplotlib.collections import PolyCollection
+from matplotlib.figure import Figure as Page
+from matplotlib.figure import SubFigure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Circle as Round
+from matplotlib.patches import FancyArrowPatch, Patch, PathPatch
+from matplotlib.path import Path
+from matplotlib.transforms import Bbox
 
-from camgeo.files.product import Product
-from camgeo_export.plots import cam, curvature, effects, mechanism, motion, transmission_angle
-from camgeo_export.plots.file import figure_file
+from camgeo.figure.marks import (
+    Area,
+    Arrow,
+    Band,
+    Circle,
+    Field,
+    Fill,
+    Line,
+    Rule,
+    Style,
+    Text,
+)
+from camgeo.figure.model import Axis, Figure, Inset, Legend, Panel
 
-GROUP = "camgeo.plots"
-"""Entry points that add plots to those of this package."""
+RC: Any = {
+    "font.family": "DejaVu Sans",  # comes with matplotlib: the same bytes on each machine
+    "font.size": 9.0,
+    "axes.linewidth": 0.7,
+    "axes.titlesize": 11.0,
+    "axes.labelsize": 9.0,
+    "axes.grid": True,
+    "grid.color": "#d4d4d4",
+    "grid.linewidth": 0.5,
+    "axes.axisbelow": True,
+    "lines.linewidth": 1.4,
+    "xtick.direction": "in",
+    "ytick.direction": "in",
+    "legend.fontsize": 8.0,
+    "legend.frameon": True,
+    "legend.framealpha": 1.0,
+    "legend.edgecolor": "#a0a0a0",
+    "legend.fancybox": False,
+    "axes.unicode_minus": True,
+    "svg.fonttype": "path",
+}
 
+RESOLUTION = 150
+"""Dots per inch of a PNG."""
 
-Size = tuple[float, float]
-
-
-class Plot(Protocol):
-    """A kind of figure: a module of this package, or any object of that shape.
-
-    Attributes
-    ----------
-    size : width and height [inch] of the figure on its own, or what gives them for a product.
-    """
-
-    @property
-    def size(self) -> Size | Callable[[Product], Size]: ...
-
-    def draw(self, product: Product, figure: Figure | SubFigure) -> None:
-        """Draw into the empty `figure`."""
-
-
-PLOTS: dict[str, Plot] = {
-    "motion": motion,
-    "cam": cam,
-    "mechanism": mechanism,
-    "curvature": curvature,
-    "transmission-angle": transmission_angle,
-    "effects": effects,
+# No time, no version: the bytes depend on the figure only.
+METADATA: dict[str, dict[str, Any]] = {
+    "svg": {"Date": None, "Creator": "camgeo"},
+    "png": {"Software": "camgeo"},
+    "pdf": {"CreationDate": None, "Creator": "camgeo", "Producer": None},
 }
 
 
-def find(name: str) -> Plot:
-    """The plot of that name; raises KeyError with the names there are."""
-    if name in PLOTS:
-        return PLOTS[name]
-    others = {entry.name: entry for entry in entry_points(group=GROUP)}
-    if name in others:
-        plot: Plot = others[name].load()
-        return plot
-    known = [*PLOTS, *others]
-    near = difflib.get_close_matches(name, known, 1)
-    hint = f"; did you mean {near[0]}?" if near else ""
-    raise KeyError(f"no plot {name!r}; there are {', '.join(known)}{hint}")
+def render(figure: Figure, suffix: str) -> bytes:
+    """The figure as a file of kind `suffix`.
+
+    Raises
+    ------
+    ValueError
+        If there is no such kind of figure; there are ".svg", ".png" and ".pdf".
+    """
+    kind = suffix.removeprefix(".")
+    if kind not in METADATA:
+        raise ValueError(f"no figures of kind {suffix}; there are .svg, .png and .pdf")
+    with rc_context({**RC, "svg.hashsalt": "camgeo"}):
+        stream = io.BytesIO()
+        page(figure).savefig(stream, format=kind, dpi=RESOLUTION, metadata=METADATA[kind])
+    return stream.getvalue()
 
 
-def render(names: Sequence[str], product: Product, suffix: str) -> bytes:
-    """The plots `names` of `product` as a file of kind `suffix`: ".svg", ".png" or ".pdf"."""
-    return figure_file(lambda: _figure(names, product), suffix)
+def page(figure: Figure) -> Page:
+    """The figure as one of matplotlib."""
+    drawn = Page(figsize=figure.size)
+    FigureCanvasAgg(drawn)
+    if figure.rows:
+        heights = [row.size[1] for row in figure.rows]
+        places = drawn.subfigures(len(heights), 1, height_ratios=heights, hspace=0.0, squeeze=False)
+        for row, place in zip(figure.rows, places[:, 0], strict=True):
+            _fill(place, row)
+    else:
+        _fill(drawn, figure)
+    return drawn
 
 
-def _figure(names: Sequence[str], product: Product) -> Figure:
-    plots = [find(name) for name in names]
-    sizes = [plot.size(product) if callable(plot.size) else plot.size for plot in plots]
-    width = max(size[0] for size in sizes)
-    heights = [size[1] for size in sizes]
-    figure = Figure(figsize=(width, sum(heights)))
-    FigureCanvasAgg(figure)
-    rows = figure.subfigures(len(plots), 1, height_ratios=heights, hspace=0.0, squeeze=False)
-    for plot, row in zip(plots, rows[:, 0], strict=True):
-        plot.draw(product, row)
-    return figure
+def _fill(place: Page | SubFigure, figure: Figure) -> None:
+    panels = []
+    for panel in figure.panels:
+        left, bottom, right, top = panel.frame
+        axes = place.add_axes(Bbox.from_extents(left, bottom, right, top))  # type: ignore[call-overload]
+        _panel(axes, panel)
+        panels.append(axes)
+        if panel.right is not None:
+            _further(axes.twinx(), panel.right, "y")
+    for panel, axes in zip(figure.panels, panels, strict=True):
+        if panel.above is not None:
+            _further(axes.twiny(), panel.above, "x")
+    if figure.aligned:
+        place.align_ylabels(panels)
+    for text in figure.texts:
+        place.text(*text.at, text.text, **_words(text))
+    if figure.legend is not None:
+        place.legend(**_legend(figure.legend))
+
+
+def _panel(axes: Axes, panel: Panel) -> None:
+    if panel.bare:
+        axes.set_axis_off()
+    if panel.equal:
+        axes.set_aspect("equal")
+    _axis(axes, panel.x, "x")
+    _axis(axes, panel.y, "y")
+    for mark in panel.marks:
+        draw(mark, axes)
+    # Marks that have no limits of their own may have moved those of the panel.
+    axes.set(xlim=panel.x.limits, ylim=panel.y.limits)
+    if panel.title:
+        axes.set_title(panel.title, fontsize=panel.title_size, pad=panel.title_gap)
+    if panel.legend is not None:
+        axes.legend(**_legend(panel.legend))
+
+
+def _axis(axes: Axes, axis: Axis, name: str) -> None:
+    own = axes.xaxis if name == "x" else axes.yaxis
+    if axis.log:
+        axes.set(**{f"{name}scale": "log"})
+    axes.set(**{f"{name}lim": axis.limits})
+    if axis.ticks is not None:
+        own.set_ticks(axis.ticks, axis.names)
+    if axis.powers is not None:
+        axes.ticklabel_format(axis=name, style="sci", scilimits=axis.powers)  # type: ignore[arg-type]
+    if not axis.numbered:
+        axes.tick_params(axis=name, labelbottom=False, labelleft=False)  # type: ignore[arg-type]
+    own.set_label_text(axis.label, fontsize=axis.label_size)
+    if axis.label_place is not None:
+        away = axis.label_place * axes.figure.dpi / axes.bbox.width
+        own.set_label_coords(1.0 + away if str(own.get_label_position()) == "right" else -away, 0.5)
+
+
+def _further(axes: Axes, axis: Axis, name: str) -> None:
+    """A second scale of a panel, on its other side."""
+    axes.grid(visible=False)
+    _axis(axes, axis, name)
+
+
+def _legend(legend: Legend) -> dict[str, Any]:
+    return {
+        "handles": [_handle(entry.style, entry.label) for entry in legend.entries],
+        "loc": legend.place,
+        "bbox_to_anchor": legend.anchor,
+        "ncols": legend.columns,
+        "fontsize": legend.size,
+        "borderaxespad": legend.gap,
+        "borderpad": legend.pad,
+        "labelspacing": legend.spacing,
+    }
+
+
+def _handle(style: Style | Fill, label: str) -> Artist:
+    if isinstance(style, Style):
+        return Line2D([], [], label=label, **_line(style))
+    return Patch(label=label, **_area(style))
+
+
+def _line(style: Style) -> dict[str, Any]:
+    dashes = (0.0, style.dashes) if style.dashes else "-"
+    return {
+        "color": style.color,
+        "linewidth": style.width,
+        "linestyle": dashes if style.width else "none",
+        "marker": style.marker or None,
+        "markersize": style.size,
+        "markerfacecolor": style.face or style.color,
+        "markeredgecolor": style.edge or style.color,
+        "markeredgewidth": style.edge_width,
+        "solid_capstyle": style.cap,
+        "solid_joinstyle": style.join,
+    }
+
+
+def _area(style: Fill) -> dict[str, Any]:
+    return {
+        "facecolor": style.face or "none",
+        "edgecolor": style.edge or "none",
+        "linewidth": style.width,
+        **({"linestyle": (0.0, style.dashes)} if style.dashes else {}),
+        **({"hatch": "///"} if style.hatched else {}),
+        **({"alpha": style.opacity} if style.opacity < 1.0 else {}),
+    }
+
+
+def _words(text: Text) -> dict[str, Any]:
+    box = text.box
+    behind: dict[str, Any] = {}
+    if box is not None and box.ring:
+        behind = {"boxstyle": f"circle,pad={box.pad}", "facecolor": "white", "linewidth": 0.7}
+    elif box is not None:
+        behind = {"facecolor": "white", "edgecolor": "none", "pad": box.pad}
+        if box.opacity < 1.0:
+            behind["alpha"] = box.opacity
+    return {
+        "fontsize": text.size,
+        "ha": text.across,
+        "va": text.up,
+        "rotation": 90.0 if text.turned else 0.0,
+        "weight": "bold" if text.bold else "normal",
+        "zorder": text.layer,
+        **({"linespacing": text.spacing} if text.spacing else {}),
+        **({"bbox": behind} if behind else {}),
+    }
+
+
+@singledispatch
+def draw(mark: object, _axes: Axes) -> None:
+    """Draw one mark."""
+    raise TypeError(f"{type(mark).__name__} is no mark")
+
+
+@draw.register
+def _(mark: Line, axes: Axes) -> None:
+    axes.plot(
+        mark.points[:, 0], mark.points[:, 1],
+        zorder=mark.layer, clip_on=mark.clipped, **_line(mark.style),
+    )  # fmt: skip
+
+
+@draw.register
+def _(mark: Rule, axes: Axes) -> None:
+    rule = axes.axvline if mark.axis == "x" else axes.axhline
+    rule(mark.at, zorder=mark.layer, **_line(mark.style))
+
+
+@draw.register
+def _(mark: Text, axes: Axes) -> None:
+    shares = mark.of == "panel"
+    if mark.offset is None:
+        where = axes.transAxes if shares else axes.transData
+        axes.text(*mark.at, mark.text, transform=where, **_words(mark))
+    else:
+        axes.annotate(
+            mark.text, mark.at, mark.offset, "axes fraction" if shares else "data",
+            "offset points", **_words(mark),
+        )  # fmt: skip
+
+
+@draw.register
+def _(mark: Area, axes: Axes) -> None:
+    outlines = [
+        Path(np.vstack((ring, ring[:1])), closed=True) if mark.closed else Path(ring)
+        for ring in mark.rings
+    ]
+    area = PathPatch(Path.make_compound_path(*outlines), zorder=mark.layer, **_area(mark.style))
+    axes.add_patch(area)
+
+
+@draw.register
+def _(mark: Circle, axes: Axes) -> None:
+    axes.add_patch(Round(mark.centre, mark.radius, zorder=mark.layer, **_area(mark.style)))
+
+
+@draw.register
+def _(mark: Arrow, axes: Axes) -> None:
+    axes.add_patch(
+        FancyArrowPatch(
+            path=Path(mark.points), arrowstyle="-|>", mutation_scale=mark.head,
+            color=mark.style.color, linewidth=mark.style.width, zorder=mark.layer,
+        )
+    )  # fmt: skip
+
+
+@draw.register
+def _(mark: Band, axes: Axes) -> None:
+    _band(mark, axes)
+
+
+def _band(mark: Band, axes: Axes) -> PolyCollection:
+    fill = axes.fill_betweenx if mark.axis == "y" else axes.fill_between
+    held = list(~np.isnan(mark.low))
+    style = _area(mark.style)
+    return fill(mark.places, mark.low, mark.high, where=held, zorder=mark.layer, **style)
+
+
+@draw.register
+def _(mark: Field, axes: Axes) -> None:
+    within = _band(mark.within, axes)
+    field = axes.contourf(
+        mark.x, mark.y, mark.values,
+        levels=list(mark.between), colors=[mark.style.face], zorder=mark.layer,
+    )  # fmt: skip
+    field.set_clip_path(Path.make_compound_path(*within.get_paths()), axes.transData)
+
+
+@draw.register
+def _(mark: Inset, axes: Axes) -> None:
+    side, style = mark.side, mark.style
+    inset = axes.inset_axes((*mark.corner, side, side), transform=axes.transData, zorder=mark.layer)
+    _panel(inset, mark.panel)
+    x, y, seen = mark.window
+    axes.indicate_inset(
+        (x, y, seen, seen), inset,
+        edgecolor=style.color, linewidth=style.width, alpha=1.0, zorder=mark.layer - 0.5,
+    )  # fmt: skip

@@ -10,19 +10,16 @@ import pytest
 import shapely
 from hypothesis import given
 from hypothesis import strategies as st
-from matplotlib import rc_context
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
 
 import camgeo
 from camgeo.design import Design
+from camgeo.figure import cam, cut_off
 from camgeo.numeric.arrays import ComplexArray
 from camgeo.units import TURN
-from camgeo_export.plots import cam, cut_off
 from camgeo_export.plots.render import render
-from camgeo_export.plots.style import RC
 from tests.export.stub_product import StubProduct
+from tests.figure import drawing
 from tests.measuring import DensePath, polygon
 from tests.reference import hard_case
 from tests.strategies import attack
@@ -49,11 +46,7 @@ def altered(folder: Path, scene: str, *changes: tuple[str, str]) -> Design:
 
 def drawn(design: Any) -> Axes:
     """The picture's axes."""
-    with rc_context(RC):
-        figure = Figure(figsize=cam.size)
-        cam.draw(design, figure)
-        FigureCanvasAgg(figure).draw()  # type: ignore[no-untyped-call]  # places the inset
-    (axes,) = figure.axes
+    (axes,) = drawing.drawn(cam.figure(design)).axes
     return axes
 
 
@@ -119,7 +112,7 @@ def test_none_of_a_tail_is_farther_from_the_pitch_curve_than_the_roller(scene: s
 @pytest.mark.parametrize("scene", TRIMMED)
 def test_the_disc_is_drawn_and_beside_it_what_is_cut_off(scene: str) -> None:
     design = camgeo.load(SCENES / f"{scene}.toml")
-    axes = drawn(design)
+    axes = drawn(design.disc)
     assert {"edges of the disc", "cut off", "corner"} <= labels(axes)
     lines = dashed(axes)
     assert len(lines) == CORNERS[scene]
@@ -140,7 +133,7 @@ def test_what_is_small_is_enlarged_where_nothing_else_is(
     scene: str, limit: str, tmp_path: Path
 ) -> None:
     design = altered(tmp_path, scene, ('undercut = "trim"', f'undercut = "{limit}"'))
-    axes = drawn(design)
+    axes = drawn(design.disc)
     small = inset(axes)
     if scene == "cut_lobe":
         assert small is None  # the lobe is larger than the disc
@@ -173,7 +166,7 @@ def test_what_is_small_is_enlarged_where_nothing_else_is(
 @pytest.mark.parametrize("scene", TRIMMED)
 def test_a_refused_cam_shows_what_would_be_cut_off(scene: str, tmp_path: Path) -> None:
     design = altered(tmp_path, scene, ('undercut = "trim"', 'undercut = "refuse"'))
-    axes = drawn(design)
+    axes = drawn(design.disc)
     assert {"flanks", "would be cut off", "corner"} <= labels(axes)
     assert "edges of the disc" not in labels(axes)
     assert "no outline: undercut" in {text.get_text() for text in axes.texts}
@@ -194,7 +187,7 @@ def test_undercut_of_which_nothing_can_be_cut_off(radius: str, label: str, tmp_p
         (ROLLER, f"roller_radius = {radius}"),
     )
     assert design.disc.cut_off == ()
-    axes = drawn(design)
+    axes = drawn(design.disc)
     assert label in labels(axes)
     assert inset(axes) is None
 
@@ -203,7 +196,7 @@ def test_a_tail_below_all_digits_is_only_marked(tmp_path: Path) -> None:
     """HC21b: 1.5e-8 mm wide."""
     radius = "14.136531876910917764647434419"
     design = altered(tmp_path, "swallow_tail", (ROLLER, f"roller_radius = {radius}"))
-    axes = drawn(design)
+    axes = drawn(design.disc)
     assert "corner" in labels(axes)
     assert inset(axes) is None
 
@@ -220,7 +213,7 @@ def test_a_whole_disc_has_no_such_entries() -> None:
 @pytest.mark.parametrize("suffix", [".svg", ".png"])
 def test_the_same_bytes_each_time(suffix: str) -> None:
     first, second = (camgeo.load(SCENES / "swallow_tail.toml") for _ in range(2))
-    assert render(["cam"], first.disc, suffix) == render(["cam"], second.disc, suffix)
+    assert render(cam.figure(first.disc), suffix) == render(cam.figure(second.disc), suffix)
 
 
 @attack

@@ -6,19 +6,19 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from camgeo.effects.effect import Column
+from camgeo.figure import effects
+from camgeo.figure.style import LIMIT
 from camgeo.files.product import Product
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray
 from camgeo.units import TURN
-from camgeo_export.plots import effects
-from camgeo_export.plots.file import figure_file
-from camgeo_export.plots.style import LIMIT
+from camgeo_export.plots.render import render
 from tests.effects.scenes import design
 from tests.export.stub_product import StubProduct
+from tests.figure import drawing
 
 BORDER = 1.0
 
@@ -40,10 +40,7 @@ RATE = Column("rate", "mm/s^2", wave)
 
 
 def drawn(product: Product) -> Figure:
-    figure = Figure(figsize=effects.size(product))
-    FigureCanvasAgg(figure)
-    effects.draw(product, figure)
-    return figure
+    return drawing.drawn(effects.figure(product))
 
 
 def test_neighbours_of_one_unit_share_a_panel() -> None:
@@ -58,7 +55,6 @@ def test_neighbours_of_one_unit_share_a_panel() -> None:
 
 def test_the_names_stand_above_the_curves() -> None:
     figure = drawn(StubProduct(effect_columns=(STEP, WAVE) * 2))
-    figure.canvas.draw()
     [axes] = figure.axes
     legend = axes.get_legend()
     assert legend is not None
@@ -71,13 +67,13 @@ def test_the_names_stand_above_the_curves() -> None:
 def test_a_panel_takes_as_many_curves_as_it_can_tell() -> None:
     many = (WAVE,) * (2 * len(effects.CURVES) + 1)
     assert [len(each) for each in effects.panels(many)] == [4, 4, 1]
-    looks = {(style["color"], str(style["linestyle"])) for style in effects.CURVES}
-    assert len(looks) == len(effects.CURVES)
+    assert len(set(effects.CURVES)) == len(effects.CURVES)
 
 
 def test_the_figure_grows_with_its_panels() -> None:
     sizes = [
-        effects.size(StubProduct(effect_columns=(LENGTH, WAVE) * count)) for count in (1, 2, 3)
+        effects.figure(StubProduct(effect_columns=(LENGTH, WAVE) * count)).size
+        for count in (1, 2, 3)
     ]
     assert {width for width, _ in sizes} == {7.0}
     step = 2.0 * (effects.PANEL + effects.GAP)
@@ -148,6 +144,6 @@ class _Named:
 )
 def test_a_scene_is_drawn_the_same_each_time(case: _Named) -> None:
     made = design(case.scene, case.table)
-    one, other = (figure_file(lambda: drawn(made.disc), ".png") for _ in range(2))
+    one, other = (render(effects.figure(made.disc), ".png") for _ in range(2))
     assert one == other
     assert one.startswith(b"\x89PNG")

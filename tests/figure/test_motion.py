@@ -12,22 +12,20 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from matplotlib import rc_context
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 import camgeo
+from camgeo.figure import motion
+from camgeo.figure.motion_plan import spread
 from camgeo.files.product import PlanSketch, Product
 from camgeo.files.sketch import plan_sketch
 from camgeo.motion.laws import make_law
 from camgeo.motion.plan import Dwell, MotionPlan, Move
 from camgeo.numeric.arrays import FloatArray
-from camgeo_export.plots import motion
-from camgeo_export.plots.motion import spread
 from camgeo_export.plots.render import render
-from camgeo_export.plots.style import RC
 from tests.export.stub_product import QUANTITIES, StubProduct
+from tests.figure import drawing
 
 SCENES = sorted((Path(__file__).parents[2] / "fixtures" / "scenes").glob("*.toml"))
 
@@ -54,11 +52,7 @@ def sketch_of(plan: MotionPlan, speed: float | None = None) -> PlanSketch:
 
 
 def drawn(product: Product) -> Figure:
-    with rc_context(RC):
-        figure = Figure(figsize=motion.size)
-        motion.draw(product, figure)
-        FigureCanvasAgg(figure).draw()  # type: ignore[no-untyped-call]  # places the names of the axes
-    return figure
+    return drawing.drawn(motion.figure(product))
 
 
 def texts(axes: Axes) -> list[str]:
@@ -200,9 +194,10 @@ def test_names_of_laws_do_not_lie_on_each_other(scene: Path) -> None:
 
 @pytest.mark.parametrize("suffix", [".svg", ".png", ".pdf"])
 def test_the_same_bytes_each_time(suffix: str) -> None:
-    assert render(["motion"], Planned(), suffix) == render(["motion"], Planned(), suffix)
+    planned, other = (render(motion.figure(Planned()), suffix) for _ in range(2))
+    assert planned == other
     rocker = replace(StubProduct(lift_unit="rad"), name="rocker")
-    assert render(["motion"], rocker, suffix) != render(["motion"], StubProduct(), suffix)
+    assert render(motion.figure(rocker), suffix) != render(motion.figure(StubProduct()), suffix)
 
 
 PLACES = st.lists(st.floats(0.0, 360.0), min_size=1, max_size=30).map(sorted)

@@ -3,25 +3,28 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, Final
+from dataclasses import replace
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure, SubFigure
 
+from camgeo.figure.layout import Size, grid, limits
+from camgeo.figure.marks import Line, Mark, Rule, Style, Text, over
+from camgeo.figure.model import Axis, Figure, Frame, Legend, Panel, entries
+from camgeo.figure.style import (
+    BOTTOM,
+    LIMIT_STYLE,
+    LINE,
+    MARGINS,
+    TOP,
+    ZERO,
+    cam_angles,
+    joint_marks,
+    turn_axis,
+)
 from camgeo.files.product import Product
 from camgeo.numeric.arrays import FloatArray, merged
 from camgeo.units import MM_PER, TURN, LengthUnit
-from camgeo_export.plots.style import (
-    BOTTOM,
-    LEFT,
-    LIMIT,
-    LINE,
-    TOP,
-    cam_angles,
-    frame,
-    over_cam_angle,
-)
 
 if TYPE_CHECKING:  # a picture without effects needs nothing of them
     from camgeo.effects.effect import Column
@@ -47,45 +50,37 @@ ABREAST: Final = 3
 HEADROOM: Final = 0.17
 """Above the curves for each row of their names, as a share of their range."""
 
-CURVES: Final[tuple[dict[str, Any], ...]] = (
-    {"color": LINE, "linestyle": "-"},
-    {"color": "#c27c0e", "linestyle": (0, (6, 1.5))},
-    {"color": "#3f8f6b", "linestyle": (0, (4, 1.5, 1, 1.5))},
-    {"color": "#7a7a7a", "linestyle": (0, (1, 1))},
+CURVES: Final = (
+    Style(LINE),
+    Style("#c27c0e", dashes=(6.0, 1.5)),
+    Style("#3f8f6b", dashes=(4.0, 1.5, 1.0, 1.5)),
+    Style("#7a7a7a", dashes=(1.0, 1.0)),
 )
 """How the curves of a panel differ; one with more of them is parted."""
 
 
-def size(product: Product) -> tuple[float, float]:
-    """Width and height [inch] of the figure on its own: a panel for each group of curves."""
-    count = max(1, len(panels(product.effect_columns)))
-    return (WIDTH, TOP + count * PANEL + (count - 1) * GAP + BOTTOM)
-
-
-def draw(product: Product, figure: Figure | SubFigure) -> None:
-    """Draw the columns of all effects, neighbours of one unit in one panel.
+def figure(product: Product, size: Size | None = None) -> Figure:
+    """The columns of all effects, neighbours of one unit in one panel.
 
     Where an effect jumps, the curve does: both sides of the joints of the motion and of the
     effect's own borders are drawn.
     """
     groups = panels(product.effect_columns)
+    count = max(1, len(groups))
+    size = size or (WIDTH, TOP + count * PANEL + (count - 1) * GAP + BOTTOM)
+    frames = grid(size, MARGINS, count, gaps=(GAP / PANEL, 0.0))
     title = f"{product.name}: effects"
     if not groups:
-        axes = figure.subplots(gridspec_kw=frame(figure))
-        axes.set_axis_off()
-        axes.set_title(title)
-        axes.text(0.5, 0.5, "no effect of the scene has values over the cam angle", ha="center")
-        return
-    spacing = {**frame(figure), "hspace": GAP / PANEL}
-    rows = figure.subplots(len(groups), 1, squeeze=False, gridspec_kw=spacing)[:, 0]
+        words = "no effect of the scene has values over the cam angle"
+        whole = Axis((0.0, 1.0))
+        text = Text(words, (0.5, 0.5), 9.0, across="center")
+        return Figure(size, (Panel(frames[0], whole, whole, (text,), title, bare=True),))
     breaks = np.array([joint.cam_angle for joint in product.plan_sketch.breaks])
-    across = figure.bbox.width / figure.dpi * spacing["right"] - LEFT
-    for index, (axes, group) in enumerate(zip(rows, groups, strict=True)):
-        _draw_panel(axes, group, product.unit, breaks)
-        over_cam_angle(axes, product.joints, label=index == len(groups) - 1)
-        # aligned down the page, whatever the width of their numbers
-        axes.yaxis.set_label_coords(-NAME_PLACE / across, 0.5)
-    rows[0].set_title(title)
+    first, *others = (
+        _panel(product, frame, group, breaks, last=group is groups[-1])
+        for frame, group in zip(frames, groups, strict=True)
+    )
+    return Figure(size, (replace(first, title=title), *others))
 
 
 def panels(columns: Sequence[Column]) -> list[list[Column]]:
@@ -99,27 +94,35 @@ def panels(columns: Sequence[Column]) -> list[list[Column]]:
     return found
 
 
-def _draw_panel(axes: Axes, group: Sequence[Column], unit: LengthUnit, breaks: FloatArray) -> None:
-    axes.axhline(0.0, color="black", linewidth=0.5)
-    told, scale = shown_unit(group[0].unit, unit)
+def _panel(
+    product: Product, frame: Frame, group: Sequence[Column], breaks: FloatArray, *, last: bool
+) -> Panel:
+    told, scale = shown_unit(group[0].unit, product.unit)
+    marks: list[Mark] = [ZERO]
+    drawn: list[FloatArray] = []
     for column, style in zip(group, CURVES, strict=False):
         phi, values = course(column, breaks)
-        axes.plot(np.degrees(phi), values * scale, label=column.name, **style)
-    for limit, name in {each.limit: each.name for each in group if each.limit is not None}.items():
+        drawn.append(values * scale)
+        marks.append(Line(over(np.degrees(phi), drawn[-1]), style, column.name))
+    named = {each.limit: each.name for each in group if each.limit is not None}
+    for limit, name in named.items():
         label = f"limit {limit * scale:.5g}" if len(group) == 1 else f"limit, {name}"
-        axes.axhline(limit * scale, color=LIMIT, linestyle="--", linewidth=1.0, label=label)
-    axes.set_ylabel(f"[{told}]" if told else "")
-    axes.ticklabel_format(axis="y", scilimits=PLAIN)
-    _name_curves(axes)
-
-
-def _name_curves(axes: Axes) -> None:
-    """The legend, in a strip of its own above the curves."""
-    entries = len(axes.get_legend_handles_labels()[1])
-    rows = -(-entries // ABREAST)
-    low, high = axes.get_ylim()
-    axes.set_ylim(low, high + HEADROOM * rows * (high - low))
-    axes.legend(loc="upper right", ncols=min(entries, ABREAST), borderpad=0.3, fontsize=7.5)
+        marks.append(Rule("y", limit * scale, LIMIT_STYLE, label))
+    found = entries(marks)
+    low, high = limits([0.0, *drawn], [limit * scale for limit in named])
+    rows = -(-len(found) // ABREAST)  # of names, in a strip of their own above the curves
+    return Panel(
+        frame,
+        turn_axis(numbered=last),
+        Axis(
+            (low, high + HEADROOM * rows * (high - low)),
+            f"[{told}]" if told else "",
+            powers=PLAIN,
+            label_place=NAME_PLACE,  # aligned down the page, whatever the width of their numbers
+        ),
+        (*marks, *joint_marks(product.joints)),
+        legend=Legend(found, "upper right", None, min(len(found), ABREAST), 7.5, pad=0.3),
+    )
 
 
 def shown_unit(unit: str, length: LengthUnit) -> tuple[str, float]:

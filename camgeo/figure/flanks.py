@@ -2,22 +2,20 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.lines import Line2D
 
 from camgeo.errors import GeometryError
+from camgeo.figure import cut_off
+from camgeo.figure.marks import Line, Mark, Style, Text, plane
+from camgeo.figure.model import Entry
+from camgeo.figure.style import LIMIT, LINE, SAMPLES
 from camgeo.files.product import CutOff, Product
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.units import TURN
-from camgeo_export.plots import cut_off
-from camgeo_export.plots.style import LIMIT, LINE, SAMPLES
 
-FLANK: Any = {"color": LINE, "linewidth": 1.0}
-UNDERCUT: Any = {"color": LIMIT, "linewidth": 2.2, "linestyle": (0, (1.5, 0.8))}
-CUSP: Any = {**cut_off.CORNER, "color": LIMIT}
+FLANK = Style(LINE, 1.0)
+UNDERCUT = Style(LIMIT, 2.2, (1.5, 0.8))
+CUSP = Style(LIMIT, 0.0, marker="D", size=4.2, edge="white", edge_width=0.6)
 
 OF_UNDERCUT, OF_CUSP = "undercut-", "cusp-"
 """How the names of findings begin that tell where a flank undercuts; the flank's follows."""
@@ -29,9 +27,9 @@ BESIDE = 4.0
 """How far a window shows a flank beside what is cut off, in times of its cam angle."""
 
 
-def draw(
-    axes: Axes, product: Product, found: tuple[CutOff, ...], scale: float
-) -> list[ComplexArray]:
+def whole(
+    product: Product, found: tuple[CutOff, ...], scale: float
+) -> tuple[list[Mark], list[ComplexArray]]:
     """The flanks in use with their cusps and loops: there is no disc, but the reason shows."""
     lines = []
     for what in ("inner", "outer"):
@@ -39,49 +37,47 @@ def draw(
             continue
         for start, end in _left(found, what):
             try:
-                phi = np.linspace(start, end, SAMPLES)
-                points = _points(product, what, phi) * scale
+                lines.append(_points(product, what, np.linspace(start, end, SAMPLES)) * scale)
             except GeometryError:  # the roller centre stands still in the cam
                 continue
-            axes.plot(points.real, points.imag, **FLANK)
-            lines.append(points)
+    marks: list[Mark] = [Line(plane(points), FLANK) for points in lines]
     for what, start, end in _undercut(product) if not found else ():
         points = _points(product, what, np.linspace(start, end, RANGE)) * scale
-        axes.plot(points.real, points.imag, **UNDERCUT)
+        marks.append(Line(plane(points), UNDERCUT))
     for what, place in _cusps(product):
-        (cusp,) = _points(product, what, np.array([place])) * scale
-        axes.plot(cusp.real, cusp.imag, zorder=2.6, **CUSP)
-    axes.text(0.02, 0.98, "no outline: undercut", transform=axes.transAxes, va="top")
-    return lines
+        cusp = _points(product, what, np.array([place])) * scale
+        marks.append(Line(plane(cusp), CUSP, layer=2.6))
+    marks.append(Text("no outline: undercut", (0.02, 0.98), 9.0, "panel", up="top"))
+    return marks, lines
 
 
-def draw_near(
-    axes: Axes, product: Product, found: tuple[CutOff, ...], middle: complex, width: float
-) -> None:
-    """Draw what lies in and about the square of side `width` [mm] round `middle`, in mm."""
+def near(product: Product, found: tuple[CutOff, ...], middle: complex, width: float) -> list[Mark]:
+    """What lies in and about the square of side `width` [mm] round `middle`, in mm."""
     shares = np.linspace(0.0, 1.0, RANGE)
     reach = BESIDE * max(each.end - each.start for each in found)
+    marks: list[Mark] = []
     for what in {each.flank: None for each in found}:
         for start, end in _left(found, what):
             length = min(reach, end - start)
             for phi in (start + length * shares, end - length * shares):
                 line = cut_off.near(_points(product, what, phi), middle, width)
-                axes.plot(line.real, line.imag, **FLANK)
-
-
-def handles(product: Product, found: tuple[CutOff, ...]) -> list[Line2D]:
-    """For the legend: what is marked."""
-    marks = cut_off.handles("would be cut off") if found else []
-    if not found and _undercut(product):
-        marks.append(Line2D([], [], label="undercut", **UNDERCUT))
-    if _cusps(product):
-        marks.append(Line2D([], [], label="cusp", **CUSP))
+                marks.append(Line(plane(line), FLANK))
     return marks
 
 
-def note(axes: Axes) -> list[ComplexArray]:
-    """Lines about the words that `draw` writes, once the limits of `axes` are set."""
-    (left, right), (_, high) = axes.get_xlim(), axes.get_ylim()
+def names(product: Product, found: tuple[CutOff, ...]) -> list[Entry]:
+    """For the legend: what is marked."""
+    marked = cut_off.names("would be cut off") if found else []
+    if not found and _undercut(product):
+        marked.append(Entry("undercut", UNDERCUT))
+    if _cusps(product):
+        marked.append(Entry("cusp", CUSP))
+    return marked
+
+
+def note(x: cut_off.Limits, y: cut_off.Limits) -> list[ComplexArray]:
+    """Lines about the words in the corner of a picture with these limits."""
+    (left, right), (_, high) = x, y
     height = 0.03 * (right - left)
     return [np.array([left, left + 12.0 * height]) + 1j * (high - down) for down in (0.0, height)]
 

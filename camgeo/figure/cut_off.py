@@ -6,24 +6,20 @@ A swallow tail is often a thousandth of the disc wide; then an inset shows the l
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.lines import Line2D
-from matplotlib.ticker import NullLocator
 
+from camgeo.figure.marks import Line, Mark, Style, plane
+from camgeo.figure.model import Axis, Entry, Inset, Panel
 from camgeo.files.product import CutOff
 from camgeo.numeric.arrays import BoolArray, ComplexArray
 
 CUT: Final = "#c05a00"
 """Colour of what is not on the disc: between lines and grid also in grey."""
 
-COURSE: Any = {"color": CUT, "linewidth": 1.1, "linestyle": (0, (3.0, 1.6))}
-CORNER: Any = {
-    "color": CUT, "marker": "D", "markersize": 4.2, "markeredgecolor": "white",
-    "markeredgewidth": 0.6, "linestyle": "none",
-}  # fmt: skip
+COURSE: Final = Style(CUT, 1.1, (3.0, 1.6))
+CORNER: Final = Style(CUT, 0.0, marker="D", size=4.2, edge="white", edge_width=0.6)
 
 SMALL: Final = 0.05
 """What is cut off is enlarged if it is smaller than this share of the disc."""
@@ -47,61 +43,68 @@ TITLE: Final = 0.16
 PLACES: Final = 13
 """Of the inset that are tried, along each side."""
 
-Window = Callable[[Axes, complex, float], None]
+Limits = tuple[float, float]
+
+Window = Callable[[complex, float], list[Mark]]
 """Draws what there is about a point [mm], within a square of the given side [mm]."""
 
 
-def draw(axes: Axes, found: Sequence[CutOff], scale: float) -> None:
-    """Draw what is cut off, and its corners; `scale` units in 1 mm."""
-    for each in found:
-        course = each.course * scale
-        axes.plot(course.real, course.imag, zorder=2.5, **COURSE)
+def marks(found: Sequence[CutOff], scale: float) -> list[Mark]:
+    """What is cut off, and its corners; `scale` units in 1 mm."""
     corners = np.array([each.corner for each in found]) * scale
-    axes.plot(corners.real, corners.imag, zorder=2.6, **CORNER)
+    return [
+        *(Line(plane(each.course * scale), COURSE, layer=2.5) for each in found),
+        Line(plane(corners), CORNER, layer=2.6),
+    ]
 
 
-def handles(label: str) -> list[Line2D]:
+def names(label: str) -> list[Entry]:
     """For the legend; `label` says what is dashed."""
-    return [Line2D([], [], label=label, **COURSE), Line2D([], [], label="corner", **CORNER)]
+    return [Entry(label, COURSE), Entry("corner", CORNER)]
 
 
-def enlarge(
-    axes: Axes,
+def enlarged(
+    x: Limits,
+    y: Limits,
     found: tuple[CutOff, ...],
     drawn: list[ComplexArray],
     size: float,
     scale: float,
     window: Window,
-) -> None:
-    """Draw an inset of the largest part that is cut off, where little is drawn, if it is small.
+) -> tuple[tuple[Inset, ...], Limits]:
+    """An inset of the largest part that is cut off, where little is drawn, if it is small.
 
     Parameters
     ----------
+    x, y : limits of the picture.
     drawn : lines [unit of the picture] not to be covered.
     size : of the disc [mm].
     scale : units of the picture in 1 mm; the inset is drawn in mm.
     window : draws what is not cut off into the inset.
+
+    Returns
+    -------
+    The inset, if there is one, and the limits of x, wider if room had to be made.
     """
     largest = max(found, key=_extent)
     extent = _extent(largest)
     if not TINIEST * size < extent < SMALL * size:
-        return
-    x, y, side = _room(axes, drawn, largest.corner * scale)
-    inset = axes.inset_axes((x, y, side, side), transform=axes.transData, zorder=6)
+        return (), x
+    place, side, x = _room(x, y, drawn, largest.corner * scale)
     middle, width = _middle(largest), MARGIN * extent
-    window(inset, middle, width)
-    draw(inset, found, 1.0)
-    inset.set_xlim(middle.real - 0.5 * width, middle.real + 0.5 * width)
-    inset.set_ylim(middle.imag - 0.5 * width, middle.imag + 0.5 * width)
-    for axis in (inset.xaxis, inset.yaxis):
-        axis.set_major_locator(NullLocator())
     times = side / (width * scale)
-    inset.set_title(f"{float(f'{times:.2g}'):,.0f} times as large", fontsize=7.5, pad=2.5)
-    corner = middle - 0.5 * (1 + 1j) * width
-    axes.indicate_inset(
-        (corner.real * scale, corner.imag * scale, width * scale, width * scale),
-        inset, edgecolor=CUT, linewidth=0.7, alpha=1.0, zorder=5.5,
-    )  # fmt: skip
+    corner = (middle - 0.5 * (1 + 1j) * width) * scale
+    panel = Panel(
+        (0.0, 0.0, 1.0, 1.0),
+        Axis((middle.real - 0.5 * width, middle.real + 0.5 * width), ticks=()),
+        Axis((middle.imag - 0.5 * width, middle.imag + 0.5 * width), ticks=()),
+        (*window(middle, width), *marks(found, 1.0)),
+        f"{float(f'{times:.2g}'):,.0f} times as large",
+        title_size=7.5,
+        title_gap=2.5,
+    )
+    seen = corner.real, corner.imag, width * scale
+    return (Inset(panel, place, side, seen, Style(CUT, 0.7)),), x
 
 
 def clipped(ring: ComplexArray, middle: complex, width: float) -> ComplexArray:
@@ -137,9 +140,14 @@ def _middle(part: CutOff) -> complex:
     return complex(x, y)
 
 
-def _room(axes: Axes, drawn: list[ComplexArray], towards: complex) -> tuple[float, float, float]:
-    """Lower left corner and side of a square that covers nothing; if need be room is made."""
-    (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
+def _room(
+    x_limits: Limits, y_limits: Limits, drawn: list[ComplexArray], towards: complex
+) -> tuple[tuple[float, float], float, Limits]:
+    """Lower left corner and side of a square that covers nothing, and the limits of x.
+
+    If need be room is made.
+    """
+    (left, right), (low, high) = x_limits, y_limits
     smaller = min(right - left, high - low)
     points = np.concatenate([_evenly(line, 0.01 * smaller) for line in drawn])
     found = []
@@ -153,11 +161,10 @@ def _room(axes: Axes, drawn: list[ComplexArray], towards: complex) -> tuple[floa
                     found.append((distance - WORTH * side, float(x), float(y), side))
     if found:
         _, x, y, side = min(found)
-        return x, y, side
+        return (x, y), side, x_limits
     side = SIDES[0] * smaller
-    axes.set_xlim(left, right + side)
     y = min(max(towards.imag - 0.5 * side, low + RIM * side), high - (1.0 + TITLE) * side)
-    return right - RIM * side, y, side
+    return (right - RIM * side, y), side, (left, right + side)
 
 
 def _evenly(line: ComplexArray, step: float) -> ComplexArray:

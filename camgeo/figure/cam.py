@@ -1,0 +1,219 @@
+"""The cam: disc with bore, pitch curve, base circle, and the roller or face at cam angle 0.
+
+The disc is the real one: what is cut off from an undercut flank is drawn beside it. Of a conjugate
+pair the return disc and its roller are drawn over the main disc, dashed.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from camgeo.errors import GeometryError, UndercutError
+from camgeo.figure import cut_off, disc, flanks
+from camgeo.figure.layout import Size, grid
+from camgeo.figure.marks import Arrow, Circle, Fill, Line, Mark, Style, plane
+from camgeo.figure.model import Axis, Entry, Figure, Frame, Inset, Legend, Panel
+from camgeo.figure.style import AUXILIARY, LEFT, RETURN_STYLE, RIGHT, TOP, cam_angles
+from camgeo.files.product import Product
+from camgeo.numeric.arrays import ComplexArray
+from camgeo.part.part import Part
+from camgeo.units import MM_PER
+
+SAGITTA = 1e-4
+"""Chords of the picture, relative to the base radius: far below a printed line."""
+
+PITCH_STYLE = Style(AUXILIARY, 1.0, (10.0, 3.0, 2.0, 3.0))
+BASE_STYLE = Style(AUXILIARY, 0.8, (5.0, 4.0))
+FACE = Style("black", 2.4)
+GUIDE = Style("black", 2.4)
+ROD = Style("black", 1.2)
+CROSS = Style("black", 0.0, marker="+")
+PIVOT = Style("black", 0.0, marker="o", face="white")
+RETURN_CROSS = Style(RETURN_STYLE.color, 0.0, marker="+")
+
+ARROW = np.radians(np.linspace(200.0, 320.0, 61))
+"""Directions [rad] of the arrow about the axis."""
+
+KNIFE = 0.1
+"""Size by which a knife edge is drawn, which has none, relative to the base radius."""
+
+BOTTOM = 0.95
+"""Margin below [inch], with room for the legend."""
+
+BELOW = 0.452
+"""Distance of the legend from the axes [inch], room for their label and numbers."""
+
+SIZE = (7.0, 7.0)
+
+
+def figure(product: Product, size: Size = SIZE) -> Figure:
+    """The cam at cam angle 0, to scale, in the product's unit."""
+    scale = 1.0 / MM_PER[product.unit]
+    part = _part(product)
+    found = product.cut_off
+    marks, lines = (
+        flanks.whole(product, found, scale)
+        if part is None
+        else disc.whole(part, scale, SAGITTA * product.base_radius)
+    )
+    if product.returning is not None:
+        other, return_lines = _return_disc(product.returning, scale)
+        marks, lines = [*marks, *other], [*lines, *return_lines]
+    columns = product.curve("pitch", cam_angles()) * scale
+    pitch = columns[:, 0] + 1j * columns[:, 1]
+    if not product.is_flat:
+        marks.append(Line(plane(pitch), PITCH_STYLE))
+    base = product.base_radius * scale
+    circle = base * np.exp(1j * cam_angles())
+    marks.append(Line(plane(circle), BASE_STYLE))
+    if found:
+        marks += cut_off.marks(found, scale)
+    roller = complex(pitch[0])
+    follower, end = (_flat if product.is_flat else _follower)(product, roller, scale)
+    arrow = 0.45 * base * np.exp(1j * ARROW)
+    cross = 0.1 * base * np.array([-1.0, 1.0, 0.0, 1j, -1j])
+    marks += follower
+    marks.append(Arrow(plane(arrow[:: product.rotation]), Style("black", 1.0), 12.0, layer=4.0))
+    marks += [Line(plane(each), Style(AUXILIARY, 0.8)) for each in (cross[:2], cross[:2:-1])]
+    rim = roller + _size(product) * scale * np.exp(1j * cam_angles())
+    ends = [point * scale for point in product.follower_sketch.face or ()]
+    drawn = [*lines, circle, pitch, *(each.course * scale for each in found)]
+    drawn += [np.array([roller, end, *ends]), rim]
+    x, y = _limits(drawn)
+    insets: tuple[Inset, ...] = ()
+    if found:
+        breadth = max(float(np.ptp(line.real)) for line in lines) / scale
+        drawn += [cross, arrow, *(flanks.note(x, y) if part is None else ())]
+
+        def window(middle: complex, width: float) -> list[Mark]:
+            if part is None:
+                return flanks.near(product, found, middle, width)
+            return disc.near(part, middle, width)
+
+        insets, x = cut_off.enlarged(x, y, found, drawn, breadth, scale, window)
+    frame = grid(size, (LEFT, RIGHT, TOP, BOTTOM))[0]
+    panel = Panel(
+        frame,
+        Axis(x, f"x [{product.unit}]"),
+        Axis(y, f"y [{product.unit}]"),
+        (*marks, *insets),
+        product.name,
+        legend=_legend(product, part, _height(size, frame, x, y)),
+        equal=True,
+    )
+    return Figure(size, (panel,))
+
+
+def _part(product: Product) -> Part | None:
+    """None if there is no disc."""
+    try:
+        return product.part
+    except UndercutError:
+        return None
+
+
+def _return_disc(disc: Product, scale: float) -> tuple[list[Mark], list[ComplexArray]]:
+    """Flank of the return disc, its roller at cam angle 0 and what holds that; and the lines.
+
+    The flank is drawn as it runs, whole: its own picture shows what is cut off from it.
+    """
+    try:
+        flank = disc.curve("inner", cam_angles())
+    except GeometryError:  # the roller centre stands still in the cam, which the findings tell
+        flank = np.empty((0, 2))
+    columns = np.concatenate([flank, disc.curve("pitch", np.zeros(1))]) * scale
+    points = columns[:, 0] + 1j * columns[:, 1]
+    roller = complex(points[-1])
+    rim = roller + disc.roller_radius * scale * np.exp(1j * cam_angles())
+    sketch = disc.follower_sketch
+    lines = [points[:-1], rim]
+    if sketch.kind == "pivot":
+        lines.append(np.array([roller, sketch.end * scale]))
+    marks: list[Mark] = [Line(plane(line), RETURN_STYLE, layer=2.8) for line in lines]
+    return [*marks, Line(plane([roller]), RETURN_CROSS, layer=2.8)], lines
+
+
+def _legend(product: Product, part: Part | None, height: float) -> Legend:
+    """The legend of axes of that `height` [inch]."""
+    if part is None:
+        edges, marked = Entry("flanks", flanks.FLANK), flanks.names(product, product.cut_off)
+    else:
+        edges = Entry("edges of the disc", disc.EDGE)
+        marked = cut_off.names("cut off") if product.cut_off else []
+    if product.returning is not None:
+        edges = Entry("edges of the main disc", edges.style)
+        marked = [Entry("return disc and its roller", RETURN_STYLE), *marked]
+    base = Entry("base circle", BASE_STYLE)
+    if product.is_flat:
+        found = [edges, base, Entry("face at φ = 0", FACE), *marked]
+    else:
+        name, marker = ("roller", "o") if product.roller_radius > 0.0 else ("knife edge", "+")
+        style = Style("black", 0.0, marker=marker, size=9.0, face="white")
+        roller = Entry(f"{name} at φ = 0", style)
+        found = [edges, Entry("pitch curve", PITCH_STYLE), base, roller, *marked]
+    return Legend(tuple(found), "upper center", (0.5, -BELOW / height), 4, gap=0.0)
+
+
+def _height(size: Size, frame: Frame, x: cut_off.Limits, y: cut_off.Limits) -> float:
+    """Height [inch] of axes in `frame` whose units are as long upwards as across."""
+    left, bottom, right, top = frame
+    return min((top - bottom) * size[1], (right - left) * size[0] * (y[1] - y[0]) / (x[1] - x[0]))
+
+
+def _size(product: Product) -> float:
+    """Radius [mm] of the roller, or the size by which a knife edge is drawn."""
+    return product.roller_radius or KNIFE * product.base_radius
+
+
+def _follower(product: Product, roller: complex, scale: float) -> tuple[list[Mark], complex]:
+    """The roller at cam angle 0 and the line to its pivot, or along its guide; where that ends."""
+    radius = _size(product) * scale
+    sketch = product.follower_sketch
+    end = sketch.end * scale
+    along = (end - roller) / abs(end - roller)
+    marks: list[Mark] = []
+    if sketch.kind == "guide":
+        end = roller + 3.5 * radius * along
+        # a short bar on each side stands for the guide
+        for side in (0.3j, -0.3j):
+            bar = (end + (side - 1.5) * radius * along, end + side * radius * along)
+            marks.append(Line(plane(bar), GUIDE, layer=3.0))
+    marks.append(Line(plane([roller, end]), ROD, layer=3.0))
+    if product.roller_radius > 0.0:
+        rim = Fill("white", "black", 1.2)
+        marks.append(Circle((roller.real, roller.imag), radius, rim, layer=4.0))
+    return [*marks, *_held(product, roller, end)], end
+
+
+def _flat(product: Product, contact: complex, scale: float) -> tuple[list[Mark], complex]:
+    """The flat face at cam angle 0, with the stem along its guide or the lever to its pivot."""
+    sketch = product.follower_sketch
+    assert sketch.face is not None  # of a flat follower
+    start, stop = (point * scale for point in sketch.face)
+    end = sketch.end * scale
+    # A follower that never moves needs no length of face: its stem stands on the contact.
+    along = (stop - start) / abs(stop - start) if stop != start else 0j
+    foot = start + along * ((end - start) * along.conjugate()).real
+    marks: list[Mark] = [
+        Line(plane([start, stop]), FACE, layer=3.0),
+        Line(plane([foot, end]), ROD, layer=3.0),
+    ]
+    return [*marks, *_held(product, contact, end)], end
+
+
+def _held(product: Product, contact: complex, end: complex) -> list[Mark]:
+    """Roller centre or contact, and the pivot if there is one."""
+    marks: list[Mark] = [Line(plane([contact]), CROSS, layer=5.0)]
+    if product.follower_sketch.kind == "pivot":
+        marks.append(Line(plane([end]), PIVOT, layer=5.0))
+    return marks
+
+
+def _limits(drawn: list[ComplexArray]) -> tuple[cut_off.Limits, cut_off.Limits]:
+    """Limits of x and y around all that is drawn."""
+    points = np.concatenate(drawn)
+    reach = 0.06 * max(float(np.ptp(points.real)), float(np.ptp(points.imag)))
+    left, right, low, high = (
+        float(edge(each)) for each in (points.real, points.imag) for edge in (np.min, np.max)
+    )
+    return (left - reach, right + reach), (low - reach, high + reach)

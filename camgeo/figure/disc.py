@@ -1,0 +1,83 @@
+"""The disc as a body: filled, with its edges; as a whole, or what a window shows of it."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+
+from camgeo.figure import cut_off
+from camgeo.figure.marks import Area, Fill, Line, Mark, Style, plane
+from camgeo.figure.style import LINE, RETURN_STYLE
+from camgeo.numeric.arrays import ComplexArray
+from camgeo.part.part import Boundary, Part
+
+BODY = Fill("#e4e8ec", width=0.0)
+GROOVE = Fill("#c2cad3", width=0.0)
+EDGE = Style(LINE, 1.6)
+
+FINE = 1e-3
+"""Chords of a window, relative to its side."""
+
+
+def whole(part: Part, scale: complex, sagitta: float) -> tuple[list[Mark], list[ComplexArray]]:
+    """The part and its rings; `scale` units in 1 mm, chords `sagitta` [mm] off.
+
+    A complex scale turns the part.
+    """
+    marks: list[Mark] = []
+    drawn: list[ComplexArray] = []
+    for boundaries, fill in _areas(part):
+        rings = [ring * scale for ring in _rings(boundaries, sagitta)]
+        marks.append(_area(rings, fill))
+        drawn += rings
+    edge = Fill(edge=EDGE.color, width=EDGE.width)
+    return [*marks, *(Area((plane(ring),), edge) for ring in drawn)], drawn
+
+
+def behind(part: Part, scale: complex, sagitta: float) -> list[Mark]:
+    """The outline of a second disc, that of a conjugate pair, over the first one."""
+    return [
+        Line(plane(np.append(ring, ring[:1]) * scale), RETURN_STYLE, layer=3.0)
+        for ring in _rings(part.boundaries[:1], sagitta)
+    ]
+
+
+def near(part: Part, middle: complex, width: float) -> list[Mark]:
+    """What lies in and about the square of side `width` [mm] round `middle`, in mm."""
+    sagitta = FINE * width
+    marks: list[Mark] = []
+    for boundaries, fill in _areas(part):
+        rings = _rings(boundaries, sagitta)
+        inside = [cut_off.clipped(ring, middle, 2.0 * width) for ring in rings]
+        inside = [ring for ring in inside if len(ring)]
+        if inside:
+            marks.append(_area(inside, fill))
+        for ring in rings:
+            edge = cut_off.near(np.append(ring, ring[:1]), middle, width)
+            marks.append(Line(plane(edge), EDGE))
+    return marks
+
+
+def _areas(part: Part) -> list[tuple[tuple[Boundary, ...], Fill]]:
+    """What is filled alike: the lowest layer, and what each of the others begins."""
+    found = [(part.layers[0].boundaries, BODY)]
+    for lower, upper in pairwise(part.layers):
+        begins = tuple(each for each in upper.boundaries if each not in lower.boundaries)
+        found.append((begins, GROOVE))
+    return found
+
+
+def _rings(boundaries: tuple[Boundary, ...], sagitta: float) -> list[ComplexArray]:
+    """Points [mm] of each boundary."""
+    return [boundary.arcs(sagitta).contour.points(sagitta) for boundary in boundaries]
+
+
+def _area(rings: list[ComplexArray], fill: Fill) -> Area:
+    """The area between `rings`, one of them the outermost; the others are holes."""
+    outer = max(rings, key=_area_of)
+    return Area(tuple(plane(ring if ring is outer else ring[::-1]) for ring in rings), fill)
+
+
+def _area_of(ring: ComplexArray) -> float:
+    return 0.5 * float(np.sum((ring.conj() * np.roll(ring, -1)).imag))

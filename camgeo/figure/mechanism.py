@@ -1,0 +1,167 @@
+"""The mechanism as a diagram: disc, follower and linkage at cam angle 0 and at the far position."""
+
+from __future__ import annotations
+
+import cmath
+import math
+
+import numpy as np
+
+from camgeo.errors import CamgeoError
+from camgeo.figure import disc
+from camgeo.figure.layout import Size, grid
+from camgeo.figure.marks import Area, Circle, Fill, Line, Mark, Style, Text, plane
+from camgeo.figure.model import Axis, Figure, Panel
+from camgeo.mechanism.sketch import Guide, MechanismSketch
+from camgeo.files.product import Product
+from camgeo.part.boundaries import largest_radius
+from camgeo.part.part import Part
+
+SAGITTA = 1e-4
+"""Chords of the picture, relative to the base radius: far below a printed line."""
+
+COARSE = 1e-2
+"""Tolerance of the outline by which the picture's room is found, relative to the base radius."""
+
+LINK = Style("black", 1.8, cap="round")
+FACE = Style("black", 3.0, cap="butt")
+THIN = Style("black", 1.0)
+BODY = Fill("white", "black", 1.2)
+
+JOINT = 0.012
+"""Radius of a joint, as a share of the root of the picture's area."""
+
+HATCHES = 5
+"""Strokes that mark a fixed body."""
+
+ROOM = 0.07
+"""Room around what is drawn, as a share of its size."""
+
+WIDTH = 10.0
+"""Of the picture [inch]."""
+
+HEIGHTS = (2.5, 9.0)
+"""Least and greatest height of the two panes [inch]."""
+
+HEAD = 0.75
+"""Room for the titles [inch]."""
+
+EDGE = 0.15
+"""Room beside the panes and between them [inch]."""
+
+
+def figure(product: Product, size: Size | None = None) -> Figure:
+    """The mechanism twice, both to one scale; the panes as high as what is in them."""
+    parts = _parts(product)
+    sketches = [(phi, product.mechanism_sketch(phi)) for phi in (0.0, product.far_angle)]
+    low, high = _window(product.base_radius, parts, [sketch for _, sketch in sketches])
+    across, up = (high - low).real, (high - low).imag
+    if size is None:
+        pane = 0.5 * (WIDTH - 3.0 * EDGE)
+        size = WIDTH, min(max(pane * up / across, HEIGHTS[0]), HEIGHTS[1]) + HEAD + EDGE
+    joint = JOINT * math.sqrt(across * up)
+    sagitta = SAGITTA * product.base_radius
+    panels = []
+    frames = grid(size, (EDGE, EDGE, HEAD, EDGE), 1, 2, (0.0, 0.02))
+    for frame, (phi, sketch) in zip(frames, sketches, strict=True):
+        turn = cmath.exp(1j * product.rotation * phi)
+        marks: list[Mark] = []
+        for part in parts[:1]:
+            marks += disc.whole(part, turn, sagitta)[0]
+        for part in parts[1:]:
+            marks += disc.behind(part, turn, sagitta)
+        panels.append(
+            Panel(
+                frame,
+                Axis((low.real, high.real)),
+                Axis((low.imag, high.imag)),
+                (*marks, *_bodies(sketch, joint), *_axis(joint)),
+                f"cam angle {math.degrees(phi):.4g}°",
+                equal=True,
+                bare=True,
+            )
+        )
+    at = 0.5, 1.0 - 0.1 / size[1]
+    title = Text(product.name, at, 11.0, "figure", across="center", up="top")
+    return Figure(size, tuple(panels), (title,))
+
+
+def _window(
+    reach: float, parts: tuple[Part, ...], sketches: list[MechanismSketch]
+) -> tuple[complex, complex]:
+    """Lower left and upper right corner [mm] of what both panes show, at least `reach` around."""
+    coarse = COARSE * reach
+    for part in parts:
+        reach = max(reach, largest_radius(part.boundaries[0].arcs(coarse).contour))
+    points = [point for sketch in sketches for point in sketch.points]
+    corners = np.array([*points, *(reach * side for side in (1, 1j, -1, -1j))])
+    low = complex(corners.real.min(), corners.imag.min())
+    high = complex(corners.real.max(), corners.imag.max())
+    room = ROOM * max((high - low).real, (high - low).imag) * (1.0 + 1.0j)
+    return low - room, high + room
+
+
+def _parts(product: Product) -> tuple[Part, ...]:
+    """The disc and, of a pair, the return disc; none if one cannot be made or its bore not fit."""
+    try:
+        both = (product, product.returning)
+        return tuple(each.part for each in both if each is not None)
+    except CamgeoError:
+        return ()
+
+
+def _bodies(sketch: MechanismSketch, joint: float) -> list[Mark]:
+    marks: list[Mark] = [Line(plane(link), LINK, layer=5.0) for link in sketch.links]
+    marks += [Line(plane(face), FACE, layer=5.0) for face in sketch.faces]
+    for centre, radius in sketch.rollers:
+        marks.append(_circle(centre, radius, 4.0))
+        marks.append(_circle(centre, min(joint, 0.4 * radius)))
+    for guide in sketch.guides:
+        marks += _guide(guide, joint)
+    marks += [_circle(point, joint) for point in sketch.joints]
+    for point in sketch.shafts:
+        marks += _shaft(point, joint)
+    return marks
+
+
+def _circle(centre: complex, radius: float, layer: float = 6.0) -> Mark:
+    return Circle((centre.real, centre.imag), radius, BODY, layer)
+
+
+def _guide(guide: Guide, joint: float) -> list[Mark]:
+    """Two bars, hatched on the outside, beside a rod or a block."""
+    along, across = guide.direction * joint, 1j * guide.direction * joint
+    marks: list[Mark] = []
+    if guide.block:
+        block = np.array([1.6 * along + across, across - 1.6 * along])
+        block = np.concatenate((block, -block, block[:1])) + guide.middle
+        marks.append(Area((plane(block),), BODY, layer=5.0, closed=False))
+    else:
+        across *= 0.5
+    for side in (1.15, -1.15):
+        foot = guide.middle + side * across
+        marks.append(_stroke(foot - 4.0 * along, foot + 4.0 * along))
+        for k in range(HATCHES):
+            start = foot + (k - 2) * 1.6 * along
+            outward = math.copysign(1.0, side) * 1j * guide.direction * joint
+            marks.append(_stroke(start, start + outward - 0.8 * along))
+    return marks
+
+
+def _shaft(point: complex, joint: float) -> list[Mark]:
+    """A joint on a small hatched stand."""
+    left, right = point + joint * (-1.6 - 2.6j), point + joint * (1.6 - 2.6j)
+    marks = [_stroke(point, end) for end in (left, right)]
+    marks.append(_stroke(left - 0.7 * joint, right + 0.7 * joint))
+    for k in range(HATCHES):
+        start = left + (right - left) * (k / (HATCHES - 1))
+        marks.append(_stroke(start, start - joint * (0.8 + 0.9j)))
+    return [*marks, _circle(point, joint)]
+
+
+def _axis(joint: float) -> list[Mark]:
+    return [_circle(0j, joint), *(_stroke(-way * joint, way * joint) for way in (2.2, 2.2j))]
+
+
+def _stroke(start: complex, end: complex) -> Mark:
+    return Line(plane([start, end]), THIN, layer=4.0)

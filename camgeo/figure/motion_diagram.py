@@ -1,0 +1,154 @@
+"""The motion diagram: lift and three derivatives with their extremes, and over time."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from camgeo.figure.layout import limits
+from camgeo.figure.marks import Box, Line, Mark, Style, Text, over
+from camgeo.figure.model import Axis, Panel
+from camgeo.figure.strips import Strips
+from camgeo.figure.style import CURVE, LIMIT, ZERO, diagram_angles, joint_marks, turn_axis
+from camgeo.files.product import PlanSketch, Product
+from camgeo.numeric.arrays import FloatArray
+
+MARKS: Final = {"s": "", "s1": "′", "s2": "″", "s3": "‴"}
+RATES: Final = {
+    "s": ("", "v", "a", "jerk"),
+    "ψ": ("", "dψ/dt", "d²ψ/dt²", "d³ψ/dt³"),
+}
+RAISED: Final = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
+OVER_ANGLE: Final = ("", "/rad", "/rad²", "/rad³")
+OVER_TIME: Final = ("", "/s", "/s²", "/s³")
+
+PANEL, GAP = 1.3, 0.09
+"""Heights [inch] of each panel and of the gap between two."""
+
+HEIGHT: Final = 4 * PANEL + 3 * GAP
+
+NAME_PLACE: Final = 0.6
+"""Distance [inch] of the names of the vertical axes to the left of them."""
+
+SECOND_PLACE: Final = 0.09
+"""That of the names of the second scales, as a share of the width."""
+
+SMALL: Final = 7.5
+"""Size of the text of plan and diagram [points]."""
+
+HEADROOM: Final = 0.28
+"""Above the curve of a panel, as a share of its range: room for the extremes."""
+
+CLOSER: Final = 101
+"""Points between two neighbours of an extreme: a half-degree in steps of 0.005 degrees."""
+
+SAME: Final = 1e-10
+"""Values that differ by less than this part of the largest are the same extreme."""
+
+INFINITE: Final = Style(LIMIT, 0.0, marker="^", size=5.5)
+
+Course = Callable[[FloatArray], FloatArray]
+"""Values at cam angles [rad], in the unit of the panel."""
+
+
+@dataclass(frozen=True, slots=True)
+class Unit:
+    """How a length or angle is written: its unit, symbol, and how many of it are in 1 mm or rad."""
+
+    name: str
+    symbol: str
+    scale: float
+
+
+def panels(strips: Strips, product: Product, sketch: PlanSketch, unit: Unit) -> list[Panel]:
+    """A panel for the lift and each derivative."""
+    joints = tuple(joint.cam_angle for joint in sketch.joints)
+    phi = diagram_angles(tuple(joint.cam_angle for joint in sketch.breaks))
+    found = []
+    for order, (what, mark) in enumerate(MARKS.items()):
+        if order:
+            strips.skip(GAP)
+
+        def course(angles: FloatArray, what: str = what) -> FloatArray:
+            return product.quantity(what, angles) * unit.scale
+
+        values = course(phi)
+        low, high = limits([values, 0.0])
+        shown = low, high + HEADROOM * (high - low)
+        # From the value at the end of the turn: a jump at cam angle 0 is one like the others.
+        curve = over([0.0, *np.degrees(phi)], [values[-1], *values])
+        infinite = [math.degrees(angle) for angle in infinite_at(sketch, order)]
+        marks: list[Mark] = [ZERO, Line(curve, CURVE), *joint_marks(joints)]
+        marks.append(_extremes(course, phi))
+        if infinite:
+            zeros = np.zeros(len(infinite))
+            marks.append(Line(over(infinite, zeros), INFINITE, layer=4.0, clipped=False))
+        label = f"{unit.symbol}{mark} [{unit.name}{OVER_ANGLE[order]}]"
+        found.append(
+            Panel(
+                strips.frame(PANEL),
+                turn_axis(numbered=what == "s3"),
+                # aligned down the page, whatever the width of their numbers
+                Axis(shown, label, label_place=NAME_PLACE),
+                tuple(marks),
+                right=None
+                if sketch.speed is None or not order
+                else _second_scale(shown, unit, order, sketch.speed, strips.across),
+            )
+        )
+    return found
+
+
+def infinite_at(sketch: PlanSketch, order: int) -> list[float]:
+    """Cam angles [rad] at which the derivative is infinite for a lower one jumps."""
+    return [joint.cam_angle for joint in sketch.breaks if joint.order + 1 < order]
+
+
+def number(value: float) -> str:
+    """Four digits, all of them before the point if there are more."""
+    text = f"{value:.0f}" if 1e3 <= abs(value) < 1e7 else f"{value + 0.0:.4g}"
+    return text.replace("-", "−")
+
+
+def _extremes(course: Course, phi: FloatArray) -> Text:
+    """Largest and smallest value, with their first places, to the digits that are written.
+
+    They are looked for between the neighbours of the largest of the drawn points.
+    """
+    values = course(phi)
+    size = float(np.max(np.abs(values)))
+    told = []
+    for word, sign in (("max", 1.0), ("min", -1.0)):
+        index = int(np.argmax(sign * values))
+        around = slice(max(index - 1, 0), index + 2)
+        closer = np.unique(
+            np.concatenate((phi, np.linspace(phi[around][0], phi[around][-1], CLOSER)))
+        )
+        found = course(closer)
+        extreme = float(np.max(sign * found)) * sign
+        first = np.argmax(np.abs(found - extreme) <= SAME * size)
+        told.append(f"{word} {number(extreme)} at {math.degrees(closer[first]):.1f}°")
+    return Text(
+        ",  ".join(told), (0.99, 0.95), SMALL, "panel", across="right", up="top", box=Box(1.0)
+    )
+
+
+def _second_scale(
+    shown: tuple[float, float], unit: Unit, order: int, speed: float, across: float
+) -> Axis:
+    """The derivative over time at a constant speed."""
+    factor = speed**order
+    low, high = (limit * factor for limit in shown)
+    size = max(abs(low), abs(high))
+    thousands = max(0, math.floor(math.log10(size) / 3.0)) if size > 0.0 else 0
+    power = f"10{str(3 * thousands).translate(RAISED)} " if thousands else ""
+    return Axis(
+        (low / 1000.0**thousands, high / 1000.0**thousands),
+        f"{RATES[unit.symbol][order]} [{power}{unit.name}{OVER_TIME[order]}]",
+        label_size=8.5,
+        label_place=SECOND_PLACE * across,
+    )

@@ -1,0 +1,58 @@
+"""The plots of a design by their names, and several of them one above the other."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Sequence
+from dataclasses import replace
+from importlib import import_module
+from importlib.metadata import entry_points
+from typing import Protocol
+
+from camgeo.figure.layout import Size, rooms
+from camgeo.figure.model import Figure
+from camgeo.files.product import Product
+
+GROUP = "camgeo.plots"
+"""Entry points of plots from other distributions, each a `Builder` by the plot's name."""
+
+
+class Builder(Protocol):
+    """Makes a figure of a design: of its own size, or of that which a page has room for."""
+
+    def __call__(self, product: Product, size: Size = ..., /) -> Figure: ...
+
+
+OWN = ("motion", "cam", "mechanism", "curvature", "transmission-angle", "effects")
+"""Each a module of this package with a builder `figure`."""
+
+
+def names() -> list[str]:
+    """Of all plots, own and others, in alphabetical order."""
+    return sorted({*OWN, *entry_points(group=GROUP).names})
+
+
+def find(name: str) -> Builder:
+    """The plot of that name; raises KeyError with the names there are."""
+    if name in OWN:
+        build: Builder = import_module(f"camgeo.figure.{name.replace('-', '_')}").figure
+        return build
+    for entry in entry_points(group=GROUP, name=name):
+        other: Builder = entry.load()
+        return other
+    near = difflib.get_close_matches(name, names(), 1)
+    hint = f"; did you mean {near[0]}?" if near else ""
+    raise KeyError(f"no plot {name!r}; there are {', '.join(names())}{hint}")
+
+
+def stacked(product: Product, wanted: Sequence[str]) -> Figure:
+    """The plots `wanted` of `product`, one above the other, all as wide as the widest."""
+    builders = [find(name) for name in wanted]
+    figures = [build(product) for build in builders]
+    width = max(each.size[0] for each in figures)
+    heights = [each.size[1] for each in figures]
+    rows = [
+        each if each.size == room else replace(build(product, room), size=(width, each.size[1]))
+        for each, build, room in zip(figures, builders, rooms(width, heights), strict=True)
+    ]
+    return Figure((width, sum(heights)), rows=tuple(rows))

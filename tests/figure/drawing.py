@@ -1,0 +1,17 @@
+"""A figure drawn by matplotlib, to be looked at as an eye does: what lies where."""
+
+from __future__ import annotations
+
+from matplotlib import rc_context
+from matplotlib.figure import Figure as Page
+
+from camgeo.figure.model import Figure
+from camgeo_export.plots.render import RC, page
+
+
+def drawn(figure: Figure) -> Page:
+    """All of it, with every part in its place."""
+    with rc_context(RC):
+        made = page(figure)
+        made.canvas.draw()
+    return made
