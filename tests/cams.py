@@ -14,7 +14,7 @@ def cam_of(
     plan: MotionPlan,
     follower: AnyFollower,
     rotation: int = 1,
-    contact: Contact = "inner",
+    contact: Contact = Contact.INNER,
     linkage: Linkage | None = None,
 ) -> Cam:
     unit: LiftUnit = "rad" if follower.rocks else "mm"

@@ -12,8 +12,8 @@ from camgeo.figure import disc
 from camgeo.figure.layout import Size, grid
 from camgeo.figure.marks import Area, Circle, Fill, Line, Mark, Style, Text, plane
 from camgeo.figure.model import Axis, Figure, Panel
-from camgeo.mechanism.sketch import Guide, MechanismSketch
 from camgeo.files.product import Product
+from camgeo.mechanism.sketch import Guide, MechanismSketch
 from camgeo.part.boundaries import largest_radius
 from camgeo.part.part import Part
 

@@ -114,7 +114,7 @@ class StubProduct:
     rotation: int = -1
     joints: tuple[float, ...] = (0.0, math.pi)
     lift_unit: Literal["mm", "rad"] = "mm"
-    contact: Contact = "inner"
+    contact: Contact = Contact.INNER
     cut_off: tuple[CutOff, ...] = ()
     effect_columns: tuple[Column, ...] = ()
     returning: Product | None = None

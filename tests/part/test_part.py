@@ -76,7 +76,7 @@ def test_keyway_wider_than_its_bore(width: float) -> None:
 
 
 def test_disc() -> None:
-    part = _part("inner", PartSpec(thickness=10.0, bore=20.0))
+    part = _part(Contact.INNER, PartSpec(thickness=10.0, bore=20.0))
     assert [(b.name, b.hole) for b in part.boundaries] == [("outline", False), ("bore", True)]
     assert part.thickness == 10.0
     assert [(wall.boundary.name, wall.z0, wall.z1) for wall in part.walls] == [
@@ -86,13 +86,13 @@ def test_disc() -> None:
 
 
 def test_ring() -> None:
-    part = _part("outer", PartSpec(thickness=10.0, rim=140.0, bore=20.0))
+    part = _part(Contact.OUTER, PartSpec(thickness=10.0, rim=140.0, bore=20.0))
     assert [(b.name, b.hole) for b in part.boundaries] == [("rim", False), ("outline", True)]
 
 
 def test_groove() -> None:
     spec = PartSpec(thickness=10.0, rim=140.0, bore=20.0, groove_depth=4.0)
-    part = _part("groove", spec)
+    part = _part(Contact.GROOVE, spec)
     walls = [(wall.boundary.name, wall.boundary.hole, wall.z0, wall.z1) for wall in part.walls]
     assert walls == [
         ("rim", False, -10.0, 0.0),
@@ -113,11 +113,11 @@ def test_groove() -> None:
 
 
 def test_without_heights_there_is_a_drawing_but_no_solid() -> None:
-    flat = _part("groove", PartSpec(rim=140.0, bore=20.0, groove_depth=4.0))
-    solid = _part("groove", PartSpec(thickness=10.0, rim=140.0, bore=20.0, groove_depth=4.0))
+    flat = _part(Contact.GROOVE, PartSpec(rim=140.0, bore=20.0, groove_depth=4.0))
+    solid = _part(Contact.GROOVE, PartSpec(thickness=10.0, rim=140.0, bore=20.0, groove_depth=4.0))
     assert [b.name for b in flat.boundaries] == [b.name for b in solid.boundaries]
     assert flat.thickness == 0.0
-    shallow = _part("groove", PartSpec(thickness=10.0, rim=140.0, bore=20.0))
+    shallow = _part(Contact.GROOVE, PartSpec(thickness=10.0, rim=140.0, bore=20.0))
     for part, key in ((flat, "part.thickness"), (shallow, "part.groove_depth")):
         with pytest.raises(GeometryError, match=f"a solid needs {key}") as caught:
             _ = part.levels
@@ -188,10 +188,10 @@ def test_layers_that_are_no_part(layers: Callable[[], tuple[Layer, ...]], messag
 def test_bore_must_fit(bore: float, keyway: Keyway | None, fits: bool) -> None:
     spec = PartSpec(thickness=10.0, bore=bore, keyway=keyway)
     if fits:
-        _part("inner", spec)
+        _part(Contact.INNER, spec)
         return
     with pytest.raises(GeometryError, match=r"the outline comes as near as 3(1\.9|2)") as caught:
-        _part("inner", spec)
+        _part(Contact.INNER, spec)
     assert caught.value.key == "part.bore"
 
 
@@ -209,9 +209,9 @@ def test_rim_must_be_outside(contact: Contact) -> None:
 def test_undercut_is_no_part() -> None:
     undercut = whole(WorkingCurve(PITCH, -60.0))
     with pytest.raises(UndercutError):
-        build_part("inner", undercut, OUTER, PartSpec(bore=5.0), 0.01)
+        build_part(Contact.INNER, undercut, OUTER, PartSpec(bore=5.0), 0.01)
     # Without anything to fit into it, it is found when its outline is asked for.
-    part = build_part("inner", undercut, OUTER, PartSpec(), 0.01)
+    part = build_part(Contact.INNER, undercut, OUTER, PartSpec(), 0.01)
     for ask in (part.boundaries[0].arcs, part.boundaries[0].polyline):
         with pytest.raises(UndercutError):
             ask(0.01)
@@ -247,7 +247,7 @@ def test_exact_boundary(tolerance: float) -> None:
 @pytest.mark.parametrize("trimmed", [swallow_tail, cut_off_lobe])
 def test_trimmed_disc(trimmed: Callable[[], Path]) -> None:
     path = trimmed()
-    part = build_part("inner", path, path, PartSpec(thickness=10.0, bore=4.0), 0.01)
+    part = build_part(Contact.INNER, path, path, PartSpec(thickness=10.0, bore=4.0), 0.01)
     flank = part.boundaries[0]
     tolerance = 0.001
     fit, straight = flank.arcs(tolerance), flank.polyline(tolerance)
@@ -263,8 +263,8 @@ def test_trimmed_disc(trimmed: Callable[[], Path]) -> None:
 def test_bore_beside_a_corner() -> None:
     """HC22: without the lobe the disc is the base circle of 6 mm with a corner at 9.06 mm."""
     path = cut_off_lobe()
-    part = build_part("inner", path, path, PartSpec(bore=11.9), 0.01)
+    part = build_part(Contact.INNER, path, path, PartSpec(bore=11.9), 0.01)
     contour = part.boundaries[0].arcs(0.001).contour
     assert largest_radius(contour) == pytest.approx(9.06066828504406653, rel=1e-12)
     with pytest.raises(GeometryError, match=r"the outline comes as near as (5\.99|6)"):
-        build_part("inner", path, path, PartSpec(bore=12.1), 0.01)
+        build_part(Contact.INNER, path, path, PartSpec(bore=12.1), 0.01)

@@ -129,7 +129,7 @@ def test_leads(contact: Contact, tool: float) -> None:
 
 @pytest.mark.parametrize("tool", [8.0, 10.0, 15.9])
 def test_groove_in_two_rounds(tool: float) -> None:
-    operations = _operations(_toolpath("groove", tool))
+    operations = _operations(_toolpath(Contact.GROOVE, tool))
     assert list(operations) == ["bore", "outer flank", "inner flank"]
     flanks = {name: DensePath(dense(curve)) for name, curve in FLANKS.items()}
     cleared = []
@@ -150,7 +150,7 @@ def test_groove_in_two_rounds(tool: float) -> None:
 
 
 def test_groove_with_a_tool_like_the_roller() -> None:
-    operation = _operations(_toolpath("groove", 2.0 * ROLLER, pass_depth=2.0))["groove"]
+    operation = _operations(_toolpath(Contact.GROOVE, 2.0 * ROLLER, pass_depth=2.0))["groove"]
     path = _outline(operation.moves)
     pitch = DensePath(dense(WorkingCurve(PITCH, 0.0)))
     assert np.max(pitch.distances(path.dense(4_000))) <= TOLERANCE + SAGITTA
@@ -162,24 +162,24 @@ def test_groove_with_a_tool_like_the_roller() -> None:
 def test_groove_with_side_clearance() -> None:
     """The groove counts, 16 mm wide, and not the roller in it, 15.7 mm."""
     played = replace(PITCH, follower=TranslatingRoller(40.0, ROLLER - 0.15, 6.0))
-    assert "groove" in _operations(_toolpath("groove", 2.0 * ROLLER, pitch=played))
-    assert "groove" not in _operations(_toolpath("groove", 15.7, pitch=played))
+    assert Contact.GROOVE in _operations(_toolpath(Contact.GROOVE, 2.0 * ROLLER, pitch=played))
+    assert Contact.GROOVE not in _operations(_toolpath(Contact.GROOVE, 15.7, pitch=played))
     with pytest.raises(GeometryError, match=r"larger than the groove.* from 8 to 16 mm"):
-        _toolpath("groove", 16.001, pitch=played)
+        _toolpath(Contact.GROOVE, 16.001, pitch=played)
 
 
 @pytest.mark.parametrize("tool", [7.9, 2.0, 16.1])
 def test_groove_refuses_other_tools(tool: float) -> None:
     with pytest.raises(GeometryError, match="from 8 to 16 mm") as caught:
-        _toolpath("groove", tool)
+        _toolpath(Contact.GROOVE, tool)
     assert caught.value.key == "output.gcode.tool_diameter"
 
 
 def test_tool_that_no_bore_takes() -> None:
-    _toolpath("inner", 24.0)
+    _toolpath(Contact.INNER, 24.0)
     for tool in (25.0, 30.0):
         with pytest.raises(GeometryError, match="smaller than the bore, 25 mm") as caught:
-            _toolpath("inner", tool)
+            _toolpath(Contact.INNER, tool)
         assert caught.value.key == "output.gcode.tool_diameter"
 
 
@@ -192,15 +192,15 @@ def test_tool_larger_than_a_concave_radius() -> None:
     kappa = np.min(pitch.curvature(np.linspace(0.0, 2.0 * math.pi, 200_001)))
     assert kappa < 0.0
     largest = 2.0 * (-1.0 / kappa + ROLLER)
-    _toolpath("inner", 0.99 * largest, plain, pitch)
+    _toolpath(Contact.INNER, 0.99 * largest, plain, pitch)
     with pytest.raises(GeometryError, match="too large for the outline: a concave part") as caught:
-        _toolpath("inner", 1.01 * largest, plain, pitch)
+        _toolpath(Contact.INNER, 1.01 * largest, plain, pitch)
     assert caught.value.key == "output.gcode.tool_diameter"
 
 
 def test_milling_needs_a_thickness() -> None:
     with pytest.raises(GeometryError, match="thickness") as caught:
-        _toolpath("inner", 6.0, PartSpec(bore=25.0))
+        _toolpath(Contact.INNER, 6.0, PartSpec(bore=25.0))
     assert caught.value.key == "part.thickness"
 
 
@@ -208,7 +208,7 @@ def test_milling_needs_a_thickness() -> None:
     ("pass_depth", "count"), [(20.0, 1), (10.0, 1), (9.99, 2), (5.0, 2), (3.0, 4), (0.1, 100)]
 )
 def test_depth_passes(pass_depth: float, count: int) -> None:
-    toolpath = _toolpath("inner", 6.0, pass_depth=pass_depth)
+    toolpath = _toolpath(Contact.INNER, 6.0, pass_depth=pass_depth)
     for operation in toolpath.operations:
         assert len(operation.cut.depths) == count
         assert operation.cut.depths[-1] == -10.0
@@ -218,7 +218,9 @@ def test_depth_passes(pass_depth: float, count: int) -> None:
 
 
 def test_one_pass_if_nothing_is_said() -> None:
-    assert all(len(operation.cut.depths) == 1 for operation in _toolpath("inner", 6.0).operations)
+    assert all(
+        len(operation.cut.depths) == 1 for operation in _toolpath(Contact.INNER, 6.0).operations
+    )
 
 
 @pytest.mark.parametrize(("contact", "tool"), [("inner", 6.0), ("outer", 6.0), ("groove", 10.0),
@@ -260,7 +262,7 @@ def test_no_arc_exceeds_half_a_turn(contact: Contact) -> None:
 
 
 def test_bore_is_cut_first_and_inside() -> None:
-    operation = _toolpath("inner", 6.0).operations[0]
+    operation = _toolpath(Contact.INNER, 6.0).operations[0]
     assert operation.cut.name == "bore"
     points = _outline(operation.moves).dense(1_000)
     # Radius 12.5 less the tool's 3; the keyway is left to a broach.
@@ -316,7 +318,7 @@ def test_cuts_know_what_is_beside_them(
 def test_arcs_are_divided_as_the_machine_wants(largest: float) -> None:
     limits = replace(LIMITS, largest_sweep=largest)
     inner, outer = (whole(WorkingCurve(PITCH, distance)) for distance in (-ROLLER, ROLLER))
-    part = build_part("inner", inner, outer, PART, 0.01)
+    part = build_part(Contact.INNER, inner, outer, PART, 0.01)
     cuts = cuts_of(part, GcodeSpec().tool, None)
     found = [plan_toolpath(cuts, 5.0, each, TOLERANCE).operations for each in (LIMITS, limits)]
     for whole_arcs, parts in zip(*found, strict=True):

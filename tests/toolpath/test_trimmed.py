@@ -77,7 +77,7 @@ DISCS = {"swallow tail": swallow_tail, "cut-off lobe": cut_off_lobe}
 @pytest.mark.parametrize("name", DISCS)
 def test_disc_is_cut_at_the_tool_radius(name: str, tool: float) -> None:
     path = DISCS[name]()
-    (operation,) = _toolpath("inner", path, path, tool).operations
+    (operation,) = _toolpath(Contact.INNER, path, path, tool).operations
     cuts = _cuts(operation)
     flank = dense_path(path)
     # Leads and all never nearer; the round itself never farther, from either side.
@@ -97,7 +97,7 @@ def test_disc_is_cut_at_the_tool_radius(name: str, tool: float) -> None:
 def test_corner_is_rolled_round_on_one_arc(name: str, tool: float) -> None:
     path = DISCS[name]()
     (corner,) = path.pivots
-    (operation,) = _toolpath("inner", path, path, tool).operations
+    (operation,) = _toolpath(Contact.INNER, path, path, tool).operations
     cuts = _cuts(operation)
     about = np.flatnonzero(cuts.centres == corner.centre)
     assert np.sum(cuts.sweeps[about]) == pytest.approx(-abs(corner.sweep), rel=1e-12)
@@ -152,7 +152,7 @@ def test_groove_takes_a_tool_like_the_roller_alone() -> None:
 
 def test_groove_with_shocks_has_the_corners_of_the_pitch_curve() -> None:
     inner, outer = shocks(-1, 1), shocks(1, 1)
-    (operation,) = _toolpath("groove", inner, outer, 16.0, GROOVE).operations
+    (operation,) = _toolpath(Contact.GROOVE, inner, outer, 16.0, GROOVE).operations
     cuts = _cuts(operation)
     pitch = inner.stretches[0].curve.pitch
     for place in pitch.point(np.radians([40.0, 180.0])):
@@ -164,9 +164,9 @@ def test_groove_with_shocks_has_the_corners_of_the_pitch_curve() -> None:
 def test_larger_cutters_still_cross_and_are_refused() -> None:
     """Beyond the roller's size the way round a lobe's foot may cross itself."""
     path = cut_off_lobe()
-    _toolpath("inner", path, path, 32.0)
+    _toolpath(Contact.INNER, path, path, 32.0)
     with pytest.raises(GeometryError, match="too large for the outline"):
-        _toolpath("inner", path, path, 40.0)
+        _toolpath(Contact.INNER, path, path, 40.0)
 
 
 @pytest.mark.parametrize(
