@@ -162,8 +162,8 @@ def test_groove_with_a_tool_like_the_roller() -> None:
 def test_groove_with_side_clearance() -> None:
     """The groove counts, 16 mm wide, and not the roller in it, 15.7 mm."""
     played = replace(PITCH, follower=TranslatingRoller(40.0, ROLLER - 0.15, 6.0))
-    assert Contact.GROOVE in _operations(_toolpath(Contact.GROOVE, 2.0 * ROLLER, pitch=played))
-    assert Contact.GROOVE not in _operations(_toolpath(Contact.GROOVE, 15.7, pitch=played))
+    assert "groove" in _operations(_toolpath(Contact.GROOVE, 2.0 * ROLLER, pitch=played))
+    assert "groove" not in _operations(_toolpath(Contact.GROOVE, 15.7, pitch=played))
     with pytest.raises(GeometryError, match=r"larger than the groove.* from 8 to 16 mm"):
         _toolpath(Contact.GROOVE, 16.001, pitch=played)
 
