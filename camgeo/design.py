@@ -180,6 +180,8 @@ class Design(Pickled):
 
         Raises
         ------
+        SceneError
+            If there is no such format, or the scene lacks what it needs.
         UndercutError
             If the cam has no outline, or its return disc none.
         ToleranceError
@@ -189,8 +191,6 @@ class Design(Pickled):
         """
         from camgeo.files.write import write_files
 
-        if len(self.discs) > 1:  # files of both discs or of none
-            self.judgement.require_outline(of_return=True)
         output = self.scene.output
         return write_files(
             self.disc,

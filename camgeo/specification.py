@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from decimal import Decimal
 from typing import TYPE_CHECKING, Any, Protocol
 
 from camgeo.cam.contact import Contact
@@ -14,12 +13,11 @@ from camgeo.units import LengthUnit
 
 if TYPE_CHECKING:
     from camgeo.contour.fit import Effort
-    from camgeo.files.specs import DxfSpec
+    from camgeo.formats.format import Options, Values
     from camgeo.mechanism.kinds import AnyFollower, RollerFollower
     from camgeo.mechanism.linkage_protocol import Linkage
     from camgeo.mechanism.yoke import Yoke
     from camgeo.motion.time_course import SpeedCurve
-    from camgeo.toolpath.spec import GcodeSpec
 
 
 class OutputRequest(Protocol):
@@ -35,13 +33,7 @@ class OutputRequest(Protocol):
     def fit(self) -> Effort: ...
 
     @property
-    def dxf(self) -> DxfSpec: ...
-
-    @property
-    def gcode(self) -> GcodeSpec | None: ...
-
-    @property
-    def table_step(self) -> Decimal: ...
+    def options(self) -> Options: ...
 
     @property
     def accuracy_ripple(self) -> bool: ...
@@ -113,3 +105,6 @@ class Specification(Protocol):
 
     @property
     def source(self) -> Source: ...
+
+    @property
+    def values(self) -> Values: ...

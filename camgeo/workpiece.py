@@ -29,15 +29,14 @@ if TYPE_CHECKING:
     from camgeo.contour.fit import Effort, Fit
     from camgeo.effects.effect import Column
     from camgeo.files.product import CutOff, FollowerSketch, PlanSketch
-    from camgeo.files.specs import DxfSpec
     from camgeo.files.table import Table
+    from camgeo.formats.format import Options, Values
     from camgeo.mechanism.sketch import MechanismSketch
     from camgeo.motion.time_course import TimeCourse
     from camgeo.part.part import Part
     from camgeo.specification import Specification
     from camgeo.toolpath.cut import Cut
     from camgeo.toolpath.moves import Toolpath
-    from camgeo.toolpath.spec import GcodeSpec
 
 TOPOLOGY_TOLERANCE = 0.01
 """Contours by which it is seen that a bore fits are this exact [mm]; their deviation is counted."""
@@ -105,14 +104,19 @@ class Workpiece(Pickled):
         return self.scene.output.fit
 
     @property
-    def dxf(self) -> DxfSpec:
-        """How curves are drawn."""
-        return self.scene.output.dxf
+    def options(self) -> Options:
+        """What the scene says of the formats."""
+        return self.scene.output.options
 
     @property
-    def gcode(self) -> GcodeSpec | None:
-        """Tool, feeds and machine."""
-        return self.scene.output.gcode
+    def values(self) -> Values:
+        """The scene's values, by which it is seen in which formats it can be written."""
+        return self.scene.values
+
+    @property
+    def discs(self) -> tuple[Workpiece, ...]:
+        """The disc, and behind it the return disc of a conjugate pair."""
+        return (self,) if self.returning is None else (self, self.returning)
 
     @property
     def findings(self) -> tuple[Finding, ...]:
@@ -242,8 +246,9 @@ class Workpiece(Pickled):
     def table(self, step: Decimal | None = None) -> Table:
         """The value table at every `step` degrees (the scene's if None), in the scene's unit."""
         from camgeo.files.value_table import value_table
+        from camgeo.formats.csv import FORMAT
 
-        angles = step or self.scene.output.table_step
+        angles = step or self.options[FORMAT].step
         return self.ledger.run("table", lambda: value_table(self, angles))
 
     # What is drawn and milled ----------------------------------------------------------------
@@ -277,19 +282,21 @@ class Workpiece(Pickled):
     @lazy
     def cuts(self) -> tuple[Cut, ...]:
         """What is milled, exactly; needs `[part]` and `[output.gcode]`."""
+        from camgeo.formats.gcode import FORMAT
         from camgeo.toolpath.sequence import cuts_of
 
-        if self.gcode is None or self.scene.part is None:
-            raise GeometryError("milling needs [part] and [output.gcode]", key="output.gcode")
-        return cuts_of(self.part, self.gcode.tool, self.gcode.pass_depth)
+        if lacking := FORMAT.lacking(self.values):
+            raise GeometryError(f"milling {'; '.join(lacking)}", key="output.gcode")
+        spec = self.options[FORMAT]
+        return cuts_of(self.part, spec.tool, spec.pass_depth)
 
     def toolpath(self, tolerance: float) -> Toolpath:
         """The milling program; its arcs lie within `tolerance` [mm] of the exact cutter paths."""
+        from camgeo.formats.gcode import FORMAT
         from camgeo.toolpath.machine import load
         from camgeo.toolpath.plan import plan_toolpath
 
-        cuts, spec = self.cuts, self.gcode
-        assert spec is not None  # cuts raises without it
+        cuts, spec = self.cuts, self.options[FORMAT]
         limits, height = load(spec.machine).arcs, spec.safe_height
         return self.ledger.run(
             "toolpath", lambda: plan_toolpath(cuts, height, limits, tolerance, self.effort)

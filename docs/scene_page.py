@@ -1,11 +1,12 @@
-"""Writes docs/scene.md from the schema of the scene format: `python docs/scene_page.py`.
+"""Writes docs/scene.md and docs/scene.schema.json: `python docs/scene_page.py`.
 
-The schema is the one definition of keys, types and ranges, composed of the format's own and of
-what effects declare; a test holds the page to it.
+Both are made from the schema of the scene format, the one definition of keys, types and ranges,
+composed of the format's own and of what is declared elsewhere; a test holds them to it.
 """
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -13,6 +14,7 @@ from typing import Any
 from camgeo.scene.whole_schema import whole_schema
 
 PAGE = Path(__file__).with_name("scene.md")
+SCHEMA = PAGE.with_suffix(".schema.json")
 
 HEAD = """# The scene file
 
@@ -40,6 +42,11 @@ def page() -> str:
             parts.append("\n| key | |\n|---|---|\n")
             parts += [f"| `{key}` | {text} |\n" for key, text in rows]
     return "".join(parts)
+
+
+def editors_schema() -> str:
+    """The schema as editors read it."""
+    return json.dumps(whole_schema(), indent=2) + "\n"
 
 
 Rows = list[tuple[str, str]]
@@ -119,3 +126,4 @@ def _is_table(schema: dict[str, Any], node: dict[str, Any]) -> bool:
 
 if __name__ == "__main__":
     PAGE.write_text(page(), encoding="utf-8")
+    SCHEMA.write_text(editors_schema(), encoding="utf-8")

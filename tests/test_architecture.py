@@ -29,6 +29,7 @@ STAGES: tuple[tuple[str, ...], ...] = (
     ("part",),
     ("effects",),
     ("toolpath",),
+    ("formats",),
     ("files",),
     ("specification", "workpiece", "design"),
     ("scene",),

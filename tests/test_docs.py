@@ -19,6 +19,8 @@ ROOT = Path(__file__).resolve().parents[1]
 def test_the_page_of_the_scene_file_is_made_from_the_schema() -> None:
     written = (ROOT / "docs" / "scene.md").read_text(encoding="utf-8")
     assert page_maker("scene_page").page() == written, "run python docs/scene_page.py"
+    schema = (ROOT / "docs" / "scene.schema.json").read_text(encoding="utf-8")
+    assert page_maker("scene_page").editors_schema() == schema, "run python docs/scene_page.py"
 
 
 def keys_of(node: Any, definitions: dict[str, Any], path: str = "") -> Iterator[str]:
@@ -37,7 +39,7 @@ def keys_of(node: Any, definitions: dict[str, Any], path: str = "") -> Iterator[
 def test_every_key_of_the_schema_stands_on_the_page_of_the_scene_file() -> None:
     shown, table = set(), ""
     for line in (ROOT / "docs" / "scene.md").read_text(encoding="utf-8").splitlines():
-        if heading := re.match(r"## `\[+([a-z.-]+)\]+`", line):
+        if heading := re.match(r"## `\[+([a-z0-9.-]+)\]+`", line):
             table = f"{heading[1]}."
             shown.add(heading[1])
         elif row := re.match(r"\| `([a-z0-9_.]+)` \| .", line):

@@ -16,13 +16,13 @@ from camgeo.design import Design
 from camgeo.errors import GeometryError, ToleranceError
 from camgeo.files.product import Product
 from camgeo.files.writers import find_writer
+from camgeo.formats import dxf, gcode
 from camgeo.outline.flank import Flank
 from camgeo.outline.path import Path
 from camgeo.outline.replay import replay_contour
 from camgeo.part.boundaries import CurveBoundary
 from camgeo.toolpath.machine import load
 from camgeo.toolpath.machining_time import Dynamics, contour_time
-from camgeo.toolpath.spec import GcodeSpec
 
 Tell = Callable[[str], None]
 
@@ -60,13 +60,13 @@ def flanks_of(design: Design) -> tuple[CurveBoundary, ...]:
 
 def milling_of(design: Design) -> Milling:
     """Feed and machine of the scene, or those that a scene has if it says nothing."""
-    gcode = design.disc.gcode or GcodeSpec()
-    return Milling(gcode.feed, load(gcode.machine).dynamics)
+    spec = design.disc.options[gcode.FORMAT]
+    return Milling(spec.feed, load(spec.machine).dynamics)
 
 
 def has_program(design: Design) -> bool:
     """True if the scene tells all that a milling program needs."""
-    return design.disc.gcode is not None and design.disc.part.thickness > 0.0
+    return not gcode.FORMAT.lacking(design.disc.values)
 
 
 def contour_rows(
@@ -91,7 +91,8 @@ def contour_rows(
 def drawn_as(design: Design, form: Form, effort: Effort) -> Design:
     """The same design with its drawing in another form."""
     output = design.scene.output
-    output = replace(output, fit=effort, dxf=replace(output.dxf, entity=form))  # type: ignore[type-var]
+    drawing = replace(output.options[dxf.FORMAT], entity=form)
+    output = replace(output, fit=effort, options=output.options.having(dxf.FORMAT, drawing))  # type: ignore[type-var]
     return Design(replace(design.scene, output=output))  # type: ignore[type-var]
 
 

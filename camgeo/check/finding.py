@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Literal
+from typing import Final, Literal
 
 Severity = Literal["ok", "warning", "broken", "fatal", "wrong"]
 """ok: within its limit. warning: worth knowing. broken: beyond its limit, the disc can be made all
 the same. fatal: there is no such disc, and no outline is written. wrong: what the scene describes
 is no cam mechanism; a command treats it as a fault of the scene."""
+
+NO_OUTLINE: Final = ("wrong", "fatal")
+"""Severities with which no outline is made."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,3 +40,8 @@ class Finding:
     unit: str = ""
     cam_angle: float | None = None
     cam_range: tuple[float, float] | None = None
+
+
+def forbidding(findings: Iterable[Finding]) -> tuple[Finding, ...]:
+    """The findings that say that there is no such disc."""
+    return tuple(each for each in findings if each.severity in NO_OUTLINE)

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Final
 
 from camgeo.check.closure import check_closure
 from camgeo.check.curvature import check_radius_ratio, check_undercut
-from camgeo.check.finding import Finding, Severity
+from camgeo.check.finding import Finding, Severity, forbidding
 from camgeo.check.follower import check_follower
 from camgeo.check.limits import Limits, default_transmission_angle
 from camgeo.check.linkage import check_linkage
@@ -32,9 +31,6 @@ WORST_FIRST: Final = ("wrong", "fatal", "broken", "warning", "ok")
 
 UNDERCUT: Final = ("cusp-", "undercut-", "global-undercut-")
 """How the names of findings begin that a cure can be looked for."""
-
-NO_OUTLINE: Final = ("wrong", "fatal")
-"""Severities with which no outline is made."""
 
 RETURN: Final = "return"
 """What marks the return disc: its files are NAME-return, its findings begin with "return: "."""
@@ -85,7 +81,7 @@ class Judgement(Pickled):
             for each in disc_findings(other, self.limits)
             if each not in shared
         ]
-        if is_fatal(shared):
+        if forbidding(shared):
             return found
         curves = main.disc.pitch_curve, other.disc.pitch_curve
         try:
@@ -96,18 +92,17 @@ class Judgement(Pickled):
     @property
     def has_outline(self) -> bool:
         """False if a finding says that there is no such disc."""
-        return not is_fatal(self.findings)
+        return not forbidding(self.findings)
 
     def require_outline(self, *, of_return: bool = False) -> None:
         """Raise UndercutError if there is no such disc, or with `of_return` no return disc."""
-        forbidding = [
-            finding.sentence
-            for finding in self.findings
-            if finding.severity in NO_OUTLINE
-            and (of_return or not finding.name.startswith(f"{RETURN}: "))
+        found = [
+            each.sentence
+            for each in forbidding(self.findings)
+            if of_return or not each.name.startswith(f"{RETURN}: ")
         ]
-        if forbidding:
-            raise UndercutError("; ".join(forbidding))
+        if found:
+            raise UndercutError("; ".join(found))
 
     @lazy
     def cures(self) -> tuple[Cure, ...]:
@@ -144,14 +139,9 @@ def disc_findings(cam: Cam, limits: Limits) -> tuple[Finding, ...]:
     found = [*check_follower(cam.follower, runs_on_inner=inside, clearance=cam.clearance)]
     of_linkage = _of_linkage(cam.drive)
     found += of_linkage
-    if is_fatal(of_linkage):
+    if forbidding(of_linkage):
         return tuple(found)
     return (*found, *OF_DISC[cam.follower.touching](cam, limits, found))
-
-
-def is_fatal(found: Iterable[Finding]) -> bool:
-    """Whether a finding says that there is no such disc."""
-    return any(finding.severity in NO_OUTLINE for finding in found)
 
 
 def _worst_first(found: list[Finding]) -> tuple[Finding, ...]:
@@ -179,7 +169,7 @@ def _of_face(cam: Cam, limits: Limits, _: list[Finding]) -> list[Finding]:
 
     curve = cam.disc.pitch_curve
     found = [*check_convexity(curve)]
-    if not is_fatal(found):
+    if not forbidding(found):
         found.append(check_transmission_angle(curve, transmission_angle_limit(cam, limits)))
         found += check_face(curve)
         found += check_closure(curve)

@@ -21,7 +21,7 @@ from camgeo.cli.command import (
 from camgeo.cli.plot import RENDERERS, add_picture, check_picture
 from camgeo.cli.progress import Progress
 from camgeo.design import Design
-from camgeo.files.specs import LARGEST_TOLERANCE, SMALLEST_TOLERANCE
+from camgeo.formats.format import LARGEST_TOLERANCE, SMALLEST_TOLERANCE
 from camgeo.scene.load import load_scene
 
 if TYPE_CHECKING:  # what is measured is imported when it is asked for

@@ -56,8 +56,8 @@ def figure(product: Product, size: Size = SIZE) -> Figure:
         if part is None
         else disc.whole(part, scale, SAGITTA * product.base_radius)
     )
-    if product.returning is not None:
-        other, return_lines = _return_disc(product.returning, scale)
+    for disc_beside in product.discs[1:]:
+        other, return_lines = _return_disc(disc_beside, scale)
         marks, lines = [*marks, *other], [*lines, *return_lines]
     columns = product.curve("pitch", cam_angles()) * scale
     pitch = columns[:, 0] + 1j * columns[:, 1]
@@ -140,7 +140,7 @@ def _legend(product: Product, part: Part | None, height: float) -> Legend:
     else:
         edges = Entry("edges of the disc", disc.EDGE)
         marked = cut_off.names("cut off") if product.cut_off else []
-    if product.returning is not None:
+    if product.discs[1:]:
         edges = Entry("edges of the main disc", edges.style)
         marked = [Entry("return disc and its roller", RETURN_STYLE), *marked]
     base = Entry("base circle", BASE_STYLE)

@@ -104,8 +104,7 @@ def _window(
 def _parts(product: Product) -> tuple[Part, ...]:
     """The disc and, of a pair, the return disc; none if one cannot be made or its bore not fit."""
     try:
-        both = (product, product.returning)
-        return tuple(each.part for each in both if each is not None)
+        return tuple(each.part for each in product.discs)
     except CamgeoError:
         return ()
 

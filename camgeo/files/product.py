@@ -6,15 +6,16 @@ format's name on the command line and in the scene, and it loads an object that 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Final, Literal, Protocol
+from typing import TYPE_CHECKING, Any, Final, Literal, Protocol
 
 from camgeo.cam.contact import Contact
 from camgeo.check.finding import Finding
 from camgeo.contour.contour import Contour
 from camgeo.contour.fit import Effort, Fit
-from camgeo.files.specs import DxfSpec
 from camgeo.files.table import Table
+from camgeo.formats.format import Format, Options, Values
 from camgeo.lazy import Ledger
 from camgeo.mechanism.linkage_protocol import Member
 from camgeo.motion.joints import Joint
@@ -22,7 +23,6 @@ from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.part.part import Part
 from camgeo.toolpath.cut import Cut
 from camgeo.toolpath.moves import Toolpath
-from camgeo.toolpath.spec import GcodeSpec
 from camgeo.units import LengthUnit
 
 if TYPE_CHECKING:  # few scenes name an effect
@@ -145,8 +145,8 @@ class Product(Protocol):
         """Version of camgeo."""
 
     @property
-    def returning(self) -> Product | None:
-        """The return disc of a conjugate pair, whose files have its own name; None of one disc."""
+    def discs(self) -> Sequence[Product]:
+        """The discs, this one first; each has files of its own, named as it is."""
 
     @property
     def ledger(self) -> Ledger:
@@ -161,10 +161,12 @@ class Product(Protocol):
         """How hard the fits of its contours try."""
 
     @property
-    def dxf(self) -> DxfSpec: ...
+    def options(self) -> Options:
+        """What the scene says of the formats."""
 
     @property
-    def gcode(self) -> GcodeSpec | None: ...
+    def values(self) -> Values:
+        """The scene's values, by which it is seen in which formats it can be written."""
 
     @property
     def contact(self) -> Contact:
@@ -248,22 +250,15 @@ class Product(Protocol):
         """
 
 
-def discs(product: Product) -> tuple[Product, ...]:
-    """The disc, and behind it the return disc of a conjugate pair."""
-    other = product.returning
-    return (product,) if other is None else (product, other)
-
-
 def disc_of(product: Product, stem: str) -> Product:
-    """The disc of which a file named `stem` without its ending is: `product` or its return disc.
+    """The disc of which a file named `stem` without its ending is: `product` or a further one.
 
-    A name that ends as the return disc's does is that of a return disc, whatever comes before.
+    A name that ends as that of a further disc does is that of such a disc, whatever comes before.
     """
-    other = product.returning
-    if other is None or stem == product.name:
+    if stem == product.name:
         return product
-    mark = other.name.removeprefix(product.name)
-    return other if stem.lower().endswith(mark) else product
+    marks = [(disc, disc.name.removeprefix(product.name)) for disc in product.discs[1:]]
+    return next((disc for disc, mark in marks if stem.lower().endswith(mark)), product)
 
 
 @dataclass(frozen=True, slots=True)
@@ -286,17 +281,14 @@ class Writer(Protocol):
 
     Attributes
     ----------
-    suffix : of the file, with its dot, e.g. ".dxf".
-    needs : keys of the scene without which the format cannot be written, e.g. ("part.thickness",).
+    format : its declaration; the name is that of the entry point.
 
-    A writer may have `companions` too, a tuple of writers: the format's further files.
+    A writer may have `companions` too, a tuple of writers: the format's further files, each with
+    a suffix of its own.
     """
 
     @property
-    def suffix(self) -> str: ...
-
-    @property
-    def needs(self) -> tuple[str, ...]: ...
+    def format(self) -> Format[Any]: ...
 
     def write(self, product: Product, tolerance: float) -> Written:
         """The file. `tolerance` [mm] bounds the distance of everything in it from the exact curve.

@@ -10,11 +10,12 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from camgeo.errors import Fault, SceneError, ToleranceError
-from camgeo.files.product import Product, Writer, Written, discs
-from camgeo.files.specs import LARGEST_TOLERANCE, SMALLEST_TOLERANCE
+from camgeo.check.finding import forbidding
+from camgeo.errors import Fault, SceneError, ToleranceError, UndercutError
+from camgeo.files.product import Product, Writer, Written
 from camgeo.files.transaction import write_set
 from camgeo.files.writers import find_writer, with_companions
+from camgeo.formats.format import LARGEST_TOLERANCE, SMALLEST_TOLERANCE
 
 CERTIFICATE = "certificate.json"
 
@@ -88,18 +89,26 @@ def make_files(
 ) -> tuple[dict[str, bytes], tuple[FileReport, ...]]:
     """The files by their names, the certificate last, and what is told of each; none is written.
 
-    Of a conjugate pair the files of the main disc, then those of the return disc. Raises as
-    `Design.write`.
+    The files of the first disc, then those of the next. Raises as `Design.write`.
     """
     contents: dict[str, bytes] = {}
     reports: list[FileReport] = []
-    found = [(name, find_writer(name)) for name in dict.fromkeys(formats)]
-    writers = [(name, each) for name, one in found for each in with_companions(one)]
-    for disc in discs(product):
+    found = {name: find_writer(name) for name in dict.fromkeys(formats)}
+    faults = [
+        Fault("format", name, message)
+        for name, writer in found.items()
+        for message in writer.format.lacking(product.values)
+    ]
+    if faults:
+        raise SceneError(faults)
+    if forbidden := forbidding(product.findings):
+        raise UndercutError("; ".join(each.sentence for each in forbidden))
+    writers = [(name, each) for name, one in found.items() for each in with_companions(one)]
+    for disc in product.discs:
         for name, writer in writers:
             told = name if disc is product else f"{name} of {disc.name}"
             written, deviation = _make(disc, told, writer, tolerance, progress)
-            file = f"{disc.name}{writer.suffix}"
+            file = f"{disc.name}{writer.format.suffix}"
             contents[file] = written.data
             reports.append(
                 FileReport(file, name, len(written.data), tolerance, deviation, written.facts)

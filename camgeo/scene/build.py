@@ -6,6 +6,7 @@ import math
 import re
 from collections.abc import Callable, Collection
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING, Any, Final, TypeVar
 
 import numpy as np
@@ -13,7 +14,7 @@ import numpy as np
 from camgeo.cam.contact import Contact
 from camgeo.check.limits import Limits
 from camgeo.errors import Fault, GeometryError
-from camgeo.files.specs import DxfSpec
+from camgeo.formats.format import Options
 from camgeo.mechanism.declared.registry import FOLLOWERS, LINKAGES
 from camgeo.mechanism.kind import SIGNS, Values
 from camgeo.mechanism.linkage import LinkedMotion
@@ -21,13 +22,12 @@ from camgeo.motion.plan import Dwell, MotionPlan
 from camgeo.motion.planning import plan_motion
 from camgeo.part.spec import Keyway, PartSpec
 from camgeo.scene.data_files import DataFiles
-from camgeo.scene.folder import beside
+from camgeo.scene.inside import Inside
 from camgeo.scene.keys import Path
 from camgeo.scene.model import OutputSpec, Scene, SceneSource
 from camgeo.scene.motion import MotionRequests
-from camgeo.scene.rules import MACHINES
+from camgeo.scene.schema import schema_for
 from camgeo.scene.sound import SoundValues
-from camgeo.toolpath.spec import GcodeSpec
 from camgeo.units import RPM, TURN
 
 if TYPE_CHECKING:
@@ -156,6 +156,7 @@ class Builder:
         returning: RollerFollower | None,
         speed_curve: SpeedCurve | None,
         effects: dict[str, dict[str, Any]],
+        output: OutputSpec,
         source: SceneSource,
     ) -> Scene:
         """The scene, all of whose values are sound."""
@@ -179,7 +180,8 @@ class Builder:
             limits=self._limits(),
             part=self._part(),
             effects=effects,
-            output=self._output(),
+            output=output,
+            values=self.values,
             source=replace(source, files=tuple(sorted(self.files.hashes.items()))),
         )
 
@@ -208,8 +210,17 @@ class Builder:
             **_given(table, lengths),
         )
 
-    def _output(self) -> OutputSpec:
+    def output(self) -> OutputSpec:
+        """What is written, and how; the defaults, if anything of it is not sound."""
         table: dict[str, Any] = self.values.get("output") or {}
+        inside = Inside(self.values, self.files)
+        options: dict[str, Any] = {}
+        for form in schema_for(self.values.scene.plain).formats:
+            if form.name in table:
+                path = ("output", form.name)
+                made = inside.table(path, form.schema)
+                if None not in made.values():  # a file that cannot be read, which is told
+                    options[form.name] = self._engine(path, partial(form.parse, made))
         given: dict[str, Any] = _given(table, {"tolerance": self._mm})
         if "formats" in table:
             given["formats"] = tuple(table["formats"])
@@ -217,34 +228,7 @@ class Builder:
             given["fit"] = table["fit"]
         if "accuracy" in table:
             given["accuracy_ripple"] = table["accuracy"].get("ripple", False)
-        if "dxf" in table:
-            given["dxf"] = DxfSpec(**table["dxf"])
-        if "gcode" in table:
-            given["gcode"] = self._gcode(table["gcode"])
-        step = self.values.exact("output", "csv", "step")
-        if step is not None:
-            given["table_step"] = step
-        return OutputSpec(**given)
-
-    def _gcode(self, table: dict[str, Any]) -> GcodeSpec:
-        mm = self._mm
-        given = _given(
-            table,
-            {
-                "tool_diameter": mm,
-                "spindle_speed": 1.0,
-                "feed": mm,
-                "plunge_feed": mm,
-                "pass_depth": mm,
-                "safe_height": mm,
-            },
-        )
-        if "tool_number" in table:
-            given["tool_number"] = int(table["tool_number"])
-        machine = table.get("machine", MACHINES[0])
-        if machine not in MACHINES:
-            machine = str(beside(self.values.scene.file, machine))
-        return GcodeSpec(machine=machine, **given)
+        return OutputSpec(options=Options(options), **given)
 
     def _engine(self, table: Path, make: Callable[[], Built]) -> Built | None:
         """What `make` builds; None, with a fault of the table's key, if geometry forbids it."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import pathlib
 
 from camgeo.errors import Fault
 from camgeo.scene.folder import beside
@@ -29,9 +30,8 @@ class DataFiles:
         name: str = self.values.get(*key)
         from camgeo.motion.two_columns import MOST_BYTES  # few scenes name a file
 
-        path = beside(self.values.scene.file, name)
+        path = self._inside(key)
         if path is None:
-            self._fault(key, "must not leave the folder of the scene")
             return None
         try:
             with path.open("rb") as stream:
@@ -42,6 +42,20 @@ class DataFiles:
             return None
         self.hashes[name] = hashlib.sha256(data).hexdigest()
         return data
+
+    def path(self, key: Path) -> str | None:
+        """Path of the file that the scene names at `key`, not read; None with a fault."""
+        path = self._inside(key)
+        if path is not None and not path.is_file():
+            self._fault(key, "is no file in the folder of the scene")
+            return None
+        return None if path is None else str(path)
+
+    def _inside(self, key: Path) -> pathlib.Path | None:
+        path = beside(self.values.scene.file, self.values.get(*key))
+        if path is None:
+            self._fault(key, "must not leave the folder of the scene")
+        return path
 
     def _fault(self, key: Path, message: str) -> None:
         self.faults.append(self.values.scene.fault(key, message))

@@ -2,40 +2,17 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Collection, Iterator, Mapping
-from typing import Any, Final
+from typing import Any
 
-from camgeo.effects.effect import DataFile, Effect
+from camgeo.effects.effect import Effect
 from camgeo.effects.registry import find_effect
 from camgeo.effects.rules import Machine, Table
 from camgeo.errors import Fault, GeometryError
 from camgeo.scene.data_files import DataFiles
-from camgeo.scene.schema import EFFECTS, Node, schema, schema_for
+from camgeo.scene.inside import Inside
+from camgeo.scene.schema import EFFECTS, schema_for
 from camgeo.scene.sound import SoundValues
-from camgeo.units import RPM
-
-SCALES: Final[dict[str, float]] = {
-    "kg": 1e-3,
-    "kg m^2": 1e3,
-    "kg/m^3": 1e-12,
-    "N": 1.0,
-    "N m": 1e3,
-    "N/mm": 1.0,
-    "N m/rad": 1e3,
-    "N s/mm": 1.0,
-    "N m s/rad": 1e3,
-    "MPa": 1.0,
-    "mm/s": 1.0,
-    "Hz": 2.0 * math.pi,
-    "hours": 3600.0,
-    "rev/min": RPM,
-    "degrees": math.pi / 180.0,
-}
-"""From the units of a scene to mm, s, t, N and rad (rad/s for Hz), by the schema's `x-unit`."""
-
-LENGTHS: Final = ("#/$defs/length", "#/$defs/coordinate")
-FILE: Final = "#/$defs/file"
 
 
 class EffectTables:
@@ -54,18 +31,16 @@ class EffectTables:
         self, values: SoundValues, files: DataFiles, faulted: Collection[str] = ()
     ) -> None:
         self._values = values
-        self._files = files
         named = values.scene.plain.get(EFFECTS)
         self._named: Mapping[str, Any] = named if isinstance(named, dict) else {}
         self.faults: list[Fault] = []
         self.all: dict[str, dict[str, Any]] = {}
-        for name, table in self._named.items():
+        inside = Inside(values, files)
+        for name in self._named:
             if f"{EFFECTS}.{name}" in faulted or not values.sound(EFFECTS, name):
                 continue
             effect = find_effect(name)
-            nodes: Mapping[str, Node] = effect.schema.get("properties", {})
-            own = {key: self._converted((EFFECTS, name, key), item, nodes.get(key, {}))
-                   for key, item in table.items()}  # fmt: skip
+            own = inside.table((EFFECTS, name), effect.schema)
             if any(item is None for item in own.values()):
                 continue  # a file that cannot be read, which is told
             self._judge(effect, own)
@@ -86,28 +61,6 @@ class EffectTables:
                 who = "" if each.name == effect.name else f"needs {each.name}, which "
                 fault = self._values.scene.fault(place, f"{who}needs {_spelled(keys)}")
                 self.faults.append(fault)
-
-    def _converted(self, path: tuple[str, ...], value: Any, node: Node) -> Any:
-        """A value of a table in the units inside."""
-        if isinstance(value, dict):
-            inner = node.get("properties", {})
-            return {
-                key: self._converted((*path, key), item, inner.get(key, {}))
-                for key, item in value.items()
-            }
-        if isinstance(value, list):
-            of_items: Node = node.get("items", {})
-            return tuple(self._converted(path, item, of_items) for item in value)
-        reference = node.get("$ref", "")
-        if reference == FILE:
-            data = self._files.read(path)
-            return None if data is None else DataFile(value, data)
-        if isinstance(value, str | bool):
-            return value
-        if reference in LENGTHS:
-            return float(value) * self._values.mm
-        unit = {**schema()["$defs"].get(reference.rpartition("/")[2], {}), **node}.get("x-unit", "")
-        return float(value) * (SCALES[unit] if unit else 1.0)
 
 
 def misfits(values: SoundValues) -> Iterator[Fault]:

@@ -72,10 +72,11 @@ def _scene(data: bytes, file: str) -> Scene:
     follower, linkage, speed_curve = builder.follower(), builder.linkage(), builder.speed_curve()
     returning = None if follower is None else builder.returning(follower)
     effects = builder.effects({fault.key for fault in faults})
+    output = builder.output()
     if plan is not None and follower is not None and linkage is not None:
         builder.join(plan, follower, linkage)
     faults += [*builder.files.faults, *builder.faults]
     if faults or plan is None or follower is None:
         last = len(text.lines) + MOST_BYTES
         raise SceneError(sorted(faults, key=lambda fault: fault.line or last), file)
-    return builder.scene(plan, follower, linkage, returning, speed_curve, effects, source)
+    return builder.scene(plan, follower, linkage, returning, speed_curve, effects, output, source)

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from decimal import Decimal
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from camgeo.cam.contact import Contact
 from camgeo.check.limits import Limits
-from camgeo.files.specs import DxfSpec
+from camgeo.formats.format import Options
 from camgeo.motion.plan import MotionPlan
 from camgeo.part.spec import PartSpec
-from camgeo.toolpath.spec import GcodeSpec
+from camgeo.scene.document import Document
+from camgeo.scene.sound import SoundValues
 from camgeo.units import LengthUnit
 
 if TYPE_CHECKING:
@@ -33,19 +33,14 @@ class OutputSpec:
     formats : names of the writers, in the order of the scene.
     tolerance : largest deviation of any written contour from the exact curve [mm].
     fit : how hard fits try, see `camgeo.contour.fit.Effort`.
-    dxf : how curves are drawn.
-    gcode : tool, feeds and machine; None if the scene has no `[output.gcode]`.
-    table_step : step of the value table [degrees], exactly as written, so that its rows fall on the
-        angles that the designer wrote.
+    options : of the formats, see `camgeo.formats.format.Options`.
     accuracy_ripple : whether what accuracy costs shows the ripple of the acceleration too.
     """
 
     formats: tuple[str, ...] = ("dxf",)
     tolerance: float = 0.001
     fit: Effort = "fewest"
-    dxf: DxfSpec = field(default_factory=DxfSpec)
-    gcode: GcodeSpec | None = None
-    table_step: Decimal = Decimal(1)
+    options: Options = field(default_factory=Options)
     accuracy_ripple: bool = False
 
 
@@ -90,6 +85,7 @@ class Scene:
         of `camgeo.effects.effect`.
     output : what is written.
     source : where the scene came from.
+    values : what stands in the scene, key by key.
     """
 
     name: str
@@ -109,3 +105,8 @@ class Scene:
     effects: Mapping[str, Mapping[str, Any]] = field(default_factory=lambda: MappingProxyType({}))
     output: OutputSpec = field(default_factory=OutputSpec)
     source: SceneSource = field(default_factory=SceneSource)
+    values: SoundValues = field(
+        default_factory=lambda: SoundValues(Document("", {}, {}, (), frozenset(), {})),
+        compare=False,
+        repr=False,
+    )

@@ -8,14 +8,13 @@ from decimal import Context, Decimal, Inexact
 from typing import Final
 
 from camgeo.errors import Fault
-from camgeo.files.specs import LARGEST_TOLERANCE, SMALLEST_TOLERANCE
+from camgeo.formats.format import LARGEST_TOLERANCE, SMALLEST_TOLERANCE
 from camgeo.mechanism.declared.registry import FOLLOWERS, LINKAGES
 from camgeo.motion.laws import find_family
 from camgeo.motion.planning import AUTO
-from camgeo.scene.folder import beside
 from camgeo.scene.laws import BY_DATA, SHAPES
 from camgeo.scene.model import OutputSpec
-from camgeo.scene.schema import EFFECTS
+from camgeo.scene.schema import EFFECTS, schema_for
 from camgeo.scene.sound import SoundValues
 
 TURN: Final = Decimal(360)
@@ -46,9 +45,6 @@ FINEST_PART: Final = 1e-10
 COARSEST_PART: Final = 0.1
 """Largest ratio of tolerance to the base radius: beyond it the contour is no cam any more."""
 
-SOLID_FORMATS: Final = ("stl", "3mf", "gcode")
-"""Formats that need the disc as a body."""
-
 DEFAULT_TOLERANCE: Final = OutputSpec().tolerance
 
 
@@ -58,9 +54,6 @@ FOR_ROLLERS: Final = "is for roller followers"
 
 DRIVES: Final = {"mm": "turns a rocker", "rad": "moves a guided follower"}
 """What a linkage does that cannot drive a follower whose lift has that unit."""
-
-MACHINES: Final = ("linuxcnc",)
-"""Machine profiles that come with camgeo; any other is a file."""
 
 Rule = Callable[[SoundValues], Iterator[Fault]]
 
@@ -249,28 +242,15 @@ def effects_suit_the_machine(values: SoundValues) -> Iterator[Fault]:
 
 
 def formats_have_what_they_need(values: SoundValues) -> Iterator[Fault]:
-    """Solids and milling need a body, milling needs a tool, opticurv's points a linkage."""
-    formats = values.get("output", "formats") or ()
-    for index, name in enumerate(formats):
-        place = ("output", "formats", index)
-        if name in SOLID_FORMATS and values.lacks("part", "thickness"):
-            message = "needs [part] thickness"
-            yield values.scene.fault(place, message)
-        if name == "asc" and values.flat:
-            yield values.scene.fault(place, FOR_ROLLERS)
-        elif name == "asc" and values.lacks("linkage"):
-            yield values.scene.fault(place, "needs [linkage]")
-        elif name == "asc" and (values.slides or values.get("linkage", "kind") == "four-bar"):
-            message = 'needs [linkage] kind = "slider-crank" and a rocker'
-            yield values.scene.fault(place, message)
-        if name == "gcode" and values.lacks("output", "gcode"):
-            yield values.scene.fault(place, "needs [output.gcode] with tool_diameter")
-        if (
-            name in SOLID_FORMATS
-            and values.get("follower", "contact") == "groove"
-            and values.lacks("part", "groove_depth")
-        ):
-            yield values.scene.fault(place, "needs [part] groove_depth, for the cam is a groove")
+    """Formats that are named, and the tables of their options, keep to what they declare."""
+    listed: list[str] = values.get("output", "formats") or []
+    for form in schema_for(values.scene.plain).formats:
+        if form.name in listed:
+            place = ("output", "formats", listed.index(form.name))
+            for message in form.lacking(values):
+                yield values.scene.fault(place, message)
+        for key, message in form.broken(values):
+            yield values.scene.fault(("output", form.name, key), message)
 
 
 def contact_and_part_agree(values: SoundValues) -> Iterator[Fault]:
@@ -328,27 +308,6 @@ def part_is_possible(values: SoundValues) -> Iterator[Fault]:
         yield values.scene.fault(("part", "keyway", "width"), message)
 
 
-def tool_fits(values: SoundValues) -> Iterator[Fault]:
-    """The end mill fits into what it has to mill."""
-    place = ("output", "gcode", "tool_diameter")
-    tool = values.get(*place)
-    if tool is None:
-        return
-    contact = values.get("follower", "contact")
-    roller = values.exact("follower", "roller_radius")
-    if contact == "groove" and roller and values.sound("follower", "side_clearance"):
-        play = values.exact("follower", "side_clearance") or Decimal(0)
-        width = 2 * roller + play  # as they are written: a cutter may fill the groove
-        written = values.exact(*place)
-        if written is not None and written > width:
-            what = "the roller's diameter and side_clearance" if play else "the roller's diameter"
-            message = f"must not exceed the width of the groove, {what} {float(width):g}"
-            yield values.scene.fault(place, message)
-    bore = values.get("part", "bore")
-    if contact != "outer" and bore is not None and tool >= bore:
-        yield values.scene.fault(place, f"must be less than the bore to be milled, {bore:g}")
-
-
 def tolerance_is_possible(values: SoundValues) -> Iterator[Fault]:
     """The tolerance is within its limits, and in proportion to the mechanism."""
     place = ("output", "tolerance")
@@ -379,19 +338,6 @@ def tolerance_is_possible(values: SoundValues) -> Iterator[Fault]:
     if tolerance > COARSEST_PART * base:
         message = f"must be at most {COARSEST_PART:g} of the base radius, {base:g} mm"
         yield values.scene.fault(place, what + message)
-
-
-def machine_file_is_at_hand(values: SoundValues) -> Iterator[Fault]:
-    """A machine profile named by its path lies in the scene's folder."""
-    place = ("output", "gcode", "machine")
-    machine = values.get(*place)
-    if machine is None or machine in MACHINES:
-        return
-    profile = beside(values.scene.file, machine)
-    if profile is None:
-        yield values.scene.fault(place, "must not leave the folder of the scene")
-    elif not profile.is_file():
-        yield values.scene.fault(place, "is no file in the folder of the scene")
 
 
 def _largest_length(values: SoundValues) -> float | None:
@@ -425,7 +371,5 @@ RULES: Final[tuple[Rule, ...]] = (
     contact_and_part_agree,
     roller_is_possible,
     part_is_possible,
-    tool_fits,
     tolerance_is_possible,
-    machine_file_is_at_hand,
 )

@@ -1,15 +1,17 @@
 """The JSON Schema of the scene format: the one definition of its keys, types and ranges.
 
 It is composed: of the file beside this module, of what followers and linkages declare of their
-tables and laws of their parameters, and of the tables of effects. A scene is held against a schema
-with the tables of the effects that it names and no others.
+tables and laws of their parameters, and of the tables of effects and of formats. A scene is held
+against a schema with the tables of those that it names and no others.
 
 Besides the keywords of JSON Schema it carries these, for the messages:
 
 x-allowed : what is allowed, in words; else the words follow from type and range.
+x-exact : the number is handed on as it is written, a Decimal in the unit of the scene.
 x-barring : the name of this key of [follower], with which some effects have no place.
 x-default-by-law : what the key's absence means with each law, if always the same.
 x-later : values or keys that the format names but this version does not have.
+x-path : the text is the path of a file in the scene's folder, unless it is one of x-values.
 x-siblings : names of the definitions that stand beside this one in a choice.
 x-unit : unit of a number.
 x-unknown : what to say of any key that is not known here.
@@ -23,70 +25,115 @@ import json
 import pathlib
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, TypeVar
 
 from jsonschema_rs import Draft202012Validator
 
+from camgeo.errors import CamgeoError
+from camgeo.formats.registry import FORMATS, find_format, foreign_names
 from camgeo.scene.kinds import with_kinds
 from camgeo.scene.laws import with_laws
 
 if TYPE_CHECKING:
     from camgeo.effects.effect import Effect
+    from camgeo.formats.format import Format
 
 SCHEMA_FILE: Final = pathlib.Path(__file__).with_name("schema.json")
 
 EFFECTS: Final = "effects"
 """Key of the table of effects."""
 
+OUTPUT: Final = "output"
+"""Key of the table with those of the formats."""
+
 Node = dict[str, Any]
 """An object of the schema."""
+
+Tables = Mapping[str, Mapping[str, Any]]
+"""Schemas of tables by their names; an empty one allows anything."""
+
+Declared = TypeVar("Declared")
 
 
 @functools.cache
 def schema() -> Node:
-    """Return the schema without any effects; it is shared and must not be changed."""
+    """Return the schema without effects and formats; it is shared and must not be changed."""
     return with_laws(with_kinds(json.loads(SCHEMA_FILE.read_bytes())))
 
 
 @dataclass(frozen=True, slots=True)
 class Composed:
-    """A schema with the tables of some effects, and what holds values against it."""
+    """A schema with the tables of some effects and formats, and what holds values against it."""
 
     root: Node
     validator: Draft202012Validator
     effects: tuple[Effect, ...]
+    formats: tuple[Format[Any], ...]
+
+
+Named = tuple[tuple[str, Declared | None], ...]
+"""All names there are, with the declarations of those that a scene names."""
 
 
 def schema_for(values: Mapping[str, Any]) -> Composed:
-    """Return the schema for a scene with these values; of effects it has the tables they name.
+    """Return the schema for a scene with these values: it has the tables that they name.
 
-    Of the other effects it has the names alone, for the messages.
+    Of the other effects and formats it has the names alone, for the messages.
     """
-    named = values.get(EFFECTS)
+    return _composed(_effects(values.get(EFFECTS)), _formats(values.get(OUTPUT)))
+
+
+def _effects(named: Any) -> Named[Effect]:
     if not isinstance(named, dict) or not named:
-        return _composed(())
+        return ()
     from camgeo.effects import registry  # few scenes name an effect
 
     known = registry.EFFECTS
     if not named.keys() <= set(known):
         known = registry.effect_names()
-    return _composed(
-        tuple((name, registry.find_effect(name) if name in named else None) for name in known)
-    )
+    return tuple((name, registry.find_effect(name) if name in named else None) for name in known)
+
+
+def _formats(output: Any) -> Named[Format[Any]]:
+    """The formats, by what a scene lists and by its tables of options."""
+    table = output if isinstance(output, dict) else {}
+    listed = table.get("formats")
+    words = (*(listed if isinstance(listed, list) else ()), *table)
+    frame = schema()["properties"][OUTPUT]["properties"]
+    named = {word for word in words if isinstance(word, str) and word not in frame}
+    known = FORMATS if named <= set(FORMATS) else (*FORMATS, *foreign_names())
+    return tuple((name, find_format(name) if name in named else None) for name in known)
 
 
 @functools.lru_cache(maxsize=64)
-def _composed(effects: tuple[tuple[str, Effect | None], ...]) -> Composed:
-    root = with_effects({name: effect.schema if effect else {} for name, effect in effects})
-    validator = Draft202012Validator(root)
-    return Composed(root, validator, tuple(effect for _, effect in effects if effect))
+def _composed(effects: Named[Effect], formats: Named[Format[Any]]) -> Composed:
+    root = with_tables(
+        {name: effect.schema if effect else {} for name, effect in effects},
+        {name: form.schema if form else {} for name, form in formats},
+    )
+    try:
+        validator = Draft202012Validator(root)
+    except ValueError as error:
+        message = f"an effect or format of another distribution declares no JSON Schema: {error}"
+        raise CamgeoError(message) from error
+    return Composed(
+        root,
+        validator,
+        tuple(effect for _, effect in effects if effect),
+        tuple(form for _, form in formats if form),
+    )
 
 
-def with_effects(tables: Mapping[str, Mapping[str, Any]]) -> Node:
-    """Return the schema with these tables of effects; what it shares must not be changed."""
+def with_tables(effects: Tables, formats: Tables) -> Node:
+    """Return the schema with these tables; what it shares must not be changed."""
     top = schema()["properties"]
-    own = {**top[EFFECTS], "properties": {name: dict(table) for name, table in tables.items()}}
-    return {**schema(), "properties": {**top, EFFECTS: own}}
+    own = {**top[EFFECTS], "properties": {name: dict(table) for name, table in effects.items()}}
+    keys = top[OUTPUT]["properties"]
+    listed = {**keys["formats"], "items": {"enum": list(formats)}}
+    listed["description"] = listed["description"].format(formats=", ".join(formats))
+    tables = {name: dict(table) for name, table in formats.items()}
+    output = {**top[OUTPUT], "properties": {**keys, "formats": listed, **tables}}
+    return {**schema(), "properties": {**top, EFFECTS: own, OUTPUT: output}}
 
 
 def definition(name: str) -> Node:

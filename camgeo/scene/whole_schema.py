@@ -13,13 +13,15 @@ from typing import Any
 from camgeo.effects.effect import Effect
 from camgeo.effects.registry import EFFECTS, find_effect
 from camgeo.effects.rules import Only
-from camgeo.scene.schema import Node, with_effects
+from camgeo.formats.registry import FORMATS, find_format
+from camgeo.scene.schema import Node, with_tables
 
 
 def whole_schema(names: Iterable[str] = EFFECTS) -> Node:
     """Return the schema with the tables of the effects `names`; the caller's own to change."""
     effects = [find_effect(name) for name in names]
-    root: Node = copy.deepcopy(with_effects({each.name: each.schema for each in effects}))
+    formats = {name: find_format(name).schema for name in FORMATS}
+    root: Node = copy.deepcopy(with_tables({each.name: each.schema for each in effects}, formats))
     for effect in effects:
         table = root["properties"]["effects"]["properties"][effect.name]
         for rule in _bounds(effect):

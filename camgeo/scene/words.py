@@ -162,7 +162,7 @@ def _unknown_key(scene: Document, path: Path, name: str, node: Node) -> tuple[Fa
     if path and name in schema()["properties"]:
         message = f"belongs to the top of the file; it stands in [{quoted(str(path[0]))}] here"
         return scene.fault(place, message), "", False
-    keys = ", ".join(node["properties"])
+    keys = ", ".join(node["properties"]) or "none"
     return scene.fault(place, f"is not a known key; known here: {keys}"), "", False
 
 

@@ -19,6 +19,7 @@ from camgeo.contour.least_pieces import forced_pieces
 from camgeo.design import Design
 from camgeo.errors import ToleranceError
 from camgeo.files.writers import find_writer
+from camgeo.formats.dxf import FORMAT
 from camgeo.outline.replay import replay_contour
 
 SCENES = Path(__file__).parents[2] / "fixtures" / "scenes"
@@ -145,9 +146,10 @@ def test_a_file_that_cannot_be_written_leaves_the_count(monkeypatch: pytest.Monk
 def test_a_design_drawn_in_another_form() -> None:
     design = load("setzhub")
     drawn = drawn_as(design, "polyline", "fast")
-    assert (drawn.disc.dxf.entity, drawn.disc.effort) == ("polyline", "fast")
-    assert drawn.disc.dxf.auxiliary == design.disc.dxf.auxiliary
-    assert design.disc.dxf.entity == "arcs"
+    form, before = drawn.disc.options[FORMAT], design.disc.options[FORMAT]
+    assert (form.entity, drawn.disc.effort) == ("polyline", "fast")
+    assert form.auxiliary == before.auxiliary
+    assert before.entity == "arcs"
     writer = find_writer("dxf")
     facts = writer.write(drawn.disc, 1e-2).facts
     assert int(facts["lines"]) > 50

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from camgeo.design import Design
+from camgeo.formats import gcode
 from camgeo.numeric.arrays import ComplexArray
 from camgeo.part.spec import PartSpec
 from camgeo.toolpath.spec import GcodeSpec
@@ -70,8 +71,7 @@ class Built:
 
     @property
     def gcode(self) -> GcodeSpec:
-        assert self.design.disc.gcode is not None
-        return self.design.disc.gcode
+        return self.design.disc.options[gcode.FORMAT]
 
     @cached_property
     def certificate(self) -> dict[str, Any]:

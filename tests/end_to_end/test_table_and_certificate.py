@@ -10,6 +10,7 @@ from xml.etree import ElementTree as ET
 import numpy as np
 
 from camgeo.design import Design
+from camgeo.formats.csv import FORMAT
 from camgeo.mechanism.oscillating_flat import OscillatingFlat
 from camgeo.mechanism.translating_flat import TranslatingFlat
 from camgeo.numeric.arrays import ComplexArray, FloatArray
@@ -34,7 +35,7 @@ def test_table_holds_the_values_of_the_design(built: Built) -> None:
     names, values = rows[0], np.array(rows[1:], dtype=np.float64)
     columns = dict(zip(names, values.T, strict=True))
     degrees = columns["phi [deg]"]
-    step = float(built.design.scene.output.table_step)
+    step = float(built.design.scene.output.options[FORMAT].step)
     assert np.array_equal(degrees, step * np.arange(round(360.0 / step)))
     phi = np.radians(degrees)
     design, unit, mm = built.design, built.design.scene.unit, built.design.disc.millimetres

@@ -20,13 +20,16 @@ from camgeo.contour.fit import Effort, Fit
 from camgeo.contour.spline import Arc, SplineContour, SplineFit
 from camgeo.effects.effect import Column
 from camgeo.files.product import CutOff, FollowerSketch, PlanSegment, PlanSketch, Product
-from camgeo.files.specs import DxfSpec
 from camgeo.files.table import Table
+from camgeo.formats.dxf import DxfSpec
+from camgeo.formats.format import Options, Values
 from camgeo.lazy import Ledger
 from camgeo.mechanism.sketch import Guide, MechanismSketch
 from camgeo.motion.joints import Joint
 from camgeo.numeric.arrays import FloatArray
 from camgeo.part.part import Layer, Part
+from camgeo.scene.document import document
+from camgeo.scene.sound import SoundValues
 from camgeo.toolpath import machine
 from camgeo.toolpath.cut import Cut
 from camgeo.toolpath.moves import ArcFeed, Feed, Move, Operation, Rapid, Toolpath
@@ -105,7 +108,7 @@ class StubProduct:
     effort: Effort = "fewest"
     groove: bool = False
     dxf: DxfSpec = field(default_factory=DxfSpec)
-    gcode: GcodeSpec | None = field(default_factory=GcodeSpec)
+    gcode: GcodeSpec = field(default_factory=GcodeSpec)
     thickness: float | None = 8.0
     scale: float = 1.0
     scene_hash: str = "0123456789abcdef" * 4
@@ -117,12 +120,25 @@ class StubProduct:
     contact: Contact = Contact.INNER
     cut_off: tuple[CutOff, ...] = ()
     effect_columns: tuple[Column, ...] = ()
-    returning: Product | None = None
     second_tool: Tool | None = None
     ledger: Ledger = field(default_factory=Ledger, compare=False)
     findings: tuple[Finding, ...] = field(
         default=(Finding("transmission-angle", "ok", "fine", 70.0, 60.0, "deg"),)
     )
+
+    @property
+    def options(self) -> Options:
+        return Options({"dxf": self.dxf, "gcode": self.gcode})
+
+    @property
+    def values(self) -> Values:
+        thickness = f"part.thickness = {self.thickness}" if self.thickness else ""
+        text = f"{thickness}\noutput.gcode.tool_diameter = {self.gcode.tool_diameter}"
+        return SoundValues(document(text.encode(), ""))
+
+    @property
+    def discs(self) -> tuple[Product, ...]:
+        return (self,)
 
     @property
     def centre(self) -> complex:
@@ -206,7 +222,6 @@ class StubProduct:
     @property
     def tools(self) -> tuple[Tool, Tool]:
         """Of the bore and of the outline."""
-        assert self.gcode is not None
         return self.gcode.tool, self.second_tool or self.gcode.tool
 
     @property
@@ -223,7 +238,6 @@ class StubProduct:
         )
 
     def toolpath(self, tolerance: float) -> Toolpath:
-        assert self.gcode is not None
         largest = machine.load(self.gcode.machine).arcs.largest_turn
         operations = []
         for cut in self.cuts:

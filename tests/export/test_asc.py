@@ -14,6 +14,7 @@ import camgeo
 from camgeo.cli.main import main
 from camgeo.design import Design
 from camgeo.errors import SceneError
+from camgeo.files.write import make_files
 from camgeo.numeric.arrays import FloatArray
 from camgeo.scene.load import parse_scene
 from camgeo.scene.ocv import import_project
@@ -61,7 +62,7 @@ def test_the_columns_stand_as_in_the_source() -> None:
         *("x_B_vers", "y_B_vers", "x_a_vers", "y_a_vers", "mue", "r_K"),
     ) == COLUMNS
     assert COLUMNS[8:14] == POINTS
-    assert (WRITER.suffix, SECOND.suffix) == ("1.asc", "2.asc")
+    assert (WRITER.format.suffix, SECOND.format.suffix) == ("1.asc", "2.asc")
     assert WRITER.companions == (SECOND,)
     first, second = (numbers(each.write(design("setzhub"), 1.0).data) for each in (WRITER, SECOND))
     assert np.array_equal(first[:, 8:14], second)
@@ -175,7 +176,7 @@ def test_what_is_no_cam_linkage_is_refused(scene: str) -> None:
     product = camgeo.load(FIXTURES / "scenes" / f"{scene}.toml").disc
     assert product.cam.drive.linkage is None
     with pytest.raises(SceneError, match=r"asc: needs \[linkage\]"):
-        WRITER.write(product, 0.001)
+        make_files(product, ("asc",), 0.001)
 
 
 def test_the_step_is_that_of_the_project() -> None:

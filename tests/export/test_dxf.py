@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from camgeo.contour.contour import Contour
-from camgeo.files.specs import DxfSpec
+from camgeo.formats.dxf import DxfSpec
 from camgeo_export.chain import chain
 from camgeo_export.dxf.reader import read
 from camgeo_export.dxf.writer import WRITER

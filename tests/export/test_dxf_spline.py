@@ -15,7 +15,7 @@ from ezdxf.layouts.layout import Modelspace
 from camgeo.contour.contour import Contour
 from camgeo.contour.cubics.deviation import spline_deviation
 from camgeo.contour.spline import CubicSpline, SplineContour
-from camgeo.files.specs import DxfSpec
+from camgeo.formats.dxf import DxfSpec
 from camgeo.outline.path import whole
 from camgeo.part.boundaries import CurveBoundary
 from camgeo.part.part import Layer, Part

@@ -275,14 +275,6 @@ def test_a_moved_point_and_a_wrong_radius_are_found() -> None:
     assert WRITER.measure(larger, text.encode()) > 0.03
 
 
-def test_a_program_needs_its_table() -> None:
-    product = StubProduct(gcode=None)
-    with pytest.raises(SceneError, match=r"output\.gcode"):
-        WRITER.write(product, 0.001)
-    with pytest.raises(FileError, match=r"output\.gcode"):
-        WRITER.measure(product, WRITER.write(StubProduct(), 0.001).data)
-
-
 def test_a_machine_may_be_a_file(tmp_path: Path) -> None:
     source = Path(machines.__file__).parent / "machines" / "linuxcnc.toml"
     text = source.read_text().replace('end = ["M5", "M2"]', 'end = ["M5", "M30"]')

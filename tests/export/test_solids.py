@@ -60,7 +60,7 @@ def test_read_back_is_within_the_tolerance(writer: Writer, groove: bool, toleran
 @pytest.mark.parametrize("groove", [False, True], ids=["disc", "groove"])
 def test_trimesh_sees_a_closed_volume(writer: Writer, groove: bool) -> None:
     data = writer.write(StubProduct(groove=groove), 0.01).data
-    mesh = trimesh.load_mesh(io.BytesIO(data), file_type=writer.suffix[1:])
+    mesh = trimesh.load_mesh(io.BytesIO(data), file_type=writer.format.suffix[1:])
     assert mesh.is_volume
     assert mesh.volume == pytest.approx(VOLUMES[groove], rel=1e-3)
     assert mesh.bounds[:, 2].tolist() == [0.0, 8.0]
@@ -165,7 +165,7 @@ def test_a_groove_that_is_not_there_is_refused() -> None:
 @both
 def test_a_scene_without_thickness_is_told(writer: Writer) -> None:
     data = writer.write(StubProduct(), 0.01).data
-    assert "part.thickness" in writer.needs
+    assert "part.thickness" in writer.format.needs
     with pytest.raises(FileError, match=r"part\.thickness"):
         writer.measure(StubProduct(thickness=None), data)
 

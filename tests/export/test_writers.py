@@ -28,7 +28,7 @@ WRITERS: dict[str, Writer] = {
 def test_suffix_and_content(suffix: str) -> None:
     writer = WRITERS[suffix]
     written = writer.write(StubProduct(), 0.01)
-    assert writer.suffix == suffix
+    assert writer.format.suffix == suffix
     assert written.data
     assert all(isinstance(value, int | float | str) for value in written.facts.values())
 

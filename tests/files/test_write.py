@@ -17,6 +17,7 @@ from camgeo.files import write as write_module
 from camgeo.files.product import Product, Written
 from camgeo.files.write import write_files
 from camgeo.files.writers import find_writer, writer_names
+from camgeo.formats.format import Format, no_options
 
 SCENES = Path(__file__).parents[2] / "fixtures" / "scenes"
 
@@ -26,8 +27,7 @@ FORMATS = ("3mf", "csv", "dxf", "gcode", "png", "stl", "svg")
 class Claims:
     """A writer whose file, read back, is `deviation` off."""
 
-    suffix = ".txt"
-    needs: tuple[str, ...] = ()
+    format = Format("odd", ".txt", no_options)
 
     def __init__(self, deviation: float) -> None:
         self.deviation = deviation
@@ -41,7 +41,7 @@ class Claims:
 
 def test_writers_are_found() -> None:
     assert set(FORMATS) <= set(writer_names())
-    assert find_writer("dxf").suffix == ".dxf"
+    assert find_writer("dxf").format.suffix == ".dxf"
     with pytest.raises(SceneError, match=r'no writer for this format.*did you mean "gcode"'):
         find_writer("gcod")
 

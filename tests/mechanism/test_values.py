@@ -23,7 +23,7 @@ from camgeo.contour.contour import Contour
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import GeometryError
-from camgeo.files.specs import DxfSpec
+from camgeo.formats.dxf import DxfSpec
 from camgeo.mechanism.conjugate import return_on_carriage, return_on_lever
 from camgeo.mechanism.crank_slide import CrankSlide
 from camgeo.mechanism.crank_slide_drive import DrivenSlide

@@ -8,6 +8,7 @@ from decimal import Decimal
 
 import pytest
 
+from camgeo.formats import csv, gcode
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.mechanism.slider_crank import SliderCrank
 from camgeo.mechanism.translating_roller import TranslatingRoller
@@ -29,8 +30,8 @@ def test_plate() -> None:
     assert scene.part == PartSpec(thickness=12.0, bore=20.0, keyway=Keyway(6.0, 2.8, 0.0))
     assert scene.output.formats == ("dxf", "gcode", "stl", "3mf", "csv", "svg", "png")
     assert scene.output.tolerance == 0.001
-    assert scene.output.gcode == GcodeSpec(tool_diameter=8.0)
-    assert scene.output.table_step == Decimal("0.5")
+    assert scene.output.options[gcode.FORMAT] == GcodeSpec(tool_diameter=8.0)
+    assert scene.output.options[csv.FORMAT].step == Decimal("0.5")
 
 
 def test_motion() -> None:
@@ -125,7 +126,9 @@ plunge_feed = 50
 pass_depth = 1.5
 safe_height = 2"""
     scene = loaded(PLATE, ("tool_diameter = 8", table))
-    assert scene.output.gcode == GcodeSpec("linuxcnc", 8.0, 3, 2500.5, 200.0, 50.0, 1.5, 2.0)
+    assert scene.output.options[gcode.FORMAT] == GcodeSpec(
+        "linuxcnc", 8.0, 3, 2500.5, 200.0, 50.0, 1.5, 2.0
+    )
 
 
 def test_inches() -> None:
@@ -137,6 +140,6 @@ def test_inches() -> None:
     assert scene.part == PartSpec(12 * 25.4, 20 * 25.4, Keyway(6 * 25.4, 2.8 * 25.4))
     assert scene.output.tolerance == 0.0001 * 25.4
     # A tool's defaults are millimetres, whatever the scene's unit.
-    assert scene.output.gcode == GcodeSpec(tool_diameter=8 * 25.4)
-    assert scene.output.table_step == Decimal("0.25")
+    assert scene.output.options[gcode.FORMAT] == GcodeSpec(tool_diameter=8 * 25.4)
+    assert scene.output.options[csv.FORMAT].step == Decimal("0.25")
     assert dataclasses.replace(scene, unit="mm").speed == loaded(PLATE).speed

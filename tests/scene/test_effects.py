@@ -14,6 +14,7 @@ from camgeo.effects.effect import DataFile, Effect
 from camgeo.effects.registry import EFFECTS, find_effect
 from camgeo.errors import Fault, GeometryError, SceneError
 from camgeo.scene import effects as tables
+from camgeo.scene.inside import SCALES
 from camgeo.scene.load import load_scene, parse_scene
 from camgeo.scene.model import Scene
 from camgeo.scene.schema import Node, resolved
@@ -115,8 +116,8 @@ def test_each_number_is_converted_by_its_unit(
 
 def test_units_of_the_schema_are_known() -> None:
     units = {resolved(node).get("x-unit") for _, _, node in numbers()} - {None}
-    assert units <= set(tables.SCALES)
-    assert set(tables.SCALES) == set(UNITS)
+    assert units <= set(SCALES)
+    assert set(SCALES) == set(UNITS)
 
 
 @pytest.mark.parametrize(

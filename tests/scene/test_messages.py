@@ -8,6 +8,7 @@ import re
 import pytest
 
 from camgeo.errors import SceneError
+from camgeo.formats.gcode import FORMAT
 from camgeo.scene.load import parse_scene
 from tests.scene.scenes import GROOVE, LINKED, PLATE, ROCKER, spoilt
 
@@ -131,7 +132,7 @@ FAULTS: list[tuple[str, list[Change], str]] = [
     ),
     (PLATE, [("diameter = 8", "diameter = 20")], "must be less than the bore to be milled, 20"),
     (PLATE, [("tool_diameter = 8\n", "")], "output.gcode.tool_diameter: is missing: Diameter of"),
-    (GROOVE, [("[output.gcode]\ntool_diameter = 10", "")], r"needs \[output\.gcode\] with tool_"),
+    (GROOVE, [("[output.gcode]\ntool_diameter = 10", "")], r"needs \[output\.gcode\] tool_"),
     (PLATE, [('"svg"', '"swg"')], r'output.formats\[6\] = "swg": .*did you mean "svg"'),
     (PLATE, [('"svg"', '"dxf"')], "must be a list of formats, each named once"),
     (PLATE, [('"arcs"', '"splines"')], r'"splines": .*did you mean "spline"\?'),
@@ -223,5 +224,4 @@ def test_machine_profile_beside_the_scene(tmp_path: pathlib.Path) -> None:
     profile.write_text("")
     text = spoilt(PLATE, ('"linuxcnc"', '"mill.toml"'))
     scene = parse_scene(text, str(tmp_path / "scene.toml"))
-    assert scene.output.gcode is not None
-    assert scene.output.gcode.machine == str(profile.resolve())
+    assert scene.output.options[FORMAT].machine == str(profile.resolve())

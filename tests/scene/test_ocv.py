@@ -21,6 +21,7 @@ from camgeo.scene.load import parse_scene
 from camgeo.scene.ocv import import_project, scene_name
 from camgeo.scene.ocv_layout import FIELDS, RANGES, SIZE, project_numbers
 from camgeo.scene.schema import schema
+from camgeo.scene.whole_schema import whole_schema
 from tests.reference import pitch_curve_of, reference, thesis_params
 
 FIXTURES = Path(__file__).parents[2] / "fixtures"
@@ -229,7 +230,7 @@ def test_a_mechanism_that_does_not_exist_is_told_in_the_terms_of_the_project(
 
 def test_the_ranges_are_those_of_the_scene() -> None:
     known = schema()["$defs"]
-    output = schema()["properties"]["output"]["properties"]
+    output = whole_schema()["properties"]["output"]["properties"]
     nodes = {
         "length": known["length"],
         "place": known["coordinate"],

@@ -2,34 +2,37 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator
 from typing import Any
 
 import jsonschema_rs
 
 from camgeo.check.limits import Limits
-from camgeo.files.specs import DxfSpec
+from camgeo.formats.csv import CsvSpec
+from camgeo.formats.dxf import DxfSpec
 from camgeo.motion.laws import ALIASES, FAMILIES
 from camgeo.motion.planning import AUTO
 from camgeo.scene.model import OutputSpec
 from camgeo.scene.schema import Node, definition, resolved, schema
+from camgeo.scene.whole_schema import whole_schema
 from camgeo.scene.words import allowed
 from camgeo.toolpath.spec import GcodeSpec
 
 
 def test_schema_is_valid() -> None:
-    jsonschema_rs.meta.validate(schema())
+    jsonschema_rs.meta.validate(json.loads(json.dumps(whole_schema())))
     assert schema()["$schema"] == "https://json-schema.org/draft/2020-12/schema"
 
 
 def test_every_key_is_described() -> None:
-    for name, node in _keys(schema()):
+    for name, node in _keys(whole_schema()):
         if name != "kind":
             assert resolved(node).get("description"), name
 
 
 def test_every_value_can_be_asked_for_in_words() -> None:
-    for _, node in _keys(schema()):
+    for _, node in _keys(whole_schema()):
         if node is not True:
             assert allowed(resolved(node)).startswith("must be") or "x-allowed" in resolved(node)
 
@@ -41,9 +44,9 @@ def test_laws_are_those_of_the_engine() -> None:
 
 
 def test_defaults_are_those_of_the_engine() -> None:
-    output = schema()["properties"]["output"]["properties"]
+    output = whole_schema()["properties"]["output"]["properties"]
     assert tuple(output["formats"]["default"]) == OutputSpec().formats
-    assert output["csv"]["properties"]["step"]["default"] == OutputSpec().table_step
+    assert output["csv"]["properties"]["step"]["default"] == CsvSpec().step
     assert output["dxf"]["properties"]["entity"]["default"] == DxfSpec().entity
     gcode = output["gcode"]["properties"]
     assert gcode["machine"]["default"] == GcodeSpec().machine
@@ -57,7 +60,7 @@ def test_defaults_are_those_of_the_engine() -> None:
 
 
 def test_tables_allow_no_unknown_keys() -> None:
-    for name, node in _keys(schema()):
+    for name, node in _keys(whole_schema()):
         node = resolved(node)
         if node.get("type") == "object":
             assert node.get("additionalProperties") is False or "allOf" in node, name

@@ -7,13 +7,14 @@ values; docs/opticurv.md lists where its own differ. Lengths are in mm whatever 
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
 
-from camgeo.errors import Fault, SceneError
 from camgeo.files.product import Product, Written
+from camgeo.formats.asc import FORMAT
+from camgeo.formats.format import Format
 from camgeo.numeric.arrays import FloatArray
 from camgeo.units import MM_PER
 from camgeo_export.errors import FileError
@@ -37,17 +38,8 @@ LENGTHS: Final = frozenset(("s", "x_Bik", "y_Bik", *POINTS))
 def point_columns(product: Product) -> dict[str, FloatArray]:
     """`COLUMNS`, each (n,) at the steps of the scene's value table.
 
-    Raises
-    ------
-    SceneError
-        If the design is no rocker behind a slider-crank: the columns s and psi need both.
+    The stroke s is that of the slider of a slider-crank, psi the angle of the rocker behind it.
     """
-    if product.plan_sketch.of != "slider" or product.follower_sketch.kind != "pivot":
-        message = (
-            'needs [linkage] kind = "slider-crank" and a rocker: its columns are a'
-            " slider's stroke and a rocker's angle"
-        )
-        raise SceneError([Fault("format", "asc", message)])
     table = product.table()
     values = dict(zip(table.names, table.values.T, strict=True))
     unit = product.unit
@@ -81,15 +73,14 @@ class AscWriter:
 
     Attributes
     ----------
-    suffix : of the file; the program puts a digit behind the project's name.
+    format : with the suffix of the file.
     columns : that it has, in their order.
     companions : writers of the format's further files.
     """
 
-    suffix: str
+    format: Format[None]
     columns: tuple[str, ...]
     companions: tuple[AscWriter, ...] = ()
-    needs: tuple[str, ...] = field(default=("linkage",), init=False)
 
     def write(self, product: Product, tolerance: float) -> Written:
         """The points, each number in the shortest form that reads back the same; none is fitted.
@@ -125,6 +116,6 @@ class AscWriter:
         return float(difference.max(initial=0.0))
 
 
-SECOND = AscWriter("2.asc", POINTS)
+SECOND = AscWriter(replace(FORMAT, suffix="2.asc"), POINTS)
 
-WRITER = AscWriter("1.asc", COLUMNS, (SECOND,))
+WRITER = AscWriter(FORMAT, COLUMNS, (SECOND,))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from camgeo.files.product import Product
+from camgeo.formats.dxf import FORMAT
 from camgeo.units import MM_PER
 from camgeo_export.dxf.reader import DxfFile, read
 from camgeo_export.errors import FileError
@@ -30,7 +31,7 @@ def measure(product: Product, data: bytes) -> float:
     drawing = read(data)
     _check(drawing, product)
     cut = deviation(drawing.curves("CUT"), product.part.boundaries)
-    if not product.dxf.auxiliary:
+    if not product.options[FORMAT].auxiliary:
         return cut
     pitch = drawing.contours("PITCH_CURVE")
     circles = drawing.circles("BASE_CIRCLE")
@@ -45,8 +46,9 @@ def measure(product: Product, data: bytes) -> float:
 
 
 def _check(drawing: DxfFile, product: Product) -> None:
-    kinds = dict(KINDS) if product.dxf.auxiliary else {"CUT": KINDS["CUT"]}
-    if product.dxf.entity == "spline":
+    options = product.options[FORMAT]
+    kinds = dict(KINDS) if options.auxiliary else {"CUT": KINDS["CUT"]}
+    if options.entity == "spline":
         kinds["CUT"] = SPLINE_KINDS
     for entity in drawing.entities:
         if entity.kind not in kinds.get(entity.layer, ()):

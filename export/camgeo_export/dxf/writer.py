@@ -22,6 +22,7 @@ from ezdxf.layouts.layout import Modelspace
 from camgeo.contour.contour import Contour
 from camgeo.contour.spline import CubicSpline, SplineContour
 from camgeo.files.product import Product, Written
+from camgeo.formats.dxf import FORMAT
 from camgeo.part.part import Boundary
 from camgeo.units import MM_PER, LengthUnit
 from camgeo_export.dxf.curves import Curve
@@ -53,15 +54,15 @@ MARK_SHARE = 0.1
 class DxfWriter:
     """Writes a DXF drawing."""
 
-    suffix = ".dxf"
-    needs: tuple[str, ...] = ()
+    format = FORMAT
 
     def write(self, product: Product, tolerance: float) -> Written:
         """The drawing, in the unit of the product; all of it within `tolerance` [mm]."""
-        straight = product.dxf.entity == "polyline"
+        drawing = product.options[FORMAT]
+        straight = drawing.entity == "polyline"
         share = FIT_SHARE * tolerance
         cut = [_cut(boundary, product, share) for boundary in product.part.boundaries]
-        has_pitch = product.dxf.auxiliary and not product.is_flat
+        has_pitch = drawing.auxiliary and not product.is_flat
         pitch = _pitch(product, tolerance, straight) if has_pitch else None
         # ezdxf stamps time and random identifiers on a file at its making and at its writing
         with _fixed_metadata():
@@ -84,9 +85,10 @@ class DxfWriter:
 
 def _cut(boundary: Boundary, product: Product, share: float) -> Curve:
     """A boundary as it is drawn; a drawing of splines has no bulges, also in its bore."""
-    if product.dxf.entity == "spline":
+    entity = product.options[FORMAT].entity
+    if entity == "spline":
         return boundary.spline(share, product.effort).contour.split(math.pi)
-    if product.dxf.entity == "polyline":
+    if entity == "polyline":
         return boundary.polyline(share, product.effort).contour
     return boundary.arcs(share, product.effort).contour.split(math.pi)
 
@@ -102,7 +104,7 @@ def _facts(product: Product, cut: list[Curve]) -> dict[str, int | float | str]:
     arcs = bent + sum(polyline.arc_count for polyline in polylines)
     lines = len(singles) - bent + sum(len(each) - each.arc_count for each in polylines)
     facts: dict[str, int | float | str] = {"boundaries": len(cut)}
-    if product.dxf.entity == "spline":
+    if product.options[FORMAT].entity == "spline":
         facts |= {"splines": len(splines), "cubics": sum(len(spline) for spline in splines)}
     return facts | {"arcs": arcs, "lines": lines}
 
@@ -135,9 +137,9 @@ def _describe(document: Drawing, product: Product, tolerance: float) -> None:
 
 
 def _draw(space: Modelspace, product: Product, cut: list[Curve], pitch: Contour | None) -> None:
-    scale = MM_PER[product.unit]
+    scale, auxiliary = MM_PER[product.unit], product.options[FORMAT].auxiliary
     for name, colour in LAYERS.items():
-        if name == "CUT" or (product.dxf.auxiliary and (pitch is not None or name != PITCH)):
+        if name == "CUT" or (auxiliary and (pitch is not None or name != PITCH)):
             space.doc.layers.add(name, color=colour)
     for contour in cut:
         if isinstance(contour, SplineContour):
@@ -147,7 +149,7 @@ def _draw(space: Modelspace, product: Product, cut: list[Curve], pitch: Contour 
     drawn = cut
     if pitch is not None:
         drawn = [*cut, pitch]
-    if product.dxf.auxiliary:
+    if auxiliary:
         _auxiliary(space, product, pitch, scale)
     reach = max(reach_of(contour) for contour in drawn) / scale
     space.reset_extents((-reach, -reach, 0.0), (reach, reach, 0.0))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from camgeo.files.product import Product
+from camgeo.formats.gcode import FORMAT
 from camgeo.toolpath.cut import Cut
 from camgeo.toolpath.machine import load
 from camgeo.units import MM_PER
@@ -20,10 +21,9 @@ def measure(product: Product, data: bytes) -> float:
     program = read(data.decode("ascii", "replace"))
     if program.mm_per_unit != MM_PER[product.unit]:
         raise FileError(f"the program is not in {product.unit}")
-    if product.gcode is None:
-        raise FileError("the scene has no [output.gcode] that this program could be held against")
-    limits = load(product.gcode.machine).arcs
-    program.verify(product.gcode.safe_height, limits.radius_tolerance)
+    spec = product.options[FORMAT]
+    limits = load(spec.machine).arcs
+    program.verify(spec.safe_height, limits.radius_tolerance)
     _require_tolerance(program)
     loops = program.loops()
     _check_complete(product.cuts, program, loops)

@@ -6,10 +6,10 @@ import textwrap
 
 from camgeo.errors import Fault, SceneError
 from camgeo.files.product import Product, Written
+from camgeo.formats.gcode import FORMAT
 from camgeo.toolpath.machine import KEY, CommentStyle, Machine, load
 from camgeo.toolpath.machining_time import toolpath_time
 from camgeo.toolpath.moves import Toolpath
-from camgeo.toolpath.spec import GcodeSpec
 from camgeo.toolpath.tool import Tool
 from camgeo.units import MM_PER
 from camgeo_export.gcode.blocks import Grid, Speller, number
@@ -20,12 +20,11 @@ from camgeo_export.gcode.measure import measure
 class GcodeWriter:
     """Writes a milling program."""
 
-    suffix = ".ngc"
-    needs = ("output.gcode", "part.thickness")
+    format = FORMAT
 
     def write(self, product: Product, tolerance: float) -> Written:
         """The program, in the product's unit; path blending counts against `tolerance` [mm]."""
-        machine = load(spec(product).machine)
+        machine = load(product.options[FORMAT].machine)
         shares = budget(machine, product.unit, tolerance)
         toolpath = product.toolpath(shares.fit)
         grid = Grid(shares.decimals, MM_PER[product.unit])
@@ -70,14 +69,6 @@ class GcodeWriter:
     def measure(self, product: Product, data: bytes) -> float:
         """Run the program in an interpreter of our own and measure the cutter path [mm]."""
         return measure(product, data)
-
-
-def spec(product: Product) -> GcodeSpec:
-    """What the scene says of the milling; raises SceneError if it says nothing."""
-    if product.gcode is None:
-        message = "a program needs tool and feeds: add an [output.gcode] table"
-        raise SceneError([Fault("output.gcode", "", message)])
-    return product.gcode
 
 
 def comment(text: str, style: CommentStyle) -> list[str]:

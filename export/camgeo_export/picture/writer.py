@@ -2,26 +2,33 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 from camgeo.figure.plots import stacked
 from camgeo.files.product import Product, Written
+from camgeo.formats import png, svg
+from camgeo.formats.format import Format
 from camgeo_export.plots.render import render
 
 
+@dataclass(frozen=True, slots=True)
 class PictureWriter:
-    """Writes a picture of the cam in the format of `suffix`."""
+    """Writes a picture of the cam.
 
-    needs: tuple[str, ...] = ()
+    Attributes
+    ----------
+    format : of the picture.
+    """
 
-    def __init__(self, suffix: str) -> None:
-        self.suffix = suffix
+    format: Format[None]
 
     def write(self, product: Product, tolerance: float) -> Written:
         """The picture; no tolerance holds for it."""
-        return Written(render(stacked(product, ["cam"]), self.suffix))
+        return Written(render(stacked(product, ["cam"]), self.format.suffix))
 
     def measure(self, product: Product, data: bytes) -> None:
         """Nothing: a picture is not made to measure from."""
 
 
-SVG = PictureWriter(".svg")
-PNG = PictureWriter(".png")
+SVG = PictureWriter(svg.FORMAT)
+PNG = PictureWriter(png.FORMAT)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from camgeo.files.product import Product, Written
+from camgeo.formats.stl import FORMAT
 from camgeo.numeric.arrays import FloatArray
 from camgeo_export.solid.prism import body
 from camgeo_export.stl.measure import measure
@@ -17,8 +18,7 @@ FACET = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute"
 class StlWriter:
     """Writes a binary STL."""
 
-    suffix = ".stl"
-    needs = ("part.thickness",)
+    format = FORMAT
 
     def write(self, product: Product, tolerance: float) -> Written:
         """The body [mm] within `tolerance` [mm]; the rounding of STL's single floats counts."""

@@ -8,6 +8,7 @@ import io
 import numpy as np
 
 from camgeo.files.product import Product, Written
+from camgeo.formats.csv import FORMAT
 from camgeo.units import MM_PER
 from camgeo_export.errors import FileError
 
@@ -15,8 +16,7 @@ from camgeo_export.errors import FileError
 class CsvWriter:
     """Writes the value table."""
 
-    suffix = ".csv"
-    needs: tuple[str, ...] = ()
+    format = FORMAT
 
     def write(self, product: Product, tolerance: float) -> Written:
         """The table in the product's unit and in degrees; its values are not fitted."""

@@ -7,6 +7,7 @@ import zipfile
 from xml.etree import ElementTree as ET
 
 from camgeo.files.product import Product, Written
+from camgeo.formats.threemf import FORMAT
 from camgeo.numeric.arrays import FloatArray
 from camgeo_export.solid.prism import Body, body
 from camgeo_export.threemf.measure import measure
@@ -32,8 +33,7 @@ UNIX = 3
 class ThreeMfWriter:
     """Writes a 3MF package."""
 
-    suffix = ".3mf"
-    needs = ("part.thickness",)
+    format = FORMAT
 
     def write(self, product: Product, tolerance: float) -> Written:
         """The body [mm] within `tolerance` [mm]."""

@@ -9,6 +9,7 @@ from camgeo.contour.exact import distance_between
 from camgeo.errors import CamgeoError, GeometryError
 from camgeo.files.product import Product
 from camgeo.files.verification import Check, Origin, Reading, at_most, equal, failed, told
+from camgeo.formats.dxf import FORMAT
 from camgeo_export.dxf.foreign import READER
 from camgeo_export.dxf.reader import DxfFile, read
 from camgeo_export.errors import FileError
@@ -79,11 +80,11 @@ class DxfVerifier:
         shapes = shapes_of(product.part.boundaries, product.base_radius, tolerance)
         pairs, count = matched(contours, shapes)
         checks.append(count)
-        tangent = reading.ours and product.dxf.entity != "polyline"
+        tangent = reading.ours and product.options[FORMAT].entity != "polyline"
         rounded = ROUNDED * product.base_radius if tangent else None
         for shape, contour in pairs:
             checks += contour_checks(shape, contour, tolerance, extra=gap, rounded=rounded)
-        if reading.ours and product.dxf.auxiliary:
+        if reading.ours and product.options[FORMAT].auxiliary:
             checks += _auxiliary(product, data, reading, tolerance, rounded)
             checks.append(_centre(drawing, tolerance))
         return tuple(checks)
@@ -112,7 +113,7 @@ def _unit(drawing: DxfFile, product: Product, reading: Reading) -> Check:
 
 def _contents(drawing: DxfFile, product: Product) -> Check:
     """Nothing but what our writer draws, and all of its layers."""
-    allowed: tuple[str, ...] = OURS if product.dxf.auxiliary else OURS[:1]
+    allowed: tuple[str, ...] = OURS if product.options[FORMAT].auxiliary else OURS[:1]
     if product.is_flat:
         allowed = tuple(name for name in allowed if name != "PITCH_CURVE")
     for entity in drawing.entities:

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from camgeo.contour.contour import Contour
 from camgeo.files.product import Product
 from camgeo.files.verification import Check, Origin, Reading, at_most, equal, failed, told
+from camgeo.formats.gcode import FORMAT
 from camgeo.toolpath.cut import Cut
 from camgeo.toolpath.machine import load
 from camgeo.toolpath.moves import Operation
@@ -48,8 +49,8 @@ class GcodeVerifier:
         self, product: Product, data: bytes, reading: Reading, tolerance: float
     ) -> tuple[Check, ...]:
         """Unit, safety, every operation at each depth, and each closed path against its own."""
-        if product.gcode is None:
-            note = "the scene has no [output.gcode] that the program could be held against"
+        if lacking := FORMAT.lacking(product.values):
+            note = f"to hold a program against it the scene {' and '.join(lacking)}"
             return (failed("operations", note),)
         try:
             program = read(data.decode("ascii", "replace"))
@@ -57,9 +58,10 @@ class GcodeVerifier:
             hint = "" if reading.ours else "; only the words that our programs use are run"
             return (failed("program", f"{error}{hint}"),)
         checks = [_unit(program, product, reading)]
-        machine = load(product.gcode.machine)
+        spec = product.options[FORMAT]
+        machine = load(spec.machine)
         limits = machine.arcs
-        height = product.gcode.safe_height if reading.ours else 0.0
+        height = spec.safe_height if reading.ours else 0.0
         try:
             program.verify(height, limits.radius_tolerance)
         except FileError as error:

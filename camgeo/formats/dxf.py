@@ -1,0 +1,60 @@
+"""DXF: the drawing."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Final
+
+from camgeo.formats.format import Format
+from camgeo.numeric.checked import instance, one_of
+
+ENTITIES: Final = ("arcs", "polyline", "spline")
+"""What curves become."""
+
+
+@dataclass(frozen=True, slots=True)
+class DxfSpec:
+    """`[output.dxf]`: how curves are drawn, and what is drawn beside the part.
+
+    Attributes
+    ----------
+    entity : "arcs" (lines and arcs), "polyline" (straight pieces only) or "spline" (cubic splines;
+        dwells and turns stay arcs).
+    auxiliary : whether pitch curve, base circle and centre mark are drawn too, on their own layers.
+    """
+
+    entity: str = "arcs"
+    auxiliary: bool = True
+
+    def __post_init__(self) -> None:
+        one_of("output.dxf.entity", self.entity, ENTITIES)
+        instance("output.dxf.auxiliary", self.auxiliary, bool, "true or false")
+
+
+def parse(table: Mapping[str, Any]) -> DxfSpec:
+    """The options of the table."""
+    return DxfSpec(**table)
+
+
+SCHEMA: Final[Mapping[str, Any]] = {
+    "description": "The drawing.",
+    "type": "object",
+    "additionalProperties": False,
+    "properties": {
+        "entity": {
+            "description": 'What curves become: "arcs" (lines and arcs, default), "polyline"'
+            ' (straight pieces only) or "spline" (cubic splines, dwells as arcs).',
+            "enum": list(ENTITIES),
+            "default": "arcs",
+        },
+        "auxiliary": {
+            "description": "Draw pitch curve, base circle and centre marks, each on a layer of its"
+            " own; false leaves the outline alone, as cutting shops want it. Default true.",
+            "type": "boolean",
+            "default": True,
+        },
+    },
+}
+
+FORMAT: Final = Format("dxf", ".dxf", parse, SCHEMA)

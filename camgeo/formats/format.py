@@ -1,0 +1,122 @@
+"""What a file format declares of itself, and what a scene says of it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+from decimal import Decimal
+from typing import Any, Final, Generic, Protocol, TypeVar
+
+SMALLEST_TOLERANCE: Final = 1e-7
+LARGEST_TOLERANCE: Final = 1.0
+"""Tolerances [mm] that files may be asked for: below, rounding of their decimals would exceed it;
+above, contours no longer resemble the cam."""
+
+Spec = TypeVar("Spec")
+"""The options of a format, a frozen dataclass."""
+
+
+class Values(Protocol):
+    """The values of a scene, as needs and rules see them; paths are keys and positions from 0."""
+
+    def sound(self, *path: str | int) -> bool:
+        """Whether nothing is wrong at `path`, around it or in it."""
+
+    def lacks(self, *path: str | int) -> bool:
+        """Whether the scene neither names the key nor meant to."""
+
+    def get(self, *path: str | int) -> Any:
+        """Value in the scene's unit; None if it is absent or not sound."""
+
+    def exact(self, *path: str | int) -> Decimal | None:
+        """Number exactly as written; None if it is absent or not sound."""
+
+    @property
+    def flat(self) -> bool:
+        """Whether the follower has a flat face."""
+
+    @property
+    def slides(self) -> bool:
+        """Whether the follower is a translating one."""
+
+
+Rule = Callable[[Values], Iterator[tuple[str, str]]]
+"""Keys of the format's table, each with what is wrong with it and what is allowed; an empty key
+stands for the format, in which the scene cannot be written."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Format(Generic[Spec]):
+    """The declaration of a file format.
+
+    Attributes
+    ----------
+    name : in scenes and on the command line, and of its writer's entry point.
+    suffix : of the file, behind the name of the disc, e.g. ".dxf".
+    parse : makes the options of the converted table `[output.NAME]`, or of an empty one; raises
+        GeometryError with the key. Lengths come in mm, numbers with `x-exact` as they are written.
+    schema : JSON Schema of the table, `no_keys` for a format without options. Each number names its
+        `x-unit`; lengths refer to ``#/$defs/length`` or ``#/$defs/coordinate`` of the scene's.
+    needs : keys without which a scene cannot be written in the format, e.g. "part.thickness".
+    rules : what schema and needs cannot state.
+    """
+
+    name: str
+    suffix: str
+    parse: Callable[[Mapping[str, Any]], Spec]
+    schema: Mapping[str, Any] = field(default_factory=lambda: no_keys("No options."))
+    needs: tuple[str, ...] = ()
+    rules: tuple[Rule, ...] = ()
+
+    def lacking(self, values: Values) -> list[str]:
+        """Why a scene cannot be written in the format, a sentence each; empty if it can."""
+        paths = {key: tuple(key.split(".")) for key in self.needs}
+        found = [
+            f"needs {_spelled(key)}"
+            for key, path in paths.items()
+            if values.lacks(*path) and values.sound(*path)
+        ]
+        return found + [message for rule in self.rules for key, message in rule(values) if not key]
+
+    def broken(self, values: Values) -> list[tuple[str, str]]:
+        """Keys of the table, each with what is wrong with it beyond its schema."""
+        return [(key, message) for rule in self.rules for key, message in rule(values) if key]
+
+
+def no_keys(description: str) -> dict[str, Any]:
+    """The schema of a table without keys."""
+    empty: dict[str, Any] = {"type": "object", "additionalProperties": False, "properties": {}}
+    return {"description": description, **empty}
+
+
+def no_options(_: Mapping[str, Any]) -> None:
+    """The options of a format that has none."""
+
+
+@dataclass(frozen=True, slots=True)
+class Options:
+    """The options of all formats: ``options[FORMAT]`` are those of the format `FORMAT`.
+
+    Attributes
+    ----------
+    given : by the names of the formats, where the scene has a table for them.
+    """
+
+    given: Mapping[str, Any] = field(default_factory=dict)
+
+    def __getitem__(self, form: Format[Spec]) -> Spec:
+        """What the scene says, or the defaults if it says nothing."""
+        if form.name not in self.given:
+            return form.parse({})
+        spec: Spec = self.given[form.name]
+        return spec
+
+    def having(self, form: Format[Spec], spec: Spec) -> Options:
+        """The same with other options of one format."""
+        return Options({**self.given, form.name: spec})
+
+
+def _spelled(key: str) -> str:
+    """A key as messages tell it: "[part] thickness", "[linkage]"."""
+    table, _, last = key.rpartition(".")
+    return f"[{table}] {last}" if table else f"[{last}]"

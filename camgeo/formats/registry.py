@@ -1,0 +1,60 @@
+"""The formats there are, by name; each is imported when it is asked for and not before."""
+
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING, Any, Final
+
+from camgeo.errors import CamgeoError
+from camgeo.formats.format import Format
+
+if TYPE_CHECKING:
+    from importlib.metadata import EntryPoint
+
+GROUP: Final = "camgeo.writers"
+"""Entry points of the writers of all formats; the name is the format's."""
+
+FORMATS: Final = ("dxf", "gcode", "stl", "3mf", "csv", "svg", "png", "asc")
+"""Formats of camgeo; each has the module of its name, whose `FORMAT` it is."""
+
+MODULES: Final = {"3mf": "threemf"}
+"""Those whose name is none of Python's."""
+
+
+def find_format(name: str) -> Format[Any]:
+    """The format `name`; its module, or that of a foreign writer, is imported now.
+
+    Raises
+    ------
+    KeyError
+        If there is none.
+    CamgeoError
+        If what another distribution registers under this name is no writer of this format.
+    """
+    if name in FORMATS:
+        module = importlib.import_module(f"camgeo.formats.{MODULES.get(name, name)}")
+        own: Format[Any] = module.FORMAT
+        return own
+    return format_of(writer_entries()[name])[1]
+
+
+def format_of(entry: EntryPoint) -> tuple[Any, Format[Any]]:
+    """The writer behind an entry point, loaded now, and its format; raises CamgeoError."""
+    writer = entry.load()
+    found: Any = getattr(writer, "format", None)
+    if not isinstance(found, Format) or found.name != entry.name:
+        message = f"the entry point {entry.value} of {GROUP} is no writer of format {entry.name!r}"
+        raise CamgeoError(message)
+    return writer, found
+
+
+def foreign_names() -> tuple[str, ...]:
+    """Names of the formats of other distributions, sorted."""
+    return tuple(sorted(writer_entries().keys() - set(FORMATS)))
+
+
+def writer_entries() -> dict[str, EntryPoint]:
+    """The entry points of all writers, by the names of their formats."""
+    from importlib.metadata import entry_points  # a scene that is only checked needs none
+
+    return {each.name: each for each in entry_points(group=GROUP)}

@@ -1,0 +1,17 @@
+"""3MF: the part as a body of triangles, in double precision."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from camgeo.formats.format import Format, no_keys, no_options
+from camgeo.formats.solid import groove_has_a_depth
+
+FORMAT: Final = Format(
+    "3mf",
+    ".3mf",
+    no_options,
+    no_keys("The part as a body of triangles, in double precision; it has no options."),
+    ("part.thickness",),
+    (groove_has_a_depth,),
+)

@@ -1,0 +1,35 @@
+"""Options check their own values, wherever they come from."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from decimal import Decimal
+from typing import Any
+
+import pytest
+
+from camgeo.errors import GeometryError
+from camgeo.formats.csv import CsvSpec
+from camgeo.formats.dxf import ENTITIES, DxfSpec
+
+
+@pytest.mark.parametrize(
+    ("make", "value", "key"),
+    [
+        *(
+            (CsvSpec, Decimal(text), "output.csv.step")
+            for text in ("0", "-1", "91", "NaN", "sNaN", "Inf")
+        ),
+        *((CsvSpec, value, "output.csv.step") for value in (1.0, float("nan"), "1", None)),
+        *((DxfSpec, value, "output.dxf.entity") for value in ("", "arc", None, 3)),
+    ],
+)
+def test_wrong_options_are_refused(make: Callable[[Any], Any], value: Any, key: str) -> None:
+    with pytest.raises(GeometryError, match="must be") as caught:
+        make(value)
+    assert caught.value.key == key
+
+
+def test_the_ends_of_the_ranges_are_in_them() -> None:
+    assert [CsvSpec(Decimal(text)).step for text in ("0.0001", "90")]
+    assert [DxfSpec(entity).entity for entity in ENTITIES] == list(ENTITIES)

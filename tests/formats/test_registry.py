@@ -1,0 +1,105 @@
+"""Which formats there are: those of camgeo by their modules, others by entry points."""
+
+from __future__ import annotations
+
+import importlib.metadata
+import subprocess
+import sys
+from typing import Any
+
+import pytest
+
+from camgeo.errors import CamgeoError
+from camgeo.files.writers import find_writer, with_companions
+from camgeo.formats import registry
+from camgeo.formats.format import Format, Options, no_options
+from camgeo.formats.registry import FORMATS, find_format, foreign_names
+from camgeo.scene.load import parse_scene
+from tests.scene.scenes import PLATE
+
+
+@pytest.mark.parametrize("name", FORMATS)
+def test_each_is_the_format_of_its_name_and_of_its_writer(name: str) -> None:
+    form = find_format(name)
+    writer = find_writer(name)
+    assert form.name == name
+    assert writer.format is form
+    suffixes = [each.format.suffix for each in with_companions(writer)]
+    assert len(set(suffixes)) == len(suffixes)
+    # The options of a format without a table are its defaults.
+    assert Options()[form] == form.parse({})
+
+
+def test_declarations_import_nothing_that_computes() -> None:
+    modules = [registry.MODULES.get(name, name) for name in FORMATS]
+    imports = "; ".join(f"import camgeo.formats.{name}" for name in modules)
+    code = f"import camgeo, sys; had = set(sys.modules); {imports}; print(*set(sys.modules) - had)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    loaded = {name for name in done.stdout.split() if name.startswith("camgeo")}
+    declared = {name for name in loaded if name.startswith("camgeo.formats")}
+    assert declared >= {f"camgeo.formats.{name}" for name in modules}
+    toolpath = {"camgeo.toolpath", "camgeo.toolpath.spec", "camgeo.toolpath.tool"}
+    assert loaded - declared <= {"camgeo.numeric.checked", *toolpath}
+
+
+def test_options_are_those_of_the_format_that_is_asked_for() -> None:
+    other = Format("other", ".o", dict)
+    options = Options({"other": {"size": 1.0}})
+    assert options[other] == {"size": 1.0}
+    assert options[Format("another", ".a", dict)] == {}
+    assert options.having(other, {"size": 2.0})[other] == {"size": 2.0}
+    assert options[other] == {"size": 1.0}
+
+
+class Entry:
+    """An entry point of a writer, which tells when it is loaded."""
+
+    value = "toy:WRITER"
+
+    def __init__(self, name: str, writer: Any) -> None:
+        self.name = name
+        self._writer = writer
+        self.loads = 0
+
+    def load(self) -> Any:
+        self.loads += 1
+        return self._writer
+
+
+class Writer:
+    def __init__(self, form: Any) -> None:
+        self.format = form
+
+
+def register(monkeypatch: pytest.MonkeyPatch, *entries: Entry) -> None:
+    def entry_points(*, group: str) -> tuple[Entry, ...]:
+        return entries if group == registry.GROUP else ()
+
+    monkeypatch.setattr(importlib.metadata, "entry_points", entry_points)
+
+
+def test_others_are_loaded_when_they_are_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    form = Format("step", ".step", no_options)
+    named, left = Entry("step", Writer(form)), Entry("iges", Writer(None))
+    register(monkeypatch, named, left, Entry("dxf", None))
+    assert foreign_names() == ("iges", "step")
+    assert (named.loads, left.loads) == (0, 0)
+    assert find_format("step") is form
+    assert (named.loads, left.loads) == (1, 0)
+    with pytest.raises(KeyError):
+        find_format("igs")
+
+
+@pytest.mark.parametrize("writer", [None, Writer(None), Writer(Format("iges", ".i", no_options))])
+def test_what_is_no_writer_of_its_format(writer: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    register(monkeypatch, Entry("step", writer))
+    with pytest.raises(CamgeoError, match=r"toy:WRITER of camgeo.writers is no writer of format"):
+        find_format("step")
+
+
+def test_a_scene_of_camgeos_formats_looks_none_up(monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(**_: str) -> Any:
+        raise AssertionError("looked up")
+
+    monkeypatch.setattr(importlib.metadata, "entry_points", refuse)
+    assert "gcode" in parse_scene(PLATE).output.formats
