@@ -210,7 +210,7 @@ RIM, BORE = _shifted("rim", 40.0, 0j, hole=False), _shifted("bore", 8.0, 0j, hol
 HUB = _shifted("hub", 15.0, 0j, hole=False)
 COUNTERBORE = _shifted("counterbore", 12.0, 0j, hole=True)
 POCKETS = tuple(
-    _shifted(f"pocket {k}", 5.0 - k, 28.0 * cmath.exp(2j * math.pi * k / 3.0), hole=True)
+    _shifted(f"pocket {k}", 5.0, 28.0 * cmath.exp(2j * math.pi * k / 3.0), hole=True)
     for k in range(3)
 )
 ISLAND = _shifted("island", 2.0, 28.0 + 0j, hole=False)

@@ -13,8 +13,9 @@ from camgeo.formats.dxf import FORMAT
 from camgeo_export.dxf.foreign import READER
 from camgeo_export.dxf.reader import DxfFile, read
 from camgeo_export.errors import FileError
+from camgeo_export.matching import AnyContour
 from camgeo_export.verify.length import length_of
-from camgeo_export.verify.plane import AnyContour, contour_checks, matched
+from camgeo_export.verify.plane import contour_checks, matched
 from camgeo_export.verify.shapes import Shape, corners_of_contour, shapes_of
 
 HEAD_BYTES = 200_000

@@ -7,16 +7,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from camgeo.contour.contour import Contour
-from camgeo.contour.spline import SplineContour
 from camgeo.errors import GeometryError, ToleranceError, UndercutError
 from camgeo.files.verification import Check, at_most, failed, near
 from camgeo.numeric.arrays import FloatArray
+from camgeo_export.matching import AnyContour, paired
 from camgeo_export.verify.farthest import farthest
 from camgeo_export.verify.joints import joints_of
 from camgeo_export.verify.shapes import Shape
-
-AnyContour = Contour | SplineContour
 
 SLOPE = 18.0
 """Largest slope, times length over tolerance, of what a piece is off along its length: a polynomial
@@ -26,6 +23,10 @@ no larger kinks than two such slopes."""
 
 FINER = 0.1
 """Tolerance of the outline whose turn is looked at, as a share of the contour's."""
+
+FINE = 1e-4
+"""Tolerance of the polygons by which contours are told apart, as a share of the outline's length:
+it bounds the share by which their areas are off by about twelve times as much."""
 
 INCH_SHARE = 0.01
 """By how much sizes in mm and in inch may miss 25.4 for an advice to be given."""
@@ -41,8 +42,7 @@ def matched(
 ) -> tuple[list[tuple[Shape, AnyContour | None]], Check]:
     """Each shape with its contour, if there is one, and the check that there are as many.
 
-    Boundaries of a part lie inside each other: the order of their areas tells them apart. A wrong
-    pair shows as a large deviation, never as a small one.
+    A wrong pair shows as a large deviation, never as a small one.
     """
     names = ", ".join(shape.name for shape in shapes)
     equal = len(contours) == len(shapes)
@@ -51,7 +51,8 @@ def matched(
     found = sorted(contours, key=lambda contour: abs(contour.area))
     wanted = sorted(shapes, key=_size)
     if equal:
-        return list(zip(wanted, found, strict=True)), count
+        outlines = [shape.polygon(FINE * shape.length) for shape in wanted]
+        return list(zip(wanted, paired(contours, outlines), strict=True)), count
     pairs: list[tuple[Shape, AnyContour | None]] = []
     for shape in reversed(wanted):
         best = min(found, key=lambda each: abs(abs(each.area) - _size(shape)), default=None)

@@ -1,0 +1,38 @@
+"""Which contour of a file is which boundary: by size, and by place where sizes are alike."""
+
+from __future__ import annotations
+
+import cmath
+import math
+
+import numpy as np
+import pytest
+
+from camgeo.contour.contour import Contour
+from camgeo_export.matching import paired
+
+HOLES = [Contour.circle(3.0, 30.0 * cmath.exp(2j * math.pi * k / 6.0)) for k in range(6)]
+
+NESTED = [Contour.circle(radius) for radius in (60.0, 49.0, 48.0, 12.0)]
+
+
+def polygon(contour: Contour) -> Contour:
+    points = contour.points(0.03)
+    return Contour(points, np.zeros(len(points)), np.zeros_like(points))
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_each_contour_is_found_in_any_order(seed: int) -> None:
+    wanted = [*NESTED, *HOLES]
+    order = np.random.default_rng(seed).permutation(len(wanted)).tolist()
+    contours = [wanted[k] if k % 2 else wanted[k].reversed() for k in order]
+    found = paired(contours, [polygon(each) for each in wanted])
+    assert [order.index(k) for k in range(len(wanted))] == [
+        next(i for i, each in enumerate(contours) if each is match) for match in found
+    ]
+
+
+def test_a_hole_that_was_moved_stays_that_hole() -> None:
+    """The others keep theirs, so that one deviation is told and not two."""
+    moved = [Contour.circle(3.0, 31.0 + 0j), *HOLES[1:]]
+    assert paired(moved, [polygon(each) for each in HOLES]) == moved
