@@ -17,7 +17,7 @@ def cam_of(
     contact: Contact = Contact.INNER,
     linkage: Linkage | None = None,
 ) -> Cam:
-    unit: LiftUnit = "rad" if follower.rocks else "mm"
+    unit: LiftUnit = follower.lift_unit
     if linkage is not None:
         unit = linkage.unit
     return Cam(Drive(plan, linkage, unit), follower, rotation, contact)

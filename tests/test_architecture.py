@@ -200,7 +200,7 @@ KIND_WORDS = {
 
 KIND_FUNCTIONS = {"require_roller"}
 
-MOST_KIND_QUESTIONS = 142
+MOST_KIND_QUESTIONS = 73
 """Places outside `mechanism` that ask what kind of follower, linkage or contact it is."""
 
 

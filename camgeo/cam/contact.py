@@ -40,6 +40,11 @@ class Contact(StrEnum):
         """The flank that closes the contact, the inner one of a groove."""
         return self.flanks[0]
 
+    @property
+    def push(self) -> int:
+        """Sign of the force that presses the follower on that flank, positive outward."""
+        return -self.main.sign
+
     def distances(self, half: float) -> dict[Flank, float]:
         """Signed distance [mm] of each flank in use from the pitch curve.
 

@@ -24,7 +24,7 @@ OF_PAIR: Final = ({INNER: "main", OUTER: "return"}, "disc")
 def holds_both_ways(subject: Subject) -> bool:
     """Whether the follower is held in both senses: in a groove, between two discs, by a yoke."""
     return (
-        subject.cam.contact == "groove"
+        subject.cam.contact.closed_by_form
         or subject.returning is not None
         or subject.cam.yoke is not None
     )

@@ -65,7 +65,7 @@ class Subject:
 
 def toucher(subject: Subject) -> Literal["face", "roller"]:
     """What touches the cam, as sentences name it; a knife edge is a roller of radius 0."""
-    return "face" if subject.cam.follower.is_flat else "roller"
+    return subject.cam.follower.touching
 
 
 def driving_slider(subject: Subject) -> SliderCrank | None:
@@ -82,7 +82,7 @@ def driving_slider(subject: Subject) -> SliderCrank | None:
 def machine_of(subject: Subject) -> Machine:
     """The machine as the rules of effects see it."""
     return Machine(
-        flat=subject.cam.follower.is_flat,
+        touching=subject.cam.follower.touching,
         far="" if subject.cam.drive.linkage is None else subject.cam.drive.linkage.member,
         paired=subject.returning is not None,
         yoked=subject.cam.yoke is not None,

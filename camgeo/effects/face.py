@@ -15,17 +15,12 @@ is no sliding. A face that slides so is pressed on the cam by the whole normal f
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING
 
-import numpy as np
-
-from camgeo.check.convexity import check_convexity
 from camgeo.errors import EffectError
 
 if TYPE_CHECKING:
     from camgeo.effects.effect import Subject
-    from camgeo.mechanism.kinds import AnyFlat
-    from camgeo.mechanism.oscillating_flat import OscillatingFlat
     from camgeo.motion.motion import Side
     from camgeo.numeric.arrays import FloatArray
 
@@ -36,15 +31,15 @@ def sliding(subject: Subject, phi: FloatArray, side: Side) -> FloatArray:
     Per unit of cam speed: times omega it is in mm/s. For flat-faced followers.
     """
     jet = subject.cam.drive.motion.jet(phi, side)
-    slide = cast("AnyFlat", subject.cam.follower).touch(jet, subject.cam.rotation).distance
-    if subject.cam.follower.rocks:
-        rocker = cast("OscillatingFlat", subject.cam.follower)
-        slide = slide - subject.cam.rotation * rocker.face_offset * rocker.swing_sense * jet[1]
-    return np.asarray(slide)
+    return subject.cam.follower.sliding(jet, subject.cam.rotation)
 
 
 def require_convex(subject: Subject, what: str) -> None:
     """Raise EffectError that there is no `what`, if a flat face cannot touch the cam all round."""
+    if subject.cam.follower.undercuts:
+        return
+    from camgeo.check.convexity import check_convexity  # few cams have a flat face
+
     for found in check_convexity(subject.cam.disc.pitch_curve):
         if found.severity == "fatal":
             raise EffectError(

@@ -8,7 +8,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import Any, Final, Literal
+from typing import TYPE_CHECKING, Any, Final, Literal
+
+if TYPE_CHECKING:
+    from camgeo.mechanism.kind import Touching
 
 Far = Literal["", "slider", "lever", "crank"]
 """What makes the demanded motion at the far end of a linkage; empty without one."""
@@ -20,13 +23,13 @@ class Machine:
 
     Attributes
     ----------
-    flat : whether the follower has a flat face; None if that is not known.
+    touching : what touches the cam, "roller" or "face"; None if that is not known.
     far : the far end of its linkage; None if that is not known.
     paired : whether a return disc holds the follower back.
     yoked : whether the follower has a second side beyond the cam axis.
     """
 
-    flat: bool | None = False
+    touching: Touching | None = "roller"
     far: Far | None = ""
     paired: bool = False
     yoked: bool = False
@@ -60,13 +63,15 @@ class Kind:
 
     Attributes
     ----------
-    others : whether a machine is surely of another kind.
+    of : the attribute of a `Machine` that tells it.
+    others : its values in machines that are surely of another kind.
     refusal : what is said to a scene of another kind.
     told : the same as a sentence of a description.
     barring : key of the scene's [follower] that makes a machine of another kind; empty if none.
     """
 
-    others: Callable[[Machine], bool]
+    of: str
+    others: tuple[str | bool, ...]
     refusal: str
     told: str
     barring: str = ""
@@ -85,48 +90,50 @@ class Only:
 
     def __call__(self, machine: Machine, table: Table) -> Iterator[tuple[str, str]]:
         """See `Rule`."""
-        if self.kind.others(machine):
+        if getattr(machine, self.kind.of) in self.kind.others:
             for key in self.keys or ("",):
                 if not key or key in table.values:
                     yield key, self.kind.refusal
 
 
-ROLLERS: Final = Kind(
-    lambda machine: machine.flat is True, "is for roller followers", "Roller followers only."
-)
+ROLLERS: Final = Kind("touching", ("face",), "is for roller followers", "Roller followers only.")
 FLATS: Final = Kind(
-    lambda machine: machine.flat is False,
+    "touching",
+    ("roller",),
     "is for flat-faced followers",
     "Flat-faced followers only.",
 )
 ONE_DISC: Final = Kind(
-    lambda machine: machine.paired,
+    "paired",
+    (True,),
     "knows one disc; a conjugate pair, [follower.return], has two",
     "Not with a conjugate pair.",
     "return",
 )
 ONE_ROLLER: Final = Kind(
-    lambda machine: machine.paired,
+    "paired",
+    (True,),
     "knows one roller; a conjugate pair, [follower.return], has two",
     "Not with a conjugate pair.",
     "return",
 )
 ONE_CONTACT: Final = Kind(
-    lambda machine: machine.yoked,
+    "yoked",
+    (True,),
     "knows one contact; a yoke, [follower.yoke], has two",
     "Not with a yoke.",
     "yoke",
 )
 DRIVING_SLIDER: Final = Kind(
-    lambda machine: machine.far in ("lever", "crank"),
+    "far",
+    ("lever", "crank"),
     "is for a slider that drives a rocker; no such linkage is here",
     "Of linkages only with a slider that drives a rocker.",
 )
-STRAIGHT: Final = Kind(
-    lambda machine: machine.far == "lever", DRIVING_SLIDER.refusal, "Not with a four-bar."
-)
+STRAIGHT: Final = Kind("far", ("lever",), DRIVING_SLIDER.refusal, "Not with a four-bar.")
 TURNING: Final = Kind(
-    lambda machine: machine.far == "slider",
+    "far",
+    ("slider",),
     "is for the lever of a four-bar, or for a crank that a slider turns",
     "Not with a slider that drives a rocker.",
 )

@@ -23,6 +23,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal, Protocol
 
+import numpy as np
+
 from camgeo.mechanism.kind import Mover, Touching, Unit
 from camgeo.mechanism.sketch import MechanismSketch
 from camgeo.motion.motion import FULL_ORDER, Jet
@@ -100,6 +102,12 @@ class Follower(Protocol):
     face : where a flat face begins and ends [mm], None if it is as long as it needs to be; zeros
         for a roller.
     lift_scale : a large lift [mm or rad], for what is small beside it.
+    way : direction of a positive lift, complex; 0 of a rocker.
+    start_arm : at lift 0 from the pivot, or on a guide from the cam axis, to the roller centre, the
+        pivot's foot on a face, or that of the cam axis, complex [mm].
+    swing_sense : sense in which a positive lift turns it, +1 counter-clockwise, -1; 0 on a guide.
+    rolls : whether what touches the cam rolls on it; a flat face slides.
+    has_edge : whether it is a knife edge, a roller without radius.
     undercuts : whether its flanks may cross themselves; a flat face touches only what is convex.
     standstill : what it means where Z' = 0, in words.
     rocks : whether it swings about a pivot, its lift an angle; else it slides along a guide.
@@ -139,6 +147,21 @@ class Follower(Protocol):
     def lift_scale(self) -> float: ...
 
     @property
+    def way(self) -> complex: ...
+
+    @property
+    def start_arm(self) -> complex: ...
+
+    @property
+    def swing_sense(self) -> int: ...
+
+    @property
+    def rolls(self) -> bool: ...
+
+    @property
+    def has_edge(self) -> bool: ...
+
+    @property
     def undercuts(self) -> bool: ...
 
     @property
@@ -173,6 +196,16 @@ class Follower(Protocol):
 
     def curvature(self, relative: RelativeJet, speed: FloatArray, rotation: int) -> FloatArray:
         """(n,) [1/mm] of the pitch curve, from R_0 to R_k, k + `ahead` = 2, and `speed` |Z'|."""
+
+    def contact_radius(self, kappa: FloatArray, half: float) -> FloatArray:
+        """(n,) [mm] R of 1/R = 1/r_R + the curvature of the flank, as of Hertz's pressure.
+
+        kappa (n,) [1/mm] is the curvature of the pitch curve seen from the flank, which lies `half`
+        [mm] from it. Not above 0 where the flank undercuts.
+        """
+
+    def sliding(self, jet: Jet, rotation: int) -> FloatArray:
+        """(n,) [mm/rad] how fast it slides on the cam for lifts `jet` (4, n), along t = Z'/|Z'|."""
 
     def on_one_side(self, lifts: FloatArray) -> bool:
         """Whether at these lifts the roller stays before the foot of its guide, or on its side of
@@ -226,3 +259,13 @@ def bend_of_envelope(relative: RelativeJet, speed: FloatArray, rotation: int) ->
     """
     kappa: FloatArray = (1.0 - rotation * relative.turning) / speed
     return kappa
+
+
+def radius_under_roller(roller: float, kappa: FloatArray, half: float) -> FloatArray:
+    """(n,) [mm] see `Follower.contact_radius`.
+
+    1/R = 1/r_R + kappa/(1 - d kappa), d the flank's distance: r_R but in a groove with play.
+    """
+    radius = roller * (1.0 - half * kappa)
+    share = 1.0 - (half - roller) * kappa
+    return np.divide(radius, share, out=radius, where=radius > 0.0)

@@ -119,6 +119,26 @@ class OscillatingFlat:
         return 1.0
 
     @property
+    def way(self) -> complex:
+        """See `Follower`."""
+        return 0j
+
+    @property
+    def start_arm(self) -> complex:
+        """See `Follower`."""
+        return self._face(0.0)[0] - self.pivot
+
+    @property
+    def rolls(self) -> bool:
+        """See `Follower`."""
+        return False
+
+    @property
+    def has_edge(self) -> bool:
+        """See `Follower`."""
+        return False
+
+    @property
     def undercuts(self) -> bool:
         """See `Follower`."""
         return False
@@ -306,6 +326,15 @@ class OscillatingFlat:
     def curvature(self, relative: RelativeJet, speed: FloatArray, rotation: int) -> FloatArray:
         """See `Follower.curvature`."""
         return bend_of_envelope(relative, speed, rotation)
+
+    def contact_radius(self, kappa: FloatArray, _: float) -> FloatArray:
+        """See `Follower.contact_radius`: a face adds no curvature."""
+        return 1.0 / kappa
+
+    def sliding(self, jet: Jet, rotation: int) -> FloatArray:
+        """See `Follower.sliding`: g = h - sigma f nu'."""
+        slide = self.touch(jet, rotation).distance
+        return np.asarray(slide - rotation * self.face_offset * self.swing_sense * jet[1])
 
     def on_one_side(self, _: FloatArray) -> bool:
         """See `Follower.on_one_side`."""

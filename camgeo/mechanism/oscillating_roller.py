@@ -11,7 +11,13 @@ import numpy as np
 
 from camgeo.errors import GeometryError
 from camgeo.mechanism.drawn import traced_point
-from camgeo.mechanism.follower import STANDSTILL, RelativeJet, TangentJet, bend_of_path
+from camgeo.mechanism.follower import (
+    STANDSTILL,
+    RelativeJet,
+    TangentJet,
+    bend_of_path,
+    radius_under_roller,
+)
 from camgeo.mechanism.kind import Mover, Touching, Unit
 from camgeo.mechanism.sketch import MechanismSketch
 from camgeo.mechanism.values import length, place, radius, sense
@@ -124,6 +130,26 @@ class OscillatingRoller:
         return 1.0
 
     @property
+    def way(self) -> complex:
+        """See `Follower`."""
+        return 0j
+
+    @property
+    def start_arm(self) -> complex:
+        """See `Follower`."""
+        return cmath.rect(self.arm, cmath.phase(-self.pivot) + self.arm_side * self.start_angle)
+
+    @property
+    def rolls(self) -> bool:
+        """See `Follower`."""
+        return True
+
+    @property
+    def has_edge(self) -> bool:
+        """See `Follower`."""
+        return self.roller_radius == 0.0
+
+    @property
     def undercuts(self) -> bool:
         """See `Follower`."""
         return True
@@ -223,6 +249,14 @@ class OscillatingRoller:
     def curvature(self, relative: RelativeJet, speed: FloatArray, rotation: int) -> FloatArray:
         """See `Follower.curvature`."""
         return bend_of_path(relative, speed, rotation)
+
+    def contact_radius(self, kappa: FloatArray, half: float) -> FloatArray:
+        """See `Follower.contact_radius`."""
+        return radius_under_roller(self.roller_radius, kappa, half)
+
+    def sliding(self, jet: Jet, _: int) -> FloatArray:
+        """See `Follower.sliding`: a roller rolls."""
+        return np.zeros(jet.shape[1])
 
     def on_one_side(self, lifts: FloatArray) -> bool:
         """See `Follower.on_one_side`."""

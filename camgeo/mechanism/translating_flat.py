@@ -91,6 +91,31 @@ class TranslatingFlat:
         return self.base_radius
 
     @property
+    def swing_sense(self) -> int:
+        """See `Follower`: none."""
+        return 0
+
+    @property
+    def way(self) -> complex:
+        """See `Follower`."""
+        return self.direction * cmath.rect(1.0, self.guide_angle)
+
+    @property
+    def start_arm(self) -> complex:
+        """See `Follower`."""
+        return 1j * self.base_radius * cmath.rect(1.0, self.guide_angle - 0.5 * math.pi)
+
+    @property
+    def rolls(self) -> bool:
+        """See `Follower`."""
+        return False
+
+    @property
+    def has_edge(self) -> bool:
+        """See `Follower`."""
+        return False
+
+    @property
     def undercuts(self) -> bool:
         """See `Follower`."""
         return False
@@ -197,6 +222,14 @@ class TranslatingFlat:
     def curvature(self, relative: RelativeJet, speed: FloatArray, rotation: int) -> FloatArray:
         """See `Follower.curvature`."""
         return bend_of_envelope(relative, speed, rotation)
+
+    def contact_radius(self, kappa: FloatArray, _: float) -> FloatArray:
+        """See `Follower.contact_radius`: a face adds no curvature."""
+        return 1.0 / kappa
+
+    def sliding(self, jet: Jet, rotation: int) -> FloatArray:
+        """See `Follower.sliding`: g = h; that the contact wanders is no sliding."""
+        return self.touch(jet, rotation).distance
 
     def on_one_side(self, _: FloatArray) -> bool:
         """See `Follower.on_one_side`."""

@@ -11,7 +11,13 @@ import numpy as np
 
 from camgeo.errors import GeometryError
 from camgeo.mechanism.drawn import across, bracket, carriage, traced_point
-from camgeo.mechanism.follower import STANDSTILL, RelativeJet, TangentJet, bend_of_path
+from camgeo.mechanism.follower import (
+    STANDSTILL,
+    RelativeJet,
+    TangentJet,
+    bend_of_path,
+    radius_under_roller,
+)
 from camgeo.mechanism.kind import Mover, Touching, Unit
 from camgeo.mechanism.sketch import MechanismSketch
 from camgeo.mechanism.values import angle, coordinate, length, radius, sense
@@ -94,6 +100,33 @@ class TranslatingRoller:
     def lift_scale(self) -> float:
         """See `Follower`."""
         return self.base_radius
+
+    @property
+    def swing_sense(self) -> int:
+        """See `Follower`: none."""
+        return 0
+
+    @property
+    def way(self) -> complex:
+        """See `Follower`."""
+        return self.direction * cmath.rect(1.0, self.guide_angle)
+
+    @property
+    def start_arm(self) -> complex:
+        """See `Follower`."""
+        return complex(self.offset, self.start_height) * cmath.rect(
+            1.0, self.guide_angle - 0.5 * math.pi
+        )
+
+    @property
+    def rolls(self) -> bool:
+        """See `Follower`."""
+        return True
+
+    @property
+    def has_edge(self) -> bool:
+        """See `Follower`."""
+        return self.roller_radius == 0.0
 
     @property
     def undercuts(self) -> bool:
@@ -179,6 +212,14 @@ class TranslatingRoller:
     def curvature(self, relative: RelativeJet, speed: FloatArray, rotation: int) -> FloatArray:
         """See `Follower.curvature`."""
         return bend_of_path(relative, speed, rotation)
+
+    def contact_radius(self, kappa: FloatArray, half: float) -> FloatArray:
+        """See `Follower.contact_radius`."""
+        return radius_under_roller(self.roller_radius, kappa, half)
+
+    def sliding(self, jet: Jet, _: int) -> FloatArray:
+        """See `Follower.sliding`: a roller rolls."""
+        return np.zeros(jet.shape[1])
 
     def on_one_side(self, lifts: FloatArray) -> bool:
         """See `Follower.on_one_side`."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Final
+
 from camgeo.cam.contact import Contact
 from camgeo.contour.contour import Contour
 from camgeo.errors import GeometryError
@@ -43,33 +45,49 @@ def build_part(
     UndercutError
         If a flank is no outline.
     """
-    book = ledger or Ledger()
-    bore: tuple[Boundary, ...] = ()
-    if spec.bore is not None and contact != "outer":
-        bore = (bore_boundary(spec.bore, spec.keyway),)
-    bottom = -(spec.thickness or 0.0)
-    if contact == "inner":
-        outline = CurveBoundary("outline", hole=False, path=inner, ledger=book)
-        _bore_fits(spec, outline, tolerance)
-        return Part((Layer(bottom, 0.0, (outline, *bore)),))
-    rim = _rim(spec, CurveBoundary("outer flank", hole=True, path=outer, ledger=book), tolerance)
-    if contact == "outer":
-        flank = CurveBoundary("outline", hole=True, path=outer, ledger=book)
-        return Part((Layer(bottom, 0.0, (rim, flank)),))
+    return PARTS[contact](inner, outer, spec, tolerance, ledger or Ledger())
+
+
+def _plate(inner: Path, _: Path, spec: PartSpec, tolerance: float, book: Ledger) -> Part:
+    """A disc whose outline is the inner flank."""
+    outline = CurveBoundary("outline", hole=False, path=inner, ledger=book)
+    _bore_fits(spec, outline, tolerance)
+    return Part((Layer(-(spec.thickness or 0.0), 0.0, (outline, *_bore(spec))),))
+
+
+def _ring(_: Path, outer: Path, spec: PartSpec, tolerance: float, book: Ledger) -> Part:
+    """A blank with a hole whose outline is the outer flank: there is no place for a bore."""
+    rim = _rim(spec, outer, tolerance, book)
+    flank = CurveBoundary("outline", hole=True, path=outer, ledger=book)
+    return Part((Layer(-(spec.thickness or 0.0), 0.0, (rim, flank)),))
+
+
+def _grooved(inner: Path, outer: Path, spec: PartSpec, tolerance: float, book: Ledger) -> Part:
+    """A blank with a groove between both flanks."""
+    rim = _rim(spec, outer, tolerance, book)
     groove = (
         CurveBoundary("inner flank", hole=False, path=inner, ledger=book),
         CurveBoundary("outer flank", hole=True, path=outer, ledger=book),
     )
     _bore_fits(spec, groove[0], tolerance)
-    body = (rim, *bore)
+    body = (rim, *_bore(spec))
     # Without thickness there is nothing for the groove to be sunk into.
     floor = -(spec.groove_depth or 0.0) if spec.thickness else 0.0
+    bottom = -(spec.thickness or 0.0)
     return Part((Layer(bottom, floor, body), Layer(floor, 0.0, (*body, *groove), "groove")))
 
 
-def _rim(spec: PartSpec, flank: CurveBoundary, tolerance: float) -> ExactBoundary:
+PARTS: Final = {Contact.INNER: _plate, Contact.OUTER: _ring, Contact.GROOVE: _grooved}
+
+
+def _bore(spec: PartSpec) -> tuple[Boundary, ...]:
+    return () if spec.bore is None else (bore_boundary(spec.bore, spec.keyway),)
+
+
+def _rim(spec: PartSpec, outer: Path, tolerance: float, book: Ledger) -> ExactBoundary:
     if spec.rim is None:
         raise GeometryError("a groove or inside cam needs the diameter of its rim", key="part.rim")
+    flank = CurveBoundary("outer flank", hole=True, path=outer, ledger=book)
     fit = flank.arcs(tolerance, "fast")
     needed = 2.0 * (largest_radius(fit.contour) + fit.deviation)
     if spec.rim <= needed:

@@ -81,7 +81,7 @@ def misfits(values: SoundValues) -> Iterator[Fault]:
 def _machine(values: SoundValues) -> Machine:
     """The machine as far as it is known."""
     return Machine(
-        flat=None if values.follower_kind is None else values.flat,
+        touching=None if values.follower_kind is None else values.follower_kind.touching,
         far="" if values.lacks("linkage") else values.far_end,
         paired=values.has("follower", "return"),
         yoked=values.has("follower", "yoke"),

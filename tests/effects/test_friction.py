@@ -486,7 +486,9 @@ class Cusp:
     """A follower that stands still in the turning cam all along."""
 
     base_radius, roller_radius, reach, start_height = 50.0, 10.0, 1.0, 0.0
-    rocks, is_flat, ahead = False, False, 0
+    ahead, offset, swing_sense = 0, 0.0, 0
+    touching, rolls, has_edge, undercuts = "roller", True, False, True
+    standstill = "the roller centre stands still: a cusp"
 
     def relative_jet(self, jet: FloatArray, *_: int) -> Any:
         still = np.zeros(jet.shape[1])

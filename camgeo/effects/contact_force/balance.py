@@ -151,7 +151,7 @@ class Balance:
         if cam_range is not None:
             first, last = (math.degrees(end) for end in cam_range)
             where = f"from cam angle {first:.4f} to {last:.4f} deg"
-        if self.friction is not None and self.subject.cam.follower.is_flat:
+        if self.friction is not None and not self.subject.cam.follower.rolls:
             value = limit = None
             why = "friction takes all that the contact force gives"
         elif cam_range is None or self.friction is None:

@@ -28,7 +28,7 @@ def force_findings(extremes: Extremes, subject: Subject, limit: float | None) ->
     low, high = extremes.lowest, extremes.highest
     mirrored = Extreme(-low.value, low.place)
     if not holds_both_ways(subject):
-        inner = subject.cam.contact == "inner"
+        inner = subject.cam.contact.runs_inside
         where = f"the {subject.cam.contact} flank"
         smallest = low if inner else Extreme(-high.value, high.place)
         largest = _largest(high if inner else mirrored, where, limit)

@@ -12,6 +12,7 @@ from camgeo.effects.contact_force.findings import force_findings, shock_findings
 from camgeo.effects.contact_force.places import refuse_jamming, smooth_edges
 from camgeo.effects.contact_force.spec import FORCES, Spec
 from camgeo.effects.effect import Column, Quantity, Request, Subject
+from camgeo.effects.face import require_convex
 from camgeo.effects.force import Force, all_borders
 from camgeo.effects.results import FRICTION, Friction
 from camgeo.effects.results import ContactForce as Asked
@@ -86,10 +87,7 @@ def compute(request: Request[Spec]) -> Asked:
     forces = [each.force for each in acting if each is not None]
     if friction is not None:
         forces.append(friction.force)
-    if subject.cam.follower.is_flat:
-        from camgeo.effects.face import require_convex
-
-        require_convex(subject, "contact force")
+    require_convex(subject, "contact force")
     balance = Balance(subject, tuple(forces), friction)
     edges = smooth_edges(balance)
     refuse_jamming(balance, edges)
@@ -114,7 +112,7 @@ def _columns(
 ) -> tuple[Column, ...]:
     """The signed force; of a conjugate pair that of each disc, which only pushes."""
     if subject.returning is None:
-        signed = -limit if limit is not None and subject.cam.contact == "outer" else limit
+        signed = None if limit is None else subject.cam.contact.push * limit
         return (Column("contact force", "N", normal, signed, borders),)
 
     def on_main(phi: FloatArray, side: Side) -> FloatArray:

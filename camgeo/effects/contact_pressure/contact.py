@@ -67,7 +67,7 @@ class Contact:
     def scale(self) -> float:
         """r_R [mm], against which a cusp is told; r_G with a flat face."""
         follower = self.subject.cam.follower
-        return follower.base_radius if follower.is_flat else follower.roller_radius
+        return follower.roller_radius or follower.base_radius
 
     def carried(self, phi: FloatArray, side: Side) -> tuple[FloatArray, FloatArray]:
         """(n,) force F that presses the follower on a flank [N], 0 or more, and (n,) which flank.
@@ -75,9 +75,9 @@ class Contact:
         A flank on which no roller runs bears nothing: there the roller has lifted off.
         """
         normal = self.normal(phi, side)
-        if self.subject.cam.contact == "groove":
+        if self.subject.cam.contact.closed_by_form:
             return np.abs(normal), np.where(normal < 0.0, float(OUTER), float(INNER))
-        sense = INNER if self.subject.cam.contact == "inner" else OUTER
+        sense = self.subject.cam.contact.push
         return np.maximum(sense * normal, 0.0), np.full(len(phi), float(sense))
 
     def curvature(self, phi: FloatArray, side: Side) -> FloatArray:
@@ -97,13 +97,8 @@ class Contact:
         """(n,) F [N] and (n,) R [mm]."""
         load, sense = self.carried(phi, side)
         kappa = sense * self.curvature(phi, side)
-        if self.subject.cam.follower.is_flat:  # on a convex cam, or there is no force
-            return load, 1.0 / kappa
-        roller, half = self.subject.cam.follower.roller_radius, self.subject.cam.disc.flank_distance
-        radius = roller * (1.0 - half * kappa)
-        # 1/R = 1/r_R + kappa/(1 - d kappa), d the flank's distance: r_R but in a groove with play.
-        share = 1.0 - (half - roller) * kappa
-        return load, np.divide(radius, share, out=radius, where=radius > 0.0)
+        cam = self.subject.cam
+        return load, cam.follower.contact_radius(kappa, cam.disc.flank_distance)
 
     def square(self, phi: FloatArray, side: Side) -> FloatArray:
         """(n,) p^2 [MPa^2], which is smooth where F and the curvature are; 0 without force.

@@ -100,7 +100,7 @@ def _of_disc(
 ) -> ContactPressure:
     """The pressure on one disc, `subject`; `edges` are those of the force `normal`."""
     spec = request.spec
-    if subject.cam.follower.roller_radius == 0.0 and not subject.cam.follower.is_flat:
+    if subject.cam.follower.has_edge:
         raise GeometryError(
             "is 0, a knife edge: pressure needs a roller that bears on a line of some width",
             key="follower.roller_radius",
@@ -161,7 +161,7 @@ def _of_return(
 def _width(subject: Subject, spec: Spec) -> float:
     """L [mm]."""
     part = subject.part_spec
-    groove = subject.cam.contact == "groove"
+    groove = subject.cam.contact.closed_by_form
     whole = None if part is None else part.groove_depth if groove else part.thickness
     name = "groove_depth" if groove else "thickness"
     if spec.width is None:
@@ -197,6 +197,6 @@ def _worst(contact: Contact, angle: float, square: float) -> Worst:
         load=float(load[0]),
         radius=float(radius[0]),
         curvature=bend,
-        roller=None if follower.is_flat else follower.roller_radius,
+        roller=follower.roller_radius or None,
         width=contact.width,
     )

@@ -157,7 +157,7 @@ def _loss_of_contact(torque: LawfulTorque) -> list[Finding]:
     law = torque.law
     if holds_both_ways(law.subject):
         return []
-    sense = 1.0 if law.subject.cam.contact == "inner" else -1.0
+    sense = float(law.subject.cam.contact.push)
 
     def pressing(phi: FloatArray, side: str) -> FloatArray:
         return sense * law.contact.normal(phi, "left" if side == "left" else "right")

@@ -36,6 +36,25 @@ ROUNDING: Final = 1e-12
 UNDRIVEN: Final = math.pi
 """Stands for the margin [rad] where the cam does not push; no margin is as large."""
 
+TOLD: Final = {
+    "roller": (
+        (
+            "smallest transmission angle above the limit of jamming: by {value:.4f} deg at cam"
+            " angle {angle:.4f} deg"
+        ),
+        "transmission angle misses the limit",
+    ),
+    "face": (
+        (
+            "the contact force may lean {value:.4f} deg more before the follower jams, least at cam"
+            " angle {angle:.4f} deg"
+        ),
+        "contact force leans too far",
+    ),
+}
+"""What is told of the margin, and what is wrong without one; the contact force always points the
+same way on a flat face."""
+
 
 def margin_of(statics: Statics, phi: FloatArray, side: Side) -> FloatArray:
     """(n,) [rad] margin of the flank by which the cam would push the follower on.
@@ -45,7 +64,7 @@ def margin_of(statics: Statics, phi: FloatArray, side: Side) -> FloatArray:
     """
     contact = statics.subject.cam.contact
     if not holds_both_ways(statics.subject):
-        return statics.margin(phi, side, 1 if contact == "inner" else -1)
+        return statics.margin(phi, side, contact.push)
     inner, outer = (statics.margin(phi, side, sense) for sense in (1, -1))
     return np.where(_drive(statics, phi, side) < 0.0, outer, inner)
 
@@ -74,7 +93,7 @@ def jamming_margin(statics: Statics, edges: FloatArray) -> tuple[Finding, ...]:
 
     def driven(phi: FloatArray, side: Side) -> FloatArray:
         drive = _drive(statics, phi, side)
-        pushes = drive != 0.0 if both else drive == (1 if contact == "inner" else -1)
+        pushes = drive != 0.0 if both else drive == contact.push
         return np.where(pushes, margin_of(statics, phi, side), UNDRIVEN)
 
     lowest = piecewise_extremes(driven, edges).lowest
@@ -82,23 +101,14 @@ def jamming_margin(statics: Statics, edges: FloatArray) -> tuple[Finding, ...]:
         return ()
     angle = math.degrees(lowest.place % TURN)
     value, near = math.degrees(lowest.value), math.degrees(NEAR)
-    told = (
-        f"smallest transmission angle above the limit of jamming: by {value:.4f} deg at cam angle"
-        f" {angle:.4f} deg"
-    )
-    flat = statics.subject.cam.follower.is_flat
-    if flat:  # whose contact force always points the same way on it
-        told = (
-            f"the contact force may lean {value:.4f} deg more before the follower jams, least at"
-            f" cam angle {angle:.4f} deg"
-        )
+    told, lacks = TOLD[statics.subject.cam.follower.touching]
+    told = told.format(value=value, angle=angle)
     severity: Severity = "ok"
     limit = near
     cam_range = None
     if lowest.value <= ROUNDING:
         severity, limit = "broken", 0.0
         cam_range = stretch_below(lambda phi: driven(phi, "right") - ROUNDING, edges, lowest.place)
-        lacks = "contact force leans too far" if flat else "transmission angle misses the limit"
         told = f"the follower jams: the {lacks} by {-value:.4f} deg at cam angle {angle:.4f} deg"
         if cam_range is not None:
             first, last = (math.degrees(each) for each in cam_range)

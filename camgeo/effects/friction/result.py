@@ -10,6 +10,7 @@ import numpy as np
 
 from camgeo.check.finding import Finding
 from camgeo.effects.effect import Column, Request, Subject, driving_slider, toucher
+from camgeo.effects.face import require_convex
 from camgeo.effects.force import Coefficients, Force
 from camgeo.effects.friction.jamming import column, jamming_margin
 from camgeo.effects.friction.senses import senses_of
@@ -76,10 +77,7 @@ def compute(request: Request[Spec]) -> Asked:
     """
     subject, spec = request.subject, request.spec
     refuse_misfits(spec, subject)
-    if subject.cam.follower.is_flat:
-        from camgeo.effects.face import require_convex
-
-        require_convex(subject, "friction of the face")
+    require_convex(subject, "friction of the face")
     edges = subject.cam.drive.smooth_angles
     senses = senses_of(subject.cam.drive.motion, edges)
     start = float(subject.cam.drive.motion.jet(np.zeros(1), "right", 1)[0, 0])
@@ -105,7 +103,7 @@ def compute(request: Request[Spec]) -> Asked:
 def _borders(statics: Statics, edges: FloatArray) -> FloatArray:
     """Where, on either flank, an angular velocity, a reaction or a side changes its sign."""
     found = [edges]
-    if statics.spec.face and statics.rocks:
+    if statics.spec.face and statics.swing:
         found.append(roots_on_grid(lambda phi: statics.state(phi, "right", 1).slip, grid_of(edges)))
     for sense in FLANKS:
 
@@ -115,7 +113,7 @@ def _borders(statics: Statics, edges: FloatArray) -> FloatArray:
         if statics.spec.roller_pin:
             found.append(roots_on_grid(spin, grid_of(edges)))
         cuts = merged(np.concatenate(found))
-        for name in ("sine", "cosine", *(() if statics.rocks else ("near", "far"))):
+        for name in ("sine", "cosine", *(() if statics.swing else ("near", "far"))):
 
             def signed(phi: FloatArray, sense: int = sense, name: str = name) -> FloatArray:
                 values: FloatArray = getattr(statics.state(phi, "right", sense), name)

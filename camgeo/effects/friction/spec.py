@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
 
 from camgeo.effects.effect import driving_slider
+from camgeo.effects.rules import ROLLERS
 from camgeo.errors import GeometryError
 
 if TYPE_CHECKING:
@@ -94,14 +95,14 @@ def parse(table: Mapping[str, Any]) -> Spec:
 def tilts(machine: Machine, table: Table) -> Iterator[tuple[str, str]]:
     """A flat face that rubs in its guide needs the guide's length, see `Rule`."""
     told = {"guide_overhang", "guide_offset"} & table.values.keys()  # they ask for it themselves
-    rubs = machine.flat and table.values.get("guide")
+    rubs = machine.touching in ROLLERS.others and table.values.get("guide")
     if rubs and table.lacks("guide_length") and not told:
         yield "guide_length", TILTS
 
 
 def refuse_misfits(spec: Spec, subject: Subject) -> None:
     """Raise GeometryError with the key of a value that has no place on this follower."""
-    rocker = subject.cam.follower.rocks
+    rocker = subject.cam.follower.swing_sense != 0
     slides = driving_slider(subject) is not None
     misfits = dict.fromkeys(
         OF_GUIDE if rocker else OF_PIVOT,
@@ -113,7 +114,7 @@ def refuse_misfits(spec: Spec, subject: Subject) -> None:
         misfits["slider"] = "is for the slider of a linkage, and there is none"
     if rocker and not slides:
         misfits["guide_viscous"] = "is for translating followers and for sliders of linkages"
-    if subject.cam.follower.roller_radius == 0.0 and not subject.cam.follower.is_flat:
+    if subject.cam.follower.has_edge:
         misfits |= dict.fromkeys(OF_ROLLER, "is for rollers: the follower has a knife edge")
     for key in spec.given:
         if key in misfits:

@@ -45,6 +45,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from camgeo.effects.face import sliding
 from camgeo.effects.friction.senses import Senses
 from camgeo.effects.friction.spec import Spec
 from camgeo.motion.motion import Side
@@ -112,14 +113,9 @@ class Statics:
     other: Statics | None = None
 
     @property
-    def rocks(self) -> bool:
-        """Whether the follower is a rocker."""
-        return self.subject.cam.follower.rocks
-
-    @property
-    def swing(self) -> float:
+    def swing(self) -> int:
         """Angle of the follower a unit of q, counter-clockwise: +1, -1, or 0 in a guide."""
-        return math.copysign(1.0, self.subject.cam.follower.reach) if self.rocks else 0.0
+        return self.subject.cam.follower.swing_sense
 
     def state(self, phi: FloatArray, side: Side, sense: int) -> State:
         """The contact on the inner (+1) or outer (-1) flank.
@@ -144,23 +140,22 @@ class Statics:
         pin = (-0.5 * spec.roller_pin * spec.roller_pin_diameter) * np.sign(spin)
         rolling = sense * sigma * spec.rolling
         tangential = (-sense * sigma * per_radius) * (pin + rolling)
-        if follower.is_flat:
-            from camgeo.effects.face import sliding
-
+        if spec.face:
             slip = sliding(subject, phi, side)
             tangential = -spec.face * np.sign(slip)
         outward = math.copysign(1.0, follower.reach)
         # v of a rocker is counted against sigma times that of a guide, see their `relative_jet`.
-        ahead = -sigma * outward if self.rocks else outward
+        ahead = -sigma * outward if self.swing else outward
         sine, cosine = outward * relative.u / speed, ahead * relative.v / speed
         across, overhang, tilt = np.zeros((3, len(speed)))
         near, far = -across, across
-        if not self.rocks:
+        if not self.swing:
             # n = (-sigma v, u) / |Z'| and t = (sigma u, v) / |Z'|, across the guide and along it
             across = sigma * (tangential * relative.u - sense * relative.v) / speed
             overhang = spec.guide_overhang - outward * (jet[0] - self.start)
             near, far = -across, np.zeros_like(across)
-            tilt = sense * (relative.along[0] - spec.guide_offset) if follower.is_flat else -pin
+            # the force on a roller goes through the axis of the guide
+            tilt = sense * (relative.along[0] - follower.offset - spec.guide_offset) - pin
             length = spec.guide_length
             if length is not None:
                 far = (overhang * across + tilt) / length
@@ -192,7 +187,7 @@ class Statics:
     def drag(self, at: State) -> FloatArray:
         """(n,) [1 or mm] what guide or pivot take in the sense of q."""
         spec = self.spec
-        if self.rocks:
+        if self.swing:
             return np.full(len(at.sine), 0.5 * spec.pivot * spec.pivot_diameter)
         return np.asarray(spec.guide * (np.abs(at.near) + np.abs(at.far)))
 
@@ -214,7 +209,7 @@ class Statics:
         ahead = pushed * _sign(at.cosine)  # +1 where t points along the way that it is pushed
         helping = ahead * at.tangential
         first, second = np.ones_like(helping), helping
-        if self.rocks:
+        if self.swing:
             loss = self.drag(at) + pushed * self.swing * at.pin_moment
             third = loss / at.reach
         else:

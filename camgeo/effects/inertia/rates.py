@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from camgeo.effects.inertia.spec import InertiaSpec
-from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 
@@ -47,11 +46,8 @@ def at_follower(subject: Subject, spec: InertiaSpec) -> float:
     The roller counts as a point in its centre: what it takes to spin it is not in it.
     """
     follower = subject.cam.follower
-    if isinstance(follower, OscillatingRoller):
-        return spec.moment_of_inertia + spec.roller_mass * follower.arm**2
-    if follower.rocks:
-        return spec.moment_of_inertia
-    return spec.mass + spec.roller_mass
+    own = {"mm": spec.mass, "rad": spec.moment_of_inertia}[follower.lift_unit]
+    return own + spec.roller_mass * follower.reach**2
 
 
 def train_of(subject: Subject, spec: InertiaSpec) -> Train:

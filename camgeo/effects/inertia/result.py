@@ -20,7 +20,7 @@ from camgeo.effects.force import Force
 from camgeo.effects.inertia.masses import Mass, masses_of
 from camgeo.effects.inertia.rates import Train, at_follower, train_of
 from camgeo.effects.inertia.sums import inertia_force, reduced
-from camgeo.effects.inertia.told import Told, lacking
+from camgeo.effects.inertia.told import TERMS, Told, lacking
 from camgeo.effects.locked import refuse_locked
 from camgeo.effects.results import Inertia as Asked
 from camgeo.motion.motion import Side
@@ -93,8 +93,7 @@ def compute(request: Request[InertiaSpec]) -> Asked:
         return inertia_force(train, phi, side)
 
     force = Force("inertia", coefficients)
-    rocks = subject.cam.lift_unit == "rad"
-    told = Told(subject, request.course, train, rocks)
+    told = Told(subject, request.course, train, TERMS[subject.cam.lift_unit])
     return Inertia(
         force=force,
         train=train,

@@ -49,7 +49,7 @@ class InertiaSpec:
 
     def far(self, linkage: Linkage) -> float:
         """What makes the demanded motion behind a linkage: [t], or [t mm^2] if it turns."""
-        return self.mass if linkage.member == "slider" else self.output_moment
+        return {"mm": self.mass, "rad": self.output_moment}[linkage.unit]
 
     def beyond(self, linkage: Linkage | None) -> bool:
         """Whether anything behind the linkage has a mass."""
@@ -59,7 +59,7 @@ class InertiaSpec:
 
     def check(self, subject: Subject) -> None:
         """Raise GeometryError, with the key of the scene, if the mechanism has no such mass."""
-        rocks = subject.cam.follower.rocks
+        rocks = subject.cam.follower.pivot is not None
         slides = driving_slider(subject) is not None
         refused: list[tuple[tuple[str, ...], str]] = []
         if not rocks:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final, Literal, cast
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
@@ -21,7 +22,7 @@ from camgeo.numeric.peaks import piecewise_extremes
 if TYPE_CHECKING:
     from camgeo.effects.effect import Subject
     from camgeo.effects.inertia.spec import InertiaSpec
-    from camgeo.mechanism.kinds import AnyRocker
+    from camgeo.mechanism.kind import Unit
     from camgeo.motion.time_course import TimeCourse
     from camgeo.numeric.extremes import Extreme
 
@@ -44,10 +45,10 @@ def lacking(subject: Subject, spec: InertiaSpec) -> tuple[Finding, ...]:
     By the parallel axis theorem (Steiner) the moment about the pivot is m r^2 and what the body has
     about its centre of mass.
     """
-    if spec.rocker_centre is None or not subject.cam.follower.rocks:
+    pivot = subject.cam.follower.pivot
+    if spec.rocker_centre is None or pivot is None:
         return ()
-    follower = cast("AnyRocker", subject.cam.follower)
-    least = spec.rocker_mass * abs(spec.rocker_centre - follower.pivot) ** 2
+    least = spec.rocker_mass * abs(spec.rocker_centre - pivot) ** 2
     if spec.moment_of_inertia >= least * (1.0 - WRITTEN):
         return ()
     value, bound = KG_M2 * spec.moment_of_inertia, KG_M2 * least
@@ -67,25 +68,39 @@ def lacking(subject: Subject, spec: InertiaSpec) -> tuple[Finding, ...]:
 
 
 @dataclass(frozen=True, slots=True)
+class Terms:
+    """What the inertia of a follower and its force are called, and their units.
+
+    `mass_scale` and `force_scale` are the figures told a unit inside.
+    """
+
+    mass: str
+    mass_unit: str
+    mass_scale: float
+    force: str
+    force_unit: str
+    force_scale: float
+
+
+TERMS: Final[Mapping[Unit, Terms]] = {
+    "mm": Terms("mass", "kg", KG, "force", "N", 1.0),
+    "rad": Terms("moment of inertia", "kg m^2", KG_M2, "torque", "N m", N_M),
+}
+"""By the unit of the follower's lift."""
+
+
+@dataclass(frozen=True, slots=True)
 class Told:
     """Findings and columns."""
 
     subject: Subject
     course: TimeCourse
     train: Train
-    rocks: bool
-
-    @property
-    def what(self) -> Literal["mass", "moment of inertia"]:
-        return "moment of inertia" if self.rocks else "mass"
-
-    @property
-    def unit(self) -> str:
-        return "kg m^2" if self.rocks else "kg"
+    terms: Terms
 
     def mass(self, phi: FloatArray, side: Side) -> FloatArray:
         """Reduced to the follower, in `unit`."""
-        return reduced(self.train, phi, side) * (KG_M2 if self.rocks else KG)
+        return reduced(self.train, phi, side) * self.terms.mass_scale
 
     def at_cam(self, phi: FloatArray, side: Side) -> FloatArray:
         """Reduced to the camshaft [kg m^2]."""
@@ -95,29 +110,31 @@ class Told:
     def force(self, phi: FloatArray, side: Side) -> FloatArray:
         """At the speed of the scene [N or N m]."""
         found = at_rates(inertia_force(self.train, phi, side), self.course.rates(phi))
-        return found * N_M if self.rocks else found
+        return found * self.terms.force_scale
 
     def columns(self) -> tuple[Column, ...]:
-        name = "inertia torque" if self.rocks else "inertia force"
+        terms = self.terms
         return (
-            Column(f"reduced {self.what}", self.unit, self.mass),
-            Column(name, "N m" if self.rocks else "N", self.force),
+            Column(f"reduced {terms.mass}", terms.mass_unit, self.mass),
+            Column(f"inertia {terms.force}", terms.force_unit, self.force),
         )
 
     def findings(self) -> tuple[Finding, ...]:
         edges = self.subject.cam.drive.smooth_angles
         at_cam = piecewise_extremes(self.at_cam, edges).highest
-        name = f"reduced-{self.what.replace(' ', '-')}"
-        at = f"{self.what} reduced to the follower"
+        name = f"reduced-{self.terms.mass.replace(' ', '-')}"
+        at = f"{self.terms.mass} reduced to the follower"
         found = []
         if isinstance(self.train, DirectTrain):  # the same at all cam angles
             value = float(self.mass(np.zeros(1), "right")[0])
-            sentence = f"{at} {value:.6g} {self.unit}"
-            found.append(Finding(name, "ok", sentence, value=value, unit=self.unit))
+            sentence = f"{at} {value:.6g} {self.terms.mass_unit}"
+            found.append(Finding(name, "ok", sentence, value=value, unit=self.terms.mass_unit))
         else:
             masses = piecewise_extremes(self.mass, edges)
             for which, end in (("largest", masses.highest), ("smallest", masses.lowest)):
-                found.append(self._extreme(f"{which}-{name}", f"{which} {at}", end, self.unit))
+                found.append(
+                    self._extreme(f"{which}-{name}", f"{which} {at}", end, self.terms.mass_unit)
+                )
         found.append(
             self._extreme(
                 "largest-moment-at-cam",
@@ -132,7 +149,7 @@ class Told:
     def _largest_force(self, edges: FloatArray) -> Finding:
         forces = piecewise_extremes(self.force, edges)
         worst = max(forces.lowest, forces.highest, key=lambda end: abs(end.value))
-        unit, what = ("N m", "torque") if self.rocks else ("N", "force")
+        unit, what = self.terms.force_unit, self.terms.force
         shocks = [
             each
             for each in breaks(self.subject.cam.drive.plan)

@@ -120,7 +120,7 @@ def compute(request: Request[object]) -> Kinematics:
     columns = [Column("time", "s", since_start)]
     for each in moving:
         columns += each.columns(course)
-    if subject.cam.follower.is_flat:
+    if not subject.cam.follower.rolls:
         from camgeo.effects.face import sliding
 
         def rubbing(phi: FloatArray, side: Side) -> FloatArray:

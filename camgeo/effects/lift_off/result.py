@@ -74,7 +74,7 @@ def compute(request: Request[Spec]) -> LiftOff:
             value=f"{spec.backlash:g}",
         )
     spring = request.results.get(SPRING)
-    sense = 1 if subject.cam.contact == "inner" else -1
+    sense = subject.cam.contact.push
     flank = of_flank(Flank(subject, contact, sense, spec.margin, inertia), spring)
     return LiftOff(flank.findings, flank=flank)
 

@@ -100,7 +100,7 @@ def _result(
         return shaft.motor.torque(turn.omega(phi))[0]
 
     def pressing(phi: FloatArray, side: Side) -> FloatArray:
-        sense = 1.0 if subject.cam.contact == "inner" else -1.0
+        sense = float(subject.cam.contact.push)
         alpha = _alpha(turn, shaft, law, phi, side)
         return sense * contact.normal_at(phi, side, turn.omega(phi), alpha)
 

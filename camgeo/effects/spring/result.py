@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final, cast
+from typing import Final
 
 import numpy as np
 
@@ -23,10 +23,6 @@ from camgeo.effects.spring.ways import (
 from camgeo.errors import GeometryError
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray
-
-if TYPE_CHECKING:
-    from camgeo.mechanism.kinds import AnyRocker
-
 
 NEWTON_METRE: Final = 1e3
 """N mm, and N mm/rad."""
@@ -117,7 +113,8 @@ def compute(request: Request[Spec]) -> Asked:
 
 def way_of(subject: Subject, spec: Spec) -> Way:
     """How the spring of `spec` relaxes; GeometryError as of `compute`."""
-    if not subject.cam.follower.rocks:
+    pivot = subject.cam.follower.pivot
+    if pivot is None:
         if spec.kind == "torsion":
             raise GeometryError(
                 "a translating follower has no pivot for a torsion spring",
@@ -133,9 +130,8 @@ def way_of(subject: Subject, spec: Spec) -> Way:
     if spec.kind == "torsion":
         return about_pivot(subject)
     if spec.anchor is not None and spec.attachment is not None:
-        follower = cast("AnyRocker", subject.cam.follower)
         sense = 1.0 if spec.kind == "compression" else -1.0
-        return between_points(subject, follower, spec.anchor, spec.attachment, sense)
+        return between_points(subject, pivot, spec.anchor, spec.attachment, sense)
     linkage = driving_slider(subject)
     if linkage is None:
         raise GeometryError(

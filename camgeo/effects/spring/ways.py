@@ -27,7 +27,6 @@ from camgeo.numeric.peaks import piecewise_extremes
 
 if TYPE_CHECKING:
     from camgeo.effects.effect import Subject
-    from camgeo.mechanism.kinds import AnyRocker
     from camgeo.mechanism.slider_crank import SliderCrank
     from camgeo.motion.motion import Motion
     from camgeo.motion.plan import MotionPlan
@@ -43,7 +42,7 @@ def closing_sense(subject: Subject) -> int:
 
     Inwards on the inner flank and in a groove, outwards on the outer flank.
     """
-    return 1 if subject.cam.contact == "outer" else -1
+    return subject.cam.contact.main.sign
 
 
 def outward(subject: Subject, phi: FloatArray, side: Side) -> FloatArray:
@@ -201,7 +200,7 @@ def along_slider(subject: Subject, linkage: SliderCrank) -> AlongSlider:
 
 def between_points(
     subject: Subject,
-    follower: AnyRocker,
+    pivot: complex,
     anchor: complex,
     attachment: complex,
     sense: float,
@@ -214,14 +213,15 @@ def between_points(
         With key "effects.spring.attachment", if it is the pivot; with "effects.spring.anchor", if
         the attachment comes so near to it that the spring has no direction.
     """
-    lever, fixed = attachment - follower.pivot, anchor - follower.pivot
+    lever, fixed = attachment - pivot, anchor - pivot
     if lever == 0.0:
         raise GeometryError(
             "is the pivot of the rocker: a spring there turns nothing",
             key="effects.spring.attachment",
         )
     start = _start(subject.cam.drive.motion)
-    way = BetweenPoints(subject.cam.drive.motion, start, follower.swing_sense, lever, fixed, sense)
+    swing = subject.cam.follower.swing_sense
+    way = BetweenPoints(subject.cam.drive.motion, start, swing, lever, fixed, sense)
     shortest = piecewise_extremes(way.length, subject.cam.drive.smooth_angles).lowest
     if shortest.value <= SHORTEST * (abs(lever) + abs(fixed)):
         raise GeometryError(
