@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any, Final
 
 from camgeo.errors import GeometryError
@@ -11,6 +12,14 @@ Boundary = tuple[float | None, float | None]
 """Velocity s' and acceleration s'' at a point; None where it is free."""
 
 FREE: Final[Boundary] = (None, None)
+
+
+def boundaries_of(key: str, given: Any, least: int, most: int) -> dict[int, Boundary]:
+    """`given` by the index of its point; GeometryError unless all are from `least` to `most`."""
+    return {
+        checked.whole(key, index, least, most): boundary_of(key, values)
+        for index, values in checked.instance(key, given, Mapping, "boundaries by index").items()
+    }
 
 
 def boundary_of(key: str, values: Any) -> Boundary:

@@ -28,7 +28,7 @@ from typing import Final
 import numpy as np
 
 from camgeo.errors import GeometryError
-from camgeo.motion.boundary import FREE, Boundary, boundary_of
+from camgeo.motion.boundary import FREE, Boundary, boundaries_of, boundary_of
 from camgeo.motion.interpolation import interpolate
 from camgeo.motion.smoothing import HIGHEST, Smoothing, from_stress
 from camgeo.motion.spline import Spline
@@ -125,11 +125,11 @@ def clamped_spline(
         not finite, and an index that is no inner point.
     """
     x, y = _checked(x, y)
-    nodes, fixed = _prescribed(y, start, end, inner or {})
+    nodes, fixed = _prescribed(y, start, end, {} if inner is None else inner)
     fixed[:, 0] = True
     if len(x) == 2 and np.count_nonzero(fixed) == 2:
         raise GeometryError(
-            "2 points without a velocity or acceleration are too few; 3 are allowed"
+            "2 points without a velocity or acceleration are too few; 3 are allowed", key="x"
         )
     step, chord = np.diff(x), np.diff(y)
     nodes = interpolate(step, chord, nodes, fixed, ring=False)
@@ -199,7 +199,7 @@ def smooth_clamped_spline(
     """
     x, y = _checked(x, y)
     if len(x) < 3:
-        raise GeometryError(f"{len(x)} points are too few to smooth; at least 3 are allowed")
+        raise GeometryError(f"{len(x)} points are too few to smooth; at least 3 are allowed", "x")
     nodes, fixed = _prescribed(y, start, end, {})
     fixed[[0, -1], 0] = True
     step = np.diff(x)
@@ -269,9 +269,9 @@ def _report(x: FloatArray, deviation: FloatArray, length: float) -> FitReport:
 def _checked(x: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:
     x, y = checked.array("x", x), checked.array("y", y, largest=HIGHEST)
     if x.shape != y.shape:
-        raise GeometryError(f"x {x.shape} and y {y.shape} must be two rows of equal length")
+        raise GeometryError(f"x {x.shape} and y {y.shape} must be two rows of equal length", "y")
     if len(x) < 2:
-        raise GeometryError(f"{len(x)} points are too few; at least 2 are allowed")
+        raise GeometryError(f"{len(x)} points are too few; at least 2 are allowed", "x")
     step = np.diff(x)
     wrong = np.flatnonzero(step <= 0.0)
     if len(wrong):
@@ -281,6 +281,7 @@ def _checked(x: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:
             f"the x of points {place} and {place + 1} are {fault} ({float(x[place])!r},"
             f" {float(x[place + 1])!r});"
             " allowed is only ascending",
+            key="x",
             value=repr(float(x[place + 1])),
         )
     checked.positive("x", x[-1] - x[0])
@@ -289,13 +290,13 @@ def _checked(x: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 
 def _check_spacing(step: FloatArray) -> None:
-    with np.errstate(over="ignore"):
-        found = float(np.max(step) / np.min(step))
+    found = float(np.max(step)) / float(np.min(step))
     if not found <= MOST_UNEQUAL * (1.0 + 1e-6):
         place = int(np.argmin(step))
         raise GeometryError(
             f"the points are spaced too unequally: the distance {step[place]:g} after point {place}"
             f" is contained {found:g} times in the longest one; allowed is up to {MOST_UNEQUAL:g}",
+            key="x",
             value=repr(found),
         )
 
@@ -312,6 +313,7 @@ def _ring(
     if rest < -rounding:
         raise GeometryError(
             f"the points span {float(x[-1] - x[0])!r}, allowed is up to the period {period!r}",
+            key="period",
             value=repr(float(x[-1] - x[0])),
         )
     if rest <= rounding:
@@ -320,11 +322,14 @@ def _ring(
             raise GeometryError(
                 f"the last point lies {seam:g} off where it would close with the first; allowed is"
                 f" up to {gap:g}",
+                key="y",
                 value=repr(seam),
             )
         x, y = x[:-1], y[:-1]
     if len(x) < 3:
-        raise GeometryError(f"{len(x)} points are too few for a period; at least 3 are allowed")
+        raise GeometryError(
+            f"{len(x)} points are too few for a period; at least 3 are allowed", "x"
+        )
     return x, y
 
 
@@ -335,9 +340,13 @@ def _prescribed(
     nodes = np.zeros((len(y), 3))
     fixed = np.zeros((len(y), 3), dtype=np.bool_)
     nodes[:, 0] = y
-    places = (checked.whole("inner", index, 1, len(y) - 2) for index in inner)
-    for index, values in ((0, start), (len(y) - 1, end), *zip(places, inner.values(), strict=True)):
-        for column, value in enumerate(boundary_of("inner", values), start=VELOCITY):
+    given = {
+        0: boundary_of("start", start),
+        **boundaries_of("inner", inner, 1, len(y) - 2),
+        len(y) - 1: boundary_of("end", end),
+    }
+    for index, values in given.items():
+        for column, value in enumerate(values, start=VELOCITY):
             if value is not None:
                 nodes[index, column], fixed[index, column] = value, True
     return nodes, fixed

@@ -99,7 +99,9 @@ class Smoothing:
         """Nodal values, moments and the cut-off length used."""
         limit = min(LONGEST * self.mean, float(np.sum(self.step)))
         if (largest_deviation is None) == (length is None):
-            raise GeometryError("smoothing takes a largest deviation or a length, and not both")
+            raise GeometryError(
+                "smoothing takes a largest deviation or a length, and not both", key="length"
+            )
         if length is not None:
             length = checked.number("length", length, above=0.0, most=limit)
             return (*self.solve(length), length)
@@ -126,6 +128,7 @@ class Smoothing:
                 raise GeometryError(
                     f"no spline was found within {allowed:g} of all points; the nearest one has a"
                     f" deviation of {above:g}, from rounding; allowed is more",
+                    key="largest_deviation",
                     value=repr(allowed),
                 )
         best = nodes, moments, length

@@ -15,6 +15,10 @@ from camgeo.numeric.arrays import FloatArray
 NEARLY_REAL = 1e-6
 """Imaginary part up to which a root counts as a real one: a double root splits by 1e-8."""
 
+VANISHING = 1e-40
+"""A coefficient smaller than this part of the largest one is far below the rounding of the others
+wherever the roots are looked for, and quotients with it overflow."""
+
 ROUNDING = 1e-12
 """More than what is lost in evaluating a polynomial of the degrees used here near its maximum."""
 
@@ -41,14 +45,20 @@ def product(first: Sequence[float], second: Sequence[float]) -> list[float]:
 
 def roots_inside(coefficients: Sequence[float], low: float, high: float) -> FloatArray:
     """Real roots in [low, high], ascending, to the last bits where they are simple."""
-    roots = np.roots(np.array(coefficients[::-1], dtype=np.float64))
+    descending = np.array(coefficients[::-1], dtype=np.float64)
+    descending[np.abs(descending) < VANISHING * np.max(np.abs(descending))] = 0.0
+    roots = np.roots(descending)
     scale = np.maximum(1.0, np.abs(roots))
     real: FloatArray = np.sort(roots.real[np.abs(roots.imag) < NEARLY_REAL * scale])
+    least, most = 2.0 * low - high, 2.0 * high - low
+    real = real[(real > least) & (real < most)]  # others do not come inside by their last digits
     slope = derivative(coefficients)
     for _ in range(2):  # Newton's method
         rise = horner(slope, real)
         value = horner(coefficients, real)
-        real = real - np.divide(value, rise, out=np.zeros_like(real), where=rise != 0.0)
+        with np.errstate(over="ignore"):  # beside a root that is none, or not a simple one
+            step = np.divide(value, rise, out=np.zeros_like(real), where=rise != 0.0)
+        real = np.clip(real - step, least, most)
     return real[(real >= low) & (real <= high)]
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from concurrent.futures import ThreadPoolExecutor
+
 import numpy as np
 import pytest
 
@@ -54,3 +56,18 @@ def test_much_is_not_kept(recalling: MotionPlan, monkeypatch: pytest.MonkeyPatch
     monkeypatch.setattr(plans, "MOST_KEPT", 10)
     assert recalling.jet(PHI) is not recalling.jet(PHI)
     assert recalling.jet(PHI[:10]) is recalling.jet(PHI[:10])
+
+
+def test_threads_get_the_answers_to_their_own_questions(recalling: MotionPlan) -> None:
+    """Eight of them ask for one of four sets of angles each, over and over."""
+    questions = [PHI + 0.1 * number for number in range(4)]
+    expected = [MotionPlan(recalling.segments).jet(phi).tobytes() for phi in questions]
+
+    def ask(number: int) -> bool:
+        return all(
+            recalling.jet(questions[k % 4]).tobytes() == expected[k % 4]
+            for k in range(number, number + 200)
+        )
+
+    with ThreadPoolExecutor(8) as pool:
+        assert all(pool.map(ask, range(8)))

@@ -14,10 +14,11 @@ from typing import Final
 import numpy as np
 
 from camgeo.errors import GeometryError
-from camgeo.motion.laws import BALANCES, find_family, law_of
+from camgeo.motion.laws import BALANCES, LARGEST, find_family, law_of
 from camgeo.motion.laws.characteristic import Characteristic, characteristic
 from camgeo.motion.laws.family import COUNTED_FROM_END
 from camgeo.motion.laws.pulse import DIGITS
+from camgeo.motion.laws.two_pulses import Parts
 from camgeo.numeric import checked
 from camgeo.numeric.arrays import FloatArray
 from camgeo.numeric.roots import roots_on_grid
@@ -47,10 +48,7 @@ def equal_accelerations(name: str, task: str, given: Given) -> float:
     GeometryError
         If the law has no inflection point, or none makes them equal.
     """
-    family = find_family(name)
-    if family.parts is None:
-        raise GeometryError(f"{name} has no inflection point", key="inflection")
-    place = family.parts(task, given).inflection_for_equal_accelerations()
+    place = _parts(name, task, given).inflection_for_equal_accelerations()
     with localcontext(DIGITS):
         return float(1 - place if task in COUNTED_FROM_END else place)
 
@@ -86,6 +84,16 @@ def balanced(name: str, task: str, quantity: str, given: Given) -> float:
     return float(roots[0])
 
 
+def _parts(name: str, task: str, given: Given) -> Parts:
+    """The parts of a law whose inflection point is looked for."""
+    family = find_family(name)
+    if family.parts is None:
+        raise GeometryError(f"{name} has no inflection point", key="inflection")
+    return family.parts(
+        checked.one_of("task", task, family.tasks), checked.by_name("parameters", given, LARGEST)
+    )
+
+
 def _log_ratio(values: Characteristic, quantity: str) -> float:
     first, second = {
         "jerk": (values.jerk, values.braking_jerk),
@@ -115,9 +123,10 @@ def inflection_for(
     GeometryError
         If the law has no inflection point, or none gives the value; it tells which there are.
     """
-    family = find_family(name)
-    if family.parts is None:
-        raise GeometryError(f"{name} has no inflection point", key="inflection")
-    place = family.parts(task, given).inflection_for(acceleration, deceleration)
+    wanted = (
+        None if value is None else checked.number(key, value, largest=LARGEST)
+        for key, value in (("acceleration", acceleration), ("deceleration", deceleration))
+    )
+    place = _parts(name, task, given).inflection_for(*wanted)
     with localcontext(DIGITS):
         return float(1 - place if task in COUNTED_FROM_END else place)

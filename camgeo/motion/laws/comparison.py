@@ -11,10 +11,18 @@ from typing import Final
 import numpy as np
 
 from camgeo.errors import GeometryError
-from camgeo.motion.laws import FAMILIES, Characteristic, characteristic, find_family, law_of
+from camgeo.motion.laws import (
+    FAMILIES,
+    LARGEST,
+    Characteristic,
+    characteristic,
+    find_family,
+    law_of,
+)
 from camgeo.motion.laws.characteristic import ROUNDING
 from camgeo.motion.laws.law import Law, Region
-from camgeo.motion.task import ends_of
+from camgeo.motion.task import TASKS, ends_of
+from camgeo.numeric import checked
 
 QUANTITIES: Final = (
     "velocity",
@@ -105,10 +113,8 @@ class Running:
     stroke: float
 
     def __post_init__(self) -> None:
-        for key in ("speed", "span", "stroke"):
-            value = getattr(self, key)
-            if not (math.isfinite(value) and value > 0.0):
-                raise GeometryError("must be a finite number above 0", key=key, value=repr(value))
+        keys = ("speed", "span", "stroke")
+        checked.hold(self, **{key: checked.positive(key, getattr(self, key)) for key in keys})
         if self.span > 2.0 * math.pi * (1.0 + ROUNDING):
             raise GeometryError(
                 "cannot be more than one turn", key="span", value=f"{math.degrees(self.span):g}"
@@ -138,6 +144,9 @@ def compare(task: str, given: Mapping[str, float], names: Sequence[str] = ()) ->
     given : parameters by the names that `make_law` takes.
     names : families or aliases, in the order to be listed; GeometryError if one is not known.
     """
+    checked.one_of("task", task, TASKS)
+    given = checked.by_name("parameters", given, LARGEST)
+    checked.instances("names", names, (str,), "names of laws")
     families = [find_family(name) for name in dict.fromkeys(names)] or [
         family for family in FAMILIES.values() if task in family.tasks
     ]

@@ -149,12 +149,12 @@ def law_without_stroke(chain: Chain, number: int, name: str) -> Law:
 
 
 @contextmanager
-def keyed(link: Link, default: str = "law") -> Iterator[None]:
-    """Errors get the key of the segment that asks for it; `default` where they have none."""
+def keyed(link: Link) -> Iterator[None]:
+    """Errors get the key of the segment that asks for it; "law" where they have none."""
     try:
         yield
     except GeometryError as error:
-        key = error.key or default
+        key = error.key or "law"
         known = {"a0": "law", "a1": "law", "v0": "law", "v1": "law", "task": "law"}
         raise GeometryError(
             error.message, key=f"{link.key}.{known.get(key, key)}", value=error.value

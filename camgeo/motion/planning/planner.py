@@ -114,7 +114,7 @@ def _course(chain: Chain, number: int, request: PointsRequest) -> Course:
     inner = {index + 1: _over_span(values, length) for index, values in request.given.items()}
     from camgeo.motion.points import clamped_spline
 
-    with keyed(link, "points"):
+    try:
         spline = clamped_spline(
             np.concatenate(([0.0], request.shares, [1.0])),
             np.concatenate(([0.0], request.positions - start.position, [link.stroke])),
@@ -122,6 +122,8 @@ def _course(chain: Chain, number: int, request: PointsRequest) -> Course:
             _over_span((end.velocity, end.acceleration), length),
             inner,
         )
+    except GeometryError as error:
+        raise GeometryError(error.message, f"{link.key}.points", error.value) from error
     return Course(request.span, start.position + link.stroke, spline)
 
 

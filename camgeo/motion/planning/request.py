@@ -9,7 +9,7 @@ from types import MappingProxyType
 from typing import Final
 
 from camgeo.errors import GeometryError
-from camgeo.motion.boundary import Boundary, boundary_of
+from camgeo.motion.boundary import Boundary, boundaries_of
 from camgeo.motion.laws import ALIASES, BALANCES, FAMILIES, LARGEST
 from camgeo.motion.spans import FULL_TURN, SHORTEST_SPAN, span_of
 from camgeo.numeric import checked
@@ -150,10 +150,7 @@ class PointsRequest(Pickled):
             raise GeometryError(
                 f"must be as many as the shares, {len(shares)}", "positions", str(len(positions))
             )
-        given = {
-            checked.whole("given", index, 0, len(shares) - 1): boundary_of("given", values)
-            for index, values in self.given.items()
-        }
+        given = boundaries_of("given", self.given, 0, len(shares) - 1)
         checked.hold(self, shares=shares, positions=positions, given=MappingProxyType(given))
 
 

@@ -223,7 +223,7 @@ class _Nodes:
         from camgeo.motion.points import MOST_UNEQUAL
 
         steps = np.diff(ascending(np.array([*self.places, self.end])))
-        ratio = float(np.max(steps) / np.min(steps))
+        ratio = float(np.max(steps)) / float(np.min(steps))
         if ratio <= MOST_UNEQUAL:
             return
         ends = np.cumsum([link.length for link in self.links])

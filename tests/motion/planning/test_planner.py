@@ -307,9 +307,8 @@ def test_where_the_turn_begins_does_not_matter(requests: list[Request], first: i
     jets = samples(other)
     ahead = len(moving(requests[:first]))
     jets = jets[len(jets) - ahead :] + jets[: len(jets) - ahead]
-    for jet in jets:
-        jet[0] += start
-    assert_same(samples(plan), jets, requests)
+    shift = np.array([[start], [0.0], [0.0], [0.0]])
+    assert_same(samples(plan), [jet + shift for jet in jets], requests)
 
 
 def reversed_wish(requests: Sequence[Request]) -> list[Request]:
