@@ -12,8 +12,7 @@ from camgeo.files.product import Product
 from camgeo.files.verification import Check, failed, near
 from camgeo.numeric.arrays import BoolArray, FloatArray, IntArray
 from camgeo.part.part import Boundary, Part
-from camgeo_export.solid.measure import border_loops
-from camgeo_export.verify.mesh import merged, solid_checks, volume
+from camgeo_export.verify.mesh import border_loops, merged, solid_checks, upright, volume
 from camgeo_export.verify.plane import contour_checks, matched
 from camgeo_export.verify.shapes import Shape, shapes_of
 
@@ -41,7 +40,7 @@ def body_checks(
     checks = solid_checks(vertices, triangles)
     corners = vertices[triangles]
     flat: BoolArray = (corners[:, :, 2] == corners[:, :1, 2]).all(axis=1)
-    checks.append(_walls(corners[~flat]))
+    checks.append(upright(corners[~flat]))
     heights = sorted(set(corners[flat][:, 0, 2].tolist()))
     if len(heights) != len(wanted):
         note = f"flat faces at {len(heights)} heights, not at {len(wanted)}: "
@@ -59,18 +58,6 @@ def body_checks(
             checks += _level_checks(vertices, faces, own, tolerance, level.name, done)
         checks += _volume(part, by_name, vertices, triangles, tolerance)
     return checks
-
-
-def _walls(corners: FloatArray) -> Check:
-    """Each facet that is not flat must have a vertical edge."""
-    plane = corners[:, :, 0] + 1j * corners[:, :, 1]
-    upright = (plane == np.roll(plane, 1, axis=1)).any(axis=1)
-    if upright.all():
-        return Check("walls", "", "upright", ok=True)
-    first = corners[int(np.argmin(upright))].mean(axis=0)
-    place = ", ".join(f"{value:.6g}" for value in first)
-    count = int(np.count_nonzero(~upright))
-    return failed("walls", f"{count} facets are neither flat nor upright, one round ({place}) mm")
 
 
 def _level_checks(

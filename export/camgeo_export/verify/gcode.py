@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from camgeo.contour.contour import Contour
 from camgeo.files.product import Product
@@ -12,14 +12,12 @@ from camgeo.files.verification import Check, Origin, Reading, at_most, equal, fa
 from camgeo.formats.gcode import FORMAT
 from camgeo.toolpath.cut import Cut
 from camgeo.toolpath.machine import load
-from camgeo.toolpath.moves import Operation
 from camgeo_export.errors import FileError
 from camgeo_export.gcode.reader import Loop, Program, read
 from camgeo_export.verify.leads import lead_checks
 from camgeo_export.verify.length import length_of
 from camgeo_export.verify.plane import contour_checks
-from camgeo_export.verify.planned import planned_contour
-from camgeo_export.verify.shapes import LOOSE, Shape, corners_of_contour
+from camgeo_export.verify.shapes import Shape, shapes_of
 
 COMMENT = re.compile(r"\(([^()]*)\)|;(.*)")
 
@@ -90,11 +88,16 @@ def _unit(program: Program, product: Product, reading: Reading) -> Check:
 
 def _paths(product: Product, program: Program, tolerance: float, extra: float) -> list[Check]:
     """Every operation runs its closed path at each of its depths, and no other."""
-    operations = product.toolpath(LOOSE * product.base_radius).operations
-    shapes = {each.cut.name: _shape(each) for each in operations}
+    centres = tuple(cut.centre for cut in product.cuts)
+    exact = shapes_of(centres, product.base_radius, tolerance)
+    # The area within a cutter's path is of no use to anyone.
+    shapes = {
+        cut.name: replace(shape, name=cut.name, area=None)
+        for cut, shape in zip(product.cuts, exact, strict=True)
+    }
     loops = [(_owner(loop, shapes), loop) for loop in program.loops()]
     checks: list[Check] = []
-    for cut in (each.cut for each in operations):
+    for cut in product.cuts:
         own = [loop for name, loop in loops if name == cut.name]
         checks.append(_passes(cut, own, max(program.step, tolerance)))
         depths: dict[bytes, _Pass] = {}
@@ -162,17 +165,6 @@ def _owner(loop: Loop, shapes: dict[str, Shape]) -> str:
         return loop.operation
     length = loop.contour.length
     return min(shapes, key=lambda name: abs(shapes[name].length - length))
-
-
-def _shape(operation: Operation) -> Shape:
-    """The exact cutter path of an operation; its area is of no use to anyone."""
-    course, centre = planned_contour(operation), operation.cut.centre
-
-    def polygon(within: float) -> Contour:
-        return centre.polyline(within, "fast").contour
-
-    corners = corners_of_contour(course)
-    return Shape(operation.cut.name, centre.deviation, polygon, corners, course.length, None)
 
 
 VERIFIER = GcodeVerifier()

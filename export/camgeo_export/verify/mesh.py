@@ -1,4 +1,4 @@
-"""Is a mesh one closed body, turned outwards? If not: at which edge or facet."""
+"""Is a mesh one closed body, turned outwards? If not: where. And where do its faces end?"""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import numpy as np
 
 from camgeo.files.verification import Check, failed
 from camgeo.numeric.arrays import FloatArray, IntArray
+from camgeo_export.errors import FileError
 
 
 def merged(vertices: FloatArray, triangles: IntArray) -> tuple[FloatArray, IntArray]:
@@ -50,6 +51,38 @@ def solid_checks(vertices: FloatArray, triangles: IntArray) -> list[Check]:
     if not len(single) and not wrong and not volume(vertices, triangles) > 0.0:
         checks.append(failed("oriented", "the mesh is turned inside out"))
     return checks
+
+
+def upright(corners: FloatArray) -> Check:
+    """Each facet that is not flat must have a vertical edge."""
+    plane = corners[:, :, 0] + 1j * corners[:, :, 1]
+    upright = (plane == np.roll(plane, 1, axis=1)).any(axis=1)
+    if upright.all():
+        return Check("walls", "", "upright", ok=True)
+    first = corners[int(np.argmin(upright))].mean(axis=0)
+    place = ", ".join(f"{value:.6g}" for value in first)
+    count = int(np.count_nonzero(~upright))
+    return failed("walls", f"{count} facets are neither flat nor upright, one round ({place}) mm")
+
+
+def border_loops(triangles: IntArray) -> list[list[int]]:
+    """Closed chains of the edges that belong to one of `triangles` (m, 3) only."""
+    start = triangles.reshape(-1).tolist()
+    end = np.roll(triangles, -1, axis=1).reshape(-1).tolist()
+    edges = set(zip(start, end, strict=True))
+    border = [edge for edge in zip(start, end, strict=True) if edge[::-1] not in edges]
+    after = dict(border)
+    if len(after) != len(border):
+        raise FileError("boundaries of the mesh touch each other")
+    loops = []
+    while after:
+        first, following = after.popitem()
+        loop = [first]
+        while following != first:
+            loop.append(following)
+            following = after.pop(following)
+        loops.append(loop)
+    return loops
 
 
 def _facets(vertices: FloatArray, triangles: IntArray) -> Check:
