@@ -200,6 +200,9 @@ KIND_WORDS = {
 
 KIND_FUNCTIONS = {"require_roller"}
 
+NO_KIND = {"LinkedMotion"}
+"""Classes of `mechanism` that are no kind: whether there is a linkage at all."""
+
 MOST_KIND_QUESTIONS = 73
 """Places outside `mechanism` that ask what kind of follower, linkage or contact it is."""
 
@@ -233,7 +236,7 @@ def mechanism_names(tree: ast.AST) -> set[str]:
         if isinstance(node, ast.ImportFrom)
         and (node.module or "").startswith(f"{PACKAGE}.mechanism")
         for alias in node.names
-        if alias.name[:1].isupper()
+        if alias.name[:1].isupper() and alias.name not in NO_KIND
     }
 
 

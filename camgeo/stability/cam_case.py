@@ -11,12 +11,10 @@ from typing import Final
 import numpy as np
 
 from camgeo.cam.disc import Disc
-from camgeo.cam.drive import Drive, LiftUnit
+from camgeo.cam.drive import Drive
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.curve.working_curve import WorkingCurve
-from camgeo.mechanism.four_bar import FourBar
 from camgeo.mechanism.linkage import LinkedMotion
-from camgeo.mechanism.slider_crank import SliderCrank
 from camgeo.motion.laws import make_law
 from camgeo.motion.plan import Dwell, MotionPlan, Move
 from camgeo.numeric.arrays import ComplexArray, FloatArray
@@ -94,9 +92,7 @@ class CamSpec:
     @property
     def curve(self) -> PitchCurve:
         """The pitch curve, as the engine makes it."""
-        unit: LiftUnit = "rad" if self.follower.rocks else "mm"
-        if self.linkage is not None:
-            unit = self.linkage.unit
+        unit = self.follower.lift_unit if self.linkage is None else self.linkage.unit
         drive = Drive(self.plan, self.linkage, unit)
         return Disc(drive, self.follower, self.rotation).pitch_curve
 
@@ -122,8 +118,7 @@ def cases_of(spec: CamSpec) -> list[Case]:
     """The cases of one cam, one for each of its moves that has places."""
     curve = spec.curve
     stage = spec.stage
-    turns = isinstance(spec.linkage, SliderCrank | FourBar)
-    names = (*(CRANKS if turns else LIFTS), *CURVES)
+    names = (*(CRANKS if hasattr(spec.linkage, "crank_angle") else LIFTS), *CURVES)
 
     def exact(phi: Number, *parameters: Number) -> tuple[Number, ...]:
         return quantities(stage, phi, parameters)
@@ -156,10 +151,10 @@ def computed(curve: PitchCurve) -> Found:
         motion = curve.motion
         lifts = motion.jet(phi)[:4]
         if isinstance(motion, LinkedMotion):
-            linkage, demanded = motion.linkage, motion.demanded.jet(phi)[0]
-            if isinstance(linkage, SliderCrank | FourBar):
-                # psi is a difference of such angles; only psi_G + psi goes into the curve.
-                angle = linkage.crank_angle(demanded)
+            # psi is a difference of angles of a crank; only psi_G + psi goes into the curve.
+            crank_angle = getattr(motion.linkage, "crank_angle", None)
+            if crank_angle is not None:
+                angle = crank_angle(motion.demanded.jet(phi)[0])
                 lifts = np.concatenate((angle[np.newaxis], lifts[1:]))
         return (
             *lifts,

@@ -8,6 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import singledispatch
+from typing import Any
 
 from camgeo.errors import GeometryError
 from camgeo.mechanism.crank_slider import CrankSlider
@@ -57,23 +59,8 @@ class Stage:
         """
         follower, linkage = self.follower, self.linkage
         found = [start, end, low, high, inflection, follower.roller_radius, follower.base_radius]
-        if isinstance(follower, TranslatingRoller):
-            found += [follower.offset, follower.guide_angle]
-        elif isinstance(follower, TranslatingFlat):
-            found += [follower.guide_angle]
-        else:
-            found += [follower.pivot.real, follower.pivot.imag]
-            found += [
-                follower.arm if isinstance(follower, OscillatingRoller) else follower.face_offset
-            ]
-        if isinstance(linkage, FourBar):
-            shaft = linkage.shaft
-            found += [linkage.crank, linkage.coupler, linkage.lever, shaft.real, shaft.imag]
-            found += [linkage.lever_angle]
-        elif linkage is not None:
-            inner = linkage.inner if isinstance(linkage, CrankSlider) else linkage
-            found += [inner.crank, inner.coupler, inner.deflection]
-        return tuple(found)
+        found += numbers_of(follower)
+        return (*found, *(() if linkage is None else numbers_of(linkage)))
 
     def demanded(self, phi: Number, parameters: Sequence[Number], terms: int) -> Series:
         """The demanded motion at the cam angle `phi` [rad]."""
@@ -92,14 +79,10 @@ class Stage:
         roller, *rest = parameters[5:]
         own, counted = s, s
         if self.linkage is not None:
-            numbers = 3 if isinstance(self.follower, TranslatingRoller) else 4
-            motion, position = exact_linkage(self.linkage, rest[numbers:])
+            numbers = 1 + len(numbers_of(self.follower))
+            motion, position = exact_linkage(self.linkage, *rest[numbers:])
             own, counted, rest = motion(s), position(s), rest[:numbers]
-        if isinstance(self.follower, TranslatingRoller):
-            centre, path = _on_guide(self.follower, own, *rest)
-        else:
-            assert isinstance(self.follower, OscillatingRoller)
-            centre, path = _on_rocker(self.follower, own, *rest)
+        centre, path = _carried(self.follower, own, *rest)
         turn = direction(variable(-self.rotation * phi, -self.rotation, terms))
         return CamJet(counted, centre * turn, path * turn, roller, self.rotation)
 
@@ -162,6 +145,55 @@ class CamJet:
         )
 
 
+@singledispatch
+def numbers_of(part: Any) -> tuple[float, ...]:
+    """The lengths and angles of a follower, behind its radii, or of a linkage."""
+    raise TypeError(type(part))
+
+
+@numbers_of.register
+def _(follower: TranslatingRoller) -> tuple[float, ...]:
+    return follower.offset, follower.guide_angle
+
+
+@numbers_of.register
+def _(follower: TranslatingFlat) -> tuple[float, ...]:
+    return (follower.guide_angle,)
+
+
+@numbers_of.register
+def _(follower: OscillatingRoller) -> tuple[float, ...]:
+    return follower.pivot.real, follower.pivot.imag, follower.arm
+
+
+@numbers_of.register
+def _(follower: OscillatingFlat) -> tuple[float, ...]:
+    return follower.pivot.real, follower.pivot.imag, follower.face_offset
+
+
+@numbers_of.register
+def _(linkage: FourBar) -> tuple[float, ...]:
+    shaft, lengths = linkage.shaft, (linkage.crank, linkage.coupler, linkage.lever)
+    return *lengths, shaft.real, shaft.imag, linkage.lever_angle
+
+
+@numbers_of.register
+def _(linkage: SliderCrank) -> tuple[float, ...]:
+    return linkage.crank, linkage.coupler, linkage.deflection
+
+
+@numbers_of.register
+def _(linkage: CrankSlider) -> tuple[float, ...]:
+    return numbers_of(linkage.inner)
+
+
+@singledispatch
+def _carried(follower: Any, *_: Any) -> tuple[Series, Series]:
+    """W, and the direction in which the follower moves it."""
+    raise TypeError(type(follower))
+
+
+@_carried.register
 def _on_guide(
     follower: TranslatingRoller, s: Series, base: Number, offset: Number, guide: Number
 ) -> tuple[Series, Series]:
@@ -175,6 +207,7 @@ def _on_guide(
     return centre, variable(along, 0, len(s.terms))
 
 
+@_carried.register
 def _on_rocker(
     follower: OscillatingRoller, s: Series, base: Number, x: Number, y: Number, arm: Number
 ) -> tuple[Series, Series]:

@@ -8,6 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import singledispatch
+from typing import Any
 
 from camgeo.errors import GeometryError
 from camgeo.mechanism.oscillating_flat import OscillatingFlat
@@ -79,29 +81,45 @@ def face_jet(stage: Stage, phi: Number, parameters: Sequence[Number]) -> FaceJet
 
     GeometryError if the face cannot be that far from the cam axis.
     """
-    mp = multiprecision()
     s = stage.demanded(phi, parameters, TERMS)
     base, *rest = parameters[6:]
     follower = stage.follower
-    if isinstance(follower, TranslatingFlat):
-        normal = variable(mp.expj(rest[0]), 0, TERMS)
-        distance = base + follower.direction * s
-        along = normal / mp.mpc(0, 1)  # to the right
-        origin = variable(mp.mpf(0), 0, TERMS)
-    else:
-        assert isinstance(follower, OscillatingFlat)
-        pivot, offset = mp.mpc(rest[0], rest[1]), rest[2]
-        if not abs(base - offset) < abs(pivot):
-            raise GeometryError("the face cannot lie there", key="follower.base_radius")
-        corner = mp.asin((base - offset) / abs(pivot))
-        side = follower.arm_side
-        sense = 1 if follower.direction is None else follower.direction * side
-        along = direction(sense * s + (mp.arg(-pivot) + side * corner))
-        normal = along * mp.mpc(0, side)
-        origin = variable(pivot, 0, TERMS)
-        distance = _dot(normal, origin) + offset
+    normal, distance, along, origin = _held(follower, s, base, *rest)
     turn = direction(variable(-stage.rotation * phi, -stage.rotation, TERMS))
     return FaceJet(s, normal * turn, distance, along * turn, origin * turn, stage.rotation)
+
+
+@singledispatch
+def _held(follower: Any, *_: Any) -> tuple[Series, Series, Series, Series]:
+    """Normal, distance, direction and origin of the face in the fixed frame, see `FaceJet`."""
+    raise TypeError(type(follower))
+
+
+@_held.register
+def _on_guide(
+    follower: TranslatingFlat, s: Series, base: Number, guide: Number
+) -> tuple[Series, Series, Series, Series]:
+    mp = multiprecision()
+    normal = variable(mp.expj(guide), 0, TERMS)
+    along = normal / mp.mpc(0, 1)  # to the right
+    return normal, base + follower.direction * s, along, variable(mp.mpf(0), 0, TERMS)
+
+
+@_held.register
+def _on_rocker(
+    follower: OscillatingFlat, s: Series, base: Number, x: Number, y: Number, offset: Number
+) -> tuple[Series, Series, Series, Series]:
+    mp = multiprecision()
+    pivot = mp.mpc(x, y)
+    if not abs(base - offset) < abs(pivot):
+        raise GeometryError("the face cannot lie there", key="follower.base_radius")
+    corner = mp.asin((base - offset) / abs(pivot))
+    side = follower.arm_side
+    sense = 1 if follower.direction is None else follower.direction * side
+    along = direction(sense * s + (mp.arg(-pivot) + side * corner))
+    normal = along * mp.mpc(0, side)
+    origin = variable(pivot, 0, TERMS)
+    return normal, _dot(normal, origin) + offset, along, origin
 
 
 def _shorter(x: Series) -> Series:

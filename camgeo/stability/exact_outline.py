@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, singledispatch
 from itertools import pairwise
 from typing import Any, Final
 
@@ -17,7 +17,7 @@ from camgeo.errors import GeometryError
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.stability.cam_case import CamSpec
-from camgeo.stability.exact_cam import CamJet
+from camgeo.stability.exact_cam import AnyFollower, CamJet
 from camgeo.stability.high_precision import Number, multiprecision
 from camgeo.stability.series import Series, direction, logarithm, root, variable
 
@@ -151,10 +151,7 @@ class ExactOutline:
         sigma, follower = self.spec.rotation, self.spec.follower
         seen = corner * direction(variable(sigma * phi, sigma, terms))
         roller, base, *rest = numbers[ROLLER:]
-        if isinstance(follower, TranslatingRoller):
-            return _guided(follower, seen, -self.side * roller, base, *rest)
-        assert isinstance(follower, OscillatingRoller)
-        return _swung(follower, seen, -self.side * roller, base, *rest)
+        return _lifted(follower, seen, -self.side * roller, base, *rest)
 
     def loss(self, phi: Number, corner: Number, numbers: Numbers, terms: int) -> Series:
         """Lost stroke [mm or rad] at the cam angle `phi` [rad], the roller against `corner` [mm].
@@ -163,9 +160,7 @@ class ExactOutline:
         """
         actual = self.actual(phi, corner, numbers, terms)
         demanded = self.jet(phi, numbers, terms).lift
-        follower = self.spec.follower
-        assert isinstance(follower, TranslatingRoller | OscillatingRoller)
-        loss: Series = (actual - demanded) * (self.side * _outward(follower))
+        loss: Series = (actual - demanded) * (self.side * _outward(self.spec.follower))
         return loss
 
     def place_of_largest_loss(self, guess: Number, corner: Number, numbers: Numbers) -> Number:
@@ -186,6 +181,13 @@ class ExactOutline:
         raise GeometryError("there is no largest lost stroke there")
 
 
+@singledispatch
+def _lifted(follower: Any, *_: Any) -> Series:
+    """Lift of a roller, its centre |roller| from `corner`, beyond it if positive."""
+    raise TypeError(type(follower))
+
+
+@_lifted.register
 def _guided(
     follower: TranslatingRoller,
     corner: Series,
@@ -194,7 +196,7 @@ def _guided(
     offset: Number,
     guide: Number,
 ) -> Series:
-    """Lift of a roller on a guide, its centre |roller| from `corner`, beyond it if positive."""
+    """The lift on a guide: by Pythagoras."""
     mp = multiprecision()
     seen = corner * mp.expj(-guide)
     across = seen.imag + offset
@@ -203,6 +205,7 @@ def _guided(
     return lift
 
 
+@_lifted.register
 def _swung(
     follower: OscillatingRoller,
     corner: Series,
@@ -212,7 +215,7 @@ def _swung(
     y: Number,
     arm: Number,
 ) -> Series:
-    """The same on a rocker: the triangle of pivot, corner and roller centre."""
+    """The lift on a rocker: the triangle of pivot, corner and roller centre."""
     mp = multiprecision()
     pivot = mp.mpc(x, y)
     distance = abs(pivot)
@@ -227,7 +230,7 @@ def _swung(
     return lift
 
 
-def _outward(follower: TranslatingRoller | OscillatingRoller) -> int:
+def _outward(follower: AnyFollower) -> int:
     """+1 if a positive lift moves the roller outward, else -1."""
     assert follower.direction is not None  # of a follower without a linkage
     return follower.direction

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 
@@ -14,7 +14,6 @@ from camgeo.curve.curvature import curvature_extremes
 from camgeo.curve.extremes import Extremes
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.curve.working_curve import WorkingCurve
-from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.numeric.arrays import FloatArray
 from camgeo.outline.cusps import undercut_ranges
 from camgeo.stability import cams, linkages
@@ -120,9 +119,8 @@ def _smooth_transmission(curve: PitchCurve) -> Extremes:
 def _cusps(spec: CamSpec, excess: float) -> Case:
     """Both ends of the undercut in the rise, with a roller that is too large by `excess`."""
     smallest = 1.0 / curvature_extremes(spec.curve).largest()[0]
-    assert isinstance(spec.follower, TranslatingRoller)
-    follower = replace(spec.follower, roller_radius=smallest * (1.0 + excess))
-    large = replace(spec, follower=follower)
+    roller: dict[str, Any] = {"roller_radius": smallest * (1.0 + excess)}
+    large = replace(spec, follower=replace(spec.follower, **roller))
     ends = _undercut_ends(large.curve)
 
     def found(guesses: FloatArray) -> tuple[FloatArray, ...]:

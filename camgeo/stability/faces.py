@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from typing import Final, cast
+from typing import Final
 
-from camgeo.mechanism.face import FlatFollower
+from camgeo.mechanism.face import flat_follower
 from camgeo.mechanism.oscillating_flat import OscillatingFlat
 from camgeo.mechanism.translating_flat import TranslatingFlat
 from camgeo.numeric.arrays import ComplexArray, FloatArray
@@ -57,7 +57,7 @@ def specs() -> tuple[CamSpec, ...]:
 def cases_of(spec: CamSpec) -> list[Case]:
     """The cases of one cam, one for each of its moves that has places."""
     stage, curve = spec.stage, spec.curve
-    follower = cast("FlatFollower", spec.follower)
+    follower = flat_follower(spec.follower)
 
     def found(phi: FloatArray) -> tuple[FloatArray | ComplexArray, ...]:
         lifts = curve.motion.jet(phi)[:4]
@@ -81,7 +81,7 @@ def cases_of(spec: CamSpec) -> list[Case]:
         contact, place, turn, pace = jet.contact, jet.place, jet.turn, jet.pace
         forward = pace if pace.terms[0] > 0 else -pace
         curvature = Series(turn.terms[:2]) / forward
-        angle = jet.pressure_angle if follower.rocks else mp.mpf(0)
+        angle = jet.pressure_angle if follower.swing_sense else mp.mpf(0)
         return (
             *(jet.lift.derivative(order) for order in range(4)),
             *(contact.derivative(order) for order in range(3)),

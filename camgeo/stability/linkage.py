@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import singledispatch
+from typing import Any
 
 from camgeo.errors import GeometryError
 from camgeo.mechanism.crank_slider import CrankSlider
@@ -13,25 +15,6 @@ from camgeo.stability.high_precision import Number, multiprecision
 from camgeo.stability.series import Series, direction, logarithm, root
 
 Transform = Callable[[Series], Series]
-
-
-def exact_linkage(
-    linkage: SliderCrank | FourBar | CrankSlider, numbers: Sequence[Number]
-) -> tuple[Transform, Transform]:
-    """The follower's motion over what is demanded, and what is told of it.
-
-    That is a crank's position [rad], which its motion is a difference of, or the stroke of a slider
-    [mm]. `numbers` are the lengths and angles of `linkage`, as `Stage.parameters` has them.
-    """
-    if isinstance(linkage, FourBar):
-        bar = ExactFourBar(linkage, *numbers)
-        return bar.swing, bar.crank_angle
-    if isinstance(linkage, CrankSlider):
-        slider = ExactCrankSlider(linkage, *numbers)
-        return slider.stroke, slider.stroke
-    length, coupler, deflection = numbers
-    crank = ExactSliderCrank(length, coupler, deflection, linkage)
-    return crank.swing, crank.crank_angle
 
 
 @dataclass(frozen=True, slots=True)
@@ -153,6 +136,36 @@ class ExactCrankSlider:
             raise GeometryError("the coupler does not reach the guide", key="linkage")
         pin: Series = tip.real + self.assembly.side * root(square)
         return pin
+
+
+@singledispatch
+def exact_linkage(linkage: Any, *numbers: Number) -> tuple[Transform, Transform]:
+    """The follower's motion over what is demanded, and what is told of it.
+
+    That is a crank's position [rad], which its motion is a difference of, or the stroke of a slider
+    [mm]. `numbers` are the lengths and angles of `linkage`, as `Stage.parameters` has them.
+    """
+    raise TypeError(type(linkage), numbers)
+
+
+@exact_linkage.register
+def _(linkage: FourBar, *numbers: Number) -> tuple[Transform, Transform]:
+    bar = ExactFourBar(linkage, *numbers)
+    return bar.swing, bar.crank_angle
+
+
+@exact_linkage.register
+def _(linkage: CrankSlider, *numbers: Number) -> tuple[Transform, Transform]:
+    slider = ExactCrankSlider(linkage, *numbers)
+    return slider.stroke, slider.stroke
+
+
+@exact_linkage.register
+def _(
+    linkage: SliderCrank, length: Number, coupler: Number, deflection: Number
+) -> tuple[Transform, Transform]:
+    crank = ExactSliderCrank(length, coupler, deflection, linkage)
+    return crank.swing, crank.crank_angle
 
 
 def _triangle(crank: Number, coupler: Number, pin: Series) -> Series:

@@ -35,7 +35,7 @@ def test_motion_and_derivatives_are_those_of_the_loop(name: str) -> None:
     count = 6 if isinstance(linkage, FourBar) else 3
     numbers = cam.parameters(back=False)[-count:]
     with mp.workdps(60):
-        motion, position = exact_linkage(linkage, [mpf(each) for each in numbers])
+        motion, position = exact_linkage(linkage, *(mpf(each) for each in numbers))
         demanded = Series(tuple(mpf(each) / math.factorial(k) for k, each in enumerate(jet)))
         own, told = motion(demanded), position(demanded)
         found = [float(told.derivative(order)) for order in range(4)]
