@@ -4,6 +4,8 @@ import camgeo
 design = camgeo.load("scene.toml")
 design.findings                      # checks
 design.write("out", ["dxf", "3mf"])  # files, with their certificate
+
+larger = camgeo.Design(design.scene.with_values({"follower.base_radius": 40}))
 """
 
 from __future__ import annotations
@@ -39,11 +41,13 @@ if TYPE_CHECKING:
     from camgeo.mechanism.four_bar import FourBar
     from camgeo.mechanism.oscillating_flat import OscillatingFlat
     from camgeo.mechanism.translating_flat import TranslatingFlat
+    from camgeo.scene.scene import Scene
 
 FEW_NEED: Final = {
     "CrankSlider": "camgeo.mechanism.crank_slider",
     "FourBar": "camgeo.mechanism.four_bar",
     "OscillatingFlat": "camgeo.mechanism.oscillating_flat",
+    "Scene": "camgeo.scene.scene",
     "TranslatingFlat": "camgeo.mechanism.translating_flat",
 }
 """Public names that are imported when they are first asked for, and their modules."""
@@ -68,6 +72,19 @@ def load(path: str | Path) -> Design:
     return Design(load_scene(path))
 
 
+def loads(text: str, *, folder: str | Path | None = None) -> Design:
+    """Return the design of a scene's TOML text; `folder` holds the files that the scene names.
+
+    Raises
+    ------
+    SceneError
+        If anything in the text is wrong; all faults at once.
+    """
+    from camgeo.scene.load import parse_scene  # the engine works without scene files
+
+    return Design(parse_scene(text, folder=folder))
+
+
 __all__ = [
     "CamgeoError",
     "CrankSlider",
@@ -85,6 +102,7 @@ __all__ = [
     "OscillatingRoller",
     "OutputError",
     "PitchCurve",
+    "Scene",
     "SceneError",
     "SliderCrank",
     "ToleranceError",
@@ -94,4 +112,5 @@ __all__ = [
     "WorkingCurve",
     "__version__",
     "load",
+    "loads",
 ]

@@ -15,7 +15,6 @@ from camgeo.check.finding import Finding
 from camgeo.check.judge import Judgement
 from camgeo.lazy import Ledger, built
 from camgeo.pickled import Pickled
-from camgeo.specification import Specification
 from camgeo.workpiece import Workpiece
 
 if TYPE_CHECKING:
@@ -26,6 +25,7 @@ if TYPE_CHECKING:
     from camgeo.effects.effect import Column
     from camgeo.effects.graph import Effects
     from camgeo.files.write import Report
+    from camgeo.scene.scene import Scene
 
 
 @dataclass(frozen=True)
@@ -42,7 +42,7 @@ class Design(Pickled):
         follow or end a long computation.
     """
 
-    scene: Specification
+    scene: Scene
     ledger: Ledger = field(default_factory=Ledger, repr=False, compare=False)
 
     @property

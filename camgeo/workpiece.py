@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from camgeo.mechanism.sketch import MechanismSketch
     from camgeo.motion.time_course import TimeCourse
     from camgeo.part.part import Part
-    from camgeo.specification import Specification
+    from camgeo.scene.scene import Scene
     from camgeo.toolpath.cut import Cut
     from camgeo.toolpath.moves import Toolpath
 
@@ -56,7 +56,7 @@ class Workpiece(Pickled):
     ledger : where it is entered what was computed.
     """
 
-    scene: Specification
+    scene: Scene
     cam: Cam
     judgement: Judgement
     returning: Workpiece | None
@@ -85,13 +85,13 @@ class Workpiece(Pickled):
 
     @property
     def scene_hash(self) -> str:
-        """SHA-256 of the scene file without its effects, see `camgeo.scene.fingerprint`."""
-        return self.scene.source.sha256
+        """SHA-256 of what the scene says of files, see `camgeo.scene.scene.Scene.made`."""
+        return self.scene.made
 
     @property
     def scene_files(self) -> dict[str, str]:
         """SHA-256 of the files that the scene reads, hexadecimal, by their names."""
-        return dict(self.scene.source.files)
+        return dict(self.scene.files)
 
     @property
     def version(self) -> str:
@@ -111,7 +111,7 @@ class Workpiece(Pickled):
     @property
     def values(self) -> Values:
         """The scene's values, by which it is seen in which formats it can be written."""
-        return self.scene.values
+        return self.scene.stated
 
     @property
     def discs(self) -> tuple[Workpiece, ...]:

@@ -16,7 +16,7 @@ from camgeo.design import Design
 from camgeo.errors import GeometryError, ToleranceError
 from camgeo.files.product import Product
 from camgeo.files.writers import find_writer
-from camgeo.formats import dxf, gcode
+from camgeo.formats import gcode
 from camgeo.outline.flank import Flank
 from camgeo.outline.path import Path
 from camgeo.outline.replay import replay_contour
@@ -90,10 +90,8 @@ def contour_rows(
 
 def drawn_as(design: Design, form: Form, effort: Effort) -> Design:
     """The same design with its drawing in another form."""
-    output = design.scene.output
-    drawing = replace(output.options[dxf.FORMAT], entity=form)
-    output = replace(output, fit=effort, options=output.options.having(dxf.FORMAT, drawing))  # type: ignore[type-var]
-    return Design(replace(design.scene, output=output))  # type: ignore[type-var]
+    edits = {"output.fit": effort, "output.dxf.entity": form}
+    return Design(design.scene.with_values(edits))
 
 
 def _warm(design: Design, form: Form, effort: Effort, tolerance: float) -> None:

@@ -115,20 +115,21 @@ def _paths(names: list[str]) -> tuple[Path, ...]:
 def _scenes(named: str | None) -> Callable[[Path, str], Against]:
     """What finds the scene of a file; each scene is read once."""
     from camgeo.files.verify import Against, scene_file
-    from camgeo.scene.fingerprint import scene_hash
+    from camgeo.scene.fingerprint import hashes_of
 
     known: dict[str, Against] = {}
 
     def load(path: str) -> Against:
         if path not in known:
             design = Design(load_scene(path))
-            known[path] = Against(design.disc, design.scene.output.tolerance)
+            scene = design.scene
+            known[path] = Against(design.disc, scene.output.tolerance, scene.made_before)
         return known[path]
 
     def find(folder: Path, sha256: str) -> Against:
         if named is not None:
             return load(named)
-        return load(str(scene_file((folder, folder / "..", Path()), sha256, scene_hash)))
+        return load(str(scene_file((folder, folder / "..", Path()), sha256, hashes_of)))
 
     return find
 

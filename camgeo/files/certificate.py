@@ -16,7 +16,7 @@ class Certificate:
 
     Attributes
     ----------
-    scene : SHA-256 of the scene; empty for a design made without a file.
+    scene : SHA-256 of what the scene says of files; one of before says that of its text.
     scene_files : SHA-256 of the files that the scene reads, by their names.
     tolerances : [mm] of each file, by its name.
     hashes : SHA-256 of each file, by its name.

@@ -134,7 +134,7 @@ class Product(Protocol):
 
     @property
     def scene_hash(self) -> str:
-        """SHA-256 of the scene file without its effects, hexadecimal; empty without a file."""
+        """SHA-256 of all that the scene says of files, hexadecimal."""
 
     @property
     def scene_files(self) -> dict[str, str]:

@@ -96,7 +96,7 @@ class Origin:
     Attributes
     ----------
     ours : whether it says that camgeo wrote it.
-    scene : SHA-256 of the scene that it names, or the first digits of it; empty if it names none.
+    scene : hash of the scene that it names, or the first digits of it; empty if it names none.
     tolerance : [mm] that it names, or None.
     damage : why it cannot be read at all, or empty.
     """
@@ -151,7 +151,7 @@ class Verdict:
     format : name of its format.
     sha256 : of its bytes, hexadecimal.
     size : in bytes.
-    scene : name and SHA-256 of the scene that it was held against; empty if it was not measured.
+    scene : name and hash of the scene that it was held against; empty if it was not measured.
     tolerance : [mm] that it was held to, and who says it; None if it was not measured.
     checks : in the order to be told.
     """

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from importlib.metadata import entry_points
 from pathlib import Path
@@ -61,10 +61,18 @@ class Against:
     ----------
     product : the design.
     tolerance : of its scene [mm].
+    hash_before : of the scene, which files name that were written when its text was hashed; empty
+        if it has no text.
     """
 
     product: Product
     tolerance: float
+    hash_before: str = ""
+
+    def hash_like(self, named: str) -> str:
+        """The scene's hash: the earlier one, if what a file or certificate names is that one."""
+        before = self.hash_before
+        return before if named and before.startswith(named) else self.product.scene_hash
 
 
 Scenes = Callable[[Path, str], Against]
@@ -149,8 +157,8 @@ def _verdict(
     if certificate is not None and (not named or certificate.scene.startswith(named)):
         named = certificate.scene  # the whole of it, where the file has its first digits only
     against = scenes(path.parent, named)
-    product = disc_of(against.product, path.stem)
-    checks += _scene(product, origin, certificate)
+    product, present = disc_of(against.product, path.stem), against.hash_like(named)
+    checks += _scene(product, present, origin, certificate)
     tolerance = _tolerance(path.name, wanted, origin, certificate, against)
     if origin.tolerance is not None and certificate is not None:
         certain = certificate.tolerance(path.name)
@@ -162,7 +170,7 @@ def _verdict(
         checks += verifier.checks(product, data, reading, tolerance[0])
     except CamgeoError as error:
         checks.append(failed("deviation", str(error)))
-    scene = (product.name, product.scene_hash)
+    scene = (product.name, present)
     return Verdict(path.name, kind, sha256, len(data), scene, tolerance, tuple(checks))
 
 
@@ -182,9 +190,10 @@ def _bytes(name: str, sha256: str, certificate: Certificate | None) -> Check:
     return Check("sha256", "", sha256[:SHORT], certain[:SHORT], ok=ok, note=note)
 
 
-def _scene(product: Product, origin: Origin, certificate: Certificate | None) -> list[Check]:
+def _scene(
+    product: Product, present: str, origin: Origin, certificate: Certificate | None
+) -> list[Check]:
     """The scene that the file is held against, against those that file and certificate name."""
-    present = product.scene_hash
     checks = []
     if origin.scene:
         digits = present[: len(origin.scene)]
@@ -202,7 +211,7 @@ def _scene(product: Product, origin: Origin, certificate: Certificate | None) ->
     if certificate.scene != present:
         note = f"{CERTIFICATE} is of another scene, or of another state of it"
         checks.append(failed("scene", note, "certificate"))
-    elif dict(certificate.scene_files) != product.scene_files:
+    if dict(certificate.scene_files) != product.scene_files:
         note = f"a file that the scene reads is not the one that {CERTIFICATE} names"
         checks.append(failed("scene", note, "data"))
     return checks
@@ -253,12 +262,19 @@ def _is_verification(path: Path) -> bool:
     return isinstance(found, dict) and found.get("kind") == KIND
 
 
-def scene_file(folders: tuple[Path, ...], sha256: str, digest: Callable[[bytes], str]) -> Path:
-    """The TOML file with this SHA-256, or these first digits of it, in one of `folders`.
+def scene_file(
+    folders: tuple[Path, ...],
+    sha256: str,
+    hashes: Callable[[Path, Mapping[str, str]], Iterable[str]],
+) -> Path:
+    """The TOML file with this hash, or these first digits of it, in one of `folders`.
 
     Parameters
     ----------
-    digest : from the bytes of a scene file to its SHA-256, hexadecimal.
+    folders : that of the files to be verified first; what its certificate says of the scene's own
+        files holds, so that a scene is found whose files were changed since.
+    hashes : of a scene file, all that files may name it by, with the SHA-256 of files that it reads
+        where they are known; OSError if it cannot be read.
 
     Raises
     ------
@@ -266,14 +282,15 @@ def scene_file(folders: tuple[Path, ...], sha256: str, digest: Callable[[bytes],
         If there is none.
     """
     if sha256:
+        certificate = certificate_in(folders[0])
+        known = {} if certificate is None else dict(certificate.scene_files)
         for folder in dict.fromkeys(folder.resolve() for folder in folders):
             for path in sorted(folder.glob("*.toml")):
                 try:
-                    found = digest(path.read_bytes())
+                    if any(found.startswith(sha256) for found in hashes(path, known)):
+                        return path
                 except OSError:
                     continue
-                if found.startswith(sha256):
-                    return path
         places = "its folder, the folder above it and the present one"
         message = f"no scene with SHA-256 {sha256[:SHORT]}... in {places}; name it with --scene"
     else:

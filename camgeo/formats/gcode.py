@@ -79,11 +79,13 @@ SCHEMA: Final[Mapping[str, Any]] = {
             "description": "Feed in the plane, in the scene's unit of length per minute. Default"
             " 300 mm/min.",
             "$ref": "#/$defs/length",
+            "x-default-mm": 300,
         },
         "plunge_feed": {
             "description": "Feed along Z, in the scene's unit of length per minute. Default"
             " 100 mm/min.",
             "$ref": "#/$defs/length",
+            "x-default-mm": 100,
         },
         "pass_depth": {
             "description": "Largest depth of one pass. Default: one pass over the whole depth.",
@@ -92,6 +94,7 @@ SCHEMA: Final[Mapping[str, Any]] = {
         "safe_height": {
             "description": "Height of traverses above the upper face. Default 5 mm.",
             "$ref": "#/$defs/length",
+            "x-default-mm": 5,
         },
     },
 }

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Callable, Collection
-from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING, Any, Final, TypeVar
+from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
 import numpy as np
 
@@ -23,8 +21,8 @@ from camgeo.motion.planning import plan_motion
 from camgeo.part.spec import Keyway, PartSpec
 from camgeo.scene.data_files import DataFiles
 from camgeo.scene.inside import Inside
-from camgeo.scene.keys import Path
-from camgeo.scene.model import OutputSpec, Scene, SceneSource
+from camgeo.scene.keys import Path, path_of
+from camgeo.scene.model import OutputSpec
 from camgeo.scene.motion import MotionRequests
 from camgeo.scene.schema import schema_for
 from camgeo.scene.sound import SoundValues
@@ -38,23 +36,54 @@ if TYPE_CHECKING:
 
 Built = TypeVar("Built")
 
-PATH_STEP: Final = re.compile(r"([A-Za-z0-9_-]+)|\[(\d+)\]")
+
+class Earlier(Protocol):
+    """A scene that this one is an edit of; what does not change is taken from it."""
+
+    @property
+    def stated(self) -> SoundValues: ...
+
+    @property
+    def plan(self) -> MotionPlan: ...
+
+    @property
+    def follower(self) -> AnyFollower: ...
+
+    @property
+    def linkage(self) -> Linkage | None: ...
 
 
 class Builder:
     """Builds the objects of a scene whose values are sound, and gathers what geometry forbids."""
 
-    def __init__(self, values: SoundValues) -> None:
+    def __init__(
+        self, values: SoundValues, files: DataFiles, earlier: Earlier | None = None
+    ) -> None:
         self.values = values
         self.faults: list[Fault] = []
-        self.files = DataFiles(values)
+        self.files = files
+        self._earlier = earlier
         self._mm = values.mm
+
+    def _unchanged(self, *tables: str) -> Earlier | None:
+        """The scene before the edit, if these tables, and the units, are the same objects."""
+        if self._earlier is None:
+            return None
+        now, then = self.values.scene.exact, self._earlier.stated.scene.exact
+        same = all(now.get(name) is then.get(name) for name in ("units", *tables))
+        return self._earlier if same else None
 
     def plan(self) -> MotionPlan | None:
         """The motion plan; None if the motion is not sound."""
         values = self.values
         if not values.sound("motion") or not values.sound("follower", "kind"):
             return None
+        earlier = self._unchanged("motion")
+        if earlier is not None and earlier.stated.angular == values.angular:
+            for index in range(values.segments):
+                if values.has("motion", index, "file"):
+                    self.files.read(("motion", index, "file"))
+            return earlier.plan
         requests = MotionRequests(values, self.files)
         self.faults += requests.faults
         if requests.faults or self.files.faults:
@@ -79,6 +108,8 @@ class Builder:
         values = self.values
         if not values.sound("follower"):
             return None
+        if (earlier := self._unchanged("follower", "linkage")) is not None:
+            return earlier.follower
         kind = FOLLOWERS[values.get("follower", "kind")]
         return self._engine(("follower",), lambda: kind.build(self._table("follower")))
 
@@ -112,6 +143,9 @@ class Builder:
         unit = next(iter(kind.members)) if follower is None else follower.unit
         if unit not in kind.members:
             return None  # which is told
+        earlier = self._unchanged("linkage")
+        if earlier is not None and earlier.stated.far_end == self.values.far_end:
+            return earlier.linkage
         return self._engine(("linkage",), lambda: kind.build(given, unit))
 
     def _table(self, *place: str) -> Values:
@@ -148,42 +182,24 @@ class Builder:
         self.faults += tables.faults
         return tables.all
 
-    def scene(
-        self,
-        plan: MotionPlan,
-        follower: AnyFollower,
-        linkage: Linkage | None,
-        returning: RollerFollower | None,
-        speed_curve: SpeedCurve | None,
-        effects: dict[str, dict[str, Any]],
-        output: OutputSpec,
-        source: SceneSource,
-    ) -> Scene:
-        """The scene, all of whose values are sound."""
+    def rest(self, speed_curve: SpeedCurve | None) -> dict[str, Any]:
+        """The rest of what a scene has, all of whose values are sound."""
         get = self.values.get
         speed = get("cam", "speed")
         if speed_curve is not None:
             speed = TURN / speed_curve.spline.period / RPM
-        return Scene(
-            name=get("name"),
-            unit=self.values.unit,
-            rotation=SIGNS[get("cam", "rotation")],
-            speed=None if speed is None else speed * RPM,
-            plan=plan,
-            follower=follower,
-            linkage=linkage,
-            returning=returning,
-            yoke=self._yoke(),
-            speed_curve=speed_curve,
-            contact=self.values.contact or Contact.INNER,
-            side_clearance=self._mm * (get("follower", "side_clearance") or 0.0),
-            limits=self._limits(),
-            part=self._part(),
-            effects=effects,
-            output=output,
-            values=self.values,
-            source=replace(source, files=tuple(sorted(self.files.hashes.items()))),
-        )
+        return {
+            "name": get("name"),
+            "unit": self.values.unit,
+            "rotation": SIGNS[get("cam", "rotation")],
+            "speed": None if speed is None else speed * RPM,
+            "yoke": self._yoke(),
+            "speed_curve": speed_curve,
+            "contact": self.values.contact or Contact.INNER,
+            "side_clearance": self._mm * (get("follower", "side_clearance") or 0.0),
+            "limits": self._limits(),
+            "part": self._part(),
+        }
 
     def _limits(self) -> Limits:
         table: dict[str, Any] = self.values.get("limits") or {}
@@ -235,7 +251,7 @@ class Builder:
         try:
             return make()
         except GeometryError as error:
-            path = _path(error.key)
+            path = path_of(error.key) or ()
             if path[: len(table)] != table:
                 path = table + path
             self.faults.append(self.values.scene.fault(path, error.message))
@@ -245,10 +261,3 @@ class Builder:
 def _given(table: dict[str, Any], scales: dict[str, float]) -> dict[str, Any]:
     """The keys of `scales` that the table has, scaled; for the rest the dataclass has defaults."""
     return {key: scale * table[key] for key, scale in scales.items() if key in table}
-
-
-def _path(key: str) -> Path:
-    """The path that is spelled `key`."""
-    return tuple(
-        int(position) - 1 if position else name for name, position in PATH_STEP.findall(key)
-    )

@@ -1,17 +1,19 @@
-"""The TOML text of a scene as a tree of plain values, numbers as they were written."""
+"""What a scene says as a tree of plain values, numbers as they were written."""
 
 from __future__ import annotations
 
+import datetime as dt
 import re
 import tomllib
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
 from decimal import Decimal
 from typing import Any, Final
 
 from camgeo.errors import Fault, SceneError
 from camgeo.scene.keys import Path, spelled, value_at
 from camgeo.scene.lines import key_lines, line_of
+from camgeo.scene.tree import DEEPEST, Taking, Tree
 
 MOST_BYTES: Final = 2_000_000
 """Size of the largest scene file: 10,000 segments with generous comments."""
@@ -22,9 +24,6 @@ LONGEST_VALUE: Final = 60
 INTEGER_BITS: Final = 64
 """TOML's integers; a longer one is no size of a cam, and costs time to print."""
 
-DEEPEST: Final = 16
-"""Depth of nesting that is read at all; a scene needs 4."""
-
 BYTE_ORDER_MARK: Final = "\ufeff"
 
 TOML_PLACE: Final = re.compile(r" \(at (?:line (?P<line>\d+), column \d+|end of document)\)$")
@@ -33,24 +32,22 @@ TOML_PLACE: Final = re.compile(r" \(at (?:line (?P<line>\d+), column \d+|end of 
 
 @dataclass(frozen=True, slots=True)
 class Document:
-    """A TOML file taken apart.
+    """The values of a scene, right or wrong.
 
     Attributes
     ----------
-    file : path as given, or empty.
     exact : the tree with each decimal number as a Decimal, exactly as written.
     plain : the same tree with floats; None stands where a value can be no value of a scene.
     faults : what is wrong at those places.
     bad : their paths.
-    lines : lines of the keys.
+    lines : lines of the keys, of a text.
     """
 
-    file: str
-    exact: dict[str, Any]
-    plain: dict[str, Any]
+    exact: Tree
+    plain: Tree
     faults: tuple[Fault, ...]
     bad: frozenset[Path]
-    lines: dict[Path, int]
+    lines: dict[Path, int] = field(default_factory=dict)
 
     def fault(self, path: Path, message: str, hint: str = "") -> Fault:
         """A fault of the value at `path`, which need not exist, with its line."""
@@ -65,9 +62,9 @@ class Document:
         return value_at(self.exact, path)
 
 
-def document(data: bytes, file: str) -> Document:
-    """Take the bytes of a scene apart; raises SceneError if they are no TOML."""
-    text = _text(data, file)
+def document(data: bytes) -> Document:
+    """Take the bytes of a TOML file apart; raises SceneError if they are none."""
+    text = _text(data)
     try:
         exact = tomllib.loads(text, parse_float=Decimal)
         leaves = list(_leaves(exact))
@@ -77,22 +74,37 @@ def document(data: bytes, file: str) -> Document:
         line = int(place["line"]) if place and place["line"] else None
         if place and line is None:
             message += " before the end of the file"
-        raise _refused(f"is not valid TOML: {message}", file, line) from error
+        raise _refused(f"is not valid TOML: {message}", line) from error
     except RecursionError as error:
-        raise _refused("is nested too deeply for a scene", file) from error
+        raise _refused("is nested too deeply for a scene") from error
     except (ValueError, ArithmeticError) as error:
         # Python refuses to read an integer of thousands of digits.
-        raise _refused("holds a number with too many digits", file) from error
+        raise _refused("holds a number with too many digits") from error
     if not exact:
-        raise _refused("is empty; `camgeo new` writes a scene to start from", file)
-    lines = key_lines(text.replace("\r\n", "\n"))
+        raise _refused("is empty; `camgeo new` writes a scene to start from")
+    return _judged(exact, leaves, key_lines(text.replace("\r\n", "\n")))
+
+
+def document_of(values: Mapping[str, Any]) -> Document:
+    """Take values from Python, see `camgeo.scene.tree.Taking`; raises SceneError as that does."""
+    if not isinstance(values, Mapping):
+        raise _refused(f"must be a mapping of its tables, and not {type(values).__name__}")
+    return document_of_tree(Taking().take(values))
+
+
+def document_of_tree(exact: Tree) -> Document:
+    """The document of a tree, which must not be changed any more."""
+    return _judged(exact, list(_leaves(exact)), {})
+
+
+def _judged(exact: Tree, leaves: list[tuple[Path, Any]], lines: dict[Path, int]) -> Document:
     found = [(path, value, trouble) for path, value in leaves if (trouble := _trouble(value))]
     faults = tuple(
         Fault(spelled(path), written(value), trouble, "", line_of(path, lines))
         for path, value, trouble in found
     )
     bad = frozenset(path for path, _, _ in found)
-    return Document(file, exact, _plain(exact), faults, bad, lines)
+    return Document(exact, _plain(exact), faults, bad, lines)
 
 
 def written(value: Any) -> str:
@@ -110,29 +122,31 @@ def written(value: Any) -> str:
         text = "[" + ", ".join(written(item) for item in value[:LONGEST_VALUE]) + "]"
     elif isinstance(value, int) and value.bit_length() > INTEGER_BITS:
         text = hex(value)
+    elif not isinstance(value, int | Decimal | dt.date | dt.time):
+        text = f"<{type(value).__name__}>"
     else:
         text = str(value).lower().replace("infinity", "inf").replace("e+", "e")
     return text if len(text) <= LONGEST_VALUE else text[:LONGEST_VALUE] + "..."
 
 
-def _text(data: bytes, file: str) -> str:
+def _text(data: bytes) -> str:
     if len(data) > MOST_BYTES:
-        raise _refused(f"is larger than {MOST_BYTES:,} bytes, too large for a scene", file)
+        raise _refused(f"is larger than {MOST_BYTES:,} bytes, too large for a scene")
     try:
         text = data.decode("utf-8")
     except UnicodeDecodeError as error:
         line = data.count(b"\n", 0, error.start) + 1
-        raise _refused("is not UTF-8 text; save it in that encoding", file, line) from error
+        raise _refused("is not UTF-8 text; save it in that encoding", line) from error
     if text.startswith(BYTE_ORDER_MARK):
-        raise _refused("starts with a byte order mark; save it as UTF-8 without BOM", file, 1)
+        raise _refused("starts with a byte order mark; save it as UTF-8 without BOM", 1)
     if not text.strip():
-        raise _refused("is empty; `camgeo new` writes a scene to start from", file)
+        raise _refused("is empty; `camgeo new` writes a scene to start from")
     return text
 
 
-def _refused(message: str, file: str, line: int | None = None) -> SceneError:
-    """An error of the file as a whole."""
-    return SceneError([Fault("", "", f"the scene {message}", line=line)], file)
+def _refused(message: str, line: int | None = None) -> SceneError:
+    """An error of the scene as a whole."""
+    return SceneError([Fault("", "", f"the scene {message}", line=line)])
 
 
 def _leaves(value: Any, path: Path = ()) -> Iterator[tuple[Path, Any]]:
@@ -158,8 +172,13 @@ def _trouble(value: Any) -> str:
     elif isinstance(value, int):
         if value.bit_length() > INTEGER_BITS:
             return "is too large for a number"
-    elif not isinstance(value, str):
+    elif isinstance(value, str):
+        if not value.isascii() and value != value.encode(errors="replace").decode():
+            return "is no text that UTF-8 can hold"
+    elif isinstance(value, dt.date | dt.time):
         return "a date or time has no place in a scene"
+    else:
+        return "must be text, a number, true or false, a list or a table"
     return ""
 
 

@@ -1,32 +1,47 @@
-"""What a scene's hash is taken of: all of the file but the tables of effects.
+"""The hash of a scene's text, which stood in files before that of its values did.
 
-Effects change nothing of the files that are made. So that these stay the same to the last byte,
-with and without them, neither does the hash that stands in them.
+It is taken of all of the text but the tables of effects, for these change nothing of the files that
+are made. Files with it are verified all the same.
 """
 
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Iterator, Mapping
+from pathlib import Path
 
 from camgeo.errors import SceneError
 from camgeo.scene.document import Document, document
+from camgeo.scene.identity import made_of
 
 TABLE = "effects"
 
 
-def scene_hash(data: bytes) -> str:
-    """SHA-256 of the bytes of a scene file, hexadecimal, as it stands in the files made from it.
+def hashes_of(path: Path, known: Mapping[str, str]) -> Iterator[str]:
+    """What files may name the scene file at `path` by: the hash of its text, and of its values.
 
-    Of what is no TOML it is that of all its bytes.
+    Nothing of what is no TOML; OSError if it, or a file that it names, cannot be read. Those whose
+    SHA-256 is `known` are taken for what they were then.
     """
+
+    def digest(name: str) -> str:
+        return known.get(name) or hashlib.sha256((path.parent / name).read_bytes()).hexdigest()
+
+    data = path.read_bytes()
     try:
-        return hash_of(data, document(data, ""))
+        scene = document(data)
     except SceneError:
-        return hashlib.sha256(data).hexdigest()
+        return
+    yield hash_of(data, scene)
+    if not scene.faults:
+        yield made_of(scene.exact, digest)
 
 
 def hash_of(data: bytes, scene: Document) -> str:
-    """The same of a file that is taken apart already, into `scene`."""
+    """SHA-256 of the bytes of a scene file without its effects, hexadecimal.
+
+    `scene` is the file taken apart.
+    """
     return hashlib.sha256(without_effects(data, scene)).hexdigest()
 
 

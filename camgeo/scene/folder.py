@@ -5,11 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 
 
-def beside(scene: str, name: str) -> Path | None:
-    """Return the path of the file that a scene calls `name`; None if it leaves the scene's folder.
+def beside(folder: Path, name: str) -> Path | None:
+    """Return the path of the file that a scene in `folder` calls `name`; None if it is not in it.
 
-    A scene without a file of its own counts as lying in the working directory.
+    `folder` is an absolute path without links.
     """
-    folder = Path(scene).resolve().parent if scene else Path.cwd()
     path = (folder / name).resolve()
     return path if path.is_relative_to(folder) else None

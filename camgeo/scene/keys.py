@@ -11,6 +11,11 @@ Path = tuple[str | int, ...]
 
 BARE: Final = re.compile(r"[A-Za-z0-9_-]+")
 
+STEP: Final = re.compile(
+    r'(?:^|\.)(?:(?P<bare>[A-Za-z0-9_-]+)|(?P<quoted>"(?:\\.|[^"\\])*"))|\[(?P<position>\d{1,9})\]'
+)
+"""One step of a path as it is spelled."""
+
 LONGEST_NAME: Final = 60
 """Characters shown of a key's name; a longer one would bury the message."""
 
@@ -24,6 +29,25 @@ def spelled(path: Path) -> str:
         else:
             text += ("." if text else "") + quoted(step)
     return text
+
+
+def path_of(key: str) -> Path | None:
+    """Return the path that is spelled `key`, () for an empty one; None if nothing is spelled so."""
+    path: Path = ()
+    place = 0
+    while place < len(key):
+        step = STEP.match(key, place)
+        if step is None:
+            return None
+        if step["position"]:
+            path = (*path, int(step["position"]) - 1)
+        else:
+            try:
+                path = (*path, step["bare"] or str(json.loads(step["quoted"])))
+            except ValueError:  # an escape that there is not
+                return None
+        place = step.end()
+    return path
 
 
 def quoted(name: str) -> str:

@@ -10,6 +10,9 @@ x-allowed : what is allowed, in words; else the words follow from type and range
 x-exact : the number is handed on as it is written, a Decimal in the unit of the scene.
 x-barring : the name of this key of [follower], with which some effects have no place.
 x-default-by-law : what the key's absence means with each law, if always the same.
+x-default-key : the key whose value it then has.
+x-default-mm : what it then means [mm].
+x-file : the text is the name of a file in the scene's folder, with data.
 x-later : values or keys that the format names but this version does not have.
 x-path : the text is the path of a file in the scene's folder, unless it is one of x-values.
 x-siblings : names of the definitions that stand beside this one in a choice.
@@ -131,9 +134,23 @@ def with_tables(effects: Tables, formats: Tables) -> Node:
     keys = top[OUTPUT]["properties"]
     listed = {**keys["formats"], "items": {"enum": list(formats)}}
     listed["description"] = listed["description"].format(formats=", ".join(formats))
-    tables = {name: dict(table) for name, table in formats.items()}
+    tables = {name: _optional(table) for name, table in formats.items()}
     output = {**top[OUTPUT], "properties": {**keys, "formats": listed, **tables}}
     return {**schema(), "properties": {**top, EFFECTS: own, OUTPUT: output}}
+
+
+def _optional(table: Mapping[str, Any]) -> Node:
+    """The table of a format; where it may be empty, a missing one says the same."""
+    return dict(table) if "required" in table or not table else {**table, "default": {}}
+
+
+def schema_of_all(values: Mapping[str, Any]) -> Node:
+    """Return the schema for these values with the tables of all formats of camgeo."""
+    output = values.get(OUTPUT)
+    table = output if isinstance(output, dict) else {}
+    listed = table.get("formats")
+    words = [*FORMATS, *(listed if isinstance(listed, list) else ())]
+    return schema_for({**values, OUTPUT: {**table, "formats": words}}).root
 
 
 def definition(name: str) -> Node:
@@ -165,3 +182,27 @@ def resolved(node: Node | bool) -> Node:
         beside = {key: value for key, value in node.items() if key != "$ref"}
         node = {**definition(node["$ref"].rpartition("/")[2]), **beside}
     return node
+
+
+def keys_of(node: Node | bool, table: Node) -> dict[str, Node]:
+    """Return the keys of a table with their nodes; of what has kinds those of the table's kind."""
+    node = resolved(node)
+    keys = dict(node.get("properties", {}))
+    for choice in (*node.get("allOf", ()), node):
+        if "if" in choice:
+            branch = "then" if _meets(choice["if"], table) else "else"
+            keys.update(keys_of(choice.get(branch, {}), table))
+    return keys
+
+
+def _meets(condition: Node, table: Node) -> bool:
+    """Whether a table has the keys, with the constants, of an ``if`` of the schema."""
+    constants = {key: each["const"] for key, each in condition.get("properties", {}).items()}
+    return all(key in table for key in condition["required"]) and all(
+        table.get(key) == value for key, value in constants.items()
+    )
+
+
+def names_a_file(node: Node, value: str) -> bool:
+    """Tell whether the value at a resolved node is the name of a file beside the scene."""
+    return ("x-file" in node or "x-path" in node) and value not in node.get("x-values", ())

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Callable
+from copy import copy
 from dataclasses import dataclass, replace
 from decimal import Decimal
 from functools import cache
@@ -92,7 +93,9 @@ class Made:
 
     def named(self, *names: str) -> Design:
         tables: dict[str, dict[str, Any]] = {name: {} for name in names}
-        found = Design(replace(self.design.scene, effects=tables))  # type: ignore[type-var]
+        scene = copy(self.design.scene)
+        object.__setattr__(scene, "effects", tables)  # by names that no scene can have
+        found = Design(scene)
         graph = Effects(found.effects.subject, tables, found.ledger, find=self.effects.__getitem__)
         found.__dict__["effects"] = graph
         return found

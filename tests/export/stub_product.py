@@ -134,7 +134,7 @@ class StubProduct:
     def values(self) -> Values:
         thickness = f"part.thickness = {self.thickness}" if self.thickness else ""
         text = f"{thickness}\noutput.gcode.tool_diameter = {self.gcode.tool_diameter}"
-        return SoundValues(document(text.encode(), ""))
+        return SoundValues(document(text.encode()))
 
     @property
     def discs(self) -> tuple[Product, ...]:

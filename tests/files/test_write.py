@@ -53,8 +53,7 @@ def test_report_and_certificate(tmp_path: Path) -> None:
     assert report.paths[-1] == tmp_path / "certificate.json"
     certificate = json.loads(report.paths[-1].read_bytes())
     assert certificate["tolerance_mm"] == 0.01
-    scene = (SCENES / "vorschub.toml").read_bytes()
-    assert certificate["scene"]["sha256"] == hashlib.sha256(scene).hexdigest()
+    assert certificate["scene"]["sha256"] == design.scene.made
     for record, file in zip(certificate["files"], report.files, strict=True):
         data = (tmp_path / file.name).read_bytes()
         assert record["sha256"] == hashlib.sha256(data).hexdigest()

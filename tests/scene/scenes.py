@@ -5,7 +5,7 @@ from __future__ import annotations
 import pathlib
 
 from camgeo.scene.load import parse_scene
-from camgeo.scene.model import Scene
+from camgeo.scene.scene import Scene
 
 FIXTURES = pathlib.Path(__file__).parents[2] / "fixtures" / "scenes"
 

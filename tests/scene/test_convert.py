@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import math
 from decimal import Decimal
 
@@ -142,4 +141,4 @@ def test_inches() -> None:
     # A tool's defaults are millimetres, whatever the scene's unit.
     assert scene.output.options[gcode.FORMAT] == GcodeSpec(tool_diameter=8 * 25.4)
     assert scene.output.options[csv.FORMAT].step == Decimal("0.25")
-    assert dataclasses.replace(scene, unit="mm").speed == loaded(PLATE).speed
+    assert scene.speed == loaded(PLATE).speed

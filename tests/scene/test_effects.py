@@ -16,7 +16,7 @@ from camgeo.errors import Fault, GeometryError, SceneError
 from camgeo.scene import effects as tables
 from camgeo.scene.inside import SCALES
 from camgeo.scene.load import load_scene, parse_scene
-from camgeo.scene.model import Scene
+from camgeo.scene.scene import Scene
 from camgeo.scene.schema import Node, resolved
 from tests.effects.fakes import fake
 from tests.scene.scenes import PLATE, ROCKER
@@ -178,7 +178,7 @@ def test_a_file_is_read_with_its_hash(fakes: Fakes, tmp_path: Path, ending: str)
     scene.write_text(with_effects('[effects.load]\nfile = "load.csv"\n'), "utf-8")
     loaded: Scene = load_scene(scene)
     assert loaded.effects["load"] == {"file": DataFile("load.csv", data)}
-    assert [name for name, _ in loaded.source.files] == ["load.csv"]
+    assert [name for name, _ in loaded.files] == ["load.csv"]
 
 
 def test_a_file_that_is_not_there_is_told(fakes: Fakes, tmp_path: Path) -> None:

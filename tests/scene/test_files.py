@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import pathlib
 import subprocess
 import sys
@@ -78,7 +77,8 @@ def test_source_is_told(tmp_path: pathlib.Path) -> None:
     file.write_bytes(data)
     source = load_scene(file).source
     assert source.file == str(file)
-    assert source.sha256 == hashlib.sha256(data).hexdigest()
+    assert source.text.encode() == data
+    assert source.folder == tmp_path
     assert parse_scene(PLATE).source.file == ""
 
 

@@ -1,4 +1,4 @@
-"""The hash of a scene is that of all it says but of its effects."""
+"""The hash of a scene's text, which files of before name, is of all it says but of its effects."""
 
 from __future__ import annotations
 
@@ -31,12 +31,12 @@ def _fakes(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def kept(text: str) -> str:
     data = text.encode()
-    return without_effects(data, document(data, "")).decode()
+    return without_effects(data, document(data)).decode()
 
 
 def hash_of(text: str) -> str:
     """Of the bytes themselves: text would have its line ends translated."""
-    found = parse_scene(text).source.sha256
+    found = parse_scene(text).made_before
     assert found == hashlib.sha256(kept(text).encode()).hexdigest()
     return found
 

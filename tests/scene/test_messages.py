@@ -139,7 +139,7 @@ FAULTS: list[tuple[str, list[Change], str]] = [
     (PLATE, [("tolerance = 0.001", 'fit = "best"')], 'output.fit = "best": .*"fewest"'),
     (PLATE, [('"linuxcnc"', '"grbl"')], '"grbl": is not available in this version; .*"linuxcnc"'),
     (PLATE, [('"linuxcnc"', '"linuxcn"')], r'did you mean "linuxcnc"\?'),
-    (PLATE, [('"linuxcnc"', '"no.toml"')], "is no file in the folder of the scene"),
+    (PLATE, [('"linuxcnc"', '"no.toml"')], '"no.toml": cannot be read: No such file'),
     (PLATE, [('"linuxcnc"', '"../no.toml"')], "must not leave the folder of the scene"),
     (PLATE, [('"linuxcnc"', '"/etc/no.toml"')], "must not leave the folder of the scene"),
     (PLATE, [("tolerance = 0.001", "tolerance = 1e-15")], "tolerance = 1e-15: .* 1e-7 mm to 1 mm"),

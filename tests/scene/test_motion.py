@@ -176,7 +176,7 @@ def test_a_table_beside_the_scene(tmp_path: Path) -> None:
     assert course.report is not None
     assert course.report.largest_deviation <= 1e-3
     digest = hashlib.sha256((tmp_path / "lift.csv").read_bytes()).hexdigest()
-    assert scene.source.files == (("lift.csv", digest),)
+    assert scene.files == (("lift.csv", digest),)
     lift = scene.plan.jet(np.array([math.pi]))[0, 0]
     assert lift == pytest.approx(20.0, abs=2e-3)
 
@@ -274,7 +274,7 @@ def test_a_speed_curve(tmp_path: Path) -> None:
     assert found.speed == pytest.approx(2.0 * math.pi / 0.5, rel=1e-14)
     assert found.speed_curve is not None
     assert found.speed_curve.time(np.radians([100.0])) == pytest.approx([0.2])
-    assert [name for name, _ in found.source.files] == ["speed.csv"]
+    assert [name for name, _ in found.files] == ["speed.csv"]
     scene.write_text(
         head.replace("speed_curve", "speed = 60\nspeed_curve") + "[[motion]]\ndwell = 360\n"
     )

@@ -8,8 +8,8 @@ import pytest
 
 from camgeo.design import Design
 from camgeo.scene.load import parse_scene
-from camgeo.scene.model import Scene
 from camgeo.scene.new import KINDS, template
+from camgeo.scene.scene import Scene
 
 
 @pytest.mark.parametrize("kind", KINDS)

@@ -1,0 +1,196 @@
+"""A scene: the values that say what a cam is to be, and the engine's objects made of them."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Self
+
+from camgeo.errors import SceneError
+from camgeo.pickled import pickled
+from camgeo.scene.document import Document, document, document_of, document_of_tree
+from camgeo.scene.door import enter
+from camgeo.scene.identity import identity_of, made_of
+from camgeo.scene.source import Source
+from camgeo.scene.tree import Tree, edited, read_only
+
+if TYPE_CHECKING:
+    from camgeo.cam.contact import Contact
+    from camgeo.check.limits import Limits
+    from camgeo.mechanism.kinds import AnyFollower, RollerFollower
+    from camgeo.mechanism.linkage_protocol import Linkage
+    from camgeo.mechanism.yoke import Yoke
+    from camgeo.motion.plan import MotionPlan
+    from camgeo.motion.time_course import SpeedCurve
+    from camgeo.part.spec import PartSpec
+    from camgeo.scene.model import OutputSpec
+    from camgeo.scene.sound import SoundValues
+    from camgeo.units import LengthUnit
+
+
+@dataclass(frozen=True, init=False, eq=False, repr=False)
+class Scene:
+    """One scene; lengths in mm, angles in rad, unless said otherwise.
+
+    Its values decide all else: nothing of it can be replaced by itself, only by `with_values`.
+    Scenes are equal that say the same, from whatever file.
+
+    Attributes
+    ----------
+    source : where the values came from, and what is in the files that they name.
+    stated : the values as the scene's own rules see them.
+    files : names of the files with data, each with the SHA-256 of its bytes.
+    name : of the design, the stem of its files.
+    unit : of length in the scene file; drawings, programs and tables are written in it.
+    rotation : sense in which the disc turns, +1 counter-clockwise, -1 clockwise.
+    speed : of the disc, positive [rad/s], the mean one if it varies; None if the scene gives none.
+    speed_curve : how the speed varies over the turn; None if it does not.
+    plan : the motion; of the far end of a linkage if there is one, else of the follower.
+    follower : what touches the disc.
+    linkage : between motion and follower; None if the motion is the follower's own.
+    returning : the second roller, on the return disc of a conjugate pair; None if there is none.
+    yoke : the other side of the follower on a cam of constant breadth; None if there is none.
+    contact : the flank on which the roller runs.
+    side_clearance : groove's width less the roller's diameter [mm]; 0 without groove.
+    limits : what the design is held to.
+    part : the disc as a body; None if the scene has no `[part]`.
+    effects : what the scene says of each effect that it names, in its order, numbers in the units
+        of `camgeo.effects.effect`.
+    output : what is written.
+    """
+
+    source: Source
+    stated: SoundValues
+    files: tuple[tuple[str, str], ...]
+    name: str
+    unit: LengthUnit
+    rotation: int
+    speed: float | None
+    speed_curve: SpeedCurve | None
+    plan: MotionPlan
+    follower: AnyFollower
+    linkage: Linkage | None
+    returning: RollerFollower | None
+    yoke: Yoke | None
+    contact: Contact
+    side_clearance: float
+    limits: Limits
+    part: PartSpec | None
+    effects: Mapping[str, Mapping[str, Any]]
+    output: OutputSpec
+
+    def __init__(self, values: Mapping[str, Any], *, folder: str | Path | None = None) -> None:
+        """A scene from its tables, nested as in TOML; a float is the number that Python prints.
+
+        `folder` holds the files that the scene names.
+
+        Raises
+        ------
+        SceneError
+            With all that is wrong.
+        """
+        _fill(self, enter(document_of(values), Source.of("", folder)))
+
+    @classmethod
+    def from_text(cls, data: bytes, file: str = "", folder: str | Path | None = None) -> Self:
+        """A scene from its TOML in UTF-8; `file` is the path it came from, for messages too.
+
+        `folder` holds the files that the scene names, if it is not that of `file`. Raises
+        SceneError with all that is wrong.
+        """
+        try:
+            found = document(data)
+        except SceneError as error:
+            raise SceneError(error.faults, file) from error
+        return cls.of(found, Source.of(file, folder, data.decode()))
+
+    @classmethod
+    def of(cls, found: Document, source: Source, earlier: Scene | None = None) -> Self:
+        """A scene that is taken apart already, perhaps an edit of an earlier one."""
+        made = cls.__new__(cls)
+        _fill(made, enter(found, source, earlier))
+        return made
+
+    @cached_property
+    def values(self) -> Mapping[str, Any]:
+        """The values as they are stated, nested as in TOML; decimal numbers are Decimals."""
+        values: Mapping[str, Any] = read_only(self._tree)
+        return values
+
+    @property
+    def _tree(self) -> Tree:
+        return self.stated.scene.exact
+
+    @cached_property
+    def identity(self) -> str:
+        """SHA-256 of all that the scene says, hexadecimal, see `camgeo.scene.identity`."""
+        return identity_of(self._tree, self._digest)
+
+    @cached_property
+    def made(self) -> str:
+        """SHA-256 of all that decides the bytes of files, hexadecimal, as it stands in them."""
+        return made_of(self._tree, self._digest)
+
+    def _digest(self, name: str) -> str:
+        return hashlib.sha256(self.source.contents[name]).hexdigest()
+
+    @cached_property
+    def made_before(self) -> str:
+        """What stood in files in place of `made` when the text was hashed; empty without a text."""
+        from camgeo.scene.fingerprint import hash_of  # only files of before ask
+
+        data = self.source.text.encode()
+        return hash_of(data, document(data)) if self._says_its_text else ""
+
+    @property
+    def _says_its_text(self) -> bool:
+        """Whether the values are those of the text, and not edited ones."""
+        text = self.source.text
+        return bool(text) and document(text.encode()).exact == self._tree
+
+    def with_values(self, edits: Mapping[str, Any]) -> Scene:
+        """The scene with other values at some keys, None for a key that is to go.
+
+        Keys are spelled as in messages: "follower.base_radius", "motion[2].law" (or motion.2.law),
+        positions counted from 1. What does not depend on the edit is shared: the plan with a new
+        roller, plan, follower and linkage with another output. Files are not read again.
+
+        Raises
+        ------
+        SceneError
+            With all that would be wrong.
+        """
+        found = document_of_tree(edited(self._tree, edits))
+        return Scene.of(found, self.source, self)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Scene) and self.identity == other.identity
+
+    def __hash__(self) -> int:
+        return hash(self.identity)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        source = self.source
+        folder = None if source.folder is None else str(source.folder)
+        contents = dict(source.contents)
+        return pickled(
+            scene, tree=self._tree, file=source.file, folder=folder, text=source.text,
+            contents=contents,
+        )  # fmt: skip
+
+
+def _fill(made: Scene, attributes: Mapping[str, Any]) -> None:
+    """Give a new scene, which is frozen, what it consists of."""
+    for name, value in attributes.items():
+        object.__setattr__(made, name, value)
+
+
+def scene(
+    tree: Tree, file: str, folder: str | None, text: str, contents: Mapping[str, bytes]
+) -> Scene:
+    """A scene again from what was pickled of it; no file is read."""
+    source = Source(file, None if folder is None else Path(folder), text).having(contents)
+    return Scene.of(document_of_tree(tree), source)

@@ -1,0 +1,153 @@
+"""The values of a scene as tables, lists and single values: taken from Python, shown, edited.
+
+Inside, a tree is of dicts, lists, text, booleans, integers and Decimals, and is never changed:
+an edit makes another one, which shares with the first all that stays the same.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from decimal import Decimal
+from types import MappingProxyType
+from typing import Any, Final
+
+from camgeo.errors import Fault, SceneError
+from camgeo.scene.keys import Path, path_of, spelled
+
+DEEPEST: Final = 16
+"""Depth of nesting that is read at all; a scene needs 4."""
+
+MOST_VALUES: Final = 1_000_000
+"""Single values, lists and tables of the largest scene; a file of allowed size has no more."""
+
+Tree = dict[str, Any]
+
+
+class Taking:
+    """Takes values that come from Python; a float is the decimal number that Python prints.
+
+    What is no value of a scene stays as it is, for the scene's faults to name.
+    """
+
+    def __init__(self) -> None:
+        self._count = 0
+
+    def take(self, value: Any, path: Path = ()) -> Any:
+        """A tree of its own; SceneError if it is too deep or too large, or a name is no text."""
+        self._count += 1
+        if len(path) > DEEPEST:
+            raise _refused("is nested too deeply for a scene")
+        if self._count > MOST_VALUES:
+            raise _refused("has too many values")
+        if isinstance(value, Mapping):
+            return {self._name(key, path): self.take(value[key], (*path, key)) for key in value}
+        if isinstance(value, list | tuple):
+            return [self.take(item, (*path, index)) for index, item in enumerate(value)]
+        if isinstance(value, float):
+            return Decimal(float.__repr__(value))
+        if isinstance(value, int) and not isinstance(value, bool):
+            return int(value)
+        return str.__str__(value) if isinstance(value, str) else value
+
+    def _name(self, key: Any, path: Path) -> str:
+        if isinstance(key, str):
+            return str.__str__(key)
+        message = "the names of keys must be text"
+        raise SceneError([Fault(spelled(path), repr(key)[:60], message)])
+
+
+def read_only(tree: Any) -> Any:
+    """The same values in mappings and tuples that cannot be changed."""
+    if isinstance(tree, dict):
+        return MappingProxyType({key: read_only(item) for key, item in tree.items()})
+    if isinstance(tree, list):
+        return tuple(read_only(item) for item in tree)
+    return tree
+
+
+def edited(tree: Tree, edits: Mapping[str, Any]) -> Tree:
+    """The tree with other values at keys that are spelled as messages do; None removes a key.
+
+    Tables that are missing are made. Values are set before any are removed, so that positions are
+    those in the tree as it was.
+
+    Raises
+    ------
+    SceneError
+        With each key that is none, or leads into what is no table or list.
+    """
+    taking = Taking()
+    faults: list[Fault] = []
+    removed: list[Path] = []
+    for key, value in edits.items():
+        try:
+            path = _path(tree, key)
+            if value is None:
+                removed.append(path)
+            else:
+                tree = _with(tree, path, taking.take(value, path))
+        except _NoPlaceError as error:
+            faults.append(Fault(str(key), "", str(error)))
+    if faults:
+        raise SceneError(faults)
+    for path in sorted(removed, key=_order, reverse=True):
+        tree = _without(tree, path)
+    return tree
+
+
+class _NoPlaceError(Exception):
+    """A key leads nowhere."""
+
+
+def _path(tree: Tree, key: Any) -> Path:
+    """The path of `key`; a position may be written as a name too, motion.2.law."""
+    path = path_of(key) if isinstance(key, str) else None
+    if not path:
+        raise _NoPlaceError("is no key; write it as messages do, e.g. motion[2].law")
+    node: Any = tree
+    found: Path = ()
+    for step in path:
+        if isinstance(node, list):
+            if isinstance(step, str) and step.isdecimal():
+                step = int(step) - 1
+            if not isinstance(step, int) or not 0 <= step < len(node):
+                positions = f"its positions are 1 to {len(node)}"
+                raise _NoPlaceError(f"{spelled(found)} is a list: {positions}")
+            node = node[step]
+        elif isinstance(node, dict | None):
+            if isinstance(step, int):
+                raise _NoPlaceError(f"{spelled(found) or 'the scene'} is no list")
+            node = None if node is None else node.get(step)
+        else:
+            raise _NoPlaceError(f"{spelled(found)} is no table")
+        found = (*found, step)
+    return found
+
+
+def _with(node: Any, path: Path, value: Any) -> Any:
+    if not path:
+        return value
+    step, rest = path[0], path[1:]
+    if isinstance(step, int):
+        return [*node[:step], _with(node[step], rest, value), *node[step + 1 :]]
+    table = node or {}
+    return {**table, step: _with(table.get(step), rest, value)}
+
+
+def _without(node: Any, path: Path) -> Any:
+    step, rest = path[0], path[1:]
+    if isinstance(step, int):
+        return [*node[:step], *([_without(node[step], rest)] if rest else []), *node[step + 1 :]]
+    if not node or step not in node:
+        return node
+    if rest:
+        return {**node, step: _without(node[step], rest)}
+    return {key: item for key, item in node.items() if key != step}
+
+
+def _order(path: Path) -> list[tuple[int, str]]:
+    return [(step, "") if isinstance(step, int) else (-1, step) for step in path]
+
+
+def _refused(message: str) -> SceneError:
+    return SceneError([Fault("", "", f"the scene {message}")])

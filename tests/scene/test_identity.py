@@ -1,0 +1,257 @@
+"""Two hashes of a scene: of all that it says, and of what decides the bytes of files."""
+
+from __future__ import annotations
+
+import pathlib
+import random
+import tomllib
+from collections.abc import Iterator, Mapping
+from decimal import Decimal
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from camgeo.errors import SceneError
+from camgeo.scene.identity import identity_of, made_of
+from camgeo.scene.load import load_scene, parse_scene
+from camgeo.scene.scene import Scene
+from camgeo.scene.schema import keys_of, resolved, schema_of_all
+from tests.scene.scenes import FIXTURES, GROOVE, LINKED, PLATE, ROCKER, loaded, spoilt
+
+PAIR = FIXTURES / "conjugate_lever.toml"
+
+
+def both(scene: Scene) -> tuple[str, str]:
+    return scene.identity, scene.made
+
+
+def test_they_are_sha256() -> None:
+    scene = loaded(PLATE)
+    for found in both(scene):
+        assert len(found) == 64
+        assert set(found) <= set("0123456789abcdef")
+    assert scene.identity != scene.made
+
+
+@pytest.mark.parametrize("other", ["50.0", "5e1", "5.000E+01", "0.5e2", "50.000"])
+def test_how_a_number_is_written_does_not_count(other: str) -> None:
+    changed = loaded(PLATE, ("base_radius = 50", f"base_radius = {other}"))
+    assert both(changed) == both(loaded(PLATE))
+
+
+@pytest.mark.parametrize(
+    "other", ["50.00000000000000000000000000000000001", "-50", "5", "500", "50.5", "0.5"]
+)
+def test_its_value_does_to_the_last_digit(other: str) -> None:
+    tree = loaded(PLATE).stated.scene.exact
+    changed = {**tree, "follower": {**tree["follower"], "base_radius": Decimal(other)}}
+    assert made_of(changed, str) != made_of(tree, str)
+
+
+@given(st.decimals(allow_nan=False, allow_infinity=False), st.decimals(-5, 5, places=3))
+def test_numbers_are_equal_that_have_one_value(one: Decimal, other: Decimal) -> None:
+    """But a zero keeps its sign."""
+    for number in (other, one * 10, -one, Decimal(float(other))):
+        alike = one == number and one.is_signed() == number.is_signed()
+        found = {identity_of({"name": each}, str) for each in (one, number)}
+        assert (len(found) == 1) == alike
+    assert len({identity_of({"name": each}, str) for each in (one, f"{one:E}")}) == 2
+
+
+def reordered(values: Any) -> Any:
+    if isinstance(values, Mapping):
+        return {key: reordered(values[key]) for key in reversed(list(values))}
+    return values
+
+
+def test_the_order_of_keys_and_the_files_name_do_not_count(tmp_path: pathlib.Path) -> None:
+    scene = loaded(PLATE)
+    assert both(Scene(reordered(scene.values))) == both(scene)
+    (tmp_path / "other.toml").write_text(f"# one more comment\n{PLATE}")
+    assert both(load_scene(tmp_path / "other.toml")) == both(scene)
+
+
+def test_the_order_of_segments_and_formats_counts() -> None:
+    scene = loaded(PLATE)
+    formats = scene.with_values({"output.formats": scene.values["output"]["formats"][::-1]})
+    assert formats.made != scene.made
+    first, *middle, last = scene.values["motion"]
+    assert scene.with_values({"motion": [last, *middle, first]}).made != scene.made
+
+
+# -- defaults ------------------------------------------------------------------------------------
+
+COMPLETE = {
+    "plate": PLATE,
+    "rocker": ROCKER,
+    "linked": LINKED,
+    "groove": GROOVE,
+    "scca": spoilt(ROCKER, ('"cycloidal"', '"scca"')),
+    "auto": spoilt(ROCKER, ('"cycloidal"', '"auto"')),
+    **{file.stem: file.read_text("utf-8") for file in sorted(FIXTURES.glob("*.toml"))},
+}
+
+
+def stateable(tree: Mapping[str, Any], node: Any, path: str = "") -> Iterator[tuple[str, Any]]:
+    """Keys that a scene does not have, with the values that the schema says they mean."""
+    node = resolved(node)
+    for name, each in keys_of(node, dict(tree)).items():
+        each, place = resolved(each), f"{path}.{name}".lstrip(".")
+        value = tree.get(name)
+        if isinstance(value, Mapping) or (value is None and each.get("default") == {}):
+            yield from stateable(value or {}, each, place)
+        elif isinstance(value, tuple) and name == "motion":
+            for number, item in enumerate(value, 1):
+                yield from stateable(item, each["items"], f"{place}[{number}]")
+        elif value is None and "default" in each:
+            yield place, each["default"]
+        elif value is None and "x-default-mm" in each:
+            yield place, each["x-default-mm"]
+        elif value is None and tree.get("law") in each.get("x-default-by-law", {}):
+            yield place, each["x-default-by-law"][tree["law"]]
+
+
+@pytest.mark.parametrize("name", COMPLETE)
+def test_defaults_may_be_spelled_out(name: str) -> None:
+    scene = parse_scene(COMPLETE[name], folder=FIXTURES)
+    found = dict(stateable(scene.values, schema_of_all(scene.stated.scene.plain)))
+    assert len(found) > 3
+    refused = 0
+    for key, value in found.items():
+        if scene.unit == "inch" and key in ("output.tolerance", "limits.closing_error"):
+            continue  # no number of inches is a thousandth of a millimetre
+        try:
+            changed = scene.with_values({key: value})
+        except SceneError:  # a key that has its place elsewhere only
+            refused += 1
+            continue
+        assert both(changed) == both(scene), key
+    assert refused <= 4
+
+
+def test_a_return_roller_is_as_the_main_one() -> None:
+    scene = load_scene(PAIR)
+    for key in ("roller_radius", "arm"):
+        stated = scene.with_values({f"follower.return.{key}": None})
+        value = stated.values["follower"][key]
+        assert both(stated.with_values({f"follower.return.{key}": value})) == both(stated)
+
+
+def test_a_default_in_millimetres_is_none_of_inches() -> None:
+    scene = load_scene(PAIR).with_values({"limits.closing_error": None})
+    assert scene.with_values({"limits.closing_error": 0.02}).made == scene.made
+    inches = scene.with_values({"units.length": "inch", "output.tolerance": 0.0001})
+    assert inches.with_values({"limits.closing_error": 0.02}).made != inches.made
+
+
+# -- what counts ---------------------------------------------------------------------------------
+
+
+def test_files_count_by_what_is_in_them(tmp_path: pathlib.Path) -> None:
+    scene = load_scene(FIXTURES / "measured.toml")
+    data = (FIXTURES / "measured.csv").read_bytes()
+    (tmp_path / "measured.csv").write_bytes(data)
+    (tmp_path / "other.csv").write_bytes(data)
+    (tmp_path / "changed.csv").write_bytes(data + b"\n")
+    same = Scene(scene.values, folder=tmp_path)
+    assert both(same) == both(scene)
+    place = scene.stated.scene
+    (index,) = [k for k, each in enumerate(place.exact["motion"]) if each.get("law") == "table"]
+    key = f"motion[{index + 1}].file"
+    assert both(same.with_values({key: "other.csv"})) == both(scene)
+    changed = same.with_values({key: "changed.csv"})
+    assert changed.made != scene.made
+    assert changed.identity != scene.identity
+
+
+def test_a_machine_profile_counts_by_what_is_in_it(tmp_path: pathlib.Path) -> None:
+    texts = {"a.toml": "name = 'a'", "b.toml": "name = 'a'", "c.toml": "name = 'c'"}
+    for file, text in texts.items():
+        (tmp_path / file).write_text(text)
+    scene = Scene(tomllib.loads(PLATE), folder=tmp_path)
+    a, b, c = (scene.with_values({"output.gcode.machine": file}) for file in texts)
+    assert a.made == b.made
+    assert len({scene.made, a.made, c.made}) == 3
+
+
+@pytest.mark.parametrize(
+    "edit",
+    [
+        {"effects": {"kinematics": {}}},
+        {"effects": {"inertia": {"mass": 2}, "gravity": {}}},
+        {"output.accuracy.ripple": True},
+    ],
+    ids=str,
+)
+def test_what_changes_no_file_is_not_of_what_is_made(edit: dict[str, Any]) -> None:
+    scene = loaded(PLATE)
+    changed = scene.with_values(edit)
+    assert changed.made == scene.made
+    assert changed.identity != scene.identity
+
+
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [
+        ("name", "other"),
+        ("units.length", "inch"),
+        ("cam.rotation", "cw"),
+        ("cam.speed", 61),
+        ("limits.radius_ratio", 0.71),
+        ("part.thickness", 13),
+        ("output.dxf.auxiliary", False),
+        ("output.formats", ["dxf"]),
+        ("follower.yoke", {}),
+        ("follower.offset", -0.0),
+    ],
+)
+def test_all_else_is(key: str, value: Any) -> None:
+    scene = loaded(PLATE).with_values({"follower.offset": 0, "output.tolerance": 0.0001})
+    changed = scene.with_values({key: value})
+    assert changed.made != scene.made
+    assert changed.identity != scene.identity
+
+
+def numbers(tree: Any, path: tuple[Any, ...] = ()) -> Iterator[tuple[tuple[Any, ...], Any]]:
+    if isinstance(tree, dict):
+        for key, item in tree.items():
+            yield from numbers(item, (*path, key))
+    elif isinstance(tree, list):
+        for index, item in enumerate(tree):
+            yield from numbers(item, (*path, index))
+    elif isinstance(tree, int | Decimal) and not isinstance(tree, bool):
+        yield path, tree
+
+
+def edited_at(tree: Any, path: tuple[Any, ...], value: Any) -> Any:
+    if not path:
+        return value
+    copy = tree.copy()
+    copy[path[0]] = edited_at(tree[path[0]], path[1:], value)
+    return copy
+
+
+def collisions(count: int) -> int:
+    """How many of `count` random edits of one key have the hash of another one, or of the scene."""
+    draw = random.Random(1)
+    trees = [loaded(text).stated.scene.exact for text in (PLATE, ROCKER, LINKED, GROOVE)]
+    seen: dict[str, tuple[int, Any, Decimal]] = {}
+    missed = 0
+    for _ in range(count):
+        which = draw.randrange(len(trees))
+        path, value = draw.choice(list(numbers(trees[which])))
+        digits = draw.randrange(1, 18)
+        other = Decimal(draw.randrange(10**digits)).scaleb(draw.randrange(-digits, 3))
+        if other == value:
+            continue
+        found = made_of(edited_at(trees[which], path, other), str)
+        missed += seen.setdefault(found, (which, path, other)) != (which, path, other)
+    missed += sum(made_of(tree, str) in seen for tree in trees)
+    return missed
+
+
+def test_no_two_edits_of_one_key_have_one_hash() -> None:
+    """The same holds for 100,000 of them."""
+    assert collisions(3000) == 0

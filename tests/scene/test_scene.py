@@ -1,0 +1,333 @@
+"""A scene is data: made of values, read only, edited into another one, copied and pickled."""
+
+from __future__ import annotations
+
+import copy
+import dataclasses
+import pathlib
+import pickle
+import tomllib
+from collections.abc import Callable, Mapping
+from decimal import Decimal
+from typing import Any
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import camgeo
+from camgeo import pickled
+from camgeo.errors import SceneError, VersionError
+from camgeo.scene.load import load_scene, parse_scene
+from camgeo.scene.scene import Scene
+from tests.scene.scenes import FIXTURES, GROOVE, LINKED, PLATE, ROCKER, loaded
+from tests.scene.test_messages import FAULTS
+
+FILES = sorted(FIXTURES.glob("*.toml"))
+PLAIN = {"plate": PLATE, "rocker": ROCKER, "linked": LINKED, "groove": GROOVE}
+
+
+def tables(text: str) -> dict[str, Any]:
+    return tomllib.loads(text)
+
+
+# -- from values ---------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("file", FILES, ids=lambda file: file.stem)
+def test_values_and_text_are_the_same_scene(file: pathlib.Path) -> None:
+    text = load_scene(file)
+    exact = tomllib.loads(file.read_text("utf-8"), parse_float=Decimal)
+    values = Scene(exact, folder=file.parent)
+    assert values == text
+    assert values.made == text.made
+    assert values.follower == text.follower
+    assert values.files == text.files
+
+
+def test_numbers_of_all_kinds() -> None:
+    """A float stands for the decimal number that it prints as."""
+    assert Scene(tables(PLATE)) == parse_scene(PLATE)
+    changed = tables(ROCKER)
+    changed["follower"] |= {"arm": Decimal("80.0"), "base_radius": 55.0, "pivot": (-96, -72.0)}
+    assert Scene(changed) == parse_scene(ROCKER)
+    changed["motion"][0]["span"] = 159.9
+    changed["motion"][1]["span"] = 200.1  # 360 exactly, though not as binary numbers
+    assert Scene(changed).plan.segments[0].span == Decimal("159.9")
+
+
+@pytest.mark.parametrize(("text", "changes", "message"), FAULTS, ids=[f[2] for f in FAULTS])
+def test_faults_are_those_of_the_text(
+    text: str, changes: list[tuple[str, str]], message: str
+) -> None:
+    for old, new in changes:
+        text = text.replace(old, new)
+    folder = pathlib.Path()
+    try:
+        values = tomllib.loads(text, parse_float=Decimal)
+    except tomllib.TOMLDecodeError:
+        return
+    with pytest.raises(SceneError) as of_text:
+        parse_scene(text, folder=folder)
+    with pytest.raises(SceneError) as of_values:
+        Scene(values, folder=folder)
+    told = {dataclasses.replace(fault, line=None) for fault in of_text.value.faults}
+    assert set(of_values.value.faults) == told
+
+
+class Odd:
+    __repr__ = object.__repr__
+
+    def __str__(self) -> str:
+        raise AssertionError("nobody asks an unknown object for its text")
+
+
+@pytest.mark.parametrize(
+    ("value", "message"),
+    [
+        (None, "must be text, a number"),
+        (b"50", "must be text, a number"),
+        (1j, "must be text, a number"),
+        ({1, 2}, "must be text, a number"),
+        (Odd(), "= <Odd>: must be text, a number"),
+        (float("nan"), "= nan: must be a finite number"),
+        (Decimal("-Infinity"), "= -inf: must be a finite number"),
+        (Decimal("sNaN"), "must be a finite number"),
+        (Decimal("1e999999"), "is too large for a number"),
+        (10**4000, "is too large for a number"),
+        ("\ud800", "no text that UTF-8 can hold"),
+        ("50", "must be a positive number"),
+        (True, "must be a positive number"),
+        (-5.0, "must be a positive number"),
+        (1e-300, "must be a positive number"),
+        ({1: 2}, "the names of keys must be text"),
+    ],
+    ids=lambda value: value if isinstance(value, str) and value.isascii() else "",
+)
+def test_values_of_python_that_are_none(value: Any, message: str) -> None:
+    changed = tables(PLATE)
+    changed["follower"]["base_radius"] = value
+    with pytest.raises(SceneError, match=message) as caught:
+        Scene(changed)
+    assert any(fault.key.startswith("follower.base_radius") for fault in caught.value.faults)
+
+
+def test_what_is_too_deep_or_too_large_is_refused_in_bounded_time() -> None:
+    cyclic = tables(PLATE)
+    cyclic["part"] = cyclic
+    with pytest.raises(SceneError, match="nested too deeply"):
+        Scene(cyclic)
+    wide: Any = 1
+    for _ in range(12):
+        wide = [wide] * 10
+    with pytest.raises(SceneError, match="too many values"):
+        Scene({"motion": wide})
+
+
+@pytest.mark.parametrize("values", [None, 3, "camgeo = 1", [1]])
+def test_a_scene_is_a_mapping(values: Any) -> None:
+    with pytest.raises(SceneError, match="must be a mapping of its tables"):
+        Scene(values)
+
+
+def test_nothing_of_it_can_be_changed() -> None:
+    scene = loaded(PLATE)
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        scene.name = "other"  # type: ignore[misc]
+    with pytest.raises(TypeError):
+        scene.values["follower"]["base_radius"] = 3
+    with pytest.raises(TypeError):
+        scene.values["motion"][0] = {}
+    given = tables(PLATE)
+    own = Scene(given)
+    given["follower"]["base_radius"] = 70
+    assert own == scene
+    assert own.values["follower"]["base_radius"] == 50
+
+
+def test_no_part_of_it_can_be_put_beside_others() -> None:
+    """An identity never stands beside values that it is not of."""
+    scene = loaded(PLATE)
+    with pytest.raises(TypeError):
+        dataclasses.replace(scene, follower=scene.follower)
+    with pytest.raises(TypeError):
+        dataclasses.replace(scene)
+
+
+# -- edits ---------------------------------------------------------------------------------------
+
+
+def test_an_edit_is_the_scene_that_says_so() -> None:
+    scene = loaded(PLATE)
+    edits = {
+        "follower.roller_radius": 9,
+        "motion[2].law": "cycloidal",
+        "motion.4.inflection": 0.45,
+        "part.keyway": None,
+        "output.gcode.feed": 250.5,
+        "limits": {"radius_ratio": Decimal("0.8")},
+    }
+    changes = (
+        ("roller_radius = 10", "roller_radius = 9"),
+        ('"modified-sine"', '"cycloidal"'),
+        ("0.4\n", "0.45\n"),
+        ("keyway = { width = 6, depth = 2.8 }\n", ""),
+        ("tool_diameter = 8", "tool_diameter = 8\nfeed = 250.5"),
+        ("transmission_angle = 60\nradius_ratio = 0.7", "radius_ratio = 0.8"),
+    )
+    changed = scene.with_values(edits)
+    assert changed == loaded(PLATE, *changes)
+    assert changed.follower == loaded(PLATE, *changes).follower
+    assert scene == loaded(PLATE)
+
+
+def test_an_edit_shares_what_does_not_change() -> None:
+    for text in PLAIN.values():
+        scene = loaded(text)
+        roller = scene.with_values({"follower.roller_radius": 8.5})
+        assert roller.follower.roller_radius == 8.5
+        assert roller.plan is scene.plan
+        assert roller.linkage is scene.linkage
+        output = scene.with_values({"output.tolerance": 0.002})
+        assert output.output.tolerance == 0.002
+        assert (output.plan, output.follower) == (scene.plan, scene.follower)
+        assert output.plan is scene.plan
+        assert output.follower is scene.follower
+        assert output.linkage is scene.linkage
+
+
+def test_an_edit_shares_nothing_that_depends_on_it() -> None:
+    scene = loaded(LINKED)
+    inches = scene.with_values({"units.length": "inch"})
+    assert inches.plan.segments[0].to == 25.4 * scene.plan.segments[0].to  # type: ignore[union-attr]
+    assert inches.linkage is not scene.linkage
+    free = scene.with_values({"linkage": None, "motion[1].to": 5})
+    assert free.linkage is None
+    assert free.follower.direction == 1
+    assert free.plan.segments[0].to == pytest.approx(0.08726646259971647)  # type: ignore[union-attr]
+
+
+def test_segments_are_removed_by_the_positions_that_they_had() -> None:
+    edits = {"motion[1]": None, "motion[3]": None, "motion[5].dwell": 140}
+    assert [str(each.span) for each in loaded(PLATE).with_values(edits).plan.segments] == [
+        "100",
+        "120",
+        "140",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("edits", "key", "message"),
+    [
+        ({"follower.roller_radius": -1}, "follower.roller_radius", "must be 0"),
+        ({"follower.rollerradius": 1}, "follower.rollerradius", "is not a known key"),
+        ({"follower.base_radius": None}, "follower.base_radius", "is missing"),
+        ({"motion[2].law": "sine"}, "motion[2].law", "must be one of"),
+        ({"motion[6].law": "scca"}, "motion[6].law", "its positions are 1 to 5"),
+        ({"motion[0].law": "scca"}, "motion[0].law", "its positions are 1 to 5"),
+        ({"motion.x": 1}, "motion.x", "motion is a list"),
+        ({"name.x": 1}, "name.x", "name is no table"),
+        ({"cam[1]": 1}, "cam[1]", "cam is no list"),
+        ({"part.": 1}, "part.", "is no key"),
+        ({"": 1}, "", "is no key"),
+        ({"a" + ".a" * 40: 1}, "", "nested too deeply"),
+        ({"motion[2].to": 3, "motion[4].to": 1}, "motion[4].to", "must return to 0"),
+    ],
+)
+def test_faults_of_an_edit_name_the_key(edits: dict[str, Any], key: str, message: str) -> None:
+    with pytest.raises(SceneError, match="1 fault") as caught:
+        loaded(PLATE).with_values(edits)
+    (fault,) = caught.value.faults
+    assert fault.key == key
+    assert message in fault.message
+
+
+def leaves(values: Any, key: str = "") -> dict[str, Any]:
+    """Single values by their keys as messages spell them."""
+    if isinstance(values, Mapping):
+        parts = {f"{key}.{name}".lstrip("."): item for name, item in values.items()}
+    elif isinstance(values, tuple):
+        parts = {f"{key}[{number}]": item for number, item in enumerate(values, 1)}
+    else:
+        return {key: values}
+    return {k: v for name, item in parts.items() for k, v in leaves(item, name).items()}
+
+
+@settings(max_examples=60, deadline=None)
+@given(data=st.data(), name=st.sampled_from(sorted(PLAIN)))
+def test_an_edit_back_is_the_scene_again(data: st.DataObject, name: str) -> None:
+    scene = loaded(PLAIN[name])
+    found = leaves(scene.values)
+    numbers = [key for key, value in found.items() if type(value) in (int, Decimal)]
+    key = data.draw(st.sampled_from(sorted(numbers)))
+    other = float(found[key]) * data.draw(st.floats(0.9, 1.1))
+    try:
+        there = scene.with_values({key: other})
+    except SceneError:
+        return
+    assert there.with_values({key: found[key]}) == scene
+    assert (there == scene) == (Decimal(repr(other)) == found[key])
+
+
+# -- copies --------------------------------------------------------------------------------------
+
+COPIES: list[Callable[[Scene], Scene]] = [
+    copy.copy,
+    copy.deepcopy,
+    *(lambda scene, p=p: pickle.loads(pickle.dumps(scene, p)) for p in range(2, 6)),
+]
+
+
+@pytest.mark.parametrize("copied", COPIES)
+@pytest.mark.parametrize("stem", ["plate_translating", "measured", "setzhub", "conjugate_lever"])
+def test_copies_are_the_same(copied: Callable[[Scene], Scene], stem: str) -> None:
+    scene = load_scene(FIXTURES / f"{stem}.toml")
+    other = copied(scene)
+    assert other == scene
+    assert hash(other) == hash(scene)
+    assert (other.made, other.made_before) == (scene.made, scene.made_before)
+    assert other.source == scene.source
+    assert other.follower == scene.follower
+    assert camgeo.Design(other).findings == camgeo.Design(scene).findings
+
+
+def test_its_files_travel_with_it(tmp_path: pathlib.Path) -> None:
+    """What was read once is not read again, neither by a copy nor by an edit."""
+    for file in ("measured.toml", "measured.csv"):
+        (tmp_path / file).write_bytes((FIXTURES / file).read_bytes())
+    scene = load_scene(tmp_path / "measured.toml")
+    data = pickle.dumps(scene)
+    for path in tmp_path.iterdir():
+        path.unlink()
+    assert pickle.loads(data) == scene
+    edited = pickle.loads(data).with_values({"follower.base_radius": 41})
+    assert edited.files == scene.files
+    with pytest.raises(SceneError, match=r"lift\.csv.*cannot be read"):
+        scene.with_values({"motion[1].file": "lift.csv"})
+
+
+def test_another_version_refuses_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    data = pickle.dumps(loaded(PLATE))
+    monkeypatch.setattr(pickled, "__version__", "another")
+    with pytest.raises(VersionError, match=r"a scene pickled by camgeo .* cannot be read"):
+        pickle.loads(data)
+
+
+# -- without a file ------------------------------------------------------------------------------
+
+
+def test_a_text_needs_no_file() -> None:
+    design = camgeo.loads(PLATE)
+    assert design.scene == loaded(PLATE)
+    assert design.scene.source.folder is None
+
+
+def test_a_text_that_names_files_needs_a_folder() -> None:
+    text = (FIXTURES / "measured.toml").read_text("utf-8")
+    with pytest.raises(SceneError, match="names a file, which needs a folder") as caught:
+        camgeo.loads(text)
+    assert caught.value.faults[0].key.endswith(".file")
+    with pytest.raises(SceneError, match="names a file, which needs a folder"):
+        Scene(tables(text))
+    there = camgeo.loads(text, folder=FIXTURES).scene
+    assert there == load_scene(FIXTURES / "measured.toml")
