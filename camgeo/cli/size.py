@@ -6,7 +6,7 @@ import argparse
 import math
 from functools import partial
 from pathlib import Path
-from typing import Final
+from typing import TYPE_CHECKING, Any, Final
 
 from camgeo.check.judge import transmission_angle_limit
 from camgeo.check.sizing.arm import size_with_arm
@@ -22,11 +22,16 @@ from camgeo.cli.command import (
     tell_main_disc,
 )
 from camgeo.cli.plot import RENDERERS, add_picture, check_picture
-from camgeo.cli.size_scene import resized
 from camgeo.cli.size_told import document, lines
 from camgeo.design import Design
 from camgeo.errors import Fault, GeometryError, SceneError
-from camgeo.scene.load import load_scene, parse_scene
+from camgeo.mechanism.oscillating_roller import OscillatingRoller
+from camgeo.scene.load import load_scene
+from camgeo.units import MM_PER
+
+if TYPE_CHECKING:
+    from camgeo.mechanism.kinds import RollerFollower
+    from camgeo.scene.scene import Scene
 
 RENDERER: Final = "size"
 """Entry point of the group `camgeo.renderers` that draws the region."""
@@ -147,7 +152,7 @@ def _write(design: Design, task: Task, sizing: Sizing, arguments: argparse.Names
 def _scene(
     design: Design, task: Task, sizing: Sizing, arguments: argparse.Namespace, target: Path
 ) -> bytes:
-    """The scene with the answer; it has been read again and keeps its requirement."""
+    """The scene with the answer, which keeps its requirement."""
     source = Path(arguments.scene)
     if design.disc.scene_files and target.resolve().parent != source.resolve().parent:
         raise SceneError(
@@ -157,14 +162,8 @@ def _scene(
     if kept.answer is None:
         raise GeometryError("the requirement can only just be met: no scene keeps it surely")
     follower = task.follower_at(kept.answer.place)
-    text = resized(
-        source.read_bytes().decode(),
-        follower,
-        design.disc.millimetres,
-        arm=arguments.arm is not None,
-    )
-    written = Design(parse_scene(text, str(target.parent / target.name)))
-    again = Task(written.cam)
+    written = resized(design.scene, follower, arm=arguments.arm is not None)
+    again = Task(Design(written).cam)
     rating = rate(again, again.present)
     if (
         rating is None
@@ -172,7 +171,23 @@ def _scene(
         or rating.radius_ratio[0] > sizing.ratio
     ):
         raise GeometryError("the scene cannot be written back: rounding breaks its requirement")
-    return text.encode()
+    return written.to_toml().encode()
+
+
+def resized(scene: Scene, follower: RollerFollower, *, arm: bool = False) -> Scene:
+    """The scene with base_radius and offset or pivot of `follower`, and with its `arm` if asked."""
+
+    def told(length: float) -> float:
+        return length / MM_PER[scene.unit] + 0.0  # 0, and not -0
+
+    edits: dict[str, Any] = {"follower.base_radius": told(follower.base_radius)}
+    if isinstance(follower, OscillatingRoller):
+        edits["follower.pivot"] = [told(follower.pivot.real), told(follower.pivot.imag)]
+        if arm:
+            edits["follower.arm"] = told(follower.arm)
+    else:
+        edits["follower.offset"] = told(follower.offset)
+    return scene.with_values(edits)
 
 
 def _told(design: Design, length: float) -> str:

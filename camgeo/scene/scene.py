@@ -166,6 +166,17 @@ class Scene:
         found = document_of_tree(edited(self._tree, edits))
         return Scene.of(found, self.source, self)
 
+    def to_toml(self) -> str:
+        """The scene as TOML, with the comments and the order of the text that it came from.
+
+        Keys that an edit has added stand behind those that were set before them in their table.
+        """
+        if self._says_its_text:
+            return self.source.text
+        from camgeo.scene.toml import written_into
+
+        return written_into(self.source.text, self._tree)
+
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Scene) and self.identity == other.identity
 

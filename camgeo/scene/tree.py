@@ -68,8 +68,9 @@ def read_only(tree: Any) -> Any:
 def edited(tree: Tree, edits: Mapping[str, Any]) -> Tree:
     """The tree with other values at keys that are spelled as messages do; None removes a key.
 
-    Tables that are missing are made. Values are set before any are removed, so that positions are
-    those in the tree as it was.
+    Tables that are missing are made; a new key stands behind the one that the edit before set in
+    its table. Values are set before any are removed, so that positions are those in the tree as it
+    was.
 
     Raises
     ------
@@ -79,13 +80,15 @@ def edited(tree: Tree, edits: Mapping[str, Any]) -> Tree:
     taking = Taking()
     faults: list[Fault] = []
     removed: list[Path] = []
+    last: Path = ()
     for key, value in edits.items():
         try:
             path = _path(tree, key)
             if value is None:
                 removed.append(path)
             else:
-                tree = _with(tree, path, taking.take(value, path))
+                tree = _with(tree, path, taking.take(value, path), last)
+                last = path
         except _NoPlaceError as error:
             faults.append(Fault(str(key), "", str(error)))
     if faults:
@@ -124,14 +127,21 @@ def _path(tree: Tree, key: Any) -> Path:
     return found
 
 
-def _with(node: Any, path: Path, value: Any) -> Any:
+def _with(node: Any, path: Path, value: Any, last: Path) -> Any:
+    """The node with a value at `path`; one that is new goes behind `last`, if that is beside it."""
     if not path:
         return value
     step, rest = path[0], path[1:]
+    below = last[1:] if last[:1] == path[:1] else ()
     if isinstance(step, int):
-        return [*node[:step], _with(node[step], rest, value), *node[step + 1 :]]
+        return [*node[:step], _with(node[step], rest, value, below), *node[step + 1 :]]
     table = node or {}
-    return {**table, step: _with(table.get(step), rest, value)}
+    made = {**table, step: _with(table.get(step), rest, value, below)}
+    if step in table or len(last) != 1 or last[0] not in table:
+        return made
+    names = [name for name in made if name != step]
+    names.insert(names.index(last[0]) + 1, step)
+    return {name: made[name] for name in names}
 
 
 def _without(node: Any, path: Path) -> Any:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -11,8 +12,7 @@ import pytest
 import camgeo
 from camgeo.check.judge import transmission_angle_limit
 from camgeo.cli.main import main
-from camgeo.cli.size_scene import resized
-from camgeo.errors import SceneError
+from camgeo.cli.size import resized
 from camgeo.mechanism.kinds import require_roller
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.scene.new import template
@@ -137,21 +137,32 @@ def test_comments_stay_and_a_missing_offset_is_added(tmp_path: Path) -> None:
     for kind in ("translating-roller", "oscillating-roller"):
         text = template(kind)
         source.write_text(text)
-        follower = require_roller(camgeo.load(source).cam.follower)
-        written = resized(text, follower, 1.0)
+        scene = camgeo.load(source).scene
+        follower = replace(require_roller(scene.follower), base_radius=51.0)
+        written = resized(scene, follower).to_toml()
+        assert "\nbase_radius = 51.0 " in written
         assert [line.partition("#")[2] for line in written.splitlines()] == [
             line.partition("#")[2] for line in text.splitlines()
         ]
     text = (SCENES / "ring.toml").read_text()
     assert "\noffset" not in text
-    follower = require_roller(camgeo.load(SCENES / "ring.toml").cam.follower)
-    assert "\nbase_radius = 60.0\noffset = 0.0\n" in resized(text, follower, 1.0)
+    scene = camgeo.load(SCENES / "ring.toml").scene
+    written = resized(scene, replace(require_roller(scene.follower), base_radius=61.0)).to_toml()
+    assert "\nbase_radius = 61.0\noffset = 0.0\n" in written
 
 
-def test_a_follower_in_one_line_cannot_be_written_back(tmp_path: Path) -> None:
-    follower = require_roller(camgeo.load(SCENES / "ring.toml").cam.follower)
-    with pytest.raises(SceneError, match="table \\[follower\\]"):
-        resized('follower = { kind = "translating-roller" }\n', follower, 1.0)
+def test_a_follower_in_one_line_is_written_back_in_one_line() -> None:
+    text = """camgeo = 1
+name = "short"
+cam = { rotation = "ccw" }
+follower = { kind = "translating-roller", base_radius = 40, roller_radius = 8 }  # one line
+motion = [{ dwell = 360 }]
+"""
+    scene = camgeo.loads(text).scene
+    written = resized(scene, replace(require_roller(scene.follower), base_radius=41.5)).to_toml()
+    assert 'follower = { kind = "translating-roller", base_radius = 41.5, ' in written
+    assert "offset = 0.0" in written
+    assert "# one line" in written
 
 
 @pytest.mark.parametrize(

@@ -89,5 +89,14 @@ def test_loading_imports_no_more_than_it_needs() -> None:
     )
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     modules = {name.partition(".")[0] for name in run.stdout.split()}
-    heavy = {"scipy", "shapely", "ezdxf", "trimesh", "manifold3d", "matplotlib", "camgeo_export"}
+    heavy = {
+        "scipy",
+        "shapely",
+        "ezdxf",
+        "trimesh",
+        "manifold3d",
+        "matplotlib",
+        "camgeo_export",
+        "tomlkit",
+    }
     assert not modules & {*heavy, "jsonschema", "pydantic", "difflib"}

@@ -1,0 +1,132 @@
+"""A scene as TOML: its values written into the text that it came from, whose comments stay."""
+
+from __future__ import annotations
+
+import itertools
+import tomllib
+from decimal import Decimal
+from typing import Any
+
+import tomlkit
+from tomlkit.items import AoT, Array, Float, Table, Trivia
+
+from camgeo.scene.tree import Tree
+
+
+def written_into(text: str, tree: Tree) -> str:
+    """The text with the values of `tree` in place of its own, or a new text without one.
+
+    Only what differs is written. Where a text is built so that its values cannot be changed one by
+    one, it is written anew, without its comments.
+    """
+    found = tomlkit.parse(text)
+    _change(found, tomllib.loads(text, parse_float=Decimal), tree)
+    written = tomlkit.dumps(found)
+    if "\r\n" in text:
+        written = written.replace("\r\n", "\n").replace("\n", "\r\n")
+    if text and not _says(written, tree):
+        return tomlkit.dumps(_item(tree))
+    return written
+
+
+def _says(text: str, tree: Tree) -> bool:
+    try:
+        return _same(tomllib.loads(text, parse_float=Decimal), tree)
+    except tomllib.TOMLDecodeError:
+        return False
+
+
+def _same(one: Any, other: Any) -> bool:
+    """Whether two values are the same to a scene; 0 and -0 are not."""
+    if isinstance(one, dict) and isinstance(other, dict):
+        return one.keys() == other.keys() and all(_same(one[key], other[key]) for key in one)
+    if isinstance(one, list) and isinstance(other, list):
+        return len(one) == len(other) and all(map(_same, one, other))
+    if isinstance(one, bool) or isinstance(other, bool):
+        return one is other
+    return bool(one == other) and (bool(one) or str(one)[:1] == str(other)[:1])
+
+
+def _change(node: Any, before: Tree, after: Tree) -> None:
+    """Make the table `node`, which says what `before` does, say what `after` does."""
+    for key in before.keys() - after:
+        del node[key]
+    last = ""
+    for key, value in after.items():
+        if key not in before:
+            if isinstance(node, Table) and before.get(last) is not None:
+                # tomlkit puts new keys at the end of a table only
+                node.value._insert_after(last, key, _item(value))  # noqa: SLF001
+            else:
+                node[key] = _item(value)
+        elif isinstance(value, dict) and isinstance(before[key], dict):
+            _change(node[key], before[key], value)
+        elif isinstance(value, list) and isinstance(before[key], list):
+            _change_list(node[key], before[key], value)
+        elif not _same(before[key], value):
+            node[key] = _item(value)
+        last = key if not isinstance(value, dict | list) else ""
+
+
+def _change_list(node: Any, before: list[Any], after: list[Any]) -> None:
+    """The same of a list: what is alike at either end stays, and what is between is changed."""
+    head = 0
+    while head < min(len(before), len(after)) and _same(before[head], after[head]):
+        head += 1
+    tail = 0
+    while tail < min(len(before), len(after)) - head and _same(before[-1 - tail], after[-1 - tail]):
+        tail += 1
+    old, new = before[head : len(before) - tail], after[head : len(after) - tail]
+    place, more = head + _place(old, new), len(new) - len(old)
+    for _ in range(-more):
+        del node[place]
+    for index in range(place, place + more):
+        node.insert(index, _item(after[index], inline=isinstance(node, Array)))
+    kept = [*before[:place], *after[place : place + more], *before[place + max(0, -more) :]]
+    for index, (one, other) in enumerate(zip(kept, after, strict=True)):
+        if isinstance(one, dict) and isinstance(other, dict):
+            _change(node[index], one, other)
+        elif isinstance(one, list) and isinstance(other, list):
+            _change_list(node[index], one, other)
+        elif not _same(one, other):
+            node[index] = _item(other, inline=True)
+
+
+def _place(old: list[Any], new: list[Any]) -> int:
+    """Where the longer list has what the shorter one has not, so that the least is different."""
+    short, long = sorted((old, new), key=len)
+    more = len(long) - len(short)
+    fronts = list(itertools.accumulate(map(_differences, short, long), initial=0))
+    backs = list(itertools.accumulate(map(_differences, short, long[more:]), initial=0))
+    costs = [front - back for front, back in zip(fronts, backs, strict=True)]
+    return costs.index(min(costs)) if more else 0
+
+
+def _differences(one: Any, other: Any) -> int:
+    if isinstance(one, dict) and isinstance(other, dict):
+        return sum(not _same(one.get(key), other.get(key)) for key in {*one, *other})
+    return int(not _same(one, other))
+
+
+def _item(value: Any, *, inline: bool = False) -> Any:
+    """A value for tomlkit, decimal numbers to the last digit; `inline` in a list of single ones."""
+    if isinstance(value, Decimal):
+        text = str(value)
+        return Float(float(value), Trivia(), text if "." in text or "E" in text else f"{text}.0")
+    if isinstance(value, dict):
+        table = tomlkit.inline_table() if inline else tomlkit.table()
+        for key, item in sorted(value.items(), key=lambda pair: isinstance(pair[1], dict)):
+            table.append(key, _item(item, inline=inline))
+        return table
+    if (
+        value
+        and isinstance(value, list)
+        and all(isinstance(item, dict) for item in value)
+        and not inline
+    ):
+        return AoT([_item(item) for item in value])
+    if isinstance(value, list):
+        array = tomlkit.array()
+        array.extend(_item(item, inline=True) for item in value)
+        return array
+    return tomlkit.item(value)

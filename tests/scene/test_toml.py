@@ -1,0 +1,173 @@
+"""A scene as TOML: what it says, and the comments and the order of the text it came from."""
+
+from __future__ import annotations
+
+import pathlib
+import tomllib
+from decimal import Decimal
+from typing import Any
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from camgeo.errors import SceneError
+from camgeo.scene.load import load_scene, parse_scene
+from camgeo.scene.new import TEMPLATES
+from camgeo.scene.scene import Scene
+from camgeo.scene.toml import written_into
+from tests.scene.scenes import FIXTURES, PLATE
+from tests.scene.test_scene import leaves
+
+EFFECTS = FIXTURES.parent / "effects"
+FILES = sorted([*FIXTURES.glob("*.toml"), *EFFECTS.glob("*.toml"), *TEMPLATES.glob("*.toml")])
+NAMES = [f"{file.parent.name}-{file.stem}" for file in FILES]
+
+
+def read_back(scene: Scene) -> Scene:
+    return parse_scene(scene.to_toml(), folder=scene.source.folder)
+
+
+def comments(text: str) -> list[str]:
+    return [line.partition("#")[2] for line in text.splitlines() if "#" in line]
+
+
+@pytest.mark.parametrize("file", FILES, ids=NAMES)
+def test_a_text_stays_as_it_is(file: pathlib.Path) -> None:
+    scene = load_scene(file)
+    assert scene.to_toml().encode() == file.read_bytes()
+    there = scene.with_values({"name": "other"})
+    assert there.with_values({"name": scene.name}).to_toml().encode() == file.read_bytes()
+
+
+@pytest.mark.parametrize("file", FILES, ids=NAMES)
+def test_values_are_written_without_a_text(file: pathlib.Path) -> None:
+    text = load_scene(file)
+    scene = Scene(text.values, folder=text.source.folder)
+    assert read_back(scene) == scene
+    assert read_back(scene).made == text.made
+
+
+@settings(max_examples=60, deadline=None)
+@given(data=st.data())
+def test_an_edit_changes_its_lines_and_no_others(data: st.DataObject) -> None:
+    scene = load_scene(data.draw(st.sampled_from(FILES)))
+    numbers = {k: v for k, v in leaves(scene.values).items() if type(v) in (int, Decimal)}
+    keys = data.draw(st.lists(st.sampled_from(sorted(numbers)), min_size=1, max_size=3))
+    edits = {key: float(numbers[key]) * data.draw(st.floats(0.99, 1.01)) for key in keys}
+    try:
+        changed = scene.with_values(edits)
+    except SceneError:
+        return
+    written, text = changed.to_toml(), scene.source.text
+    assert read_back(changed) == changed
+    assert comments(written) == comments(text)
+    lines = list(zip(written.splitlines(), text.splitlines(), strict=True))
+    assert sum(one != other for one, other in lines) <= len(edits)
+
+
+TEXT = """\
+# A scene of all that TOML has.
+camgeo = 1
+name = "odd"
+cam = { rotation = "ccw", speed = 60 } # short
+follower.kind = "translating-roller" # dotted
+follower.base_radius = 4e1
+follower.roller_radius = 10.0
+output.formats = [
+  "dxf", # the drawing
+  "csv",
+]
+
+[[motion]] # first
+dwell = 30
+
+# the rise
+[[motion]]
+law = "points"
+span = 150
+to = 20 # mm
+points = [
+  { at = 50, to = 8 }, # low
+  { at = 100.50, to = 15 },
+]
+
+[[motion]] # last
+law = "polynomial-345"
+span = 180
+to = 0
+
+[effects.kinematics] # end
+"""
+
+RISE = TEXT[TEXT.index('[[motion]]\nlaw = "points"') : TEXT.index("[[motion]] # last")]
+
+
+@pytest.mark.parametrize(
+    ("edits", "changes"),
+    [
+        ({"cam.speed": 61}, [("speed = 60", "speed = 61")]),
+        ({"follower.base_radius": Decimal("41.50")}, [("= 4e1", "= 41.50")]),
+        ({"motion[2].points[2].at": 101}, [("at = 100.50", "at = 101")]),
+        ({"motion[2].to": 2e1, "motion[2].span": 150.0}, []),
+        ({"effects": None}, [("[effects.kinematics] # end\n", "")]),
+        ({"motion[1].dwell": 29, "motion[3].span": 181}, [("= 30", "= 29"), ("= 180", "= 181")]),
+        ({"output.formats": ["dxf", "svg"]}, [('"csv"', '"svg"')]),
+        (
+            {"motion[2]": None, "motion[1].dwell": 180, "motion[3].law": "cycloidal"},
+            [(RISE, ""), ("= 30", "= 180"), ("polynomial-345", "cycloidal")],
+        ),
+    ],
+)
+@pytest.mark.parametrize("end", ["\n", "\r\n"])
+def test_texts_of_all_shapes(
+    edits: dict[str, Any], changes: list[tuple[str, str]], end: str
+) -> None:
+    wanted = TEXT
+    for old, new in changes:
+        assert wanted.count(old) == 1
+        wanted = wanted.replace(old, new)
+    changed = parse_scene(TEXT.replace("\n", end)).with_values(edits)
+    assert changed.to_toml() == wanted.replace("\n", end)
+
+
+def test_new_keys_stand_behind_those_set_with_them() -> None:
+    edits = {"follower.base_radius": 51, "follower.guide_angle": 80, "limits.undercut": "refuse"}
+    written = parse_scene(PLATE).with_values(edits).to_toml()
+    assert "base_radius = 51\nguide_angle = 80\nroller_radius = 10\n" in written
+    assert 'radius_ratio = 0.7\nundercut = "refuse"\n[part]' in written
+
+
+def test_new_tables_are_written() -> None:
+    edits = {"effects": {"inertia": {"mass": 1}}, "follower.yoke": {}, "follower.offset": 0}
+    changed = parse_scene(PLATE).with_values(edits)
+    assert read_back(changed) == changed
+    assert list(read_back(changed).effects) == ["inertia"]
+
+
+VALUES = st.one_of(
+    st.integers(-(2**63), 2**63 - 1),
+    st.decimals(allow_nan=False, allow_infinity=False),
+    st.booleans(),
+    st.text(st.characters(exclude_categories=["Cs"]), max_size=9),
+)
+TREES = st.dictionaries(
+    st.text(st.characters(exclude_categories=["Cs"]), min_size=1, max_size=5),
+    st.recursive(
+        VALUES,
+        lambda inner: (
+            st.lists(inner, max_size=3) | st.dictionaries(st.sampled_from("abc"), inner, max_size=3)
+        ),
+        max_leaves=8,
+    ),
+    max_size=5,
+)
+
+
+@settings(deadline=None)
+@given(before=TREES, after=TREES)
+def test_what_is_written_is_what_is_said(before: dict[str, Any], after: dict[str, Any]) -> None:
+    """Whatever stood in the text before; to the last digit."""
+    text = written_into("", before)
+    assert tomllib.loads(text, parse_float=Decimal) == before
+    assert tomllib.loads(written_into(text, after), parse_float=Decimal) == after
