@@ -81,9 +81,12 @@ def driving_slider(subject: Subject) -> SliderCrank | None:
 
 def machine_of(subject: Subject) -> Machine:
     """The machine as the rules of effects see it."""
+    follower, linkage = subject.cam.follower, subject.cam.drive.linkage
     return Machine(
-        touching=subject.cam.follower.touching,
-        far="" if subject.cam.drive.linkage is None else subject.cam.drive.linkage.member,
+        lift=follower.lift_unit,
+        touching=follower.touching,
+        edged=follower.has_edge,
+        far="" if linkage is None else linkage.member,
         paired=subject.returning is not None,
         yoked=subject.cam.yoke is not None,
     )

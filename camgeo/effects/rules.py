@@ -10,11 +10,11 @@ from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Final, Literal
 
-if TYPE_CHECKING:
-    from camgeo.mechanism.kind import Touching
+from camgeo.mechanism.kind import UNIT_OF
 
-Far = Literal["", "slider", "lever", "crank"]
-"""What makes the demanded motion at the far end of a linkage; empty without one."""
+if TYPE_CHECKING:
+    from camgeo.mechanism.kind import Touching, Unit
+    from camgeo.mechanism.linkage_protocol import Member
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,16 +23,31 @@ class Machine:
 
     Attributes
     ----------
-    touching : what touches the cam, "roller" or "face"; None if that is not known.
-    far : the far end of its linkage; None if that is not known.
+    lift : unit of the follower's own lift, "mm" in a guide, "rad" of a rocker; None if not known.
+    touching : what touches the cam, "roller" or "face"; None if not known.
+    edged : whether it is a knife edge.
+    far : the far end of its linkage, empty if there is no linkage; None if not known.
     paired : whether a return disc holds the follower back.
     yoked : whether the follower has a second side beyond the cam axis.
     """
 
-    touching: Touching | None = "roller"
-    far: Far | None = ""
+    lift: Unit | None
+    touching: Touching | None
+    edged: bool = False
+    far: Member | Literal[""] | None = ""
     paired: bool = False
     yoked: bool = False
+
+    @property
+    def demanded(self) -> Unit | None:
+        """Unit of the motion that is demanded; None if not known."""
+        return UNIT_OF[self.far] if self.far else None if self.far is None else self.lift
+
+    @property
+    def straight(self) -> bool | None:
+        """Whether it has a follower in a guide or a slider; None if not known."""
+        known = self.lift == "mm" or None not in (self.lift, self.far)
+        return self.lift == "mm" or self.far == "slider" if known else None
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,7 +111,25 @@ class Only:
                     yield key, self.kind.refusal
 
 
+GUIDED: Final = Kind(
+    "lift",
+    ("rad",),
+    "is for translating followers, and this one is a rocker",
+    "Translating followers only.",
+)
+ROCKING: Final = Kind(
+    "lift",
+    ("mm",),
+    "is for rockers, and this follower is a translating one",
+    "Rockers only.",
+)
 ROLLERS: Final = Kind("touching", ("face",), "is for roller followers", "Roller followers only.")
+ROUND: Final = Kind(
+    "edged",
+    (True,),
+    "is for rollers: the follower has a knife edge",
+    "Not with a knife edge.",
+)
 FLATS: Final = Kind(
     "touching",
     ("roller",),
@@ -124,16 +157,36 @@ ONE_CONTACT: Final = Kind(
     "Not with a yoke.",
     "yoke",
 )
+LINKED: Final = Kind(
+    "far", ("",), "is for linkages, and there is no [linkage]", "Only with a linkage."
+)
 DRIVING_SLIDER: Final = Kind(
     "far",
-    ("lever", "crank"),
+    ("", "lever", "crank"),
     "is for a slider that drives a rocker; no such linkage is here",
-    "Of linkages only with a slider that drives a rocker.",
+    "Only with a slider that drives a rocker.",
 )
-STRAIGHT: Final = Kind("far", ("lever",), DRIVING_SLIDER.refusal, "Not with a four-bar.")
+STRAIGHT: Final = Kind(
+    "straight",
+    (False,),
+    DRIVING_SLIDER.refusal,
+    "Translating followers, or sliders that drive rockers, only.",
+)
 TURNING: Final = Kind(
     "far",
-    ("slider",),
+    ("", "slider"),
     "is for the lever of a four-bar, or for a crank that a slider turns",
-    "Not with a slider that drives a rocker.",
+    "Only with the lever of a four-bar, or a crank that a slider turns.",
+)
+LENGTHS: Final = Kind(
+    "demanded",
+    ("rad",),
+    "is for a demanded motion that is a length; here it is an angle",
+    "Only where the motion that is demanded is a length.",
+)
+ANGLES: Final = Kind(
+    "demanded",
+    ("mm",),
+    "is for a demanded motion that is an angle; here it is a length",
+    "Only where the motion that is demanded is an angle.",
 )

@@ -73,15 +73,20 @@ def misfits(values: SoundValues) -> Iterator[Fault]:
         meant = {key for key in effect.schema.get("properties", {})
                  if key not in table and not values.lacks(EFFECTS, name, key)}  # fmt: skip
         own = Table({key: values.get(EFFECTS, name, key) for key in table}, meant)
-        for rule in effect.rules:
-            for key, message in rule(machine, own):
-                yield values.scene.fault((EFFECTS, name, *filter(None, [key])), message)
+        told: dict[str, str] = {}
+        for key, message in (each for rule in effect.rules for each in rule(machine, own)):
+            told.setdefault(key, message)
+        for key, message in told.items():
+            yield values.scene.fault((EFFECTS, name, *filter(None, [key])), message)
 
 
 def _machine(values: SoundValues) -> Machine:
     """The machine as far as it is known."""
+    kind = values.follower_kind
     return Machine(
-        touching=None if values.follower_kind is None else values.follower_kind.touching,
+        lift=None if kind is None else kind.unit,
+        touching=None if kind is None else kind.touching,
+        edged=values.get("follower", "roller_radius") == 0.0,
         far="" if values.lacks("linkage") else values.far_end,
         paired=values.has("follower", "return"),
         yoked=values.has("follower", "yoke"),

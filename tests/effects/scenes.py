@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
+import tomllib
 from pathlib import Path
 
+import pytest
+
 from camgeo.design import Design
+from camgeo.effects.graph import Effects
 from camgeo.effects.registry import EFFECTS, find_effect
 from camgeo.effects.rules import Kind, Only
+from camgeo.errors import GeometryError, SceneError
+from camgeo.lazy import Ledger
 from camgeo.scene.load import parse_scene
 
 SCENES = Path(__file__).resolve().parents[2] / "fixtures" / "scenes"
@@ -35,3 +41,16 @@ def only_for(kind: Kind) -> set[tuple[str, str]]:
         if isinstance(rule, Only) and rule.kind is kind
         for key in rule.keys or ("",)
     }
+
+
+def assert_refused(scene: str, effect: str, text: str, key: str, words: str = "") -> None:
+    """That the `key` of the table of an effect has no place, told in a scene and by a design."""
+    with pytest.raises(SceneError) as told:
+        design(scene, f"[effects.{effect}]\n{text}\n")
+    (fault,) = (each for each in told.value.faults if each.key == f"effects.{effect}.{key}")
+    assert words in fault.message
+    subject = design(scene, "").effects.subject
+    with pytest.raises(GeometryError) as error:
+        Effects(subject, {effect: tomllib.loads(text)}, Ledger()).result(effect)
+    assert error.value.key.startswith(f"effects.{effect}.")
+    assert words in error.value.message

@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 from camgeo.design import Design
-from camgeo.errors import EffectError, GeometryError, SceneError
+from camgeo.errors import EffectError, SceneError
 from camgeo.mechanism.oscillating_flat import OscillatingFlat
 from camgeo.mechanism.translating_flat import TranslatingFlat
 from camgeo.motion.motion import Side
@@ -24,7 +24,7 @@ from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.scene.load import parse_scene
 from camgeo.scene.new import template
 from camgeo.units import TURN
-from tests.effects.scenes import design
+from tests.effects.scenes import assert_refused, design
 from tests.effects.test_physics import (
     DIFFERENCE,
     G,
@@ -434,10 +434,9 @@ def test_keys_of_another_follower_are_refused_at_once(scene: str) -> None:
 
 
 def test_a_rocker_has_no_guide_to_lie_aside() -> None:
-    made = made_of("flat_rocker", "[effects.friction]\nguide_length = 3\nguide_offset = 1\n")
-    with pytest.raises(GeometryError) as error:
-        made.effect("friction")
-    assert error.value.key.startswith("effects.friction.guide")
+    table = "guide_length = 3\nguide_offset = 1\n"
+    for key in ("guide_length", "guide_offset"):
+        assert_refused("flat_rocker", "friction", table, key, "this one is a rocker")
 
 
 def test_a_flat_rocker_has_its_own_masses_and_no_roller() -> None:

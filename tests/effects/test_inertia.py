@@ -25,7 +25,7 @@ from camgeo.mechanism.slider_crank import SliderCrank
 from camgeo.motion.time_course import in_time
 from camgeo.numeric.arrays import FloatArray
 from camgeo.units import TURN
-from tests.effects.scenes import design
+from tests.effects.scenes import assert_refused, design
 from tests.integrals import cells, integrals
 from tests.strategies import SMOOTH, attack, plans, slider_cranks
 
@@ -395,10 +395,7 @@ def test_the_slider_runs_along_x_the_way_it_is_told() -> None:
     ],
 )
 def test_a_mass_of_what_is_not_there_is_refused(scene: str, text: str, key: str) -> None:
-    made = design(scene, f"[effects.inertia]\n{text}\n")
-    with pytest.raises(GeometryError) as caught:
-        made.effect("inertia")
-    assert caught.value.key == f"effects.inertia.{key}"
+    assert_refused(scene, "inertia", text, key)
 
 
 @pytest.mark.parametrize(

@@ -21,7 +21,7 @@ from camgeo.motion.time_course import in_time
 from camgeo.numeric.arrays import FloatArray
 from camgeo.numeric.oscillator.spectrum import shock_spectrum
 from camgeo.units import TURN
-from tests.effects.scenes import design
+from tests.effects.scenes import assert_refused, design
 
 PHI = np.linspace(0.0, TURN, 721)[:-1]
 
@@ -228,18 +228,21 @@ def test_without_mass_the_train_is_rigid() -> None:
 @pytest.mark.parametrize(
     ("scene", "table", "key"),
     [
-        ("plate_translating", "stiffness = 500", "effects.inertia"),
-        ("groove", "stiffness = 500", "effects.vibration.stiffness"),
-        ("plate_translating", "torsional_stiffness = 5", "effects.vibration.torsional_stiffness"),
-        ("groove", "natural_frequency = 50\nlimit = 0.1", "effects.vibration.limit"),
-        ("setzhub", "natural_frequency = 50\nlimit_angle = 1", "effects.vibration.limit_angle"),
+        ("groove", "stiffness = 500", "stiffness"),
+        ("plate_translating", "torsional_stiffness = 5", "torsional_stiffness"),
+        ("groove", "natural_frequency = 50\nlimit = 0.1", "limit"),
+        ("setzhub", "natural_frequency = 50\nlimit_angle = 1", "limit_angle"),
     ],
 )
-def test_what_is_missing_or_does_not_suit_is_named(scene: str, table: str, key: str) -> None:
-    made_ = made(scene, table)
+def test_what_does_not_suit_the_motion_is_named(scene: str, table: str, key: str) -> None:
+    assert_refused(scene, "vibration", table, key, "is for a demanded motion")
+
+
+def test_masses_that_are_missing_are_named() -> None:
+    made_ = made("plate_translating", "stiffness = 500")
     with pytest.raises(GeometryError) as caught:
         made_.effect("vibration")
-    assert caught.value.key == key
+    assert caught.value.key == "effects.inertia"
 
 
 @pytest.mark.parametrize(

@@ -5,14 +5,25 @@ from __future__ import annotations
 from typing import Final
 
 from camgeo.effects.effect import Effect, schema_beside
-from camgeo.effects.friction.spec import OF_FACE, OF_LEVER, OF_ROLLER, parse, tilts
+from camgeo.effects.friction.spec import (
+    OF_FACE,
+    OF_GUIDE,
+    OF_LEVER,
+    OF_PIVOT,
+    OF_ROLLER,
+    parse,
+    tilts,
+)
 from camgeo.effects.results import FRICTION
 from camgeo.effects.rules import (
     DRIVING_SLIDER,
     FLATS,
+    GUIDED,
     ONE_CONTACT,
     ONE_ROLLER,
+    ROCKING,
     ROLLERS,
+    ROUND,
     STRAIGHT,
     Only,
 )
@@ -26,7 +37,10 @@ EFFECT: Final = Effect(
     rules=(
         Only(ONE_ROLLER, *OF_LEVER),
         Only(ONE_CONTACT),
+        Only(GUIDED, *OF_GUIDE),
+        Only(ROCKING, *OF_PIVOT),
         Only(ROLLERS, *OF_ROLLER),
+        Only(ROUND, *OF_ROLLER),
         Only(FLATS, *OF_FACE),
         tilts,
         Only(DRIVING_SLIDER, "slider"),

@@ -14,7 +14,7 @@ from camgeo.effects.face import require_convex
 from camgeo.effects.force import Coefficients, Force
 from camgeo.effects.friction.jamming import column, jamming_margin
 from camgeo.effects.friction.senses import senses_of
-from camgeo.effects.friction.spec import Spec, refuse_misfits
+from camgeo.effects.friction.spec import Spec
 from camgeo.effects.friction.statics import Statics
 from camgeo.effects.results import Friction as Asked
 from camgeo.errors import EffectError, GeometryError
@@ -76,7 +76,6 @@ def compute(request: Request[Spec]) -> Asked:
         the cam for a flat face is not convex.
     """
     subject, spec = request.subject, request.spec
-    refuse_misfits(spec, subject)
     require_convex(subject, "friction of the face")
     edges = subject.cam.drive.smooth_angles
     senses = senses_of(subject.cam.drive.motion, edges)

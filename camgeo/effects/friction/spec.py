@@ -1,4 +1,4 @@
-"""What a scene says of friction, and whether it fits the follower."""
+"""What a scene says of friction."""
 
 from __future__ import annotations
 
@@ -6,12 +6,10 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
 
-from camgeo.effects.effect import driving_slider
 from camgeo.effects.rules import ROLLERS
 from camgeo.errors import GeometryError
 
 if TYPE_CHECKING:
-    from camgeo.effects.effect import Subject
     from camgeo.effects.rules import Machine, Table
 
 
@@ -35,7 +33,6 @@ class Spec:
     face : coefficient between a flat face and the cam.
     guide_offset : of the guide's axis from the cam axis, to the right looking along the guide away
         from the cam [mm]; of a flat-faced follower, whose motion does not tell.
-    given : the keys of the table.
     """
 
     guide: float = 0.0
@@ -51,7 +48,6 @@ class Spec:
     rolling: float = 0.0
     face: float = 0.0
     guide_offset: float = 0.0
-    given: tuple[str, ...] = ()
 
 
 DIAMETERS: Final = {"pivot": "pivot_diameter", "roller_pin": "roller_pin_diameter"}
@@ -89,7 +85,7 @@ def parse(table: Mapping[str, Any]) -> Spec:
                 f"is missing: the {what} is a lever only of a guide of known length",
                 key="guide_length",
             )
-    return Spec(**table, given=tuple(table))
+    return Spec(**table)
 
 
 def tilts(machine: Machine, table: Table) -> Iterator[tuple[str, str]]:
@@ -98,24 +94,3 @@ def tilts(machine: Machine, table: Table) -> Iterator[tuple[str, str]]:
     rubs = machine.touching in ROLLERS.others and table.values.get("guide")
     if rubs and table.lacks("guide_length") and not told:
         yield "guide_length", TILTS
-
-
-def refuse_misfits(spec: Spec, subject: Subject) -> None:
-    """Raise GeometryError with the key of a value that has no place on this follower."""
-    rocker = subject.cam.follower.swing_sense != 0
-    slides = driving_slider(subject) is not None
-    misfits = dict.fromkeys(
-        OF_GUIDE if rocker else OF_PIVOT,
-        "is for translating followers: a rocker has a pivot"
-        if rocker
-        else "is for rockers: a translating follower has a guide",
-    )
-    if subject.cam.drive.linkage is None:
-        misfits["slider"] = "is for the slider of a linkage, and there is none"
-    if rocker and not slides:
-        misfits["guide_viscous"] = "is for translating followers and for sliders of linkages"
-    if subject.cam.follower.has_edge:
-        misfits |= dict.fromkeys(OF_ROLLER, "is for rollers: the follower has a knife edge")
-    for key in spec.given:
-        if key in misfits:
-            raise GeometryError(misfits[key], key=f"effects.friction.{key}")

@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import Final
 
 from camgeo.effects.effect import SPEED, Effect, schema_beside
-from camgeo.effects.inertia.spec import parse
+from camgeo.effects.inertia.spec import OF_COUPLER, OF_ROCKER, parse
 from camgeo.effects.results import INERTIA
-from camgeo.effects.rules import ROLLERS, STRAIGHT, TURNING, Only
+from camgeo.effects.rules import LINKED, ROCKING, ROLLERS, STRAIGHT, TURNING, Only
 
 EFFECT: Final = Effect(
     name=INERTIA,
@@ -16,7 +16,9 @@ EFFECT: Final = Effect(
     schema=schema_beside(__file__),
     parse=parse,
     rules=(
+        Only(ROCKING, *OF_ROCKER),
         Only(ROLLERS, "roller_mass"),
+        Only(LINKED, *OF_COUPLER),
         Only(TURNING, "output_moment"),
         Only(STRAIGHT, "mass"),
     ),

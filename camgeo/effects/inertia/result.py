@@ -84,7 +84,6 @@ def compute(request: Request[InertiaSpec]) -> Asked:
         If a mass behind a linkage cannot be moved by the follower at some cam angle.
     """
     subject, spec = request.subject, request.spec
-    spec.check(subject)
     train = train_of(subject, spec)
     if spec.beyond(subject.cam.drive.linkage):
         refuse_locked(subject, "'s mass")

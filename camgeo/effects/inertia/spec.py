@@ -6,12 +6,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
 
-from camgeo.effects.effect import driving_slider
-from camgeo.effects.rules import TURNING
 from camgeo.errors import GeometryError
 
 if TYPE_CHECKING:
-    from camgeo.effects.effect import Subject
     from camgeo.mechanism.linkage_protocol import Linkage
 
 OF_ROCKER: Final = ("moment_of_inertia", "rocker_mass", "rocker_centre")
@@ -24,7 +21,6 @@ class InertiaSpec:
 
     Attributes
     ----------
-    given : the keys that the table has.
     mass : of what makes the demanded motion along a straight line.
     moment_of_inertia : of the rocker about its pivot, with a linkage's crank, without roller.
     roller_mass : in the roller's centre.
@@ -36,7 +32,6 @@ class InertiaSpec:
     output_moment : about its shaft, of the lever of a four-bar or of a crank that a slider turns.
     """
 
-    given: frozenset[str] = frozenset()
     mass: float = 0.0
     moment_of_inertia: float = 0.0
     roller_mass: float = 0.0
@@ -57,24 +52,6 @@ class InertiaSpec:
             return False
         return bool(self.far(linkage) or self.coupler_mass or self.coupler_moment)
 
-    def check(self, subject: Subject) -> None:
-        """Raise GeometryError, with the key of the scene, if the mechanism has no such mass."""
-        rocks = subject.cam.follower.pivot is not None
-        slides = driving_slider(subject) is not None
-        refused: list[tuple[tuple[str, ...], str]] = []
-        if not rocks:
-            refused.append((OF_ROCKER, "the follower is no rocker; a translating one has a mass"))
-        elif not slides:
-            message = "nothing makes a straight motion here; a rocker has a moment_of_inertia"
-            refused.append((("mass",), message))
-        if subject.cam.drive.linkage is None:
-            refused.append((OF_COUPLER, "there is no coupler without [linkage]"))
-            refused.append((("output_moment",), TURNING.refusal))
-        for keys, message in refused:
-            for key in keys:
-                if key in self.given:
-                    raise GeometryError(message, key=f"effects.inertia.{key}")
-
 
 def parse(table: Mapping[str, Any]) -> InertiaSpec:
     """The table, numbers converted.
@@ -94,7 +71,6 @@ def parse(table: Mapping[str, Any]) -> InertiaSpec:
     centre = table.get("rocker_centre")
     rest = {key: value for key, value in table.items() if key != "rocker_centre"}
     return InertiaSpec(
-        given=frozenset(table),
         rocker_centre=None if centre is None else complex(*centre),
         **rest,
     )

@@ -6,6 +6,7 @@ from typing import Final
 
 from camgeo.effects.effect import SPEED, Effect, schema_beside
 from camgeo.effects.results import INERTIA
+from camgeo.effects.rules import ANGLES, LENGTHS, Only
 from camgeo.effects.vibration.spec import parse
 
 EFFECT: Final = Effect(
@@ -14,6 +15,7 @@ EFFECT: Final = Effect(
     compute="camgeo.effects.vibration.result:compute",
     schema=schema_beside(__file__),
     parse=parse,
+    rules=(Only(LENGTHS, "stiffness", "limit"), Only(ANGLES, "torsional_stiffness", "limit_angle")),
     uses=(INERTIA,),
     keys=(SPEED,),
     tabled=True,

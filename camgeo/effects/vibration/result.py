@@ -28,7 +28,7 @@ from camgeo.effects.vibration.findings import (
 )
 from camgeo.effects.vibration.output import Clock, Elastic, Output, Rigid, clock_of
 from camgeo.effects.vibration.spec import Spec
-from camgeo.effects.vibration.train import limit_of, train_of, turns
+from camgeo.effects.vibration.train import train_of
 from camgeo.errors import EffectError
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray
@@ -81,13 +81,14 @@ def compute(request: Request[Spec]) -> Vibration:
     Raises
     ------
     GeometryError
-        With its key, if data are missing or do not suit the demanded motion.
+        With its key, if data are missing.
     EffectError
         If an undamped train is in resonance, or the tolerance cannot be reached.
     """
-    subject = request.subject
-    limit = limit_of(subject, request.spec)
-    telling = Telling("deg", math.degrees(1.0)) if turns(subject) else Telling("mm", 1.0)
+    subject, spec = request.subject, request.spec
+    turns = subject.cam.drive.unit == "rad"
+    limit = spec.limit_angle if turns else spec.limit
+    telling = Telling("deg", math.degrees(1.0)) if turns else Telling("mm", 1.0)
     train = train_of(request)
     clock = clock_of(subject, request.course)
     period = float(clock.time(clock.edges[-1:])[0])

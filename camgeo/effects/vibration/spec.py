@@ -23,10 +23,10 @@ class Spec:
     ----------
     natural_frequency : of the first mass without the second [rad/s]; None if the stiffness says it.
     stiffness : at what makes the demanded motion [N/mm].
-    torsional_stiffness : the same for a rocker without linkage [N mm/rad].
+    torsional_stiffness : the same, of an angle [N mm/rad].
     damping : damping ratio.
     limit : largest error of the demanded motion [mm].
-    limit_angle : the same for a rocker without linkage [rad].
+    limit_angle : the same, of an angle [rad].
     second : a second mass.
     """
 

@@ -3,33 +3,12 @@
 from __future__ import annotations
 
 import math
-from typing import Final
 
-from camgeo.effects.effect import Request, Subject
+from camgeo.effects.effect import Request
 from camgeo.effects.results import INERTIA
 from camgeo.effects.vibration.spec import Spec
 from camgeo.errors import GeometryError
 from camgeo.numeric.oscillator.train import Train, one_mass, two_masses
-
-TABLE: Final = "effects.vibration"
-
-
-def turns(subject: Subject) -> bool:
-    """Whether the demanded motion is an angle."""
-    return subject.cam.drive.unit == "rad"
-
-
-def limit_of(subject: Subject, spec: Spec) -> float | None:
-    """Largest error of the demanded motion that is allowed [mm or rad].
-
-    Raises
-    ------
-    GeometryError
-        If the limit is a length and the motion an angle, or the other way round.
-    """
-    _refuse(subject, spec.limit, "limit", angle=False)
-    _refuse(subject, spec.limit_angle, "limit_angle", angle=True)
-    return spec.limit_angle if turns(subject) else spec.limit
 
 
 def train_of(request: Request[Spec]) -> Train | None:
@@ -41,11 +20,9 @@ def train_of(request: Request[Spec]) -> Train | None:
     Raises
     ------
     GeometryError
-        If the stiffness is none of the demanded motion, or the masses are missing.
+        If the masses are missing.
     """
     spec = request.spec
-    _refuse(request.subject, spec.stiffness, "stiffness", angle=False)
-    _refuse(request.subject, spec.torsional_stiffness, "torsional_stiffness", angle=True)
     frequency = spec.natural_frequency
     if frequency is None:
         stiffness = spec.stiffness if spec.stiffness is not None else spec.torsional_stiffness
@@ -72,12 +49,3 @@ def train_of(request: Request[Spec]) -> Train | None:
     if spec.second is None:
         return one_mass(frequency, spec.damping)
     return two_masses(frequency, spec.damping, spec.second)
-
-
-def _refuse(subject: Subject, value: float | None, key: str, *, angle: bool) -> None:
-    if value is None or turns(subject) == angle:
-        return
-    motion, other = ("a length", "an angle") if angle else ("an angle", "a length")
-    raise GeometryError(
-        f"is for a demanded motion that is {other}; here it is {motion}", key=f"{TABLE}.{key}"
-    )
