@@ -70,13 +70,10 @@ def toucher(subject: Subject) -> Literal["face", "roller"]:
 
 def driving_slider(subject: Subject) -> SliderCrank | None:
     """The linkage whose slider makes the demanded motion; None without one, or with another."""
-    linkage = subject.cam.drive.linkage
-    if linkage is None or linkage.member != "slider":
-        return None
     from camgeo.mechanism.slider_crank import SliderCrank
 
-    assert isinstance(linkage, SliderCrank)  # the only one with a slider at its far end
-    return linkage
+    linkage = subject.cam.drive.linkage
+    return linkage if isinstance(linkage, SliderCrank) else None
 
 
 def machine_of(subject: Subject) -> Machine:
