@@ -10,7 +10,7 @@ import math
 import numpy as np
 
 from camgeo.errors import GeometryError
-from camgeo.numeric.arrays import ComplexArray, FloatArray, IntArray
+from camgeo.numeric.arrays import ComplexArray, FloatArray, IntArray, grouped
 
 CUBIC = 3
 
@@ -92,8 +92,7 @@ def _elevated(points: ComplexArray) -> ComplexArray:
 
 def cut(pieces: ComplexArray, counts: IntArray) -> ComplexArray:
     """(sum of counts, 4): each of the `pieces` (n, 4) in `counts` (n,) equal parts, in order."""
-    index = np.repeat(np.arange(len(pieces)), counts)
-    step = np.arange(len(index)) - np.repeat(np.cumsum(counts) - counts, counts)
+    index, step = grouped(counts)
     low = (step / counts[index])[:, None]
     high = ((step + 1) / counts[index])[:, None]
     b = pieces[index]

@@ -13,7 +13,7 @@ from typing import Self
 
 import numpy as np
 
-from camgeo.numeric.arrays import ComplexArray, FloatArray, frozen
+from camgeo.numeric.arrays import ComplexArray, FloatArray, frozen, grouped
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -90,9 +90,7 @@ class Contour:
     def split(self, max_sweep: float) -> Self:
         """The same outline with each arc cut into equal parts of at most `max_sweep` [rad]."""
         parts = np.maximum(1, np.ceil(np.abs(self.sweeps) / max_sweep - 1e-12)).astype(int)
-        index = np.repeat(np.arange(len(self)), parts)
-        first = np.repeat(np.cumsum(parts) - parts, parts)
-        step = np.arange(len(index)) - first
+        index, step = grouped(parts)
         sweeps = self.sweeps[index] / parts[index]
         centres = self.centres[index]
         turned = centres + (self.vertices[index] - centres) * np.exp(1j * sweeps * step)
@@ -107,9 +105,8 @@ class Contour:
         radii = np.maximum(self.radii, sagitta)
         step = 2.0 * np.arccos(np.clip(1.0 - sagitta / radii, 0.0, 1.0))
         counts = np.maximum(1, np.ceil(np.abs(self.sweeps) / step)).astype(int)
-        index = np.repeat(np.arange(len(self)), counts)
-        first = np.repeat(np.cumsum(counts) - counts, counts)
-        part = (np.arange(len(index)) - first) / counts[index]
+        index, step = grouped(counts)
+        part = step / counts[index]
         arm = self.vertices[index] - self.centres[index]
         arc = self.centres[index] + arm * np.exp(1j * self.sweeps[index] * part)
         return np.where(part == 0.0, self.vertices[index], arc)

@@ -32,6 +32,12 @@ def ascending(values: FloatArray) -> FloatArray:
     return distinct
 
 
+def grouped(counts: IntArray) -> tuple[IntArray, IntArray]:
+    """(m,), (m,) of groups of `counts` (k,) items: the group of each item, and its number in it."""
+    group = np.repeat(np.arange(len(counts)), counts)
+    return group, np.arange(len(group)) - np.repeat(np.cumsum(counts) - counts, counts)
+
+
 def merged(angles: FloatArray) -> FloatArray:
     """The distinct `angles` (n,) [rad] of one turn, ascending; what differs by rounding is one.
 

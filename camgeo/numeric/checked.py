@@ -7,7 +7,6 @@ number is larger than `LARGEST`, and a positive one no smaller than `SMALLEST`.
 
 from __future__ import annotations
 
-import json
 import math
 import reprlib
 from collections.abc import Collection, Mapping, Sequence
@@ -96,7 +95,7 @@ def one_of(key: str, value: Any, choices: Sequence[Choice]) -> Choice:
         for choice in choices:
             if choice == value:
                 return choice
-    allowed = ", ".join(json.dumps(choice) for choice in choices)
+    allowed = ", ".join(repr(choice).replace("'", '"') for choice in choices)
     raise GeometryError(f"must be one of {allowed}", key, shown(value))
 
 

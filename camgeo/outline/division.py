@@ -27,7 +27,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from camgeo.errors import GeometryError
-from camgeo.numeric.arrays import BoolArray, FloatArray, IntArray, ascending
+from camgeo.numeric.arrays import BoolArray, FloatArray, IntArray, ascending, grouped
 from camgeo.outline.cells import Cells, enclose, halved
 from camgeo.outline.envelope import Envelope
 
@@ -121,8 +121,7 @@ def first_cells(envelope: Envelope, cusps: FloatArray) -> Cells:
     marks = ascending(np.concatenate((envelope.borders, cusps, [envelope.total])))
     spans = np.diff(marks)
     parts = np.maximum(1, np.ceil(spans / WIDEST)).astype(np.intp)
-    index = np.repeat(np.arange(len(spans)), parts)
-    step = np.arange(len(index)) - np.repeat(np.cumsum(parts) - parts, parts)
+    index, step = grouped(parts)
     low = marks[index] + spans[index] * step / parts[index]
     high = np.append(low[1:], envelope.total)
     return enclose(envelope, low, high, np.arange(len(low)))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from camgeo.errors import GeometryError
-from camgeo.numeric.arrays import BoolArray, IntArray
+from camgeo.numeric.arrays import BoolArray, IntArray, grouped
 from camgeo.outline.cells import Cells
 
 MOST = 4_000_000
@@ -22,11 +22,9 @@ def overlapping(cells: Cells) -> tuple[IntArray, IntArray]:
     # In the order of their left sides, cell k overlaps those that begin before it ends.
     last = np.searchsorted(left[order], right[order], side="right")
     counts = last - np.arange(len(order)) - 1
-    total = int(np.sum(counts))
-    if total > MOST:
+    if np.sum(counts) > MOST:
         raise GeometryError("the flank has too many neighbours of itself to be told apart")
-    one = np.repeat(np.arange(len(order)), counts)
-    step = np.arange(total) - np.repeat(np.cumsum(counts) - counts, counts)
+    one, step = grouped(counts)
     first, second = order[one], order[one + 1 + step]
     apart = np.abs(cells.middle.imag[first] - cells.middle.imag[second])
     near = apart <= high[first] + high[second]

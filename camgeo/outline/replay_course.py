@@ -16,7 +16,7 @@ import numpy as np
 from camgeo.errors import GeometryError
 from camgeo.mechanism.follower_path import FollowerPath, lift_jet
 from camgeo.motion.motion import Motion, Side
-from camgeo.numeric.arrays import BoolArray, FloatArray, IntArray, ascending
+from camgeo.numeric.arrays import BoolArray, FloatArray, IntArray, ascending, grouped
 from camgeo.outline.roller_path import Branches
 from camgeo.units import TURN
 
@@ -153,8 +153,7 @@ def pressed(
     # Each cell of the finer grid takes over what covers its parent.
     first = np.searchsorted(cell, parent, "left")
     count = np.searchsorted(cell, parent, "right") - first
-    fine = np.repeat(np.arange(len(grid)), count)
-    rank = np.arange(len(fine)) - np.repeat(np.cumsum(count) - count, count)
+    fine, rank = grouped(count)
     candidate = branch[first[fine] + rank]
     several = count[fine] > 1
     middle = 0.5 * (grid + np.append(grid[1:], grid[0] + TURN))
@@ -204,8 +203,7 @@ def _cover(branches: Branches, nodes: FloatArray) -> tuple[IntArray, IntArray]:
             "the contour is too rough to be replayed: its parallel at the roller radius lies in"
             f" {np.sum(count) / len(nodes):.0f} layers; smooth it first"
         )
-    branch = np.repeat(np.arange(len(first)), count)
-    rank = np.arange(len(branch)) - np.repeat(np.cumsum(count) - count, count)
+    branch, rank = grouped(count)
     cell = np.remainder(first[branch] + rank, len(nodes))
     order = np.argsort(cell, kind="stable")
     return cell[order], branch[order]

@@ -17,7 +17,7 @@ import numpy as np
 
 from camgeo.errors import GeometryError
 from camgeo.mechanism.follower_path import Bows, FollowerPath
-from camgeo.numeric.arrays import ComplexArray, FloatArray, IntArray
+from camgeo.numeric.arrays import ComplexArray, FloatArray, IntArray, grouped
 from camgeo.units import TURN
 
 MOST_TURN = math.pi / 4.0
@@ -171,8 +171,7 @@ def branches(pieces: Parallel, path: FollowerPath) -> Branches:
     count = len(bows)
     shares = np.sort(np.concatenate((np.zeros((1, count)), shares, np.ones((1, count)))), axis=0)
     parts = np.sum(shares <= 1.0, axis=0) - 1
-    index = np.repeat(np.arange(count), parts)
-    rank = np.arange(len(index)) - np.repeat(np.cumsum(parts) - parts, parts)
+    index, rank = grouped(parts)
     begin, end = shares[rank, index], shares[rank + 1, index]
     bows, lengths = bows.take(index), pieces.lengths[index]
     middle = bows.at(0.5 * (begin + end) * lengths)
@@ -213,8 +212,7 @@ def _cut(
 ) -> Parallel:
     """Arcs cut into parts of at most MOST_TURN; `lengths` (n,) of those that are lines, else 0."""
     parts = np.maximum(1, np.ceil(np.abs(turns) / MOST_TURN)).astype(np.intp)
-    index = np.repeat(np.arange(len(starts)), parts)
-    rank = np.arange(len(index)) - np.repeat(np.cumsum(parts) - parts, parts)
+    index, rank = grouped(parts)
     step = turns[index] / parts[index]
     normal = normals[index] * np.exp(1j * step * rank)
     kappa = curvatures[index]

@@ -10,7 +10,7 @@ import numpy as np
 from camgeo.contour.chords.bends import Bends, bends_of
 from camgeo.contour.chords.interpolation import monotone
 from camgeo.contour.chords.two_sided import Chords, Stretched, lay
-from camgeo.numeric.arrays import BoolArray, FloatArray, IntArray
+from camgeo.numeric.arrays import BoolArray, FloatArray, IntArray, grouped
 
 ROUNDS = 8
 """Times the vertices are spread, at most."""
@@ -91,8 +91,7 @@ def _places(
     """
     round_and_round = stretch.closed and not len(stretch.course.inflections)
     sizes = counts if round_and_round else counts + 1
-    bend = np.repeat(np.arange(len(counts)), sizes)
-    number = np.arange(len(bend)) - np.repeat(np.cumsum(sizes) - sizes, sizes)
+    bend, number = grouped(sizes)
     low, high = monotone(at, costs, bends.low), monotone(at, costs, bends.high)
     part = number / np.maximum(counts, 1)[bend]
     places = monotone(costs, at, low[bend] + (high - low)[bend] * part)

@@ -19,7 +19,7 @@ from camgeo.contour.contour import Contour
 from camgeo.contour.cubics.part_bounds import bounds_beside_arcs
 from camgeo.contour.spline import Arc, SplineContour
 from camgeo.errors import GeometryError
-from camgeo.numeric.arrays import ComplexArray, FloatArray, IntArray
+from camgeo.numeric.arrays import ComplexArray, FloatArray, IntArray, grouped
 
 ROUNDING = 2.0**-52 * 16.0
 """Rounding of a distance, as a share of the largest length that enters it."""
@@ -168,8 +168,8 @@ def _parts(pieces: list[ComplexArray], owners: list[int], tolerance: float, reac
         worst = np.maximum.reduceat(bounds, firsts) if len(counts) else bounds
         bad = worst > aim
         if not np.any(bad):
-            of_whole = np.repeat(np.arange(len(whole)), counts)
-            shares = (np.arange(len(of_whole)) - firsts[of_whole]) / counts[of_whole]
+            of_whole, number = grouped(counts)
+            shares = number / counts[of_whole]
             return _Parts(parts, sagittas, bounds, owner[of_whole], moving[of_whole], shares)
         # An arc is off by the cube of its length; 1.02 for what is not yet so short.
         finer = np.where(np.isinf(worst), 2.0, np.minimum(1.02 * np.cbrt(worst / aim), FINEST))

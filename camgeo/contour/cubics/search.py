@@ -12,7 +12,7 @@ from camgeo.contour.cubics.arc_length import ArcLength
 from camgeo.contour.cubics.least_squares import ORDER, Layout, Solution, solve
 from camgeo.contour.spline import CubicSpline
 from camgeo.errors import ToleranceError
-from camgeo.numeric.arrays import ComplexArray, FloatArray, IntArray
+from camgeo.numeric.arrays import ComplexArray, FloatArray, IntArray, grouped
 
 CUBIC_CONSTANT = 768.0**-0.25
 """Cubics needed, asymptotically: 0.18996 eps^(-1/4) times the integral of
@@ -186,8 +186,7 @@ def _equalised(
     layout = Layout(
         piece, counts, ends.starts[piece], ends.ends[piece], ends.first[piece], ends.last[piece]
     )
-    owner = np.repeat(np.arange(len(counts)), counts)
-    local = np.arange(len(owner)) - layout.span_starts[owner]
+    owner, local = grouped(counts)
     # All pieces lie on one line of S, and their shares from 0 to 1 on one from 0 to their number.
     shares = (np.arange(len(course.s))[:, None] + course.shares).ravel()
     line = course.s.ravel()

@@ -37,7 +37,7 @@ from camgeo.contour.legs import SNAP, TurnLeg
 from camgeo.contour.proof.enclosure import Enclosure, Taylor, enclose
 from camgeo.contour.proof.locate import locate
 from camgeo.errors import GeometryError
-from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, IntArray
+from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, IntArray, grouped
 from camgeo.outline.path import Path
 from camgeo.units import TURN
 
@@ -185,8 +185,7 @@ def _first_cells(run: Run, arc_cells: int) -> _Cells:
         spans > 0.0, np.clip(np.ceil(spans / (width or 1.0)), min(FEWEST, arc_cells), MOST), 1
     )
     parts = parts.astype(np.intp)
-    piece = np.repeat(np.arange(len(parts)), parts)
-    part = np.arange(len(piece)) - np.repeat(np.cumsum(parts) - parts, parts)
+    piece, part = grouped(parts)
     low = angles[piece] + (ends - angles)[piece] * (part / parts[piece])
     if len(borders):
         place = np.searchsorted(low, borders)

@@ -10,7 +10,7 @@ from camgeo.contour.chain import Run
 from camgeo.contour.contour import Contour
 from camgeo.contour.legs import Leg, StretchLeg, legs_of
 from camgeo.errors import GeometryError
-from camgeo.numeric.arrays import ComplexArray, FloatArray, IntArray
+from camgeo.numeric.arrays import ComplexArray, FloatArray, IntArray, grouped
 from camgeo.outline.path import Path
 from camgeo.units import TURN
 
@@ -115,8 +115,8 @@ def _course(leg: Leg) -> _Course:
     ends = np.concatenate(([leg.start], inner, [leg.end]))
     spans = np.diff(ends)
     parts = np.maximum(A_FORMULA, np.ceil(SAMPLES * spans / (leg.end - leg.start))).astype(int)
-    part = np.arange(int(np.sum(parts))) - np.repeat(np.cumsum(parts) - parts, parts)
-    inside = np.repeat(ends[:-1], parts) + np.repeat(spans / parts, parts) * part
+    span, part = grouped(parts)
+    inside = ends[:-1][span] + (spans / parts)[span] * part
     grid = np.append(inside, leg.end)
     points = np.append(leg.point(inside), leg.point(grid[-1:], "left"))
     along = np.concatenate(([0.0], np.cumsum(np.abs(np.diff(points)))))

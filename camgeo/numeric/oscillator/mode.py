@@ -23,7 +23,7 @@ from typing import Final
 
 import numpy as np
 
-from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, IntArray
+from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, IntArray, grouped
 from camgeo.numeric.oscillator.pieces import DEGREE, NODES, TO_SERIES, Pieces, series_values
 from camgeo.numeric.peaks import Side
 
@@ -85,8 +85,7 @@ def solve(pieces: Pieces, piece: IntArray, rate: ComplexArray) -> Cells:
     size = 0.5 * np.abs(rate) * width
     wide = size >= LARGE
     parts = np.where(wide, 1.0, np.maximum(1.0, np.ceil(size / SMALL))).astype(np.intp)
-    problem = np.repeat(np.arange(len(piece)), parts)
-    number = np.arange(len(problem)) - np.repeat(np.cumsum(parts) - parts, parts)
+    problem, number = grouped(parts)
     count = parts[problem].astype(np.float64)
     forcing = pieces.series[:, piece[problem]]
     cut = np.flatnonzero(count > 1.0)
