@@ -52,7 +52,7 @@ def stages(scene: str, folder: Path) -> dict[str, float]:
     mark("load the scene")
     assert design.findings
     mark("findings")
-    assert design.disc.part.boundaries
+    assert design.drawn.part.boundaries
     mark("part: outline and bore")
 
     from camgeo.files.write import write_files
@@ -71,7 +71,7 @@ def stages(scene: str, folder: Path) -> dict[str, float]:
             mark(doing)
         doing = step
 
-    write_files(design.disc, folder, output.formats, output.tolerance, progress=progress)
+    write_files(design.discs, folder, output.formats, output.tolerance, progress=progress)
     mark(f"{doing}; certificate, all files onto the disk")
     return times
 

@@ -26,6 +26,10 @@ if TYPE_CHECKING:
     from camgeo.effects.graph import Effects
     from camgeo.files.write import Report
     from camgeo.scene.scene import Scene
+    from camgeo.views.drawn import DrawnDisc
+    from camgeo.views.milled import MilledDisc
+    from camgeo.views.pictured import PicturedCam
+    from camgeo.views.tabulated import TabulatedCam
 
 
 @dataclass(frozen=True)
@@ -107,7 +111,7 @@ class Design(Pickled):
 
         subject = None
         for each in reversed(self.discs):
-            subject = Subject(each.cam, self.scene.unit, self.scene.part, each, subject)
+            subject = Subject(each.cam, self.scene.unit, self.scene.part, each.drawn, subject)
         assert subject is not None  # a design has a disc
         return Effects(subject, self.scene.effects, self.ledger)
 
@@ -136,15 +140,36 @@ class Design(Pickled):
         """The discs as they are made, the main one first."""
         pieces: list[Workpiece] = []
         for cam in reversed(self.cams):  # the main one knows the other
-            other = pieces[0] if pieces else None
+            others = tuple(pieces)
             columns = self._columns if cam is self.cam else tuple
-            pieces.insert(0, Workpiece(self.scene, cam, self.judgement, other, columns, cam.ledger))
+            piece = Workpiece(self.scene, cam, self.judgement, others, columns, cam.ledger)
+            pieces.insert(0, piece)
         return tuple(pieces)
 
     @property
     def disc(self) -> Workpiece:
         """The disc as it is made; of a conjugate pair the main one."""
         return self.discs[0]
+
+    @property
+    def drawn(self) -> DrawnDisc:
+        """The disc as drawings and solids show it."""
+        return self.disc.drawn
+
+    @property
+    def milled(self) -> MilledDisc:
+        """The disc as milling programs make it."""
+        return self.disc.milled
+
+    @property
+    def tabulated(self) -> TabulatedCam:
+        """The cam as value tables tell it."""
+        return self.disc.tabulated
+
+    @property
+    def pictured(self) -> PicturedCam:
+        """The cam as pictures show it."""
+        return self.disc.pictured
 
     def _columns(self) -> tuple[Column, ...]:
         """The effects over the cam angle; nothing of those that have no answer."""
@@ -193,7 +218,7 @@ class Design(Pickled):
 
         output = self.scene.output
         return write_files(
-            self.disc,
+            self.discs,
             folder,
             tuple(formats or output.formats),
             output.tolerance if tolerance is None else tolerance,

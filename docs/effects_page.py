@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
 from functools import cache
 from itertools import pairwise
 from pathlib import Path
@@ -371,8 +372,10 @@ class Excerpt:
 
     def __init__(self, whole: Design, names: Sequence[str]) -> None:
         self._whole = whole.disc
-        columns = {column.name: column for column in self._whole.effect_columns}
-        self.effect_columns = tuple(columns[name] for name in names)
+        pictured = self._whole.pictured
+        columns = {column.name: column for column in pictured.effect_columns}
+        chosen = tuple(columns[name] for name in names)
+        self.pictured = replace(pictured, columns=lambda: chosen)
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self._whole, name)

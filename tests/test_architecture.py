@@ -32,7 +32,7 @@ STAGES: tuple[tuple[str, ...], ...] = (
     ("formats",),
     ("files",),
     ("scene",),
-    ("workpiece", "design"),
+    ("views", "workpiece", "design"),
     ("sweep",),
     ("stability",),
     ("accuracy",),

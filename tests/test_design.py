@@ -14,6 +14,7 @@ import camgeo
 from camgeo.cam.disc import Disc
 from camgeo.cam.drive import Drive
 from camgeo.curve import curvature, pitch_curve
+from camgeo.curve.curvature import radius_of_curvature
 from camgeo.design import Design
 from camgeo.lazy import lazy_names
 from camgeo.motion import plan
@@ -38,13 +39,13 @@ def test_nothing_is_computed_on_loading(design: Design, monkeypatch: pytest.Monk
     monkeypatch.setattr(pitch_curve.PitchCurve, "relative_jet", counted)
     camgeo.load(SETZHUB)
     assert calls == []
-    design.disc.pitch(np.zeros(3))
+    design.pictured.curve("pitch", np.zeros(3))
     assert calls == ["relative_jet"]
 
 
 def test_what_was_not_asked_for_did_not_run(design: Design) -> None:
-    design.disc.pitch(np.zeros(1))
-    design.disc.transmission_angle(np.zeros(1))
+    design.pictured.curve("pitch", np.zeros(1))
+    design.cam.disc.pitch_curve.transmission_angle(np.zeros(1))
     assert [run.name for run in design.ledger.runs] == ["motion", "pitch_curve"]
     assert {"motion"} == set(lazy_names(Drive)) & set(vars(design.drive))
     assert {"pitch_curve"} == set(lazy_names(Disc)) & set(vars(design.cam.disc))
@@ -94,19 +95,26 @@ def test_a_check_imports_no_contour_and_no_writer() -> None:
 def test_quantities_agree_with_the_curves(design: Design) -> None:
     phi = np.linspace(0.0, 2.0 * np.pi, 50)
     pitch = design.cam.disc.pitch_curve.point(phi)
-    assert np.array_equal(design.disc.pitch(phi), np.column_stack((pitch.real, pitch.imag)))
-    assert np.array_equal(design.disc.curve("inner", phi), design.disc.inner(phi))
-    assert np.array_equal(design.disc.quantity("s2", phi), design.disc.lift(phi)[2])
-    kappa = design.disc.curvature(phi)
-    assert np.array_equal(design.disc.quantity("curvature", phi), kappa)
-    assert design.disc.radius_of_curvature(phi) == pytest.approx(1.0 / kappa, rel=1e-15)
-    assert np.array_equal(design.disc.stroke(phi), plan.MotionPlan.jet(design.scene.plan, phi))
+    assert np.array_equal(
+        design.pictured.curve("pitch", phi), np.column_stack((pitch.real, pitch.imag))
+    )
+    inner = design.cam.disc.inner_curve.point(phi)
+    assert np.array_equal(
+        design.pictured.curve("inner", phi), np.column_stack((inner.real, inner.imag))
+    )
+    assert np.array_equal(design.pictured.quantity("s2", phi), design.drive.motion.jet(phi)[2])
+    kappa = design.cam.disc.pitch_curve.curvature(phi)
+    assert np.array_equal(design.pictured.quantity("curvature", phi), kappa)
+    assert radius_of_curvature(kappa) == pytest.approx(1.0 / kappa, rel=1e-15)
+    assert np.array_equal(design.drive.plan.jet(phi), plan.MotionPlan.jet(design.scene.plan, phi))
 
 
 def test_arrays_of_any_number_of_turns(design: Design) -> None:
     phi = np.linspace(-7.0, 20.0, 101)
     turned = phi - 2.0 * np.pi * np.floor(phi / (2.0 * np.pi))
-    assert design.disc.pitch(phi) == pytest.approx(design.disc.pitch(turned), abs=1e-12)
+    assert design.pictured.curve("pitch", phi) == pytest.approx(
+        design.pictured.curve("pitch", turned), abs=1e-12
+    )
 
 
 def test_public_names_that_few_need_are_imported_when_asked_for() -> None:

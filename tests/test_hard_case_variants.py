@@ -25,7 +25,7 @@ from camgeo.check.finding import Finding
 from camgeo.check.follower import check_follower
 from camgeo.check.linkage import check_linkage
 from camgeo.check.standstill import check_standstill
-from camgeo.curve.curvature import curvature_extremes
+from camgeo.curve.curvature import curvature_extremes, radius_of_curvature
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.design import Design
@@ -664,8 +664,8 @@ def test_scenes_at_all_scales_tell_the_same(kind: str, roller: float, factor: fl
         size = factor if finding.unit.startswith("mm") else 1.0
         assert other.value == pytest.approx(size * finding.value, rel=1e-12, abs=1e-12 * size)
     phi = spread(200)
-    assert two.disc.pitch(phi) == pytest.approx(
-        factor * one.disc.pitch(phi), rel=1e-12, abs=1e-13 * factor
+    assert two.pictured.curve("pitch", phi) == pytest.approx(
+        factor * one.pictured.curve("pitch", phi), rel=1e-12, abs=1e-13 * factor
     )
 
 
@@ -818,7 +818,8 @@ def test_hc20_the_radius_of_curvature_alone_may_be_infinite() -> None:
     angles = roots_on_grid(design.cam.disc.pitch_curve.curvature, grid % TURN)
     assert len(angles)
     around = np.sort(np.concatenate([angles + step for step in (-1e-12, 0.0, 1e-12)]))
-    radius, kappa = design.disc.radius_of_curvature(around), design.disc.curvature(around)
+    kappa = design.cam.disc.pitch_curve.curvature(around)
+    radius = radius_of_curvature(kappa)
     assert not np.any(np.isnan(radius))
     assert np.array_equal(np.isinf(radius), kappa == 0.0)
     finite = kappa != 0.0
@@ -1172,15 +1173,11 @@ def test_a_wild_scene_is_refused_or_all_its_numbers_are_finite(text: str) -> Non
         assert refused.faults
         return
     design = Design(parsed)
-    for quantity in (
-        design.disc.lift,
-        design.disc.pitch,
-        design.disc.inner,
-        design.disc.outer,
-        design.disc.curvature,
-        design.disc.transmission_angle,
-    ):
-        finite_or_refused(partial(quantity, spread(200)))
+    pictured = design.pictured
+    curves = [partial(pictured.curve, name) for name in ("pitch", "inner", "outer")]
+    names = ("s", "s1", "s2", "s3", "curvature", "transmission_angle")
+    for values in (*curves, *(partial(pictured.quantity, name) for name in names)):
+        finite_or_refused(partial(values, spread(200)))
     try:
         findings = design.findings
     except GeometryError:

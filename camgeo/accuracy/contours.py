@@ -55,7 +55,7 @@ class Milling:
 
 def flanks_of(design: Design) -> tuple[CurveBoundary, ...]:
     """The boundaries of the part that are flanks; bore and rim are exact at any tolerance."""
-    return tuple(each for each in design.disc.part.boundaries if isinstance(each, CurveBoundary))
+    return tuple(each for each in design.drawn.part.boundaries if isinstance(each, CurveBoundary))
 
 
 def milling_of(design: Design) -> Milling:

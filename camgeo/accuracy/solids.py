@@ -16,7 +16,7 @@ SOLIDS: Final = ("stl", "3mf")
 
 def solid_rows(design: Design, tolerances: Sequence[float], *, tell: Tell) -> tuple[SolidRow, ...]:
     """A row for each format and tolerance [mm]; none if the part has no thickness."""
-    if not design.disc.part.thickness:
+    if not design.drawn.part.thickness:
         return ()
     rows = []
     for name in SOLIDS:

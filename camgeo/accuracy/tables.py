@@ -38,7 +38,7 @@ def table_rows(design: Design, steps: Sequence[Decimal], *, tell: Tell) -> tuple
         tell(f"value table, {step} degrees")
 
         def made(step: Decimal = step) -> tuple[int, int]:
-            table = design.disc.table(step)
+            table = design.tabulated.table(step)
             return len(table.values), len(table.csv().encode())
 
         (count, size), seconds = timed(made)

@@ -94,12 +94,12 @@ class Judgement(Pickled):
         """False if a finding says that there is no such disc."""
         return not forbidding(self.findings)
 
-    def require_outline(self, *, of_return: bool = False) -> None:
-        """Raise UndercutError if there is no such disc, or with `of_return` no return disc."""
+    def require_outline(self, cam: Cam) -> None:
+        """Raise UndercutError if there is no such disc; of a return cam also if no main disc is."""
         found = [
             each.sentence
             for each in forbidding(self.findings)
-            if of_return or not each.name.startswith(f"{RETURN}: ")
+            if cam is not self.cams[0] or not each.name.startswith(f"{RETURN}: ")
         ]
         if found:
             raise UndercutError("; ".join(found))

@@ -23,6 +23,7 @@ from camgeo.cli.progress import Progress
 from camgeo.design import Design
 from camgeo.formats.format import LARGEST_TOLERANCE, SMALLEST_TOLERANCE
 from camgeo.scene.load import load_scene
+from camgeo.units import MM_PER
 
 if TYPE_CHECKING:  # what is measured is imported when it is asked for
     from camgeo.accuracy.rows import ContourRow, EffectRow, FileCost, SolidRow, TableRow
@@ -227,7 +228,7 @@ def _lift_unit(design: Design) -> tuple[str, float]:
     """Unit of the plan's positions in the table, and how many of it are in 1 mm or rad."""
     if design.drive.unit == "rad":
         return "deg", math.degrees(1.0)
-    return design.scene.unit, 1.0 / design.disc.millimetres
+    return design.scene.unit, 1.0 / MM_PER[design.scene.unit]
 
 
 # JSON ---------------------------------------------------------------------------------------------

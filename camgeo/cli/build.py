@@ -62,7 +62,7 @@ def run(arguments: argparse.Namespace) -> int:
     tolerance = output.tolerance if arguments.tolerance is None else arguments.tolerance
     with Progress() as progress:
         report = write_files(
-            design.disc,
+            design.discs,
             arguments.output,
             formats,
             tolerance,

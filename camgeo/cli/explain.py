@@ -15,12 +15,13 @@ from camgeo.cli.progress import Progress
 from camgeo.design import Design
 from camgeo.lazy import Run, lazy_names
 from camgeo.scene.load import load_scene
-from camgeo.workpiece import Workpiece
+from camgeo.views.drawn import DrawnDisc
+from camgeo.views.milled import MilledDisc
 
 MILLI: Final = 1e3
 INDENT: Final = "  "
 
-OWNERS: Final = (Drive, Disc, Judgement, Workpiece)
+OWNERS: Final = (Drive, Disc, Judgement, DrawnDisc, MilledDisc)
 """What has quantities that are computed on demand, in the order of the stages."""
 
 
@@ -33,7 +34,7 @@ def _check(design: Design) -> None:
 
 def _table(design: Design) -> None:
     """What `camgeo table` asks for."""
-    design.disc.table()
+    design.tabulated.table()
 
 
 def _build(design: Design) -> None:
@@ -43,7 +44,7 @@ def _build(design: Design) -> None:
     if design.judgement.has_outline:
         output = design.scene.output
         with Progress() as progress:
-            make_files(design.disc, output.formats, output.tolerance, progress=progress)
+            make_files(design.discs, output.formats, output.tolerance, progress=progress)
 
 
 GOALS: Final[dict[str, Callable[[Design], None]]] = {

@@ -28,7 +28,7 @@ from camgeo.outline.flank import Flank
 from camgeo.outline.replay import CORNER, replay_contour, replay_outline
 from camgeo.outline.replay_result import Replay
 from camgeo.scene.load import load_scene
-from camgeo.units import LengthUnit
+from camgeo.units import MM_PER, LengthUnit
 from camgeo.workpiece import Workpiece
 
 READERS: Final = "camgeo.readers"
@@ -162,23 +162,23 @@ def _discs(
     parser: argparse.ArgumentParser, design: Design, flank: Flank, files: list[str]
 ) -> list[tuple[Workpiece, str | None]]:
     """The discs to replay, the main one first, each with its file or None for its real outline."""
-    main, other = design.disc, design.disc.returning
-    if len(files) > (1 if other is None else 2):
+    discs = design.discs
+    if len(files) > len(discs):
         parser.error(
             "argument CONTOUR: one file at most, for the scene has one disc"
-            if other is None
+            if len(discs) == 1
             else "argument CONTOUR: two files at most, one of each disc"
         )
-    if other is None or flank is Flank.OUTER:
-        return [(main, files[0] if files else None)]
+    if len(discs) == 1 or flank is Flank.OUTER:
+        return [(design.disc, files[0] if files else None)]
     if not files:
-        return [(main, None), (other, None)]
-    discs = [other if disc_of(main, Path(file).stem) is other else main for file in files]
+        return [(disc, None) for disc in discs]
+    named = [disc_of(discs, Path(file).stem) for file in files]
     if len(files) == 1:
-        return [(discs[0], files[0])]
-    if discs[0] is other and discs[1] is main:
+        return [(named[0], files[0])]
+    if named == [*reversed(discs)]:
         files = files[::-1]
-    return [(main, files[0]), (other, files[1])]
+    return list(zip(discs, files, strict=True))
 
 
 def _replayed(
@@ -211,9 +211,9 @@ def _step(parser: argparse.ArgumentParser, text: str | None) -> Decimal:
 
 
 def _scale(design: Design) -> Scale:
-    if design.disc.lift_unit == "rad":
+    if design.cam.lift_unit == "rad":
         return Scale("deg", math.degrees(1.0))
-    return Scale(design.scene.unit, 1.0 / design.disc.millimetres)
+    return Scale(design.scene.unit, 1.0 / MM_PER[design.scene.unit])
 
 
 def _contour(disc: Workpiece, flank: Flank, file: Path, arguments: argparse.Namespace) -> Contour:
@@ -237,7 +237,7 @@ def _contour(disc: Workpiece, flank: Flank, file: Path, arguments: argparse.Name
     found = reader.read(
         data, file.name, layer=arguments.layer, unit=arguments.unit, gap=arguments.gap
     )
-    points = disc.curve(flank, np.linspace(0.0, 2.0 * math.pi, OUTLINE_SAMPLES))
+    points = disc.pictured.curve(flank, np.linspace(0.0, 2.0 * math.pi, OUTLINE_SAMPLES))
     x, y = points.T
     area = abs(0.5 * float(np.sum(x[:-1] * y[1:] - x[1:] * y[:-1])))
     chosen = min(found, key=lambda contour: abs(contour.area - area))

@@ -99,7 +99,7 @@ def run(parser: argparse.ArgumentParser, arguments: argparse.Namespace) -> int:
     task = Task(design.cam)
     present = rate(task, task.present)
     if arguments.arm is not None:
-        low, high = (design.disc.millimetres * arm for arm in arguments.arm)
+        low, high = (MM_PER[design.scene.unit] * arm for arm in arguments.arm)
         task, sizing = size_with_arm(task, angle, ratio, low, high)
     else:
         sizing = size(task, angle, ratio)
@@ -191,4 +191,4 @@ def resized(scene: Scene, follower: RollerFollower, *, arm: bool = False) -> Sce
 
 
 def _told(design: Design, length: float) -> str:
-    return f"{length / design.disc.millimetres:.6g} {design.scene.unit}"
+    return f"{length / MM_PER[design.scene.unit]:.6g} {design.scene.unit}"

@@ -10,6 +10,7 @@ from camgeo.check.sizing.task import Task
 from camgeo.cli.command import identity
 from camgeo.design import Design
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
+from camgeo.units import MM_PER
 
 WIDTH = 24
 """Of the first column."""
@@ -35,7 +36,7 @@ def lines(design: Design, task: Task, sizing: Sizing, present: Rating | None) ->
     ]
     arm, present_arm = (getattr(each.cam.follower, "arm", 0.0) for each in (task, design))
     if arm != present_arm:
-        told = f"{arm / design.disc.millimetres:.4f} {design.scene.unit}"
+        told = f"{arm / MM_PER[design.scene.unit]:.4f} {design.scene.unit}"
         found.append(f"all but the present design with an arm of {told}")
     if sizing.answer is not None:
         found.append("decided by " + " and ".join(_active(each, sizing) for each in sizing.active))
@@ -58,7 +59,7 @@ def reason(design: Design, sizing: Sizing) -> str:
     told = (
         "infeasible: where the transmission angle is kept, the roller is too large for the"
         f" curvature of the pitch curve; {sure} with r_R/r_K at most {sizing.ratio:g} up to a base"
-        f" radius of {reach / design.disc.millimetres:.4g} {design.scene.unit}"
+        f" radius of {reach / MM_PER[design.scene.unit]:.4g} {design.scene.unit}"
     )
     if sizing.nearest_ratio is None:
         return told
@@ -90,7 +91,7 @@ def _of_flocke(sizing: Sizing) -> list[str]:
 def _row(design: Design, name: str, task: Task, rating: Rating | None) -> str:
     if rating is None:
         return f"{name:{WIDTH}}{'none':>{CELL}}"
-    unit = design.disc.millimetres
+    unit = MM_PER[design.scene.unit]
     mu, at = rating.transmission_angle
     ratio, where = rating.radius_ratio
     cells = (

@@ -77,7 +77,7 @@ def _of_scene(parser: argparse.ArgumentParser, arguments: argparse.Namespace) ->
                 f" from {SMALLEST_STEP} to {LARGEST_STEP} are allowed"
             )
     design = Design(load_scene(arguments.scene))
-    table = design.disc.table(step)
+    table = design.tabulated.table(step)
     tell_main_disc(design, "curves")
     return _deliver(table, table.csv, arguments)
 

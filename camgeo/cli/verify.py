@@ -123,7 +123,7 @@ def _scenes(named: str | None) -> Callable[[Path, str], Against]:
         if path not in known:
             design = Design(load_scene(path))
             scene = design.scene
-            known[path] = Against(design.disc, scene.output.tolerance, scene.made_before)
+            known[path] = Against(design.discs, scene.output.tolerance, scene.made_before)
         return known[path]
 
     def find(folder: Path, sha256: str) -> Against:

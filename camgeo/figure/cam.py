@@ -50,33 +50,35 @@ def figure(product: Product, size: Size = SIZE) -> Figure:
     """The cam at cam angle 0, to scale, in the product's unit."""
     scale = 1.0 / MM_PER[product.unit]
     part = _part(product)
-    found = product.cut_off
+    found = product.pictured.cut_off
     marks, lines = (
         flanks.whole(product, found, scale)
         if part is None
-        else disc.whole(part, scale, SAGITTA * product.base_radius)
+        else disc.whole(part, scale, SAGITTA * product.drawn.base_radius)
     )
     for disc_beside in product.discs[1:]:
         other, return_lines = _return_disc(disc_beside, scale)
         marks, lines = [*marks, *other], [*lines, *return_lines]
-    columns = product.curve("pitch", cam_angles()) * scale
+    columns = product.pictured.curve("pitch", cam_angles()) * scale
     pitch = columns[:, 0] + 1j * columns[:, 1]
-    if not product.is_flat:
+    if not product.pictured.is_flat:
         marks.append(Line(plane(pitch), PITCH_STYLE))
-    base = product.base_radius * scale
+    base = product.drawn.base_radius * scale
     circle = base * np.exp(1j * cam_angles())
     marks.append(Line(plane(circle), BASE_STYLE))
     if found:
         marks += cut_off.marks(found, scale)
     roller = complex(pitch[0])
-    follower, end = (_flat if product.is_flat else _follower)(product, roller, scale)
+    follower, end = (_flat if product.pictured.is_flat else _follower)(product, roller, scale)
     arrow = 0.45 * base * np.exp(1j * ARROW)
     cross = 0.1 * base * np.array([-1.0, 1.0, 0.0, 1j, -1j])
     marks += follower
-    marks.append(Arrow(plane(arrow[:: product.rotation]), Style("black", 1.0), 12.0, layer=4.0))
+    marks.append(
+        Arrow(plane(arrow[:: product.pictured.rotation]), Style("black", 1.0), 12.0, layer=4.0)
+    )
     marks += [Line(plane(each), Style(AUXILIARY, 0.8)) for each in (cross[:2], cross[:2:-1])]
     rim = roller + _size(product) * scale * np.exp(1j * cam_angles())
-    ends = [point * scale for point in product.follower_sketch.face or ()]
+    ends = [point * scale for point in product.pictured.follower_sketch.face or ()]
     drawn = [*lines, circle, pitch, *(each.course * scale for each in found)]
     drawn += [np.array([roller, end, *ends]), rim]
     x, y = _limits(drawn)
@@ -107,7 +109,7 @@ def figure(product: Product, size: Size = SIZE) -> Figure:
 def _part(product: Product) -> Part | None:
     """None if there is no disc."""
     try:
-        return product.part
+        return product.drawn.part
     except UndercutError:
         return None
 
@@ -118,14 +120,14 @@ def _return_disc(disc: Product, scale: float) -> tuple[list[Mark], list[ComplexA
     The flank is drawn as it runs, whole: its own picture shows what is cut off from it.
     """
     try:
-        flank = disc.curve("inner", cam_angles())
+        flank = disc.pictured.curve("inner", cam_angles())
     except GeometryError:  # the roller centre stands still in the cam, which the findings tell
         flank = np.empty((0, 2))
-    columns = np.concatenate([flank, disc.curve("pitch", np.zeros(1))]) * scale
+    columns = np.concatenate([flank, disc.pictured.curve("pitch", np.zeros(1))]) * scale
     points = columns[:, 0] + 1j * columns[:, 1]
     roller = complex(points[-1])
-    rim = roller + disc.roller_radius * scale * np.exp(1j * cam_angles())
-    sketch = disc.follower_sketch
+    rim = roller + disc.pictured.roller_radius * scale * np.exp(1j * cam_angles())
+    sketch = disc.pictured.follower_sketch
     lines = [points[:-1], rim]
     if sketch.kind == "pivot":
         lines.append(np.array([roller, sketch.end * scale]))
@@ -136,18 +138,23 @@ def _return_disc(disc: Product, scale: float) -> tuple[list[Mark], list[ComplexA
 def _legend(product: Product, part: Part | None, height: float) -> Legend:
     """The legend of axes of that `height` [inch]."""
     if part is None:
-        edges, marked = Entry("flanks", flanks.FLANK), flanks.names(product, product.cut_off)
+        edges, marked = (
+            Entry("flanks", flanks.FLANK),
+            flanks.names(product, product.pictured.cut_off),
+        )
     else:
         edges = Entry("edges of the disc", disc.EDGE)
-        marked = cut_off.names("cut off") if product.cut_off else []
+        marked = cut_off.names("cut off") if product.pictured.cut_off else []
     if product.discs[1:]:
         edges = Entry("edges of the main disc", edges.style)
         marked = [Entry("return disc and its roller", RETURN_STYLE), *marked]
     base = Entry("base circle", BASE_STYLE)
-    if product.is_flat:
+    if product.pictured.is_flat:
         found = [edges, base, Entry("face at φ = 0", FACE), *marked]
     else:
-        name, marker = ("roller", "o") if product.roller_radius > 0.0 else ("knife edge", "+")
+        name, marker = (
+            ("roller", "o") if product.pictured.roller_radius > 0.0 else ("knife edge", "+")
+        )
         style = Style("black", 0.0, marker=marker, size=9.0, face="white")
         roller = Entry(f"{name} at φ = 0", style)
         found = [edges, Entry("pitch curve", PITCH_STYLE), base, roller, *marked]
@@ -162,13 +169,13 @@ def _height(size: Size, frame: Frame, x: cut_off.Limits, y: cut_off.Limits) -> f
 
 def _size(product: Product) -> float:
     """Radius [mm] of the roller, or the size by which a knife edge is drawn."""
-    return product.roller_radius or KNIFE * product.base_radius
+    return product.pictured.roller_radius or KNIFE * product.drawn.base_radius
 
 
 def _follower(product: Product, roller: complex, scale: float) -> tuple[list[Mark], complex]:
     """The roller at cam angle 0 and the line to its pivot, or along its guide; where that ends."""
     radius = _size(product) * scale
-    sketch = product.follower_sketch
+    sketch = product.pictured.follower_sketch
     end = sketch.end * scale
     along = (end - roller) / abs(end - roller)
     marks: list[Mark] = []
@@ -179,7 +186,7 @@ def _follower(product: Product, roller: complex, scale: float) -> tuple[list[Mar
             bar = (end + (side - 1.5) * radius * along, end + side * radius * along)
             marks.append(Line(plane(bar), GUIDE, layer=3.0))
     marks.append(Line(plane([roller, end]), ROD, layer=3.0))
-    if product.roller_radius > 0.0:
+    if product.pictured.roller_radius > 0.0:
         rim = Fill("white", "black", 1.2)
         marks.append(Circle((roller.real, roller.imag), radius, rim, layer=4.0))
     return [*marks, *_held(product, roller, end)], end
@@ -187,7 +194,7 @@ def _follower(product: Product, roller: complex, scale: float) -> tuple[list[Mar
 
 def _flat(product: Product, contact: complex, scale: float) -> tuple[list[Mark], complex]:
     """The flat face at cam angle 0, with the stem along its guide or the lever to its pivot."""
-    sketch = product.follower_sketch
+    sketch = product.pictured.follower_sketch
     assert sketch.face is not None  # of a flat follower
     start, stop = (point * scale for point in sketch.face)
     end = sketch.end * scale
@@ -204,7 +211,7 @@ def _flat(product: Product, contact: complex, scale: float) -> tuple[list[Mark],
 def _held(product: Product, contact: complex, end: complex) -> list[Mark]:
     """Roller centre or contact, and the pivot if there is one."""
     marks: list[Mark] = [Line(plane([contact]), CROSS, layer=5.0)]
-    if product.follower_sketch.kind == "pivot":
+    if product.pictured.follower_sketch.kind == "pivot":
         marks.append(Line(plane([end]), PIVOT, layer=5.0))
     return marks
 

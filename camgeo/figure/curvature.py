@@ -24,18 +24,18 @@ SIZE = (7.0, 3.6)
 
 def figure(product: Product, size: Size = SIZE) -> Figure:
     """The curvature over the cam angle with the limits of +-1/d, d the flanks' distance."""
-    phi = diagram_angles(product.joints)
+    phi = diagram_angles(product.pictured.joints)
     scale = MM_PER[product.unit]
-    curvature = product.quantity("curvature", phi) * scale
-    what = "outline" if product.is_flat else "pitch curve"
+    curvature = product.pictured.quantity("curvature", phi) * scale
+    what = "outline" if product.pictured.is_flat else "pitch curve"
     marks: list[Mark] = [Line(over(np.degrees(phi), curvature), CURVE, what)]
-    distance = product.flank_distance
+    distance = product.pictured.flank_distance
     cusps = [scale / distance, -scale / distance] if distance > 0.0 else []  # knife, face: none
-    name = "r$_R$" if distance == product.roller_radius else "(r$_R$ + c/2)"
+    name = "r$_R$" if distance == product.pictured.roller_radius else "(r$_R$ + c/2)"
     for cusp in cusps:
         label = f"cusp of a flank, ±1/{name}" if cusp > 0.0 else ""
         marks.append(Rule("y", cusp, LIMIT_STYLE, label))
-    marks += [ZERO, *joint_marks(product.joints)]
+    marks += [ZERO, *joint_marks(product.pictured.joints)]
     panel = Panel(
         grid(size, MARGINS)[0],
         turn_axis(),

@@ -65,7 +65,7 @@ def figure(product: Product, size: Size | None = None) -> Figure:
     Where an effect jumps, the curve does: both sides of the joints of the motion and of the
     effect's own borders are drawn.
     """
-    groups = panels(product.effect_columns)
+    groups = panels(product.pictured.effect_columns)
     count = max(1, len(groups))
     size = size or (WIDTH, TOP + count * PANEL + (count - 1) * GAP + BOTTOM)
     frames = grid(size, MARGINS, count, gaps=(GAP / PANEL, 0.0))
@@ -75,7 +75,7 @@ def figure(product: Product, size: Size | None = None) -> Figure:
         whole = Axis((0.0, 1.0))
         text = Text(words, (0.5, 0.5), 9.0, across="center")
         return Figure(size, (Panel(frames[0], whole, whole, (text,), title, bare=True),))
-    breaks = np.array([joint.cam_angle for joint in product.plan_sketch.breaks])
+    breaks = np.array([joint.cam_angle for joint in product.pictured.plan_sketch.breaks])
     first, *others = (
         _panel(product, frame, group, breaks, last=group is groups[-1])
         for frame, group in zip(frames, groups, strict=True)
@@ -120,7 +120,7 @@ def _panel(
             powers=PLAIN,
             label_place=NAME_PLACE,  # aligned down the page, whatever the width of their numbers
         ),
-        (*marks, *joint_marks(product.joints)),
+        (*marks, *joint_marks(product.pictured.joints)),
         legend=Legend(found, "upper right", None, min(len(found), ABREAST), 7.5, pad=0.3),
     )
 

@@ -9,7 +9,8 @@ from camgeo.figure import cut_off
 from camgeo.figure.marks import Line, Mark, Style, Text, plane
 from camgeo.figure.model import Entry
 from camgeo.figure.style import LIMIT, LINE, SAMPLES
-from camgeo.files.product import CutOff, Product
+from camgeo.files.pictured import CutOff
+from camgeo.files.product import Product
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.units import TURN
 
@@ -33,7 +34,7 @@ def whole(
     """The flanks in use with their cusps and loops: there is no disc, but the reason shows."""
     lines = []
     for what in ("inner", "outer"):
-        if product.contact not in (what, "groove"):
+        if product.pictured.contact not in (what, "groove"):
             continue
         for start, end in _left(found, what):
             try:
@@ -112,6 +113,6 @@ def _cusps(product: Product) -> list[tuple[str, float]]:
 
 
 def _points(product: Product, what: str, phi: FloatArray) -> ComplexArray:
-    columns = product.curve(what, phi)
+    columns = product.pictured.curve(what, phi)
     points: ComplexArray = columns[:, 0] + 1j * columns[:, 1]
     return points

@@ -53,18 +53,20 @@ EDGE = 0.15
 def figure(product: Product, size: Size | None = None) -> Figure:
     """The mechanism twice, both to one scale; the panes as high as what is in them."""
     parts = _parts(product)
-    sketches = [(phi, product.mechanism_sketch(phi)) for phi in (0.0, product.far_angle)]
-    low, high = _window(product.base_radius, parts, [sketch for _, sketch in sketches])
+    sketches = [
+        (phi, product.pictured.mechanism_sketch(phi)) for phi in (0.0, product.pictured.far_angle)
+    ]
+    low, high = _window(product.drawn.base_radius, parts, [sketch for _, sketch in sketches])
     across, up = (high - low).real, (high - low).imag
     if size is None:
         pane = 0.5 * (WIDTH - 3.0 * EDGE)
         size = WIDTH, min(max(pane * up / across, HEIGHTS[0]), HEIGHTS[1]) + HEAD + EDGE
     joint = JOINT * math.sqrt(across * up)
-    sagitta = SAGITTA * product.base_radius
+    sagitta = SAGITTA * product.drawn.base_radius
     panels = []
     frames = grid(size, (EDGE, EDGE, HEAD, EDGE), 1, 2, (0.0, 0.02))
     for frame, (phi, sketch) in zip(frames, sketches, strict=True):
-        turn = cmath.exp(1j * product.rotation * phi)
+        turn = cmath.exp(1j * product.pictured.rotation * phi)
         marks: list[Mark] = []
         for part in parts[:1]:
             marks += disc.whole(part, turn, sagitta)[0]
@@ -104,7 +106,7 @@ def _window(
 def _parts(product: Product) -> tuple[Part, ...]:
     """The disc and, of a pair, the return disc; none if one cannot be made or its bore not fit."""
     try:
-        return tuple(each.part for each in product.discs)
+        return tuple(each.drawn.part for each in product.discs)
     except CamgeoError:
         return ()
 

@@ -19,7 +19,8 @@ from camgeo.figure.model import Entry, Figure, Legend
 from camgeo.figure.motion_diagram import Unit
 from camgeo.figure.strips import Strips
 from camgeo.figure.style import LEFT, RIGHT
-from camgeo.files.product import PlanSketch, Product
+from camgeo.files.pictured import PlanSketch
+from camgeo.files.product import Product
 from camgeo.units import MM_PER, RPM
 
 SIZE = (7.0, 10.0)
@@ -36,7 +37,7 @@ ANGLES: Final = {"lever": "χ", "crank": "θ"}
 
 def figure(product: Product, size: Size = SIZE) -> Figure:
     """The motion plan above s, s', s'', s''' of the follower."""
-    sketch = product.plan_sketch
+    sketch = product.pictured.plan_sketch
     strips = Strips(size, LEFT, RIGHT if sketch.speed is None else SECOND_SCALE)
     unit = _unit(product, sketch.unit)
     if sketch.of in ANGLES:
@@ -48,7 +49,7 @@ def figure(product: Product, size: Size = SIZE) -> Figure:
         _title(strips, _diagram_title(product, sketch), size[1] - strips.left_over + 0.2),
     )
     strips.skip(HEADING)
-    panels += diagram.panels(strips, product, sketch, _unit(product, product.lift_unit))
+    panels += diagram.panels(strips, product, sketch, _unit(product, product.pictured.lift_unit))
     return Figure(size, tuple(panels), titles, _legend(strips, sketch))
 
 
@@ -69,7 +70,7 @@ def _unit(product: Product, unit: str) -> Unit:
 
 
 def _diagram_title(product: Product, sketch: PlanSketch) -> str:
-    what = "lift s" if product.lift_unit == "mm" else "swing ψ"
+    what = "lift s" if product.pictured.lift_unit == "mm" else "swing ψ"
     behind = "" if sketch.of == "follower" else " behind the linkage"
     speed = "" if sketch.speed is None else f" (right: at {sketch.speed / RPM:.4g} rev/min)"
     return f"motion diagram: {what} of the follower{behind}{speed}"

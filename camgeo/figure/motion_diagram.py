@@ -14,7 +14,8 @@ from camgeo.figure.marks import Box, Line, Mark, Style, Text, over
 from camgeo.figure.model import Axis, Panel
 from camgeo.figure.strips import Strips
 from camgeo.figure.style import CURVE, LIMIT, ZERO, diagram_angles, joint_marks, turn_axis
-from camgeo.files.product import PlanSketch, Product
+from camgeo.files.pictured import PlanSketch
+from camgeo.files.product import Product
 from camgeo.numeric.arrays import FloatArray
 
 MARKS: Final = {"s": "", "s1": "′", "s2": "″", "s3": "‴"}
@@ -74,7 +75,7 @@ def panels(strips: Strips, product: Product, sketch: PlanSketch, unit: Unit) -> 
             strips.skip(GAP)
 
         def course(angles: FloatArray, what: str = what) -> FloatArray:
-            return product.quantity(what, angles) * unit.scale
+            return product.pictured.quantity(what, angles) * unit.scale
 
         values = course(phi)
         low, high = limits([values, 0.0])

@@ -25,13 +25,13 @@ SIZE = (7.0, 3.6)
 
 def figure(product: Product, size: Size = SIZE) -> Figure:
     """The transmission angle with the limit that the design is held to."""
-    phi = diagram_angles(product.joints)
-    angle = np.degrees(product.quantity("transmission_angle", phi))
+    phi = diagram_angles(product.pictured.joints)
+    angle = np.degrees(product.pictured.quantity("transmission_angle", phi))
     marks: list[Mark] = [Line(over(np.degrees(phi), angle), CURVE, "transmission angle")]
     limit = next((item.limit for item in product.findings if item.name == FINDING), None)
     if limit is not None:
         marks.append(Rule("y", limit, LIMIT_STYLE, f"limit {limit:g}°"))
-    marks += joint_marks(product.joints)
+    marks += joint_marks(product.pictured.joints)
     low = min(float(angle.min()), limit if limit is not None else 90.0)
     floor = max(0.0, 10.0 * float(np.floor(low / 10.0)) - 5.0)
     panel = Panel(

@@ -7,8 +7,9 @@ from typing import Literal
 
 import numpy as np
 
+from camgeo.cam.drive import Demanded
 from camgeo.curve.working_curve import WorkingCurve
-from camgeo.files.product import DWELL, CutOff, Demanded, PlanSegment, PlanSketch
+from camgeo.files.pictured import DWELL, CutOff, PlanSegment, PlanSketch
 from camgeo.motion.joints import breaks, joints
 from camgeo.motion.plan import Dwell, MotionPlan, Move, Segment
 from camgeo.numeric.arrays import frozen

@@ -3,20 +3,24 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from decimal import Decimal
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from camgeo.cam.cam import Cam
+from camgeo.cam.drive import Demanded
+from camgeo.curve.curvature import radius_of_curvature
 from camgeo.files.table import Table
 from camgeo.motion.motion import Jet
-from camgeo.motion.time_course import TimeCourse, in_time
+from camgeo.motion.time_course import in_time
 from camgeo.numeric.arrays import FloatArray
-from camgeo.units import LengthUnit
+from camgeo.outline.convex import touch
+from camgeo.units import MM_PER, LengthUnit
 
 if TYPE_CHECKING:  # few scenes name an effect
     from camgeo.effects.effect import Column
-    from camgeo.files.product import Demanded
 
 FULL_TURN = Decimal(360)
 
@@ -32,49 +36,6 @@ SWING = ("omega", "alpha", "j")
 """How the names of angular velocity, acceleration and jerk begin."""
 
 
-class Tabulated(Protocol):
-    """What the table reads of a design."""
-
-    @property
-    def unit(self) -> LengthUnit: ...
-
-    @property
-    def millimetres(self) -> float: ...
-
-    @property
-    def lift_unit(self) -> str: ...
-
-    @property
-    def demanded_of(self) -> Demanded: ...
-
-    @property
-    def is_flat(self) -> bool: ...
-
-    def contact_place(self, phi: FloatArray) -> FloatArray: ...
-
-    def stroke(self, phi: FloatArray) -> Jet: ...
-
-    def lift(self, phi: FloatArray) -> Jet: ...
-
-    def pitch(self, phi: FloatArray) -> FloatArray: ...
-
-    def inner(self, phi: FloatArray) -> FloatArray: ...
-
-    def outer(self, phi: FloatArray) -> FloatArray: ...
-
-    def curvature(self, phi: FloatArray) -> FloatArray: ...
-
-    def radius_of_curvature(self, phi: FloatArray) -> FloatArray: ...
-
-    def transmission_angle(self, phi: FloatArray) -> FloatArray: ...
-
-    @property
-    def time_course(self) -> TimeCourse | None: ...
-
-    @property
-    def effect_columns(self) -> tuple[Column, ...]: ...
-
-
 def cam_angles(step: Decimal) -> FloatArray:
     """0, step, 2 step, ... below 360 [degrees], each rounded once from the exact decimal.
 
@@ -85,55 +46,57 @@ def cam_angles(step: Decimal) -> FloatArray:
     return np.array([float(step * k) for k in range(count)])
 
 
-def value_table(design: Tabulated, step: Decimal) -> Table:
+def value_table(cam: Cam, unit: LengthUnit, effects: Iterable[Column], step: Decimal) -> Table:
     """One row for every `step` degrees of cam angle; right-hand values at the joints.
 
-    With a speed also the time, and velocity, acceleration and jerk in time; then the effects that
-    the scene calls for. A flat face has one curve, the outline on which its contact runs, and the
-    place of the contact on the face.
+    With a speed also the time, and velocity, acceleration and jerk in time; then `effects`. A flat
+    face has one curve, the outline on which its contact runs, and the place of the contact on the
+    face. Lengths are in `unit`.
     """
     degrees = cam_angles(step)
     phi = np.radians(degrees)
-    unit, mm = design.unit, design.millimetres
+    disc, mm = cam.disc, MM_PER[unit]
+    pitch = disc.pitch_curve
     columns: list[tuple[str, FloatArray]] = [("phi [deg]", degrees)]
-    for name, motion in _motions(design, phi):
-        columns += _angle(name, motion) if name else _length(design, motion)
-    columns += _in_time(design, phi)
-    curves = [("contact", design.pitch(phi))]
-    if not design.is_flat:
+    for name, motion in _motions(cam, phi):
+        columns += _angle(name, motion) if name else _length(unit, motion)
+    columns += _in_time(cam, unit, phi)
+    curves = [("contact", pitch.point(phi))]
+    if not cam.follower.is_flat:
         curves = [
-            ("pitch", design.pitch(phi)),
-            ("inner", design.inner(phi)),
-            ("outer", design.outer(phi)),
+            ("pitch", pitch.point(phi)),
+            ("inner", disc.inner_curve.point(phi)),
+            ("outer", disc.outer_curve.point(phi)),
         ]
     for name, points in curves:
-        columns.append((f"{name} x [{unit}]", points[:, 0] / mm))
-        columns.append((f"{name} y [{unit}]", points[:, 1] / mm))
-    if design.is_flat:
-        columns.append((f"on face [{unit}]", design.contact_place(phi) / mm))
-    columns.append(("mu [deg]", np.degrees(design.transmission_angle(phi))))
-    columns.append((f"kappa [1/{unit}]", design.curvature(phi) * mm))
-    columns.append((f"r_K [{unit}]", design.radius_of_curvature(phi) / mm))
-    columns += [_of_effect(design, column, phi) for column in design.effect_columns]
+        columns.append((f"{name} x [{unit}]", points.real / mm))
+        columns.append((f"{name} y [{unit}]", points.imag / mm))
+    if cam.follower.is_flat:
+        columns.append((f"on face [{unit}]", touch(pitch, phi, "right").contact[0] / mm))
+    kappa = pitch.curvature(phi)
+    columns.append(("mu [deg]", np.degrees(pitch.transmission_angle(phi))))
+    columns.append((f"kappa [1/{unit}]", kappa * mm))
+    columns.append((f"r_K [{unit}]", radius_of_curvature(kappa) / mm))
+    columns += [_of_effect(unit, column, phi) for column in effects]
     names = tuple(name for name, _ in columns)
     return Table(names, np.column_stack([values for _, values in columns]))
 
 
-def _motions(design: Tabulated, phi: FloatArray) -> list[tuple[str, Jet]]:
+def _motions(cam: Cam, phi: FloatArray) -> list[tuple[str, Jet]]:
     """The motion that the scene demands, and the follower's own if that is another one.
 
     Each (4, n) behind the name of its angle, empty for a way.
     """
-    own = "psi" if design.lift_unit == "rad" else ""
-    found = [(own, design.lift(phi))]
-    if design.demanded_of != "follower":
-        found.insert(0, (ANGLES.get(design.demanded_of, ""), design.stroke(phi)))
+    drive, own = cam.drive, "psi" if cam.lift_unit == "rad" else ""
+    found = [(own, drive.motion.jet(phi))]
+    if drive.demanded_of != "follower":
+        found.insert(0, (ANGLES.get(drive.demanded_of, ""), drive.plan.jet(phi)))
     return found
 
 
-def _length(design: Tabulated, motion: Jet) -> list[tuple[str, FloatArray]]:
+def _length(unit: LengthUnit, motion: Jet) -> list[tuple[str, FloatArray]]:
     return [
-        (f"s{mark} [{design.unit}{rate}]", values / design.millimetres)
+        (f"s{mark} [{unit}{rate}]", values / MM_PER[unit])
         for mark, rate, values in zip(MARKS, ("", "/rad", "/rad^2", "/rad^3"), motion, strict=True)
     ]
 
@@ -146,26 +109,26 @@ def _angle(name: str, motion: Jet) -> list[tuple[str, FloatArray]]:
     ]
 
 
-def _in_time(design: Tabulated, phi: FloatArray) -> list[tuple[str, FloatArray]]:
+def _in_time(cam: Cam, unit: LengthUnit, phi: FloatArray) -> list[tuple[str, FloatArray]]:
     """Time and derivatives in time: of the motion that the scene demands, and of the follower."""
-    course = design.time_course
+    course = cam.drive.time_course
     if course is None:
         return []
     columns = [("t [s]", course.time(phi))]
-    for name, motion in _motions(design, phi):
+    for name, motion in _motions(cam, phi):
         timed = in_time(motion, course, phi)[1:]
         if name:
             for kind, power, values in zip(SWING, POWERS, timed, strict=True):
                 columns.append((f"{kind}_{name} [deg/{power}]", np.degrees(values)))
             continue
         for kind, power, values in zip(("v", "a", "j"), POWERS, timed, strict=True):
-            columns.append((f"{kind} [{design.unit}/{power}]", values / design.millimetres))
+            columns.append((f"{kind} [{unit}/{power}]", values / MM_PER[unit]))
     return columns
 
 
-def _of_effect(design: Tabulated, column: Column, phi: FloatArray) -> tuple[str, FloatArray]:
-    """Heading and values of an effect's column, lengths in the unit of the scene."""
-    unit, values = column.unit, column.values(phi, "right")
-    if unit == "mm" or unit.startswith("mm/"):
-        unit, values = design.unit + unit.removeprefix("mm"), values / design.millimetres
-    return f"{column.name} [{unit}]" if unit else column.name, values
+def _of_effect(unit: LengthUnit, column: Column, phi: FloatArray) -> tuple[str, FloatArray]:
+    """Heading and values of an effect's column, lengths in `unit`."""
+    own, values = column.unit, column.values(phi, "right")
+    if own == "mm" or own.startswith("mm/"):
+        own, values = unit + own.removeprefix("mm"), values / MM_PER[unit]
+    return f"{column.name} [{own}]" if own else column.name, values

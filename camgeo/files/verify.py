@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from importlib.metadata import entry_points
 from pathlib import Path
@@ -55,24 +55,24 @@ class Wanted:
 
 @dataclass(frozen=True, slots=True)
 class Against:
-    """A design that files are held against.
+    """What files are held against.
 
     Attributes
     ----------
-    product : the design.
+    discs : of the design, the main one first.
     tolerance : of its scene [mm].
     hash_before : of the scene, which files name that were written when its text was hashed; empty
         if it has no text.
     """
 
-    product: Product
+    discs: Sequence[Product]
     tolerance: float
     hash_before: str = ""
 
     def hash_like(self, named: str) -> str:
         """The scene's hash: the earlier one, if what a file or certificate names is that one."""
         before = self.hash_before
-        return before if named and before.startswith(named) else self.product.scene_hash
+        return before if named and before.startswith(named) else self.discs[0].scene_hash
 
 
 Scenes = Callable[[Path, str], Against]
@@ -157,7 +157,7 @@ def _verdict(
     if certificate is not None and (not named or certificate.scene.startswith(named)):
         named = certificate.scene  # the whole of it, where the file has its first digits only
     against = scenes(path.parent, named)
-    product, present = disc_of(against.product, path.stem), against.hash_like(named)
+    product, present = disc_of(against.discs, path.stem), against.hash_like(named)
     checks += _scene(product, present, origin, certificate)
     tolerance = _tolerance(path.name, wanted, origin, certificate, against)
     if origin.tolerance is not None and certificate is not None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -63,7 +63,7 @@ def _silent(_: str) -> None:
 
 
 def write_files(
-    product: Product,
+    discs: Sequence[Product],
     folder: str | Path,
     formats: tuple[str, ...],
     tolerance: float,
@@ -71,17 +71,20 @@ def write_files(
     force: bool = False,
     progress: Progress = _silent,
 ) -> Report:
-    """Write `formats` of `product` and the certificate into `folder`, see `Design.write`."""
+    """Write `formats` of `discs` and their certificate into `folder`, see `Design.write`.
+
+    The first disc is the main one, by whose name the certificate goes.
+    """
     if not SMALLEST_TOLERANCE <= tolerance <= LARGEST_TOLERANCE:
         message = f"must be a length of {SMALLEST_TOLERANCE:g} mm to {LARGEST_TOLERANCE:g} mm"
         raise SceneError([Fault("tolerance", f"{tolerance:g}", message)])
-    contents, reports = make_files(product, formats, tolerance, progress=progress)
+    contents, reports = make_files(discs, formats, tolerance, progress=progress)
     paths = write_set(Path(folder), contents, force=force)
     return Report(paths, reports)
 
 
 def make_files(
-    product: Product,
+    discs: Sequence[Product],
     formats: tuple[str, ...],
     tolerance: float,
     *,
@@ -91,6 +94,7 @@ def make_files(
 
     The files of the first disc, then those of the next. Raises as `Design.write`.
     """
+    product = discs[0]
     contents: dict[str, bytes] = {}
     reports: list[FileReport] = []
     found = {name: find_writer(name) for name in dict.fromkeys(formats)}
@@ -104,7 +108,7 @@ def make_files(
     if forbidden := forbidding(product.findings):
         raise UndercutError("; ".join(each.sentence for each in forbidden))
     writers = [(name, each) for name, one in found.items() for each in with_companions(one)]
-    for disc in product.discs:
+    for disc in discs:
         for name, writer in writers:
             told = name if disc is product else f"{name} of {disc.name}"
             written, deviation = _make(disc, told, writer, tolerance, progress)

@@ -92,7 +92,7 @@ def test_both_flanks_of_a_groove(drawings: Path, capsys: Capture, side: str) -> 
 
 def points_of(scene: str, count: int) -> str:
     phi = np.linspace(0.0, 2.0 * math.pi, count, endpoint=False)
-    rows = camgeo.load(scene).disc.inner(phi).tolist()
+    rows = camgeo.load(scene).pictured.curve("inner", phi).tolist()
     return "x,y\n" + "".join(f"{x!r},{y!r}\n" for x, y in rows)
 
 
@@ -124,7 +124,7 @@ def test_the_table(tmp_path: Path) -> None:
     assert rows[0][:4] == ["phi [deg]", "s demanded [mm]", "s [mm]", "difference [mm]"]
     values = np.array(rows[1:], dtype=np.float64)
     assert values.shape == (240, 8)
-    lift = camgeo.load(PLATE).disc.lift(np.radians(values[:, 0]))
+    lift = camgeo.load(PLATE).drive.motion.jet(np.radians(values[:, 0]))
     assert values[:, 2] == pytest.approx(lift[0], abs=1e-12)
     assert np.all(values[:, 3] == 0.0)
     with pytest.raises(OutputError, match="written over"):

@@ -123,7 +123,7 @@ def test_the_solid_of_the_writers_has_the_same_mass_and_centre(scene: str) -> No
     tolerance = 2e-3
     made = design(scene, f"[effects.balance]\n{STEEL}")
     result = made.effect("balance")
-    part: Part = made.disc.part
+    part: Part = made.drawn.part
     solid = body(part, tolerance, lambda x: x)
     mesh = trimesh.Trimesh(solid.vertices, solid.triangles, process=False)
     mass = 1e-3 * 7850e-9 * mesh.volume  # kg from mm^3, in t

@@ -188,7 +188,7 @@ def test_a_fresh_interpreter_imports_one_effect_and_its_needs(name: str, tmp_pat
 
 def geometry(effects: str) -> dict[str, bytes]:
     found = design(SCENE, effects)
-    contents, _ = make_files(found.disc, GEOMETRY, 0.01)
+    contents, _ = make_files(found.discs, GEOMETRY, 0.01)
     assert not [run for run in found.ledger.runs if run.name.startswith("effects.")]
     return contents
 

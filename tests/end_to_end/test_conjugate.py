@@ -65,7 +65,7 @@ def drawn(file: Path) -> Outline:
 def centres(design: Design) -> tuple[ComplexArray, ComplexArray]:
     """Dense roller centres of main and return roller in the cam, by the rigid follower."""
     phi = np.linspace(0.0, 2.0 * math.pi, DENSE)
-    both = body_of(design).rollers(design.disc.lift(phi)[0])
+    both = body_of(design).rollers(design.drive.motion.jet(phi)[0])
     turn = np.exp(-1j * design.cam.rotation * phi)
     return both[0] * turn, both[1] * turn
 
@@ -80,10 +80,10 @@ def test_both_drawings_touch_the_rollers_of_the_rigid_follower(built: Path) -> N
     for disc, path in zip(design.discs, centres(design), strict=True):
         outline = drawn(built.with_name(f"{disc.name}.dxf"))
         points = outline.dense(4000)
-        off = np.abs(DensePath(path).distances(points) - disc.roller_radius)
+        off = np.abs(DensePath(path).distances(points) - disc.cam.follower.roller_radius)
         assert np.max(off) <= tolerance + 5e-7
         # And at every cam angle the roller reaches the drawing, and no farther.
-        reached = np.abs(outline.distances(path[::50]) - disc.roller_radius)
+        reached = np.abs(outline.distances(path[::50]) - disc.cam.follower.roller_radius)
         assert np.max(reached) <= tolerance + 1e-9
 
 

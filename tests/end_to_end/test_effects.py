@@ -83,7 +83,7 @@ def test_table_has_the_columns_and_finite_numbers(
     assert main(["table", str(scene), "--step", "5"]) == 0
     head, values = rows(capsys.readouterr().out)
     names = [each.rpartition(" [")[0] or each for each in head]
-    for each in subject.disc.effect_columns:
+    for each in subject.pictured.effect_columns:
         assert each.name in names
     assert len(set(head)) == len(head)
     finite = [k for k, each in enumerate(head) if not each.startswith("r_K")]
@@ -126,5 +126,5 @@ def test_velocity_of_the_table_is_that_of_the_motion(capsys: Capture) -> None:
     subject = load(scene)
     course = subject.drive.time_course
     assert course is not None
-    velocity = in_time(subject.disc.stroke(phi), course, phi)[1]
+    velocity = in_time(subject.drive.plan.jet(phi), course, phi)[1]
     assert np.array_equal(column(text, "velocity"), velocity)

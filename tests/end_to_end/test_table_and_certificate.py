@@ -5,6 +5,7 @@ from __future__ import annotations
 import cmath
 import csv
 import hashlib
+from functools import partial
 from xml.etree import ElementTree as ET
 
 import numpy as np
@@ -14,6 +15,7 @@ from camgeo.formats.csv import FORMAT
 from camgeo.mechanism.oscillating_flat import OscillatingFlat
 from camgeo.mechanism.translating_flat import TranslatingFlat
 from camgeo.numeric.arrays import ComplexArray, FloatArray
+from camgeo.units import MM_PER
 from tests.end_to_end.built import SCENES, Built
 
 PNG = b"\x89PNG\r\n\x1a\n"
@@ -38,40 +40,46 @@ def test_table_holds_the_values_of_the_design(built: Built) -> None:
     step = float(built.design.scene.output.options[FORMAT].step)
     assert np.array_equal(degrees, step * np.arange(round(360.0 / step)))
     phi = np.radians(degrees)
-    design, unit, mm = built.design, built.design.scene.unit, built.design.disc.millimetres
-    curves = [
-        ("pitch", design.disc.pitch),
-        ("inner", design.disc.inner),
-        ("outer", design.disc.outer),
-    ]
+    design, unit, mm = built.design, built.design.scene.unit, MM_PER[built.design.scene.unit]
+    curves = {name: partial(design.pictured.curve, name) for name in ("pitch", "inner", "outer")}
     if design.cam.follower.is_flat:
-        curves = [("contact", design.disc.pitch)]
+        curves = {"contact": curves["pitch"]}
         # The contact lies where the face does, turned back by the cam angle.
-        contact = design.disc.pitch(phi) @ [1.0, 1j] * np.exp(1j * design.cam.rotation * phi)
+        contact = (
+            design.pictured.curve("pitch", phi) @ [1.0, 1j] * np.exp(1j * design.cam.rotation * phi)
+        )
         foot = _foot_and_direction(design, phi)
         placed = foot[0] + foot[1] * columns[f"on face [{unit}]"] * mm
         assert np.max(np.abs(contact - placed)) <= 1e-12 * design.cam.follower.base_radius
-    for name, curve in curves:
+    for name, curve in curves.items():
         points = curve(phi)
         assert np.array_equal(columns[f"{name} x [{unit}]"] * 1.0, points[:, 0] / mm)
         assert np.array_equal(columns[f"{name} y [{unit}]"] * 1.0, points[:, 1] / mm)
-    assert np.array_equal(columns["mu [deg]"], np.degrees(design.disc.transmission_angle(phi)))
-    assert np.array_equal(columns[f"kappa [1/{unit}]"], design.disc.curvature(phi) * mm)
+    assert np.array_equal(
+        columns["mu [deg]"], np.degrees(design.cam.disc.pitch_curve.transmission_angle(phi))
+    )
+    assert np.array_equal(
+        columns[f"kappa [1/{unit}]"], design.cam.disc.pitch_curve.curvature(phi) * mm
+    )
     rates = ("", "/rad", "/rad^2", "/rad^3")
     if f"s [{unit}]" in columns:
         for order, rate in enumerate(rates):
             mark = "'" * order
             # Behind a linkage whose crank is turned, the slider is the follower.
-            motion = design.disc.stroke(phi) if design.drive.unit == "mm" else design.disc.lift(phi)
+            motion = (
+                design.drive.plan.jet(phi)
+                if design.drive.unit == "mm"
+                else design.drive.motion.jet(phi)
+            )
             assert np.array_equal(columns[f"s{mark} [{unit}{rate}]"], motion[order] / mm)
-    assert ("psi [deg]" in columns) == (design.disc.lift_unit == "rad")
-    if design.disc.lift_unit == "rad":
-        assert np.array_equal(columns["psi [deg]"], np.degrees(design.disc.lift(phi)[0]))
+    assert ("psi [deg]" in columns) == (design.pictured.lift_unit == "rad")
+    if design.pictured.lift_unit == "rad":
+        assert np.array_equal(columns["psi [deg]"], np.degrees(design.drive.motion.jet(phi)[0]))
 
 
 def _foot_and_direction(design: Design, phi: FloatArray) -> tuple[ComplexArray, ComplexArray]:
     """From where a flat face counts, and its direction, both in the fixed frame."""
-    follower, lift = design.cam.follower, design.disc.lift(phi)[0]
+    follower, lift = design.cam.follower, design.drive.motion.jet(phi)[0]
     if isinstance(follower, TranslatingFlat):
         out = np.exp(1j * follower.guide_angle)
         return out * (follower.base_radius + follower.direction * lift), -1j * out + 0.0 * phi

@@ -39,7 +39,7 @@ def test_every_file_is_written_and_verified(scene: Path, tmp_path: Path) -> None
             design = drawn_as(base, form, "fewest")
             folder = tmp_path / f"{form}-{tolerance:g}"
             design.write(folder, _formats(design, form), tolerance=tolerance)
-            against = partial(_against, Against(design.disc, tolerance))
+            against = partial(_against, Against(design.discs, tolerance))
             verdicts = verify_files(files_in(folder), against, Wanted())
             assert len(verdicts) == len(design.discs) * len(_formats(design, form))
             for verdict in verdicts:

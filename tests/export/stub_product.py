@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
-from typing import Literal
+from typing import Literal, Self
 
 import numpy as np
 
@@ -19,7 +19,7 @@ from camgeo.contour.contour import Contour
 from camgeo.contour.fit import Effort, Fit
 from camgeo.contour.spline import Arc, SplineContour, SplineFit
 from camgeo.effects.effect import Column
-from camgeo.files.product import CutOff, FollowerSketch, PlanSegment, PlanSketch, Product
+from camgeo.files.pictured import CutOff, FollowerSketch, PlanSegment, PlanSketch
 from camgeo.files.table import Table
 from camgeo.formats.dxf import DxfSpec
 from camgeo.formats.format import Options, Values
@@ -137,8 +137,28 @@ class StubProduct:
         return SoundValues(document(text.encode()))
 
     @property
-    def discs(self) -> tuple[Product, ...]:
+    def discs(self) -> tuple[Self, ...]:
         return (self,)
+
+    @property
+    def drawn(self) -> Self:
+        return self
+
+    @property
+    def milled(self) -> Self:
+        return self
+
+    @property
+    def tabulated(self) -> Self:
+        return self
+
+    @property
+    def pictured(self) -> Self:
+        return self
+
+    @property
+    def has_pitch_curve(self) -> bool:
+        return not self.is_flat
 
     @property
     def centre(self) -> complex:

@@ -176,7 +176,7 @@ def test_what_is_no_cam_linkage_is_refused(scene: str) -> None:
     product = camgeo.load(FIXTURES / "scenes" / f"{scene}.toml").disc
     assert product.cam.drive.linkage is None
     with pytest.raises(SceneError, match=r"asc: needs \[linkage\]"):
-        make_files(product, ("asc",), 0.001)
+        make_files((product,), ("asc",), 0.001)
 
 
 def test_the_step_is_that_of_the_project() -> None:

@@ -18,7 +18,8 @@ from matplotlib.figure import Figure
 import camgeo
 from camgeo.figure import motion
 from camgeo.figure.motion_plan import spread
-from camgeo.files.product import PlanSketch, Product
+from camgeo.files.pictured import PlanSketch
+from camgeo.files.product import Product
 from camgeo.files.sketch import plan_sketch
 from camgeo.motion.laws import make_law
 from camgeo.motion.plan import Dwell, MotionPlan, Move
@@ -225,11 +226,11 @@ def test_what_has_room_stays(places: list[float], share: float) -> None:
 
 def test_a_motion_by_data_is_drawn_as_it_is_asked_for() -> None:
     design = camgeo.load(next(path for path in SCENES if path.stem == "points"))
-    (segment,) = [s for s in design.disc.plan_sketch.segments if s.course is not None]
+    (segment,) = [s for s in design.pictured.plan_sketch.segments if s.course is not None]
     assert segment.label == "data"
     assert segment.course is not None
     inside = segment.course[1:-1]
-    assert np.array_equal(design.disc.stroke(inside[:, 0])[0], inside[:, 1])
+    assert np.array_equal(design.drive.plan.jet(inside[:, 0])[0], inside[:, 1])
     (plan,) = [axes for axes in drawn(design.disc).axes if axes.get_ylabel() == "s [mm]"][:1]
     curve = max((np.column_stack(line.get_data()) for line in plan.lines), key=len)
     assert curve == pytest.approx(segment.course * [math.degrees(1.0), 1.0])

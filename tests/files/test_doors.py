@@ -23,8 +23,8 @@ Door = Callable[[Design, Path, tuple[str, ...]], object]
 
 DOORS: dict[str, Door] = {
     "method": lambda design, folder, formats: design.write(folder, formats),
-    "write": lambda design, folder, formats: write_files(design.disc, folder, formats, 0.001),
-    "make": lambda design, folder, formats: make_files(design.disc, formats, 0.001),
+    "write": lambda design, folder, formats: write_files(design.discs, folder, formats, 0.001),
+    "make": lambda design, folder, formats: make_files(design.discs, formats, 0.001),
 }
 
 BARE = """camgeo = 1
@@ -102,7 +102,7 @@ def test_a_scene_is_refused_a_format_exactly_if_it_cannot_be_written_in_it(name:
     lacking = find_format(name).lacking(design.disc.values)
     if not lacking:
         parse_scene(f'{BARE}[output]\nformats = ["{name}"]\n')
-        assert make_files(design.disc, (name,), 0.01)
+        assert make_files(design.discs, (name,), 0.01)
         return
     with pytest.raises(SceneError) as caught:
         parse_scene(f'{BARE}[output]\nformats = ["{name}"]\n')
@@ -122,7 +122,7 @@ def test_a_program_is_verified_against_a_scene_that_tells_of_milling(tmp_path: P
     Design(parse_scene(PLATE)).write(tmp_path, ["gcode"])
     program = tmp_path / "plate.ngc"
     other = Design(parse_scene(BARE))
-    against = Against(other.disc, 0.001)
+    against = Against(other.discs, 0.001)
     (verdict,) = verify_files((program,), lambda *_: against, Wanted())
     (check,) = [each for each in verdict.checks if each.name == "operations"]
     assert check.ok is False

@@ -80,7 +80,7 @@ def test_file_that_is_off_is_not_kept(
     monkeypatch.setattr(write_module, "find_writer", lambda name: Claims(deviation))
     design = camgeo.load(SCENES / "vorschub.toml")
     with pytest.raises(ToleranceError, match="the odd file, read back, is off"):
-        write_files(design.disc, tmp_path / "out", ("odd",), 0.001)
+        write_files(design.discs, tmp_path / "out", ("odd",), 0.001)
     assert not any(tmp_path.iterdir())
 
 

@@ -113,13 +113,12 @@ def test_behind_a_linkage_both_rollers_move_with_the_crank() -> None:
     """The lever is placed by the slider-crank's angle, its rollers by formulas of our own."""
     text = SETZHUB.replace("[linkage]", "[follower.return]\narm_angle = -95\narm = 60\n\n[linkage]")
     design = Design(parse_scene(text))
-    follower, other = design.cam.follower, design.disc.returning
+    follower, (_, other) = design.cam.follower, design.discs
     assert isinstance(follower, OscillatingRoller)
-    assert other is not None
     body = lever_of(follower, math.radians(-95.0), 60.0)
     phi = np.linspace(0.0, TURN, 100)
     turn = np.exp(-1j * design.cam.rotation * phi)
-    main, back = body.rollers(design.disc.lift(phi)[0])
+    main, back = body.rollers(design.drive.motion.jet(phi)[0])
     # Rounding of a triangle of some 100 mm whose angles are 20 degrees at least.
     assert np.max(np.abs(design.cam.disc.pitch_curve.point(phi) - main * turn)) < 1e-12 * 100.0
     assert np.max(np.abs(other.cam.disc.pitch_curve.point(phi) - back * turn)) < 1e-12 * 100.0
@@ -132,7 +131,7 @@ def test_the_drive_torque_of_a_pair_is_that_of_the_motion() -> None:
     table = LEVER[LEVER.index("[follower.return]") : LEVER.index("[[motion]]")]
     alone = Design(parse_scene(LEVER.replace(table, "") + effects))
     phi = np.linspace(0.0, TURN, 721)
-    for one, two in zip(pair.disc.effect_columns, alone.disc.effect_columns, strict=True):
+    for one, two in zip(pair.pictured.effect_columns, alone.pictured.effect_columns, strict=True):
         assert one.name == two.name
         assert np.array_equal(one.values(phi, "right"), two.values(phi, "right"))
     assert "torque-without-contact" in {each.name for each in alone.effect_findings}
@@ -142,14 +141,13 @@ def test_the_drive_torque_of_a_pair_is_that_of_the_motion() -> None:
 def test_the_return_disc_is_a_design_of_its_own() -> None:
     effects = "\n[effects.inertia]\nmoment_of_inertia = 0.05\n"
     design = Design(parse_scene(LEVER + effects))
-    other = design.disc.returning
-    assert other is not None
-    assert other is design.disc.returning
+    main, other = design.discs
+    assert main.discs == design.discs
     assert other.name == "conjugate_lever-return"
-    assert other.effect_columns == ()
-    assert other.returning is None
+    assert other.pictured.effect_columns == ()
+    assert other.discs == (other,)
     assert other.cam.drive.motion == design.cam.drive.motion
-    assert (other.scene_hash, other.rotation) == (design.disc.scene_hash, design.cam.rotation)
+    assert (other.scene_hash, other.cam.rotation) == (design.disc.scene_hash, design.cam.rotation)
     told = {each.name for each in design.findings}
     own = {each.name for each in disc_findings(other.cam, design.scene.limits)}
     assert {f"return: {name}" for name in own} <= told
@@ -160,9 +158,8 @@ def test_the_return_disc_is_a_design_of_its_own() -> None:
 def test_a_return_disc_that_undercuts_leaves_no_outline() -> None:
     text = LEVER.replace("roller_radius = 12", "roller_radius = 46")
     design = Design(parse_scene(text))
-    assert design.disc.returning is not None
     bad = {each.name for each in design.findings if each.severity == "fatal"}
     assert bad
     assert all(name.startswith("return: ") for name in bad)
     assert not design.judgement.has_outline
-    assert not design.disc.returning.judgement.has_outline
+    assert not design.discs[1].judgement.has_outline

@@ -40,22 +40,26 @@ def test_the_keys_of_a_four_bar() -> None:
     assert made.drive.unit == "rad"
     assert made.drive.demanded_of == "lever"
     at = np.radians([200.0])
-    assert made.disc.stroke(at)[0] == pytest.approx(math.radians(22.0), rel=1e-14)
-    assert made.disc.lift(at)[0] == pytest.approx(
-        made.cam.drive.linkage.transform(made.disc.stroke(at))[0]
+    assert made.drive.plan.jet(at)[0] == pytest.approx(math.radians(22.0), rel=1e-14)
+    assert made.drive.motion.jet(at)[0] == pytest.approx(
+        made.cam.drive.linkage.transform(made.drive.plan.jet(at))[0]
     )
 
 
 def test_the_follower_decides_which_member_of_a_slider_crank_moves_as_demanded() -> None:
     made = loaded(CRANK_SLIDER)
     assert isinstance(made.cam.drive.linkage, CrankSlider)
-    assert (made.drive.unit, made.drive.demanded_of, made.disc.lift_unit) == ("rad", "crank", "mm")
+    assert (made.drive.unit, made.drive.demanded_of, made.pictured.lift_unit) == (
+        "rad",
+        "crank",
+        "mm",
+    )
     inward = loaded(CRANK_SLIDER, ('"outward"', '"inward"'))
     at = np.radians([180.0])
     # A positive stroke of the slider moves the roller the way `direction` says.
-    assert made.disc.lift(at)[0][0] == inward.disc.lift(at)[0][0] > 0.0
+    assert made.drive.motion.jet(at)[0][0] == inward.drive.motion.jet(at)[0][0] > 0.0
     grown = [
-        np.linalg.norm(each.disc.pitch(at)) - each.cam.follower.base_radius
+        np.linalg.norm(each.pictured.curve("pitch", at)) - each.cam.follower.base_radius
         for each in (made, inward)
     ]
     assert grown[0] > 0.0 > grown[1]
@@ -118,24 +122,24 @@ def test_a_direction_that_contradicts_the_four_bar_is_told() -> None:
 
 
 def _moves_outward(design: Design) -> bool:
-    at = design.disc.pitch(np.radians([0.0, 200.0]))
+    at = design.pictured.curve("pitch", np.radians([0.0, 200.0]))
     return bool(np.linalg.norm(at[1]) > np.linalg.norm(at[0]))
 
 
 @pytest.mark.parametrize(("text", "angle"), [(FOUR_BAR, "chi"), (CRANK_SLIDER, "theta")])
 def test_the_table_has_both_motions(text: str, angle: str) -> None:
     made = loaded(text)
-    table = made.disc.table()
+    table = made.tabulated.table()
     columns = dict(zip(table.names, table.values.T, strict=True))
     assert len(columns) == len(table.names)
     phi = np.radians(columns["phi [deg]"])
-    assert columns[f"{angle} [deg]"] == pytest.approx(np.degrees(made.disc.stroke(phi)[0]))
-    own = "psi' [1]" if made.disc.lift_unit == "rad" else "s' [mm/rad]"
-    assert columns[own] == pytest.approx(made.disc.lift(phi)[1])
+    assert columns[f"{angle} [deg]"] == pytest.approx(np.degrees(made.drive.plan.jet(phi)[0]))
+    own = "psi' [1]" if made.pictured.lift_unit == "rad" else "s' [mm/rad]"
+    assert columns[own] == pytest.approx(made.drive.motion.jet(phi)[1])
     speed = made.scene.speed
     assert speed is not None
     assert columns[f"omega_{angle} [deg/s]"] == pytest.approx(
-        np.degrees(made.disc.stroke(phi)[1]) * speed
+        np.degrees(made.drive.plan.jet(phi)[1]) * speed
     )
 
 
@@ -180,16 +184,16 @@ damping = 0.05
 def test_effects_at_the_follower_itself_work(text: str, tables: str, prefix: str) -> None:
     made = loaded(text, ("[part]", f"{tables}[part]"))
     assert {each.severity for each in made.effect_findings} <= {"ok", "warning"}
-    names = {column.name: column for column in made.disc.effect_columns}
+    names = {column.name: column for column in made.pictured.effect_columns}
     phi = np.radians(np.arange(0.5, 360.0, 7.0))
     own = names[f"{prefix} velocity"].values(phi, "right")
     speed = made.scene.speed
     assert speed is not None
-    scale = math.degrees(1.0) if made.disc.lift_unit == "rad" else 1.0
-    assert own == pytest.approx(scale * speed * made.disc.lift(phi)[1], abs=1e-9)
+    scale = math.degrees(1.0) if made.pictured.lift_unit == "rad" else 1.0
+    assert own == pytest.approx(scale * speed * made.drive.motion.jet(phi)[1], abs=1e-9)
     # Kinetic energy of what moves with the follower: its own, whatever the linkage.
     inertia = made.effect("inertia")
-    mass = 1e3 * 0.01 + 1e-4 * 80.0**2 if made.disc.lift_unit == "rad" else 1.1e-3
+    mass = 1e3 * 0.01 + 1e-4 * 80.0**2 if made.pictured.lift_unit == "rad" else 1.1e-3
     assert inertia.to_follower(phi) == pytest.approx(np.full(len(phi), mass))
 
 

@@ -47,7 +47,7 @@ def test_effects_that_are_offered_work(kind: str) -> None:
     # Most effects are for rollers, and some for a single contact.
     flat = design.scene.follower.is_flat
     core = {"kinematics"} if flat else {"inertia", "drive-torque"}
-    if not flat and design.disc.returning is None:
+    if not flat and len(design.discs) == 1:
         core |= {"contact-force", "lift-off"}
     assert core <= set(design.scene.effects)
     assert [f for f in design.effect_findings if f.severity not in ("ok", "warning")] == []

@@ -81,7 +81,9 @@ def test_its_cam_is_the_one_of_the_reference(name: str) -> None:
     curve = pitch_curve_of(thesis_params(EXAMPLES[name], -1))
     phi = np.linspace(0.0, 2.0 * math.pi, 361)
     points = curve.point(phi)
-    assert np.array_equal(design.disc.pitch(phi), np.column_stack((points.real, points.imag)))
+    assert np.array_equal(
+        design.pictured.curve("pitch", phi), np.column_stack((points.real, points.imag))
+    )
 
 
 def test_the_text_names_its_source_and_every_number_of_it() -> None:

@@ -40,11 +40,11 @@ def point_columns(product: Product) -> dict[str, FloatArray]:
 
     The stroke s is that of the slider of a slider-crank, psi the angle of the rocker behind it.
     """
-    table = product.table()
+    table = product.tabulated.table()
     values = dict(zip(table.names, table.values.T, strict=True))
     unit = product.unit
     mm = MM_PER[unit]
-    pivot = product.follower_sketch.end
+    pivot = product.pictured.follower_sketch.end
     pitch_x, pitch_y = mm * values[f"pitch x [{unit}]"], mm * values[f"pitch y [{unit}]"]
     swing = values["psi [deg]"]
     return {

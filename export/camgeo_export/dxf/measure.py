@@ -30,18 +30,18 @@ def measure(product: Product, data: bytes) -> float:
     """
     drawing = read(data)
     _check(drawing, product)
-    cut = deviation(drawing.curves("CUT"), product.part.boundaries)
+    cut = deviation(drawing.curves("CUT"), product.drawn.part.boundaries)
     if not product.options[FORMAT].auxiliary:
         return cut
     pitch = drawing.contours("PITCH_CURVE")
     circles = drawing.circles("BASE_CIRCLE")
-    if len(pitch) != (0 if product.is_flat else 1) or len(circles) != 1:
+    if len(pitch) != (1 if product.drawn.has_pitch_curve else 0) or len(circles) != 1:
         raise FileError("the drawing lacks its pitch curve or its base circle")
     centre, radius = circles[0]
     return max(
         cut,
-        abs(centre) + abs(radius - product.base_radius),
-        *(product.pitch_deviation(each.counter_clockwise()) for each in pitch),
+        abs(centre) + abs(radius - product.drawn.base_radius),
+        *(product.drawn.pitch_deviation(each.counter_clockwise()) for each in pitch),
     )
 
 

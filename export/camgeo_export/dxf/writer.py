@@ -61,8 +61,8 @@ class DxfWriter:
         drawing = product.options[FORMAT]
         straight = drawing.entity == "polyline"
         share = FIT_SHARE * tolerance
-        cut = [_cut(boundary, product, share) for boundary in product.part.boundaries]
-        has_pitch = drawing.auxiliary and not product.is_flat
+        cut = [_cut(boundary, product, share) for boundary in product.drawn.part.boundaries]
+        has_pitch = drawing.auxiliary and product.drawn.has_pitch_curve
         pitch = _pitch(product, tolerance, straight) if has_pitch else None
         # ezdxf stamps time and random identifiers on a file at its making and at its writing
         with _fixed_metadata():
@@ -87,10 +87,10 @@ def _cut(boundary: Boundary, product: Product, share: float) -> Curve:
     """A boundary as it is drawn; a drawing of splines has no bulges, also in its bore."""
     entity = product.options[FORMAT].entity
     if entity == "spline":
-        return boundary.spline(share, product.effort).contour.split(math.pi)
+        return boundary.spline(share, product.drawn.effort).contour.split(math.pi)
     if entity == "polyline":
-        return boundary.polyline(share, product.effort).contour
-    return boundary.arcs(share, product.effort).contour.split(math.pi)
+        return boundary.polyline(share, product.drawn.effort).contour
+    return boundary.arcs(share, product.drawn.effort).contour.split(math.pi)
 
 
 def _facts(product: Product, cut: list[Curve]) -> dict[str, int | float | str]:
@@ -111,9 +111,9 @@ def _facts(product: Product, cut: list[Curve]) -> dict[str, int | float | str]:
 
 def _pitch(product: Product, tolerance: float, straight: bool) -> Contour:
     if not straight:
-        return product.pitch_contour(FIT_SHARE * tolerance).contour.split(math.pi)
+        return product.drawn.pitch_contour(FIT_SHARE * tolerance).contour.split(math.pi)
     fit, chord = POLYLINE_SHARES
-    points = product.pitch_contour(fit * tolerance).contour.points(chord * tolerance)
+    points = product.drawn.pitch_contour(fit * tolerance).contour.points(chord * tolerance)
     return Contour(points, 0.0 * points.real, 0.0 * points)
 
 
@@ -159,7 +159,7 @@ def _auxiliary(space: Modelspace, product: Product, pitch: Contour | None, scale
     """Pitch curve if there is one, base circle and a cross at the cam axis."""
     if pitch is not None:
         _polyline(space, pitch, scale, PITCH)
-    radius = product.base_radius / scale
+    radius = product.drawn.base_radius / scale
     space.add_circle((0.0, 0.0), radius, dxfattribs={"layer": "BASE_CIRCLE"})
     mark = MARK_SHARE * radius
     for x, y in ((mark, 0.0), (0.0, mark)):

@@ -26,8 +26,8 @@ def measure(product: Product, data: bytes) -> float:
     program.verify(spec.safe_height, limits.radius_tolerance)
     _require_tolerance(program)
     loops = program.loops()
-    _check_complete(product.cuts, program, loops)
-    centres = {cut.name: cut.centre for cut in product.cuts}
+    _check_complete(product.milled.cuts, program, loops)
+    centres = {cut.name: cut.centre for cut in product.milled.cuts}
     path = max(
         loop.mismatch + centres[loop.operation].deviation(loop.contour.counter_clockwise())
         for loop in loops

@@ -26,7 +26,7 @@ class GcodeWriter:
         """The program, in the product's unit; path blending counts against `tolerance` [mm]."""
         machine = load(product.options[FORMAT].machine)
         shares = budget(machine, product.unit, tolerance)
-        toolpath = product.toolpath(shares.fit)
+        toolpath = product.milled.toolpath(shares.fit)
         grid = Grid(shares.decimals, MM_PER[product.unit])
         speller = Speller(grid, shares, machine.arcs)
         lines = _head(product, machine, shares, toolpath)

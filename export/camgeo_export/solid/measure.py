@@ -20,7 +20,7 @@ def measure(product: Product, vertices: FloatArray, triangles: IntArray) -> floa
     they form one closed, outward oriented body with upright walls between flat faces.
     """
     try:
-        wanted = product.part.levels
+        wanted = product.drawn.part.levels
     except GeometryError as error:
         raise FileError(f"no body to hold this against: {error.message}") from None
     if not np.isfinite(vertices).all():

@@ -22,7 +22,7 @@ class StlWriter:
 
     def write(self, product: Product, tolerance: float) -> Written:
         """The body [mm] within `tolerance` [mm]; the rounding of STL's single floats counts."""
-        solid = body(product.part, tolerance, _single)
+        solid = body(product.drawn.part, tolerance, _single)
         corners = solid.vertices[solid.triangles]
         facets = np.zeros(len(corners), dtype=FACET)
         facets["corners"] = corners

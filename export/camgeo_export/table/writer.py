@@ -20,7 +20,7 @@ class CsvWriter:
 
     def write(self, product: Product, tolerance: float) -> Written:
         """The table in the product's unit and in degrees; its values are not fitted."""
-        table = product.table()
+        table = product.tabulated.table()
         facts: dict[str, int | float | str] = {
             "rows": len(table.values),
             "columns": len(table.names),
@@ -32,7 +32,7 @@ class CsvWriter:
 
         Raises FileError if anything else differs.
         """
-        table = product.table()
+        table = product.tabulated.table()
         rows = list(csv.reader(io.StringIO(data.decode("utf-8", "replace"), newline="")))
         header = tuple(rows.pop(0)) if rows else ()
         if header != table.names or len(rows) != len(table.values):

@@ -37,7 +37,7 @@ class ThreeMfWriter:
 
     def write(self, product: Product, tolerance: float) -> Written:
         """The body [mm] within `tolerance` [mm]."""
-        solid = body(product.part, tolerance, _exact)
+        solid = body(product.drawn.part, tolerance, _exact)
         stream = io.BytesIO()
         with zipfile.ZipFile(stream, "w") as package:
             _store(package, "[Content_Types].xml", _content_types())

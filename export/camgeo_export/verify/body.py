@@ -27,7 +27,7 @@ def body_checks(
     vertices, triangles : (n, 3) [mm] and (m, 3), as they stand in the file.
     tolerance : [mm].
     """
-    part = product.part
+    part = product.drawn.part
     try:
         wanted = part.levels
     except GeometryError as error:
@@ -47,7 +47,7 @@ def body_checks(
         note += ", ".join(level.name for level in wanted)
         checks.append(failed("height", note))
     else:
-        shapes = shapes_of(part.boundaries, product.base_radius, tolerance)
+        shapes = shapes_of(part.boundaries, product.drawn.base_radius, tolerance)
         by_name = {shape.name: shape for shape in shapes}
         done: dict[tuple[str, bytes], None] = {}
         for height, level in zip(heights, wanted, strict=True):

@@ -78,11 +78,11 @@ class DxfVerifier:
         except CamgeoError as error:
             return (*checks, failed("closure", str(error)))
         checks.append(at_most("closure", gap, tolerance, "mm", note="largest gap between pieces"))
-        shapes = shapes_of(product.part.boundaries, product.base_radius, tolerance)
+        shapes = shapes_of(product.drawn.part.boundaries, product.drawn.base_radius, tolerance)
         pairs, count = matched(contours, shapes)
         checks.append(count)
         tangent = reading.ours and product.options[FORMAT].entity != "polyline"
-        rounded = ROUNDED * product.base_radius if tangent else None
+        rounded = ROUNDED * product.drawn.base_radius if tangent else None
         for shape, contour in pairs:
             checks += contour_checks(shape, contour, tolerance, extra=gap, rounded=rounded)
         if reading.ours and product.options[FORMAT].auxiliary:
@@ -115,7 +115,7 @@ def _unit(drawing: DxfFile, product: Product, reading: Reading) -> Check:
 def _contents(drawing: DxfFile, product: Product) -> Check:
     """Nothing but what our writer draws, and all of its layers."""
     allowed: tuple[str, ...] = OURS if product.options[FORMAT].auxiliary else OURS[:1]
-    if product.is_flat:
+    if product.pictured.is_flat:
         allowed = tuple(name for name in allowed if name != "PITCH_CURVE")
     for entity in drawing.entities:
         if entity.layer not in allowed or entity.kind not in CURVES:
@@ -149,7 +149,7 @@ def _auxiliary(
 ) -> list[Check]:
     """The pitch curve, if there is one, and the base circle of our drawings."""
     checks = []
-    if not product.is_flat:
+    if product.drawn.has_pitch_curve:
         try:
             (pitch,) = _contours(data, reading, "PITCH_CURVE", tolerance)[0]
             checks += contour_checks(_pitch(product), pitch, tolerance, rounded=rounded)
@@ -158,7 +158,7 @@ def _auxiliary(
     try:
         (circle,) = _contours(data, reading, "BASE_CIRCLE", tolerance)[0]
         assert isinstance(circle, Contour)  # it is drawn as a circle
-        exact = Contour.circle(product.base_radius)
+        exact = Contour.circle(product.drawn.base_radius)
         value = distance_between(exact, circle)
         checks.append(at_most("deviation", value, tolerance, "mm", "base circle"))
     except (CamgeoError, ValueError) as error:
@@ -187,13 +187,13 @@ def _pitch(product: Product) -> Shape:
     def deviation(contour: AnyContour) -> float:
         if not isinstance(contour, Contour):
             raise GeometryError("is drawn as a spline, which it never is by us")
-        return product.pitch_deviation(contour)
+        return product.drawn.pitch_deviation(contour)
 
     def polygon(within: float) -> Contour:
-        points = product.pitch_contour(0.5 * within).contour.points(0.5 * within)
+        points = product.drawn.pitch_contour(0.5 * within).contour.points(0.5 * within)
         return Contour(points, 0.0 * points.real, 0.0 * points)
 
-    contour = product.pitch_contour(1e-3 * product.base_radius).contour
+    contour = product.drawn.pitch_contour(1e-3 * product.drawn.base_radius).contour
     corners = corners_of_contour(contour)
     return Shape("pitch curve", deviation, polygon, corners, contour.length, None)
 

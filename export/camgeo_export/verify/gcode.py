@@ -88,16 +88,16 @@ def _unit(program: Program, product: Product, reading: Reading) -> Check:
 
 def _paths(product: Product, program: Program, tolerance: float, extra: float) -> list[Check]:
     """Every operation runs its closed path at each of its depths, and no other."""
-    centres = tuple(cut.centre for cut in product.cuts)
-    exact = shapes_of(centres, product.base_radius, tolerance)
+    centres = tuple(cut.centre for cut in product.milled.cuts)
+    exact = shapes_of(centres, product.drawn.base_radius, tolerance)
     # The area within a cutter's path is of no use to anyone.
     shapes = {
         cut.name: replace(shape, name=cut.name, area=None)
-        for cut, shape in zip(product.cuts, exact, strict=True)
+        for cut, shape in zip(product.milled.cuts, exact, strict=True)
     }
     loops = [(_owner(loop, shapes), loop) for loop in program.loops()]
     checks: list[Check] = []
-    for cut in product.cuts:
+    for cut in product.milled.cuts:
         own = [loop for name, loop in loops if name == cut.name]
         checks.append(_passes(cut, own, max(program.step, tolerance)))
         depths: dict[bytes, _Pass] = {}

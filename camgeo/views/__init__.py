@@ -1,0 +1,1 @@
+"""A disc as each of its readers sees it: drawn, milled, tabulated, pictured."""

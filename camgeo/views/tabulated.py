@@ -1,0 +1,47 @@
+"""A cam as value tables tell it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from decimal import Decimal
+from typing import TYPE_CHECKING
+
+from camgeo.formats.csv import CsvSpec
+from camgeo.lazy import Ledger
+from camgeo.pickled import Pickled
+from camgeo.units import LengthUnit
+
+if TYPE_CHECKING:
+    from camgeo.cam.cam import Cam
+    from camgeo.effects.effect import Column
+    from camgeo.files.table import Table
+
+
+@dataclass(frozen=True)
+class TabulatedCam(Pickled):
+    """A `camgeo.files.tabulated.Tabulated`.
+
+    Attributes
+    ----------
+    cam : the cam.
+    unit : of lengths in the table.
+    spec : the step of the table.
+    columns : gives the effects over the cam angle.
+    ledger : where it is entered what was computed.
+    """
+
+    cam: Cam
+    unit: LengthUnit
+    spec: CsvSpec
+    columns: Callable[[], tuple[Column, ...]]
+    ledger: Ledger = field(default_factory=Ledger, repr=False, compare=False)
+
+    def table(self, step: Decimal | None = None) -> Table:
+        """The value table at every `step` degrees, or at the scene's."""
+        from camgeo.files.value_table import value_table
+
+        spec = self.spec if step is None else CsvSpec(step)
+        return self.ledger.run(
+            "table", lambda: value_table(self.cam, self.unit, self.columns(), spec.step)
+        )

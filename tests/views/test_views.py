@@ -1,0 +1,84 @@
+"""Views of a design: each small, each computed for its reader alone."""
+
+from __future__ import annotations
+
+import json
+import pickle
+import subprocess
+import sys
+from decimal import Decimal
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import camgeo
+from camgeo.errors import GeometryError
+from camgeo.files.drawn import Drawn
+from camgeo.files.milled import Milled
+from camgeo.files.pictured import Pictured
+from camgeo.files.product import Product
+from camgeo.files.tabulated import Tabulated
+from camgeo.views.drawn import DrawnDisc
+from camgeo.views.milled import MilledDisc
+from camgeo.views.pictured import PicturedCam
+from camgeo.views.tabulated import TabulatedCam
+from camgeo.workpiece import Workpiece
+
+SCENE = Path(__file__).parents[2] / "fixtures" / "scenes" / "setzhub.toml"
+
+VIEWS = ((Drawn, DrawnDisc), (Milled, MilledDisc), (Tabulated, TabulatedCam),
+         (Pictured, PicturedCam), (Product, Workpiece))  # fmt: skip
+
+MOST = 15
+"""Public members of a view."""
+
+READERS = {"csv": {"tabulated"}, "dxf": {"drawn"}, "gcode": {"drawn", "milled"}}
+"""Formats, and the views that are computed for them."""
+
+
+def members(of: type) -> set[str]:
+    return {name for name in vars(of) if not name.startswith("_")}
+
+
+@pytest.mark.parametrize(("protocol", "view"), VIEWS)
+def test_a_view_is_small_and_gives_what_its_protocol_says(protocol: Any, view: Any) -> None:
+    assert len(members(protocol)) <= MOST
+    assert members(protocol) <= {*members(view), *view.__dataclass_fields__}
+    methods = members(view) - set(view.__dataclass_fields__)
+    assert methods <= members(protocol)
+
+
+@pytest.mark.parametrize("name", READERS)
+def test_a_writer_is_computed_its_own_view_and_no_other(name: str) -> None:
+    code = (
+        "import camgeo, json, sys; from camgeo.files.write import make_files;"
+        f"make_files(camgeo.load(sys.argv[1]).discs, ({name!r},), 0.01);"
+        "print(json.dumps([n for n in sys.modules if n.startswith('camgeo.views.')]))"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code, str(SCENE)], capture_output=True, text=True, check=True
+    )
+    loaded = {name.rpartition(".")[2] for name in json.loads(done.stdout)}
+    assert loaded == READERS[name]
+
+
+def test_views_travel_in_pickles_and_answer_the_same() -> None:
+    design = camgeo.load(SCENE)
+    drawn, milled, tabulated, pictured = pickle.loads(
+        pickle.dumps((design.drawn, design.milled, design.tabulated, design.pictured))
+    )
+    assert len(drawn.part.boundaries) == len(design.drawn.part.boundaries)
+    assert milled.toolpath(0.01).operations[0].cut.name == design.milled.cuts[0].name
+    step = Decimal(30)
+    assert np.array_equal(tabulated.table(step).values, design.tabulated.table(step).values)
+    phi = np.linspace(0.0, 6.0, 7)
+    assert np.array_equal(pictured.curve("inner", phi), design.pictured.curve("inner", phi))
+
+
+@pytest.mark.parametrize("step", ["0", "-1", "NaN", "100"])
+def test_a_table_has_a_step_of_the_scene_s_range(step: str) -> None:
+    with pytest.raises(GeometryError) as caught:
+        camgeo.load(SCENE).tabulated.table(Decimal(step))
+    assert caught.value.key == "output.csv.step"
