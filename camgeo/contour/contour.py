@@ -105,8 +105,8 @@ class Contour:
         radii = np.maximum(self.radii, sagitta)
         step = 2.0 * np.arccos(np.clip(1.0 - sagitta / radii, 0.0, 1.0))
         counts = np.maximum(1, np.ceil(np.abs(self.sweeps) / step)).astype(int)
-        index, step = grouped(counts)
-        part = step / counts[index]
+        index, number = grouped(counts)
+        part = number / counts[index]
         arm = self.vertices[index] - self.centres[index]
         arc = self.centres[index] + arm * np.exp(1j * self.sweeps[index] * part)
         return np.where(part == 0.0, self.vertices[index], arc)

@@ -74,7 +74,7 @@ def answer(design: Design) -> Answer:
     """What a design answers."""
     try:
         findings = design.findings
-        files, _ = make_files(design.disc, ("dxf", "csv"), TOLERANCE)
+        files, _ = make_files(design.discs, ("dxf", "csv"), TOLERANCE)
     except CamgeoError as error:
         return design.scene.identity, (), f"{type(error).__name__}: {error}"
     digest = hashlib.sha256(b"".join(name.encode() + files[name] for name in sorted(files)))
