@@ -388,7 +388,10 @@ def test_the_table_needs_no_matplotlib() -> None:
         (["--task", "X-X"], "argument --task: invalid choice: 'X-X'"),
         (["--inflection", "x"], "argument --inflection: 'x' is no number"),
         (["--speed", "60"], "physical values need --span and --stroke too"),
-        (["--speed", "0", "--span", "60", "--stroke", "1"], "speed = 0.0: must be a finite number"),
+        (
+            ["--speed", "0", "--span", "60", "--stroke", "1"],
+            "speed = 0.0: must be a number above 0",
+        ),
         (["--speed", "1", "--span", "361", "--stroke", "1"], "span = 361: cannot be more than one"),
         (["--task", "all", "--v0", "1", "--places"], "--v0, --places: allowed with one task only"),
         (["--task", "all", "-o", "x.svg"], "-o: allowed with one task only"),
