@@ -109,18 +109,19 @@ class Effects:
         EffectError
             If it has no answer for this design.
         """
-        if name in self._results:
-            return self._results[name]
-        if name in self._failures:
-            raise self._failures[name]
-        self.inputs(name)
-        try:
-            found = self.ledger.run(node_name(name), lambda: self._compute(name))
-        except EffectError as error:
-            self._failures[name] = error
-            raise
-        self._results[name] = found
-        return found
+        with self.ledger.lock:  # another thread may be computing it
+            if name in self._results:
+                return self._results[name]
+            if name in self._failures:
+                raise self._failures[name]
+            self.inputs(name)
+            try:
+                found = self.ledger.run(node_name(name), lambda: self._compute(name))
+            except EffectError as error:
+                self._failures[name] = error
+                raise
+            self._results[name] = found
+            return found
 
     def _compute(self, name: str) -> Any:
         effect = self.effect(name)
