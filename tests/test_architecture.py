@@ -64,6 +64,7 @@ EFFECT_FRAME = {
     "registry",
     "results",
     "rules",
+    "told",
 }
 """What is in `effects` and no effect: effects are imported by the registry alone."""
 

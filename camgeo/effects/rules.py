@@ -46,8 +46,8 @@ class Machine:
     @property
     def straight(self) -> bool | None:
         """Whether it has a follower in a guide or a slider; None if not known."""
-        known = self.lift == "mm" or None not in (self.lift, self.far)
-        return self.lift == "mm" or self.far == "slider" if known else None
+        units = (self.lift, self.demanded)
+        return True if "mm" in units else None if None in units else False
 
 
 @dataclass(frozen=True, slots=True)
@@ -118,23 +118,14 @@ GUIDED: Final = Kind(
     "Translating followers only.",
 )
 ROCKING: Final = Kind(
-    "lift",
-    ("mm",),
-    "is for rockers, and this follower is a translating one",
-    "Rockers only.",
+    "lift", ("mm",), "is for rockers, and this follower is a translating one", "Rockers only."
 )
 ROLLERS: Final = Kind("touching", ("face",), "is for roller followers", "Roller followers only.")
 ROUND: Final = Kind(
-    "edged",
-    (True,),
-    "is for rollers: the follower has a knife edge",
-    "Not with a knife edge.",
+    "edged", (True,), "is for rollers: the follower has a knife edge", "Not with a knife edge."
 )
 FLATS: Final = Kind(
-    "touching",
-    ("roller",),
-    "is for flat-faced followers",
-    "Flat-faced followers only.",
+    "touching", ("roller",), "is for flat-faced followers", "Flat-faced followers only."
 )
 ONE_DISC: Final = Kind(
     "paired",

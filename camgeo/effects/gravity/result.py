@@ -8,7 +8,6 @@ frame does not turn.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import Final
 
@@ -19,9 +18,9 @@ from camgeo.effects.effect import Column, Request
 from camgeo.effects.force import Force
 from camgeo.effects.gravity.spec import STANDARD_GRAVITY, GravitySpec
 from camgeo.effects.results import INERTIA, Acting
+from camgeo.effects.told import extreme_finding
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import ComplexArray, FloatArray
-from camgeo.numeric.extremes import Extreme
 from camgeo.numeric.peaks import piecewise_extremes
 
 N_M: Final = 1e-3
@@ -81,8 +80,16 @@ def compute(request: Request[GravitySpec]) -> Acting:
         force=Force("gravity", coefficients, potential),
         findings=(
             Finding("weight", "ok", f"weight of all masses {weight:.6g} N", weight, unit="N"),
-            _extreme("largest", what, extremes.highest, unit),
-            _extreme("smallest", what, extremes.lowest, unit),
+            *(
+                extreme_finding(
+                    f"{which}-weight-force",
+                    f"{which} {what} of the weights on the follower",
+                    end,
+                    unit,
+                    ", positive with growing lift",
+                )
+                for which, end in (("largest", extremes.highest), ("smallest", extremes.lowest))
+            ),
         ),
         columns=(Column(f"weight {what}", unit, told),),
     )
@@ -92,17 +99,3 @@ def _along(vectors: ComplexArray, pull: complex) -> FloatArray:
     """(n,) scalar products."""
     product: FloatArray = vectors.real * pull.real + vectors.imag * pull.imag
     return product
-
-
-def _extreme(which: str, what: str, end: Extreme, unit: str) -> Finding:
-    return Finding(
-        name=f"{which}-weight-force",
-        severity="ok",
-        sentence=(
-            f"{which} {what} of the weights on the follower {end.value:.6g} {unit}, positive with"
-            f" growing lift, at cam angle {math.degrees(end.place):.6g} deg"
-        ),
-        value=end.value,
-        unit=unit,
-        cam_angle=math.fmod(end.place, 2.0 * math.pi),
-    )

@@ -14,6 +14,7 @@ from camgeo.effects.effect import Column
 from camgeo.effects.force import at_rates
 from camgeo.effects.inertia.rates import DirectTrain, Train
 from camgeo.effects.inertia.sums import inertia_force, reduced
+from camgeo.effects.told import extreme_finding
 from camgeo.motion.joints import breaks
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray
@@ -24,7 +25,6 @@ if TYPE_CHECKING:
     from camgeo.effects.inertia.spec import InertiaSpec
     from camgeo.mechanism.kind import Unit
     from camgeo.motion.time_course import TimeCourse
-    from camgeo.numeric.extremes import Extreme
 
 KG: Final = 1e3
 """Kilograms a tonne."""
@@ -133,10 +133,10 @@ class Told:
             masses = piecewise_extremes(self.mass, edges)
             for which, end in (("largest", masses.highest), ("smallest", masses.lowest)):
                 found.append(
-                    self._extreme(f"{which}-{name}", f"{which} {at}", end, self.terms.mass_unit)
+                    extreme_finding(f"{which}-{name}", f"{which} {at}", end, self.terms.mass_unit)
                 )
         found.append(
-            self._extreme(
+            extreme_finding(
                 "largest-moment-at-cam",
                 "largest moment of inertia reduced to the camshaft",
                 at_cam,
@@ -156,7 +156,7 @@ class Told:
             if each.order < 1 and self.mass(np.array([each.cam_angle]), "right")[0] > 0.0
         ]
         if not shocks:
-            return self._extreme("largest-inertia-force", f"largest inertia {what}", worst, unit)
+            return extreme_finding("largest-inertia-force", f"largest inertia {what}", worst, unit)
         angle = shocks[0].cam_angle
         return Finding(
             name="largest-inertia-force",
@@ -168,17 +168,4 @@ class Told:
             ),
             unit=unit,
             cam_angle=angle,
-        )
-
-    @staticmethod
-    def _extreme(name: str, what: str, end: Extreme, unit: str) -> Finding:
-        return Finding(
-            name=name,
-            severity="ok",
-            sentence=(
-                f"{what} {end.value:.6g} {unit}, at cam angle {math.degrees(end.place):.6g} deg"
-            ),
-            value=end.value,
-            unit=unit,
-            cam_angle=math.fmod(end.place, 2.0 * math.pi),
         )

@@ -21,13 +21,12 @@ from camgeo.effects.load.course import Constant, Course, Steps
 from camgeo.effects.load.spec import LoadSpec
 from camgeo.effects.locked import refuse_locked
 from camgeo.effects.results import Acting
+from camgeo.effects.told import extreme_finding
 from camgeo.errors import GeometryError
 from camgeo.motion.motion import Side
 from camgeo.motion.plan import MotionPlan
 from camgeo.numeric.arrays import FloatArray, frozen, merged
-from camgeo.numeric.extremes import Extreme
 from camgeo.numeric.peaks import piecewise_extremes
-from camgeo.units import TURN
 
 N_MM: Final = 1e3
 """N mm a N m."""
@@ -85,9 +84,11 @@ def compute(request: Request[LoadSpec]) -> Acting:
     extremes = piecewise_extremes(course.values, edges)
     return Load(
         force=Force("load", coefficients, potential, course.borders),
-        findings=(
-            _extreme("largest", extremes.highest, unit),
-            _extreme("smallest", extremes.lowest, unit),
+        findings=tuple(
+            extreme_finding(
+                f"{which}-load", f"{which} load", end, unit, ", positive against a positive motion"
+            )
+            for which, end in (("largest", extremes.highest), ("smallest", extremes.lowest))
         ),
         columns=(Column("load", unit, course.values, borders=course.borders),),
     )
@@ -130,17 +131,3 @@ def _way(subject: Subject, phi: FloatArray, side: Side) -> FloatArray:
     if subject.cam.drive.linkage is None:
         return np.ones(len(phi))
     return subject.cam.drive.linkage.per_follower(subject.cam.drive.plan.jet(phi, side)[0])
-
-
-def _extreme(which: str, end: Extreme, unit: str) -> Finding:
-    return Finding(
-        name=f"{which}-load",
-        severity="ok",
-        sentence=(
-            f"{which} load {end.value:.6g} {unit}, positive against a positive motion, at cam angle"
-            f" {math.degrees(end.place):.6g} deg"
-        ),
-        value=end.value,
-        unit=unit,
-        cam_angle=math.fmod(end.place, TURN),
-    )
