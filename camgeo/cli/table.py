@@ -15,11 +15,9 @@ from camgeo.cli.command import FINE, Subparsers, new_parser, print_json, tell, t
 from camgeo.cli.law_options import add_law_options, given_options, law_from
 from camgeo.design import Design
 from camgeo.files.table import Table
+from camgeo.formats.csv import LARGEST_STEP, SMALLEST_STEP
 from camgeo.motion.value_table import NAMES, PRINTED_STEP, law_table
 from camgeo.scene.load import load_scene
-
-SMALLEST_STEP = Decimal("0.0001")
-LARGEST_STEP = Decimal(90)
 
 PRINTED_NAMES = NAMES[:4]
 """The guideline prints no f'''."""

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from decimal import Decimal
 from typing import Any, Final
 
+from camgeo.errors import GeometryError
 from camgeo.formats.format import Format
-from camgeo.numeric.checked import instance, number
+from camgeo.mechanism.kind import schema_beside
+from camgeo.numeric.checked import instance
 
-SMALLEST_STEP: Final = 0.0001
-LARGEST_STEP: Final = 90
+SMALLEST_STEP: Final = Decimal("0.0001")
+LARGEST_STEP: Final = Decimal(90)
+"""Of the cam angle [degrees]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,10 +30,11 @@ class CsvSpec:
     step: Decimal = Decimal(1)
 
     def __post_init__(self) -> None:
-        key = "output.csv.step"
-        instance(key, self.step, Decimal, "a decimal number")
-        step = float(self.step) if self.step.is_finite() else math.nan
-        number(key, step, least=SMALLEST_STEP, most=LARGEST_STEP, unit="degrees")
+        key, step = "output.csv.step", self.step
+        instance(key, step, Decimal, "a decimal number")
+        if not (step.is_finite() and SMALLEST_STEP <= step <= LARGEST_STEP):
+            message = f"must be a number from {SMALLEST_STEP} to {LARGEST_STEP} (degrees)"
+            raise GeometryError(message, key, str(step))
 
 
 def parse(table: Mapping[str, Any]) -> CsvSpec:
@@ -39,21 +42,4 @@ def parse(table: Mapping[str, Any]) -> CsvSpec:
     return CsvSpec(**table)
 
 
-SCHEMA: Final[Mapping[str, Any]] = {
-    "description": "The value table.",
-    "type": "object",
-    "additionalProperties": False,
-    "properties": {
-        "step": {
-            "description": "Step of the cam angle [degrees], 0.0001 to 90. Default 1.",
-            "type": "number",
-            "minimum": SMALLEST_STEP,
-            "maximum": LARGEST_STEP,
-            "default": 1,
-            "x-unit": "degrees",
-            "x-exact": True,
-        }
-    },
-}
-
-FORMAT: Final = Format("csv", ".csv", parse, SCHEMA)
+FORMAT: Final = Format("csv", ".csv", parse, schema_beside(__file__))

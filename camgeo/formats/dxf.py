@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 from camgeo.formats.format import Format
+from camgeo.mechanism.kind import schema_beside
 from camgeo.numeric.checked import instance, one_of
 
 ENTITIES: Final = ("arcs", "polyline", "spline")
@@ -37,24 +38,4 @@ def parse(table: Mapping[str, Any]) -> DxfSpec:
     return DxfSpec(**table)
 
 
-SCHEMA: Final[Mapping[str, Any]] = {
-    "description": "The drawing.",
-    "type": "object",
-    "additionalProperties": False,
-    "properties": {
-        "entity": {
-            "description": 'What curves become: "arcs" (lines and arcs, default), "polyline"'
-            ' (straight pieces only) or "spline" (cubic splines, dwells as arcs).',
-            "enum": list(ENTITIES),
-            "default": "arcs",
-        },
-        "auxiliary": {
-            "description": "Draw pitch curve, base circle and centre marks, each on a layer of its"
-            " own; false leaves the outline alone, as cutting shops want it. Default true.",
-            "type": "boolean",
-            "default": True,
-        },
-    },
-}
-
-FORMAT: Final = Format("dxf", ".dxf", parse, SCHEMA)
+FORMAT: Final = Format("dxf", ".dxf", parse, schema_beside(__file__))

@@ -111,10 +111,6 @@ class Options:
         spec: Spec = self.given[form.name]
         return spec
 
-    def having(self, form: Format[Spec], spec: Spec) -> Options:
-        """The same with other options of one format."""
-        return Options({**self.given, form.name: spec})
-
 
 def _spelled(key: str) -> str:
     """A key as messages tell it: "[part] thickness", "[linkage]"."""

@@ -8,10 +8,8 @@ from typing import Any, Final
 
 from camgeo.formats.format import Format, Values
 from camgeo.formats.solid import groove_has_a_depth
+from camgeo.mechanism.kind import schema_beside
 from camgeo.toolpath.spec import GcodeSpec
-
-MACHINES: Final = ("linuxcnc",)
-"""Machine profiles that come with camgeo; any other is a file."""
 
 
 def parse(table: Mapping[str, Any]) -> GcodeSpec:
@@ -44,66 +42,11 @@ def tool_fits(values: Values) -> Iterator[tuple[str, str]]:
         yield key, f"must be less than the bore to be milled, {bore:g}"
 
 
-SCHEMA: Final[Mapping[str, Any]] = {
-    "description": "The milling program; needed by format gcode.",
-    "type": "object",
-    "required": ["tool_diameter"],
-    "additionalProperties": False,
-    "properties": {
-        "machine": {
-            "description": 'Machine profile: "linuxcnc" (default), or a profile file: a path ending'
-            " in .toml, relative to the scene and inside its folder.",
-            "type": "string",
-            "pattern": "^linuxcnc$|^[^\\u0000-\\u001f]{1,200}\\.toml$",
-            "default": MACHINES[0],
-            "x-values": list(MACHINES),
-            "x-later": ["grbl", "fanuc", "sinumerik"],
-            "x-allowed": 'must be "linuxcnc" or the path of a machine profile ending in .toml',
-            "x-path": True,
-        },
-        "tool_diameter": {"description": "Diameter of the end mill.", "$ref": "#/$defs/length"},
-        "tool_number": {
-            "description": "Number of the end mill in the tool table, 1 to 99999. Default 1.",
-            "type": "integer",
-            "minimum": 1,
-            "maximum": 99999,
-            "default": 1,
-        },
-        "spindle_speed": {
-            "description": "Speed of the spindle [rev/min]. Default 3000.",
-            "$ref": "#/$defs/speed",
-            "default": 3000,
-            "x-exact": True,
-        },
-        "feed": {
-            "description": "Feed in the plane, in the scene's unit of length per minute. Default"
-            " 300 mm/min.",
-            "$ref": "#/$defs/length",
-            "x-default-mm": 300,
-        },
-        "plunge_feed": {
-            "description": "Feed along Z, in the scene's unit of length per minute. Default"
-            " 100 mm/min.",
-            "$ref": "#/$defs/length",
-            "x-default-mm": 100,
-        },
-        "pass_depth": {
-            "description": "Largest depth of one pass. Default: one pass over the whole depth.",
-            "$ref": "#/$defs/length",
-        },
-        "safe_height": {
-            "description": "Height of traverses above the upper face. Default 5 mm.",
-            "$ref": "#/$defs/length",
-            "x-default-mm": 5,
-        },
-    },
-}
-
 FORMAT: Final = Format(
     "gcode",
     ".ngc",
     parse,
-    SCHEMA,
+    schema_beside(__file__),
     ("part.thickness", "output.gcode.tool_diameter"),
     (groove_has_a_depth, tool_fits),
 )

@@ -109,6 +109,17 @@ def test_a_scene_names_it_and_its_options_reach_it(installed: Path, tmp_path: Pa
     assert (record["file"], record["format"], record["solids"]) == ("inch.step", "step", 1)
 
 
+def test_a_scene_with_other_options_is_another(installed: Path, tmp_path: Path) -> None:
+    hashes = set()
+    for number, chord in enumerate((1, 2, 2.0)):
+        folder = tmp_path / str(number)
+        folder.mkdir()
+        camgeo(installed, folder, scene(f"[output.step]\nturn = {chord}\n"))
+        certificate = json.loads((folder / "out" / "certificate.json").read_text())
+        hashes.add(certificate["scene"]["sha256"])
+    assert len(hashes) == 2
+
+
 def test_the_command_line_names_it_too(installed: Path, tmp_path: Path) -> None:
     done = camgeo(installed, tmp_path, scene(formats='"csv"'), "--only", "step")
     assert (done.returncode, done.stderr) == (0, "")

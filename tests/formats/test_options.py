@@ -9,8 +9,9 @@ from typing import Any
 import pytest
 
 from camgeo.errors import GeometryError
-from camgeo.formats.csv import CsvSpec
+from camgeo.formats.csv import LARGEST_STEP, SMALLEST_STEP, CsvSpec
 from camgeo.formats.dxf import ENTITIES, DxfSpec
+from camgeo.formats.registry import find_format
 
 
 @pytest.mark.parametrize(
@@ -32,4 +33,7 @@ def test_wrong_options_are_refused(make: Callable[[Any], Any], value: Any, key: 
 
 def test_the_ends_of_the_ranges_are_in_them() -> None:
     assert [CsvSpec(Decimal(text)).step for text in ("0.0001", "90")]
+    node = find_format("csv").schema["properties"]["step"]
+    assert (Decimal(repr(node["minimum"])), node["maximum"]) == (SMALLEST_STEP, LARGEST_STEP)
     assert [DxfSpec(entity).entity for entity in ENTITIES] == list(ENTITIES)
+    assert find_format("dxf").schema["properties"]["entity"]["enum"] == list(ENTITIES)
