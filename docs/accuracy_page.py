@@ -18,7 +18,8 @@ from camgeo.accuracy.knee import drawing_knee
 from camgeo.accuracy.rows import EFFORTS, FORMS, ContourRow, Form
 from camgeo.accuracy.survey import Survey, survey
 from camgeo.contour.fit import Effort
-from camgeo_export.plots.accuracy import render
+from camgeo.figure.accuracy import figure
+from camgeo_export.plots.render import render
 
 PAGE: Final = Path(__file__).with_name("accuracy.md")
 IMAGES: Final = Path(__file__).with_name("images")
@@ -257,7 +258,7 @@ def rows_of(name: str, tolerances: tuple[float, ...]) -> tuple[ContourRow, ...]:
 def draw(name: str, measured: Survey) -> bytes:
     """The picture of a cam, without seconds of computing."""
     title = f"{name}: what accuracy costs"
-    return render(measured, title=title, suffix=".svg", computing=False)
+    return render(figure(measured, title=title, computing=False), ".svg")
 
 
 if __name__ == "__main__":

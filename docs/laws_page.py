@@ -427,7 +427,7 @@ def picture(family: str) -> str:
     from matplotlib.backends.backend_svg import FigureCanvasSVG
     from matplotlib.figure import Figure
 
-    from camgeo_export.plots.style import RC
+    from camgeo_export.plots.render import RC
 
     with rc_context(
         {**RC, "svg.hashsalt": "camgeo", "font.size": 8.5, "path.simplify_threshold": 0.2}

@@ -158,10 +158,11 @@ def _arms(task: Task, sizing: Sizing, share: float) -> str:
 
 def picture() -> bytes:
     """The region."""
-    from camgeo_export.plots.size import render
+    from camgeo.figure import size as region
+    from camgeo_export.plots.render import render
 
     design, task, sizing = sized()
-    return render(design.name, task, sizing, PICTURE.suffix)
+    return render(region.figure(design.name, task, sizing), PICTURE.suffix)
 
 
 if __name__ == "__main__":

@@ -10,11 +10,12 @@ import textwrap
 from collections.abc import Iterable
 from pathlib import Path
 
+from camgeo.figure.stability import figure
 from camgeo.stability import suite
 from camgeo.stability.case import Case
 from camgeo.stability.measure import Reading
 from camgeo.stability.suite import Row
-from camgeo_export.plots.stability import render
+from camgeo_export.plots.render import render
 
 PAGE = Path(__file__).with_name("stability.md")
 PICTURE = Path(__file__).with_name("images") / "stability.png"
@@ -168,4 +169,4 @@ if __name__ == "__main__":
     everything = suite.all_cases()
     found = suite.run(everything)
     PAGE.write_text(page(everything, found), encoding="utf-8")
-    PICTURE.write_bytes(render(suite.worst_of_cases(found), suite.LIMIT, PICTURE.suffix))
+    PICTURE.write_bytes(render(figure(suite.worst_of_cases(found), suite.LIMIT), PICTURE.suffix))

@@ -18,7 +18,7 @@ from camgeo.cli.command import (
     tell,
     tell_main_disc,
 )
-from camgeo.cli.plot import RENDERERS, add_picture, check_picture
+from camgeo.cli.plot import add_picture, check_picture, drawn
 from camgeo.cli.progress import Progress
 from camgeo.design import Design
 from camgeo.formats.format import LARGEST_TOLERANCE, SMALLEST_TOLERANCE
@@ -28,9 +28,6 @@ from camgeo.units import MM_PER
 if TYPE_CHECKING:  # what is measured is imported when it is asked for
     from camgeo.accuracy.rows import ContourRow, EffectRow, FileCost, SolidRow, TableRow
     from camgeo.accuracy.survey import Survey
-
-RENDERER: Final = "accuracy"
-"""Entry point of the group `camgeo.renderers` that draws the measurements."""
 
 COLUMNS: Final = """\
 pieces: of the flanks' contours; of least: pieces, without those that dwells and turns are, in times
@@ -126,13 +123,12 @@ def _tolerances(parser: argparse.ArgumentParser, text: str) -> tuple[float, ...]
 
 
 def _draw(design: Design, found: Survey, arguments: argparse.Namespace) -> None:
-    from importlib.metadata import entry_points
-
+    from camgeo.figure import accuracy
     from camgeo.files.transaction import write_set
 
     target = Path(arguments.output)
-    render = entry_points(group=RENDERERS)[RENDERER].load()
-    data: bytes = render(found, title=f"{design.name}: what accuracy costs", suffix=target.suffix)
+    figure = accuracy.figure(found, title=f"{design.name}: what accuracy costs")
+    data = drawn(figure, target.suffix)
     write_set(target.parent, {target.name: data}, force=arguments.force)
     tell(f"{target}: pieces, bytes, seconds")
 

@@ -11,7 +11,7 @@ from typing import Final
 
 from camgeo.cli.command import FINE, Subparsers, new_parser, print_json, tell
 from camgeo.cli.crank_slide_told import document, lines
-from camgeo.cli.plot import RENDERERS, add_picture, check_picture
+from camgeo.cli.plot import add_picture, check_picture, drawn
 from camgeo.errors import GeometryError
 from camgeo.mechanism.crank_slide import CrankSlide
 from camgeo.mechanism.crank_slide_drive import DrivenSlide, crank_for_swing
@@ -23,9 +23,6 @@ from camgeo.mechanism.crank_slide_table import (
     slide_table,
 )
 from camgeo.units import RPM
-
-RENDERER: Final = "crank-slide"
-"""Entry point of the group `camgeo.renderers` that draws the diagram."""
 
 LOWEST, HIGHEST = 1e-100, 1e100
 """Of lengths [mm] and speeds [rev/min]: what is made of them is far from overflow."""
@@ -167,11 +164,10 @@ def _write(driven: DrivenSlide, table: SlideTable | None, arguments: argparse.Na
         files[target.name] = _csv(table, printed=arguments.printed).encode()
         told.append(f"{target}: {len(table.values)} rows")
     if arguments.output is not None:
-        from importlib.metadata import entry_points
+        from camgeo.figure import crank_slide
 
         target = Path(arguments.output)
-        render = entry_points(group=RENDERERS)[RENDERER].load()
-        files[target.name] = render(driven, target.suffix)
+        files[target.name] = drawn(crank_slide.figure(driven), target.suffix)
         told.append(f"{target}: phi, omega2, eps2")
     if files:
         from camgeo.files.transaction import write_set

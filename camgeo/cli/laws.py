@@ -19,14 +19,11 @@ from camgeo.cli.law_options import (
     known_law,
     parameters_from,
 )
-from camgeo.cli.plot import RENDERERS, SUFFIXES
+from camgeo.cli.plot import SUFFIXES, drawn
 from camgeo.motion.laws import ALIASES, FAMILIES, OPTIONS
 from camgeo.motion.laws.comparison import QUANTITIES, Entry, Running, compare
 from camgeo.motion.task import NAMES, TASKS, End, ends_of
 from camgeo.units import RPM
-
-RENDERER: Final = "laws"
-"""Entry point of the group `camgeo.renderers` that draws a comparison."""
 
 HEAD: Final = ("C_v", "C_a", "C_a*", "C_j", "C_j*", "C_Mdyn", "C_Mdyn*")
 
@@ -120,16 +117,14 @@ def _check_suffix(parser: argparse.ArgumentParser, name: str) -> None:
 
 
 def _draw(entries: tuple[Entry, ...], arguments: argparse.Namespace) -> None:
-    from importlib.metadata import entry_points
-
+    from camgeo.figure import laws
     from camgeo.files.transaction import write_set
 
     target = Path(arguments.output)
-    render = entry_points(group=RENDERERS)[RENDERER].load()
-    data: bytes = render(entries, target.suffix)
+    data = drawn(laws.figure(entries), target.suffix)
     write_set(target.parent, {target.name: data}, force=arguments.force)
-    drawn = sum(entry.law is not None for entry in entries)
-    tell(f"{target}: {drawn} laws for {entries[0].task}")
+    count = sum(entry.law is not None for entry in entries)
+    tell(f"{target}: {count} laws for {entries[0].task}")
 
 
 # The table ----------------------------------------------------------------------------------------

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 from decimal import Decimal, InvalidOperation
 from functools import partial
@@ -14,7 +13,7 @@ from typing import Final, Protocol
 import numpy as np
 
 from camgeo.cli.command import FINE, Subparsers, identity, new_parser, print_json, tell
-from camgeo.cli.plot import RENDERERS, SUFFIXES
+from camgeo.cli.plot import SUFFIXES, drawn
 from camgeo.cli.replay_told import Scale, closing_lines, closing_of, lines_of, record_of
 from camgeo.contour.contour import Contour
 from camgeo.design import Design
@@ -33,9 +32,6 @@ from camgeo.workpiece import Workpiece
 
 READERS: Final = "camgeo.readers"
 """Entry points that read contours from files, by what the file's name ends in without the dot."""
-
-RENDERER: Final = "replay"
-"""Entry point of the group `camgeo.renderers` that draws a replay."""
 
 STEP: Final = Decimal("0.1")
 SMALLEST_STEP: Final = Decimal("0.001")
@@ -263,23 +259,22 @@ def _write(
     arguments: argparse.Namespace,
     pair: tuple[Replay, Replay] | None,
 ) -> None:
-    from importlib.metadata import entry_points
-
     from camgeo.files.transaction import write_set
 
     if target.suffix == ".csv":
         table = _table(replay, scale, step, pair)
         data, told = table.csv().encode(), f"{len(table.values)} rows"
     else:
-        render: Callable[..., bytes] = entry_points(group=RENDERERS)[RENDERER].load()
-        data = render(
+        from camgeo.figure import replay as picture
+
+        figure = picture.figure(
             replay,
             title=f"{disc.name}: replay, {what}",
             unit=scale.unit,
             scale=scale.factor,
             joints=disc.cam.drive.joints,
-            suffix=target.suffix,
         )
+        data = drawn(figure, target.suffix)
         told = "lift, velocity, acceleration"
     write_set(target.parent, {target.name: data}, force=arguments.force)
     tell(f"{target}: {told}")

@@ -21,7 +21,7 @@ from camgeo.cli.command import (
     tell,
     tell_main_disc,
 )
-from camgeo.cli.plot import RENDERERS, add_picture, check_picture
+from camgeo.cli.plot import add_picture, check_picture, drawn
 from camgeo.cli.size_told import document, lines
 from camgeo.design import Design
 from camgeo.errors import Fault, GeometryError, SceneError
@@ -32,9 +32,6 @@ from camgeo.units import MM_PER
 if TYPE_CHECKING:
     from camgeo.mechanism.kinds import RollerFollower
     from camgeo.scene.scene import Scene
-
-RENDERER: Final = "size"
-"""Entry point of the group `camgeo.renderers` that draws the region."""
 
 MARGIN: Final = 1e-11
 """By how much [rad, and as a share of the ratio] a scene that is written keeps its limits: at the
@@ -135,11 +132,10 @@ def _write(design: Design, task: Task, sizing: Sizing, arguments: argparse.Names
     elif arguments.target is not None:
         tell(f"{arguments.target}: not written, there is no such mechanism")
     if arguments.output is not None:
-        from importlib.metadata import entry_points
+        from camgeo.figure import size as region
 
         target = Path(arguments.output)
-        render = entry_points(group=RENDERERS)[RENDERER].load()
-        files[target.name] = render(design.name, task, sizing, target.suffix)
+        files[target.name] = drawn(region.figure(design.name, task, sizing), target.suffix)
         told.append(f"{target}: region of the cam axis")
     if files:
         from camgeo.files.transaction import write_set

@@ -11,15 +11,12 @@ from typing import TYPE_CHECKING, Any, Final
 
 from camgeo._version import __version__
 from camgeo.cli.command import BROKEN, FINE, Subparsers, new_parser, print_json, tell
-from camgeo.cli.plot import RENDERERS, add_picture, check_picture
+from camgeo.cli.plot import add_picture, check_picture, drawn
 from camgeo.cli.progress import Progress
 
 if TYPE_CHECKING:  # the suite is imported when it is run
     from camgeo.stability.measure import Reading
     from camgeo.stability.suite import Row
-
-RENDERER: Final = "stability"
-"""Entry point of the group `camgeo.renderers` that draws the readings."""
 
 COLUMNS: Final = """\
 values: how many values of the quantity were compared with mpmath's
@@ -96,13 +93,11 @@ def _known(
 
 
 def _draw(readings: tuple[Reading, ...], limit: float, arguments: argparse.Namespace) -> None:
-    from importlib.metadata import entry_points
-
+    from camgeo.figure import stability
     from camgeo.files.transaction import write_set
 
     target = Path(arguments.output)
-    render = entry_points(group=RENDERERS)[RENDERER].load()
-    data: bytes = render(readings, limit, target.suffix)
+    data = drawn(stability.figure(readings, limit), target.suffix)
     write_set(target.parent, {target.name: data}, force=arguments.force)
     tell(f"{target}: {len(readings)} points")
 

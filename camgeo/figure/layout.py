@@ -8,6 +8,7 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
+from camgeo.figure.marks import Line
 from camgeo.figure.model import Frame
 from camgeo.numeric.arrays import FloatArray
 
@@ -49,6 +50,16 @@ def grid(
     ]
 
 
+def box(left: float, bottom: float, width: float, height: float) -> Frame:
+    """The frame of that width and height, all as shares of the figure."""
+    return left, bottom, left + width, bottom + height
+
+
+def heights(lines: Iterable[Line]) -> list[FloatArray]:
+    """The vertical coordinates of all points of `lines`."""
+    return [line.points[:, 1] for line in lines]
+
+
 def _steps(length: float, count: int, gap: float) -> list[tuple[float, float]]:
     """Where each of `count` equal parts of `length` begins and ends."""
     part = length / (count + gap * (count - 1))
@@ -87,6 +98,8 @@ def limits(
 
 
 def _widened(values: FloatArray, margin: float) -> tuple[float, float]:
+    if not len(values):
+        return 0.0, 1.0
     low, high = float(np.min(values)), float(np.max(values))
     if max(abs(low), abs(high)) == 0.0:
         low, high = -MARGIN, MARGIN
@@ -99,6 +112,7 @@ def _widened(values: FloatArray, margin: float) -> tuple[float, float]:
 def log_limits(drawn: Iterable[ArrayLike]) -> tuple[float, float]:
     """Limits of a logarithmic axis, likewise; a decade if nothing is drawn."""
     values = _values(drawn)
+    values = values[values > 0.0]
     low, high = (float(np.min(values)), float(np.max(values))) if len(values) else (1.0, 10.0)
     if low == high:
         low = 10.0 ** (math.ceil(math.log10(low)) - 1)
@@ -106,6 +120,23 @@ def log_limits(drawn: Iterable[ArrayLike]) -> tuple[float, float]:
     first, last = np.log10([low, high])
     free = MARGIN * (last - first)
     return float(10.0 ** (first - free)), float(10.0 ** (last + free))
+
+
+def round_ticks(
+    limits: tuple[float, float], steps: Sequence[float], parts: int
+) -> tuple[float, ...]:
+    """Multiples of a step within `limits`, the least that makes of them no more than `parts`.
+
+    Parameters
+    ----------
+    steps : from 1 to 10 in ascending order, of which a step is one times a power of ten.
+    """
+    low, high = limits
+    least = (high - low) / parts
+    power = 10.0 ** math.floor(math.log10(least))
+    step = next(each * power for each in steps if each * power >= least)
+    first, last = math.ceil(low / step), math.floor(high / step)
+    return tuple(number * step for number in range(first, last + 1))
 
 
 def _values(drawn: Iterable[ArrayLike]) -> FloatArray:

@@ -96,6 +96,9 @@ class Band:
     label: str = ""
     layer: float = 1.0
 
+    def __post_init__(self) -> None:
+        _freeze(self, "places", "low", "high")
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Area:
@@ -149,6 +152,9 @@ class Field:
     label: str = ""
     layer: float = 1.0
 
+    def __post_init__(self) -> None:
+        _freeze(self, "x", "y", "values")
+
 
 @dataclass(frozen=True, slots=True)
 class Box:
@@ -187,6 +193,11 @@ class Text:
 
 
 Mark = Line | Rule | Band | Area | Circle | Arrow | Field | Text
+
+
+def _freeze(mark: Band | Field, *names: str) -> None:
+    for name in names:
+        object.__setattr__(mark, name, frozen(getattr(mark, name), np.float64))
 
 
 def over(x: ArrayLike, y: ArrayLike) -> FloatArray:

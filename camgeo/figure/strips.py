@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from camgeo.figure.layout import Size
+from camgeo.figure.layout import Size, box
 from camgeo.figure.marks import Mark
 from camgeo.figure.model import Axis, Frame, Panel
 
@@ -25,8 +25,12 @@ class Strips:
     def frame(self, height: float) -> Frame:
         """The next frame, `height` [inch] high."""
         self.left_over -= height
-        left, bottom = self.left / self.width, self.left_over / self.height
-        return left, bottom, left + self.across / self.width, bottom + height / self.height
+        return box(
+            self.left / self.width,
+            self.left_over / self.height,
+            self.across / self.width,
+            height / self.height,
+        )
 
     def words(self, height: float, marks: list[Mark]) -> Panel:
         """A strip without axes, over one turn in degrees, its height 1."""

@@ -25,8 +25,9 @@ from camgeo.design import Design
 from camgeo.effects.effect import Column, Effect, Request
 from camgeo.effects.graph import Effects
 from camgeo.errors import EffectError, GeometryError
+from camgeo.figure.accuracy import figure
 from camgeo.numeric.arrays import FloatArray
-from camgeo_export.plots.accuracy import render
+from camgeo_export.plots.render import render
 from tests.effects.fakes import fake
 from tests.effects.scenes import SCENES, design
 
@@ -325,26 +326,26 @@ def height(svg: bytes) -> float:
 
 @cache
 def without_rows() -> bytes:
-    return render(survey_of(()), title="made up", suffix=".svg")
+    return render(figure(survey_of(()), title="made up"), ".svg")
 
 
 def test_the_picture_has_a_panel_more() -> None:
     without = without_rows()
-    drawn = render(survey_of(ROWS), title="made up", suffix=".svg")
+    drawn = render(figure(survey_of(ROWS), title="made up"), ".svg")
     assert height(drawn) > height(without) + 200.0
-    assert render(survey_of(ROWS), title="made up", suffix=".svg") == drawn
+    assert render(figure(survey_of(ROWS), title="made up"), ".svg") == drawn
     slower = (replace(ROWS[0], seconds=0.3), *ROWS[1:])
-    assert render(survey_of(slower), title="made up", suffix=".svg") != drawn
+    assert render(figure(survey_of(slower), title="made up"), ".svg") != drawn
 
 
 def test_without_seconds_there_is_no_panel() -> None:
-    assert render(survey_of(ROWS[2:]), title="made up", suffix=".svg") == without_rows()
-    plain = render(survey_of(()), title="made up", suffix=".svg", computing=False)
-    assert render(survey_of(ROWS), title="made up", suffix=".svg", computing=False) == plain
+    assert render(figure(survey_of(ROWS[2:]), title="made up"), ".svg") == without_rows()
+    plain = render(figure(survey_of(()), title="made up", computing=False), ".svg")
+    assert render(figure(survey_of(ROWS), title="made up", computing=False), ".svg") == plain
 
 
 def test_a_single_row_is_drawn() -> None:
-    assert render(survey_of(ROWS[:1]), title="", suffix=".png").startswith(b"\x89PNG")
+    assert render(figure(survey_of(ROWS[:1]), title=""), ".png").startswith(b"\x89PNG")
 
 
 def test_tolerances_of_a_scene_are_left_alone(made: Made, tmp_path: Path) -> None:

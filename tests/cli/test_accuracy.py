@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.metadata
 import json
 from decimal import Decimal
 from pathlib import Path
@@ -14,10 +13,9 @@ from camgeo.accuracy import survey as surveys
 from camgeo.accuracy.knee import knee_of
 from camgeo.accuracy.rows import FORMS, ContourRow, SolidRow, TableRow
 from camgeo.accuracy.survey import Survey
-from camgeo.cli.accuracy import RENDERER
 from camgeo.cli.main import COMMANDS, main, parser
-from camgeo.cli.plot import RENDERERS
-from camgeo_export.plots.accuracy import render
+from camgeo.figure.accuracy import figure
+from camgeo_export.plots.render import render
 from tests.accuracy.rows import file, missing, row
 
 Capture = pytest.CaptureFixture[str]
@@ -75,9 +73,8 @@ def call(*words: str) -> int:
     return code
 
 
-def test_it_is_a_command_with_a_renderer() -> None:
+def test_it_is_a_command() -> None:
     assert "accuracy" in COMMANDS
-    assert importlib.metadata.entry_points(group=RENDERERS)[RENDERER].load() is render
 
 
 def test_the_tables(found: list[dict[str, Any]], capsys: Capture) -> None:
@@ -201,20 +198,20 @@ def test_a_disc_that_cannot_be_is_refused(tmp_path: Path, capsys: Capture) -> No
     ("suffix", "start"), [(".png", b"\x89PNG"), (".svg", b"<?xml"), (".pdf", b"%PDF")]
 )
 def test_the_same_picture_each_time(suffix: str, start: bytes) -> None:
-    first = render(made_up(), title="made up", suffix=suffix)
+    first = render(figure(made_up(), title="made up"), suffix)
     assert first.startswith(start)
-    assert render(made_up(), title="made up", suffix=suffix) == first
+    assert render(figure(made_up(), title="made up"), suffix) == first
 
 
 def test_without_computing_no_second_of_this_machine_is_drawn() -> None:
     without = [
-        render(survey, title="made up", suffix=".svg", computing=False)
+        render(figure(survey, title="made up", computing=False), ".svg")
         for survey in (made_up(), _slower(made_up()))
     ]
     assert without[0] == without[1]
     # Seconds are drawn, and the title.
     drawn = [
-        render(survey, title=title, suffix=".svg")
+        render(figure(survey, title=title), ".svg")
         for survey, title in (
             (made_up(), "made up"),
             (_slower(made_up()), "made up"),
@@ -236,7 +233,7 @@ def _slower(survey: Survey) -> Survey:
 
 def test_a_picture_of_nothing() -> None:
     empty = Survey((), (), (), None)
-    assert render(empty, title="", suffix=".png").startswith(b"\x89PNG")
+    assert render(figure(empty, title=""), ".png").startswith(b"\x89PNG")
 
 
 def test_the_picture_is_written_beside_the_table(

@@ -16,10 +16,13 @@ import pytest
 from camgeo.cli.laws import HEAD, PHYSICAL_HEAD, UNITS
 from camgeo.cli.main import main
 from camgeo.errors import GeometryError
+from camgeo.figure.laws import SAMPLES, figure
+from camgeo.figure.marks import Line, Text
+from camgeo.figure.model import Panel
 from camgeo.motion.laws import FAMILIES, Characteristic, make_law
 from camgeo.motion.laws.comparison import QUANTITIES, Entry, Running, compare
 from camgeo.motion.task import TASKS
-from camgeo_export.plots.laws import render
+from camgeo_export.plots.render import render
 
 Capture = pytest.CaptureFixture[str]
 
@@ -320,54 +323,49 @@ def test_another_picture_is_not_written_over_it(tmp_path: Path, capsys: Capture)
 
 
 def test_every_law_has_its_row_with_all_one_sided_values() -> None:
-    from camgeo_export.plots.laws import _figure
-
     entries = compare("U-U", {"a0": 6.0, "a1": -5.0})
-    figure = _figure(entries)
+    drawn = figure(entries)
     rows = [found for found in entries if found.law is not None]
-    assert len(figure.axes) == 4 * len(rows)
+    assert len(drawn.panels) == 4 * len(rows)
     straight = next(index for index, found in enumerate(rows) if found.name == "sine-straight")
     law = rows[straight].law
     assert law is not None
-    lines = figure.axes[4 * straight + 2].lines
-    jerk = max((np.column_stack(line.get_data()) for line in lines), key=len)
+    jerk = max(lines_in(drawn.panels[4 * straight + 2]), key=lambda line: len(line.points))
     for region in law.regions:
         z = np.array([region.start, region.end])
         for place, value in zip(z, region.formula(z, 1.0 - z)[3], strict=True):
-            assert [place, value] in jerk.tolist()
+            assert [place, value] in jerk.points.tolist()
     # What cannot be drawn is told below.
-    assert any("simple-sine: not possible" in text.get_text() for text in figure.texts)
+    assert any("simple-sine: not possible" in text.text for text in drawn.texts)
 
 
 @pytest.mark.parametrize("task", TASKS)
 def test_every_law_is_drawn_from_its_start_to_its_end(task: str) -> None:
-    from camgeo_export.plots.laws import SAMPLES, _figure
-
-    for axes in _figure(compare(task, {})).axes:
-        curves = [np.asarray(line.get_xdata()) for line in axes.lines]
-        for z in (z for z in curves if len(z) >= SAMPLES):
-            assert np.all(np.diff(z) >= 0.0)
-            assert (z[0], z[-1]) == (0.0, 1.0)
+    for panel in figure(compare(task, {})).panels:
+        for line in lines_in(panel):
+            z = line.points[:, 0]
+            if len(z) >= SAMPLES:
+                assert np.all(np.diff(z) >= 0.0)
+                assert (z[0], z[-1]) == (0.0, 1.0)
 
 
 def test_the_picture_marks_extremes_and_what_is_unbounded() -> None:
-    from camgeo_export.plots.laws import _figure
+    velocity, acceleration, jerk, _ = figure([entry("R-R", "quadratic-parabola")]).panels
+    dots = [line.points.tolist() for line in lines_in(acceleration) if line.style.marker == "o"]
+    assert dots == [[[0.0, 4.0]], [[0.5, -4.0]]]
+    assert not [line for line in lines_in(velocity) if line.style.marker == "^"]
+    (triangles,) = [line for line in lines_in(jerk) if line.style.marker == "^"]
+    assert triangles.points.tolist() == [[0.0, 0.0], [0.5, 0.0], [1.0, 0.0]]
+    assert "C$_j$ unbounded" in [mark.text for mark in jerk.marks if isinstance(mark, Text)]
 
-    (velocity, acceleration, jerk, _) = _figure([entry("R-R", "quadratic-parabola")]).axes
-    dots = [line for line in acceleration.lines if line.get_marker() == "o"]
-    assert [(line.get_xdata(), line.get_ydata()) for line in dots] == [
-        ([0.0], [4.0]),
-        ([0.5], [-4.0]),
-    ]
-    assert not [line for line in velocity.lines if line.get_marker() == "^"]
-    (triangles,) = [line for line in jerk.lines if line.get_marker() == "^"]
-    assert list(np.asarray(triangles.get_xdata())) == [0.0, 0.5, 1.0]
-    assert "C$_j$ unbounded" in [text.get_text() for text in jerk.texts]
+
+def lines_in(panel: Panel) -> list[Line]:
+    return [mark for mark in panel.marks if isinstance(mark, Line)]
 
 
 def test_no_such_kind_of_picture() -> None:
     with pytest.raises(ValueError, match=r"\.svg, \.png and \.pdf"):
-        render(compare("R-R", {}), ".gif")
+        render(figure(compare("R-R", {})), ".gif")
 
 
 def test_the_table_needs_no_matplotlib() -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.metadata
 import json
 import math
 from pathlib import Path
@@ -11,11 +10,10 @@ from typing import Any
 import pytest
 
 from camgeo.cli.main import COMMANDS, main, parser
-from camgeo.cli.plot import RENDERERS
-from camgeo.cli.stability import RENDERER
+from camgeo.figure.stability import figure
 from camgeo.stability import suite
 from camgeo.stability.measure import Reading
-from camgeo_export.plots.stability import render
+from camgeo_export.plots.render import render
 
 Capture = pytest.CaptureFixture[str]
 
@@ -42,9 +40,8 @@ def found(monkeypatch: pytest.MonkeyPatch) -> list[Reading]:
     return readings
 
 
-def test_it_is_a_command_with_a_renderer() -> None:
+def test_it_is_a_command() -> None:
     assert "stability" in COMMANDS
-    assert importlib.metadata.entry_points(group=RENDERERS)[RENDERER].load() is render
 
 
 def test_the_table(capsys: Capture) -> None:
@@ -159,19 +156,19 @@ READINGS = (
     ("suffix", "start"), [(".png", b"\x89PNG"), (".svg", b"<?xml"), (".pdf", b"%PDF")]
 )
 def test_the_same_picture_each_time(suffix: str, start: bytes) -> None:
-    first = render(READINGS, suite.LIMIT, suffix)
+    first = render(figure(READINGS, suite.LIMIT), suffix)
     assert first.startswith(start)
-    assert render(READINGS, suite.LIMIT, suffix) == first
-    assert render(READINGS[:-1], suite.LIMIT, suffix) != first
+    assert render(figure(READINGS, suite.LIMIT), suffix) == first
+    assert render(figure(READINGS[:-1], suite.LIMIT), suffix) != first
 
 
 def test_a_picture_of_nothing() -> None:
-    assert render((), suite.LIMIT, ".png").startswith(b"\x89PNG")
+    assert render(figure((), suite.LIMIT), ".png").startswith(b"\x89PNG")
 
 
 def test_no_other_pictures() -> None:
     with pytest.raises(ValueError, match=r"no figures of kind \.bmp"):
-        render(READINGS, suite.LIMIT, ".bmp")
+        render(figure(READINGS, suite.LIMIT), ".bmp")
 
 
 def test_the_picture_is_written_beside_the_table(

@@ -16,7 +16,7 @@ from matplotlib.figure import Figure as Page
 from matplotlib.figure import SubFigure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Circle as Round
-from matplotlib.patches import FancyArrowPatch, Patch, PathPatch
+from matplotlib.patches import FancyArrowPatch, Patch, PathPatch, Rectangle
 from matplotlib.path import Path
 from matplotlib.transforms import Bbox
 
@@ -111,6 +111,11 @@ def _fill(place: Page | SubFigure, figure: Figure) -> None:
         if panel.above is not None:
             _further(axes.twiny(), panel.above, "x")
     if figure.aligned:
+        column = place.add_gridspec(len(panels), 1)  # only those of a grid are aligned
+        for number, axes in enumerate(panels):
+            frame = axes.get_position()
+            axes.set_subplotspec(column[number, 0])
+            axes.set_position(frame)
         place.align_ylabels(panels)
     for text in figure.texts:
         place.text(*text.at, text.text, **_words(text))
@@ -127,8 +132,6 @@ def _panel(axes: Axes, panel: Panel) -> None:
     _axis(axes, panel.y, "y")
     for mark in panel.marks:
         draw(mark, axes)
-    # Marks that have no limits of their own may have moved those of the panel.
-    axes.set(xlim=panel.x.limits, ylim=panel.y.limits)
     if panel.title:
         axes.set_title(panel.title, fontsize=panel.title_size, pad=panel.title_gap)
     if panel.legend is not None:
@@ -298,11 +301,13 @@ def _band(mark: Band, axes: Axes) -> PolyCollection:
 @draw.register
 def _(mark: Field, axes: Axes) -> None:
     within = _band(mark.within, axes)
+    within.remove()
     field = axes.contourf(
         mark.x, mark.y, mark.values,
         levels=list(mark.between), colors=[mark.style.face], zorder=mark.layer,
     )  # fmt: skip
     field.set_clip_path(Path.make_compound_path(*within.get_paths()), axes.transData)
+    axes.add_patch(Rectangle((0.0, 0.0), 0.0, 0.0, **_area(mark.style)))  # as files have had it
 
 
 @draw.register

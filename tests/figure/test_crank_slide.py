@@ -2,23 +2,20 @@
 
 from __future__ import annotations
 
-import importlib.metadata
 import math
 
 import numpy as np
 import pytest
-from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from camgeo.cli.crank_slide import RENDERER
-from camgeo.cli.plot import RENDERERS
+from camgeo.figure.crank_slide import PANELS, crank_angles, figure
 from camgeo.mechanism.crank_slide import CrankSlide
 from camgeo.mechanism.crank_slide_drive import DrivenSlide
 from camgeo.numeric.arrays import FloatArray
 from camgeo.units import RPM
-from camgeo_export.plots.crank_slide import PANELS, crank_angles, draw, render
-from camgeo_export.plots.style import RC
+from camgeo_export.plots.render import render
+from tests.figure import drawing
 
 SLIDES = {
     "exercise": CrankSlide(75.0, 150.0),
@@ -30,10 +27,8 @@ SLIDES = {
 
 
 def drawn(driven: DrivenSlide) -> tuple[Figure, list[Axes]]:
-    with rc_context(RC):
-        figure = draw(driven)
-        figure.canvas.draw()
-    return figure, figure.axes[: len(PANELS)]
+    page = drawing.drawn(figure(driven))
+    return page, page.axes[: len(PANELS)]
 
 
 def driven_by(name: str) -> DrivenSlide:
@@ -52,10 +47,6 @@ def dots_of(axes: Axes) -> list[tuple[float, float]]:
         if line.get_marker() == "o"
         for x, y in np.asarray(line.get_xydata(), dtype=np.float64)
     ]
-
-
-def test_the_renderer_is_found() -> None:
-    assert importlib.metadata.entry_points(group=RENDERERS)[RENDERER].load() is render
 
 
 @pytest.mark.parametrize("name", SLIDES)
@@ -87,17 +78,17 @@ def test_the_values_of_the_exercise_are_written_beside_the_dots() -> None:
 
 def test_the_time_stands_above_the_crank_angle() -> None:
     driven = driven_by("exercise")
-    figure, panels = drawn(driven)
+    page, panels = drawn(driven)
     assert panels[-1].get_xlim() == (0.0, 360.0)
-    above = figure.axes[-1]
+    above = page.axes[-1]
     assert above.get_xlim() == pytest.approx((0.0, 2.0 / 3.0))
 
 
 @pytest.mark.parametrize("rpm", [0.01, 90.0, 3000.0])
 @pytest.mark.parametrize("name", SLIDES)
 def test_the_labels_lie_within_the_figure(name: str, rpm: float) -> None:
-    figure, panels = drawn(DrivenSlide(SLIDES[name], rpm * RPM))
-    width, height = figure.canvas.get_width_height()
+    page, panels = drawn(DrivenSlide(SLIDES[name], rpm * RPM))
+    width, height = page.canvas.get_width_height()
     for axes in panels:
         for text in (*axes.texts, axes.yaxis.label, axes.yaxis.get_offset_text()):
             if not text.get_text():
@@ -125,10 +116,5 @@ def test_the_crank_angles_are_dense_where_the_acceleration_peaks() -> None:
 
 @pytest.mark.parametrize("suffix", [".svg", ".png", ".pdf"])
 def test_the_same_bytes_each_time(suffix: str) -> None:
-    driven = driven_by("exercise")
-    assert render(driven, suffix) == render(driven, suffix)
-
-
-def test_no_other_kind_of_figure() -> None:
-    with pytest.raises(ValueError, match="no figures of kind"):
-        render(driven_by("exercise"), ".gif")
+    drawn, again = (render(figure(driven_by("exercise")), suffix) for _ in range(2))
+    assert drawn == again

@@ -1,0 +1,199 @@
+"""What accuracy costs, over the tolerance: pieces beside their limits, bytes, seconds, effects.
+
+All on logarithmic axes, the tolerance falling to the right: what costs more stands farther right.
+Forms differ by marker and dash, fast fits have hollow markers, so that a print in grey can be read.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import Final
+
+from camgeo.accuracy.rows import EFFORTS, FORMS, ORDER, ContourRow, Form
+from camgeo.accuracy.survey import Survey
+from camgeo.figure.layout import box, heights, log_limits
+from camgeo.figure.marks import Line, Rule, Style, over
+from camgeo.figure.model import Axis, Figure, Legend, Panel, entries
+from camgeo.figure.style import LIMIT, LINE
+
+WIDTH, HEIGHT = 8.0, 3.2
+"""Sizes [inch] of the figure and of each panel."""
+
+LEFT, RIGHT, TOP, BOTTOM, GAP = 0.85, 2.0, 0.4, 0.55, 0.3
+"""Margins [inch]; the legends stand in the right one, the gap between the panels."""
+
+EFFECTS_GAP: Final = 0.75
+"""Gap [inch] above the panel of the effects, whose axis of tolerances is its own."""
+
+COLOURS: Final[dict[Form, str]] = {"polyline": "#c05a00", "arcs": LINE, "spline": "#6a8f3c"}
+
+MARKERS: Final[dict[Form, str]] = {"polyline": "s", "arcs": "o", "spline": "^"}
+
+SOLID_STYLES: Final[dict[str, tuple[str, str]]] = {"stl": ("x", "#808080"), "3mf": ("+", "#404040")}
+
+EFFECT_MARKERS: Final = "osD^vP*X"
+"""Of the effects, in their order; with more of them they begin anew."""
+
+LEAST_RANGE: Final = 100.0
+"""Factor from the lower to the upper end of an axis, at least."""
+
+DOTTED: Final = (1.0, 1.5)
+
+ADVICE: Final = Style(LIMIT, 1.0, (5.0, 3.0))
+
+Value = Callable[[ContourRow], float | None]
+
+
+def figure(survey: Survey, *, title: str, computing: bool = True) -> Figure:
+    """The measurements, a panel a kind of cost.
+
+    Parameters
+    ----------
+    computing : whether seconds of computing are drawn, which differ from run to run.
+    """
+    drawn = [("pieces, dwells and turns not counted", _pieces(survey)), ("bytes", _bytes(survey))]
+    if computing or any(row.round_seconds is not None for row in survey.contours):
+        drawn.append(("seconds", _seconds(survey, computing=computing)))
+    count = len(drawn)
+    effects = computing and any(row.seconds is not None for row in survey.effects)
+    below_others = (HEIGHT + EFFECTS_GAP) * effects
+    height = TOP + BOTTOM + count * HEIGHT + (count - 1) * GAP + below_others
+    knee = [] if survey.knee is None else [Rule("x", survey.knee.row.tolerance, ADVICE)]
+    tolerances = [row.tolerance for row in survey.contours]
+    panels = []
+    for number, (label, lines) in enumerate(drawn):
+        bottom = BOTTOM + below_others + (count - 1 - number) * (HEIGHT + GAP)
+        x = _tolerances(tolerances, "tolerance [mm]", numbered=number == count - 1)
+        panel = _panel(bottom, height, x, label, lines)
+        panels.append(replace(panel, marks=(*lines, *knee), title="" if number else title))
+    if effects:
+        x = _tolerances(
+            [row.tolerance for row in survey.effects],
+            "tolerance of effects, of the largest magnitude",
+        )
+        panels.append(_panel(BOTTOM, height, x, "seconds", _effects(survey)))
+    return Figure((WIDTH, height), tuple(panels))
+
+
+def _panel(bottom: float, height: float, x: Axis, label: str, lines: list[Line]) -> Panel:
+    """A panel whose lower edge is `bottom` inches above that of the figure of `height`."""
+    low, high = log_limits(heights(lines))
+    if high < LEAST_RANGE * low:  # a few per cent must not look like a mountain
+        wider = math.sqrt(LEAST_RANGE * low / high)
+        low, high = low / wider, high * wider
+    named = entries(lines)
+    return Panel(
+        box(LEFT / WIDTH, bottom / height, 1.0 - (LEFT + RIGHT) / WIDTH, HEIGHT / height),
+        x,
+        Axis((low, high), label, log=True),
+        tuple(lines),
+        legend=Legend(named, "upper left", (1.02, 1.0), size=7.5, gap=0.0) if named else None,
+    )
+
+
+def _tolerances(tolerances: list[float], label: str, *, numbered: bool = True) -> Axis:
+    ends = (max(tolerances) * 1.8, min(tolerances) / 1.8) if tolerances else log_limits([])
+    return Axis(ends, label if numbered else "", log=True, numbered=numbered)
+
+
+def _pieces(survey: Survey) -> list[Line]:
+    """Pieces without those that dwells and turns are, and the limits with their slopes."""
+
+    def free(row: ContourRow) -> float | None:
+        return None if row.count is None else row.count.pieces - row.count.forced
+
+    lines = []
+    for form in FORMS:
+        own = [row for row in survey.contours if row.form == form and row.count is not None]
+        # The same limit stands in the rows of both efforts.
+        least = {row.tolerance: row.count.least for row in own if row.count}
+        tolerances = sorted(least, reverse=True)
+        if tolerances and least[tolerances[0]] > 0.0:
+            values = [least[tolerance] for tolerance in tolerances]
+            slope = f"limit, slope −1/{ORDER[form]}"
+            lines.append(Line(over(tolerances, values), Style(COLOURS[form], 0.7), slope))
+        for effort in EFFORTS:
+            rows = [row for row in own if row.effort == effort]
+            lines += _points(rows, free, f"{form}, {effort}", _style(form, effort))
+    if survey.knee is not None:  # its line stands in every panel, its name in this one
+        lines.append(Line(over([], []), ADVICE, "advice"))
+    return lines
+
+
+def _bytes(survey: Survey) -> list[Line]:
+    """Sizes of the files: drawings, programs, solids; of contours those of fewest pieces."""
+    fewest = [row for row in survey.contours if row.effort == EFFORTS[0]]
+    lines = []
+    for form in FORMS:
+        rows = [row for row in fewest if row.form == form]
+        lines += _points(rows, _drawing_size, f"DXF, {form}", _style(form, EFFORTS[0]))
+    style = replace(_style("arcs", EFFORTS[1]), marker="D", width=0.8, dashes=DOTTED)
+    lines += _points(fewest, _program_size, "G-code", style)
+    for name, (marker, colour) in SOLID_STYLES.items():
+        found = [(row.tolerance, row.file.size) for row in survey.solids if row.format == name
+                 and row.file is not None]  # fmt: skip
+        if found:
+            style = Style(colour, 0.8, (4.0, 2.0), marker, 5.0)
+            lines.append(Line(over(*zip(*found, strict=True)), style, name.upper()))
+    return lines
+
+
+def _seconds(survey: Survey, *, computing: bool) -> list[Line]:
+    """Milling once round, and computing: fit with its proof."""
+    fewest = [row for row in survey.contours if row.effort == EFFORTS[0]]
+    lines = []
+    for form in FORMS:
+        rows = [row for row in fewest if row.form == form]
+        label = f"milled round, {form}"
+        lines += _points(rows, lambda row: row.round_seconds, label, _style(form, EFFORTS[0]))
+    for form in FORMS if computing else ():
+        for effort in EFFORTS:
+            rows = [row for row in survey.contours if (row.form, row.effort) == (form, effort)]
+            style = replace(_style(form, effort), width=0.8, dashes=DOTTED, size=3.5)
+            lines += _points(rows, _fit_seconds, f"fit, {form}, {effort}", style)
+    return lines
+
+
+def _effects(survey: Survey) -> list[Line]:
+    """Computing of the numerical effects, over tolerances of their own."""
+    lines = []
+    for number, name in enumerate(dict.fromkeys(row.effect for row in survey.effects)):
+        found = [(row.tolerance, row.seconds) for row in survey.effects
+                 if row.effect == name and row.seconds is not None]  # fmt: skip
+        if found:
+            marker = EFFECT_MARKERS[number % len(EFFECT_MARKERS)]
+            style = Style(LINE, 0.8, DOTTED, marker, 5.0)
+            lines.append(Line(over(*zip(*found, strict=True)), style, name))
+    return lines
+
+
+def _points(rows: Sequence[ContourRow], value: Value, label: str, style: Style) -> list[Line]:
+    found = [(row.tolerance, value(row)) for row in rows]
+    sound = [(x, y) for x, y in found if y is not None and y > 0.0]
+    return [Line(over(*zip(*sound, strict=True)), style, label)] if sound else []
+
+
+def _style(form: Form, effort: str) -> Style:
+    hollow, colour = effort == EFFORTS[1], COLOURS[form]
+    return Style(
+        colour,
+        0.0 if hollow else 0.8,
+        marker=MARKERS[form],
+        size=5.0,
+        face="white" if hollow else colour,
+        edge=colour,
+    )
+
+
+def _drawing_size(row: ContourRow) -> float | None:
+    return None if row.drawing is None else row.drawing.size
+
+
+def _program_size(row: ContourRow) -> float | None:
+    return None if row.program is None else row.program.size
+
+
+def _fit_seconds(row: ContourRow) -> float | None:
+    return None if row.count is None else row.count.fit_seconds

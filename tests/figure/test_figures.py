@@ -1,0 +1,335 @@
+"""Every figure is data: complete, finite, of JSON, and drawn mark by mark."""
+
+from __future__ import annotations
+
+import importlib.metadata
+import json
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from dataclasses import fields, is_dataclass, replace
+from functools import cache
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any, get_args
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure as Page
+
+import camgeo
+from camgeo.check.sizing.smallest import size as sized
+from camgeo.check.sizing.task import Task
+from camgeo.cli.plot import RENDERERS
+from camgeo.figure import accuracy, crank_slide, laws, plots, replay, size, stability
+from camgeo.figure.layout import grid, limits, log_limits, rooms, round_ticks
+from camgeo.figure.marks import (
+    Area,
+    Arrow,
+    Band,
+    Circle,
+    Field,
+    Fill,
+    Line,
+    Mark,
+    Rule,
+    Style,
+    Text,
+    over,
+)
+from camgeo.figure.model import Axis, Entry, Figure, Inset, Legend, Panel, entries
+from camgeo.mechanism.crank_slide import CrankSlide
+from camgeo.mechanism.crank_slide_drive import DrivenSlide
+from camgeo.motion.laws.comparison import compare
+from camgeo.outline.replay import replay_outline
+from camgeo.stability.measure import Reading
+from camgeo_export.plots.render import draw, render
+from tests.cli.test_accuracy import made_up
+from tests.export.stub_product import StubProduct
+
+FIXTURES = Path(__file__).parents[2] / "fixtures"
+
+
+def of_size() -> Figure:
+    design = camgeo.load(FIXTURES / "scenes" / "schnitt.toml")
+    task = Task(design.cam)
+    return size.figure(design.name, task, sized(task, np.radians(45.0), 0.5))
+
+
+def of_replay() -> Figure:
+    disc = camgeo.load(FIXTURES / "scenes" / "swallow_tail.toml").cam.disc
+    found = replay_outline(disc.pitch_curve, disc.outline("inner").path, step=np.radians(1.0))
+    return replay.figure(found, title="replay", unit="mm", scale=1.0, joints=(0.0, 1.0))
+
+
+def of_stability() -> Figure:
+    reading = Reading("curvature", "cams", "made up", 3.0, 0.25, 0.0, 1.0)
+    return stability.figure([reading, replace(reading, quantity="lift", error=3.0)], 4.0)
+
+
+OF_DATA: dict[str, Callable[[], Figure]] = {
+    "laws": lambda: laws.figure(compare("R-R", {})),
+    "replay": of_replay,
+    "size": of_size,
+    "crank-slide": lambda: crank_slide.figure(DrivenSlide(CrankSlide(60.0, 100.0), 20.0)),
+    "stability": of_stability,
+    "accuracy": lambda: accuracy.figure(made_up(), title="accuracy"),
+}
+
+SCENES = ("scenes/setzhub", "scenes/swallow_tail", "scenes/tappet", "effects/conjugate_lever")
+
+CASES = [*OF_DATA, *(f"{name} of {scene}" for scene in SCENES for name in plots.OWN)]
+
+
+@cache
+def figure_of(case: str) -> Figure:
+    if case in OF_DATA:
+        return OF_DATA[case]()
+    name, scene = case.split(" of ")
+    return plots.find(name)(camgeo.load(FIXTURES / f"{scene}.toml").disc)
+
+
+def parts(value: Any) -> Iterator[Any]:
+    """A figure and all that is in it."""
+    yield value
+    if is_dataclass(value):
+        for field in fields(value):
+            yield from parts(getattr(value, field.name))
+    elif isinstance(value, tuple):
+        for each in value:
+            yield from parts(each)
+
+
+def marks(figure: Figure) -> list[Mark | Inset]:
+    return [mark for panel in figure.panels for mark in panel.marks]
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_a_figure_is_finite_data_that_cannot_be_changed(case: str) -> None:
+    for part in parts(figure_of(case)):
+        if isinstance(part, float):
+            assert np.isfinite(part)
+        elif isinstance(part, np.ndarray):
+            assert not part.flags.writeable
+            assert not np.any(np.isinf(part))
+        elif isinstance(part, Panel):
+            left, bottom, right, top = part.frame
+            assert 0.0 <= left < right <= 1.0
+            assert 0.0 <= bottom < top <= 1.0
+        elif isinstance(part, Axis):
+            assert part.limits[0] != part.limits[1]
+            low, high = sorted(part.limits)
+            assert all(low <= tick <= high for tick in part.ticks or ())
+            assert part.names is None or len(part.names) == len(part.ticks or ())
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_a_figure_is_json_without_nan(case: str) -> None:
+    figure = figure_of(case)
+    data = json.loads(json.dumps(figure.to_data(), allow_nan=False))
+    assert data["kind"] == "figure"
+    drawn = [mark["kind"] for panel in data["panels"] for mark in panel["marks"]]
+    assert drawn == [type(mark).__name__.lower() for mark in marks(figure)]
+    told_marks = [mark for panel in data["panels"] for mark in panel["marks"]]
+    for mark, told in zip(marks(figure), told_marks, strict=True):
+        if isinstance(mark, Line):
+            again = np.array(told["points"], dtype=np.float64).reshape(-1, 2)
+            assert np.array_equal(again, mark.points, equal_nan=True)
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_every_name_in_a_legend_is_that_of_something_drawn(case: str) -> None:
+    figure = figure_of(case)
+    styles = {mark.style for part in parts(figure) if isinstance(mark := part, Line | Rule)}
+    fills = {part.style for part in parts(figure) if isinstance(part, Area | Band | Circle | Field)}
+    legends = [part for part in parts(figure) if isinstance(part, Legend)]
+    for entry in (entry for legend in legends for entry in legend.entries):
+        assert entry.label
+        if case not in {"laws", "cam of scenes/tappet"} and "of the" not in entry.label:
+            looks = styles if isinstance(entry.style, Style) else fills
+            # A roller is a circle with a cross, and stands in the legend as a small one.
+            assert entry.style in looks or entry.label.startswith("roller"), entry
+
+
+def test_what_stands_in_each_picture() -> None:
+    """What it is about, by the names and words in it."""
+    wanted = {
+        "laws": {"f′ f″", "law", "modified-sine"},
+        "replay": {"actual", "demanded", "ripple"},
+        "size": {"by Flocke", "exact", "present design"},
+        "crank-slide": {"time t [s]", "slide angle φ", "rad/s² at"},
+        "stability": {"limit, ratio 4", "curvature", "lift"},
+        "accuracy": {"tolerance [mm]", "bytes", "advice"},
+        "motion of scenes/setzhub": {"motion plan", "ψ‴", "dwell", "max"},
+        "cam of scenes/swallow_tail": {"times as large", "cut off", "pitch curve"},
+        "mechanism of scenes/setzhub": {"cam angle 0°"},
+        "curvature of scenes/setzhub": {"cusp of a flank", "pitch curve"},
+        "transmission-angle of scenes/setzhub": {"limit ", "transmission angle μ"},
+        "effects of effects/conjugate_lever": {"limit, ", "[N]"},
+    }
+    for case, words in wanted.items():
+        told = "\n".join(part for part in parts(figure_of(case)) if isinstance(part, str))
+        assert [word for word in words if word not in told] == [], case
+
+
+def test_no_builder_loads_what_draws() -> None:
+    code = (
+        "import sys; from camgeo.figure import "
+        f"{', '.join(name.replace('-', '_') for name in (*OF_DATA, *plots.OWN))}, plots;"
+        "sys.exit('matplotlib' in sys.modules or 'camgeo_export' in sys.modules)"
+    )
+    assert subprocess.run([sys.executable, "-c", code], capture_output=True).returncode == 0
+
+
+# What draws ---------------------------------------------------------------------------------------
+
+
+def test_there_is_one_renderer() -> None:
+    (entry,) = importlib.metadata.entry_points(group=RENDERERS)
+    assert entry.load() is render
+
+
+SQUARE = over([0.2, 0.8, 0.8, 0.2], [0.2, 0.2, 0.8, 0.8])
+CELLS = np.linspace(0.0, 1.0, 5)
+BAND = Band("y", CELLS, CELLS * 0.2, CELLS * 0.2 + 0.5, Fill("#c9dcee"))
+EVERY_MARK: tuple[Mark, ...] = (
+    Line(SQUARE, Style("black", marker="o")),
+    Rule("x", 0.5, Style("black")),
+    BAND,
+    Area((SQUARE, 0.5 * SQUARE + 0.25), Fill("#c9dcee")),
+    Circle((0.5, 0.5), 0.2, Fill(edge="black")),
+    Arrow(SQUARE, Style("black"), 12.0),
+    Field(CELLS, CELLS, np.add.outer(CELLS, CELLS), (0.5, 1.0), Fill("#f0b8b4"), BAND),
+    Text("words", (0.5, 0.5), 9.0),
+)
+
+
+def panel(*marked: Mark | Inset) -> Panel:
+    return Panel((0.1, 0.1, 0.9, 0.9), Axis((0.0, 1.0)), Axis((0.0, 1.0)), marked)
+
+
+def test_every_mark_is_tried() -> None:
+    assert {type(mark) for mark in EVERY_MARK} == set(get_args(Mark))
+
+
+INSET = Inset(panel(EVERY_MARK[0]), (0.6, 0.6), 0.3, (0.1, 0.1, 0.2), Style("black"))
+
+
+@pytest.mark.parametrize("mark", [*EVERY_MARK, INSET], ids=lambda mark: type(mark).__name__)
+def test_every_mark_is_drawn(mark: Mark | Inset) -> None:
+    with_it, without = (
+        render(Figure((2.0, 2.0), (panel(*marked),)), ".svg") for marked in ((mark,), ())
+    )
+    assert len(with_it) > len(without) + 100
+
+
+def test_what_is_no_mark_is_refused() -> None:
+    with pytest.raises(TypeError, match="SimpleNamespace is no mark"):
+        draw(SimpleNamespace(), Page().add_subplot())
+
+
+def test_what_is_beside_the_marks_is_drawn() -> None:
+    """Titles, legends, further scales, words on the page, and figures below each other."""
+    plain = panel()
+    legend = Legend((Entry("name", Style("black")), Entry("area", Fill("#c9dcee"))))
+    below = replace(legend, place="lower center")
+    scale = Axis((1.0, 10.0), "scale", log=True, label_place=0.2)
+    figures = [
+        Figure((2.0, 2.0), (replace(plain, **change),))
+        for change in (
+            {},
+            {"title": "title"},
+            {"legend": legend},
+            {"right": scale},
+            {"above": scale},
+            {"bare": True},
+            {"y": replace(plain.y, ticks=(0.5,), names=("half",))},
+            {"y": replace(plain.y, numbered=False)},
+            {"y": Axis((0.0, 1e6), powers=(-3, 3))},
+        )
+    ]
+    text = Text("words", (0.5, 0.5), 9.0, "figure")
+    figures += [Figure((2.0, 2.0), (plain,), (text,)), Figure((2.0, 2.0), (plain,), legend=below)]
+    figures.append(Figure((2.0, 4.0), rows=(figures[0], figures[0])))
+    assert len({render(each, ".svg") for each in figures}) == len(figures)
+
+
+# Layout -------------------------------------------------------------------------------------------
+
+
+def test_panels_of_a_grid_fill_it_row_by_row() -> None:
+    frames = grid((10.0, 5.0), (1.0, 2.0, 0.5, 1.0), 2, 3, (0.5, 0.2))
+    assert len(frames) == 6
+    assert frames[0][0] == pytest.approx(0.1)
+    assert frames[0][3] == pytest.approx(0.9)
+    assert frames[-1][1:3] == pytest.approx((0.2, 0.8))
+    sizes = {(round(right - left, 12), round(top - low, 12)) for left, low, right, top in frames}
+    assert len(sizes) == 1
+    (across, up) = sizes.pop()
+    assert frames[1][0] - frames[0][2] == pytest.approx(0.2 * across)
+    assert frames[0][1] - frames[3][3] == pytest.approx(0.5 * up)
+
+
+def test_limits_hold_what_is_drawn_with_a_margin() -> None:
+    assert limits([[1.0, 3.0], 2.0, np.nan]) == pytest.approx((0.9, 3.1))
+    # A rule inside the margin takes no room, one beyond it takes a margin of its own.
+    assert limits([[1.0, 3.0]], [3.05]) == pytest.approx((0.9, 3.1))
+    assert limits([[1.0, 3.0]], [5.0]) == pytest.approx((0.8, 5.2))
+    low, high = limits([[2.0, 2.0]])
+    assert low < 2.0 < high
+    assert limits([]) == (0.0, 1.0)
+    assert log_limits([[1.0, 100.0]]) == pytest.approx((10.0**-0.1, 10.0**2.1))
+    low, high = log_limits([[0.0, 5.0]])
+    assert 0.0 < low < 5.0 < high
+
+
+def test_rows_of_a_page_have_their_height() -> None:
+    heights = [3.6, 10.0, 3.6, 5.07]
+    found = rooms(7.0, heights)
+    assert {width for width, _ in found} == {7.0}
+    # Sums of edges of a page of 2227 dots, each rounded a few times.
+    assert [high for _, high in found] == pytest.approx(heights, rel=1e-13)
+
+
+@pytest.mark.parametrize("span", [1e-3, 0.7, 90.0, 100.0, 180.0, 360.0])
+@pytest.mark.parametrize("middle", [0.0, 33.0, -200.0])
+def test_round_ticks_are_multiples_inside(span: float, middle: float) -> None:
+    low, high = middle - 0.5 * span, middle + 0.5 * span
+    ticks = round_ticks((low, high), (1.0, 2.0, 5.0, 10.0), 7)
+    assert low <= ticks[0] < ticks[-1] <= high
+    steps = np.diff(ticks)
+    assert len(ticks) <= 8
+    # A step is the difference of two multiples, each rounded once.
+    assert steps == pytest.approx(steps[0], abs=4.0 * np.spacing(max(abs(low), abs(high))))
+
+
+def test_entries_are_of_named_marks_only() -> None:
+    named = Line(SQUARE, Style("black"), "name")
+    assert entries([*EVERY_MARK, named]) == (Entry("name", Style("black")),)
+
+
+# Plots by their names -----------------------------------------------------------------------------
+
+
+def test_a_stack_is_as_wide_as_its_widest() -> None:
+    stack = plots.stacked(StubProduct(), ["motion", "mechanism", "curvature"])
+    assert {row.size[0] for row in stack.rows} == {stack.size[0]} == {10.0}
+    assert stack.size[1] == pytest.approx(sum(row.size[1] for row in stack.rows))
+    assert json.loads(json.dumps(stack.to_data(), allow_nan=False))["rows"][2]["kind"] == "figure"
+
+
+def test_a_plot_of_another_distribution(monkeypatch: pytest.MonkeyPatch) -> None:
+    def build(product: Any, size: Any = (3.0, 2.0)) -> Figure:
+        return Figure(size, (panel(Text(product.name, (0.5, 0.5), 9.0)),))
+
+    def entry_points(group: str, name: str | None = None) -> Any:
+        assert group == plots.GROUP
+        entry = importlib.metadata.EntryPoint("card", "cards:build", group)
+        monkeypatch.setitem(sys.modules, "cards", SimpleNamespace(build=build))
+        return importlib.metadata.EntryPoints([entry] if name in {None, "card"} else [])
+
+    monkeypatch.setattr(plots, "entry_points", entry_points)
+    assert "card" in plots.names()
+    stack = plots.stacked(StubProduct(), ["card", "curvature"])
+    assert [row.size for row in stack.rows] == [(7.0, 2.0), (7.0, 3.6)]
+    assert render(stack, ".svg").startswith(b"<?xml")
