@@ -15,10 +15,9 @@ from camgeo.cli.command import (
     identity,
     new_parser,
     print_json,
-    tell,
     tell_main_disc,
 )
-from camgeo.cli.plot import add_picture, check_picture, drawn
+from camgeo.cli.plot import add_picture, check_picture, write_picture
 from camgeo.cli.progress import Progress
 from camgeo.design import Design
 from camgeo.formats.format import LARGEST_TOLERANCE, SMALLEST_TOLERANCE
@@ -97,7 +96,11 @@ def run(parser: argparse.ArgumentParser, arguments: argparse.Namespace) -> int:
     with Progress() as progress:
         found = survey(design, asked or TOLERANCES, ripple=ripple, tell=progress)
     if arguments.output is not None:
-        _draw(design, found, arguments)
+        from camgeo.figure import accuracy
+
+        figure = accuracy.figure(found, title=f"{design.name}: what accuracy costs")
+        told = "pieces, bytes, seconds"
+        write_picture(figure, Path(arguments.output), told, force=arguments.force)
     if arguments.json:
         print_json({**identity(design.disc), **_document(design, found)})
     else:
@@ -120,17 +123,6 @@ def _tolerances(parser: argparse.ArgumentParser, text: str) -> tuple[float, ...]
             )
         found.append(value)
     return tuple(sorted(set(found), reverse=True))
-
-
-def _draw(design: Design, found: Survey, arguments: argparse.Namespace) -> None:
-    from camgeo.figure import accuracy
-    from camgeo.files.transaction import write_set
-
-    target = Path(arguments.output)
-    figure = accuracy.figure(found, title=f"{design.name}: what accuracy costs")
-    data = drawn(figure, target.suffix)
-    write_set(target.parent, {target.name: data}, force=arguments.force)
-    tell(f"{target}: pieces, bytes, seconds")
 
 
 # The tables ---------------------------------------------------------------------------------------

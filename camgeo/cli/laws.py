@@ -10,7 +10,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any, Final
 
-from camgeo.cli.command import FINE, Subparsers, new_parser, print_json, tell
+from camgeo.cli.command import FINE, Subparsers, new_parser, print_json
 from camgeo.cli.law_options import (
     DEFAULT_TASK,
     EVERY_TASK,
@@ -19,7 +19,7 @@ from camgeo.cli.law_options import (
     known_law,
     parameters_from,
 )
-from camgeo.cli.plot import SUFFIXES, drawn
+from camgeo.cli.plot import add_picture, check_picture, write_picture
 from camgeo.motion.laws import ALIASES, FAMILIES, OPTIONS
 from camgeo.motion.laws.comparison import QUANTITIES, Entry, Running, compare
 from camgeo.motion.task import NAMES, TASKS, End, ends_of
@@ -67,10 +67,7 @@ def register(subparsers: Subparsers[argparse.ArgumentParser]) -> None:
         group.add_argument(f"--{name}", metavar=metavar, type=float, help=text)
     parser.add_argument("--places", action="store_true", help="print z of the extremes too")
     parser.add_argument("--json", action="store_true", help="print JSON")
-    parser.add_argument(
-        "-o", metavar="FILE", dest="output", help=f"draw a picture, {', '.join(SUFFIXES)}"
-    )
-    parser.add_argument("--force", action="store_true", help="write over an existing file")
+    add_picture(parser, "draw a picture")
     parser.set_defaults(run=partial(run, parser))
 
 
@@ -86,11 +83,15 @@ def run(parser: argparse.ArgumentParser, arguments: argparse.Namespace) -> int:
             parser.error(f"{', '.join(only_with_one)}: allowed with one task only, not with all")
         _print_tasks(names, as_json=arguments.json)
         return FINE
+    check_picture(parser, arguments.output)
     task = arguments.task or DEFAULT_TASK
     entries = compare(task, parameters_from(arguments), names)
     if arguments.output is not None:
-        _check_suffix(parser, arguments.output)
-        _draw(entries, arguments)
+        from camgeo.figure import laws
+
+        count = sum(entry.law is not None for entry in entries)
+        target, told = Path(arguments.output), f"{count} laws for {entries[0].task}"
+        write_picture(laws.figure(entries), target, told, force=arguments.force)
     if arguments.json:
         print_json([_record(entry, running) for entry in entries])
     elif arguments.output is None:
@@ -106,25 +107,6 @@ def _running(parser: argparse.ArgumentParser, arguments: argparse.Namespace) -> 
     if missing:
         parser.error(f"physical values need {' and '.join(missing)} too")
     return Running(arguments.speed * RPM, math.radians(arguments.span), arguments.stroke)
-
-
-# The picture --------------------------------------------------------------------------------------
-
-
-def _check_suffix(parser: argparse.ArgumentParser, name: str) -> None:
-    if Path(name).suffix not in SUFFIXES:
-        parser.error(f"argument -o: {name!r} must end in one of {', '.join(SUFFIXES)}")
-
-
-def _draw(entries: tuple[Entry, ...], arguments: argparse.Namespace) -> None:
-    from camgeo.figure import laws
-    from camgeo.files.transaction import write_set
-
-    target = Path(arguments.output)
-    data = drawn(laws.figure(entries), target.suffix)
-    write_set(target.parent, {target.name: data}, force=arguments.force)
-    count = sum(entry.law is not None for entry in entries)
-    tell(f"{target}: {count} laws for {entries[0].task}")
 
 
 # The table ----------------------------------------------------------------------------------------

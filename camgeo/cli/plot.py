@@ -53,7 +53,6 @@ def run(arguments: argparse.Namespace) -> int:
     import difflib
 
     from camgeo.figure import plots
-    from camgeo.files.transaction import write_set
 
     names = plots.names()
     for name in arguments.what:
@@ -71,9 +70,8 @@ def run(arguments: argparse.Namespace) -> int:
         raise SceneError(
             [Fault("-o", str(target), f"the name must end in one of {', '.join(SUFFIXES)}")]
         )
-    data = drawn(plots.stacked(design.disc, wanted), target.suffix)
-    write_set(target.parent, {target.name: data}, force=arguments.force)
-    tell(f"{target}: {', '.join(wanted)}")
+    figure = plots.stacked(design.disc, wanted)
+    write_picture(figure, target, ", ".join(wanted), force=arguments.force)
     if set(wanted) - {CAM}:
         tell_main_disc(design, "curves")
     return FINE
@@ -87,11 +85,17 @@ def drawn(figure: Figure, suffix: str) -> bytes:
     return data
 
 
-def add_picture(parser: argparse.ArgumentParser) -> None:
-    """The options of a command that draws a picture besides what it prints."""
-    parser.add_argument(
-        "-o", metavar="FILE", dest="output", help=f"draw a picture too, {', '.join(SUFFIXES)}"
-    )
+def write_picture(figure: Figure, target: Path, told: str, *, force: bool) -> None:
+    """Write the figure, and tell what is in it."""
+    from camgeo.files.transaction import write_set
+
+    write_set(target.parent, {target.name: drawn(figure, target.suffix)}, force=force)
+    tell(f"{target}: {told}")
+
+
+def add_picture(parser: argparse.ArgumentParser, text: str = "draw a picture too") -> None:
+    """The options of a command that draws a picture, by default besides what it prints."""
+    parser.add_argument("-o", metavar="FILE", dest="output", help=f"{text}, {', '.join(SUFFIXES)}")
     parser.add_argument("--force", action="store_true", help="write over an existing file")
 
 

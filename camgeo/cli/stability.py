@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from camgeo._version import __version__
-from camgeo.cli.command import BROKEN, FINE, Subparsers, new_parser, print_json, tell
-from camgeo.cli.plot import add_picture, check_picture, drawn
+from camgeo.cli.command import BROKEN, FINE, Subparsers, new_parser, print_json
+from camgeo.cli.plot import add_picture, check_picture, write_picture
 from camgeo.cli.progress import Progress
 
 if TYPE_CHECKING:  # the suite is imported when it is run
@@ -67,7 +67,12 @@ def run(parser: argparse.ArgumentParser, arguments: argparse.Namespace) -> int:
         readings = suite.run(cases, only, quick=arguments.quick, tell=progress)
     rows = suite.table(readings)
     if arguments.output is not None:
-        _draw(suite.worst_of_cases(readings), suite.LIMIT, arguments)
+        from camgeo.figure import stability
+
+        points = suite.worst_of_cases(readings)
+        figure = stability.figure(points, suite.LIMIT)
+        told = f"{len(points)} points"
+        write_picture(figure, Path(arguments.output), told, force=arguments.force)
     if arguments.json:
         print_json(_document(rows, suite.LIMIT, quick=arguments.quick))
     else:
@@ -90,16 +95,6 @@ def _known(
             parser.error(f"argument --only: there is no {name!r}{hint}")
         found.update(meant)
     return frozenset(found)
-
-
-def _draw(readings: tuple[Reading, ...], limit: float, arguments: argparse.Namespace) -> None:
-    from camgeo.figure import stability
-    from camgeo.files.transaction import write_set
-
-    target = Path(arguments.output)
-    data = drawn(stability.figure(readings, limit), target.suffix)
-    write_set(target.parent, {target.name: data}, force=arguments.force)
-    tell(f"{target}: {len(readings)} points")
 
 
 # The table ----------------------------------------------------------------------------------------

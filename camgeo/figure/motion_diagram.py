@@ -19,10 +19,7 @@ from camgeo.files.product import Product
 from camgeo.numeric.arrays import FloatArray
 
 MARKS: Final = {"s": "", "s1": "′", "s2": "″", "s3": "‴"}
-RATES: Final = {
-    "s": ("", "v", "a", "jerk"),
-    "ψ": ("", "dψ/dt", "d²ψ/dt²", "d³ψ/dt³"),
-}
+RATES: Final = {"s": ("", "v", "a", "jerk"), "ψ": ("", "dψ/dt", "d²ψ/dt²", "d³ψ/dt³")}
 RAISED: Final = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
 OVER_ANGLE: Final = ("", "/rad", "/rad²", "/rad³")
 OVER_TIME: Final = ("", "/s", "/s²", "/s³")

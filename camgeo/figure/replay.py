@@ -9,17 +9,7 @@ import numpy as np
 from camgeo.figure.layout import grid, limits
 from camgeo.figure.marks import Band, Box, Fill, Line, Mark, Style, Text, over
 from camgeo.figure.model import Axis, Figure, Legend, Panel, entries
-from camgeo.figure.style import (
-    AUXILIARY,
-    LEFT,
-    LIMIT,
-    LINE,
-    RIGHT,
-    TOP,
-    ZERO,
-    joint_marks,
-    turn_axis,
-)
+from camgeo.figure.style import AUXILIARY, LIMIT, LINE, MARGINS, ZERO, joint_marks, turn_axis
 from camgeo.numeric.arrays import FloatArray
 from camgeo.outline.replay_result import Replay
 
@@ -57,7 +47,7 @@ def figure(
     unit = "°" if unit == "deg" else unit
     panels = []
     marked: list[Mark] = []
-    for order, frame in enumerate(grid(SIZE, (LEFT, RIGHT, TOP, BOTTOM), 3, gaps=(0.12, 0.0))):
+    for order, frame in enumerate(grid(SIZE, (*MARGINS[:3], BOTTOM), 3, gaps=(0.12, 0.0))):
         shown, marks = _panel(replay, order, scale, unit)
         marked += marks
         symbol = ("ψ" if unit == "°" else "s") + ("", "′", "″")[order]

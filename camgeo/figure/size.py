@@ -37,11 +37,7 @@ FLOCKE: Final = Fill(edge=AUXILIARY, width=0.9, hatched=True)
 def figure(name: str, task: Task, sizing: Sizing) -> Figure:
     """The region; lengths in mm, origin in the roller's start (guide) or in the pivot (rocker)."""
     columns, rows = window(task, sizing)
-    marks = [
-        *_regions(task, sizing, columns, rows),
-        *_follower(task),
-        *_places(task, sizing),
-    ]
+    marks = [*_regions(task, sizing, columns, rows), *_follower(task), *_places(task, sizing)]
     x, y = seen(task, columns, rows)
     panel = Panel(
         grid(SIZE, MARGINS)[0],

@@ -8,9 +8,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from camgeo.figure.layout import Margins
+from camgeo.figure.layout import Margins, Size, grid
 from camgeo.figure.marks import Mark, Rule, Style
-from camgeo.figure.model import Axis
+from camgeo.figure.model import Axis, Figure, Legend, Panel, entries
 from camgeo.numeric.arrays import FloatArray
 from camgeo.units import TURN
 
@@ -60,6 +60,16 @@ def diagram_angles(joints: tuple[float, ...]) -> FloatArray:
 def turn_axis(*, label: str = "cam angle φ [°]", numbered: bool = True) -> Axis:
     """The axis of one turn in degrees, with its label if numbers stand there."""
     return Axis((0.0, 360.0), label if numbered else "", ticks=EVERY_30, numbered=numbered)
+
+
+def diagram(
+    size: Size, title: str, y: Axis, marks: list[Mark], joints: tuple[float, ...]
+) -> Figure:
+    """A figure of one panel over the cam angle, with a legend and its `joints` [rad]."""
+    legend = Legend(entries(marks))
+    everything = (*marks, *joint_marks(joints))
+    panel = Panel(grid(size, MARGINS)[0], turn_axis(), y, everything, title, legend=legend)
+    return Figure(size, (panel,))
 
 
 def joint_marks(joints: tuple[float, ...]) -> list[Mark]:

@@ -20,18 +20,7 @@ from matplotlib.patches import FancyArrowPatch, Patch, PathPatch, Rectangle
 from matplotlib.path import Path
 from matplotlib.transforms import Bbox
 
-from camgeo.figure.marks import (
-    Area,
-    Arrow,
-    Band,
-    Circle,
-    Field,
-    Fill,
-    Line,
-    Rule,
-    Style,
-    Text,
-)
+from camgeo.figure.marks import Area, Arrow, Band, Circle, Field, Fill, Line, Rule, Style, Text
 from camgeo.figure.model import Axis, Figure, Inset, Legend, Panel
 
 RC: Any = {
