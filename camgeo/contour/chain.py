@@ -28,10 +28,19 @@ class Chain:
     centres: ComplexArray
 
     @classmethod
+    def straight(cls, angles: FloatArray, vertices: ComplexArray) -> Self:
+        """Lines that start at `vertices` (n,)."""
+        return cls(angles, vertices, np.zeros(len(angles)), np.zeros_like(vertices))
+
+    @classmethod
     def empty(cls) -> Self:
         """No pieces at all."""
-        none = np.empty(0)
-        return cls(none, none.astype(np.complex128), none, none.astype(np.complex128))
+        return cls.straight(np.empty(0), np.empty(0, dtype=np.complex128))
+
+    @classmethod
+    def arc(cls, angle: float, start: complex, sweep: float, centre: complex) -> Self:
+        """One arc."""
+        return cls(np.array([angle]), np.array([start]), np.array([sweep]), np.array([centre]))
 
 
 @dataclass(frozen=True, slots=True, eq=False)

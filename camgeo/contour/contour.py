@@ -112,6 +112,11 @@ class Contour:
         return np.where(part == 0.0, self.vertices[index], arc)
 
     @classmethod
+    def polygon(cls, vertices: ComplexArray) -> Self:
+        """Straight pieces between `vertices` (n,) [mm]."""
+        return cls(vertices, np.zeros(len(vertices)), np.zeros_like(vertices))
+
+    @classmethod
     def circle(cls, radius: float, centre: complex = 0j) -> Self:
         """A full circle [mm] as two half arcs, counter-clockwise."""
         vertices = np.array([centre + radius, centre - radius])

@@ -7,6 +7,7 @@ with the tolerance either.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from typing import Generic, TypeVar
 
@@ -85,6 +86,11 @@ class Trials(Generic[Made]):
                         "the pieces of the contour cannot follow the curve", tolerance, distance
                     )
         return [done[piece] for piece in range(len(counts))]
+
+
+def too_many(most: int, what: str, tolerance: float) -> ToleranceError:
+    """The error that `tolerance` [mm] asks for more than `most` pieces, which are called `what`."""
+    return ToleranceError(f"more than {most:,} {what} would be needed", tolerance, math.inf)
 
 
 def above(count: int) -> int:

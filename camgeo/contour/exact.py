@@ -14,7 +14,8 @@ from camgeo.contour.chords.arc_chords import (
     circle_offset,
 )
 from camgeo.contour.contour import Contour
-from camgeo.errors import GeometryError, ToleranceError
+from camgeo.contour.counts import too_many
+from camgeo.errors import GeometryError
 from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, IntArray
 
 MAX_CHORDS = 2_000_000
@@ -32,9 +33,7 @@ def chords_of(exact: Contour, tolerance: float) -> Contour:
     radii = exact.radii
     largest = float(np.max(radii, initial=0.0))
     if largest > 0.0 and math.pi * math.sqrt(largest / (2.0 * tolerance)) > MAX_CHORDS:
-        raise ToleranceError(
-            f"more than {MAX_CHORDS:,} straight pieces needed", tolerance, math.inf
-        )
+        raise too_many(MAX_CHORDS, "straight pieces", tolerance)
     with np.errstate(divide="ignore", invalid="ignore"):
         # Sagitta r (1 - cos(step/2)) = tolerance, without the cancellation of 1 - cos.
         steps = 4.0 * np.arcsin(np.sqrt(np.minimum(tolerance / (2.0 * radii), 0.5)))
@@ -47,7 +46,7 @@ def chords_of(exact: Contour, tolerance: float) -> Contour:
         * np.exp(1j * exact.sweeps[k] * np.arange(int(counts[k])) / int(counts[k]))
         for k in range(len(exact))
     ]
-    return _straight(np.concatenate([np.atleast_1d(piece) for piece in pieces]))
+    return Contour.polygon(np.concatenate([np.atleast_1d(piece) for piece in pieces]))
 
 
 def fewest_chords_of(exact: Contour, tolerance: float) -> Contour:
@@ -76,7 +75,7 @@ def fewest_chords_of(exact: Contour, tolerance: float) -> Contour:
         turned = arc_angles(count, radius, abs(sweep), offset)[1:-1]
         arm = (1.0 + offset / radius) * (start - centre)
         found.append(np.append(start, centre + arm * np.exp(1j * np.sign(sweep) * turned)))
-    return _straight(np.concatenate(found))
+    return Contour.polygon(np.concatenate(found))
 
 
 def _chords_of_circle(exact: Contour, tolerance: float) -> Contour:
@@ -84,20 +83,13 @@ def _chords_of_circle(exact: Contour, tolerance: float) -> Contour:
     count = _checked(circle_count(tolerance, radius, WIDEST), tolerance)
     arm = (1.0 + circle_offset(count, radius) / radius) * (complex(exact.vertices[0]) - centre)
     step = math.copysign(2.0 * math.pi / count, float(exact.sweeps[0]))
-    return _straight(centre + arm * np.exp(1j * step * np.arange(count)))
+    return Contour.polygon(centre + arm * np.exp(1j * step * np.arange(count)))
 
 
 def _checked(count: int, tolerance: float) -> int:
     if count > MAX_CHORDS:
-        raise ToleranceError(
-            f"more than {MAX_CHORDS:,} straight pieces needed", tolerance, math.inf
-        )
+        raise too_many(MAX_CHORDS, "straight pieces", tolerance)
     return count
-
-
-def _straight(vertices: ComplexArray) -> Contour:
-    zero = np.zeros(len(vertices))
-    return Contour(vertices, zero, zero.astype(np.complex128))
 
 
 def distance_between(exact: Contour, contour: Contour) -> float:

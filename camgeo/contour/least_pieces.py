@@ -71,13 +71,6 @@ def forced_pieces(path: Path) -> int:
     )
 
 
-def break_count(path: Path) -> int:
-    """Places at which smooth pieces, dwells and turns of `path` meet; at least the one at which a
-    contour begins.
-    """
-    return sum(1 if isinstance(leg, TurnLeg) else len(leg.pieces) for leg in legs_of(path))
-
-
 def _curved(path: Path) -> list[tuple[WorkingCurve, Piece]]:
     """The smooth pieces that are no dwells."""
     stretches = [leg for leg in legs_of(path) if isinstance(leg, StretchLeg)]

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 
@@ -28,69 +27,17 @@ ROUNDING = 2.0**-52 * 32.0
 """Rounding of a point, as a share of the lengths that it is made of."""
 
 
-class Leg(Protocol):
-    """A leg over its parameter t [rad].
+@dataclass(frozen=True, slots=True)
+class StretchLeg:
+    """A stretch of a parallel as a leg; t is the cam angle.
 
     Attributes
     ----------
-    start, end : range of t, start < end.
+    curve : the parallel.
+    start, end : range of t [rad], start < end.
     closed : True if it is a whole path that closes without a corner; it may then begin anywhere.
     first : where it begins [mm], shared with the leg before it; None where its own point counts.
-    distance : d [mm], of the leg from its Z.
-    rotation : sigma; the outward normal is i sigma Z'/|Z'|.
-    borders : (k,) t at which the formula of Z changes, in [0, end] at least.
-    pole : the point [mm] about which Z turns where it turns about one, see `turns_rigidly`.
     """
-
-    @property
-    def start(self) -> float: ...
-
-    @property
-    def end(self) -> float: ...
-
-    @property
-    def closed(self) -> bool: ...
-
-    @property
-    def first(self) -> complex | None: ...
-
-    @property
-    def distance(self) -> float: ...
-
-    @property
-    def rotation(self) -> int: ...
-
-    @property
-    def borders(self) -> FloatArray: ...
-
-    @property
-    def pole(self) -> complex: ...
-
-    def point(self, t: FloatArray, side: Side = "right") -> ComplexArray:
-        """(n,) complex [mm] points at `t` (n,)."""
-
-    def tangent(self, t: FloatArray, side: Side = "right") -> ComplexArray:
-        """(n,) complex unit tangents, those of Z."""
-
-    def traced(self, t: FloatArray) -> tuple[ComplexArray, ComplexArray, FloatArray]:
-        """(n,) points [mm], unit tangents of Z, and ds/dt [mm/rad] along the leg, negative where it
-        runs against its tangent.
-        """
-
-    def jet_and_bounds(self, low: FloatArray, high: FloatArray) -> tuple[ComplexArray, FloatArray]:
-        """(3 or more, n) complex [mm/rad^k] Z, Z', Z'' in the middle of cells [low, high] (n,), and
-        (3, n) upper bounds of |Z'|, |Z''|, |Z'''| over them; no border lies inside a cell.
-        """
-
-    def turns_rigidly(self, t: FloatArray) -> BoolArray:
-        """(n,) whether the stretch without a border that `t` (n,) lies in is a circle about `pole`,
-        run through with t as the angle.
-        """
-
-
-@dataclass(frozen=True, slots=True)
-class StretchLeg:
-    """A stretch of a parallel as a leg; t is the cam angle."""
 
     curve: WorkingCurve
     start: float
@@ -100,17 +47,17 @@ class StretchLeg:
 
     @property
     def distance(self) -> float:
-        """See `Leg`."""
+        """d [mm], signed, of the leg from its Z."""
         return self.curve.distance
 
     @property
     def rotation(self) -> int:
-        """See `Leg`."""
+        """sigma; the outward normal is i sigma Z'/|Z'|."""
         return self.curve.pitch.rotation
 
     @property
     def borders(self) -> FloatArray:
-        """See `Leg`."""
+        """(k,) t at which the formula of Z changes, in [0, end] at least."""
         return np.concatenate((self.curve.borders, self.curve.borders + TURN))
 
     @property
@@ -130,31 +77,38 @@ class StretchLeg:
         return tuple(found)
 
     def point(self, t: FloatArray, side: Side = "right") -> ComplexArray:
-        """See `Leg`."""
+        """(n,) complex [mm] points at `t` (n,)."""
         return self.curve.point(t, side)
 
     def tangent(self, t: FloatArray, side: Side = "right") -> ComplexArray:
-        """See `Leg`."""
+        """(n,) complex unit tangents, those of Z."""
         return self.curve.tangent(t, side)
 
     def traced(self, t: FloatArray) -> tuple[ComplexArray, ComplexArray, FloatArray]:
-        """See `Leg`."""
+        """(n,) points [mm], unit tangents of Z, and ds/dt [mm/rad] along the leg, negative where it
+        runs against its tangent.
+        """
         return self.curve.traced(t)
 
     @property
     def pole(self) -> complex:
-        """The cam axis: a rest is a circle about it."""
+        """The point [mm] about which Z turns where it `turns_rigidly`: the cam axis, in a rest."""
         return 0j
 
     def jet_and_bounds(self, low: FloatArray, high: FloatArray) -> tuple[ComplexArray, FloatArray]:
-        """See `Leg`; cam angle 0 is a border, so no cell reaches across."""
+        """(3 or more, n) complex [mm/rad^k] Z, Z', Z'' in the middle of cells [low, high] (n,), and
+        (3, n) upper bounds of |Z'|, |Z''|, |Z'''| over them; no border lies inside a cell, so that
+        none reaches across cam angle 0.
+        """
         turns = TURN * np.floor(0.5 * (low + high) / TURN)
         return self.curve.pitch.jet_and_bounds(
             np.maximum(low - turns, 0.0), np.minimum(high - turns, TURN)
         )
 
     def turns_rigidly(self, t: FloatArray) -> BoolArray:
-        """See `Leg`: in a rest."""
+        """(n,) whether the stretch without a border that `t` (n,) lies in is a circle about `pole`,
+        run through with t as the angle: a rest.
+        """
         rests = np.zeros(len(t), dtype=np.bool_)
         for rest in self.curve.dwells:
             # Both ends of a rest are borders: what lies between its ends is clear of rounding.
@@ -164,7 +118,8 @@ class StretchLeg:
 
 @dataclass(frozen=True, slots=True)
 class TurnLeg:
-    """The arc of a pivot as a leg; t is the angle turned.
+    """The arc of a pivot as a leg; t is the angle turned, and what is asked of it that of
+    `StretchLeg`.
 
     Attributes
     ----------
@@ -183,7 +138,7 @@ class TurnLeg:
 
     @property
     def end(self) -> float:
-        """See `Leg`."""
+        """See `StretchLeg`."""
         return abs(self.sweep)
 
     @property
@@ -198,19 +153,19 @@ class TurnLeg:
 
     @property
     def borders(self) -> FloatArray:
-        """See `Leg`."""
+        """See `StretchLeg`."""
         return np.empty(0)
 
     def point(self, t: FloatArray, side: Side = "right") -> ComplexArray:
-        """See `Leg`."""
+        """See `StretchLeg`."""
         return self.centre + self._arm(t)
 
     def tangent(self, t: FloatArray, side: Side = "right") -> ComplexArray:
-        """See `Leg`."""
+        """See `StretchLeg`."""
         return 1j * math.copysign(1.0, self.sweep) * self._arm(t) / self.radius
 
     def traced(self, t: FloatArray) -> tuple[ComplexArray, ComplexArray, FloatArray]:
-        """See `Leg`."""
+        """See `StretchLeg`."""
         return self.point(t), self.tangent(t), np.full(len(t), self.radius)
 
     @property
@@ -219,13 +174,13 @@ class TurnLeg:
         return self.centre
 
     def jet_and_bounds(self, low: FloatArray, high: FloatArray) -> tuple[ComplexArray, FloatArray]:
-        """See `Leg`."""
+        """See `StretchLeg`."""
         arm = self._arm(0.5 * (low + high))
         jet = np.stack((self.centre + arm, 1j * math.copysign(1.0, self.sweep) * arm, -arm))
         return jet, np.full((3, len(low)), self.radius)
 
     def turns_rigidly(self, t: FloatArray) -> BoolArray:
-        """See `Leg`: everywhere."""
+        """See `StretchLeg`: everywhere."""
         return np.ones(len(t), dtype=np.bool_)
 
     def _arm(self, t: FloatArray) -> ComplexArray:
@@ -234,7 +189,10 @@ class TurnLeg:
         return turned
 
 
-def legs_of(path: Path) -> tuple[StretchLeg | TurnLeg, ...]:
+Leg = StretchLeg | TurnLeg
+
+
+def legs_of(path: Path) -> tuple[Leg, ...]:
     """The legs of a path, in order; corners are where they meet.
 
     Raises
@@ -247,7 +205,7 @@ def legs_of(path: Path) -> tuple[StretchLeg | TurnLeg, ...]:
     """
     if not path.stretches:
         raise GeometryError("a path needs a stretch of the curve")
-    legs: list[StretchLeg | TurnLeg] = []
+    legs: list[Leg] = []
     before = path.elements[-1]
     for element in path.elements:
         if isinstance(element, Stretch):

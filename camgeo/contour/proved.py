@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from typing import TypeVar
 
 import numpy as np
 
-from camgeo.contour.chain import Chain, contour_of, joined
+from camgeo.contour.chain import Chain, Run, contour_of, joined
 from camgeo.contour.fit import Fit
 from camgeo.contour.joints import torn_apart
 from camgeo.contour.legs import Leg, StretchLeg, TurnLeg, legs_of
 from camgeo.contour.proof.deviation import proved_bound
 from camgeo.curve.pieces import Piece
-from camgeo.errors import GeometryError, ToleranceError, UndercutError
+from camgeo.errors import GeometryError, ToleranceError
 from camgeo.outline.path import Path
 
 ROUNDS = 6
@@ -33,6 +34,7 @@ PieceOfLeg = tuple[StretchLeg, Piece]
 
 FitPieces = Callable[[Sequence[PieceOfLeg], float], Sequence[Chain]]
 FitTurn = Callable[[TurnLeg, float], Chain]
+Made = TypeVar("Made")
 
 
 def proved_fit(
@@ -57,14 +59,11 @@ def proved_fit(
     """
     legs = legs_of(path)
     stretches = [leg for leg in legs if isinstance(leg, StretchLeg)]
+    _require_joined(stretches, tolerance)
     pieces = [(leg, piece) for leg in stretches for piece in leg.pieces]
-    reached, failed = 0.0, None
-    for _ in range(ROUNDS):
-        try:
-            chains = iter(fit_pieces(pieces, aim))
-        except (GeometryError, ToleranceError, UndercutError):
-            _require_joined(stretches, tolerance)
-            raise
+
+    def fit(aim: float) -> tuple[Run, ...]:
+        chains = iter(fit_pieces(pieces, aim))
         parts: list[tuple[Leg, list[Chain]]] = []
         for leg in legs:
             if isinstance(leg, StretchLeg):
@@ -73,17 +72,32 @@ def proved_fit(
                 parts.append((leg, [Chain.empty()]))
             else:
                 parts.append((leg, [fit_turn(leg, aim)]))
-        runs = joined(parts)
+        return joined(parts)
+
+    runs, reached = proved(fit, proved_bound, aim, tolerance)
+    return Fit(contour_of(runs).counter_clockwise(), reached, tolerance)
+
+
+def proved(
+    fit: Callable[[float], Made], prove: Callable[[Made], float], aim: float, tolerance: float
+) -> tuple[Made, float]:
+    """What `fit` makes of an aim [mm], `aim` or the first lower one with which the deviation that
+    `prove` gives is at most `tolerance`; and that deviation [mm].
+
+    Raises what `prove` raises at last, ToleranceError if the deviation stays too large, and what
+    `fit` raises.
+    """
+    reached, failed = 0.0, None
+    for _ in range(ROUNDS):
+        made = fit(aim)
         try:
-            reached, failed = proved_bound(runs), None
-        except GeometryError as error:
-            _require_joined(stretches, tolerance)
+            reached, failed = prove(made), None
+        except GeometryError as error:  # too coarse to run beside the curve
             failed = error
             aim *= FINER
             continue
         if reached <= tolerance:
-            return Fit(contour_of(runs).counter_clockwise(), reached, tolerance)
-        _require_joined(stretches, tolerance)
+            return made, reached
         aim *= EASE * tolerance / reached
     if failed is not None:
         raise failed
@@ -93,7 +107,7 @@ def proved_fit(
 def _require_joined(legs: Sequence[StretchLeg], tolerance: float) -> None:
     """A parallel is torn apart where the follower's velocity jumps: there it is no single leg.
 
-    Asked only where something else has failed, as no contour can be proved across such a gap.
+    No contour could be proved across such a gap.
     """
     for leg in legs:
         starts = [piece.start for piece in leg.pieces if leg.closed or piece.start > leg.start]

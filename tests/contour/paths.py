@@ -14,6 +14,7 @@ from itertools import pairwise
 import numpy as np
 
 from camgeo.contour.contour import Contour
+from camgeo.contour.legs import TurnLeg, legs_of
 from camgeo.curve.pieces import smooth_pieces
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.curve.working_curve import WorkingCurve
@@ -189,3 +190,10 @@ def area(path: Path) -> float:
             step = (element.centre.conjugate() * (element.end - element.start)).imag
             total += 0.5 * (step + element.distance**2 * element.sweep)
     return total
+
+
+def break_count(path: Path) -> int:
+    """Places at which smooth pieces, dwells and turns of `path` meet; at least the one at which a
+    contour begins.
+    """
+    return sum(1 if isinstance(leg, TurnLeg) else len(leg.pieces) for leg in legs_of(path))

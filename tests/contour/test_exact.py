@@ -69,7 +69,7 @@ def test_chords_are_few() -> None:
 
 
 def test_too_many_chords_are_refused() -> None:
-    with pytest.raises(ToleranceError, match="straight pieces needed"):
+    with pytest.raises(ToleranceError, match="straight pieces would be needed"):
         chords_of(PLAIN, 1e-13)
 
 
@@ -213,5 +213,5 @@ def test_fewest_chords_of_a_circle() -> None:
 
 @pytest.mark.parametrize("exact", [PLAIN, SLOTTED])
 def test_too_many_of_the_fewest_are_refused(exact: Contour) -> None:
-    with pytest.raises(ToleranceError, match="straight pieces needed"):
+    with pytest.raises(ToleranceError, match="straight pieces would be needed"):
         fewest_chords_of(exact, 1e-13)

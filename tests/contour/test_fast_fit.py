@@ -21,7 +21,7 @@ from camgeo.contour.chords.fewest import fewest_chords
 from camgeo.contour.contour import Contour
 from camgeo.contour.counts import above, ladder
 from camgeo.contour.fit import Fit
-from camgeo.contour.least_pieces import break_count, forced_pieces, least_arcs, least_chords
+from camgeo.contour.least_pieces import forced_pieces, least_arcs, least_chords
 from camgeo.contour.peaks import highest
 from camgeo.contour.proof.deviation import deviation
 from camgeo.curve.pitch_curve import PitchCurve
@@ -32,6 +32,7 @@ from camgeo.motion.plan import Dwell, MotionPlan, Move
 from camgeo.outline.path import Path, whole
 from tests.contour.cams import FLANKS, TURN, curves, dense_flank, flank, move, outline, polyline
 from tests.contour.cams import translating as cam
+from tests.contour.paths import break_count
 
 Fitter = Callable[[Path, float], Fit]
 

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from camgeo.contour.arcs.fast import fit_arcs
 from camgeo.contour.chords.fast import fit_polyline
 from camgeo.contour.fit import Fit
-from camgeo.contour.least_pieces import break_count, forced_pieces
+from camgeo.contour.least_pieces import forced_pieces
 from camgeo.contour.simple import require_simple
 from camgeo.curve.pieces import smooth_pieces
 from camgeo.curve.pitch_curve import PitchCurve
@@ -26,6 +26,7 @@ from camgeo.outline.path import Path, whole
 from camgeo.part.boundaries import CurveBoundary
 from tests.contour.cams import FLANKS, TURN, Dense, curves, dwell, flank, move, outline
 from tests.contour.cams import translating as cam
+from tests.contour.paths import break_count
 from tests.contour.tangents import PLACE, check_shared_ends, check_tangent
 from tests.reference import hard_case
 

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from camgeo.contour.least_pieces import (
-    break_count,
     forced_pieces,
     least_arcs,
     least_chords,
@@ -18,6 +17,7 @@ from camgeo.curve.pieces import smooth_pieces
 from camgeo.numeric.arrays import FloatArray
 from camgeo.outline.path import whole
 from tests.contour.cams import dwell, flank, move, translating
+from tests.contour.paths import break_count
 
 EPS = 1e-3
 

@@ -11,7 +11,6 @@ import pytest
 
 import camgeo
 from camgeo.contour.least_pieces import (
-    break_count,
     forced_pieces,
     least_arcs,
     least_chords,
@@ -19,6 +18,7 @@ from camgeo.contour.least_pieces import (
 )
 from camgeo.outline.path import Path as Outline
 from camgeo.part.boundaries import CurveBoundary
+from tests.contour.paths import break_count
 from tests.end_to_end.built import SCENES
 
 TOLERANCES: Final = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6)

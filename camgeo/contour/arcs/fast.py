@@ -68,7 +68,7 @@ def fit_arcs(path: Path, tolerance: float) -> Fit:
 
 def turn_arc(leg: TurnLeg, _aim: float) -> Chain:
     """The one arc that a turn is."""
-    return Chain(np.zeros(1), np.array([leg.first]), np.array([leg.sweep]), np.array([leg.centre]))
+    return Chain.arc(0.0, leg.first, leg.sweep, leg.centre)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -120,30 +120,21 @@ def _group(curve: WorkingCurve, pieces: list[Piece]) -> _Group:
             densities.append(ArcDensity(piece, bends))
             stops.append(piece.end)
     ends = zip(*curve.traced(np.array(stops), "left"), strict=True) if stops else ()
-    rests = _rests(curve, [piece for piece in pieces if piece.dwell])
     of_curved = tuple(densities), tuple(Ends(*end) for end in ends)
-    return _Group(curve, tuple(pieces), *of_curved, tuple(rests))
+    return _Group(curve, tuple(pieces), *of_curved, rest_arcs(curve, pieces))
 
 
-def dwell_arc(curve: WorkingCurve, piece: Piece) -> Chain:
-    """The one arc about the cam axis that a dwell, or a part of one, is."""
-    return _rests(curve, [piece])[0]
-
-
-def _rests(curve: WorkingCurve, pieces: Sequence[Piece]) -> list[Chain]:
-    if not pieces:
-        return []
-    points = curve.point(np.array([piece.start for piece in pieces]))
+def rest_arcs(curve: WorkingCurve, pieces: Sequence[Piece]) -> tuple[Chain, ...]:
+    """The one arc about the cam axis that each rest among `pieces` is."""
+    rests = [piece for piece in pieces if piece.dwell]
+    if not rests:
+        return ()
+    points = curve.point(np.array([piece.start for piece in rests]))
     turn = -curve.pitch.rotation
-    return [
-        Chain(
-            np.array([piece.start]),
-            np.array([point]),
-            np.array([turn * (piece.end - piece.start)]),
-            np.zeros(1, dtype=np.complex128),
-        )
-        for piece, point in zip(pieces, points, strict=True)
-    ]
+    return tuple(
+        Chain.arc(piece.start, point, turn * (piece.end - piece.start), 0j)
+        for piece, point in zip(rests, points, strict=True)
+    )
 
 
 def _sound_biarcs(

@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 
 import numpy as np
 
 from camgeo.contour.arcs.arc_splines import ArcSpline, arc_splines
 from camgeo.contour.arcs.course import Strands
-from camgeo.contour.arcs.fast import dwell_arc, fit_arcs, turn_arc
+from camgeo.contour.arcs.fast import fit_arcs, rest_arcs, turn_arc
 from camgeo.contour.chain import Chain
 from camgeo.contour.fit import Fit
-from camgeo.contour.groups import by_curve
+from camgeo.contour.groups import fit_by_groups
 from camgeo.contour.least_pieces import ARC
-from camgeo.contour.proved import PieceOfLeg, proved_fit
+from camgeo.contour.proved import proved_fit
 from camgeo.contour.spread import bends_of
+from camgeo.curve.pieces import Piece
+from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import GeometryError, ToleranceError
 from camgeo.outline.path import Path
 
@@ -55,73 +56,52 @@ def fewest_arcs(path: Path, tolerance: float) -> Fit:
     GeometryError
         If the contour cannot be compared with the path.
     """
-    search = _Search()
+    groups: list[_Group] = []
+
+    def group(curve: WorkingCurve, pieces: list[Piece]) -> _Group:
+        groups.append(_Group(curve, pieces))
+        return groups[-1]
+
     try:
-        fit = proved_fit(path, tolerance, AIM * tolerance, search.chains, turn_arc)
+        fit = proved_fit(
+            path, tolerance, AIM * tolerance, fit_by_groups(group, tolerance), turn_arc
+        )
     except (ToleranceError, GeometryError, np.linalg.LinAlgError):
         return fit_arcs(path, tolerance)
-    if not search.missed:
+    if not any(group.missed for group in groups):
         return fit
     fast = fit_arcs(path, tolerance)
     return fast if len(fast.contour) < len(fit.contour) else fit
 
 
-class _Search:
-    """The fewest arcs for the smooth pieces of a path, each number tried once.
+class _Group:
+    """Smooth pieces of one curve, each number of arcs along them tried once.
 
     Attributes
     ----------
     missed : True once a number of arcs came to nothing: there, another method may do better.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, curve: WorkingCurve, pieces: list[Piece]) -> None:
         self.missed = False
-        self._groups: list[_Group] = []
-        self._dwells: dict[int, Chain] = {}
-
-    def chains(self, pieces: Sequence[PieceOfLeg], aim: float) -> list[Chain]:
-        """A chain for each of `pieces`, always the same ones; `aim` [mm] for the sampled deviation.
-
-        Raises
-        ------
-        UndercutError
-            If a piece is not regular.
-        ToleranceError
-            If no number of arcs was found to be enough for a piece.
-        """
-        if not self._groups and not self._dwells:
-            self._sort(pieces)
-        found = dict(self._dwells)
-        for group in self._groups:
-            for place, spline in zip(group.places, group.least(aim), strict=True):
-                found[place] = spline.chain()
-            self.missed = self.missed or group.missed
-        return [found[place] for place in range(len(pieces))]
-
-    def _sort(self, pieces: Sequence[PieceOfLeg]) -> None:
-        for curve, places in by_curve(pieces):
-            bends = bends_of(curve, [pieces[k][1] for k in places])
-            curved = [i for i, k in enumerate(places) if not pieces[k][1].dwell]
-            for k in places:
-                if pieces[k][1].dwell:
-                    self._dwells[k] = dwell_arc(curve, pieces[k][1])
-            if curved:
-                own = [places[i] for i in curved]
-                strands = Strands.of(curve, [pieces[k][1] for k in own], [bends[i] for i in curved])
-                self._groups.append(_Group(own, strands))
-
-
-class _Group:
-    """The pieces of one parallel, at `places` in the order of the path."""
-
-    def __init__(self, places: list[int], strands: Strands) -> None:
-        self.places = places
-        self.missed = False
-        self._strands = strands
+        self._pieces, self._rests = pieces, rest_arcs(curve, pieces)
+        bends = bends_of(curve, pieces)
+        self._curved = [k for k, piece in enumerate(pieces) if not piece.dwell]
+        if self._curved:
+            chosen = [pieces[k] for k in self._curved], [bends[k] for k in self._curved]
+            self._strands = Strands.of(curve, *chosen)
         self._known: dict[tuple[int, int], ArcSpline] = {}
 
-    def least(self, aim: float) -> list[ArcSpline]:
-        """For each piece the spline of the fewest arcs that deviate by at most `aim` [mm]."""
+    def fit(self, aim: float, _tolerance: float) -> list[Chain]:
+        """A chain for each of the pieces, always the same ones."""
+        curved, rests = iter(self._least(aim) if self._curved else ()), iter(self._rests)
+        return [next(rests) if piece.dwell else next(curved).chain() for piece in self._pieces]
+
+    def _least(self, aim: float) -> list[ArcSpline]:
+        """For each curved piece the spline of the fewest arcs that deviate by at most `aim` [mm].
+
+        ToleranceError if no number of arcs was found to be enough for a piece.
+        """
         if aim <= FINEST * float(np.max(np.abs(self._strands.points))):
             raise ToleranceError("arcs cannot be told from the curve", aim, math.inf)
         limits = self._strands.difficulty.totals * (ARC / aim) ** (1.0 / 3.0)

@@ -10,7 +10,7 @@ import numpy as np
 
 from camgeo.contour.chain import Chain
 from camgeo.contour.chords.density import MOST_TURN, ChordDensity
-from camgeo.contour.counts import Trials
+from camgeo.contour.counts import Trials, too_many
 from camgeo.contour.fit import Fit
 from camgeo.contour.groups import fit_by_groups
 from camgeo.contour.joints import APART, joints_apart
@@ -20,7 +20,6 @@ from camgeo.contour.proved import proved_fit
 from camgeo.contour.spread import bends_of
 from camgeo.curve.pieces import Piece
 from camgeo.curve.working_curve import WorkingCurve
-from camgeo.errors import ToleranceError
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.outline.path import Path
 
@@ -83,8 +82,8 @@ class _Group:
     def fit(self, aim: float, tolerance: float) -> list[Chain]:
         """A chain for each of the pieces."""
         expected = np.array([density.count(aim) for density in self.densities])
-        for count in expected:
-            _checked(math.ceil(count), tolerance)
+        if np.max(expected) > MAX_CHORDS:
+            raise too_many(MAX_CHORDS, "straight pieces", tolerance)
         return Trials(self._trials, ORDER, MAX_CHORDS).least(expected, aim, tolerance)
 
     def _trials(self, wanted: Sequence[tuple[int, int]]) -> list[tuple[Chain, float]]:
@@ -128,8 +127,7 @@ class _Group:
         made, shortest = [], []
         for first, stop in zip(np.append(0, stops[:-1]), stops, strict=True):
             own = slice(int(first), int(stop))
-            zero = np.zeros(stop - first)
-            chain = Chain(starts[own], points[own, 0], zero, zero.astype(np.complex128))
+            chain = Chain.straight(starts[own], points[own, 0])
             made.append((chain, float(np.max(distances[own]))))
             shortest.append(float(np.min(least[own])))
         return made, shortest
@@ -144,15 +142,8 @@ def _group(curve: WorkingCurve, pieces: list[Piece]) -> _Group:
 
 def _arc_chords(leg: TurnLeg, aim: float, tolerance: float) -> Chain:
     longest = min(math.sqrt(8.0 * aim / leg.radius), MOST_TURN)
-    count = _checked(math.ceil(leg.end / longest), tolerance)
-    angles = np.linspace(0.0, leg.end, count + 1)[:-1]
-    zero = np.zeros(count)
-    return Chain(angles, leg.point(angles), zero, zero.astype(np.complex128))
-
-
-def _checked(count: int, tolerance: float) -> int:
+    count = max(1, math.ceil(leg.end / longest))
     if count > MAX_CHORDS:
-        raise ToleranceError(
-            f"more than {MAX_CHORDS:,} straight pieces would be needed", tolerance, math.inf
-        )
-    return max(count, 1)
+        raise too_many(MAX_CHORDS, "straight pieces", tolerance)
+    angles = np.linspace(0.0, leg.end, count + 1)[:-1]
+    return Chain.straight(angles, leg.point(angles))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from itertools import pairwise
 
@@ -14,6 +13,7 @@ from camgeo.contour.chords.course import course
 from camgeo.contour.chords.fast import MAX_CHORDS, fit_polyline
 from camgeo.contour.chords.ladder import MOST_TURN, Ladder
 from camgeo.contour.chords.two_sided import Chords, Stretched
+from camgeo.contour.counts import too_many
 from camgeo.contour.fit import Fit
 from camgeo.contour.joints import require_regular
 from camgeo.contour.legs import StretchLeg, TurnLeg
@@ -134,19 +134,15 @@ def _chain(laid: Sequence[Chords]) -> Chain:
     """Stretches laid one after the other; the last vertex of each is the first of the next."""
     angles = np.concatenate([each.angles[: len(each.worst)] for each in laid])
     vertices = np.concatenate([each.vertices[: len(each.worst)] for each in laid])
-    zero = np.zeros(len(angles))
-    return Chain(angles, vertices, zero, zero.astype(np.complex128))
+    return Chain.straight(angles, vertices)
 
 
 def _arc_chords(leg: TurnLeg, aim: float) -> Chain:
     count = arc_count(aim, leg.radius, leg.end, MOST_TURN)
     if count > MAX_CHORDS:
-        raise ToleranceError(
-            f"more than {MAX_CHORDS:,} straight pieces would be needed", aim, math.inf
-        )
+        raise too_many(MAX_CHORDS, "straight pieces", aim)
     offset = arc_offset(count, leg.radius, leg.end)
     angles = arc_angles(count, leg.radius, leg.end, offset)[:-1]
     vertices = leg.centre + (1.0 + offset / leg.radius) * (leg.point(angles) - leg.centre)
     vertices[0] = leg.first
-    zero = np.zeros(count)
-    return Chain(angles, vertices, zero, zero.astype(np.complex128))
+    return Chain.straight(angles, vertices)

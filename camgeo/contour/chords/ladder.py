@@ -16,6 +16,7 @@ import numpy as np
 from camgeo.contour.chords.bends import Bends, bends_of
 from camgeo.contour.chords.evened import EVEN, Evened, evened
 from camgeo.contour.chords.two_sided import Chords, Stretched
+from camgeo.contour.counts import too_many
 from camgeo.errors import ToleranceError
 from camgeo.numeric.arrays import IntArray
 
@@ -85,9 +86,7 @@ class Ladder:
         for _ in range(LAYOUTS):
             number, _, key, rung, plain = heapq.heappop(waiting)
             if number > most_pieces:
-                raise ToleranceError(
-                    f"more than {most_pieces:,} straight pieces would be needed", most, math.inf
-                )
+                raise too_many(most_pieces, "straight pieces", most)
             counts = np.frombuffer(key, dtype=np.intp)
             rung = self._last_rung(counts, rung)
             bends = self._bends(rung)

@@ -11,9 +11,9 @@ from camgeo.contour.cubics.deviation import fitted_deviation
 from camgeo.contour.cubics.parts import ROUNDING, Part, parts_of
 from camgeo.contour.cubics.search import Ends, Found, fast, fewest
 from camgeo.contour.legs import legs_of
-from camgeo.contour.proved import EASE, FINER, ROUNDS
+from camgeo.contour.proved import proved
 from camgeo.contour.spline import Arc, CubicSpline, SplineContour, SplineFit
-from camgeo.errors import GeometryError, ToleranceError
+from camgeo.errors import ToleranceError
 from camgeo.outline.path import Path
 
 AIM = 0.96
@@ -66,27 +66,20 @@ def _proved(path: Path, tolerance: float, search: Search) -> SplineFit:
     arcs = [part.arc(end) for part, end in zip(parts, ends, strict=True)]
     groups = _groups(parts, ends, [k for k, arc in enumerate(arcs) if arc is None])
 
-    aim, reached, failed = AIM * tolerance, 0.0, None
-    for _ in range(ROUNDS):
+    def fit(aim: float) -> tuple[SplineContour, float]:
         whole: list[CubicSpline | Arc | None] = list(arcs)
         error = 0.0
         for chosen, course, ends_of in groups:
             for k, found in zip(chosen, search(course, ends_of, aim, tolerance), strict=True):
                 whole[k] = _strand(found.spline, size)
                 error = max(error, found.error)
-        contour = SplineContour(tuple(strand for strand in whole if strand is not None))
-        try:
-            reached, failed = fitted_deviation(legs, places, contour, error), None
-        except GeometryError as fault:  # too coarse to run beside the curve
-            failed = fault
-            aim *= FINER
-            continue
-        if reached <= tolerance:
-            return SplineFit(contour.counter_clockwise(), reached, tolerance)
-        aim *= EASE * tolerance / reached
-    if failed is not None:
-        raise failed
-    raise ToleranceError("a spline cannot follow the curve", tolerance, reached)
+        return SplineContour(tuple(strand for strand in whole if strand is not None)), error
+
+    def prove(made: tuple[SplineContour, float]) -> float:
+        return fitted_deviation(legs, places, *made)
+
+    (contour, _), reached = proved(fit, prove, AIM * tolerance, tolerance)
+    return SplineFit(contour.counter_clockwise(), reached, tolerance)
 
 
 def _groups(

@@ -11,7 +11,7 @@ from camgeo.contour.cubics.arc_length import CELLS, ArcLength, Traced, cells_of
 from camgeo.contour.cubics.deviation import Placed
 from camgeo.contour.groups import by_curve
 from camgeo.contour.joints import APART, check_regular, torn_apart
-from camgeo.contour.legs import StretchLeg, TurnLeg
+from camgeo.contour.legs import Leg, StretchLeg, TurnLeg
 from camgeo.contour.proved import SLIGHT
 from camgeo.contour.spline import Arc
 from camgeo.curve.pieces import Piece
@@ -48,7 +48,7 @@ class Part:
         return Arc(self.start, end, self.sweep, self.centre)
 
 
-def parts_of(legs: Sequence[StretchLeg | TurnLeg], tolerance: float) -> list[Part]:
+def parts_of(legs: Sequence[Leg], tolerance: float) -> list[Part]:
     """The strands to be, in order; what is too short to be one is left out.
 
     Raises

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from camgeo.contour.counts import too_many
 from camgeo.contour.cubics.arc_length import ArcLength
 from camgeo.contour.cubics.least_squares import ORDER, Layout, Solution, solve
 from camgeo.contour.spline import CubicSpline
-from camgeo.errors import ToleranceError
 from camgeo.numeric.arrays import ComplexArray, FloatArray, IntArray, grouped
 
 CUBIC_CONSTANT = 768.0**-0.25
@@ -141,9 +141,7 @@ def fewest(course: ArcLength, ends: Ends, aim: float, tolerance: float) -> list[
 
 def _next(place: int, tolerance: float) -> range:
     if place >= len(LADDER):
-        raise ToleranceError(
-            f"more than {MAX_CUBICS:,} cubics would be needed", tolerance, math.inf
-        )
+        raise too_many(MAX_CUBICS, "cubics", tolerance)
     return range(place, min(place + CANDIDATES, len(LADDER)))
 
 
@@ -164,9 +162,7 @@ def fast(course: ArcLength, ends: Ends, aim: float, tolerance: float) -> list[Fo
     while len(found) < len(counts):
         tried = [(k, count) for k in range(len(counts)) if k not in found for count in counts[k]]
         if max(count for _, count in tried) > MAX_CUBICS:
-            raise ToleranceError(
-                f"more than {MAX_CUBICS:,} cubics would be needed", tolerance, math.inf
-            )
+            raise too_many(MAX_CUBICS, "cubics", tolerance)
         trial = _equalised(course, ends, tried, DAMPING[:FAST_ROUNDS])
         for number, (k, count) in enumerate(tried):
             excess = float(trial.worst[number]) / aim

@@ -11,7 +11,7 @@ from hypothesis import HealthCheck, given, settings
 
 from camgeo.contour.arcs.fast import fit_arcs
 from camgeo.contour.arcs.fewest import fewest_arcs
-from camgeo.contour.least_pieces import break_count, forced_pieces, least_arcs
+from camgeo.contour.least_pieces import forced_pieces, least_arcs
 from camgeo.curve.pieces import smooth_pieces
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.curve.working_curve import WorkingCurve
@@ -31,7 +31,7 @@ from tests.contour.cams import (
     move,
     translating,
 )
-from tests.contour.paths import PATHS, measured
+from tests.contour.paths import PATHS, break_count, measured
 from tests.contour.paths import SAGITTA as PATH_SAGITTA
 from tests.contour.tangents import PLACE, check_shared_ends, check_tangent
 

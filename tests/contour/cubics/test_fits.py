@@ -16,7 +16,7 @@ from camgeo.contour.cubics.deviation import fitted_deviation, spline_deviation
 from camgeo.contour.cubics.fits import fewest_cubics, fit_spline
 from camgeo.contour.cubics.lines_and_arcs import lines_and_arcs
 from camgeo.contour.cubics.parts import parts_of
-from camgeo.contour.least_pieces import break_count, forced_pieces, least_cubics
+from camgeo.contour.least_pieces import forced_pieces, least_cubics
 from camgeo.contour.legs import legs_of
 from camgeo.contour.spline import Arc, CubicSpline, SplineContour, SplineFit
 from camgeo.curve.pieces import smooth_pieces
@@ -25,7 +25,7 @@ from camgeo.errors import GeometryError, ToleranceError, UndercutError
 from camgeo.outline.path import Path, whole
 from tests.contour.cams import FLANKS, TURN, curves, dwell, flank, move
 from tests.contour.cams import translating as cam
-from tests.contour.paths import PATHS, SAGITTA, dense_path
+from tests.contour.paths import PATHS, SAGITTA, break_count, dense_path
 from tests.contour.splines import curve_of, dense, tangents
 from tests.measuring import DensePath
 
