@@ -30,11 +30,11 @@ import numpy as np
 import camgeo
 from camgeo.check.judge import transmission_angle_limit
 from camgeo.check.sizing.exchange import smallest_place
-from camgeo.check.sizing.region import brute_map, feasible_map
+from camgeo.check.sizing.region import row_limits
 from camgeo.check.sizing.smallest import size
 from camgeo.check.sizing.task import Task, tangent_of
 from camgeo.errors import GeometryError
-from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.arrays import BoolArray, FloatArray
 
 SCENES: Final = Path(__file__).parents[1] / "fixtures" / "scenes"
 POINTS: Final = 200
@@ -80,6 +80,25 @@ def measure(name: str, rounds: int, angles: int) -> None:
     cells = (alone, both, exact, brute)
     told = "".join(f"{1e3 * cell:13.2f}" for cell in cells)
     print(f"{name:20}{told}{brute / exact:13.1f}{1e3 * EVERY**2 * single:13.0f}{differ:13d}")
+
+
+def feasible_map(task: Task, tangent: float, columns: FloatArray, rows: FloatArray) -> BoolArray:
+    """(rows, columns) whether mu >= atan(`tangent`) all round with P at these places [mm]."""
+    low, high = row_limits(task, tangent, rows)
+    inside: BoolArray = (columns >= low[:, np.newaxis]) & (columns <= high[:, np.newaxis])
+    return inside
+
+
+def brute_map(
+    task: Task, tangent: float, columns: FloatArray, rows: FloatArray, angles: int
+) -> BoolArray:
+    """As `feasible_map`, by the transmission angle at so many cam angles at every place."""
+    terms = task.terms(np.linspace(0.0, 2.0 * np.pi, angles, endpoint=False))
+    out = np.empty((len(rows), len(columns)), dtype=np.bool_)
+    for number, row in enumerate(rows):
+        u, v = terms.across_and_along((columns + 1j * row)[:, np.newaxis])
+        out[number] = np.all((u > 0.0) & (u >= tangent * np.abs(v)), axis=1)
+    return out
 
 
 def one_by_one(task: Task, columns: FloatArray, rows: FloatArray, angles: int) -> int:

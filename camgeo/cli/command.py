@@ -6,6 +6,9 @@ import argparse
 import json
 import math
 import sys
+from collections.abc import Sequence
+from decimal import Decimal, InvalidOperation
+from pathlib import Path
 from typing import Any, Final
 
 from camgeo.check.finding import Finding
@@ -44,6 +47,51 @@ def new_parser(
         epilog=f"example:\n  {example}",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
+
+
+def add_output(parser: argparse.ArgumentParser, text: str) -> None:
+    """The options that name a file to write, which `text` describes, and let it be overwritten."""
+    parser.add_argument("-o", metavar="FILE", dest="output", help=text)
+    parser.add_argument("--force", action="store_true", help="write over an existing file")
+
+
+def write_told(files: Sequence[tuple[Path, bytes, str]], *, force: bool) -> None:
+    """Write files of one folder, all or none, and tell each with what is said of it."""
+    if not files:
+        return
+    from camgeo.files.transaction import write_set  # most commands write nothing
+
+    write_set(files[0][0].parent, {path.name: data for path, data, _ in files}, force=force)
+    for path, _, text in files:
+        tell(f"{path}: {text}")
+
+
+def require_beside(
+    parser: argparse.ArgumentParser, option: str, name: str | None, output: str | None
+) -> None:
+    """Leave with a message if the files of `option` and of `-o` are the same, or not in one folder.
+
+    Files are written as a set, whole or not at all, and a set lies in one folder.
+    """
+    if name is None or output is None:
+        return
+    if Path(name) == Path(output):
+        parser.error(f"{option} and -o name the same file")
+    if Path(name).parent != Path(output).parent:
+        parser.error(f"{option} and -o must name files in the same folder")
+
+
+def decimal_of(
+    parser: argparse.ArgumentParser, option: str, text: str, what: str = "number"
+) -> Decimal:
+    """The number in the text of an option; ends the command if there is none."""
+    try:
+        number = Decimal(text)
+    except InvalidOperation:
+        number = Decimal("NaN")
+    if not number.is_finite():
+        parser.error(f"argument --{option}: {text!r} is no {what}")
+    return number
 
 
 def exit_code(findings: tuple[Finding, ...]) -> int:

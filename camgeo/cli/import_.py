@@ -6,7 +6,7 @@ import argparse
 from functools import partial
 from pathlib import Path
 
-from camgeo.cli.command import FINE, Subparsers, new_parser, tell
+from camgeo.cli.command import FINE, Subparsers, add_output, new_parser, tell, write_told
 from camgeo.errors import Fault, SceneError
 from camgeo.scene.ocv import ignored_answer, import_project, scene_name
 from camgeo.scene.ocv_layout import COUNT, SIZE, project_numbers
@@ -21,10 +21,7 @@ def register(subparsers: Subparsers[argparse.ArgumentParser]) -> None:
         "camgeo import fixtures/reference/ocv/setzhub.ocv -o setzhub.toml",
     )
     parser.add_argument("project", metavar="PROJECT", help="project file (.ocv)")
-    parser.add_argument(
-        "-o", metavar="FILE", dest="output", help="scene file to write; else the terminal"
-    )
-    parser.add_argument("--force", action="store_true", help="write over an existing file")
+    add_output(parser, "scene file to write; else the terminal")
     parser.set_defaults(run=partial(run, parser))
 
 
@@ -44,10 +41,8 @@ def run(parser: argparse.ArgumentParser, arguments: argparse.Namespace) -> int:
     if target is None:
         print(text, end="")
         return FINE
-    from camgeo.files.transaction import write_set
-
-    write_set(target.parent, {target.name: text.encode()}, force=arguments.force)
-    tell(f"{target}: written; next: camgeo check {target}")
+    told = f"written; next: camgeo check {target}"
+    write_told([(target, text.encode(), told)], force=arguments.force)
     return FINE
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from camgeo.cli.command import FINE, Subparsers, new_parser, tell
+from camgeo.cli.command import FINE, Subparsers, add_output, new_parser, write_told
 from camgeo.scene.new import KINDS, template
 
 
@@ -20,10 +20,7 @@ def register(subparsers: Subparsers[argparse.ArgumentParser]) -> None:
     parser.add_argument(
         "kind", metavar="KIND", nargs="?", default=KINDS[0], choices=KINDS, help=", ".join(KINDS)
     )
-    parser.add_argument(
-        "-o", metavar="FILE", dest="output", help="file to write; else the terminal"
-    )
-    parser.add_argument("--force", action="store_true", help="write over an existing file")
+    add_output(parser, "file to write; else the terminal")
     parser.set_defaults(run=run)
 
 
@@ -33,9 +30,7 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.output is None:
         print(text, end="")
         return FINE
-    from camgeo.files.transaction import write_set
-
     target = Path(arguments.output)
-    write_set(target.parent, {target.name: text.encode()}, force=arguments.force)
-    tell(f"{target}: written; next: camgeo check {target}")
+    told = f"written; next: camgeo check {target}"
+    write_told([(target, text.encode(), told)], force=arguments.force)
     return FINE

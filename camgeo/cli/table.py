@@ -5,13 +5,22 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Callable
-from decimal import Decimal, InvalidOperation
+from decimal import Decimal
 from functools import partial
 from pathlib import Path
 
 import numpy as np
 
-from camgeo.cli.command import FINE, Subparsers, new_parser, print_json, tell, tell_main_disc
+from camgeo.cli.command import (
+    FINE,
+    Subparsers,
+    add_output,
+    decimal_of,
+    new_parser,
+    print_json,
+    tell_main_disc,
+    write_told,
+)
 from camgeo.cli.law_options import add_law_options, given_options, law_from
 from camgeo.design import Design
 from camgeo.files.table import Table
@@ -39,10 +48,7 @@ def register(subparsers: Subparsers[argparse.ArgumentParser]) -> None:
         metavar="STEP",
         help="step of the cam angle in degrees; with --law, step of z, default 0.002",
     )
-    parser.add_argument(
-        "-o", metavar="FILE", dest="output", help="file to write; else the terminal"
-    )
-    parser.add_argument("--force", action="store_true", help="write over an existing file")
+    add_output(parser, "file to write; else the terminal")
     parser.add_argument("--json", action="store_true", help="print JSON")
     parser.add_argument(
         "--printed", action="store_true", help="with --law: rounded as the tables of VDI 2143 are"
@@ -68,7 +74,7 @@ def run(parser: argparse.ArgumentParser, arguments: argparse.Namespace) -> int:
 def _of_scene(parser: argparse.ArgumentParser, arguments: argparse.Namespace) -> int:
     step = None
     if arguments.step is not None:
-        step = _number(parser, arguments.step, "number of degrees")
+        step = decimal_of(parser, "step", arguments.step, "number of degrees")
         if not SMALLEST_STEP <= step <= LARGEST_STEP:
             parser.error(
                 f"argument --step: {arguments.step} degrees;"
@@ -83,7 +89,7 @@ def _of_scene(parser: argparse.ArgumentParser, arguments: argparse.Namespace) ->
 def _of_law(parser: argparse.ArgumentParser, arguments: argparse.Namespace) -> int:
     step = PRINTED_STEP
     if arguments.step is not None:
-        step = _number(parser, arguments.step, "number")
+        step = decimal_of(parser, "step", arguments.step)
     exact = law_table(law_from(arguments), step)
     if not arguments.printed:
         table = Table(NAMES, exact.values)
@@ -92,17 +98,6 @@ def _of_law(parser: argparse.ArgumentParser, arguments: argparse.Namespace) -> i
     table = Table(PRINTED_NAMES, np.array(rows, dtype=np.float64))
     lines = [",".join(row) + "\n" for row in (PRINTED_NAMES, *rows)]
     return _deliver(table, lambda: "".join(lines), arguments)
-
-
-def _number(parser: argparse.ArgumentParser, text: str, what: str) -> Decimal:
-    """The number in the text of `--step`; ends the command if there is none."""
-    try:
-        number = Decimal(text)
-    except InvalidOperation:
-        number = Decimal("NaN")
-    if not number.is_finite():
-        parser.error(f"argument --step: {text!r} is no {what}")
-    return number
 
 
 def _deliver(table: Table, text: Callable[[], str], arguments: argparse.Namespace) -> int:
@@ -114,9 +109,7 @@ def _deliver(table: Table, text: Callable[[], str], arguments: argparse.Namespac
     if arguments.output is None:
         sys.stdout.write(text())
         return FINE
-    from camgeo.files.transaction import write_set
-
-    target = Path(arguments.output)
-    write_set(target.parent, {target.name: text().encode()}, force=arguments.force)
-    tell(f"{target}: {len(table.values)} rows")
+    told = f"{len(table.values)} rows"
+    files = [(Path(arguments.output), text().encode(), told)]
+    write_told(files, force=arguments.force)
     return FINE

@@ -13,6 +13,7 @@ from camgeo.check.cures.moves import (
     angles_of,
     dwells_beside,
     key_of,
+    rests_beside,
     undercut_segments,
 )
 from camgeo.motion.laws import FAMILIES, characteristic, law_of
@@ -73,7 +74,6 @@ def offers_for(plan: MotionPlan, number: int) -> list[Offer]:
     """All laws that could stand in a move's place, the cheapest first."""
     move = plan.segments[number]
     assert isinstance(move, Move)
-    before, after = dwells_beside(plan, number)
     present = _peak(move.law)
     jerky = _jerks(move.law)
     found = []
@@ -81,11 +81,7 @@ def offers_for(plan: MotionPlan, number: int) -> list[Offer]:
         if TASK not in family.tasks:
             continue
         law = law_of(family.name, TASK, {})
-        ends = ((law.start, before), (law.end, after))
-        joins = all(
-            end.velocity == 0.0 and (end.acceleration == 0.0 or bool(dwells))
-            for end, dwells in ends
-        )
+        joins = rests_beside(plan, number, law)
         same = law.name == move.law.name and law.parameters == move.law.parameters
         if joins and not same and (jerky or not _jerks(law)):
             found.append(Offer(law, max(0.0, _peak(law) / present - 1.0)))

@@ -7,6 +7,7 @@ from decimal import Decimal
 
 from camgeo.cam.cam import Cam
 from camgeo.check.cures.margin import Pairs, bends_of, margin_within
+from camgeo.motion.laws.law import Law
 from camgeo.motion.plan import Dwell, MotionPlan, Move, Segment
 from camgeo.outline.cusps import CUSP
 
@@ -49,17 +50,21 @@ def segment_at(plan: MotionPlan, angle: float) -> int:
 
 
 def from_rest_to_rest(plan: MotionPlan, number: int) -> bool:
-    """Whether a segment is a move whose span can change and leave its joints what they are.
-
-    Its velocity is 0 at both ends; its acceleration is so too where no dwell is beside it.
-    """
+    """Whether a segment is a move whose span can change and leave its joints what they are."""
     move = plan.segments[number]
     if not isinstance(move, Move) or move.span == 0:
         return False
-    before, after = dwells_beside(plan, number)
-    ends = ((move.law.start, before), (move.law.end, after))
+    return rests_beside(plan, number, move.law)
+
+
+def rests_beside(plan: MotionPlan, number: int, law: Law) -> bool:
+    """Whether `law` in place of a segment joins with what is beside it, as from rest to rest.
+
+    Its velocity is 0 at both ends; its acceleration is so too where no dwell is beside it.
+    """
+    sides = zip((law.start, law.end), dwells_beside(plan, number), strict=True)
     return all(
-        end.velocity == 0.0 and (end.acceleration == 0.0 or bool(dwells)) for end, dwells in ends
+        end.velocity == 0.0 and (end.acceleration == 0.0 or bool(dwells)) for end, dwells in sides
     )
 
 

@@ -12,7 +12,7 @@ from camgeo.check.sizing.conditions import conditions, samples_of
 from camgeo.check.sizing.flocke import Flocke
 from camgeo.check.sizing.task import Task
 from camgeo.curve.pieces import smooth_pieces
-from camgeo.numeric.arrays import BoolArray, FloatArray
+from camgeo.numeric.arrays import FloatArray
 
 SAMPLES = 65
 SECTIONS, STEPS = 8, 12
@@ -93,25 +93,6 @@ def _refined(
         width = (right - left) / SECTIONS
         left, right = grid[each, index] - width, grid[each, index] + width
     return best
-
-
-def feasible_map(task: Task, tangent: float, columns: FloatArray, rows: FloatArray) -> BoolArray:
-    """(rows, columns) whether mu >= atan(`tangent`) all round with P at these places [mm]."""
-    low, high = row_limits(task, tangent, rows)
-    inside: BoolArray = (columns >= low[:, np.newaxis]) & (columns <= high[:, np.newaxis])
-    return inside
-
-
-def brute_map(
-    task: Task, tangent: float, columns: FloatArray, rows: FloatArray, angles: int
-) -> BoolArray:
-    """As `feasible_map`, by the transmission angle at so many cam angles at every place."""
-    terms = task.terms(np.linspace(0.0, 2.0 * np.pi, angles, endpoint=False))
-    out = np.empty((len(rows), len(columns)), dtype=np.bool_)
-    for number, row in enumerate(rows):
-        u, v = terms.across_and_along((columns + 1j * row)[:, np.newaxis])
-        out[number] = np.all((u > 0.0) & (u >= tangent * np.abs(v)), axis=1)
-    return out
 
 
 def ratio_map(task: Task, columns: FloatArray, rows: FloatArray, most: float) -> FloatArray:
