@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 import sys
 from numbers import Real
-from typing import Any, Final
+from typing import Annotated, Any, Final
 
 from camgeo.errors import GeometryError
 from camgeo.numeric.checked import SMALLEST, instance, number, one_of, point, shown
@@ -73,3 +73,14 @@ def able(key: str, value: Any, method: str, what: str) -> None:
     """GeometryError unless `value` has the `method` that makes it `what`."""
     if isinstance(value, type) or not hasattr(value, method):
         raise GeometryError(f"must be {what}", key, shown(value))
+
+
+# As types of fields, see `camgeo.numeric.checked.check_fields`.
+Length = Annotated[float, length]
+Radius = Annotated[float, radius]
+Coordinate = Annotated[float, coordinate]
+Place = Annotated[complex, place]
+Angle = Annotated[float, angle]
+RightAngle = Annotated[float, right_angle]
+Sense = Annotated[int, sense]
+Truth = Annotated[bool, truth]

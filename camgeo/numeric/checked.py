@@ -9,10 +9,12 @@ from __future__ import annotations
 
 import math
 import reprlib
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import is_dataclass
+from functools import cache, partial
 from numbers import Complex, Integral, Real
-from types import MappingProxyType
-from typing import Any, Final, TypeVar
+from types import MappingProxyType, NoneType, UnionType
+from typing import Annotated, Any, Final, TypeVar, Union, get_args, get_origin, get_type_hints
 
 import numpy as np
 
@@ -27,6 +29,9 @@ LONGEST: Final = 60
 
 Choice = TypeVar("Choice", str, int, float)
 Kind = TypeVar("Kind")
+
+Check = Callable[[str, Any], Any]
+"""By its key and a value the value as it is kept; raises GeometryError if it is none such."""
 
 
 def number(
@@ -153,6 +158,36 @@ def array(key: str, values: Any, dimensions: int = 1, largest: float = LARGEST) 
             value=repr(float(found.ravel()[wrong[0]])),
         )
     found.flags.writeable = False
+    return found
+
+
+def check_fields(owner: object, path: str = "") -> None:
+    """Hold the fields of a frozen dataclass that is being made to what their annotations say.
+
+    A field of the type `Annotated[float, positive]` becomes what `positive` returns for it; its key
+    is `path` and its name, or the text behind the check. One that is a dataclass must be it. With
+    `| None` it may be None too.
+    """
+    kind: Any = type(owner)  # a class is hashable, though mypy denies it
+    for name, (check, key, optional) in checks_of(kind).items():
+        value = getattr(owner, name)
+        if value is not None or not optional:
+            hold(owner, **{name: check(path + key, value)})
+
+
+@cache
+def checks_of(kind: type) -> Mapping[str, tuple[Check, str, bool]]:
+    """Of each field that has one its check, its key, and whether it may be None."""
+    found: dict[str, tuple[Check, str, bool]] = {}
+    for name, hint in get_type_hints(kind, include_extras=True).items():
+        kinds = get_args(hint) if get_origin(hint) in (Union, UnionType) else (hint,)
+        for each in kinds:
+            if isinstance(each, type) and is_dataclass(each):
+                check = partial(instance, kind=each, what=f"a `{each.__name__}`")
+                found[name] = check, name, NoneType in kinds
+            elif get_origin(each) is Annotated:
+                _, check, *key = get_args(each)
+                found[name] = check, *(key or [name]), NoneType in kinds
     return found
 
 

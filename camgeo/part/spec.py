@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from camgeo.errors import GeometryError
-from camgeo.mechanism.values import angle, length
-from camgeo.numeric.checked import hold, instance, number
+from camgeo.mechanism.values import Angle, Length
+from camgeo.numeric.checked import check_fields, number
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,17 +26,12 @@ class Keyway:
         With the key, if a value is not what it has to be.
     """
 
-    width: float
-    depth: float
-    angle: float = 0.0
+    width: Length
+    depth: Length
+    angle: Angle = 0.0
 
     def __post_init__(self) -> None:
-        hold(
-            self,
-            width=length("part.keyway.width", self.width),
-            depth=length("part.keyway.depth", self.depth),
-            angle=angle("part.keyway.angle", self.angle),
-        )
+        check_fields(self, "part.keyway.")
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,20 +54,15 @@ class PartSpec:
         keyway without bore.
     """
 
-    thickness: float | None = None
-    bore: float | None = None
+    thickness: Length | None = None
+    bore: Length | None = None
     keyway: Keyway | None = None
-    rim: float | None = None
-    groove_depth: float | None = None
+    rim: Length | None = None
+    groove_depth: Length | None = None
 
     def __post_init__(self) -> None:
-        for name in ("thickness", "bore", "rim", "groove_depth"):
-            value = getattr(self, name)
-            if value is not None:
-                hold(self, **{name: length(f"part.{name}", value)})
+        check_fields(self, "part.")
         if self.groove_depth is not None and self.thickness is not None:
             number("part.groove_depth", self.groove_depth, below=self.thickness, unit="mm")
-        if self.keyway is not None:
-            instance("part.keyway", self.keyway, Keyway, "a `Keyway`, or None")
-            if self.bore is None:
-                raise GeometryError("a keyway belongs to a bore", key="part.keyway")
+        if self.keyway is not None and self.bore is None:
+            raise GeometryError("a keyway belongs to a bore", key="part.keyway")

@@ -6,13 +6,13 @@ import difflib
 import math
 import tomllib
 from dataclasses import MISSING, dataclass, fields, is_dataclass
+from functools import partial
 from importlib.resources import files
 from pathlib import Path
-from types import UnionType
-from typing import Any, get_args, get_type_hints
+from typing import Annotated, Any, get_args, get_type_hints
 
 from camgeo.errors import Fault, GeometryError, SceneError
-from camgeo.numeric.checked import hold, instance, number, shown, whole
+from camgeo.numeric.checked import check_fields, checks_of, instance, number, shown, whole
 from camgeo.toolpath.machining_time import Dynamics
 from camgeo.units import LengthUnit
 
@@ -30,27 +30,41 @@ LONGEST_LINE = 10_000
 """Characters; no controller takes as many."""
 
 
+def _blocks(key: str, given: Any) -> tuple[str, ...]:
+    if isinstance(given, list | tuple) and all(isinstance(line, str) for line in given):
+        return tuple(given)
+    raise GeometryError("must be a list of texts", key, shown(given))
+
+
+Text = Annotated[str, partial(instance, kind=str, what="a text")]
+Blocks = Annotated[tuple[str, ...], _blocks]
+Size = Annotated[float, partial(number, least=0.0)]
+LineLength = Annotated[int, partial(whole, least=1, most=LONGEST_LINE)]
+DecimalCount = Annotated[int, partial(whole, least=1, most=MOST_DECIMALS)]
+Sweep = Annotated[float, partial(number, least=SMALLEST_SWEEP, most=LARGEST_SWEEP)]
+
+
 @dataclass(frozen=True, slots=True)
 class UnitWords:
     """Words that switch to a unit of length."""
 
-    mm: str
-    inch: str
+    mm: Text
+    inch: Text
 
     def __post_init__(self) -> None:
-        _hold(self, "unit.")
+        check_fields(self, "unit.")
 
 
 @dataclass(frozen=True, slots=True)
 class CommentStyle:
     """Brackets of a comment (`close` may be empty) and the longest line, in characters."""
 
-    open: str
-    close: str
-    line_length: int
+    open: Text
+    close: Text
+    line_length: LineLength
 
     def __post_init__(self) -> None:
-        _hold(self, "comment.")
+        check_fields(self, "comment.")
         brackets = len(self.open) + len(self.close)
         whole("comment.line_length", self.line_length, brackets + 1, LONGEST_LINE)
 
@@ -59,13 +73,11 @@ class CommentStyle:
 class Decimals:
     """Least number of decimals of a coordinate, by unit."""
 
-    mm: int
-    inch: int
+    mm: DecimalCount
+    inch: DecimalCount
 
     def __post_init__(self) -> None:
-        _hold(self, "decimals.")
-        for key in ("mm", "inch"):
-            whole(f"decimals.{key}", getattr(self, key), 1, MOST_DECIMALS)
+        check_fields(self, "decimals.")
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,15 +92,14 @@ class ArcLimits:
     interpolation : how far the path that the controller runs leaves the arc.
     """
 
-    smallest_radius: float
-    largest_radius: float
-    radius_tolerance: float
-    largest_sweep: float = 180.0
-    interpolation: float = 0.0
+    smallest_radius: Size
+    largest_radius: Size
+    radius_tolerance: Size
+    largest_sweep: Sweep = 180.0
+    interpolation: Size = 0.0
 
     def __post_init__(self) -> None:
-        _hold(self, "arcs.")
-        number("arcs.largest_sweep", self.largest_sweep, least=SMALLEST_SWEEP, most=LARGEST_SWEEP)
+        check_fields(self, "arcs.")
 
     @property
     def largest_turn(self) -> float:
@@ -106,13 +117,13 @@ class Blending:
     smallest : P [mm] below which the exact path is asked for instead.
     """
 
-    on: str
-    off: str
-    share: float
-    smallest: float
+    on: Text
+    off: Text
+    share: Size
+    smallest: Size
 
     def __post_init__(self) -> None:
-        _hold(self, "blending.")
+        check_fields(self, "blending.")
 
 
 @dataclass(frozen=True, slots=True)
@@ -124,11 +135,11 @@ class Machine:
     a negative number, or a block that cannot be filled in.
     """
 
-    name: str
-    preamble: tuple[str, ...]
-    tool_change: tuple[str, ...]
-    spindle_on: tuple[str, ...]
-    end: tuple[str, ...]
+    name: Text
+    preamble: Blocks
+    tool_change: Blocks
+    spindle_on: Blocks
+    end: Blocks
     unit: UnitWords
     comment: CommentStyle
     decimals: Decimals
@@ -137,7 +148,7 @@ class Machine:
     dynamics: Dynamics | None = None
 
     def __post_init__(self) -> None:
-        _hold(self, "")
+        check_fields(self)
         lists = ("preamble", "tool_change", "spindle_on", "end")
         texts = [(key, block) for key in lists for block in getattr(self, key)]
         for key, text in (*texts, ("blending.on", self.blending.on)):
@@ -201,25 +212,26 @@ def parse(text: str, file: str) -> Machine:
 def _build(kind: Any, table: dict[str, Any], path: str, faults: list[Fault]) -> Any:
     """An object of the dataclass `kind` from a TOML table; what is wrong goes to `faults`."""
     hints = get_type_hints(kind)
-    optional = {field.name for field in fields(kind) if field.default is not MISSING}
     for key, given in table.items():
         if key not in hints:
             near = difflib.get_close_matches(key, list(hints), 1)
             hint = f"did you mean {near[0]}?" if near else ""
             faults.append(Fault(path + key, repr(given), "unknown key", hint))
     values: dict[str, Any] = {}
-    for key, kinds in hints.items():
+    for field in fields(kind):
+        key, kinds = field.name, hints[field.name]
         if key not in table:
-            if key not in optional:
+            if field.default is MISSING:
                 faults.append(Fault(path + key, "", "missing"))
             continue
-        given = table[key]
-        inner = next((each for each in _kinds(kinds) if is_dataclass(each)), None)
+        inner = next((each for each in (kinds, *get_args(kinds)) if is_dataclass(each)), None)
         try:
-            if inner is None or not isinstance(given, dict):
-                values[key] = _checked(kinds, given, path + key)
+            if inner is None:
+                check, _, _ = checks_of(kind)[key]
+                values[key] = check(path + key, table[key])
             else:
-                values[key] = _build(inner, given, f"{path}{key}.", faults)
+                inside = instance(path + key, table[key], dict, "a table")
+                values[key] = _build(inner, inside, f"{path}{key}.", faults)
         except GeometryError as error:
             faults.append(Fault(error.key, error.value, error.message))
     if faults:
@@ -229,32 +241,3 @@ def _build(kind: Any, table: dict[str, Any], path: str, faults: list[Fault]) -> 
     except GeometryError as error:
         faults.append(Fault(error.key, error.value, error.message))
         return None
-
-
-def _hold(owner: object, path: str) -> None:
-    """Check the fields of a dataclass by their types, see `_checked`."""
-    for key, kind in get_type_hints(type(owner)).items():
-        hold(owner, **{key: _checked(kind, getattr(owner, key), path + key)})
-
-
-def _checked(kind: Any, given: Any, path: str) -> Any:
-    """`given` as one of a field's types; numbers are not negative."""
-    wanted, *others = _kinds(kind)
-    if given is None and others:
-        return None
-    if wanted is float:
-        return number(path, given, least=0.0)
-    if wanted is int:
-        return whole(path, given, 1, LONGEST_LINE)
-    if wanted is str:
-        return instance(path, given, str, "a text")
-    if isinstance(wanted, type) and is_dataclass(wanted):
-        return instance(path, given, wanted, "a table")
-    if isinstance(given, list | tuple) and all(isinstance(line, str) for line in given):
-        return tuple(given)
-    raise GeometryError("must be a list of texts", path, shown(given))
-
-
-def _kinds(kind: Any) -> tuple[Any, ...]:
-    """The types that a field may have: itself, or those of a union."""
-    return get_args(kind) if isinstance(kind, UnionType) else (kind,)

@@ -16,13 +16,16 @@ from __future__ import annotations
 import cmath
 import math
 from dataclasses import dataclass
+from functools import partial
+from typing import Annotated
 
 import numpy as np
 
 from camgeo.contour.contour import Contour
 from camgeo.numeric.arrays import FloatArray
-from camgeo.numeric.checked import hold, positive
+from camgeo.numeric.checked import check_fields, positive
 from camgeo.toolpath.moves import ArcFeed, Feed, Point, Rapid, Toolpath
+from camgeo.toolpath.tool import FeedRate
 
 SECONDS = 60.0
 """Of a minute, by which feeds are told."""
@@ -38,15 +41,11 @@ class Dynamics:
     rapid_feed : of traverses [mm/min], positive.
     """
 
-    acceleration: float
-    rapid_feed: float
+    acceleration: Annotated[float, partial(positive, unit="mm/s^2")]
+    rapid_feed: FeedRate
 
     def __post_init__(self) -> None:
-        hold(
-            self,
-            acceleration=positive("dynamics.acceleration", self.acceleration, "mm/s^2"),
-            rapid_feed=positive("dynamics.rapid_feed", self.rapid_feed, "mm/min"),
-        )
+        check_fields(self, "dynamics.")
 
 
 def block_times(

@@ -3,9 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
+from typing import Annotated
 
-from camgeo.numeric.checked import hold, instance, positive
-from camgeo.toolpath.tool import Tool
+from camgeo.mechanism.values import Length
+from camgeo.numeric.checked import check_fields, instance
+from camgeo.toolpath.tool import FeedRate, SpindleSpeed, Tool, ToolNumber
+
+Profile = Annotated[
+    str, partial(instance, kind=str, what="the name or the file of a machine profile")
+]
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,30 +34,17 @@ class GcodeSpec:
         With the key, if a value is not what it has to be.
     """
 
-    machine: str = "linuxcnc"
-    tool_diameter: float = 6.0
-    tool_number: int = 1
-    spindle_speed: float = 3000.0
-    feed: float = 300.0
-    plunge_feed: float = 100.0
-    pass_depth: float | None = None
-    safe_height: float = 5.0
+    machine: Profile = "linuxcnc"
+    tool_diameter: Length = 6.0
+    tool_number: ToolNumber = 1
+    spindle_speed: SpindleSpeed = 3000.0
+    feed: FeedRate = 300.0
+    plunge_feed: FeedRate = 100.0
+    pass_depth: Length | None = None
+    safe_height: Length = 5.0
 
     def __post_init__(self) -> None:
-        key = "output.gcode"
-        instance(f"{key}.machine", self.machine, str, "the name or the file of a machine profile")
-        tool = self.tool
-        hold(
-            self,
-            tool_diameter=tool.diameter,
-            tool_number=tool.number,
-            spindle_speed=tool.spindle_speed,
-            feed=tool.feed,
-            plunge_feed=tool.plunge_feed,
-            safe_height=positive(f"{key}.safe_height", self.safe_height, "mm"),
-        )
-        if self.pass_depth is not None:
-            hold(self, pass_depth=positive(f"{key}.pass_depth", self.pass_depth, "mm"))
+        check_fields(self, "output.gcode.")
 
     @property
     def tool(self) -> Tool:

@@ -3,12 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Final
+from functools import partial
+from typing import Annotated, Final
 
-from camgeo.numeric.checked import hold, positive, whole
+from camgeo.mechanism.values import Length
+from camgeo.numeric.checked import check_fields, positive, whole
 
 LARGEST_NUMBER: Final = 99_999
 """Of a tool in the tables of controllers."""
+
+ToolNumber = Annotated[int, partial(whole, least=1, most=LARGEST_NUMBER)]
+SpindleSpeed = Annotated[float, partial(positive, unit="rev/min")]
+FeedRate = Annotated[float, partial(positive, unit="mm/min")]
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,22 +34,14 @@ class Tool:
         With the key of the scene, if a value is not above 0.
     """
 
-    number: int
-    diameter: float
-    spindle_speed: float
-    feed: float
-    plunge_feed: float
+    number: Annotated[ToolNumber, "tool_number"]
+    diameter: Annotated[Length, "tool_diameter"]
+    spindle_speed: SpindleSpeed
+    feed: FeedRate
+    plunge_feed: FeedRate
 
     def __post_init__(self) -> None:
-        key = "output.gcode"
-        hold(
-            self,
-            number=whole(f"{key}.tool_number", self.number, 1, LARGEST_NUMBER),
-            diameter=positive(f"{key}.tool_diameter", self.diameter, "mm"),
-            spindle_speed=positive(f"{key}.spindle_speed", self.spindle_speed, "rev/min"),
-            feed=positive(f"{key}.feed", self.feed, "mm/min"),
-            plunge_feed=positive(f"{key}.plunge_feed", self.plunge_feed, "mm/min"),
-        )
+        check_fields(self, "output.gcode.")
 
     @property
     def radius(self) -> float:

@@ -370,7 +370,7 @@ def test_a_profile_without_dynamics_tells_no_time(tmp_path: Path) -> None:
             "arcs.largest_sweep = 181.0: must be a number from",
         ),
         ("largest_sweep", "largest_sweep = 0", "from 1 to 180"),
-        ("largest_sweep", "largest_sweep = nan", "must be a number from 0"),
+        ("largest_sweep", "largest_sweep = nan", "must be a number from 1 to 180"),
         (
             "acceleration",
             "acceleration = 0",

@@ -9,10 +9,11 @@ import pkgutil
 import sys
 import tracemalloc
 from collections.abc import Callable, Iterator
-from dataclasses import fields, is_dataclass, replace
+from dataclasses import Field, fields, is_dataclass, replace
 from decimal import Decimal
 from functools import partial
-from typing import Any
+from types import UnionType
+from typing import Any, Union, get_args, get_origin, get_type_hints
 
 import numpy as np
 import pytest
@@ -156,11 +157,21 @@ def allowed(annotation: str, value: Any) -> bool:
     return False
 
 
+def plain_type(example: object, each: Field[Any]) -> str:
+    """The annotation of a field without the check that it may name."""
+    try:
+        hint = get_type_hints(type(example))[each.name]
+    except NameError:  # a name for type checkers alone, in a class without such checks
+        return str(each.type)
+    kinds = get_args(hint) if get_origin(hint) in (Union, UnionType) else (hint,)
+    return " | ".join(kind.__name__ if isinstance(kind, type) else str(kind) for kind in kinds)
+
+
 def refusals() -> Iterator[Refusal]:
     """A name, and a call that has to be refused, for every field of every example."""
     for example in EXAMPLES:
         for each in fields(example):
-            for value in bad_values(each.name, str(each.type), type(example).__name__):
+            for value in bad_values(each.name, plain_type(example, each), type(example).__name__):
                 name = f"{type(example).__name__}.{each.name}={value!r:.30}"
                 yield name, partial(replace, example, **{each.name: value})
     builders: tuple[tuple[Callable[..., object], object, dict[str, float]], ...] = (
