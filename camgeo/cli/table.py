@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Callable
-from decimal import Decimal
 from functools import partial
 from pathlib import Path
 
