@@ -175,6 +175,21 @@ def test_loading_a_scene_with_all_effects_imports_only_what_declares_them(tmp_pa
     assert packages <= found <= declaring
 
 
+def test_a_drawing_of_a_scene_with_all_effects_imports_none_that_computes(tmp_path: Path) -> None:
+    code = (
+        "import json, sys\nfrom camgeo.cli.main import main\n"
+        "assert main(['build', *sys.argv[1:], '--only', 'dxf', '--json']) in (0, 1)\n"
+        "print(json.dumps(sorted(sys.modules)))"
+    )
+    scene = SCENES.parent / "effects" / "press.toml"
+    done = subprocess.run(
+        [sys.executable, "-c", code, str(scene), "-o", str(tmp_path)],
+        capture_output=True, text=True, check=True, timeout=120,
+    )  # fmt: skip
+    assert (tmp_path / "press.dxf").exists()
+    assert computing(json.loads(done.stdout.splitlines()[-1])) == set()
+
+
 @pytest.mark.parametrize("name", EFFECTS)
 def test_a_fresh_interpreter_imports_one_effect_and_its_needs(name: str, tmp_path: Path) -> None:
     named = with_data(name)
