@@ -18,7 +18,7 @@ from camgeo.mechanism.linkage import LinkedMotion
 from camgeo.motion.laws import make_law
 from camgeo.motion.plan import Dwell, MotionPlan, Move
 from camgeo.numeric.arrays import ComplexArray, FloatArray
-from camgeo.stability.case import Case, Found
+from camgeo.stability.case import Case, Exact, Found
 from camgeo.stability.exact_cam import AnyFollower, AnyLinkage, Stage
 from camgeo.stability.high_precision import Number, multiprecision
 
@@ -44,6 +44,15 @@ CURVES: Final = (
 )
 
 CRANKS: Final = ("crank angle theta", "psi'", "psi''", "psi'''")
+
+EVEN: Final = ("90", "90", "0", "90", "90")
+
+WIDE: Final = ("30", "100", "40", "120", "70")
+
+STEEP: Final = ("30", "60", "40", "80", "150")
+"""Spans of cams, see `CamSpec`; the last of hard cases HC20b and HC21, with concave flanks."""
+
+MIDDLE: Final = 0.5
 
 SHARES: Final = (1e-9, 0.07, 0.21, 0.4, 0.5, 0.66, 0.83, 0.97)
 """Places inside a move as shares of it."""
@@ -116,30 +125,30 @@ class CamSpec:
 
 def cases_of(spec: CamSpec) -> list[Case]:
     """The cases of one cam, one for each of its moves that has places."""
-    curve = spec.curve
     stage = spec.stage
     names = (*(CRANKS if hasattr(spec.linkage, "crank_angle") else LIFTS), *CURVES)
 
     def exact(phi: Number, *parameters: Number) -> tuple[Number, ...]:
         return quantities(stage, phi, parameters)
 
-    found = []
+    group = CAMS if spec.linkage is None else LINKAGES
+    return of_moves(spec, group, names, computed(spec.curve), exact)
+
+
+def of_moves(
+    spec: CamSpec, group: str, quantities: tuple[str, ...], found: Found, exact: Exact
+) -> list[Case]:
+    """A case for each move of a cam that has places."""
+    cases = []
     for back, shares, word in ((False, spec.rise, "rise"), (True, spec.back, "return")):
         if shares:
             start, end = spec.joints(back=back)
             places = tuple(start + share * (end - start) for share in shares)
-            found.append(
-                Case(
-                    CAMS if spec.linkage is None else LINKAGES,
-                    f"{spec.name}, {word}",
-                    names,
-                    places,
-                    spec.parameters(back=back),
-                    computed(curve),
-                    exact,
-                )
+            inputs = spec.parameters(back=back)
+            cases.append(
+                Case(group, f"{spec.name}, {word}", quantities, places, inputs, found, exact)
             )
-    return found
+    return cases
 
 
 def computed(curve: PitchCurve) -> Found:

@@ -4,26 +4,10 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import Final
 
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.mechanism.translating_roller import TranslatingRoller
-from camgeo.stability.cam_case import SHARES, CamSpec, cases_of
-from camgeo.stability.case import Case
-
-EVEN: Final = ("90", "90", "0", "90", "90")
-
-WIDE: Final = ("30", "100", "40", "120", "70")
-
-STEEP: Final = ("30", "60", "40", "80", "150")
-"""Of hard cases HC20b and HC21, with concave flanks."""
-
-MIDDLE: Final = 0.5
-
-
-def cases() -> tuple[Case, ...]:
-    """All cases of this module."""
-    return tuple(case for spec in specs() for case in cases_of(spec))
+from camgeo.stability.cam_case import EVEN, MIDDLE, SHARES, STEEP, WIDE, CamSpec
 
 
 def specs() -> tuple[CamSpec, ...]:

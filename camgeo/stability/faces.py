@@ -9,7 +9,7 @@ from camgeo.mechanism.face import flat_follower
 from camgeo.mechanism.oscillating_flat import OscillatingFlat
 from camgeo.mechanism.translating_flat import TranslatingFlat
 from camgeo.numeric.arrays import ComplexArray, FloatArray
-from camgeo.stability.cam_case import LIFTS, SHARES, CamSpec
+from camgeo.stability.cam_case import EVEN, LIFTS, MIDDLE, SHARES, STEEP, WIDE, CamSpec, of_moves
 from camgeo.stability.case import Case
 from camgeo.stability.exact_face import face_jet
 from camgeo.stability.high_precision import Number, multiprecision
@@ -34,19 +34,6 @@ QUANTITIES: Final = (
     "transmission angle",
     "pressure angle",
 )
-
-EVEN: Final = ("90", "90", "0", "90", "90")
-
-WIDE: Final = ("30", "100", "40", "120", "70")
-
-STEEP: Final = ("30", "60", "40", "80", "150")
-
-MIDDLE: Final = 0.5
-
-
-def cases() -> tuple[Case, ...]:
-    """All cases of this module."""
-    return tuple(case for spec in specs() for case in cases_of(spec))
 
 
 def specs() -> tuple[CamSpec, ...]:
@@ -94,16 +81,7 @@ def cases_of(spec: CamSpec) -> list[Case]:
             angle,
         )
 
-    cases = []
-    for back, shares, word in ((False, spec.rise, "rise"), (True, spec.back, "return")):
-        if shares:
-            start, end = spec.joints(back=back)
-            places = tuple(start + share * (end - start) for share in shares)
-            parameters = spec.parameters(back=back)
-            cases.append(
-                Case(GROUP, f"{spec.name}, {word}", QUANTITIES, places, parameters, found, exact)
-            )
-    return cases
+    return of_moves(spec, GROUP, QUANTITIES, found, exact)
 
 
 def _translating() -> tuple[CamSpec, ...]:

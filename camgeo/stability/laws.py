@@ -7,7 +7,7 @@ from typing import Final
 from camgeo.motion.laws import make_law
 from camgeo.motion.laws.law import Law
 from camgeo.numeric.arrays import FloatArray
-from camgeo.stability.case import Case, Found
+from camgeo.stability.case import Case, Exact
 from camgeo.stability.high_precision import Number
 from camgeo.stability.lifts import (
     HALVES,
@@ -68,9 +68,7 @@ def _shifted(name: str, inflection: float) -> Case:
     halves += [inflection + share * (1.0 - inflection) for share in SHARES]
     places = tuple(z for z in halves if 0.0 < z < 1.0 and z != inflection)
     label = f"{inflection:g}" if inflection < 0.9 else f"1 - {1.0 - inflection:.0e}"
-    return Case(
-        GROUP, f"{name}, lambda {label}", QUANTITIES, places, (inflection,), _found(law), exact
-    )
+    return _case(f"{name}, lambda {label}", law, exact, inflection, places=places)
 
 
 def _scca(sine: float, cosine: float) -> Case:
@@ -80,7 +78,7 @@ def _scca(sine: float, cosine: float) -> Case:
 
     law = make_law("scca", "R-R", sine=sine, cosine=cosine)
     name = f"scca, b {sine:g}, d {cosine:g}"
-    return Case(GROUP, name, QUANTITIES, SHARES, (sine, cosine), _found(law), exact)
+    return _case(name, law, exact, sine, cosine)
 
 
 def _septic(j0: float, j1: float) -> Case:
@@ -90,7 +88,7 @@ def _septic(j0: float, j1: float) -> Case:
 
     law = make_law("polynomial-7", "R-R", j0=j0, j1=j1)
     name = f"polynomial-7, j0 {j0:g}, j1 {j1:g}"
-    return Case(GROUP, name, QUANTITIES, SHARES, (j0, j1), _found(law), exact)
+    return _case(name, law, exact, j0, j1)
 
 
 def _boundary(name: str, task: str, given: dict[str, float]) -> Case:
@@ -107,7 +105,7 @@ def _boundary(name: str, task: str, given: dict[str, float]) -> Case:
 
     law = make_law(name, task, **given)
     label = ", ".join((f"{name} {task}", *(f"{key} {value:g}" for key, value in given.items())))
-    return Case(GROUP, label, QUANTITIES, SHARES, tuple(given.values()), _found(law), exact)
+    return _case(label, law, exact, *given.values())
 
 
 def _double_harmonic() -> Case:
@@ -116,20 +114,22 @@ def _double_harmonic() -> Case:
         return _values(f, 1 - f)
 
     law = make_law("double-harmonic", "R-U")
-    return Case(GROUP, "double-harmonic R-U", QUANTITIES, SHARES, (), _found(law), exact)
+    return _case("double-harmonic R-U", law, exact)
+
+
+def _case(
+    name: str, law: Law, exact: Exact, *parameters: float, places: tuple[float, ...] = SHARES
+) -> Case:
+    def found(z: FloatArray) -> tuple[FloatArray, ...]:
+        f, f1, f2, f3 = law(z)
+        return f, law.complement(z), f1, f2, f3
+
+    return Case(GROUP, name, QUANTITIES, places, parameters, found, exact)
 
 
 def _both(z: Number) -> tuple[Series, Series]:
     """z and 1 - z as series of the change of z."""
     return variable(z, 1, TERMS), variable(1 - z, -1, TERMS)
-
-
-def _found(law: Law) -> Found:
-    def found(z: FloatArray) -> tuple[FloatArray, ...]:
-        f, f1, f2, f3 = law(z)
-        return f, law.complement(z), f1, f2, f3
-
-    return found
 
 
 def _values(f: Series, rest: Series) -> tuple[Number, ...]:

@@ -7,18 +7,10 @@ from typing import Final
 
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.mechanism.slider_crank import SliderCrank
-from camgeo.stability.cam_case import SHARES, CamSpec, cases_of
-from camgeo.stability.case import Case
-
-EVEN: Final = ("90", "90", "0", "90", "90")
+from camgeo.stability.cam_case import EVEN, SHARES, CamSpec
 
 LEAN: Final = math.asin(0.8)
 """The crank's deflection of hard cases HC06 and HC26 [rad]."""
-
-
-def cases() -> tuple[Case, ...]:
-    """All cases of this module."""
-    return tuple(case for spec in specs() for case in cases_of(spec))
 
 
 def specs() -> tuple[CamSpec, ...]:

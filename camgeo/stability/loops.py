@@ -11,10 +11,7 @@ from camgeo.mechanism.four_bar import FourBar
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.mechanism.slider_crank import SliderCrank
 from camgeo.mechanism.translating_roller import TranslatingRoller
-from camgeo.stability.cam_case import SHARES, CamSpec, cases_of
-from camgeo.stability.case import Case
-
-EVEN: Final = ("90", "90", "0", "90", "90")
+from camgeo.stability.cam_case import EVEN, SHARES, CamSpec
 
 PLACES: Final = (1e-9, 0.21, 0.5, 0.83, 0.97)
 """Places inside a move as shares of it."""
@@ -29,11 +26,6 @@ EARLY: Final = (1e-3, *PLACES[1:])
 """Places in a motion that starts in a dead centre."""
 
 RIGHT: Final = 0.5 * math.pi
-
-
-def cases() -> tuple[Case, ...]:
-    """All cases of this module."""
-    return tuple(case for spec in specs() for case in cases_of(spec))
 
 
 def specs() -> tuple[CamSpec, ...]:

@@ -19,8 +19,7 @@ from camgeo.outline.crossings import Crossing, find_crossings
 from camgeo.outline.outline import real_outline
 from camgeo.outline.replay import replay_outline
 from camgeo.outline.replay_result import Replay
-from camgeo.stability.cam_case import CamSpec
-from camgeo.stability.cams import STEEP
+from camgeo.stability.cam_case import STEEP, CamSpec
 from camgeo.stability.case import Case
 from camgeo.stability.exact_outline import ExactOutline
 from camgeo.stability.high_precision import Number

@@ -18,15 +18,16 @@ from camgeo.stability import (
     outlines,
     tables,
 )
+from camgeo.stability.cam_case import CAMS, LINKAGES, CamSpec, cases_of
 from camgeo.stability.case import Case
 from camgeo.stability.measure import Reading, measure
 
 GROUPS: Final[Mapping[str, Callable[[], tuple[Case, ...]]]] = {
     laws.GROUP: laws.cases,
     tables.GROUP: tables.cases,
-    "cams": cams.cases,
-    faces.GROUP: faces.cases,
-    "linkages": lambda: (*linkages.cases(), *loops.cases()),
+    CAMS: lambda: _of_each(cams.specs(), cases_of),
+    faces.GROUP: lambda: _of_each(faces.specs(), faces.cases_of),
+    LINKAGES: lambda: _of_each((*linkages.specs(), *loops.specs()), cases_of),
     crank_slides.GROUP: crank_slides.cases,
     extremes.GROUP: extremes.cases,
     outlines.GROUP: outlines.cases,
@@ -140,3 +141,9 @@ def worst_of_cases(readings: Iterable[Reading]) -> tuple[Reading, ...]:
 def _two_of(places: tuple[float, ...]) -> tuple[float, ...]:
     """The first place, which is the one nearest to the start of a move, and the middle one."""
     return tuple(dict.fromkeys((places[0], places[len(places) // 2])))
+
+
+def _of_each(
+    specs: Iterable[CamSpec], cases_of: Callable[[CamSpec], list[Case]]
+) -> tuple[Case, ...]:
+    return tuple(case for spec in specs for case in cases_of(spec))
