@@ -9,7 +9,7 @@ place; so it is known for all cam angles, not for sampled ones.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 import numpy as np
 
@@ -19,9 +19,6 @@ from camgeo.motion.motion import Motion, Side
 from camgeo.numeric.arrays import BoolArray, FloatArray, IntArray, ascending, grouped
 from camgeo.outline.roller_path import Branches
 from camgeo.units import TURN
-
-if TYPE_CHECKING:
-    from camgeo.outline.replay_play import PlayedLift
 
 AS_DEMANDED = -1
 """Number of the branch that is the demanded motion itself, or that with the roller's play."""
@@ -36,6 +33,15 @@ contour that is smooth but for a few corners has one."""
 
 HALF_ARC = 0.52
 """Half an arc of at most an eighth of a turn in times of its chord, at most: pi/16 / sin(pi/8)."""
+
+
+class Played(Protocol):
+    """The motion with play; `camgeo.outline.replay_play.PlayedLift` is one."""
+
+    @property
+    def breaks(self) -> FloatArray: ...
+
+    def jet(self, phi: FloatArray, side: Side = "right") -> FloatArray: ...
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -57,7 +63,7 @@ class Course:
     branches: Branches
     borders: FloatArray
     numbers: IntArray
-    played: PlayedLift | None = None
+    played: Played | None = None
 
     @property
     def breaks(self) -> FloatArray:
