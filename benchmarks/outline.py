@@ -146,7 +146,7 @@ def all_cams() -> list[Cam]:
             found.append(
                 Cam(
                     title, scene.plan, design.cam.drive.motion, linkage,
-                    require_roller(scene.follower), scene.rotation, curve.distance,
+                    require_roller(design.cam.follower), scene.rotation, curve.distance,
                 )
             )  # fmt: skip
     cases = json.loads((FIXTURES / "reference" / "hard_cases.json").read_text("utf-8"))

@@ -6,13 +6,14 @@ files need are imported only then, so that a check stays as quick as its sums.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from camgeo.cam.cam import Cam
 from camgeo.cam.drive import Drive
 from camgeo.check.finding import Finding
 from camgeo.check.judge import Judgement
+from camgeo.errors import Fault, SceneError
 from camgeo.lazy import Ledger, built
 from camgeo.pickled import Pickled
 from camgeo.workpiece import Workpiece
@@ -58,13 +59,19 @@ class Design(Pickled):
     def drive(self) -> Drive:
         """What moves the follower."""
         scene = self.scene
-        unit = scene.follower.lift_unit if scene.linkage is None else scene.linkage.unit
+        unit = scene.lift_unit if scene.linkage is None else scene.linkage.unit
         return Drive(scene.plan, scene.linkage, unit, scene.speed, scene.speed_curve, self.ledger)
 
     @built
     def cams(self) -> tuple[Cam, ...]:
-        """The cam; of a conjugate pair the main one and the return one, of the same drive."""
+        """The cam; of a conjugate pair the main one and the return one, of the same drive.
+
+        Raises SceneError with key "follower" if the scene has none.
+        """
         scene = self.scene
+        if scene.follower is None:
+            fault = Fault("follower", "", "is missing: a disc needs it")
+            raise SceneError([fault], scene.source.file)
         main = Cam(
             self.drive, scene.follower, scene.rotation, scene.contact, scene.side_clearance,
             scene.yoke, self.ledger,
@@ -109,10 +116,12 @@ class Design(Pickled):
         from camgeo.effects.effect import Subject  # few scenes name an effect
         from camgeo.effects.graph import Effects
 
-        subject = None
-        for each in reversed(self.discs):
-            subject = Subject(each.cam, self.scene.unit, self.scene.part, each.drawn, subject)
-        assert subject is not None  # a design has a disc
+        scene = self.scene
+        subject = Subject(self.drive, scene.lift_unit, scene.unit, scene.part)
+        others: list[Subject] = []
+        for each in reversed(self.discs if scene.follower is not None else ()):
+            subject = replace(subject, disc=each.drawn, returning=others[0] if others else None)
+            others = [subject]
         return Effects(subject, self.scene.effects, self.ledger)
 
     def effect(self, name: str) -> Any:
@@ -163,8 +172,16 @@ class Design(Pickled):
 
     @property
     def tabulated(self) -> TabulatedCam:
-        """The cam as value tables tell it."""
-        return self.disc.tabulated
+        """The cam as value tables tell it; of a scene without follower its motion alone."""
+        if self.scene.follower is not None:
+            return self.disc.tabulated
+        from camgeo.formats.csv import FORMAT
+        from camgeo.views.tabulated import TabulatedCam
+
+        scene, spec = self.scene, self.scene.output.options[FORMAT]
+        return TabulatedCam(
+            self.drive, scene.lift_unit, None, scene.unit, spec, self._columns, self.ledger
+        )
 
     @property
     def pictured(self) -> PicturedCam:

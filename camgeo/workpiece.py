@@ -113,7 +113,15 @@ class Workpiece(Pickled):
         from camgeo.formats.csv import FORMAT
         from camgeo.views.tabulated import TabulatedCam
 
-        return TabulatedCam(self.cam, self.unit, self.options[FORMAT], self.columns, self.ledger)
+        return TabulatedCam(
+            self.cam.drive,
+            self.cam.lift_unit,
+            self.cam,
+            self.unit,
+            self.options[FORMAT],
+            self.columns,
+            self.ledger,
+        )
 
     @built
     def pictured(self) -> PicturedCam:
@@ -121,4 +129,5 @@ class Workpiece(Pickled):
         from camgeo.views.pictured import PicturedCam
 
         other = self.others[0].cam if self.others else None
-        return PicturedCam(self.cam, other, self.columns)
+        drive, lift_unit = self.cam.drive, self.cam.lift_unit
+        return PicturedCam(drive, lift_unit, self.cam, other, self.columns)

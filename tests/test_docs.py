@@ -74,4 +74,5 @@ def test_the_scene_lines_of_the_readme_are_a_valid_scene() -> None:
     readme = (ROOT / "README.md").read_text(encoding="utf-8")
     heart = readme.split("```toml\n")[1].split("```")[0]
     scene = parse_scene('camgeo = 1\nname = "readme"\n[cam]\nrotation = "ccw"\n' + heart)
+    assert scene.follower is not None
     assert scene.follower.base_radius == 50.0

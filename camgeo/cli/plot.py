@@ -22,6 +22,7 @@ RENDERER = "matplotlib"
 CAM = "cam"
 """The plot that shows both discs of a conjugate pair."""
 
+MOTION = "motion"
 EFFECTS = "effects"
 """The plot of the effects that a scene names; others can be drawn of every scene."""
 
@@ -52,7 +53,8 @@ def run(arguments: argparse.Namespace) -> int:
     """Write the picture."""
     import difflib
 
-    from camgeo.figure import plots
+    from camgeo.figure import motion, plots
+    from camgeo.views.moving import Moving, PicturedMotion
 
     names = plots.names()
     for name in arguments.what:
@@ -64,13 +66,19 @@ def run(arguments: argparse.Namespace) -> int:
     if EFFECTS in arguments.what and not design.scene.effects:
         raise SceneError([Fault("effects", "", "names no effect: there is none to draw")])
     possible = [name for name in names if name != EFFECTS or design.scene.effects]
+    if design.scene.follower is None:
+        possible = [MOTION]
     wanted = arguments.what or possible
     target = Path(arguments.output or f"{design.name}.png")
     if target.suffix not in SUFFIXES:
         raise SceneError(
             [Fault("-o", str(target), f"the name must end in one of {', '.join(SUFFIXES)}")]
         )
-    figure = plots.stacked(design.disc, wanted)
+    if wanted == possible == [MOTION]:
+        pictured = PicturedMotion(design.drive, design.scene.lift_unit)
+        figure = motion.figure(Moving(design.name, design.scene.unit, pictured))
+    else:
+        figure = plots.stacked(design.disc, wanted)
     write_picture(figure, target, ", ".join(wanted), force=arguments.force)
     if set(wanted) - {CAM}:
         tell_main_disc(design, "curves")

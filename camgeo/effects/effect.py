@@ -22,6 +22,7 @@ from camgeo.numeric.arrays import FloatArray
 
 if TYPE_CHECKING:  # an effect imports what it computes with itself
     from camgeo.cam.cam import Cam
+    from camgeo.cam.drive import Drive, LiftUnit
     from camgeo.effects.results import Results
     from camgeo.mechanism.slider_crank import SliderCrank
     from camgeo.motion.time_course import TimeCourse
@@ -37,7 +38,10 @@ Quantity = Callable[[FloatArray, Side], FloatArray]
 
 
 class HasPart(Protocol):
-    """What makes the part when it is asked for."""
+    """A disc, which makes its part when it is asked for."""
+
+    @property
+    def cam(self) -> Cam: ...
 
     @property
     def part(self) -> Part: ...
@@ -49,18 +53,32 @@ class Subject:
 
     Attributes
     ----------
-    cam : the cam.
+    drive : what moves the follower.
+    lift_unit : of the follower's own motion.
     unit : of length of the scene, for sentences; values are in mm.
     part_spec : what the scene says of the part.
-    made : gives the part.
+    disc : of the cam; None if there is no follower.
     returning : the return disc of a conjugate pair, of the same motion; None if there is none.
     """
 
-    cam: Cam
+    drive: Drive
+    lift_unit: LiftUnit
     unit: LengthUnit
     part_spec: PartSpec | None
-    made: HasPart = field(repr=False, compare=False)
+    disc: HasPart | None = field(default=None, repr=False, compare=False)
     returning: Subject | None = None
+
+    @property
+    def made(self) -> HasPart:
+        """The disc, which gives the part; GeometryError with key "follower" if there is none."""
+        if self.disc is None:
+            raise GeometryError("needs [follower]", key="follower")
+        return self.disc
+
+    @property
+    def cam(self) -> Cam:
+        """The cam; GeometryError with key "follower" if there is none."""
+        return self.made.cam
 
 
 def toucher(subject: Subject) -> Literal["face", "roller"]:
@@ -72,13 +90,13 @@ def driving_slider(subject: Subject) -> SliderCrank | None:
     """The linkage whose slider makes the demanded motion; None without one, or with another."""
     from camgeo.mechanism.slider_crank import SliderCrank
 
-    linkage = subject.cam.drive.linkage
+    linkage = subject.drive.linkage
     return linkage if isinstance(linkage, SliderCrank) else None
 
 
 def machine_of(subject: Subject) -> Machine:
     """The machine as the rules of effects see it."""
-    follower, linkage = subject.cam.follower, subject.cam.drive.linkage
+    follower, linkage = subject.cam.follower, subject.drive.linkage
     return Machine(
         lift=follower.lift_unit,
         touching=follower.touching,
@@ -118,7 +136,7 @@ class Request(Generic[Spec]):
         Raises GeometryError with the key if the scene gives none and names no such effect, which
         is then asked for by another one or from outside.
         """
-        course = self.subject.cam.drive.time_course
+        course = self.subject.drive.time_course
         if course is None:
             raise GeometryError("is missing: the speed of the cam is needed", key="cam.speed")
         return course
@@ -210,6 +228,7 @@ class Effect:
     tabled : whether it is computed only if the scene has its table; if not, other effects that need
         it get it with an empty one.
     numerical : whether it takes a tolerance and estimates its error.
+    of_drive : whether it needs no follower, only what moves it.
     """
 
     name: str
@@ -223,6 +242,7 @@ class Effect:
     keys: tuple[tuple[str, ...], ...] = ()
     tabled: bool = False
     numerical: bool = False
+    of_drive: bool = False
 
 
 def schema_beside(module: str) -> Mapping[str, Any]:

@@ -9,6 +9,7 @@ from camgeo.cam.contact import Contact
 from camgeo.cam.drive import Demanded
 from camgeo.motion.joints import Joint
 from camgeo.numeric.arrays import ComplexArray, FloatArray
+from camgeo.units import LengthUnit
 
 if TYPE_CHECKING:  # few scenes name an effect
     from camgeo.effects.effect import Column
@@ -102,7 +103,36 @@ class CutOff:
         return complex(self.course[0])
 
 
-class Pictured(Protocol):
+class PicturedDrive(Protocol):
+    """What pictures show of a motion; `camgeo.views.moving.PicturedMotion` is one."""
+
+    @property
+    def lift_unit(self) -> Literal["mm", "rad"]:
+        """Unit of `quantity("s", ...)`."""
+
+    @property
+    def plan_sketch(self) -> PlanSketch: ...
+
+    def quantity(self, what: str, phi: FloatArray) -> FloatArray:
+        """(n,) values at `phi` (n,) [rad]: "s", "s1", "s2", "s3", the lift and its derivatives [mm
+        or rad per rad^k].
+        """
+
+
+class Moved(Protocol):
+    """What the picture of a motion reads: a `camgeo.files.product.Product`, or the motion alone."""
+
+    @property
+    def name(self) -> str: ...
+
+    @property
+    def unit(self) -> LengthUnit: ...
+
+    @property
+    def pictured(self) -> PicturedDrive: ...
+
+
+class Pictured(PicturedDrive, Protocol):
     """What pictures show of a cam; `camgeo.views.pictured.PicturedCam` is one."""
 
     @property
@@ -126,10 +156,6 @@ class Pictured(Protocol):
         """Whether a flat face touches the cam, whose contact runs on the outline itself."""
 
     @property
-    def lift_unit(self) -> Literal["mm", "rad"]:
-        """Unit of `quantity("s", ...)`."""
-
-    @property
     def joints(self) -> tuple[float, ...]:
         """Cam angles [rad] at which the segments of the motion plan begin, from 0 upwards."""
 
@@ -144,9 +170,6 @@ class Pictured(Protocol):
     @property
     def follower_sketch(self) -> FollowerSketch: ...
 
-    @property
-    def plan_sketch(self) -> PlanSketch: ...
-
     def mechanism_sketch(self, phi: float) -> MechanismSketch:
         """The mechanism at the cam angle `phi` [rad]."""
 
@@ -158,6 +181,6 @@ class Pictured(Protocol):
         """(n, 2) [mm] points of "pitch", "inner" or "outer" at the cam angles `phi` (n,) [rad]."""
 
     def quantity(self, what: str, phi: FloatArray) -> FloatArray:
-        """(n,) values at `phi` (n,) [rad]: "s", "s1", "s2", "s3" (lift and derivatives, mm or rad
-        per rad^k), "transmission_angle" [rad], "curvature" [1/mm].
+        """(n,) values at `phi` (n,) [rad]: those of a motion, "transmission_angle" [rad], and
+        "curvature" [1/mm].
         """

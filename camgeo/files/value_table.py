@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from camgeo.cam.cam import Cam
-from camgeo.cam.drive import Demanded
+from camgeo.cam.drive import Demanded, Drive, LiftUnit
 from camgeo.curve.curvature import radius_of_curvature
 from camgeo.files.table import Table
 from camgeo.motion.motion import Jet
@@ -32,6 +32,9 @@ MARKS = ("", "'", "''", "'''")
 ANGLES: dict[Demanded, str] = {"lever": "chi", "crank": "theta"}
 """What a demanded angle is called that is not the follower's own."""
 
+Columns = list[tuple[str, FloatArray]]
+"""Headings, each with its values (n,)."""
+
 SWING = ("omega", "alpha", "j")
 """How the names of angular velocity, acceleration and jerk begin."""
 
@@ -46,21 +49,42 @@ def cam_angles(step: Decimal) -> FloatArray:
     return np.array([float(step * k) for k in range(count)])
 
 
-def value_table(cam: Cam, unit: LengthUnit, effects: Iterable[Column], step: Decimal) -> Table:
+def value_table(
+    drive: Drive,
+    lift_unit: LiftUnit,
+    cam: Cam | None,
+    unit: LengthUnit,
+    effects: Iterable[Column],
+    step: Decimal,
+) -> Table:
     """One row for every `step` degrees of cam angle; right-hand values at the joints.
 
-    With a speed also the time, and velocity, acceleration and jerk in time; then `effects`. A flat
-    face has one curve, the outline on which its contact runs, and the place of the contact on the
-    face. Lengths are in `unit`.
+    With a speed also the time, and velocity, acceleration and jerk in time; then what the cam has,
+    if there is one, and `effects`. Lengths are in `unit`.
     """
     degrees = cam_angles(step)
     phi = np.radians(degrees)
+    columns: Columns = [("phi [deg]", degrees)]
+    motions = _motions(drive, lift_unit, phi)
+    for name, motion in motions:
+        columns += _angle(name, motion) if name else _length(unit, motion)
+    columns += _in_time(drive, motions, unit, phi)
+    if cam is not None:
+        columns += _of_cam(cam, unit, phi)
+    columns += [_of_effect(unit, column, phi) for column in effects]
+    names = tuple(name for name, _ in columns)
+    return Table(names, np.column_stack([values for _, values in columns]))
+
+
+def _of_cam(cam: Cam, unit: LengthUnit, phi: FloatArray) -> Columns:
+    """Curves, transmission angle and curvature.
+
+    A flat face has one curve, the outline on which its contact runs, and the place of the contact
+    on the face.
+    """
     disc, mm = cam.disc, MM_PER[unit]
     pitch = disc.pitch_curve
-    columns: list[tuple[str, FloatArray]] = [("phi [deg]", degrees)]
-    for name, motion in _motions(cam, phi):
-        columns += _angle(name, motion) if name else _length(unit, motion)
-    columns += _in_time(cam, unit, phi)
+    columns: Columns = []
     curves = [("contact", pitch.point(phi))]
     if not cam.follower.is_flat:
         curves = [
@@ -77,18 +101,15 @@ def value_table(cam: Cam, unit: LengthUnit, effects: Iterable[Column], step: Dec
     columns.append(("mu [deg]", np.degrees(pitch.transmission_angle(phi))))
     columns.append((f"kappa [1/{unit}]", kappa * mm))
     columns.append((f"r_K [{unit}]", radius_of_curvature(kappa) / mm))
-    columns += [_of_effect(unit, column, phi) for column in effects]
-    names = tuple(name for name, _ in columns)
-    return Table(names, np.column_stack([values for _, values in columns]))
+    return columns
 
 
-def _motions(cam: Cam, phi: FloatArray) -> list[tuple[str, Jet]]:
+def _motions(drive: Drive, lift_unit: LiftUnit, phi: FloatArray) -> list[tuple[str, Jet]]:
     """The motion that the scene demands, and the follower's own if that is another one.
 
     Each (4, n) behind the name of its angle, empty for a way.
     """
-    drive, own = cam.drive, "psi" if cam.lift_unit == "rad" else ""
-    found = [(own, drive.motion.jet(phi))]
+    found = [("psi" if lift_unit == "rad" else "", drive.motion.jet(phi))]
     if drive.demanded_of != "follower":
         found.insert(0, (ANGLES.get(drive.demanded_of, ""), drive.plan.jet(phi)))
     return found
@@ -109,13 +130,15 @@ def _angle(name: str, motion: Jet) -> list[tuple[str, FloatArray]]:
     ]
 
 
-def _in_time(cam: Cam, unit: LengthUnit, phi: FloatArray) -> list[tuple[str, FloatArray]]:
+def _in_time(
+    drive: Drive, motions: list[tuple[str, Jet]], unit: LengthUnit, phi: FloatArray
+) -> Columns:
     """Time and derivatives in time: of the motion that the scene demands, and of the follower."""
-    course = cam.drive.time_course
+    course = drive.time_course
     if course is None:
         return []
     columns = [("t [s]", course.time(phi))]
-    for name, motion in _motions(cam, phi):
+    for name, motion in motions:
         timed = in_time(motion, course, phi)[1:]
         if name:
             for kind, power, values in zip(SWING, POWERS, timed, strict=True):

@@ -47,7 +47,7 @@ class Earlier(Protocol):
     def plan(self) -> MotionPlan: ...
 
     @property
-    def follower(self) -> AnyFollower: ...
+    def follower(self) -> AnyFollower | None: ...
 
     @property
     def linkage(self) -> Linkage | None: ...
@@ -106,7 +106,7 @@ class Builder:
     def follower(self) -> AnyFollower | None:
         """The follower; None if its table is not sound or there is no such mechanism."""
         values = self.values
-        if not values.sound("follower"):
+        if not values.sound("follower") or not values.has("follower"):
             return None
         if (earlier := self._unchanged("follower", "linkage")) is not None:
             return earlier.follower
@@ -139,8 +139,7 @@ class Builder:
         if self.values.get("linkage") is None:
             return None
         kind = LINKAGES[self.values.get("linkage", "kind")]
-        given, follower = self._table("linkage"), self.values.follower_kind
-        unit = next(iter(kind.members)) if follower is None else follower.unit
+        given, unit = self._table("linkage"), self.values.lift_unit
         if unit not in kind.members:
             return None  # which is told
         earlier = self._unchanged("linkage")
@@ -191,6 +190,7 @@ class Builder:
         return {
             "name": get("name"),
             "unit": self.values.unit,
+            "lift_unit": self.values.lift_unit,
             "rotation": SIGNS[get("cam", "rotation")],
             "speed": None if speed is None else speed * RPM,
             "yoke": self._yoke(),

@@ -45,7 +45,7 @@ def enter(document: Document, source: Source, earlier: Earlier | None = None) ->
     if plan is not None and follower is not None and linkage is not None:
         builder.join(plan, follower, linkage)
     faults += [*files.faults, *builder.faults]
-    if faults or plan is None or follower is None:
+    if faults or plan is None or (follower is None and values.has("follower")):
         last = len(document.lines) + MOST_BYTES
         raise SceneError(sorted(faults, key=lambda fault: fault.line or last), source.file)
     return {

@@ -54,6 +54,9 @@ class EffectTables:
         except GeometryError as error:
             path = (*place, error.key) if error.key else place
             self.faults.append(self._values.scene.fault(path, error.message))
+        if self._values.lacks("follower") and not effect.of_drive:
+            self.faults.append(self._values.scene.fault(place, "needs [follower]"))
+            return
         for each in _with_inputs(effect, self._named):
             for keys in each.keys:
                 if any(not self._values.lacks(*key.split(".")) for key in keys):

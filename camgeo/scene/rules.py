@@ -151,10 +151,10 @@ def swing_is_possible(values: SoundValues) -> Iterator[Fault]:
     """A rocker's own motion is given in degrees and stays on its side of the cam axis."""
     if not values.angular:
         return
-    linked = not values.lacks("linkage")
+    free = not values.lacks("linkage") or values.lacks("follower")  # of a side of the cam axis
     for index in range(values.segments):
         end = values.get("motion", index, "to")
-        if linked:
+        if free:
             if end is not None and not abs(end) <= WIDEST_TURN:
                 message = "must lie between -3600 and 3600: the motion is given in degrees"
                 yield values.scene.fault(("motion", index, "to"), message)
@@ -165,6 +165,15 @@ def swing_is_possible(values: SoundValues) -> Iterator[Fault]:
                 "follower is given in degrees"
             )
             yield values.scene.fault(("motion", index, "to"), message)
+
+
+def positions_have_one_unit(values: SoundValues) -> Iterator[Fault]:
+    """What positions are is stated where neither follower nor linkage decides it."""
+    for name in ("linkage", "follower"):
+        if values.has("units", "motion") and values.has(name):
+            message = f"belongs to a scene without [{name}], which decides it here; leave it out"
+            yield values.scene.fault(("units", "motion"), message)
+            return
 
 
 def a_return_disc_has_a_main_disc(values: SoundValues) -> Iterator[Fault]:
@@ -256,7 +265,7 @@ def formats_have_what_they_need(values: SoundValues) -> Iterator[Fault]:
 def contact_and_part_agree(values: SoundValues) -> Iterator[Fault]:
     """The part has the boundaries that its contact asks for, and no others."""
     contact = values.contact
-    if contact is None:
+    if contact is None or values.lacks("follower"):
         return
     if not contact.is_plate and values.lacks("part", "rim"):
         message = "needs [part] rim, the diameter of the blank"
@@ -345,7 +354,8 @@ def _largest_length(values: SoundValues) -> float | None:
     if not (values.sound("follower") and values.sound("motion")):
         return None
     kind = values.follower_kind
-    assert kind is not None  # the table is sound
+    if kind is None:
+        return None
     sizes = (values.get("follower", *key.split(".")) for key in kind.sizes)
     lengths = [math.hypot(*size) if isinstance(size, list) else abs(size or 0.0) for size in sizes]
     if not values.angular:
@@ -361,6 +371,7 @@ RULES: Final[tuple[Rule, ...]] = (
     laws_have_their_parameters,
     one_speed,
     swing_is_possible,
+    positions_have_one_unit,
     a_return_disc_has_a_main_disc,
     a_yoke_stands_astride,
     followers_keep_their_own_rules,

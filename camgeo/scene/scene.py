@@ -20,6 +20,7 @@ from camgeo.scene.tree import Tree, edited, read_only
 if TYPE_CHECKING:
     from camgeo.cam.contact import Contact
     from camgeo.check.limits import Limits
+    from camgeo.mechanism.kind import Unit
     from camgeo.mechanism.kinds import AnyFollower, RollerFollower
     from camgeo.mechanism.linkage_protocol import Linkage
     from camgeo.mechanism.yoke import Yoke
@@ -49,7 +50,8 @@ class Scene:
     speed : of the disc, positive [rad/s], the mean one if it varies; None if the scene gives none.
     speed_curve : how the speed varies over the turn; None if it does not.
     plan : the motion; of the far end of a linkage if there is one, else of the follower.
-    follower : what touches the disc.
+    lift_unit : of the follower's own motion, "mm" or "rad".
+    follower : what touches the disc; None if the scene has none, and so no disc.
     linkage : between motion and follower; None if the motion is the follower's own.
     returning : the second roller, on the return disc of a conjugate pair; None if there is none.
     yoke : the other side of the follower on a cam of constant breadth; None if there is none.
@@ -71,7 +73,8 @@ class Scene:
     speed: float | None
     speed_curve: SpeedCurve | None
     plan: MotionPlan
-    follower: AnyFollower
+    lift_unit: Unit
+    follower: AnyFollower | None
     linkage: Linkage | None
     returning: RollerFollower | None
     yoke: Yoke | None

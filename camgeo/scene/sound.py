@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from camgeo.cam.contact import Contact
 from camgeo.mechanism.declared.registry import FOLLOWERS, LINKAGES
-from camgeo.mechanism.kind import UNIT_OF, FollowerKind
+from camgeo.mechanism.kind import UNIT_OF, FollowerKind, Unit
 from camgeo.scene.document import Document
 from camgeo.scene.keys import Path, value_at
 from camgeo.units import MM_PER, LengthUnit
@@ -101,13 +101,23 @@ class SoundValues:
     def far_end(self) -> Member | None:
         """Whose motion a linkage's far end makes; None without one, or if that is not known."""
         linkage, follower = self.get("linkage", "kind"), self.follower_kind
-        if linkage is None or follower is None:
+        if linkage is None or (follower is None and self.has("follower")):
             return None
-        return LINKAGES[linkage].members.get(follower.unit)
+        return LINKAGES[linkage].members.get(self.lift_unit)
+
+    @property
+    def lift_unit(self) -> Unit:
+        """Of the follower's own motion; without a follower as the linkage or the scene has it."""
+        if self.follower_kind is not None:
+            return self.follower_kind.unit
+        if self.has("linkage"):
+            linkage = LINKAGES.get(self.get("linkage", "kind"))
+            return "mm" if linkage is None else next(iter(linkage.members))
+        return "rad" if self.get("units", "motion") == "degrees" else "mm"
 
     @property
     def angular(self) -> bool:
         """Whether positions of the motion are angles: of the follower, or of a linkage's end."""
         if self.lacks("linkage"):
-            return self.follower_kind is not None and self.follower_kind.unit == "rad"
+            return self.lift_unit == "rad"
         return self.far_end is not None and UNIT_OF[self.far_end] == "rad"

@@ -4,29 +4,26 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from camgeo.cam.contact import Contact
 from camgeo.errors import GeometryError
-from camgeo.files.pictured import CutOff, FollowerSketch, PlanSketch
+from camgeo.files.pictured import CutOff, FollowerSketch
 from camgeo.files.skeleton import face_ends, skeleton
-from camgeo.files.sketch import cut_off_sketches, plan_sketch
+from camgeo.files.sketch import cut_off_sketches
 from camgeo.mechanism.sketch import MechanismSketch
 from camgeo.numeric.arrays import FloatArray
-from camgeo.pickled import Pickled
+from camgeo.views.moving import LIFT, PicturedMotion
 
 if TYPE_CHECKING:
     from camgeo.cam.cam import Cam
     from camgeo.effects.effect import Column
 
-LIFT = ("s", "s1", "s2", "s3")
-"""Lift and its derivatives, as quantities."""
-
 
 @dataclass(frozen=True)
-class PicturedCam(Pickled):
+class PicturedCam(PicturedMotion):
     """A `camgeo.files.pictured.Pictured`.
 
     Attributes
@@ -66,11 +63,6 @@ class PicturedCam(Pickled):
         return self.cam.follower.is_flat
 
     @property
-    def lift_unit(self) -> Literal["mm", "rad"]:
-        """Unit of the follower's lift."""
-        return self.cam.lift_unit
-
-    @property
     def joints(self) -> tuple[float, ...]:
         """Cam angles [rad] at which the segments of the motion plan begin, from 0 upwards."""
         return self.cam.drive.joints
@@ -93,8 +85,7 @@ class PicturedCam(Pickled):
     def quantity(self, what: str, phi: FloatArray) -> FloatArray:
         """(n,) values at `phi` (n,) [rad], see `camgeo.files.pictured.Pictured`."""
         if what in LIFT:
-            lift: FloatArray = self.cam.drive.motion.jet(np.atleast_1d(phi))[LIFT.index(what)]
-            return lift
+            return super().quantity(what, phi)
         curve = self.cam.disc.pitch_curve
         of = {"transmission_angle": curve.transmission_angle, "curvature": curve.curvature}
         return of[what](phi)
@@ -120,14 +111,3 @@ class PicturedCam(Pickled):
                 continue
             found += cut_off_sketches(curve, outline, name)
         return tuple(found)
-
-    @property
-    def plan_sketch(self) -> PlanSketch:
-        """The motion plan."""
-        drive = self.cam.drive
-        return plan_sketch(
-            drive.plan,
-            of=drive.demanded_of,
-            unit=drive.unit,
-            speed=drive.speed if drive.speed_curve is None else None,
-        )

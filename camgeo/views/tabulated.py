@@ -14,6 +14,7 @@ from camgeo.units import LengthUnit
 
 if TYPE_CHECKING:
     from camgeo.cam.cam import Cam
+    from camgeo.cam.drive import Drive, LiftUnit
     from camgeo.effects.effect import Column
     from camgeo.files.table import Table
 
@@ -24,14 +25,18 @@ class TabulatedCam(Pickled):
 
     Attributes
     ----------
-    cam : the cam.
+    drive : what moves the follower.
+    lift_unit : of the follower's own motion.
+    cam : the cam; None if there is no follower.
     unit : of lengths in the table.
     spec : the step of the table.
     columns : gives the effects over the cam angle.
     ledger : where it is entered what was computed.
     """
 
-    cam: Cam
+    drive: Drive
+    lift_unit: LiftUnit
+    cam: Cam | None
     unit: LengthUnit
     spec: CsvSpec
     columns: Callable[[], tuple[Column, ...]]
@@ -42,6 +47,7 @@ class TabulatedCam(Pickled):
         from camgeo.files.value_table import value_table
 
         spec = self.spec if step is None else CsvSpec(step)
+        moved = self.drive, self.lift_unit
         return self.ledger.run(
-            "table", lambda: value_table(self.cam, self.unit, self.columns(), spec.step)
+            "table", lambda: value_table(*moved, self.cam, self.unit, self.columns(), spec.step)
         )

@@ -137,17 +137,18 @@ def test_comments_stay_and_a_missing_offset_is_added(tmp_path: Path) -> None:
     for kind in ("translating-roller", "oscillating-roller"):
         text = template(kind)
         source.write_text(text)
-        scene = camgeo.load(source).scene
-        follower = replace(require_roller(scene.follower), base_radius=51.0)
-        written = resized(scene, follower).to_toml()
+        design = camgeo.load(source)
+        follower = replace(require_roller(design.cam.follower), base_radius=51.0)
+        written = resized(design.scene, follower).to_toml()
         assert "\nbase_radius = 51.0 " in written
         assert [line.partition("#")[2] for line in written.splitlines()] == [
             line.partition("#")[2] for line in text.splitlines()
         ]
     text = (SCENES / "ring.toml").read_text()
     assert "\noffset" not in text
-    scene = camgeo.load(SCENES / "ring.toml").scene
-    written = resized(scene, replace(require_roller(scene.follower), base_radius=61.0)).to_toml()
+    design = camgeo.load(SCENES / "ring.toml")
+    follower = replace(require_roller(design.cam.follower), base_radius=61.0)
+    written = resized(design.scene, follower).to_toml()
     assert "\nbase_radius = 61.0\noffset = 0.0\n" in written
 
 
@@ -158,8 +159,9 @@ cam = { rotation = "ccw" }
 follower = { kind = "translating-roller", base_radius = 40, roller_radius = 8 }  # one line
 motion = [{ dwell = 360 }]
 """
-    scene = camgeo.loads(text).scene
-    written = resized(scene, replace(require_roller(scene.follower), base_radius=41.5)).to_toml()
+    design = camgeo.loads(text)
+    follower = replace(require_roller(design.cam.follower), base_radius=41.5)
+    written = resized(design.scene, follower).to_toml()
     assert 'follower = { kind = "translating-roller", base_radius = 41.5, ' in written
     assert "offset = 0.0" in written
     assert "# one line" in written

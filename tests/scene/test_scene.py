@@ -18,6 +18,7 @@ from hypothesis import strategies as st
 import camgeo
 from camgeo import pickled
 from camgeo.errors import SceneError, VersionError
+from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.scene.load import load_scene, parse_scene
 from camgeo.scene.scene import Scene
 from tests.scene.scenes import FIXTURES, GROOVE, LINKED, PLATE, ROCKER, loaded
@@ -185,6 +186,7 @@ def test_an_edit_shares_what_does_not_change() -> None:
     for text in PLAIN.values():
         scene = loaded(text)
         roller = scene.with_values({"follower.roller_radius": 8.5})
+        assert roller.follower is not None
         assert roller.follower.roller_radius == 8.5
         assert roller.plan is scene.plan
         assert roller.linkage is scene.linkage
@@ -203,6 +205,7 @@ def test_an_edit_shares_nothing_that_depends_on_it() -> None:
     assert inches.linkage is not scene.linkage
     free = scene.with_values({"linkage": None, "motion[1].to": 5})
     assert free.linkage is None
+    assert isinstance(free.follower, OscillatingRoller)
     assert free.follower.direction == 1
     assert free.plan.segments[0].to == pytest.approx(0.08726646259971647)  # type: ignore[union-attr]
 

@@ -12,4 +12,5 @@ EFFECT: Final = Effect(
     compute="camgeo.effects.kinematics.result:compute",
     schema=schema_beside(__file__),
     keys=(SPEED,),
+    of_drive=True,
 )

@@ -120,7 +120,7 @@ def compute(request: Request[object]) -> Kinematics:
     columns = [Column("time", "s", since_start)]
     for each in moving:
         columns += each.columns(course)
-    if not subject.cam.follower.rolls:
+    if subject.disc is not None and not subject.cam.follower.rolls:
         from camgeo.effects.face import sliding
 
         def rubbing(phi: FloatArray, side: Side) -> FloatArray:
@@ -133,18 +133,18 @@ def compute(request: Request[object]) -> Kinematics:
 
 def _motions(subject: Subject, course: TimeCourse) -> list[_Moving]:
     """What is demanded and, behind a linkage, what the follower does."""
-    plan = subject.cam.drive.plan
+    plan = subject.drive.plan
     order = min(joint.order for joint in breaks(plan))
-    unit: LiftUnit = subject.cam.drive.unit
+    unit: LiftUnit = subject.drive.unit
     demanded = None
     if isinstance(course, ConstantSpeed):
         demanded = extremes_at_turns(plan, course, unit)
     demanded = demanded or time_extremes(plan, course, unit)
     found = [_Moving("", plan, unit, order, demanded)]
-    if subject.cam.drive.linkage is not None:
+    if subject.drive.linkage is not None:
         # A linkage that closes is smooth: it takes shocks and jerks over, and adds none.
-        motion = subject.cam.drive.motion
-        own = subject.cam.lift_unit
+        motion = subject.drive.motion
+        own = subject.lift_unit
         prefix = "rocker " if own == "rad" else "follower "
         of_follower = time_extremes(motion, course, own)
         found.append(_Moving(prefix, motion, own, order, of_follower))
