@@ -23,7 +23,7 @@ FORMAT: Final = Format(
     "1.asc",
     no_options,
     no_keys("The point files of opticurv, at the step of the value table; it has no options."),
-    ("linkage",),
+    ("follower", "linkage"),
     (is_a_rocker_behind_a_slider,),
 )
 """Behind the project's name the program puts a digit; the second file has its own."""

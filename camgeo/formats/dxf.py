@@ -38,4 +38,4 @@ def parse(table: Mapping[str, Any]) -> DxfSpec:
     return DxfSpec(**table)
 
 
-FORMAT: Final = Format("dxf", ".dxf", parse, schema_beside(__file__))
+FORMAT: Final = Format("dxf", ".dxf", parse, schema_beside(__file__), ("follower",))

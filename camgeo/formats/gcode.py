@@ -47,6 +47,6 @@ FORMAT: Final = Format(
     ".ngc",
     parse,
     schema_beside(__file__),
-    ("part.thickness", "output.gcode.tool_diameter"),
+    ("follower", "part.thickness", "output.gcode.tool_diameter"),
     (groove_has_a_depth, tool_fits),
 )

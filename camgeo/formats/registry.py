@@ -40,7 +40,11 @@ def find_format(name: str) -> Format[Any]:
 
 def format_of(entry: EntryPoint) -> tuple[Any, Format[Any]]:
     """The writer behind an entry point, loaded now, and its format; raises CamgeoError."""
-    writer = entry.load()
+    try:
+        writer = entry.load()
+    except Exception as error:  # whatever another distribution does wrong
+        message = f"the entry point {entry.value} of {GROUP} cannot be loaded: {error}"
+        raise CamgeoError(message) from error
     found: Any = getattr(writer, "format", None)
     if not isinstance(found, Format) or found.name != entry.name:
         message = f"the entry point {entry.value} of {GROUP} is no writer of format {entry.name!r}"

@@ -12,6 +12,6 @@ FORMAT: Final = Format(
     ".stl",
     no_options,
     no_keys("The part as a body of triangles, in single precision; it has no options."),
-    ("part.thickness",),
+    ("follower", "part.thickness"),
     (groove_has_a_depth,),
 )

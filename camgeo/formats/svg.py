@@ -7,5 +7,9 @@ from typing import Final
 from camgeo.formats.format import Format, no_keys, no_options
 
 FORMAT: Final = Format(
-    "svg", ".svg", no_options, no_keys("The picture of the cam; it has no options.")
+    "svg",
+    ".svg",
+    no_options,
+    no_keys("The picture of the cam; it has no options."),
+    ("follower",),
 )

@@ -12,6 +12,6 @@ FORMAT: Final = Format(
     ".3mf",
     no_options,
     no_keys("The part as a body of triangles, in double precision; it has no options."),
-    ("part.thickness",),
+    ("follower", "part.thickness"),
     (groove_has_a_depth,),
 )

@@ -132,8 +132,12 @@ class StubProduct:
 
     @property
     def values(self) -> Values:
-        thickness = f"part.thickness = {self.thickness}" if self.thickness else ""
-        text = f"{thickness}\noutput.gcode.tool_diameter = {self.gcode.tool_diameter}"
+        keys = [
+            "follower.kind = 'plate'",
+            f"output.gcode.tool_diameter = {self.gcode.tool.diameter}",
+        ]
+        keys += [f"part.thickness = {self.thickness}"] if self.thickness else []
+        text = "\n".join(keys)
         return SoundValues(document(text.encode()))
 
     @property

@@ -14,7 +14,9 @@ from camgeo.files.writers import find_writer, with_companions
 from camgeo.formats import registry
 from camgeo.formats.format import Format, Options, no_options
 from camgeo.formats.registry import FORMATS, find_format, foreign_names
+from camgeo.scene.document import document
 from camgeo.scene.load import parse_scene
+from camgeo.scene.sound import SoundValues
 from tests.scene.scenes import PLATE
 
 
@@ -93,6 +95,22 @@ def test_what_is_no_writer_of_its_format(writer: Any, monkeypatch: pytest.Monkey
     register(monkeypatch, Entry("step", writer))
     with pytest.raises(CamgeoError, match=r"toy:WRITER of camgeo.writers is no writer of format"):
         find_format("step")
+
+
+def test_a_writer_that_cannot_be_loaded_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    class Broken(Entry):
+        def load(self) -> Any:
+            raise ImportError("No module named 'toy'")
+
+    register(monkeypatch, Broken("step", None))
+    with pytest.raises(CamgeoError, match=r"toy:WRITER of camgeo.writers cannot be loaded: No mod"):
+        find_format("step")
+
+
+@pytest.mark.parametrize("name", FORMATS)
+def test_all_but_the_value_table_need_a_follower(name: str) -> None:
+    without = SoundValues(document(b'name = "drive"'))
+    assert ("needs [follower]" in find_format(name).lacking(without)) == (name != "csv")
 
 
 def test_a_scene_of_camgeos_formats_looks_none_up(monkeypatch: pytest.MonkeyPatch) -> None:
