@@ -94,6 +94,18 @@ def decimal_of(
     return number
 
 
+def step_of(
+    parser: argparse.ArgumentParser, text: str, smallest: Decimal, largest: Decimal
+) -> Decimal:
+    """The step of the cam angle [degrees] in the text of `--step`; ends the command if it is none
+    from `smallest` to `largest`.
+    """
+    step = decimal_of(parser, "step", text, "number of degrees")
+    if not smallest <= step <= largest:
+        parser.error(f"argument --step: {text} degrees; from {smallest} to {largest} are allowed")
+    return step
+
+
 def exit_code(findings: tuple[Finding, ...]) -> int:
     """2 if there is no such mechanism, 1 if a limit is broken or there is no such disc, else 0."""
     if any(f.severity == "wrong" for f in findings):

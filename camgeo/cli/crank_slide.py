@@ -4,12 +4,20 @@ from __future__ import annotations
 
 import argparse
 import sys
-from decimal import Decimal, InvalidOperation
+from decimal import Decimal
 from functools import partial
 from pathlib import Path
 from typing import Final
 
-from camgeo.cli.command import FINE, Subparsers, new_parser, print_json, tell
+from camgeo.cli.command import (
+    FINE,
+    Subparsers,
+    decimal_of,
+    new_parser,
+    print_json,
+    require_beside,
+    write_told,
+)
 from camgeo.cli.crank_slide_told import document, lines
 from camgeo.cli.plot import add_picture, check_picture, drawn
 from camgeo.errors import GeometryError
@@ -95,13 +103,7 @@ def _check_options(parser: argparse.ArgumentParser, arguments: argparse.Namespac
         given += ["--printed"] * arguments.printed
         if given:
             parser.error(f"{', '.join(given)}: allowed with --table or --csv only")
-    if arguments.csv is not None and arguments.output is not None:
-        table, picture = Path(arguments.csv), Path(arguments.output)
-        if table == picture:
-            parser.error("--csv and -o name the same file")
-        # Files are written as a set, whole or not at all, and a set lies in one folder.
-        if table.parent != picture.parent:
-            parser.error("--csv and -o must name files in the same folder")
+    require_beside(parser, "--csv", arguments.csv, arguments.output)
 
 
 def _driven(parser: argparse.ArgumentParser, arguments: argparse.Namespace) -> DrivenSlide:
@@ -109,7 +111,7 @@ def _driven(parser: argparse.ArgumentParser, arguments: argparse.Namespace) -> D
     if arguments.swing is None:
         crank = _length(parser, "crank", arguments.crank, "mm")
     else:
-        crank = crank_for_swing(frame, float(_number(parser, "swing", arguments.swing)))
+        crank = crank_for_swing(frame, float(decimal_of(parser, "swing", arguments.swing)))
         if crank < LOWEST:
             raise GeometryError(
                 f"makes a crank of {crank:g} mm; from {LOWEST:g} mm is allowed",
@@ -121,21 +123,10 @@ def _driven(parser: argparse.ArgumentParser, arguments: argparse.Namespace) -> D
 
 
 def _length(parser: argparse.ArgumentParser, key: str, text: str, unit: str) -> float:
-    value = float(_number(parser, key, text))
+    value = float(decimal_of(parser, key, text))
     if not LOWEST <= value <= HIGHEST:
         raise GeometryError(f"must be from {LOWEST:g} to {HIGHEST:g} {unit}", key=key, value=text)
     return value
-
-
-def _number(parser: argparse.ArgumentParser, key: str, text: str) -> Decimal:
-    """The number in the text of an option; ends the command if there is none."""
-    try:
-        number = Decimal(text)
-    except InvalidOperation:
-        number = Decimal("NaN")
-    if not number.is_finite():
-        parser.error(f"argument --{key}: {text!r} is no number")
-    return number
 
 
 def _table(
@@ -145,7 +136,7 @@ def _table(
     given = [
         default
         if getattr(arguments, key) is None
-        else _number(parser, key, getattr(arguments, key))
+        else decimal_of(parser, key, getattr(arguments, key))
         for key, default in zip(TABLE_OPTIONS, defaults, strict=True)
     ]
     return slide_table(driven, *given)
@@ -155,26 +146,18 @@ def _table(
 
 
 def _write(driven: DrivenSlide, table: SlideTable | None, arguments: argparse.Namespace) -> None:
-    files: dict[str, bytes] = {}
-    told = []
-    target = Path()
+    files = []
     if arguments.csv is not None:
         assert table is not None  # made for this file
-        target = Path(arguments.csv)
-        files[target.name] = _csv(table, printed=arguments.printed).encode()
-        told.append(f"{target}: {len(table.values)} rows")
+        data = _csv(table, printed=arguments.printed).encode()
+        files.append((Path(arguments.csv), data, f"{len(table.values)} rows"))
     if arguments.output is not None:
         from camgeo.figure import crank_slide
 
         target = Path(arguments.output)
-        files[target.name] = drawn(crank_slide.figure(driven), target.suffix)
-        told.append(f"{target}: phi, omega2, eps2")
-    if files:
-        from camgeo.files.transaction import write_set
-
-        write_set(target.parent, files, force=arguments.force)
-        for line in told:
-            tell(line)
+        picture = drawn(crank_slide.figure(driven), target.suffix)
+        files.append((target, picture, "phi, omega2, eps2"))
+    write_told(files, force=arguments.force)
 
 
 def _csv(table: SlideTable, *, printed: bool) -> str:

@@ -6,7 +6,14 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from camgeo.cli.command import FINE, Subparsers, new_parser, tell, tell_main_disc
+from camgeo.cli.command import (
+    FINE,
+    Subparsers,
+    add_output,
+    new_parser,
+    tell_main_disc,
+    write_told,
+)
 from camgeo.design import Design
 from camgeo.errors import Fault, SceneError
 from camgeo.scene.load import load_scene
@@ -39,13 +46,7 @@ def register(subparsers: Subparsers[argparse.ArgumentParser]) -> None:
     )
     parser.add_argument("scene", metavar="SCENE", help="scene file (TOML)")
     parser.add_argument("what", metavar="WHAT", nargs="*", help="what to draw; default all")
-    parser.add_argument(
-        "-o",
-        metavar="FILE",
-        dest="output",
-        help=f"picture, {', '.join(SUFFIXES)}; default NAME.png",
-    )
-    parser.add_argument("--force", action="store_true", help="write over an existing file")
+    add_output(parser, f"picture, {', '.join(SUFFIXES)}; default NAME.png")
     parser.set_defaults(run=run)
 
 
@@ -95,19 +96,17 @@ def drawn(figure: Figure, suffix: str) -> bytes:
 
 def write_picture(figure: Figure, target: Path, told: str, *, force: bool) -> None:
     """Write the figure, and tell what is in it."""
-    from camgeo.files.transaction import write_set
-
-    write_set(target.parent, {target.name: drawn(figure, target.suffix)}, force=force)
-    tell(f"{target}: {told}")
+    write_told([(target, drawn(figure, target.suffix), told)], force=force)
 
 
 def add_picture(parser: argparse.ArgumentParser, text: str = "draw a picture too") -> None:
     """The options of a command that draws a picture, by default besides what it prints."""
-    parser.add_argument("-o", metavar="FILE", dest="output", help=f"{text}, {', '.join(SUFFIXES)}")
-    parser.add_argument("--force", action="store_true", help="write over an existing file")
+    add_output(parser, f"{text}, {', '.join(SUFFIXES)}")
 
 
-def check_picture(parser: argparse.ArgumentParser, output: str | None) -> None:
+def check_picture(
+    parser: argparse.ArgumentParser, output: str | None, allowed: tuple[str, ...] = SUFFIXES
+) -> None:
     """Leave with a message if the name of the picture does not tell its format."""
-    if output is not None and Path(output).suffix not in SUFFIXES:
-        parser.error(f"argument -o: {output!r} must end in one of {', '.join(SUFFIXES)}")
+    if output is not None and Path(output).suffix not in allowed:
+        parser.error(f"argument -o: {output!r} must end in one of {', '.join(allowed)}")

@@ -5,15 +5,25 @@ from __future__ import annotations
 import argparse
 import math
 from dataclasses import dataclass
-from decimal import Decimal, InvalidOperation
+from decimal import Decimal
 from functools import partial
 from pathlib import Path
 from typing import Final, Protocol
 
 import numpy as np
 
-from camgeo.cli.command import FINE, Subparsers, identity, new_parser, print_json, tell
-from camgeo.cli.plot import SUFFIXES, drawn
+from camgeo.cli.command import (
+    FINE,
+    Subparsers,
+    add_output,
+    identity,
+    new_parser,
+    print_json,
+    step_of,
+    tell,
+    write_told,
+)
+from camgeo.cli.plot import SUFFIXES, check_picture, drawn
 from camgeo.cli.replay_told import Scale, closing_lines, closing_of, lines_of, record_of
 from camgeo.contour.contour import Contour
 from camgeo.design import Design
@@ -94,25 +104,20 @@ def register(subparsers: Subparsers[argparse.ArgumentParser]) -> None:
     )
     parser.add_argument("--step", metavar="DEG", help=f"step of the cam angle; default {STEP}")
     parser.add_argument("--json", action="store_true", help="print JSON")
-    parser.add_argument(
-        "-o", metavar="FILE", dest="output",
-        help=f"file to write: a table (.csv) or a picture ({', '.join(SUFFIXES)})",
-    )  # fmt: skip
-    parser.add_argument("--force", action="store_true", help="write over an existing file")
+    add_output(parser, f"file to write: a table (.csv) or a picture ({', '.join(SUFFIXES)})")
     parser.set_defaults(run=partial(run, parser))
 
 
 def run(parser: argparse.ArgumentParser, arguments: argparse.Namespace) -> int:
     """Replay, and print or write what comes of it."""
-    step = _step(parser, arguments.step)
+    step = STEP
+    if arguments.step is not None:
+        step = step_of(parser, arguments.step, SMALLEST_STEP, LARGEST_STEP)
     for option in ("gap", "corner"):
         value = getattr(arguments, option)
         if not (math.isfinite(value) and value >= 0.0):
             parser.error(f"argument --{option}: must be a number from 0 on")
-    target = None if arguments.output is None else Path(arguments.output)
-    if target is not None and target.suffix not in (".csv", *SUFFIXES):
-        allowed = ", ".join((".csv", *SUFFIXES))
-        parser.error(f"argument -o: {arguments.output!r} must end in one of {allowed}")
+    check_picture(parser, arguments.output, (".csv", *SUFFIXES))
     design = Design(load_scene(arguments.scene))
     require_roller(design.cam.follower)
     flank = Flank(arguments.flank or design.cam.contact.main)
@@ -123,9 +128,9 @@ def run(parser: argparse.ArgumentParser, arguments: argparse.Namespace) -> int:
     pair = (found[0].replay, found[1].replay) if len(found) == 2 else None
     first = found[0]
     scale = _scale(design)
-    if target is not None:
+    if arguments.output is not None:
         what = f"{flank} flank, {first.source}"
-        _write(target, first.disc, first.replay, scale, step, what, arguments, pair)
+        _write(first.disc, first.replay, scale, step, what, arguments, pair)
     records = [record_of(each.disc.cam, each.replay, scale) for each in found]
     closing = None if pair is None else closing_of(design.cam, *pair)
     if arguments.json:
@@ -192,20 +197,6 @@ def _replayed(
     return _Replayed(disc, Path(file).name, replay)
 
 
-def _step(parser: argparse.ArgumentParser, text: str | None) -> Decimal:
-    if text is None:
-        return STEP
-    try:
-        step = Decimal(text)
-    except InvalidOperation:
-        parser.error(f"argument --step: {text!r} is no number of degrees")
-    if not (step.is_finite() and SMALLEST_STEP <= step <= LARGEST_STEP):
-        parser.error(
-            f"argument --step: {text} degrees; from {SMALLEST_STEP} to {LARGEST_STEP} are allowed"
-        )
-    return step
-
-
 def _scale(design: Design) -> Scale:
     if design.cam.lift_unit == "rad":
         return Scale("deg", math.degrees(1.0))
@@ -250,7 +241,6 @@ def _contour(disc: Workpiece, flank: Flank, file: Path, arguments: argparse.Name
 
 
 def _write(
-    target: Path,
     disc: Workpiece,
     replay: Replay,
     scale: Scale,
@@ -259,8 +249,7 @@ def _write(
     arguments: argparse.Namespace,
     pair: tuple[Replay, Replay] | None,
 ) -> None:
-    from camgeo.files.transaction import write_set
-
+    target = Path(arguments.output)
     if target.suffix == ".csv":
         table = _table(replay, scale, step, pair)
         data, told = table.csv().encode(), f"{len(table.values)} rows"
@@ -276,8 +265,7 @@ def _write(
         )
         data = drawn(figure, target.suffix)
         told = "lift, velocity, acceleration"
-    write_set(target.parent, {target.name: data}, force=arguments.force)
-    tell(f"{target}: {told}")
+    write_told([(target, data, told)], force=arguments.force)
 
 
 def _table(
@@ -289,29 +277,18 @@ def _table(
     demanded = replay.course.motion.jet(phi, "right", 2) * scale.factor
     actual = replay.course.jet(phi) * scale.factor
     unit = scale.unit
-    names: tuple[str, ...] = (
-        "phi [deg]",
-        f"s demanded [{unit}]",
-        f"s [{unit}]",
-        f"difference [{unit}]",
-        f"s' [{unit}/rad]",
-        f"s'' [{unit}/rad^2]",
-        f"s' demanded [{unit}/rad]",
-        f"s'' demanded [{unit}/rad^2]",
-    )
-    columns: tuple[FloatArray, ...] = (
-        degrees,
-        demanded[0],
-        actual[0],
-        actual[0] - demanded[0],
-        actual[1],
-        actual[2],
-        demanded[1],
-        demanded[2],
-    )
+    columns = {
+        "phi [deg]": degrees,
+        f"s demanded [{unit}]": demanded[0],
+        f"s [{unit}]": actual[0],
+        f"difference [{unit}]": actual[0] - demanded[0],
+        f"s' [{unit}/rad]": actual[1],
+        f"s'' [{unit}/rad^2]": actual[2],
+        f"s' demanded [{unit}/rad]": demanded[1],
+        f"s'' demanded [{unit}/rad^2]": demanded[2],
+    }
     if pair is not None:
         from camgeo.outline.closing import play
 
-        names += (f"play [{unit}]",)
-        columns += (play(*pair, phi) * scale.factor,)
-    return Table(names, np.column_stack(columns))
+        columns[f"play [{unit}]"] = play(*pair, phi) * scale.factor
+    return Table(tuple(columns), np.column_stack(tuple(columns.values())))

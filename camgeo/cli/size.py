@@ -18,8 +18,10 @@ from camgeo.cli.command import (
     Subparsers,
     new_parser,
     print_json,
+    require_beside,
     tell,
     tell_main_disc,
+    write_told,
 )
 from camgeo.cli.plot import add_picture, check_picture, drawn
 from camgeo.cli.size_told import document, lines
@@ -82,12 +84,7 @@ def register(subparsers: Subparsers[argparse.ArgumentParser]) -> None:
 def run(parser: argparse.ArgumentParser, arguments: argparse.Namespace) -> int:
     """Print the answer; write picture and scene, both or none."""
     check_picture(parser, arguments.output)
-    if arguments.output is not None and arguments.target is not None:
-        # Files are written as a set, whole or not at all, and a set lies in one folder.
-        if Path(arguments.output).parent != Path(arguments.target).parent:
-            parser.error("--scene and -o must name files in the same folder")
-        if Path(arguments.output) == Path(arguments.target):
-            parser.error("--scene and -o name the same file")
+    require_beside(parser, "--scene", arguments.target, arguments.output)
     if arguments.arm is not None and arguments.output is not None:
         parser.error("-o draws places for one arm: write the scene with --scene, and draw that one")
     design = Design(load_scene(arguments.scene))
@@ -122,27 +119,21 @@ def _required(design: Design, arguments: argparse.Namespace) -> tuple[float, flo
 
 
 def _write(design: Design, task: Task, sizing: Sizing, arguments: argparse.Namespace) -> None:
-    files: dict[str, bytes] = {}
-    told = []
-    target = Path()
+    files = []
     if arguments.target is not None and sizing.answer is not None:
         target = Path(arguments.target)
-        files[target.name] = _scene(design, task, sizing, arguments, target)
-        told.append(f"{target}: base radius {_told(design, sizing.answer.base_radius)}")
+        scene = _scene(design, task, sizing, arguments, target)
+        told = f"base radius {_told(design, sizing.answer.base_radius)}"
+        files.append((target, scene, told))
     elif arguments.target is not None:
         tell(f"{arguments.target}: not written, there is no such mechanism")
     if arguments.output is not None:
         from camgeo.figure import size as region
 
         target = Path(arguments.output)
-        files[target.name] = drawn(region.figure(design.name, task, sizing), target.suffix)
-        told.append(f"{target}: region of the cam axis")
-    if files:
-        from camgeo.files.transaction import write_set
-
-        write_set(target.parent, files, force=arguments.force)
-        for line in told:
-            tell(line)
+        picture = drawn(region.figure(design.name, task, sizing), target.suffix)
+        files.append((target, picture, "region of the cam axis"))
+    write_told(files, force=arguments.force)
 
 
 def _scene(

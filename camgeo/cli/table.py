@@ -17,6 +17,7 @@ from camgeo.cli.command import (
     decimal_of,
     new_parser,
     print_json,
+    step_of,
     tell_main_disc,
     write_told,
 )
@@ -73,12 +74,7 @@ def run(parser: argparse.ArgumentParser, arguments: argparse.Namespace) -> int:
 def _of_scene(parser: argparse.ArgumentParser, arguments: argparse.Namespace) -> int:
     step = None
     if arguments.step is not None:
-        step = decimal_of(parser, "step", arguments.step, "number of degrees")
-        if not SMALLEST_STEP <= step <= LARGEST_STEP:
-            parser.error(
-                f"argument --step: {arguments.step} degrees;"
-                f" from {SMALLEST_STEP} to {LARGEST_STEP} are allowed"
-            )
+        step = step_of(parser, arguments.step, SMALLEST_STEP, LARGEST_STEP)
     design = Design(load_scene(arguments.scene))
     table = design.tabulated.table(step)
     tell_main_disc(design, "curves")

@@ -83,6 +83,14 @@ class Contour:
         """The same outline run in the other direction."""
         return type(self)(np.roll(self.vertices[::-1], 1), -self.sweeps[::-1], self.centres[::-1])
 
+    def rolled(self, first: int) -> Self:
+        """The same outline, beginning with its piece `first`."""
+        return type(self)(
+            np.roll(self.vertices, -first),
+            np.roll(self.sweeps, -first),
+            np.roll(self.centres, -first),
+        )
+
     def counter_clockwise(self) -> Self:
         """The same outline, run counter-clockwise."""
         return self if self.area >= 0.0 else self.reversed()

@@ -90,12 +90,21 @@ def piecewise_integrals(
     return out, error + float(np.finfo(np.float64).eps) * scale
 
 
+def gauss(
+    low: FloatArray, high: FloatArray, nodes: int
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Gauss-Legendre's rule over [low, high] (m,) each: (m, n) places of its `nodes` n, half the
+    widths (m,), and the weights (n,) over [-1, 1].
+    """
+    places, weights = np.polynomial.legendre.leggauss(nodes)  # numpy loads it when first asked
+    half, middle = 0.5 * (high - low), 0.5 * (high + low)
+    return middle[:, np.newaxis] + half[:, np.newaxis] * places, half, weights
+
+
 def _gauss(
     function: Callable[[FloatArray], FloatArray], low: FloatArray, high: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     """The integrals over [low, high] (m,) each, and those of the magnitude."""
-    nodes, weights = np.polynomial.legendre.leggauss(NODES)
-    half, middle = 0.5 * (high - low), 0.5 * (high + low)
-    x = middle[:, np.newaxis] + half[:, np.newaxis] * nodes
+    x, half, weights = gauss(low, high, NODES)
     values = function(x.ravel()).reshape(x.shape)
     return half * (values @ weights), half * (np.abs(values) @ weights)

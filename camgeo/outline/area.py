@@ -7,8 +7,8 @@ import math
 
 import numpy as np
 
+from camgeo.numeric.quadrature import gauss
 from camgeo.outline.path import Path, Pivot, Stretch
-from camgeo.units import TURN
 
 LONGEST = math.pi / 16.0
 """Longest part of a stretch [rad] that one quadrature takes."""
@@ -27,17 +27,14 @@ def area(path: Path) -> float:
 def _of_stretch(stretch: Stretch) -> float:
     """Half the integral of Im(conj(W) W') over the stretch."""
     curve = stretch.curve
-    borders = np.concatenate((curve.borders, curve.borders + TURN))
-    inside = borders[(borders > stretch.start) & (borders < stretch.end)]
-    marks = np.concatenate(([stretch.start], inside, [stretch.end]))
+    marks = stretch.marks
     parts = np.maximum(1, np.ceil(np.diff(marks) / LONGEST)).astype(int)
     marks = np.concatenate(
         [np.linspace(a, b, n + 1)[:-1] for a, b, n in zip(marks, marks[1:], parts, strict=False)]
         + [marks[-1:]]
     )
-    nodes, weights = np.polynomial.legendre.leggauss(NODES)
-    half, middle = 0.5 * np.diff(marks), 0.5 * (marks[1:] + marks[:-1])
-    phi = (middle[:, None] + half[:, None] * nodes).ravel()
+    places, half, weights = gauss(marks[:-1], marks[1:], NODES)
+    phi = places.ravel()
     across = (np.conj(curve.point(phi)) * curve.tangent(phi)).imag * curve.pace(phi)
     return 0.5 * math.fsum((half[:, None] * weights).ravel() * across)
 

@@ -19,8 +19,8 @@ from typing import Final
 import numpy as np
 
 from camgeo.numeric.arrays import ComplexArray, FloatArray, merged
+from camgeo.numeric.quadrature import gauss
 from camgeo.outline.path import Path, Pivot, Stretch
-from camgeo.units import TURN
 
 NODES: Final = 16
 """Of the Gauss-Legendre rule on a part; its error is taken from the rule on both halves."""
@@ -138,7 +138,7 @@ def piece_moments(
 
 def _of_stretch(stretch: Stretch, tolerance: float) -> Moments:
     """The contour integrals along the stretch, by quadrature."""
-    edges = _edges(stretch)
+    edges = merged(stretch.marks)
     low, high = edges[:-1], edges[1:]
     area, first, area_sizes, first_sizes = _gauss(stretch, low, high)
     area_scale, first_scale = float(np.sum(area_sizes)), float(np.sum(first_sizes))
@@ -168,20 +168,11 @@ def _sum(area: FloatArray, first: ComplexArray, wrong: FloatArray, off: FloatArr
     return Moments(math.fsum(area), moment, math.fsum(wrong), math.fsum(off))
 
 
-def _edges(stretch: Stretch) -> FloatArray:
-    """(m + 1,) from the start of the stretch to its end [rad], smooth between neighbours."""
-    borders = np.concatenate((stretch.curve.borders, stretch.curve.borders + TURN))
-    inside = borders[(borders > stretch.start) & (borders < stretch.end)]
-    return merged(np.concatenate(([stretch.start], inside, [stretch.end])))
-
-
 def _gauss(
     stretch: Stretch, low: FloatArray, high: FloatArray
 ) -> tuple[FloatArray, ComplexArray, FloatArray, FloatArray]:
     """Contributions (m,) to area and first moment over [low, high] (m,), and of the magnitudes."""
-    nodes, weights = np.polynomial.legendre.leggauss(NODES)
-    half, middle = 0.5 * (high - low), 0.5 * (high + low)
-    phi = middle[:, np.newaxis] + half[:, np.newaxis] * nodes
+    phi, half, weights = gauss(low, high, NODES)
     point, tangent, pace = stretch.curve.traced(phi.ravel())
     way = tangent * pace
     across = 0.5 * (np.conj(point) * way).imag.reshape(phi.shape)

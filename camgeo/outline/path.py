@@ -10,7 +10,10 @@ from __future__ import annotations
 import cmath
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from camgeo.curve.working_curve import WorkingCurve
+from camgeo.numeric.arrays import FloatArray
 from camgeo.units import TURN
 
 
@@ -28,6 +31,13 @@ class Stretch:
     curve: WorkingCurve
     start: float
     end: float
+
+    @property
+    def marks(self) -> FloatArray:
+        """(m + 1,) cam angles [rad] from its start to its end, the curve smooth between them."""
+        borders = np.concatenate((self.curve.borders, self.curve.borders + TURN))
+        inside = borders[(borders > self.start) & (borders < self.end)]
+        return np.concatenate(([self.start], inside, [self.end]))
 
 
 @dataclass(frozen=True, slots=True)

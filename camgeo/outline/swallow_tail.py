@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.quadrature import gauss
 from camgeo.outline.division import Division
 from camgeo.outline.envelope import Envelope
 from camgeo.outline.runs import small_run, steady_run
@@ -118,9 +118,7 @@ def _way(envelope: Envelope, x: float, y: float) -> complex:
     length = float(np.sum(np.abs(ends.pace))) * (y - x)
     if length > SMALL * size or len(inner) > 4:
         return straight
-    nodes, weights = np.polynomial.legendre.leggauss(NODES)
-    half, middle = 0.5 * np.diff(marks), 0.5 * (marks[1:] + marks[:-1])
-    places: FloatArray = (middle[:, None] + half[:, None] * nodes).ravel()
-    course = envelope.course(places)
+    places, half, weights = gauss(marks[:-1], marks[1:], NODES)
+    course = envelope.course(places.ravel())
     parts = (half[:, None] * weights).ravel() * course.pace * course.tangents
     return complex(np.sum(parts))

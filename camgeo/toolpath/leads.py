@@ -35,11 +35,7 @@ class Lead:
 
 def started(contour: Contour, index: int) -> Contour:
     """The same contour, starting in the middle of its piece `index`, an arc or a line."""
-    contour = Contour(
-        np.roll(contour.vertices, -index),
-        np.roll(contour.sweeps, -index),
-        np.roll(contour.centres, -index),
-    )
+    contour = contour.rolled(index)
     sweep, centre = contour.sweeps[0], contour.centres[0]
     middle = 0.5 * (contour.vertices[0] + contour.ends[0])
     if sweep != 0.0:

@@ -88,7 +88,7 @@ def locate(path: Path, contour: Contour) -> tuple[Run, ...]:
         return (_closed_run(legs[0], courses[0], contour),)
     corners = np.array([_first(leg) for leg in legs])
     nearest = np.array([int(np.argmin(np.abs(contour.vertices - corner))) for corner in corners])
-    contour = _rolled(contour, int(nearest[0]))
+    contour = contour.rolled(int(nearest[0]))
     counts = _counts(legs, nearest, len(contour))
     stops = np.cumsum(counts)
     return tuple(
@@ -127,14 +127,6 @@ def _first(leg: Leg) -> complex:
     if leg.first is not None:
         return leg.first
     return complex(leg.point(np.array([leg.start]))[0])
-
-
-def _rolled(contour: Contour, first: int) -> Contour:
-    return Contour(
-        np.roll(contour.vertices, -first),
-        np.roll(contour.sweeps, -first),
-        np.roll(contour.centres, -first),
-    )
 
 
 def _counts(legs: tuple[Leg, ...], nearest: IntArray, pieces: int) -> IntArray:

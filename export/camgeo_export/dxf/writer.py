@@ -114,7 +114,7 @@ def _pitch(product: Product, tolerance: float, straight: bool) -> Contour:
         return product.drawn.pitch_contour(FIT_SHARE * tolerance).contour.split(math.pi)
     fit, chord = POLYLINE_SHARES
     points = product.drawn.pitch_contour(fit * tolerance).contour.points(chord * tolerance)
-    return Contour(points, 0.0 * points.real, 0.0 * points)
+    return Contour.polygon(points)
 
 
 @contextmanager

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from camgeo.contour.contour import Contour
 from camgeo.errors import GeometryError
 from camgeo.files.product import Product
 from camgeo.numeric.arrays import FloatArray, IntArray
 from camgeo_export.errors import FileError
 from camgeo_export.matching import deviation
-from camgeo_export.verify.mesh import border_loops, merged, solid_checks, upright
+from camgeo_export.verify.mesh import border_loops, merged, polygon, solid_checks, upright
 
 
 def measure(product: Product, vertices: FloatArray, triangles: IntArray) -> float:
@@ -37,12 +36,7 @@ def measure(product: Product, vertices: FloatArray, triangles: IntArray) -> floa
     largest = 0.0
     for height, exact in zip(heights, wanted, strict=True):
         level = triangles[flat & (corners[:, 0, 2] == height)]
-        contours = [_contour(vertices[loop]) for loop in border_loops(level)]
+        contours = [polygon(vertices[loop]) for loop in border_loops(level)]
         off = abs(height - (exact.z - wanted[0].z))
         largest = max(largest, off, deviation(contours, exact.boundaries))
     return largest
-
-
-def _contour(points: FloatArray) -> Contour:
-    vertices = points[:, 0] + 1j * points[:, 1]
-    return Contour(vertices, np.zeros(len(vertices)), np.zeros_like(vertices))

@@ -12,7 +12,7 @@ from camgeo.files.product import Product
 from camgeo.files.verification import Check, failed, near
 from camgeo.numeric.arrays import BoolArray, FloatArray, IntArray
 from camgeo.part.part import Boundary, Part
-from camgeo_export.verify.mesh import border_loops, merged, solid_checks, upright, volume
+from camgeo_export.verify.mesh import border_loops, merged, polygon, solid_checks, upright, volume
 from camgeo_export.verify.plane import contour_checks, matched
 from camgeo_export.verify.shapes import Shape, shapes_of
 
@@ -74,7 +74,7 @@ def _level_checks(
     except (CamgeoError, KeyError) as error:
         note = f"the border of the face cannot be followed: {error}"
         return [failed("deviation", note, name)]
-    pairs, count = matched([_contour(vertices[loop]) for loop in loops], shapes)
+    pairs, count = matched([polygon(vertices[loop]).counter_clockwise() for loop in loops], shapes)
     checks = (
         []
         if count.ok
@@ -89,12 +89,6 @@ def _level_checks(
             done[key] = None
         checks += contour_checks(shape, contour, tolerance, where=name)
     return checks
-
-
-def _contour(points: FloatArray) -> Contour:
-    vertices = points[:, 0] + 1j * points[:, 1]
-    contour = Contour(vertices, np.zeros(len(vertices)), np.zeros_like(vertices))
-    return contour.counter_clockwise()
 
 
 def _first(contour: Contour) -> int:

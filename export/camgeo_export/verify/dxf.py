@@ -191,7 +191,7 @@ def _pitch(product: Product) -> Shape:
 
     def polygon(within: float) -> Contour:
         points = product.drawn.pitch_contour(0.5 * within).contour.points(0.5 * within)
-        return Contour(points, 0.0 * points.real, 0.0 * points)
+        return Contour.polygon(points)
 
     contour = product.drawn.pitch_contour(1e-3 * product.drawn.base_radius).contour
     corners = corners_of_contour(contour)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from camgeo.contour.contour import Contour
 from camgeo.files.verification import Check, failed
 from camgeo.numeric.arrays import FloatArray, IntArray
 from camgeo_export.errors import FileError
@@ -13,6 +14,11 @@ def merged(vertices: FloatArray, triangles: IntArray) -> tuple[FloatArray, IntAr
     """The mesh with vertices at the same place made one: an STL repeats them."""
     unique, index = np.unique(vertices, axis=0, return_inverse=True)
     return unique, index.reshape(-1)[triangles]
+
+
+def polygon(points: FloatArray) -> Contour:
+    """The closed contour through `points` (n, 3) [mm] of one height."""
+    return Contour.polygon(points[:, 0] + 1j * points[:, 1])
 
 
 def volume(vertices: FloatArray, triangles: IntArray) -> float:
