@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from camgeo.cam.breadth import Breadth
-from camgeo.check.finding import Finding
+from camgeo.check.finding import Finding, held
 
 
 def check_breadth(cam: Breadth, breadth: float, limit: float) -> Finding:
@@ -15,17 +15,8 @@ def check_breadth(cam: Breadth, breadth: float, limit: float) -> Finding:
     """
     (least, narrow), (most, wide) = cam.range
     error, phi = max((most - breadth, wide), (breadth - least, narrow))
-    broken = error > limit
-    return Finding(
-        name="closing-error",
-        severity="broken" if broken else "ok",
-        sentence=(
-            f"yoke of breadth {breadth:.6g} mm: the cam is {least:.6g} to {most:.6g} mm wide, off"
-            f" by up to {error + 0.0:.3g} mm at cam angle {math.degrees(phi):.4f} deg,"
-            f" {'above' if broken else 'at most'} {limit:g} mm"
-        ),
-        value=error,
-        limit=limit,
-        unit="mm",
-        cam_angle=phi,
+    told = (
+        f"yoke of breadth {breadth:.6g} mm: the cam is {least:.6g} to {most:.6g} mm wide, off"
+        f" by up to {error + 0.0:.3g} mm at cam angle {math.degrees(phi):.4f} deg"
     )
+    return held("closing-error", told, error, limit, "mm", phi)

@@ -13,7 +13,7 @@ from typing import Final
 
 import numpy as np
 
-from camgeo.check.finding import Finding
+from camgeo.check.finding import Finding, held
 from camgeo.curve.extremes import extremes
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.motion.motion import Side
@@ -104,17 +104,8 @@ def _check_closing_error(
         return total
 
     value, phi = extremes(main, play, slope).largest()
-    broken = value > limit
-    return Finding(
-        name="closing-error",
-        severity="broken" if broken else "ok",
-        sentence=(
-            f"with both discs true to {tolerance:g} mm the rollers have at most {value:.6f} mm of"
-            f" play or squeeze, as way of the main roller, at cam angle {math.degrees(phi):.4f}"
-            f" deg, {'above' if broken else 'at most'} {limit:g} mm"
-        ),
-        value=value,
-        limit=limit,
-        unit="mm",
-        cam_angle=phi,
+    told = (
+        f"with both discs true to {tolerance:g} mm the rollers have at most {value:.6f} mm of"
+        f" play or squeeze, as way of the main roller, at cam angle {math.degrees(phi):.4f} deg"
     )
+    return held("closing-error", told, value, limit, "mm", phi)

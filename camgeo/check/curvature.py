@@ -12,7 +12,7 @@ import math
 
 import numpy as np
 
-from camgeo.check.finding import Finding, Severity
+from camgeo.check.finding import Finding, Severity, held
 from camgeo.curve.extremes import Extremes
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.outline.cusps import CUSP, INSIDE, undercut_ranges
@@ -33,36 +33,17 @@ def check_radius_ratio(
     kappa, phi = _tightest(flank, bends)
     roller = abs(flank.distance) if roller_radius is None else roller_radius
     ratio = -math.copysign(roller, flank.distance) * kappa
-    if roller == 0.0:
-        return Finding(
-            name=f"radius-ratio-{name}",
-            severity="ok",
-            sentence=f"{name} flank: a knife edge, r_R = 0, fits any radius of curvature",
-            value=0.0,
-            limit=limit,
-        )
-    if ratio <= 0.0:
+    if roller == 0.0 or ratio <= 0.0:
         bend = "concave" if flank.distance < 0.0 else "convex"
-        return Finding(
-            name=f"radius-ratio-{name}",
-            severity="ok",
-            sentence=f"{name} flank: the pitch curve is {bend} everywhere, any roller fits",
-            value=0.0,
-            limit=limit,
-        )
-    broken = ratio > limit
-    return Finding(
-        name=f"radius-ratio-{name}",
-        severity="broken" if broken else "ok",
-        sentence=(
-            f"{name} flank: r_R/r_K = {ratio:.4f} (r_R {roller:g} mm, smallest r_K"
-            f" {1 / abs(kappa):.4f} mm) at cam angle {math.degrees(phi):.4f} deg,"
-            f" {'above' if broken else 'at most'} {limit:g}"
-        ),
-        value=ratio,
-        limit=limit,
-        cam_angle=phi,
+        told = f"{name} flank: the pitch curve is {bend} everywhere, any roller fits"
+        if roller == 0.0:
+            told = f"{name} flank: a knife edge, r_R = 0, fits any radius of curvature"
+        return Finding(f"radius-ratio-{name}", "ok", told, 0.0, limit)
+    told = (
+        f"{name} flank: r_R/r_K = {ratio:.4f} (r_R {roller:g} mm, smallest r_K"
+        f" {1 / abs(kappa):.4f} mm) at cam angle {math.degrees(phi):.4f} deg"
     )
+    return held(f"radius-ratio-{name}", told, ratio, limit, cam_angle=phi)
 
 
 def check_undercut(

@@ -42,6 +42,28 @@ class Finding:
     cam_range: tuple[float, float] | None = None
 
 
+def held(
+    name: str,
+    told: str,
+    value: float,
+    limit: float | None,
+    unit: str = "",
+    cam_angle: float | None = None,
+    *,
+    least: bool = False,
+) -> Finding:
+    """The finding that holds `value` to a `limit` that it must not exceed, or with `least` not fall
+    below; to none if that is None. The sentence is `told` with the verdict.
+    """
+    if limit is None:
+        return Finding(name, "ok", told, value, unit=unit, cam_angle=cam_angle)
+    broken = value < limit if least else value > limit
+    beyond, within = ("below", "at least") if least else ("above", "at most")
+    verdict = f"{beyond if broken else within} {limit:g} {unit}".rstrip()
+    severity: Severity = "broken" if broken else "ok"
+    return Finding(name, severity, f"{told}, {verdict}", value, limit, unit, cam_angle)
+
+
 def forbidding(findings: Iterable[Finding]) -> tuple[Finding, ...]:
     """The findings that say that there is no such disc."""
     return tuple(each for each in findings if each.severity in NO_OUTLINE)

@@ -7,7 +7,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from camgeo.check.finding import Finding
+from camgeo.check.finding import Finding, held
 from camgeo.effects.carrier import INNER, OUTER, holds_both_ways, sides_of
 from camgeo.effects.effect import Request, Subject, toucher
 from camgeo.effects.results import INERTIA
@@ -42,17 +42,8 @@ def force_findings(extremes: Extremes, subject: Subject, limit: float | None) ->
 
 
 def _largest(extreme: Extreme, where: str, limit: float | None) -> Finding:
-    broken = limit is not None and extreme.value > limit
-    held = "" if limit is None else f", {'above' if broken else 'at most'} {limit:g} N"
-    return Finding(
-        name="largest-contact-force",
-        severity="broken" if broken else "ok",
-        sentence=f"largest contact force {_told(extreme, where)}{held}",
-        value=extreme.value,
-        limit=limit,
-        unit="N",
-        cam_angle=extreme.place % TURN,
-    )
+    told = f"largest contact force {_told(extreme, where)}"
+    return held("largest-contact-force", told, extreme.value, limit, "N", extreme.place % TURN)
 
 
 def _smallest(extreme: Extreme, where: str, what: str) -> Finding:

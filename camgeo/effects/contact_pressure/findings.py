@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import Final
 
-from camgeo.check.finding import Finding
+from camgeo.check.finding import Finding, held
 from camgeo.effects.contact_pressure.hertz import (
     SHEAR_DEPTH,
     SHEAR_SHARE,
@@ -78,7 +78,7 @@ def pressure_findings(worst: Worst, spec: Spec) -> tuple[Finding, ...]:
             ),
         )
     safety = spec.limit / pressure
-    beyond, short = pressure > spec.limit, safety < spec.safety
+    beyond = pressure > spec.limit
     shear = SHEAR_SHARE * pressure
     width = half_width(worst.load / worst.width, spec.modulus, worst.radius)
     depth = SHEAR_DEPTH * width
@@ -97,16 +97,14 @@ def pressure_findings(worst: Worst, spec: Spec) -> tuple[Finding, ...]:
             unit="MPa",
             cam_angle=angle,
         ),
-        Finding(
-            name="pressure-safety",
-            severity="broken" if short else "ok",
-            sentence=(
-                f"smallest safety against a contact pressure of {spec.limit:g} MPa is {safety:.4f}"
-                f" {worst.place}, {'below' if short else 'at least'} {spec.safety:g}"
-            ),
-            value=safety,
-            limit=spec.safety,
+        held(
+            "pressure-safety",
+            f"smallest safety against a contact pressure of {spec.limit:g} MPa is {safety:.4f}"
+            f" {worst.place}",
+            safety,
+            spec.safety,
             cam_angle=angle,
+            least=True,
         ),
         Finding(
             name="largest-subsurface-shear",
@@ -220,19 +218,11 @@ def life_findings(life: Life, spec: Spec) -> tuple[Finding, ...]:
         unlimited = "nothing presses the roller on its flank, the life of its bearing has no limit"
         return (Finding("roller-life", "ok", unlimited, limit=asked, unit="h"), turning)
     hours = life.seconds / HOUR
-    short = asked is not None and hours < asked
-    held = "" if asked is None else f", {'below' if short else 'at least'} {asked:g} h"
+    told = f"basic rating life of the roller's bearing {hours:.6g} h"
     heavy = life.load > HEAVY * spec.rating
     most = HEAVY * spec.rating
     return (
-        Finding(
-            name="roller-life",
-            severity="broken" if short else "ok",
-            sentence=f"basic rating life of the roller's bearing {hours:.6g} h{held}",
-            value=hours,
-            limit=asked,
-            unit="h",
-        ),
+        held("roller-life", told, hours, asked, "h", least=True),
         Finding(
             name="equivalent-roller-load",
             severity="warning" if heavy else "ok",

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import Final
 
-from camgeo.check.finding import Finding, Severity
+from camgeo.check.finding import Finding, held
 from camgeo.numeric.extremes import Extreme, Extremes
 from camgeo.units import RPM, TURN
 
@@ -38,18 +38,9 @@ def findings(
     """
     mean = TURN / balance.period
     fluctuation = (speeds.highest.value - speeds.lowest.value) / mean
-    broken = limit is not None and fluctuation > limit
-    verdict = "" if limit is None else f", {'above' if broken else 'at most'} {limit:g}"
-    severity: Severity = "broken" if broken else "ok"
+    told = f"speed fluctuation {fluctuation:.5g} (largest less smallest speed by the mean)"
     return (
-        Finding(
-            "speed-fluctuation",
-            severity,
-            f"speed fluctuation {fluctuation:.5g} (largest less smallest speed by the mean)"
-            f"{verdict}",
-            fluctuation,
-            limit,
-        ),
+        held("speed-fluctuation", told, fluctuation, limit),
         Finding(
             "mean-speed",
             "ok",
