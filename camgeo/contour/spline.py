@@ -132,6 +132,19 @@ class Arc:
         """The same, run the other way."""
         return type(self)(self.end, self.start, -self.sweep, self.centre)
 
+    def heading(self, point: complex) -> complex:
+        """The way that it runs at `point`, one of its ends; of any length."""
+        if not self.sweep:
+            return self.end - self.start
+        return (point - self.centre) * (1j if self.sweep > 0.0 else -1j)
+
+    def at(self, shares: FloatArray) -> ComplexArray:
+        """(n,) complex [mm] points at `shares` (n,) of its length."""
+        if not self.sweep:
+            return self.start + (self.end - self.start) * shares.astype(np.complex128)
+        turned: ComplexArray = np.exp(1j * self.sweep * shares)
+        return self.centre + (self.start - self.centre) * turned
+
     def between(self, start: complex, end: complex) -> Self:
         """The same turn between `start` and `end` [mm]; the centre follows."""
         if not self.sweep or abs(self.sweep) == 2.0 * math.pi:

@@ -45,30 +45,29 @@ the same width are a fifth as many an arc as where the arcs themselves make the 
 Measure = Callable[[Contour], float]
 
 
-def spline_deviation(path: Path, contour: SplineContour, scale: float | None = None) -> float:
+def spline_deviation(path: Path, contour: SplineContour) -> float:
     """Upper bound [mm] of the distance between `contour` and `path`, in both directions.
 
     Parameters
     ----------
     path : the exact path, as for `camgeo.contour.proof.deviation.deviation`.
     contour : once round the path, in either direction.
-    scale : deviation that is expected [mm]; it only saves time.
 
     Raises
     ------
     GeometryError
         If the contour does not follow the path once round, so that no bound can be given.
     """
-    return bound_by_arcs(lambda arcs: deviation(path, arcs), contour, scale)
+    return bound_by_arcs(lambda arcs: deviation(path, arcs), contour)
 
 
-def bound_by_arcs(measure: Measure, contour: SplineContour, scale: float | None = None) -> float:
+def bound_by_arcs(measure: Measure, contour: SplineContour) -> float:
     """Upper bound [mm] of a distance of `contour`, if `measure` gives one of lines and arcs.
 
-    `scale` as for `spline_deviation`. Raises what `measure` raises for arcs of any length.
+    Raises what `measure` raises for arcs of any length.
     """
     finest = FINEST * contour.reach
-    share = max(SHARE * (COARSE * contour.reach if scale is None else scale), finest)
+    share = max(SHARE * (COARSE * contour.reach), finest)
     found, failed = 0.0, None
     for _ in range(ROUNDS):
         arcs, apart = lines_and_arcs(contour, share)

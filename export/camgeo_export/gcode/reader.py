@@ -14,6 +14,7 @@ from typing import Literal
 import numpy as np
 
 from camgeo.contour.contour import Contour
+from camgeo.contour.spline import Arc
 from camgeo_export.chain import chain
 from camgeo_export.errors import FileError
 
@@ -60,6 +61,11 @@ class CutterMove:
     operation: str
     tool: int
     line: int
+
+    @property
+    def course(self) -> Arc:
+        """Its line or arc in the plane."""
+        return Arc(self.start, self.end, self.sweep, self.centre)
 
 
 @dataclass(frozen=True, slots=True)

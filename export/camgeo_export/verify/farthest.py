@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from camgeo.contour.bezier import at
 from camgeo.contour.contour import Contour
 from camgeo.contour.spline import CubicSpline, SplineContour
 from camgeo.numeric.arrays import ComplexArray, FloatArray
@@ -37,22 +38,10 @@ def points_of(contour: Contour | SplineContour, sagitta: float) -> ComplexArray:
     parts: list[ComplexArray] = []
     for strand in contour.strands:
         if isinstance(strand, CubicSpline):
-            parts.append(_of_spline(strand))
-        elif strand.sweep == 0.0:
-            along = share.astype(np.complex128)
-            parts.append(strand.start + (strand.end - strand.start) * along)
+            parts.append(at(strand.beziers, share).ravel())
         else:
-            turned = np.exp(1j * strand.sweep * share)
-            parts.append(strand.centre + (strand.start - strand.centre) * turned)
+            parts.append(strand.at(share))
     return np.concatenate(parts)
-
-
-def _of_spline(strand: CubicSpline) -> ComplexArray:
-    """`PARTS` points a cubic, by Bernstein's polynomials."""
-    t = np.arange(PARTS) / PARTS
-    weights = np.array([(1 - t) ** 3, 3 * t * (1 - t) ** 2, 3 * t**2 * (1 - t), t**3])
-    points: ComplexArray = (strand.beziers @ weights).ravel()
-    return points
 
 
 def _largest(course: ComplexArray, points: ComplexArray) -> tuple[float, complex]:

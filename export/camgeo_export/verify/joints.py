@@ -64,12 +64,7 @@ def _of_strand(strand: CubicSpline | Arc) -> tuple[ComplexArray, ...]:
         starts = _first_leg(pieces[:, 1:] - first)
         ends = _first_leg(last - pieces[:, 2::-1])
         return pieces[:, 0], starts, ends, np.abs(np.diff(pieces, axis=1)).sum(axis=1) + 0j
-    chord = strand.end - strand.start
-    starts, ends = np.array([chord]), np.array([chord])
-    if strand.sweep != 0.0:
-        turning = 1j if strand.sweep > 0.0 else -1j
-        starts = np.array([(strand.start - strand.centre) * turning])
-        ends = np.array([(strand.end - strand.centre) * turning])
+    starts, ends = (np.array([strand.heading(end)]) for end in (strand.start, strand.end))
     return np.array([strand.start]), starts, ends, np.array([strand.length + 0j])
 
 

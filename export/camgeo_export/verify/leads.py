@@ -13,7 +13,6 @@ import numpy as np
 
 from camgeo.contour.contour import Contour
 from camgeo.files.verification import Check, at_most, failed
-from camgeo.numeric.arrays import ComplexArray
 from camgeo_export.gcode.reader import CutterMove, Program
 from camgeo_export.verify.farthest import distances_from
 from camgeo_export.verify.plane import SLOPE, place_text
@@ -44,7 +43,7 @@ def lead_checks(
 
     def is_cut(move: CutterMove) -> bool:
         flat = move.kind != "rapid" and move.z_start == move.z_end and move.z_end in heights
-        return flat and move.operation == operation and _length(move) > 0.0
+        return flat and move.operation == operation and move.course.length > 0.0
 
     def is_lead(move: CutterMove) -> bool:
         return is_cut(move) and not (move.start in vertices and move.end in vertices)
@@ -74,7 +73,8 @@ def _gouge(leads: list[CutterMove], path: Contour, tolerance: float, operation: 
     course = path.points(0.25 * tolerance)
     if len(course) < 3:  # there and back
         return failed("gouge", "the closed path encloses nothing", operation)
-    points = np.concatenate([_points(move) for move in leads])
+    shares = np.linspace(0.0, 1.0, PARTS + 1)
+    points = np.concatenate([move.course.at(shares) for move in leads])
     polygon = shapely.Polygon(np.column_stack((course.real, course.imag)))
     shapely.prepare(polygon)
     inside = shapely.contains_xy(polygon, points.real, points.imag)
@@ -87,36 +87,15 @@ def _gouge(leads: list[CutterMove], path: Contour, tolerance: float, operation: 
     return at_most("gouge", float(depth[worst]), tolerance, "mm", operation, note)
 
 
-def _points(move: CutterMove) -> ComplexArray:
-    share = np.linspace(0.0, 1.0, PARTS + 1)
-    if move.kind == "line":
-        return move.start + (move.end - move.start) * share.astype(np.complex128)
-    turned: ComplexArray = np.exp(1j * move.sweep * share)
-    return move.centre + (move.start - move.centre) * turned
-
-
 def _kink(pairs: list[tuple[CutterMove, CutterMove]], tolerance: float, operation: str) -> Check:
     """The largest kink where a lead meets the closed path, or another lead."""
     before, after = zip(*pairs, strict=True)
-    arriving = np.array([_direction(move, move.end) for move in before])
-    leaving = np.array([_direction(move, move.start) for move in after])
+    arriving = np.array([move.course.heading(move.end) for move in before])
+    leaving = np.array([move.course.heading(move.start) for move in after])
     kinks = np.abs(np.angle(leaving * np.conj(arriving)))
-    lengths = [np.array([_length(move) for move in moves]) for moves in (before, after)]
+    lengths = [np.array([move.course.length for move in moves]) for moves in (before, after)]
     limits = np.minimum(SLOPE * tolerance * (1.0 / lengths[0] + 1.0 / lengths[1]), math.pi)
     worst = int(np.argmax(kinks - limits))
     value, limit = math.degrees(float(kinks[worst])), math.degrees(float(limits[worst]))
     note = f"at {place_text(after[worst].start)}"
     return at_most("kink", value, limit, "deg", f"{operation}, leads", note)
-
-
-def _direction(move: CutterMove, point: complex) -> complex:
-    """Direction of cutting at one of its ends."""
-    if move.kind == "line":
-        return move.end - move.start
-    return (point - move.centre) * (1j if move.sweep > 0.0 else -1j)
-
-
-def _length(move: CutterMove) -> float:
-    if move.kind == "line":
-        return abs(move.end - move.start)
-    return abs(move.sweep) * abs(move.start - move.centre)

@@ -200,7 +200,7 @@ def test_proof_agrees_with_that_of_a_foreign_contour(
 ) -> None:
     """Other arcs, other places and other cells: each bound exceeds the distance by some 1 %."""
     fit = fitter(whole(curve), tolerance)
-    again = spline_deviation(whole(curve), fit.contour, tolerance)
+    again = spline_deviation(whole(curve), fit.contour)
     assert again == pytest.approx(fit.deviation, rel=0.04, abs=1e-12)
 
 
