@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import Literal
 
 import numpy as np
@@ -33,13 +32,7 @@ def plan_sketch(
     speed: float | None,
 ) -> PlanSketch:
     """What a picture shows of `plan`; the arguments are as the attributes of `PlanSketch`."""
-    segments = tuple(
-        _segment(plan, segment, math.radians(float(first)), math.radians(float(last)))
-        for segment, first, last in zip(
-            plan.segments, plan.joints_deg[:-1], plan.joints_deg[1:], strict=True
-        )
-        if segment.span > 0
-    )
+    segments = tuple(_segment(plan, *each) for each in plan.stretches)
     return PlanSketch(of, unit, joints(plan), breaks(plan), segments, speed)
 
 

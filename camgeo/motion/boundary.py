@@ -14,6 +14,15 @@ Boundary = tuple[float | None, float | None]
 FREE: Final[Boundary] = (None, None)
 
 
+def over_span(values: Boundary, length: float) -> Boundary:
+    """With respect to the part of a span of that `length` what is told per rad."""
+    velocity, acceleration = values
+    return (
+        None if velocity is None else velocity * length,
+        None if acceleration is None else acceleration * length**2,
+    )
+
+
 def boundaries_of(key: str, given: Any, least: int, most: int) -> dict[int, Boundary]:
     """`given` by the index of its point; GeometryError unless all are from `least` to `most`."""
     return {

@@ -28,17 +28,14 @@ def extremes_at_turns(
     if any(isinstance(segment, Course) for segment in plan.segments):
         return None
     places = [plan.borders]
-    for segment, start, end in zip(
-        plan.segments, plan.joints_deg[:-1], plan.joints_deg[1:], strict=True
-    ):
+    for segment, start, end in plan.stretches:
         if isinstance(segment, Move):
             turns = [z for region in segment.law.regions for z in region.turns()]
-            first, last = np.radians([float(start), float(end)])
-            places.append(first + np.array(turns) * (last - first))
+            places.append(start + np.array(turns) * (end - start))
     phi = ascending(np.concatenate(places))
     sides = [in_time(plan.jet(phi, side), course, phi) for side in ("right", "left")]
     timed = np.concatenate(sides, axis=1)
-    torque = inertia_torque(timed, course.omega(np.tile(phi, 2)), unit=unit)
+    torque = inertia_torque(timed, course.rates(np.tile(phi, 2))[0], unit=unit)
 
     def extremes(values: FloatArray) -> Extremes:
         return extremes_of(np.tile(phi, 2), values)

@@ -19,7 +19,7 @@ from camgeo.motion.laws.law import Law
 from camgeo.motion.motion import FULL_ORDER, Jet, Side
 from camgeo.motion.motion import Dwell as DwellSpan
 from camgeo.motion.piece import Piece, spline_piece
-from camgeo.motion.spans import SHORTEST_SPAN, joints_of, span_of
+from camgeo.motion.spans import SHORTEST_SPAN, MovingSpan, Span, joints_of, span_of
 from camgeo.numeric import checked
 from camgeo.numeric.arrays import FloatArray, IntArray, ascending, frozen
 from camgeo.pickled import Pickled
@@ -39,12 +39,12 @@ degrees; the angle counts as the joint itself. A millionth of a degree is 5 mill
 
 @dataclass(frozen=True, slots=True)
 class Dwell:
-    """A rest over `span` degrees of cam angle, exactly as written; 0 is allowed."""
+    """A rest over `span` degrees, exactly as written; one of no length is a moment of rest."""
 
-    span: Decimal
+    span: Span
 
     def __post_init__(self) -> None:
-        checked.hold(self, span=span_of(self.span))
+        checked.check_fields(self)
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,19 +57,13 @@ class Move:
         which the stroke scales. A move that returns to where it started has a law of its own size.
     """
 
-    span: Decimal
-    to: float
+    span: MovingSpan
+    to: checked.Finite
     law: Law
-    scale: float | None = None
+    scale: checked.Finite | None = None
 
     def __post_init__(self) -> None:
-        checked.instance("law", self.law, Law, "a motion law")
-        checked.hold(
-            self,
-            span=span_of(self.span, SHORTEST_SPAN),
-            to=checked.finite("to", self.to),
-            scale=checked.optional("scale", self.scale),
-        )
+        checked.check_fields(self)
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,7 +86,7 @@ class Course:
         knots = getattr(self.spline, "knots", None)
         if knots is None or (knots[0], knots[-1]) != (0.0, 1.0):
             raise GeometryError("must be a spline over 0 to 1", "spline", checked.shown(knots))
-        span, to = span_of(self.span, SHORTEST_SPAN), checked.finite("to", self.to)
+        span, to = span_of("span", self.span, SHORTEST_SPAN), checked.finite("to", self.to)
         checked.hold(self, span=span, to=to)
 
 
@@ -148,15 +142,17 @@ class MotionPlan(Pickled):
             )
 
     @cached_property
+    def stretches(self) -> tuple[tuple[Segment, float, float], ...]:
+        """Each segment that has a length, and the cam angles [rad] at which it begins and ends."""
+        joints = [math.radians(float(degrees)) for degrees in self.joints_deg]
+        ends = zip(self.segments, joints[:-1], joints[1:], strict=True)
+        return tuple(each for each in ends if each[0].span > 0)
+
+    @cached_property
     def _pieces(self) -> tuple[Piece, ...]:
         pieces: list[Piece] = []
         position = 0.0
-        for segment, first, last in zip(
-            self.segments, self.joints_deg[:-1], self.joints_deg[1:], strict=True
-        ):
-            start, end = _radians(first), _radians(last)
-            if segment.span == 0:
-                continue
+        for segment, start, end in self.stretches:
             if isinstance(segment, Course):
                 pieces.append(spline_piece(segment.spline, position, start, end))
                 position = segment.to
@@ -220,11 +216,8 @@ class MotionPlan(Pickled):
     @cached_property
     def _inner_breaks(self) -> frozenset[float]:
         found: set[float] = set()
-        for segment, first, last in zip(
-            self.segments, self.joints_deg[:-1], self.joints_deg[1:], strict=True
-        ):
-            if isinstance(segment, Move) and segment.span > 0:
-                start, end = _radians(first), _radians(last)
+        for segment, start, end in self.stretches:
+            if isinstance(segment, Move):
                 found.update(start + border * (end - start) for border in segment.law.borders)
         return frozenset(found)
 
@@ -338,8 +331,3 @@ def in_turn(phi: FloatArray, side: Side = "right") -> FloatArray:
     if side == "left":
         phi = np.where(phi <= SNAP, TURN, phi)
     return phi
-
-
-def _radians(degrees: Decimal) -> float:
-    """Degrees as written to radians, rounded as `numpy.deg2rad` rounds."""
-    return math.radians(float(degrees))

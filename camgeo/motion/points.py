@@ -44,8 +44,6 @@ slope between near ones."""
 MIN_RING: Final = 3
 """Points of the smallest ring that can be solved."""
 
-VELOCITY, ACCELERATION = 1, 2
-
 
 @dataclass(frozen=True, slots=True)
 class FitReport:
@@ -90,11 +88,9 @@ def periodic_spline(
     x, y = _ring(*_checked(x, y), period, rise, gap)
     step = np.diff(np.append(x, x[0] + period))
     _check_spacing(step)
-    nodes = np.zeros((len(x), 3))
-    nodes[:, 0] = y
-    chord = np.diff(np.append(y, y[0] + rise))
-    fixed = np.zeros((len(x), 3), dtype=np.bool_)
+    nodes, fixed = _prescribed(y, {})
     fixed[:, 0] = True
+    chord = np.diff(np.append(y, y[0] + rise))
     nodes = interpolate(step, chord, nodes, fixed, ring=True)
     ends = np.roll(nodes, -1, axis=0)
     return Spline(np.append(x, x[0] + period), hermite(step, chord, nodes, ends), True, float(rise))
@@ -125,7 +121,7 @@ def clamped_spline(
         not finite, and an index that is no inner point.
     """
     x, y = _checked(x, y)
-    nodes, fixed = _prescribed(y, start, end, {} if inner is None else inner)
+    nodes, fixed = _prescribed(y, _boundaries(len(x), start, end, {} if inner is None else inner))
     fixed[:, 0] = True
     if len(x) == 2 and np.count_nonzero(fixed) == 2:
         raise GeometryError(
@@ -140,17 +136,16 @@ def smooth_periodic_spline(
     x: FloatArray,
     y: FloatArray,
     period: float,
-    rise: float = 0.0,
     *,
     largest_deviation: float | None = None,
     length: float | None = None,
     gap: float = 0.0,
 ) -> tuple[Spline, FitReport]:
-    """Smooth with s(x + period) = s(x) + rise; C4 everywhere, the seam included.
+    """Smooth with s(x + period) = s(x); C4 everywhere, the seam included.
 
     Parameters
     ----------
-    x, y, period, rise, gap : as for `periodic_spline`.
+    x, y, period, gap : as for `periodic_spline`.
     largest_deviation : allowed |s(x_i) - y_i|, in the unit of y, > 0. The cut-off length is then
         the longest found whose spline keeps it. Of all splines that keep it, others can have a
         smaller integral of s''' squared: this one also keeps the sum of squares small.
@@ -168,19 +163,14 @@ def smooth_periodic_spline(
     GeometryError
         As for `periodic_spline`; and unless exactly one of the last two is given.
     """
-    x, y = _ring(*_checked(x, y), period, rise, gap)
+    x, y = _ring(*_checked(x, y), period, 0.0, gap)
     knots = np.append(x, x[0] + period)
     step = np.diff(knots)
     _check_spacing(step)
-    trend = rise * (x - x[0]) / period
-    nodes = np.zeros((len(x), 3))
-    nodes[:, 0] = y - trend
-    problem = Smoothing(step, nodes, np.zeros((len(x), 3), dtype=np.bool_), ring=True)
+    problem = Smoothing(step, *_prescribed(y, {}), ring=True)
     found, stress, length = problem.search(largest_deviation, length)
     taylor = from_stress(step, found, stress)
-    taylor[:, 0] += trend
-    taylor[:, 1] += rise * step / period
-    return Spline(knots, taylor, True, float(rise)), _report(x, taylor[:, 0] - y, length)
+    return Spline(knots, taylor, True), _report(x, taylor[:, 0] - y, length)
 
 
 def smooth_clamped_spline(
@@ -200,7 +190,7 @@ def smooth_clamped_spline(
     x, y = _checked(x, y)
     if len(x) < 3:
         raise GeometryError(f"{len(x)} points are too few to smooth; at least 3 are allowed", "x")
-    nodes, fixed = _prescribed(y, start, end, {})
+    nodes, fixed = _prescribed(y, _boundaries(len(x), start, end, {}))
     fixed[[0, -1], 0] = True
     step = np.diff(x)
     problem = Smoothing(step, nodes, fixed, ring=False)
@@ -235,14 +225,8 @@ def smoothest_values(
     else:
         x, y = _checked(x, y)
         step, chord = np.diff(x), np.diff(y)
-    nodes = np.zeros((len(x), 3))
-    nodes[:, 0] = y
-    fixed = np.zeros((len(x), 3), dtype=np.bool_)
+    nodes, fixed = _prescribed(y, given)
     fixed[:, 0] = True
-    for index, values in given.items():
-        for column, value in zip((VELOCITY, ACCELERATION), values, strict=True):
-            if value is not None:
-                nodes[index, column], fixed[index, column] = value, True
     ring = period is not None
     slopes: FloatArray = interpolate(step, chord, nodes, fixed, ring=ring)[:count, 1:]
     return slopes
@@ -333,20 +317,24 @@ def _ring(
     return x, y
 
 
-def _prescribed(
-    y: FloatArray, start: Boundary, end: Boundary, inner: Mapping[int, Boundary]
-) -> tuple[FloatArray, BoolArray]:
+def _boundaries(
+    count: int, start: Boundary, end: Boundary, inner: Mapping[int, Boundary]
+) -> dict[int, Boundary]:
+    """What is prescribed at the points, by index."""
+    return {
+        0: boundary_of("start", start),
+        **boundaries_of("inner", inner, 1, count - 2),
+        count - 1: boundary_of("end", end),
+    }
+
+
+def _prescribed(y: FloatArray, given: Mapping[int, Boundary]) -> tuple[FloatArray, BoolArray]:
     """(n, 3) nodal values y, s', s'', and which of s', s'' are prescribed."""
     nodes = np.zeros((len(y), 3))
     fixed = np.zeros((len(y), 3), dtype=np.bool_)
     nodes[:, 0] = y
-    given = {
-        0: boundary_of("start", start),
-        **boundaries_of("inner", inner, 1, len(y) - 2),
-        len(y) - 1: boundary_of("end", end),
-    }
     for index, values in given.items():
-        for column, value in enumerate(values, start=VELOCITY):
+        for column, value in enumerate(values, start=1):
             if value is not None:
                 nodes[index, column], fixed[index, column] = value, True
     return nodes, fixed

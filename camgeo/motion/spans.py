@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from decimal import Decimal, localcontext
+from functools import partial
 from numbers import Real
-from typing import Any, Final
+from typing import Annotated, Any, Final
 
 from camgeo.errors import GeometryError
 from camgeo.numeric import checked
@@ -19,15 +20,15 @@ DECIMALS: Final = 300
 """Of a span at most; with 100 digits more, sums of written decimals stay exact."""
 
 
-def span_of(value: Any, shortest: Decimal = Decimal(0)) -> Decimal:
+def span_of(key: str, value: Any, shortest: Decimal = Decimal(0)) -> Decimal:
     """A span from a decimal or another number, a float as Python writes it.
 
     Raises
     ------
     GeometryError
-        With key "span", unless it is 0 or a number from `shortest` to 360.
+        Unless it is 0 or a number from `shortest` to 360.
     """
-    found = Decimal(repr(checked.finite("span", value))) if isinstance(value, Real) else value
+    found = Decimal(repr(checked.finite(key, value))) if isinstance(value, Real) else value
     if (
         not isinstance(found, Decimal)
         or not found.is_finite()
@@ -37,10 +38,14 @@ def span_of(value: Any, shortest: Decimal = Decimal(0)) -> Decimal:
         lowest = f"0, or from {shortest} to 360" if shortest else "from 0 to 360"
         raise GeometryError(
             f"must be {lowest} (degrees), with at most {DECIMALS} decimals",
-            key="span",
+            key=key,
             value=checked.shown(str(value) if isinstance(value, Decimal) else value),
         )
     return found
+
+
+Span = Annotated[Decimal, span_of]
+MovingSpan = Annotated[Decimal, partial(span_of, shortest=SHORTEST_SPAN)]
 
 
 def joints_of(spans: Iterable[Decimal]) -> tuple[Decimal, ...]:

@@ -10,7 +10,8 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Final, Literal, Protocol
+from functools import partial
+from typing import TYPE_CHECKING, Annotated, Final, Literal, Protocol
 
 import numpy as np
 
@@ -34,6 +35,7 @@ VELOCITY, ACCELERATION, JERK, TORQUE = 1, 2, 3, 4
 
 LiftUnit = Literal["mm", "rad"]
 
+AngularSpeed = Annotated[float, partial(checked.positive, unit="rad/s")]
 
 METRES: Final[dict[LiftUnit, float]] = {"mm": 1e-3, "rad": 1.0}
 """Factor from the unit of lift to the one in which M = m v a / omega holds as it stands."""
@@ -72,26 +74,14 @@ class ConstantSpeed:
         If `speed` is not a finite number above 0.
     """
 
-    speed: float
+    speed: AngularSpeed
 
     def __post_init__(self) -> None:
-        checked.hold(self, speed=checked.positive("speed", self.speed, "rad/s"))
+        checked.check_fields(self)
 
     @property
     def borders(self) -> FloatArray:
         return np.empty(0)
-
-    def omega(self, phi: FloatArray) -> FloatArray:
-        """(n,) omega [rad/s]."""
-        return np.full(len(phi), self.speed)
-
-    def alpha(self, phi: FloatArray) -> FloatArray:
-        """(n,) alpha [rad/s^2], zero."""
-        return np.zeros(len(phi))
-
-    def alpha_rate(self, phi: FloatArray) -> FloatArray:
-        """(n,) dalpha/dt [rad/s^3], zero."""
-        return np.zeros(len(phi))
 
     def rates(self, phi: FloatArray) -> FloatArray:
         out = np.zeros((3, len(phi)))
@@ -158,21 +148,6 @@ class SpeedCurve(Pickled):
     def borders(self) -> FloatArray:
         """(n - 1,) the cam angles of the table, in [0, 2 pi)."""
         return ascending(np.mod(self.phi[:-1], TURN))
-
-    def omega(self, phi: FloatArray) -> FloatArray:
-        """(n,) omega [rad/s] at `phi` (n,) [rad]."""
-        found: FloatArray = self.rates(phi)[0]
-        return found
-
-    def alpha(self, phi: FloatArray) -> FloatArray:
-        """(n,) alpha [rad/s^2] at `phi` (n,) [rad]."""
-        found: FloatArray = self.rates(phi)[1]
-        return found
-
-    def alpha_rate(self, phi: FloatArray) -> FloatArray:
-        """(n,) dalpha/dt [rad/s^3] at `phi` (n,) [rad]."""
-        found: FloatArray = self.rates(phi)[2]
-        return found
 
     def rates(self, phi: FloatArray) -> FloatArray:
         return self.spline.values(self.time(phi))[1:]

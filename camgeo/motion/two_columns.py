@@ -11,7 +11,9 @@ import numpy as np
 
 from camgeo.errors import GeometryError
 from camgeo.numeric import checked
-from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.arrays import FloatArray, frozen
+from camgeo.pickled import Pickled
+from camgeo.units import TURN
 
 MOST_BYTES: Final = 16_000_000
 MOST_ROWS: Final = 200_000
@@ -39,21 +41,39 @@ class Column:
     units: tuple[str, ...] = ()
 
 
+ANGLE: Final = Column("angle", ("phi", "angle", "cam angle"), ("deg", "degree", "degrees", "°"))
+
+FULL_TURN: Final = 360.0
+
+LAST_ROW: Final = 1e-9
+"""By this share of a span may its last angle be off, as 120.00000000001 is from 120."""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
-class TwoColumns:
+class TwoColumns(Pickled):
     """The rows of a table.
 
     Attributes
     ----------
+    file : its name, for messages.
     first, second : (n,) the numbers.
     unit : of the second column as its heading tells it; empty where it does not.
     lines : (n,) line of the file on which each row stands, from 1.
     """
 
+    file: str
     first: FloatArray
     second: FloatArray
     unit: str
     lines: tuple[int, ...]
+
+    def __post_init__(self) -> None:
+        first, second = (frozen(each, np.float64) for each in (self.first, self.second))
+        checked.hold(self, first=first, second=second)
+
+    def fault(self, row: int, values: FloatArray, message: str) -> GeometryError:
+        """What is wrong with the value of a row, from 0 or backwards from the end."""
+        return fault(self.file, self.lines[row], repr(float(values[row])), message)
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,21 +125,37 @@ def read_two_columns(data: bytes | str, file: str, columns: tuple[Column, Column
             file, place, "", f"{len(counted):,} rows of numbers; allowed are 2 to {MOST_ROWS:,}"
         )
     first, second = _columns(counted, layout, file)
-    return TwoColumns(first, second, layout.unit, tuple(number for number, _ in counted))
+    return TwoColumns(file, first, second, layout.unit, tuple(number for number, _ in counted))
 
 
-def check_ascending(table: TwoColumns, values: FloatArray, file: str, what: str) -> None:
+def turn_of(table: TwoColumns, angles: FloatArray) -> FloatArray:
+    """The `angles` [degrees] in radians, from 0 to one turn.
+
+    Raises GeometryError with the line if they do not ascend from 0 to 360 degrees.
+    """
+    check_from_zero(table, angles, "angle")
+    if not abs(angles[-1] - FULL_TURN) <= LAST_ROW * FULL_TURN:
+        raise table.fault(-1, angles, "the last angle; allowed is 360 degrees")
+    radians = np.radians(angles)
+    radians[-1] = TURN
+    return radians
+
+
+def check_from_zero(table: TwoColumns, values: FloatArray, what: str) -> None:
+    """Raise GeometryError with the line of the first row whose `values` do not ascend from 0."""
+    if values[0] != 0.0:
+        raise table.fault(0, values, f"the first {what}; allowed is 0")
+    check_ascending(table, values, what)
+
+
+def check_ascending(table: TwoColumns, values: FloatArray, what: str) -> None:
     """Raise GeometryError with the line of the first row whose `values` do not ascend."""
     falls = np.flatnonzero(np.diff(values) <= 0.0)
     if len(falls):
         place = int(falls[0]) + 1
         before = float(values[place - 1])
-        raise fault(
-            file,
-            table.lines[place],
-            repr(float(values[place])),
-            f"the {what} before is {before!r}; allowed is only ascending",
-        )
+        message = f"the {what} before is {before!r}; allowed is only ascending"
+        raise table.fault(place, values, message)
 
 
 def _columns(

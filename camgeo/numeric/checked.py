@@ -230,3 +230,9 @@ def _allowed(
     high = f"{' ' if low else ' up '}to {most:g}" if most is not None else high
     text = f"must be a {'' if low or high else 'finite '}number{low}{high}"
     return f"{text} ({unit})" if unit else text
+
+
+# As types of fields, see `check_fields`.
+Finite = Annotated[float, finite]
+Positive = Annotated[float, positive]
+Row = Annotated[FloatArray, array]

@@ -10,7 +10,8 @@ import numpy as np
 
 from camgeo.errors import Fault, GeometryError
 from camgeo.motion.boundary import FREE
-from camgeo.motion.planning import MoveRequest, PointsRequest, Request, Rest, TableRequest, Unit
+from camgeo.motion.plan import Dwell
+from camgeo.motion.planning import MoveRequest, PointsRequest, Request, TableRequest, Unit
 from camgeo.motion.spans import FULL_TURN
 from camgeo.scene.data_files import DataFiles
 from camgeo.scene.keys import Path
@@ -53,7 +54,7 @@ class MotionRequests:
     def _request(self, place: Path) -> Request | None:
         dwell = self.values.exact(*place, "dwell")
         if dwell is not None:
-            return Rest(dwell)
+            return Dwell(dwell)
         table: dict[str, Any] = self.values.get(*place)
         span = self.values.exact(*place, "span") or Decimal(0)
         if table["law"] == "table":
@@ -134,8 +135,8 @@ class MotionRequests:
             return None
         return TableRequest(
             span=span,
-            shares=rows.angle_deg / rows.span,
-            lifts=self._scale * rows.lift,
+            shares=rows.first / float(span),
+            lifts=self._scale * rows.second,
             smoothing=self._scaled(table.get("smoothing")),
         )
 

@@ -6,13 +6,14 @@ degree 5 between neighbouring points, through both, with four continuous derivat
 
 from __future__ import annotations
 
+import math
 from functools import cache
 from typing import Final
 
 import numpy as np
 
 from camgeo.motion.boundary import FREE
-from camgeo.motion.lift_table import LiftTable, fit_table
+from camgeo.motion.points import clamped_spline, periodic_spline
 from camgeo.numeric.arrays import FloatArray
 from camgeo.stability.case import Case
 from camgeo.stability.high_precision import Number, multiprecision
@@ -60,8 +61,11 @@ def _table(
 ) -> Case:
     span = 360.0 if periodic else angles[-1]
     ends = REST if rest else FREE
-    table = LiftTable(np.array(angles), np.array(lifts), span)
-    spline, _ = fit_table(table, periodic=periodic, start=ends, end=ends)
+    x, y = np.radians(angles), np.array(lifts)
+    if periodic:
+        spline = periodic_spline(x, y, math.radians(span))
+    else:
+        spline = clamped_spline(x, y, ends, ends)
     # Joints are inputs: degrees turned to radians and rounded once. The first one is 0.
     knots = [float(angle) for angle in np.radians([*angles[1:], *([span] if periodic else [])])]
 

@@ -13,8 +13,8 @@ from camgeo.check.finding import Finding
 from camgeo.check.motion import check_motion
 from camgeo.check.speed import check_speed
 from camgeo.motion.laws import characteristic, make_law
-from camgeo.motion.plan import MotionPlan, Move
-from camgeo.motion.planning import MoveRequest, Request, Rest, TableRequest, plan_motion
+from camgeo.motion.plan import Dwell, MotionPlan, Move
+from camgeo.motion.planning import MoveRequest, Request, TableRequest, plan_motion
 from camgeo.motion.time_course import ConstantSpeed
 from tests.strategies import SMOOTH, attack, plans
 
@@ -27,7 +27,7 @@ def move(span: int, to: float, law: str, **also: Any) -> MoveRequest:
 
 def there_and_back(law: str) -> MotionPlan:
     return plan_motion(
-        [Rest(Decimal(60)), move(100, STROKE, law), Rest(Decimal(100)), move(100, 0.0, law)]
+        [Dwell(Decimal(60)), move(100, STROKE, law), Dwell(Decimal(100)), move(100, 0.0, law)]
     )
 
 
@@ -46,7 +46,7 @@ def test_smooth_plans_have_nothing_but_their_joints_to_tell(plan: MotionPlan) ->
 
 
 def test_laws_are_told_with_what_was_worked_out_for_them() -> None:
-    plan = plan_motion([Rest(Decimal(60)), move(120, 10.0, "auto"), move(180, 0.0, "auto")])
+    plan = plan_motion([Dwell(Decimal(60)), move(120, 10.0, "auto"), move(180, 0.0, "auto")])
     (found,) = named(plan, "laws")
     first, second = found.sentence.split("; ")
     assert first.startswith("60 to 180 deg ")
@@ -56,7 +56,7 @@ def test_laws_are_told_with_what_was_worked_out_for_them() -> None:
         assert f"{segment.law.name} {segment.law.task}" in told
         for key, value in segment.law.parameters.items():
             assert f"{key} {value:.6g}" in told
-    assert named(plan_motion([Rest(Decimal(360))]), "laws")[0].sentence == "the follower rests"
+    assert named(plan_motion([Dwell(Decimal(360))]), "laws")[0].sentence == "the follower rests"
 
 
 def test_a_straight_line_has_a_shock_at_each_end_of_the_size_of_its_speed() -> None:
@@ -95,9 +95,9 @@ def test_jerks_are_told_one_by_one_inside_a_law_too(law: str, jumps: dict[int, f
 def test_angles_are_told_in_degrees() -> None:
     plan = plan_motion([move(180, math.radians(10.0), "straight-line"), move(180, 0.0, "auto")])
     requests: list[Request] = [
-        Rest(Decimal(90)),
+        Dwell(Decimal(90)),
         move(90, math.radians(10.0), "straight-line"),
-        Rest(Decimal(90)),
+        Dwell(Decimal(90)),
         move(90, 0.0, "polynomial-345"),
     ]
     plan = plan_motion(requests)
@@ -128,7 +128,7 @@ def test_overshoot_is_found_exactly(name: str, v0: float, v1: float) -> None:
 def test_overshoot_is_told_with_its_place_and_size() -> None:
     plan = plan_motion(
         [
-            Rest(Decimal(60)),
+            Dwell(Decimal(60)),
             move(60, 10.0, "polynomial-5", velocity=40.0, acceleration=0.0),
             move(60, 20.0, "polynomial-5", velocity=0.0, acceleration=100.0),
             move(180, 0.0, "polynomial-5"),

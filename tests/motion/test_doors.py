@@ -20,11 +20,11 @@ from camgeo.errors import GeometryError
 from camgeo.motion.joints import breaks
 from camgeo.motion.law_extremes import extremes_at_turns
 from camgeo.motion.laws import FAMILIES, characteristic, make_law
-from camgeo.motion.laws.balance import balanced, inflection_for
+from camgeo.motion.laws.balance import balanced
 from camgeo.motion.laws.comparison import Running, compare
-from camgeo.motion.lift_table import LiftTable, read_lift_table
+from camgeo.motion.lift_table import read_lift_table
 from camgeo.motion.plan import Course, Dwell, MotionPlan, Move
-from camgeo.motion.planning import MoveRequest, PointsRequest, Rest, TableRequest, plan_motion
+from camgeo.motion.planning import MoveRequest, PointsRequest, TableRequest, plan_motion
 from camgeo.motion.points import clamped_spline, periodic_spline, smooth_clamped_spline
 from camgeo.motion.speed_table import read_speed_table
 from camgeo.motion.spline import Spline
@@ -65,7 +65,7 @@ def finite(spline: Spline) -> None:
 
 def planned(move: MoveRequest | PointsRequest | TableRequest) -> None:
     rest = Decimal(300) - move.span
-    used(plan_motion([Rest(Decimal(60)), move, MoveRequest(rest, 0.0, "polynomial-5")]))
+    used(plan_motion([Dwell(Decimal(60)), move, MoveRequest(rest, 0.0, "polynomial-5")]))
 
 
 def changed(values: list[float], place: int, value: Any) -> Any:
@@ -128,8 +128,6 @@ DOORS: dict[str, Callable[[Any], object]] = {
     "points.gap": lambda v: finite(periodic_spline(np.array(X), np.array(Y), 4.0, gap=v)),
     "smoothing": lambda v: smooth_clamped_spline(np.array(X), np.array(Y), largest_deviation=v),
     "smoothing.length": lambda v: smooth_clamped_spline(np.array(X), np.array(Y), length=v),
-    "lift table": lambda v: LiftTable(v, v, 9.0),
-    "lift table.span": lambda v: LiftTable(np.array([0.0, 1.0]), np.array([0.0, 1.0]), v),
     "lift file": lambda v: read_lift_table(v, "a.csv"),
     "lift file.span": lambda v: read_lift_table("0;0\n3;1\n", "a.csv", v),
     "speed file": lambda v: read_speed_table(v, "a.csv"),
@@ -143,7 +141,6 @@ DOORS: dict[str, Callable[[Any], object]] = {
     "compare.task": lambda v: compare(v, {}),
     "balance.quantity": lambda v: balanced("scca", "R-R", v, {}),
     "balance.task": lambda v: balanced("scca", v, "jerk", {}),
-    "inflection.acceleration": lambda v: inflection_for("modified-sine", "R-R", {}, acceleration=v),
 }
 
 

@@ -24,7 +24,7 @@ def test_nothing_is_larger_and_the_search_finds_the_same(plan: MotionPlan, speed
     assert found is not None
     phi = np.linspace(0.0, 2.0 * np.pi, 20_001)
     timed = in_time(plan.jet(phi), course, phi)
-    rows = (*timed[1:], inertia_torque(timed, course.omega(phi)))
+    rows = (*timed[1:], inertia_torque(timed, course.rates(phi)[0]))
     searched = time_extremes(plan, course)
     for name, values in zip(QUANTITIES, rows, strict=True):
         exact = getattr(found, name)

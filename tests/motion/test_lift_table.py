@@ -10,15 +10,17 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from camgeo.errors import GeometryError
-from camgeo.motion.lift_table import LiftTable, fit_table, read_lift_table
-from camgeo.motion.two_columns import MOST_BYTES, MOST_ROWS
+from camgeo.motion.lift_table import read_lift_table
+from camgeo.motion.points import periodic_spline
+from camgeo.motion.two_columns import MOST_BYTES, MOST_ROWS, TwoColumns
+from camgeo.units import TURN
 from tests.strategies import attack
 
 PLAIN = "0,0\n120,5\n240,2\n360,0\n"
 
 
-def columns(table: LiftTable) -> tuple[list[float], list[float]]:
-    return table.angle_deg.tolist(), table.lift.tolist()
+def columns(table: TwoColumns) -> tuple[list[float], list[float]]:
+    return table.first.tolist(), table.second.tolist()
 
 
 EXPECTED = ([0.0, 90.5, 360.0], [0.0, 1.25, -0.5])
@@ -43,7 +45,7 @@ def test_all_ways_of_writing_read_the_same(text: str) -> None:
     assert columns(read_lift_table(text.encode(), "lift.csv")) == EXPECTED
     assert table.unit == ("mm" if "mm" in text else "")
     with pytest.raises(ValueError, match="read-only"):
-        table.lift[0] = 1.0
+        table.second[0] = 1.0
 
 
 @attack
@@ -61,7 +63,7 @@ def test_what_was_written_is_read(lifts: list[float], style: tuple[str, str], sp
     ]
     table = read_lift_table("\n".join(rows), "lift.csv", span)
     assert columns(table) == (angles, lifts)
-    assert table.span == span
+    assert table.first[-1] == span
 
 
 @pytest.mark.parametrize(
@@ -118,7 +120,7 @@ def test_too_much_is_refused() -> None:
 
 def test_as_much_as_is_allowed_is_read() -> None:
     rows = "\n".join(f"{k},0" for k in range(MOST_ROWS))
-    assert len(read_lift_table(rows, "lift.csv", MOST_ROWS - 1).lift) == MOST_ROWS
+    assert len(read_lift_table(rows, "lift.csv", MOST_ROWS - 1).second) == MOST_ROWS
 
 
 @pytest.mark.parametrize("span", [0.0, -1.0, math.nan, math.inf])
@@ -129,79 +131,20 @@ def test_a_poor_span_is_refused(span: float) -> None:
 
 def test_the_last_row_counts_as_the_end_of_the_span_though_rounded() -> None:
     table = read_lift_table("0,0\n40,1\n119.99999999999,2\n", "lift.csv", 120.0)
-    assert table.angle_deg[-1] == 120.0
+    assert table.first[-1] == 120.0
 
 
 def test_a_periodic_table_may_miss_its_closing_row() -> None:
     rows = "".join(f"{k},{math.sin(math.radians(k))!r}\n" for k in range(0, 360, 5))
     table = read_lift_table(rows, "lift.csv", periodic=True)
-    assert table.angle_deg[-1] == 355.0
+    assert table.first[-1] == 355.0
     with pytest.raises(GeometryError, match="the end of the span, 360"):
         read_lift_table(rows, "lift.csv")
-    spline, fit = fit_table(table, periodic=True)
-    closed, _ = fit_table(
-        read_lift_table(rows + "360,0\n", "lift.csv", periodic=True), periodic=True
+    closing = read_lift_table(rows + "360,0\n", "lift.csv", periodic=True)
+    spline, closed = (
+        periodic_spline(np.radians(each.first), each.second, TURN) for each in (table, closing)
     )
     assert spline.taylor.tolist() == closed.taylor.tolist()
-    assert fit.largest_deviation == 0.0
     x = np.linspace(-7.0, 7.0, 57)
     # Interpolation of sin: (pi / 72)^6 / 6! of its sixth derivative, times what splines add.
     np.testing.assert_allclose(spline.values(x, 0)[0], np.sin(x), rtol=0.0, atol=1e-9)
-
-
-def test_a_table_that_does_not_close_is_refused_beyond_the_gap() -> None:
-    table = read_lift_table("0,0\n90,1\n180,2\n270,1\n360,0.02\n", "lift.csv", periodic=True)
-    with pytest.raises(GeometryError, match=r"0\.02 off .* up to 0\.01"):
-        fit_table(table, periodic=True, gap=0.01)
-    _, fit = fit_table(table, periodic=True, gap=0.02)
-    assert fit.largest_deviation == pytest.approx(0.02, rel=1e-12)
-    assert fit.place == pytest.approx(2.0 * math.pi)
-
-
-def test_a_move_from_rest_to_rest() -> None:
-    # The 3-4-5 polynomial over 100 degrees: degree 5 with these ends, so it comes back itself.
-    z = np.arange(0.0, 1.01, 0.125)
-    lift = 20.0 * z**3 * (10.0 - 15.0 * z + 6.0 * z**2)
-    text = "".join(f"{100.0 * a!r};{b!r}\n" for a, b in zip(z.tolist(), lift.tolist(), strict=True))
-    table = read_lift_table(text, "lift.csv", 100.0)
-    spline, fit = fit_table(table, periodic=False, start=(0.0, 0.0), end=(0.0, 0.0))
-    assert fit.largest_deviation <= 1e-13
-    span = math.radians(100.0)
-    share = np.linspace(0.0, 1.0, 101)
-    found = spline.values(share * span)
-    expected = 20.0 * np.stack(
-        (
-            share**3 * (10.0 - 15.0 * share + 6.0 * share**2),
-            30.0 * share**2 * (1.0 - share) ** 2 / span,
-            60.0 * share * (1.0 - share) * (1.0 - 2.0 * share) / span**2,
-            60.0 * (1.0 - 6.0 * share + 6.0 * share**2) / span**3,
-        )
-    )
-    for order in range(4):
-        # Rounding of 20 over h^order, h = 1/8 of the span, and a factor of 1000 for the solve.
-        allowed = 1000.0 * 2.0**-52 * 20.0 * (8.0 / span) ** order
-        np.testing.assert_allclose(found[order], expected[order], rtol=0.0, atol=allowed)
-
-
-@pytest.mark.parametrize("periodic", [True, False])
-def test_smoothing_keeps_what_it_is_told(periodic: bool) -> None:
-    angles = np.arange(0.0, 361.0)
-    lift = 5.0 - 5.0 * np.cos(np.radians(angles)) + 0.01 * np.sin(angles**2)
-    lift[-1] = lift[0]
-    table = LiftTable(angles, lift, 360.0)
-    spline, fit = fit_table(table, periodic=periodic, largest_deviation=0.05)
-    assert fit.largest_deviation <= 0.05
-    assert fit.length > math.radians(5.0)
-    assert fit.rms <= fit.largest_deviation
-    through, none = fit_table(table, periodic=periodic)
-    assert none.largest_deviation <= 1e-14
-    assert none.length == 0.0
-    assert spline.extremes(3).magnitude < 1e-2 * through.extremes(3).magnitude
-    _, told = fit_table(table, periodic=periodic, length=fit.length)
-    assert told.largest_deviation == pytest.approx(fit.largest_deviation, rel=1e-9)
-
-
-def test_ends_of_a_periodic_table_are_refused() -> None:
-    table = read_lift_table(PLAIN, "lift.csv", periodic=True)
-    with pytest.raises(GeometryError, match="no end conditions"):
-        fit_table(table, periodic=True, start=(0.0, None))

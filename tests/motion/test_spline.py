@@ -552,18 +552,6 @@ def test_a_wave_keeps_the_share_that_the_length_tells(waves: int, length: float)
         np.testing.assert_allclose(found[order], expected, rtol=0.0, atol=allowed * waves**order)
 
 
-def test_a_rise_is_no_part_of_what_is_smoothed() -> None:
-    x = np.linspace(0.0, 2.0, 41)[:-1]
-    y = np.sin(np.pi * x)
-    plain, fit = smooth_periodic_spline(x, y, 2.0, length=0.3)
-    rising, same = smooth_periodic_spline(x, y + 3.0 * x, 2.0, 6.0, length=0.3)
-    places = np.linspace(-3.0, 3.0, 61)
-    np.testing.assert_allclose(
-        rising.values(places, 0)[0], plain.values(places, 0)[0] + 3.0 * places, atol=1e-12
-    )
-    assert same.largest_deviation == pytest.approx(fit.largest_deviation, rel=1e-9)
-
-
 def test_smoothing_keeps_the_ends() -> None:
     x = np.linspace(0.0, 1.0, 30)
     y = x + 0.1 * np.sin(50.0 * x)

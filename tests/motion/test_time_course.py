@@ -143,8 +143,6 @@ def test_constant_speed() -> None:
     course = ConstantSpeed(20.0)
     phi = np.array([0.0, 1.0, TURN])
     assert course.rates(phi).tolist() == [[20.0] * 3, [0.0] * 3, [0.0] * 3]
-    assert course.omega(phi).tolist() == [20.0] * 3
-    assert course.alpha(phi).tolist() == course.alpha_rate(phi).tolist() == [0.0] * 3
     assert course.time(phi).tolist() == [0.0, 0.05, TURN / 20.0]
 
 
@@ -275,7 +273,7 @@ def test_over_a_turn_the_torque_of_any_motion_does_no_work(plan: MotionPlan, spe
     nodes, weights = np.polynomial.legendre.leggauss(24)
     for low, high in zip(plan.borders, [*plan.borders[1:], TURN], strict=True):
         phi = 0.5 * (low + high) + 0.5 * (high - low) * nodes
-        torque = inertia_torque(in_time(plan.jet(phi), course, phi), course.omega(phi))
+        torque = inertia_torque(in_time(plan.jet(phi), course, phi), course.rates(phi)[0])
         work += 0.5 * (high - low) * float(weights @ torque)
         size += 0.5 * (high - low) * float(weights @ np.abs(torque))
     # 24 points integrate a law's region, an arc of a sine or a polynomial, to rounding.

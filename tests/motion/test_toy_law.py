@@ -131,11 +131,12 @@ def test_auto_picks_it_and_its_plan_travels(tree: Path) -> None:
     script = """
 import pickle, numpy as np
 from decimal import Decimal
-from camgeo.motion.planning import MoveRequest, Rest, plan_motion
+from camgeo.motion.plan import Dwell
+from camgeo.motion.planning import MoveRequest, plan_motion
 from camgeo.scene.schema import schema
 asked = [MoveRequest(Decimal(span), to, "auto", optimise={"jerk": 1.0})
          for span, to in ((120, 12.0), (180, 0.0))]
-plan = plan_motion([Rest(Decimal(30)), asked[0], Rest(Decimal(30)), asked[1]])
+plan = plan_motion([Dwell(Decimal(30)), asked[0], Dwell(Decimal(30)), asked[1]])
 print(plan.segments[1].law.name)
 phi = np.linspace(0.0, 6.0, 99)
 print(np.array_equal(pickle.loads(pickle.dumps(plan)).jet(phi), plan.jet(phi)))

@@ -20,11 +20,12 @@ from camgeo.mechanism.linkage import LinkedMotion
 from camgeo.motion.joints import joints
 from camgeo.motion.laws import FAMILIES, make_law
 from camgeo.motion.laws.law import Law
-from camgeo.motion.lift_table import LiftTable, read_lift_table
+from camgeo.motion.lift_table import read_lift_table
 from camgeo.motion.motion import Motion
 from camgeo.motion.plan import Course, Dwell, MotionPlan, Move
 from camgeo.motion.planning import plan_motion
 from camgeo.motion.time_course import ConstantSpeed, SpeedCurve
+from camgeo.motion.two_columns import TwoColumns
 from camgeo.numeric.arrays import FloatArray
 from camgeo.scene.load import load_scene
 from camgeo.units import TURN
@@ -156,8 +157,8 @@ def test_time_courses_and_tables_travel(travel: Travel) -> None:
     assert len(arrays_of(found)) == 2
     assert not any(array.flags.writeable for array in (*arrays_of(found), *arrays_of(found.spline)))
     assert travel(ConstantSpeed(20.0)) == ConstantSpeed(20.0)
-    table: LiftTable = travel(read_lift_table("0;0\n30;1\n60;2\n", "a.csv", 60.0))
-    assert table.lift.tolist() == [0.0, 1.0, 2.0]
+    table: TwoColumns = travel(read_lift_table("0;0\n30;1\n60;2\n", "a.csv", 60.0))
+    assert table.second.tolist() == [0.0, 1.0, 2.0]
     assert not any(array.flags.writeable for array in arrays_of(table))
     for joint in travel(joints(MOTIONS[0][1])):  # type: ignore[arg-type]
         assert not joint.left.flags.writeable

@@ -11,9 +11,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from camgeo.errors import GeometryError
-from camgeo.motion.laws import FAMILIES, characteristic, make_law
+from camgeo.motion.laws import FAMILIES, make_law
 from camgeo.motion.laws.family import COUNTED_FROM_END
-from camgeo.motion.laws.sine_straight import LEAST, curved_for, curved_for_velocity
+from camgeo.motion.laws.sine_straight import LEAST, curved_for
 from camgeo.motion.laws.two_pulses import Parts
 from tests.strategies import attack
 
@@ -75,12 +75,10 @@ def test_lambda_from_the_peaks(name: str, task: str, lam: float, v0: float, v1: 
     given_ = {key: value for key, value in given_.items() if key in FAMILIES[name].parameters[task]}
     parts = parts_of(name, task, **given_)
     a, b = parts.amplitudes(Decimal(lam))
-    peak_a = float(a) * float(parts.first.peak)
-    peak_b = -float(b) * float(parts.second.peak)
     # Where the part itself is long its peak hardly depends on it: |da/dl| is at least the bound's
     # tenth, so an ulp of the peak is a few ulp of 1.
-    assert float(parts.inflection_for(acceleration=peak_a)) == pytest.approx(lam, abs=1e-13)
-    assert float(parts.inflection_for(deceleration=peak_b)) == pytest.approx(lam, abs=1e-13)
+    assert float(parts.inflection_for_start(float(a))) == pytest.approx(lam, abs=1e-13)
+    assert float(parts.inflection_for_end(-float(b))) == pytest.approx(lam, abs=1e-13)
 
 
 @pytest.mark.parametrize(("name", "task"), TURNS)
@@ -141,21 +139,6 @@ def curves() -> st.SearchStrategy[float]:
     """c from 1e-6 to 1."""
     near = st.floats(0.0, 6.0).map(lambda exponent: 10.0**-exponent)
     return st.one_of(st.just(1.0), st.just(1.0 - NEAR_END), st.floats(0.01, 1.0), near)
-
-
-@given(curved=curves())
-@attack
-def test_c_from_cv(curved: float) -> None:
-    velocity = characteristic(make_law("sine-straight", "U-U", curved=curved)).velocity.value
-    # C_v - 1 is c (1 - 2/pi) where c is small: an ulp of C_v is 3 ulp of 1 there.
-    assert curved_for_velocity(velocity) == pytest.approx(curved, abs=4e-15)
-
-
-@pytest.mark.parametrize("velocity", [-1.0, 0.0, 1.0, 1.6, math.inf, math.nan])
-def test_a_cv_that_does_not_exist(velocity: float) -> None:
-    with pytest.raises(GeometryError, match=r"lies above 1, up to pi/2") as caught:
-        curved_for_velocity(velocity)
-    assert caught.value.key == "velocity"
 
 
 @given(curved=curves(), lam=inflections())

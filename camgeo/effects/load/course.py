@@ -10,16 +10,9 @@ import numpy as np
 from camgeo.effects.effect import DataFile
 from camgeo.motion.motion import Side
 from camgeo.motion.plan import SNAP, in_turn
-from camgeo.motion.two_columns import Column, check_ascending, fault, read_two_columns
+from camgeo.motion.two_columns import ANGLE, Column, read_two_columns, turn_of
 from camgeo.numeric.arrays import FloatArray, frozen
-from camgeo.units import TURN
 
-FULL_TURN: Final = 360.0
-
-LAST_ROW: Final = 1e-9
-"""By this share of a turn may the last angle of a file be off."""
-
-ANGLE: Final = Column("angle", ("phi", "angle", "cam angle"), ("deg", "degree", "degrees", "°"))
 LOAD: Final = Column("load", ("f", "force", "load", "m", "t", "torque"), ("n", "nm", "n m"))
 
 
@@ -104,20 +97,6 @@ def read_load_table(file: DataFile) -> Table:
         360 degrees.
     """
     rows = read_two_columns(file.data, file.name, (ANGLE, LOAD))
-    angles = rows.first
-    if angles[0] != 0.0:
-        raise fault(
-            file.name, rows.lines[0], repr(float(angles[0])), "the first angle; allowed is 0"
-        )
-    check_ascending(rows, angles, file.name, "angle")
-    if not abs(angles[-1] - FULL_TURN) <= LAST_ROW * FULL_TURN:
-        raise fault(
-            file.name,
-            rows.lines[-1],
-            repr(float(angles[-1])),
-            "the last angle; allowed is 360 degrees",
-        )
-    radians = np.radians(angles)
-    radians[-1] = TURN
+    angles = turn_of(rows, rows.first)
     unit = {"n": "N", "nm": "N m", "n m": "N m"}.get(rows.unit.lower(), "")
-    return Table(frozen(radians, np.float64), frozen(rows.second, np.float64), unit)
+    return Table(frozen(angles, np.float64), frozen(rows.second, np.float64), unit)

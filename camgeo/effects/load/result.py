@@ -115,8 +115,7 @@ def course_of(spec: LoadSpec, plan: MotionPlan, unit: str) -> Course:
         assert spec.constant is not None  # `parse` sees to it
         return Constant(spec.constant)
     # A rest of no length has no load; the plan of a scene does not keep it either.
-    pairs = zip(plan.segments, plan.joints_deg[:-1], strict=True)
-    starts = [math.radians(float(start)) for segment, start in pairs if segment.span > 0]
+    starts = [start for _, start, _ in plan.stretches]
     if len(spec.segments) != len(starts):
         raise GeometryError(
             f"{len(spec.segments)} values for the {len(starts)} segments of the motion that"

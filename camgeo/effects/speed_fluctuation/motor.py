@@ -10,7 +10,7 @@ import numpy as np
 
 from camgeo.effects.effect import DataFile
 from camgeo.errors import GeometryError
-from camgeo.motion.two_columns import Column, check_ascending, fault, read_two_columns
+from camgeo.motion.two_columns import Column, check_ascending, read_two_columns
 from camgeo.numeric.arrays import FloatArray, frozen
 from camgeo.units import RPM
 
@@ -102,20 +102,15 @@ def read_motor(file: DataFile) -> Motor:
     """
     try:
         table = read_two_columns(file.data, file.name, (SPEED, TORQUE))
-        check_ascending(table, table.first, file.name, "speed")
+        check_ascending(table, table.first, "speed")
         if table.first[0] < 0.0:
-            raise fault(
-                file.name, table.lines[0], repr(float(table.first[0])), "a speed below 0 rev/min"
-            )
+            raise table.fault(0, table.first, "a speed below 0 rev/min")
         rises = np.flatnonzero(np.diff(table.second) >= 0.0)
         if len(rises):
             row = int(rises[0]) + 1
-            raise fault(
-                file.name,
-                table.lines[row],
-                repr(float(table.second[row])),
-                f"the torque before is {float(table.second[row - 1])!r}; allowed is only falling",
-            )
+            before = float(table.second[row - 1])
+            message = f"the torque before is {before!r}; allowed is only falling"
+            raise table.fault(row, table.second, message)
     except GeometryError as error:
         raise GeometryError(error.message, "file", error.value) from error
     return Motor(RPM * table.first, N_MM * table.second)

@@ -100,33 +100,3 @@ def _log_ratio(values: Characteristic, quantity: str) -> float:
         "moment": (values.moment, values.braking_moment),
     }[quantity]
     return math.log(max(abs(first.value), TINY)) - math.log(max(abs(second.value), TINY))
-
-
-def inflection_for(
-    name: str,
-    task: str,
-    given: Given,
-    *,
-    acceleration: float | None = None,
-    deceleration: float | None = None,
-) -> float:
-    """lambda, as VDI 2143-1 counts it, for a wanted C_a or C_a* (eqs. (128), (179), (201), (206)).
-
-    Parameters
-    ----------
-    name, task, given : as of `equal_accelerations`.
-    acceleration : wanted extreme of f'' in the first part of the move, signed; or
-    deceleration : wanted extreme of f'' in the second part, signed.
-
-    Raises
-    ------
-    GeometryError
-        If the law has no inflection point, or none gives the value; it tells which there are.
-    """
-    wanted = (
-        None if value is None else checked.number(key, value, largest=LARGEST)
-        for key, value in (("acceleration", acceleration), ("deceleration", deceleration))
-    )
-    place = _parts(name, task, given).inflection_for(*wanted)
-    with localcontext(DIGITS):
-        return float(1 - place if task in COUNTED_FROM_END else place)

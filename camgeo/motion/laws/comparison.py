@@ -108,13 +108,12 @@ class Running:
         If one of them is not such a number.
     """
 
-    speed: float
-    span: float
-    stroke: float
+    speed: checked.Positive
+    span: checked.Positive
+    stroke: checked.Positive
 
     def __post_init__(self) -> None:
-        keys = ("speed", "span", "stroke")
-        checked.hold(self, **{key: checked.positive(key, getattr(self, key)) for key in keys})
+        checked.check_fields(self)
         if self.span > 2.0 * math.pi * (1.0 + ROUNDING):
             raise GeometryError(
                 "cannot be more than one turn", key="span", value=f"{math.degrees(self.span):g}"

@@ -86,17 +86,6 @@ def curved_for(product: float) -> float:
         return min(1.0, float(PI * PI / Decimal(product) / (PI + square.sqrt())))
 
 
-def curved_for_velocity(velocity: float) -> float:
-    """c from C_v (129), 1 < C_v <= pi/2; GeometryError outside."""
-    if not 1.0 < velocity <= math.pi / 2.0:
-        raise GeometryError(
-            "the largest velocity of a sine-straight combination lies above 1, up to pi/2",
-            key="velocity",
-            value=repr(velocity),
-        )
-    return math.pi / (math.pi - 2.0) * ((velocity - 1.0) / velocity)
-
-
 FAMILY = Family(
     "sine-straight",
     {"U-U": ("inflection", "curved", *boundary_parameters("U-U"))},

@@ -31,9 +31,6 @@ from camgeo.numeric.polynomial import (
 if TYPE_CHECKING:
     from fractions import Fraction
 
-ORDERS = 3
-"""Highest derivative that a boundary value may be given for."""
-
 
 def law_of_boundary_values(
     name: str,

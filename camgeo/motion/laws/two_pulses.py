@@ -60,43 +60,24 @@ class Parts:
             b = first.velocity * missing - l1 * first.position * (v1 - v0)
             return a / (l1 * common), b / (l2 * common)
 
+    def inflection_for_start(self, acceleration: float) -> Decimal:
+        """lambda with f''(0) = `acceleration`, for a first pulse that starts at its peak."""
+        with localcontext(DIGITS):
+            return 1 - self.mirrored.inflection_for_end(-acceleration)
+
     def inflection_for_end(self, acceleration: float) -> Decimal:
         """lambda with f''(1) = `acceleration`, for a second pulse that starts at its peak.
 
-        VDI 2143-1, eqs. (179), (201), (206) and (206a), from one quadratic.
+        VDI 2143-1, eqs. (179), (201), (206) and (206a), from one quadratic: with `acceleration`
+        for -B, B l2 (l2 V1 P2 + l1 V2 P1) = V1 (1 - w) - l1 P1 D in l1.
 
         Raises
         ------
         GeometryError
             If there is no lambda in (0, 1); it tells which accelerations there are.
         """
-        return self.inflection_for_peak(Decimal(acceleration))
-
-    def inflection_for_start(self, acceleration: float) -> Decimal:
-        """lambda with f''(0) = `acceleration`, for a first pulse that starts at its peak."""
         with localcontext(DIGITS):
-            return 1 - self.mirrored.inflection_for_end(-acceleration)
-
-    def inflection_for(
-        self, acceleration: float | None = None, deceleration: float | None = None
-    ) -> Decimal:
-        """lambda with f'' = `acceleration` at the peak of the first part, or `deceleration`, which
-        is negative as a rule, at that of the second (section 6.2).
-
-        Raises GeometryError if there is none.
-        """
-        with localcontext(DIGITS):
-            if acceleration is not None:
-                parts = self.mirrored
-                wanted = -Decimal(acceleration) / Decimal(self.first.peak)
-                return 1 - parts.inflection_for_peak(wanted)
-            wanted = Decimal(deceleration or 0.0) / Decimal(self.second.peak)
-            return self.inflection_for_peak(wanted)
-
-    def inflection_for_peak(self, signed: Decimal) -> Decimal:
-        """lambda with -B = `signed`: B l2 (l2 V1 P2 + l1 V2 P1) = V1 (1 - w) - l1 P1 D in l1."""
-        with localcontext(DIGITS):
-            b = -signed
+            b = -Decimal(acceleration)
             v0, v1 = Decimal(self.v0), Decimal(self.v1)
             d = v1 - v0
             own = self.first.velocity * self.second.position
@@ -108,20 +89,20 @@ class Parts:
                 b * own - self.first.velocity * (1 - v1),
             )
             if not roots:
-                raise self._out_of_reach(signed)
+                raise self._out_of_reach(acceleration)
             return roots[0]
 
-    def _out_of_reach(self, signed: Decimal) -> GeometryError:
+    def _out_of_reach(self, acceleration: float) -> GeometryError:
         """Why there is no lambda: the peak runs from its value at 0 to infinity at 1."""
         bound = (1 - Decimal(self.v1)) / self.second.position
         d = Decimal(self.v1) - Decimal(self.v0)
         grows = self.first.velocity * (1 - Decimal(self.v0)) - self.first.position * d
         side = "below" if grows > 0 else "above"
         return GeometryError(
-            f"no inflection point gives the normalised acceleration {float(signed):.6g} at that"
+            f"no inflection point gives the normalised acceleration {acceleration:.6g} at that"
             f" end; it must be {side} {-float(bound):.6g}",
             key="acceleration",
-            value=f"{float(signed):.6g}",
+            value=f"{acceleration:.6g}",
         )
 
     def inflection_for_equal_accelerations(self) -> Decimal:

@@ -9,7 +9,6 @@ from camgeo.motion.planning.request import (
     MoveRequest,
     PointsRequest,
     Request,
-    Rest,
     TableRequest,
     Unit,
 )
@@ -20,7 +19,6 @@ __all__ = [
     "MoveRequest",
     "PointsRequest",
     "Request",
-    "Rest",
     "TableRequest",
     "Unit",
     "plan_motion",

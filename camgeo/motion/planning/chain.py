@@ -13,12 +13,13 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from camgeo.errors import GeometryError
+from camgeo.motion.boundary import Boundary
 from camgeo.motion.laws import FAMILIES
+from camgeo.motion.plan import Dwell
 from camgeo.motion.planning.request import (
     MoveRequest,
     PointsRequest,
     Request,
-    Rest,
     TableRequest,
     Unit,
 )
@@ -67,9 +68,14 @@ class Joint:
         return found
 
     @property
+    def values(self) -> Boundary:
+        """Velocity and acceleration."""
+        return self.velocity, self.acceleration
+
+    @property
     def settled(self) -> bool:
         """Whether velocity and acceleration are known."""
-        return self.velocity is not None and self.acceleration is not None
+        return None not in self.values
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,7 +102,7 @@ class Link:
 
     @property
     def rests(self) -> bool:
-        return isinstance(self.request, Rest)
+        return isinstance(self.request, Dwell)
 
     @property
     def straight(self) -> bool:
@@ -159,10 +165,10 @@ def chain_of(requests: Sequence[Request], unit: Unit) -> Chain:
         start = position
         if isinstance(request, TableRequest):
             position = _after_table(start, request)
-        elif not isinstance(request, Rest):
+        elif not isinstance(request, Dwell):
             position = request.to
         if request.span == 0:
-            if isinstance(request, Rest):
+            if isinstance(request, Dwell):
                 moments.add(len(links))
             continue
         length = math.radians(float(request.span))

@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 
 from camgeo.errors import GeometryError
-from camgeo.motion.boundary import Boundary
+from camgeo.motion.boundary import over_span
 from camgeo.motion.laws import find_family, make_law
 from camgeo.motion.plan import Course, Dwell, MotionPlan, Move, Segment
 from camgeo.motion.planning.build import keyed, law_without_stroke, named_law, normalised
@@ -18,7 +18,6 @@ from camgeo.motion.planning.request import (
     MoveRequest,
     PointsRequest,
     Request,
-    Rest,
     TableRequest,
     Unit,
 )
@@ -60,9 +59,9 @@ def plan_motion(requests: Sequence[Request], unit: Unit = PLAIN) -> MotionPlan:
 
 def _check_spans(requests: Sequence[Request]) -> None:
     """What `MotionPlan` checks of spans, before anything is planned on them."""
-    kinds = (Rest, MoveRequest, PointsRequest, TableRequest)
+    kinds = (Dwell, MoveRequest, PointsRequest, TableRequest)
     for number, request in enumerate(checked.instances("motion", requests, kinds, "requests")):
-        if request.span == 0 and not isinstance(request, Rest):
+        if request.span == 0 and not isinstance(request, Dwell):
             raise GeometryError(
                 "a move of zero length cannot change the position (infinite velocity)",
                 key=f"motion[{number + 1}].span",
@@ -74,8 +73,8 @@ def _check_spans(requests: Sequence[Request]) -> None:
 def _segment(chain: Chain, number: int) -> Segment:
     link = chain.links[number]
     match link.request:
-        case Rest():
-            return Dwell(link.request.span)
+        case Dwell():
+            return link.request
         case MoveRequest():
             return _move(chain, number, link.request)
         case PointsRequest():
@@ -111,26 +110,17 @@ def _move(chain: Chain, number: int, request: MoveRequest) -> Move:
 def _course(chain: Chain, number: int, request: PointsRequest) -> Course:
     link, start, end = chain.links[number], chain.before(number), chain.after(number)
     length = link.length
-    inner = {index + 1: _over_span(values, length) for index, values in request.given.items()}
+    inner = {index + 1: over_span(values, length) for index, values in request.given.items()}
     from camgeo.motion.points import clamped_spline
 
     try:
         spline = clamped_spline(
             np.concatenate(([0.0], request.shares, [1.0])),
             np.concatenate(([0.0], request.positions - start.position, [link.stroke])),
-            _over_span((start.velocity, start.acceleration), length),
-            _over_span((end.velocity, end.acceleration), length),
+            over_span(start.values, length),
+            over_span(end.values, length),
             inner,
         )
     except GeometryError as error:
         raise GeometryError(error.message, f"{link.key}.points", error.value) from error
     return Course(request.span, start.position + link.stroke, spline)
-
-
-def _over_span(values: Boundary, length: float) -> Boundary:
-    """Velocity and acceleration with respect to the part of the span."""
-    velocity, acceleration = values
-    return (
-        None if velocity is None else velocity * length,
-        None if acceleration is None else acceleration * length**2,
-    )

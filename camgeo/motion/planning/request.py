@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from decimal import Decimal
+from functools import partial
 from types import MappingProxyType
-from typing import Final
+from typing import Annotated, Any, Final
 
 from camgeo.errors import GeometryError
 from camgeo.motion.boundary import Boundary, boundaries_of
 from camgeo.motion.laws import ALIASES, BALANCES, FAMILIES, LARGEST
-from camgeo.motion.spans import FULL_TURN, SHORTEST_SPAN, span_of
+from camgeo.motion.plan import Dwell
+from camgeo.motion.spans import FULL_TURN, MovingSpan
 from camgeo.numeric import checked
-from camgeo.numeric.arrays import FloatArray
 from camgeo.pickled import Pickled
 
 AUTO: Final = "auto"
@@ -28,19 +28,29 @@ SMALLEST_POSITION: Final = 1e-32
 """Smallest position [mm or rad] that is not 0, a scene's 1e-30 degrees; with less, velocities of up
 to 1e12 as parts of the stroke are beyond what a double can hold when they are multiplied."""
 
-VALUES: Final = ("velocity", "acceleration", "jerk")
 
-
-def _checked_end(request: MoveRequest | PointsRequest) -> None:
-    """Check what a request tells of its span and its end."""
-    to = checked.finite("to", request.to)
-    if 0.0 < abs(to) < SMALLEST_POSITION:
+def _position(key: str, value: Any) -> float:
+    found = checked.finite(key, value)
+    if 0.0 < abs(found) < SMALLEST_POSITION:
         raise GeometryError(
-            f"must be 0, or at least {SMALLEST_POSITION:g} in magnitude", "to", repr(to)
+            f"must be 0, or at least {SMALLEST_POSITION:g} in magnitude", key, repr(found)
         )
-    given = {key: getattr(request, key) for key in VALUES if hasattr(request, key)}
-    values = {key: checked.optional(key, value) for key, value in given.items()}
-    checked.hold(request, span=span_of(request.span, SHORTEST_SPAN), to=to, **values)
+    return found
+
+
+def _weights(key: str, value: Any) -> Mapping[str, float]:
+    weights = checked.by_name(key, value)
+    for name, weight in weights.items():
+        checked.one_of(key, name, CRITERIA)
+        checked.positive(name, weight)
+    return weights
+
+
+Position = Annotated[float, _position]
+Weights = Annotated[Mapping[str, float], _weights]
+Parameters = Annotated[Mapping[str, float], partial(checked.by_name, largest=LARGEST)]
+LawName = Annotated[str, partial(checked.one_of, choices=(AUTO, *FAMILIES, *ALIASES))]
+Balance = Annotated[str, partial(checked.one_of, choices=("", *BALANCES))]
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,10 +64,10 @@ class Unit:
     """
 
     name: str = ""
-    size: float = 1.0
+    size: checked.Positive = 1.0
 
     def __post_init__(self) -> None:
-        checked.hold(self, size=checked.positive("size", self.size))
+        checked.check_fields(self)
 
     def told(self, value: float, order: int = 0) -> str:
         """A position, or its derivative of that order, in words."""
@@ -66,16 +76,6 @@ class Unit:
             return f"{number} {self.name}".strip()
         power = "rad" if order == 1 else f"rad^{order}"
         return f"{number} {self.name}/{power}" if self.name else f"{number} per {power}"
-
-
-@dataclass(frozen=True, slots=True)
-class Rest:
-    """A rest over `span` degrees, exactly as written; one of no length is a moment of rest."""
-
-    span: Decimal
-
-    def __post_init__(self) -> None:
-        checked.hold(self, span=span_of(self.span))
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,26 +95,18 @@ class MoveRequest(Pickled):
         place of the parameter inflection; see `camgeo.motion.laws.balance`. Empty for none.
     """
 
-    span: Decimal
-    to: float
-    law: str
-    parameters: Mapping[str, float] = field(default_factory=lambda: NOTHING)
-    velocity: float | None = None
-    acceleration: float | None = None
-    jerk: float | None = None
-    optimise: Mapping[str, float] = field(default_factory=lambda: NOTHING)
-    balance: str = ""
+    span: MovingSpan
+    to: Position
+    law: LawName
+    parameters: Parameters = field(default_factory=lambda: NOTHING)
+    velocity: checked.Finite | None = None
+    acceleration: checked.Finite | None = None
+    jerk: checked.Finite | None = None
+    optimise: Weights = field(default_factory=lambda: NOTHING)
+    balance: Balance = ""
 
     def __post_init__(self) -> None:
-        _checked_end(self)
-        checked.one_of("law", self.law, (AUTO, *FAMILIES, *ALIASES))
-        checked.one_of("balance", self.balance, ("", *BALANCES))
-        weights = checked.by_name("optimise", self.optimise)
-        for name, weight in weights.items():
-            checked.one_of("optimise", name, CRITERIA)
-            checked.positive(name, weight)
-        parameters = checked.by_name("parameters", self.parameters, LARGEST)
-        checked.hold(self, parameters=parameters, optimise=weights)
+        checked.check_fields(self)
 
     @property
     def shaped_by(self) -> frozenset[str]:
@@ -135,23 +127,23 @@ class PointsRequest(Pickled):
     velocity, acceleration : at the end of the segment, as of a move.
     """
 
-    span: Decimal
-    to: float
-    shares: FloatArray
-    positions: FloatArray
+    span: MovingSpan
+    to: Position
+    shares: checked.Row
+    positions: checked.Row
     given: Mapping[int, Boundary] = field(default_factory=lambda: MappingProxyType({}))
-    velocity: float | None = None
-    acceleration: float | None = None
+    velocity: checked.Finite | None = None
+    acceleration: checked.Finite | None = None
 
     def __post_init__(self) -> None:
-        _checked_end(self)
-        shares, positions = (checked.array(k, getattr(self, k)) for k in ("shares", "positions"))
-        if len(shares) != len(positions):
+        checked.check_fields(self)
+        count = len(self.shares)
+        if len(self.positions) != count:
             raise GeometryError(
-                f"must be as many as the shares, {len(shares)}", "positions", str(len(positions))
+                f"must be as many as the shares, {count}", "positions", str(len(self.positions))
             )
-        given = boundaries_of("given", self.given, 0, len(shares) - 1)
-        checked.hold(self, shares=shares, positions=positions, given=MappingProxyType(given))
+        given = boundaries_of("given", self.given, 0, count - 1)
+        checked.hold(self, given=MappingProxyType(given))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -166,20 +158,18 @@ class TableRequest(Pickled):
     smoothing : largest allowed deviation from the rows [mm or rad]; None interpolates.
     """
 
-    span: Decimal
-    shares: FloatArray
-    lifts: FloatArray
-    smoothing: float | None = None
+    span: MovingSpan
+    shares: checked.Row
+    lifts: checked.Row
+    smoothing: checked.Positive | None = None
 
     def __post_init__(self) -> None:
-        shares, lifts = checked.array("shares", self.shares), checked.array("lifts", self.lifts)
-        if len(shares) < 2 or len(shares) != len(lifts):
+        checked.check_fields(self)
+        count = len(self.shares)
+        if count < 2 or count != len(self.lifts):
             raise GeometryError(
-                f"must be 2 or more, as many as the shares, {len(shares)}", "lifts", str(len(lifts))
+                f"must be 2 or more, as many as the shares, {count}", "lifts", str(len(self.lifts))
             )
-        if self.smoothing is not None:
-            checked.hold(self, smoothing=checked.positive("smoothing", self.smoothing))
-        checked.hold(self, span=span_of(self.span, SHORTEST_SPAN), shares=shares, lifts=lifts)
 
     @property
     def rise(self) -> float:
@@ -189,4 +179,4 @@ class TableRequest(Pickled):
         return float(self.lifts[-1] - self.lifts[0])
 
 
-Request = Rest | MoveRequest | PointsRequest | TableRequest
+Request = Dwell | MoveRequest | PointsRequest | TableRequest

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from camgeo.errors import GeometryError
-from camgeo.motion.boundary import Boundary
+from camgeo.motion.boundary import over_span
 from camgeo.motion.plan import Course
-from camgeo.motion.planning.chain import Chain, Joint
+from camgeo.motion.planning.chain import Chain
 from camgeo.motion.planning.request import TableRequest
 from camgeo.motion.points import (
     FitReport,
@@ -63,7 +63,8 @@ def _fitted(chain: Chain, number: int, request: TableRequest) -> tuple[Spline, F
         if len(chain.links) == 1:
             shares, lifts = _closed(shares, lifts)
         start, end = (
-            _boundary(joint, link.length) for joint in (chain.before(number), chain.after(number))
+            over_span(joint.values, link.length)
+            for joint in (chain.before(number), chain.after(number))
         )
         if request.smoothing is None:
             spline = clamped_spline(shares, lifts, start, end)
@@ -84,12 +85,3 @@ def _closed(shares: FloatArray, lifts: FloatArray) -> tuple[FloatArray, FloatArr
             value=f"{lifts[-1]:g}",
         )
     return shares, np.append(lifts[:-1], 0.0)
-
-
-def _boundary(joint: Joint, length: float) -> Boundary:
-    """Velocity and acceleration of a joint with respect to the part of the span."""
-    velocity, acceleration = joint.velocity, joint.acceleration
-    return (
-        None if velocity is None else velocity * length,
-        None if acceleration is None else acceleration * length**2,
-    )

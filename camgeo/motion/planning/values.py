@@ -34,7 +34,7 @@ def settle_values(chain: Chain) -> None:
         if joint.end == "U" and (asked := _asked_turn(chain, number)) is not None
     }
     _from_laws(chain)
-    known = [(joint.velocity, joint.acceleration) for joint in chain.joints]
+    known = [joint.values for joint in chain.joints]
     turns = {
         number: asked
         for number, asked in asked_turns.items()
@@ -200,7 +200,7 @@ class _Nodes:
     def close(self, joint: Joint) -> None:
         """A joint with no link behind it."""
         self.joints[len(self.places)] = joint
-        self._node(self.end, joint.position, (joint.velocity, joint.acceleration))
+        self._node(self.end, joint.position, joint.values)
 
     def _node(self, place: float, position: float, given: Boundary) -> None:
         self.given[len(self.places)] = given

@@ -15,8 +15,8 @@ from hypothesis import strategies as st
 from camgeo.errors import GeometryError
 from camgeo.motion.joints import Joint, joints
 from camgeo.motion.laws import LAWS
-from camgeo.motion.plan import Course, MotionPlan, Move
-from camgeo.motion.planning import MoveRequest, PointsRequest, Request, Rest, TableRequest
+from camgeo.motion.plan import Course, Dwell, MotionPlan, Move
+from camgeo.motion.planning import MoveRequest, PointsRequest, Request, TableRequest
 from camgeo.motion.planning.tasks import FREE
 from camgeo.numeric.arrays import FloatArray
 from tests.motion.planning.wishes import move, planned, rest, straight, through, wishes
@@ -63,7 +63,7 @@ def positions(requests: Sequence[Request]) -> list[float]:
     found = [0.0]
     for request in requests:
         match request:
-            case Rest():
+            case Dwell():
                 found.append(found[-1])
             case TableRequest():
                 found.append(found[-1] + request.rise)
@@ -120,7 +120,8 @@ def test_position_and_velocity_are_continuous(requests: list[Request]) -> None:
     for number, joint in enumerate(joints(accepted(requests))):
         before, after = met(requests, joint=number)
         stops = [
-            straight(each) and (isinstance(other, Rest) or straight(other) or joint_rests(requests))
+            straight(each)
+            and (isinstance(other, Dwell) or straight(other) or joint_rests(requests))
             for each, other in ((before, after), (after, before))
         ]
         assert joint.order >= (0 if any(stops) else 1)
@@ -332,7 +333,7 @@ def reversed_wish(requests: Sequence[Request]) -> list[Request]:
                 found.append(
                     replace(request, shares=1.0 - request.shares[::-1], lifts=request.lifts[::-1])
                 )
-            case Rest():
+            case Dwell():
                 found.append(request)
     return found
 

@@ -14,11 +14,11 @@ import numpy as np
 import pytest
 
 from camgeo.errors import GeometryError
+from camgeo.motion.plan import Dwell
 from camgeo.motion.planning import (
     MoveRequest,
     PointsRequest,
     Request,
-    Rest,
     TableRequest,
     Unit,
     plan_motion,
@@ -29,7 +29,7 @@ SPAN = Decimal(60)
 
 SOUND: dict[type, dict[str, Any]] = {
     Unit: {"name": "mm", "size": 1.0},
-    Rest: {"span": SPAN},
+    Dwell: {"span": SPAN},
     MoveRequest: {"span": SPAN, "to": 10.0, "law": "auto"},
     PointsRequest: {"span": SPAN, "to": 10.0, "shares": ROW, "positions": ROW},
     TableRequest: {"span": SPAN, "shares": ROW, "lifts": ROW},
@@ -97,7 +97,7 @@ def test_a_wrong_weight_is_told_with_its_name(weight: Any) -> None:
     assert caught.value.key == "jerk"
 
 
-@pytest.mark.parametrize("requests", [None, 3, [None], ["dwell"], [Rest(SPAN), 3]])
+@pytest.mark.parametrize("requests", [None, 3, [None], ["dwell"], [Dwell(SPAN), 3]])
 def test_only_requests_are_planned(requests: Any) -> None:
     with pytest.raises(GeometryError, match="a sequence of requests"):
         plan_motion(requests)
@@ -105,7 +105,7 @@ def test_only_requests_are_planned(requests: Any) -> None:
 
 def test_numbers_of_any_kind_are_spans_as_they_are_written() -> None:
     for value in (np.float64(0.1), 0.1, Decimal("0.1"), np.int64(3), 3):
-        assert Rest(value).span == Decimal(str(value))  # type: ignore[arg-type]
+        assert Dwell(value).span == Decimal(str(value))  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize(

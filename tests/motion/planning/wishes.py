@@ -16,7 +16,6 @@ from camgeo.motion.planning import (
     MoveRequest,
     PointsRequest,
     Request,
-    Rest,
     TableRequest,
     plan_motion,
 )
@@ -40,9 +39,9 @@ SMOOTH_LAWS = ("auto", "polynomial-5", "polynomial-7", "polynomial")
 """Laws that meet whatever there is."""
 
 
-def rest(span: float | str | Decimal) -> Rest:
+def rest(span: float | str | Decimal) -> Dwell:
     """A rest."""
-    return Rest(Decimal(span))
+    return Dwell(Decimal(span))
 
 
 def move(span: float | str | Decimal, to: float, law: str = "auto", **also: object) -> MoveRequest:
@@ -145,9 +144,9 @@ def wishes(
         if last and kind == "rest" and position != 0.0:
             kind = "move"
         if rests and draw(st.integers(0, 9)) == 0:
-            found.append(Rest(Decimal(0)))
+            found.append(Dwell(Decimal(0)))
         if kind == "rest":
-            found.append(Rest(span))
+            found.append(Dwell(span))
             continue
         to = 0.0 if last else draw(positions(size))
         found.append(draw(_wish(kind, span, position, to, laws, size, stated)))
