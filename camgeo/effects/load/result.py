@@ -8,7 +8,6 @@ torque against its positive angle.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import Final
 
