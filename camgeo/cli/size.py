@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import argparse
 import math
+from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Final
 
 from camgeo.check.judge import transmission_angle_limit
 from camgeo.check.sizing.arm import size_with_arm
@@ -27,12 +28,10 @@ from camgeo.cli.plot import add_picture, check_picture, drawn
 from camgeo.cli.size_told import document, lines
 from camgeo.design import Design
 from camgeo.errors import Fault, GeometryError, SceneError
-from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.scene.load import load_scene
 from camgeo.units import MM_PER
 
 if TYPE_CHECKING:
-    from camgeo.mechanism.kinds import RollerFollower
     from camgeo.scene.scene import Scene
 
 MARGIN: Final = 1e-11
@@ -148,8 +147,10 @@ def _scene(
     kept = size(task, sizing.angle + MARGIN, sizing.ratio * (1.0 - MARGIN))
     if kept.answer is None:
         raise GeometryError("the requirement can only just be met: no scene keeps it surely")
-    follower = task.follower_at(kept.answer.place)
-    written = resized(design.scene, follower, arm=arguments.arm is not None)
+    lengths = {"base_radius": kept.answer.base_radius, **task.places.moved(kept.answer.place)}
+    if arguments.arm is not None:
+        lengths["arm"] = task.follower.arm
+    written = resized(design.scene, lengths)
     again = Task(Design(written).cam)
     rating = rate(again, again.present)
     if (
@@ -161,20 +162,16 @@ def _scene(
     return written.to_toml().encode()
 
 
-def resized(scene: Scene, follower: RollerFollower, *, arm: bool = False) -> Scene:
-    """The scene with base_radius and offset or pivot of `follower`, and with its `arm` if asked."""
+def resized(scene: Scene, lengths: Mapping[str, complex]) -> Scene:
+    """The scene with other lengths of its follower [mm], by their keys; points are complex."""
 
-    def told(length: float) -> float:
-        return length / MM_PER[scene.unit] + 0.0  # 0, and not -0
+    def told(length: complex) -> float | list[float]:
+        inside = length / MM_PER[scene.unit]
+        if isinstance(inside, float):
+            return inside + 0.0  # 0, and not -0
+        return [inside.real + 0.0, inside.imag + 0.0]
 
-    edits: dict[str, Any] = {"follower.base_radius": told(follower.base_radius)}
-    if isinstance(follower, OscillatingRoller):
-        edits["follower.pivot"] = [told(follower.pivot.real), told(follower.pivot.imag)]
-        if arm:
-            edits["follower.arm"] = told(follower.arm)
-    else:
-        edits["follower.offset"] = told(follower.offset)
-    return scene.with_values(edits)
+    return scene.with_values({f"follower.{key}": told(each) for key, each in lengths.items()})
 
 
 def _told(design: Design, length: float) -> str:

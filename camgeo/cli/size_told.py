@@ -9,7 +9,6 @@ from camgeo.check.sizing.smallest import Active, Rating, Sizing
 from camgeo.check.sizing.task import Task
 from camgeo.cli.command import identity
 from camgeo.design import Design
-from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.units import MM_PER
 
 WIDTH = 24
@@ -20,7 +19,7 @@ CELL = 15
 
 def lines(design: Design, task: Task, sizing: Sizing, present: Rating | None) -> list[str]:
     """What is printed; lengths in the unit of the scene, angles in degrees."""
-    second = "pivot at" if _oscillating(task) else "offset"
+    second = task.places.second
     head = (f"r_G [{design.scene.unit}]", f"{second} [{design.scene.unit}]", "mu [deg]", "at [deg]")
     required = (
         f"required: transmission angle at least {math.degrees(sizing.angle):g} deg,"
@@ -94,8 +93,9 @@ def _row(design: Design, name: str, task: Task, rating: Rating | None) -> str:
     unit = MM_PER[design.scene.unit]
     mu, at = rating.transmission_angle
     ratio, where = rating.radius_ratio
+    second = task.places.second_of(rating.place) / unit + 0.0
     cells = (
-        f"{rating.base_radius / unit:.4f}", f"{_second(task, rating) / unit + 0.0:.4f}",
+        f"{rating.base_radius / unit:.4f}", f"{second:.4f}",
         f"{math.degrees(mu):.4f}", f"{math.degrees(at):.3f}",
         f"{ratio:.4f}", f"{math.degrees(where):.3f}",
     )  # fmt: skip
@@ -107,15 +107,6 @@ def _active(active: Active, sizing: Sizing) -> str:
     if active.name == "transmission-angle":
         return f"the transmission angle of {math.degrees(sizing.angle):g} deg {at}"
     return f"r_R/r_K of {sizing.ratio:g} {at}"
-
-
-def _oscillating(task: Task) -> bool:
-    return isinstance(task.follower, OscillatingRoller)
-
-
-def _second(task: Task, rating: Rating) -> float:
-    """Offset, or distance of the pivot from the cam axis [mm]."""
-    return abs(rating.place) if _oscillating(task) else rating.place.real
 
 
 # JSON ---------------------------------------------------------------------------------------------
@@ -150,14 +141,8 @@ def document(design: Design, task: Task, sizing: Sizing, present: Rating | None)
 def _record(task: Task, rating: Rating | None) -> dict[str, Any] | None:
     if rating is None:
         return None
-    follower = task.follower_at(rating.place)
     record: dict[str, Any] = {"base_radius_mm": rating.base_radius}
-    if isinstance(follower, OscillatingRoller):
-        record["arm_mm"] = follower.arm
-        record["pivot_mm"] = [follower.pivot.real, follower.pivot.imag]
-        record["pivot_distance_mm"] = abs(rating.place)
-    else:
-        record["offset_mm"] = follower.offset
+    record |= task.places.record(rating.place)
     mu, at = rating.transmission_angle
     ratio, where = rating.radius_ratio
     record["transmission_angle_deg"] = {

@@ -94,6 +94,7 @@ class Follower(Protocol):
     reach : way of the roller centre a unit of lift [1 or mm/rad], positive if a positive lift moves
         the rocker counter-clockwise, or the roller outward along the guide. Of a flat face that
         rocks, whose contact wanders, the one at cam angle 0 if the cam rests there.
+    kind : its name in scenes.
     lift_unit : of its lift.
     touching : what of it touches the cam, "roller" or "face", as sentences call it.
     mover : what of it moves, "follower" or "rocker", as sentences call it.
@@ -101,6 +102,7 @@ class Follower(Protocol):
     offset : e, signed distance of the roller's guide from the cam axis [mm]; 0 without any.
     face : where a flat face begins and ends [mm], None if it is as long as it needs to be; zeros
         for a roller.
+    farthest : base radius [mm] with which a rocker lies stretched out; infinite on a guide.
     lift_scale : a large lift [mm or rad], for what is small beside it.
     way : direction of a positive lift, complex; 0 of a rocker.
     start_arm : at lift 0 from the pivot, or on a guide from the cam axis, to the roller centre, the
@@ -126,6 +128,9 @@ class Follower(Protocol):
     def roller_radius(self) -> float: ...
 
     @property
+    def kind(self) -> str: ...
+
+    @property
     def lift_unit(self) -> Unit: ...
 
     @property
@@ -142,6 +147,9 @@ class Follower(Protocol):
 
     @property
     def face(self) -> tuple[float, float] | None: ...
+
+    @property
+    def farthest(self) -> float: ...
 
     @property
     def lift_scale(self) -> float: ...

@@ -23,6 +23,5 @@ def require_roller(follower: AnyFollower) -> RollerFollower:
     """`follower`, if it has a roller; GeometryError with the key of its kind if a flat face."""
     if isinstance(follower, TranslatingRoller | OscillatingRoller):
         return follower
-    kind = "oscillating-flat" if follower.rocks else "translating-flat"
     message = "what is asked for is for roller followers, and this one has a flat face"
-    raise GeometryError(message, key="follower.kind", value=kind)
+    raise GeometryError(message, key="follower.kind", value=follower.kind)

@@ -94,6 +94,11 @@ class OscillatingFlat:
             )
 
     @property
+    def kind(self) -> str:
+        """See `Follower`."""
+        return "oscillating-flat"
+
+    @property
     def lift_unit(self) -> Unit:
         """See `Follower`."""
         return "rad"
@@ -112,6 +117,11 @@ class OscillatingFlat:
     def offset(self) -> float:
         """See `Follower`: none."""
         return 0.0
+
+    @property
+    def farthest(self) -> float:
+        """See `Follower`."""
+        return self.face_offset + self.centre_distance
 
     @property
     def lift_scale(self) -> float:

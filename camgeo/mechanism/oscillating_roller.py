@@ -100,6 +100,11 @@ class OscillatingRoller:
         return 1 if self.direction is None else self.direction * self.arm_side
 
     @property
+    def kind(self) -> str:
+        """See `Follower`."""
+        return "oscillating-roller"
+
+    @property
     def lift_unit(self) -> Unit:
         """See `Follower`."""
         return "rad"
@@ -123,6 +128,11 @@ class OscillatingRoller:
     def face(self) -> tuple[float, float]:
         """See `Follower`: none."""
         return 0.0, 0.0
+
+    @property
+    def farthest(self) -> float:
+        """See `Follower`."""
+        return self.centre_distance + self.arm
 
     @property
     def lift_scale(self) -> float:

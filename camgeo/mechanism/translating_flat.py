@@ -61,6 +61,11 @@ class TranslatingFlat:
         )
 
     @property
+    def kind(self) -> str:
+        """See `Follower`."""
+        return "translating-flat"
+
+    @property
     def lift_unit(self) -> Unit:
         """See `Follower`."""
         return "mm"
@@ -84,6 +89,11 @@ class TranslatingFlat:
     def offset(self) -> float:
         """See `Follower`: none."""
         return 0.0
+
+    @property
+    def farthest(self) -> float:
+        """See `Follower`."""
+        return math.inf
 
     @property
     def lift_scale(self) -> float:

@@ -72,6 +72,11 @@ class TranslatingRoller:
             )
 
     @property
+    def kind(self) -> str:
+        """See `Follower`."""
+        return "translating-roller"
+
+    @property
     def lift_unit(self) -> Unit:
         """See `Follower`."""
         return "mm"
@@ -95,6 +100,11 @@ class TranslatingRoller:
     def face(self) -> tuple[float, float]:
         """See `Follower`: none."""
         return 0.0, 0.0
+
+    @property
+    def farthest(self) -> float:
+        """See `Follower`."""
+        return math.inf
 
     @property
     def lift_scale(self) -> float:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -13,7 +12,6 @@ import camgeo
 from camgeo.check.judge import transmission_angle_limit
 from camgeo.cli.main import main
 from camgeo.cli.size import resized
-from camgeo.mechanism.kinds import require_roller
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.scene.new import template
 
@@ -137,18 +135,16 @@ def test_comments_stay_and_a_missing_offset_is_added(tmp_path: Path) -> None:
     for kind in ("translating-roller", "oscillating-roller"):
         text = template(kind)
         source.write_text(text)
-        design = camgeo.load(source)
-        follower = replace(require_roller(design.cam.follower), base_radius=51.0)
-        written = resized(design.scene, follower).to_toml()
+        scene = camgeo.load(source).scene
+        written = resized(scene, {"base_radius": 51.0}).to_toml()
         assert "\nbase_radius = 51.0 " in written
         assert [line.partition("#")[2] for line in written.splitlines()] == [
             line.partition("#")[2] for line in text.splitlines()
         ]
     text = (SCENES / "ring.toml").read_text()
     assert "\noffset" not in text
-    design = camgeo.load(SCENES / "ring.toml")
-    follower = replace(require_roller(design.cam.follower), base_radius=61.0)
-    written = resized(design.scene, follower).to_toml()
+    scene = camgeo.load(SCENES / "ring.toml").scene
+    written = resized(scene, {"base_radius": 61.0, "offset": -0.0}).to_toml()
     assert "\nbase_radius = 61.0\noffset = 0.0\n" in written
 
 
@@ -159,9 +155,8 @@ cam = { rotation = "ccw" }
 follower = { kind = "translating-roller", base_radius = 40, roller_radius = 8 }  # one line
 motion = [{ dwell = 360 }]
 """
-    design = camgeo.loads(text)
-    follower = replace(require_roller(design.cam.follower), base_radius=41.5)
-    written = resized(design.scene, follower).to_toml()
+    scene = camgeo.loads(text).scene
+    written = resized(scene, {"base_radius": 41.5, "offset": 0.0}).to_toml()
     assert 'follower = { kind = "translating-roller", base_radius = 41.5, ' in written
     assert "offset = 0.0" in written
     assert "# one line" in written

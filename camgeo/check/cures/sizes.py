@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from functools import singledispatch
+from typing import Any
+
 from camgeo.cam.cam import Cam
 from camgeo.check.cures.cure import Cure, length_cure, no_cure
 from camgeo.check.cures.margin import Crossed, Pairs, bends_of, is_sound
 from camgeo.check.cures.search import BEYOND, Make, nearest_cure
-from camgeo.mechanism.kinds import require_roller
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
+from camgeo.mechanism.translating_roller import TranslatingRoller
 
 MOST = 100.0
 """Times the present base radius up to which a larger one is looked for."""
@@ -21,11 +24,10 @@ def base_radius(cam: Cam, _: Pairs, crossed: Crossed) -> Cure:
     """A larger base circle; an oscillating follower keeps pivot and arm."""
     key, old = "follower.base_radius", cam.follower.base_radius
     end, why = MOST * old, f"up to {MOST:g} times the present one"
-    if isinstance(cam.follower, OscillatingRoller):
-        stretched = cam.follower.centre_distance + cam.follower.arm
-        if stretched * (1.0 - INSIDE) < end:
-            end = max(stretched * (1.0 - INSIDE), old)
-            why = f"up to {stretched:g} mm, where the rocker lies stretched out,"
+    stretched = cam.follower.farthest
+    if stretched * (1.0 - INSIDE) < end:
+        end = max(stretched * (1.0 - INSIDE), old)
+        why = f"up to {stretched:g} mm, where the rocker lies stretched out,"
     limit = nearest_cure(lambda r: cam.sized(base_radius=r), old, end, old, crossed)
     if limit is None:
         return no_cure("base radius", key, old, "mm", f"no larger base radius {why} cures it")
@@ -61,24 +63,37 @@ def offset_or_arm(cam: Cam, _: Pairs, crossed: Crossed) -> Cure:
 
     The nearer one of the two directions in which it can be changed.
     """
-    follower = require_roller(cam.follower)
-    base = follower.base_radius
-    if isinstance(follower, OscillatingRoller):
-        distance, old = follower.centre_distance, follower.arm
-        low, high = abs(distance - base) + INSIDE * base, (distance + base) - INSIDE * base
-        found = _either_way(lambda arm: cam.sized(arm=arm), old, low, high, old, crossed)
-        knob, key, scale, article = "arm", "follower.arm", old, "no other arm"
-    else:
-        old = follower.offset
-        high = (1.0 - INSIDE) * base
-        found = _either_way(lambda e: cam.sized(offset=e), old, -high, high, base, crossed)
-        knob, key, scale, article = "offset", "follower.offset", base, "no other offset"
-        low = -high
+    knob, old, low, high, scale = _knob(cam.follower)
+    key = f"follower.{knob}"
+
+    def made(value: float) -> Cam:
+        return cam.sized(**{knob: value})
+
+    found = _either_way(made, old, low, high, scale, crossed)
     if found is None:
-        reason = f"{article} between {low:g} and {high:g} mm cures it"
+        reason = f"no other {knob} between {low:g} and {high:g} mm cures it"
         return no_cure(knob, key, old, "mm", reason)
     limit, upward = found
     return length_cure(knob, key, old, limit, scale, upward=upward)
+
+
+@singledispatch
+def _knob(follower: Any) -> tuple[str, float, float, float, float]:
+    """Key of what may be changed beside radii, its value, its bounds, and a scale for it [mm]."""
+    raise TypeError(type(follower))
+
+
+@_knob.register
+def _(follower: TranslatingRoller) -> tuple[str, float, float, float, float]:
+    high = (1.0 - INSIDE) * follower.base_radius
+    return "offset", follower.offset, -high, high, follower.base_radius
+
+
+@_knob.register
+def _(follower: OscillatingRoller) -> tuple[str, float, float, float, float]:
+    distance, base = follower.centre_distance, follower.base_radius
+    low, high = abs(distance - base) + INSIDE * base, (distance + base) - INSIDE * base
+    return "arm", follower.arm, low, high, follower.arm
 
 
 def _either_way(

@@ -16,7 +16,6 @@ import numpy as np
 from camgeo.check.sizing.smallest import Sizing, size
 from camgeo.check.sizing.task import Task
 from camgeo.errors import GeometryError
-from camgeo.mechanism.oscillating_roller import OscillatingRoller
 
 ARMS = 7
 """Tried first, in equal ratios from the shortest to the longest that can be better."""
@@ -33,7 +32,6 @@ GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
 def with_arm(task: Task, arm: float) -> Task:
     """The same mechanism with an arm of `arm` [mm], pivot and base circle scaled alike."""
     follower = task.follower
-    assert isinstance(follower, OscillatingRoller)
     scale = arm / follower.arm
     pivot, base_radius = follower.pivot * scale, follower.base_radius * scale
     return Task(task.cam.sized(arm=arm, pivot=pivot, base_radius=base_radius))
@@ -55,11 +53,11 @@ def size_with_arm(
         With key "follower.kind" for a follower without an arm, "arm" if the range is none or lets
         the roller reach the pivot; and as `size` does.
     """
-    if not isinstance(task.follower, OscillatingRoller):
+    if task.places.held is None:
         raise GeometryError(
             "an arm is looked for where there is one: with an oscillating roller follower",
             key="follower.kind",
-            value="translating-roller",
+            value=task.follower.kind,
         )
     roller = task.follower.roller_radius
     if not (roller < low <= high < math.inf):

@@ -6,7 +6,8 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from camgeo.check.sizing.task import Task, Terms
+from camgeo.check.sizing.places import Terms
+from camgeo.check.sizing.task import Task
 from camgeo.curve.pieces import smooth_pieces
 from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray
 

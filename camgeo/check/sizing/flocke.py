@@ -14,7 +14,6 @@ import numpy as np
 from camgeo.check.sizing.half_planes import nearest_point
 from camgeo.check.sizing.task import Task
 from camgeo.curve.extremes import extremes
-from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.motion.extremes import lift_range
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import ComplexArray, FloatArray
@@ -39,26 +38,13 @@ def flocke(task: Task, tangent: float) -> Flocke:
     """The construction for a transmission angle of atan(`tangent`)."""
     lifts = np.repeat(lift_range(task.motion), 2)
     rates = np.tile(_velocity_range(task), 2)
+    terms = task.places.terms(np.stack((lifts, rates, np.zeros_like(lifts))), task.cam.rotation)
     normals, bounds = [], []
     for t in (tangent, -tangent):
-        p, q, turn = _ends(task, lifts, rates)
-        normals.append(np.conj((t + 1j) * turn))
-        bounds.append(t * q - p)
+        normals.append(np.conj((t + 1j) * terms.turn))
+        bounds.append(t * terms.q - terms.p)
     every, limits = np.concatenate(normals), np.concatenate(bounds)
     return Flocke(every, limits, nearest_point(every, limits, task.start))
-
-
-def _ends(
-    task: Task, lifts: FloatArray, rates: FloatArray
-) -> tuple[FloatArray, FloatArray, ComplexArray]:
-    """p, q and r of `Terms` (n,) for lifts and velocities that need not belong together."""
-    follower = task.follower
-    if isinstance(follower, OscillatingRoller):
-        sense = follower.arm_side * follower.swing_sense
-        along = follower.arm_side * task.cam.rotation * sense * rates
-        return np.zeros_like(lifts), follower.arm * (1.0 - along), np.exp(-1j * sense * lifts)
-    one = np.ones(len(lifts), dtype=np.complex128)
-    return follower.direction * lifts, task.cam.rotation * follower.direction * rates, one
 
 
 def _velocity_range(task: Task) -> tuple[float, float]:

@@ -14,56 +14,20 @@ at least mu is u >= T v and u >= -T v, T = tan mu: two half-planes at each cam a
 
 from __future__ import annotations
 
-import cmath
 import math
-from dataclasses import dataclass, replace
-from typing import Final
+from dataclasses import dataclass
+from typing import Any, Final
 
 import numpy as np
 
 from camgeo.cam.cam import Cam
+from camgeo.check.sizing.places import Places, Terms, at_place, places_of
 from camgeo.curve.extremes import Extremes, extremes
 from camgeo.curve.pitch_curve import PitchCurve
-from camgeo.mechanism.kinds import RollerFollower, require_roller
-from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.motion.motion import Motion, Side
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 
 SIDES: Final[tuple[Side, ...]] = ("right", "left")
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Terms:
-    """What u, v and the curvature are made of at n cam angles, see the module.
-
-    Attributes
-    ----------
-    p, q : (n,) [mm/rad].
-    turn : (n,) complex r, of magnitude 1.
-    alpha, beta : (n,) [mm/rad^2]; |Z'|^3 kappa = |Z'|^2 - alpha u + beta v.
-    p1, q1, turning : (n,) dp/dphi, dq/dphi, and d(-arg r)/dphi.
-    """
-
-    p: FloatArray
-    q: FloatArray
-    turn: ComplexArray
-    alpha: FloatArray
-    beta: FloatArray
-    p1: FloatArray
-    q1: FloatArray
-    turning: FloatArray
-
-    def across_and_along(self, place: complex | ComplexArray) -> tuple[FloatArray, FloatArray]:
-        """u, v [mm/rad] for one place, or (k, n) for places (k, 1)."""
-        seen = self.turn * place
-        return self.p - seen.imag, self.q - seen.real
-
-    def curvature(self, place: complex | ComplexArray) -> FloatArray:
-        """kappa [1/mm], shape as of `across_and_along`; Z' must not vanish."""
-        u, v = self.across_and_along(place)
-        square = u * u + v * v
-        kappa: FloatArray = (square - self.alpha * u + self.beta * v) / (square * np.sqrt(square))
-        return kappa
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,7 +47,7 @@ class Task:
     cam: Cam
 
     def __post_init__(self) -> None:
-        require_roller(self.cam.follower)
+        places_of(self.cam.follower)
 
     @property
     def motion(self) -> Motion:
@@ -91,35 +55,28 @@ class Task:
         return self.cam.drive.motion
 
     @property
-    def follower(self) -> RollerFollower:
+    def follower(self) -> Any:
         """The follower of the present design."""
-        return require_roller(self.cam.follower)
+        return self.cam.follower
+
+    @property
+    def places(self) -> Places:
+        """Where the cam axis may be placed beside it."""
+        return places_of(self.cam.follower)
 
     @property
     def start(self) -> complex:
         """Roller centre at cam angle 0 [mm]."""
-        follower = self.follower
-        return complex(follower.arm) if isinstance(follower, OscillatingRoller) else 0j
+        return self.places.start
 
     @property
     def present(self) -> complex:
         """Place of the cam axis in the present design [mm]."""
-        follower = self.follower
-        if isinstance(follower, OscillatingRoller):
-            return cmath.rect(follower.centre_distance, -follower.start_angle)
-        return complex(follower.offset, -follower.start_height)
+        return self.places.present
 
-    def follower_at(self, place: complex) -> RollerFollower:
-        """The follower with the cam axis at `place` [mm].
-
-        An oscillating one keeps the direction in which the pivot lies. Raises GeometryError if
-        there is no such mechanism.
-        """
-        base = abs(place - self.start)
-        if isinstance(self.follower, OscillatingRoller):
-            away = self.follower.pivot / self.follower.centre_distance
-            return replace(self.follower, base_radius=base, pivot=away * abs(place))
-        return replace(self.follower, base_radius=base, offset=place.real)
+    def follower_at(self, place: complex) -> Any:
+        """The follower with the cam axis at `place` [mm], see `at_place`."""
+        return at_place(self.cam.follower, self.places, place)
 
     def pitch_curve_at(self, place: complex) -> PitchCurve:
         """The pitch curve with the cam axis at `place` [mm]."""
@@ -127,22 +84,7 @@ class Task:
 
     def terms(self, phi: FloatArray, side: Side = "right") -> Terms:
         """What the conditions are made of at `phi` (n,) [rad]."""
-        lift = self.motion.jet(phi, side, 2)
-        follower = self.follower
-        one, none = np.ones(len(phi), dtype=np.complex128), np.zeros(len(phi))
-        if isinstance(follower, OscillatingRoller):
-            sense = follower.arm_side * follower.swing_sense
-            rotation, arm = follower.arm_side * self.cam.rotation, follower.arm
-            angle, rate, bend = sense * lift[0], sense * lift[1], sense * lift[2]
-            along = rotation * rate
-            q = arm * (1.0 - along)
-            return Terms(
-                none, q, np.exp(-1j * angle), arm * bend, -along * q,
-                none, -arm * rotation * bend, rate,
-            )  # fmt: skip
-        height, rate, bend = follower.direction * lift[:3]
-        q = self.cam.rotation * rate
-        return Terms(height, q, one, bend, q, rate, self.cam.rotation * bend, none)
+        return self.places.terms(self.motion.jet(phi, side, 2), self.cam.rotation)
 
     def slack(self, place: complex, tangent: float) -> Extremes:
         """Local extremes of u - `tangent` v [mm/rad] over the turn, by the roots of its slope."""
