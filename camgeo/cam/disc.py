@@ -82,7 +82,7 @@ class Disc(Pickled):
         Guaranteed to include every extreme behind which undercut on a flank in use could hide.
         """
         bends = curvature_extremes(self.pitch_curve)
-        if not self.follower.undercuts:
+        if not self.follower.has_pitch_curve:
             return bends
         from camgeo.outline.sure_bends import sure_bends
 
@@ -95,7 +95,7 @@ class Disc(Pickled):
         """What is left of the inner flank, see `camgeo.outline.outline.real_outline`."""
         from camgeo.outline.outline import real_outline
 
-        return real_outline(self.inner_curve, self.bends if self.follower.undercuts else None)
+        return real_outline(self.inner_curve, self.bends if self.follower.has_pitch_curve else None)
 
     @lazy
     def outer_outline(self) -> Outline:

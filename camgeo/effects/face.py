@@ -36,7 +36,7 @@ def sliding(subject: Subject, phi: FloatArray, side: Side) -> FloatArray:
 
 def require_convex(subject: Subject, what: str) -> None:
     """Raise EffectError that there is no `what`, if a flat face cannot touch the cam all round."""
-    if subject.cam.follower.undercuts:
+    if subject.cam.follower.has_pitch_curve:
         return
     from camgeo.check.convexity import check_convexity  # few cams have a flat face
 

@@ -61,7 +61,7 @@ def figure(product: Product, size: Size = SIZE) -> Figure:
         marks, lines = [*marks, *other], [*lines, *return_lines]
     columns = product.pictured.curve("pitch", cam_angles()) * scale
     pitch = columns[:, 0] + 1j * columns[:, 1]
-    if not product.pictured.is_flat:
+    if product.pictured.has_pitch_curve:
         marks.append(Line(plane(pitch), PITCH_STYLE))
     base = product.drawn.base_radius * scale
     circle = base * np.exp(1j * cam_angles())
@@ -69,7 +69,8 @@ def figure(product: Product, size: Size = SIZE) -> Figure:
     if found:
         marks += cut_off.marks(found, scale)
     roller = complex(pitch[0])
-    follower, end = (_flat if product.pictured.is_flat else _follower)(product, roller, scale)
+    draw = _follower if product.pictured.has_pitch_curve else _flat
+    follower, end = draw(product, roller, scale)
     arrow = 0.45 * base * np.exp(1j * ARROW)
     cross = 0.1 * base * np.array([-1.0, 1.0, 0.0, 1j, -1j])
     marks += follower
@@ -149,7 +150,7 @@ def _legend(product: Product, part: Part | None, height: float) -> Legend:
         edges = Entry("edges of the main disc", edges.style)
         marked = [Entry("return disc and its roller", RETURN_STYLE), *marked]
     base = Entry("base circle", BASE_STYLE)
-    if product.pictured.is_flat:
+    if not product.pictured.has_pitch_curve:
         found = [edges, base, Entry("face at φ = 0", FACE), *marked]
     else:
         name, marker = (

@@ -16,7 +16,6 @@ from camgeo.figure.layout import grid
 from camgeo.figure.marks import Band, Circle, Field, Fill, Line, Mark, Rule, Style, over
 from camgeo.figure.model import Axis, Figure, Legend, Panel, entries
 from camgeo.figure.style import AUXILIARY, LIMIT, LIMIT_STYLE, MARGINS
-from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.numeric.arrays import FloatArray
 
 SIZE: Final = (7.4, 7.0)
@@ -53,17 +52,16 @@ def figure(name: str, task: Task, sizing: Sizing) -> Figure:
 
 def seen(task: Task, real: FloatArray, imag: FloatArray) -> tuple[FloatArray, FloatArray]:
     """x, y of the picture [mm] from real and imaginary part of places, see `Task`."""
-    if isinstance(task.follower, OscillatingRoller):
-        return real, imag * task.follower.arm_side
-    return -real, imag
+    across, up = task.places.seen
+    return across * real, up * imag
 
 
 def window(task: Task, sizing: Sizing) -> tuple[FloatArray, FloatArray]:
     """Columns (2,) and rows (2,) of the places that are shown, as wide as high [mm]."""
     rated = (sizing.flocke, sizing.for_angle, sizing.answer)
     places = [task.present, task.start, *(each.place for each in rated if each is not None)]
-    if isinstance(task.follower, OscillatingRoller):
-        places.append(0j)
+    if task.places.held is not None:
+        places.append(task.places.held)
     real, imag = np.array([p.real for p in places]), np.array([p.imag for p in places])
     room = 1.4 * task.follower.roller_radius
     low = float(np.min(imag)) * 1.45
@@ -114,7 +112,7 @@ def _follower(task: Task) -> list[Mark]:
     """The roller, and its rocker or guide."""
     start = task.start
     roller = Circle((start.real, 0.0), task.follower.roller_radius, Fill(edge="black"))
-    if isinstance(task.follower, OscillatingRoller):
+    if task.places.held is not None:
         pivot = Style("black", marker="o", face="white", edge="black")
         arm = Line(over([0.0, start.real], [0.0, 0.0]), Style("black", 2.0))
         return [roller, arm, Line(over([0.0], [0.0]), pivot)]

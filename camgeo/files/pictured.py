@@ -152,8 +152,8 @@ class Pictured(PicturedDrive, Protocol):
         """Distance of either flank from the pitch curve [mm]: r_R, or half the groove's width."""
 
     @property
-    def is_flat(self) -> bool:
-        """Whether a flat face touches the cam, whose contact runs on the outline itself."""
+    def has_pitch_curve(self) -> bool:
+        """False of a flat face, whose contact runs on the outline itself."""
 
     @property
     def joints(self) -> tuple[float, ...]:

@@ -86,7 +86,7 @@ def _of_cam(cam: Cam, unit: LengthUnit, phi: FloatArray) -> Columns:
     pitch = disc.pitch_curve
     columns: Columns = []
     curves = [("contact", pitch.point(phi))]
-    if not cam.follower.is_flat:
+    if cam.follower.has_pitch_curve:
         curves = [
             ("pitch", pitch.point(phi)),
             ("inner", disc.inner_curve.point(phi)),
@@ -95,7 +95,7 @@ def _of_cam(cam: Cam, unit: LengthUnit, phi: FloatArray) -> Columns:
     for name, points in curves:
         columns.append((f"{name} x [{unit}]", points.real / mm))
         columns.append((f"{name} y [{unit}]", points.imag / mm))
-    if cam.follower.is_flat:
+    if not cam.follower.has_pitch_curve:
         columns.append((f"on face [{unit}]", touch(pitch, phi, "right").contact[0] / mm))
     kappa = pitch.curvature(phi)
     columns.append(("mu [deg]", np.degrees(pitch.transmission_angle(phi))))

@@ -110,10 +110,9 @@ class Follower(Protocol):
     swing_sense : sense in which a positive lift turns it, +1 counter-clockwise, -1; 0 on a guide.
     rolls : whether what touches the cam rolls on it; a flat face slides.
     has_edge : whether it is a knife edge, a roller without radius.
-    undercuts : whether its flanks may cross themselves; a flat face touches only what is convex.
+    has_pitch_curve : whether the flanks are parallels of the curve that it traces, and may cross
+        themselves; a flat face touches the outline itself, which has to be convex.
     standstill : what it means where Z' = 0, in words.
-    rocks : whether it swings about a pivot, its lift an angle; else it slides along a guide.
-    is_flat : whether a flat face touches the cam; else a roller does.
     ahead : derivatives of the lift that R_k takes beyond the k-th. A flat face takes one, so that
         it has no R_3: a motion has three.
     """
@@ -170,16 +169,10 @@ class Follower(Protocol):
     def has_edge(self) -> bool: ...
 
     @property
-    def undercuts(self) -> bool: ...
+    def has_pitch_curve(self) -> bool: ...
 
     @property
     def standstill(self) -> str: ...
-
-    @property
-    def rocks(self) -> bool: ...
-
-    @property
-    def is_flat(self) -> bool: ...
 
     @property
     def ahead(self) -> int: ...

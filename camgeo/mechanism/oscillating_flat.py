@@ -149,7 +149,7 @@ class OscillatingFlat:
         return False
 
     @property
-    def undercuts(self) -> bool:
+    def has_pitch_curve(self) -> bool:
         """See `Follower`."""
         return False
 
@@ -172,16 +172,6 @@ class OscillatingFlat:
     def raised_by(self) -> tuple[str, ...]:
         """See `FlatFollower`."""
         return ("follower.base_radius", "follower.face_offset")
-
-    @property
-    def rocks(self) -> bool:
-        """See `Follower`."""
-        return True
-
-    @property
-    def is_flat(self) -> bool:
-        """See `Follower`."""
-        return True
 
     @property
     def ahead(self) -> int:

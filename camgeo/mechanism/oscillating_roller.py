@@ -160,7 +160,7 @@ class OscillatingRoller:
         return self.roller_radius == 0.0
 
     @property
-    def undercuts(self) -> bool:
+    def has_pitch_curve(self) -> bool:
         """See `Follower`."""
         return True
 
@@ -168,16 +168,6 @@ class OscillatingRoller:
     def standstill(self) -> str:
         """See `Follower`; hard case HC18."""
         return STANDSTILL
-
-    @property
-    def rocks(self) -> bool:
-        """See `Follower`."""
-        return True
-
-    @property
-    def is_flat(self) -> bool:
-        """See `Follower`."""
-        return False
 
     @property
     def ahead(self) -> int:

@@ -126,7 +126,7 @@ class TranslatingFlat:
         return False
 
     @property
-    def undercuts(self) -> bool:
+    def has_pitch_curve(self) -> bool:
         """See `Follower`."""
         return False
 
@@ -149,16 +149,6 @@ class TranslatingFlat:
     def raised_by(self) -> tuple[str, ...]:
         """See `FlatFollower`."""
         return ("follower.base_radius",)
-
-    @property
-    def rocks(self) -> bool:
-        """See `Follower`."""
-        return False
-
-    @property
-    def is_flat(self) -> bool:
-        """See `Follower`."""
-        return True
 
     @property
     def ahead(self) -> int:

@@ -139,7 +139,7 @@ class TranslatingRoller:
         return self.roller_radius == 0.0
 
     @property
-    def undercuts(self) -> bool:
+    def has_pitch_curve(self) -> bool:
         """See `Follower`."""
         return True
 
@@ -147,16 +147,6 @@ class TranslatingRoller:
     def standstill(self) -> str:
         """See `Follower`."""
         return STANDSTILL
-
-    @property
-    def rocks(self) -> bool:
-        """See `Follower`."""
-        return False
-
-    @property
-    def is_flat(self) -> bool:
-        """See `Follower`."""
-        return False
 
     @property
     def ahead(self) -> int:

@@ -81,7 +81,7 @@ def real_outline(flank: WorkingCurve, bends: Extremes | None = None) -> Outline:
     GeometryError
         If the roller centre stands still in the cam (Z' = 0), or it cannot be decided what is left.
     """
-    if not flank.pitch.follower.undercuts:
+    if not flank.pitch.follower.has_pitch_curve:
         return _convex_outline(flank)
     if flank.distance <= 0.0:
         _require_axis(flank)

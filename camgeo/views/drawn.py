@@ -47,7 +47,7 @@ class DrawnDisc(Pickled):
     @property
     def has_pitch_curve(self) -> bool:
         """False of a flat face, whose contact runs on the outline itself."""
-        return not self.cam.follower.is_flat
+        return self.cam.follower.has_pitch_curve
 
     @lazy
     def part(self) -> Part:

@@ -58,9 +58,9 @@ class PicturedCam(PicturedMotion):
         return self.cam.disc.flank_distance
 
     @property
-    def is_flat(self) -> bool:
-        """Whether a flat face touches the cam, and no roller."""
-        return self.cam.follower.is_flat
+    def has_pitch_curve(self) -> bool:
+        """False of a flat face, whose contact runs on the outline itself."""
+        return self.cam.follower.has_pitch_curve
 
     @property
     def joints(self) -> tuple[float, ...]:

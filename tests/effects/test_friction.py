@@ -483,7 +483,7 @@ class Cusp:
 
     base_radius, roller_radius, reach, start_height = 50.0, 10.0, 1.0, 0.0
     ahead, offset, swing_sense = 0, 0.0, 0
-    touching, rolls, has_edge, undercuts = "roller", True, False, True
+    touching, rolls, has_edge, has_pitch_curve = "roller", True, False, True
     standstill = "the roller centre stands still: a cusp"
 
     def relative_jet(self, jet: FloatArray, *_: int) -> Any:

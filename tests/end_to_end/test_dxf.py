@@ -58,7 +58,7 @@ def test_document(built: Built) -> None:
     drawn = {("CUT", "LWPOLYLINE"), ("BASE_CIRCLE", "CIRCLE"), ("CENTRE", "LINE")}
     # The contact of a flat face runs on the outline itself: there is no pitch curve to be drawn.
     assert kinds == drawn | (
-        set() if built.design.cam.follower.is_flat else {("PITCH_CURVE", "LWPOLYLINE")}
+        set() if not built.design.cam.follower.rolls else {("PITCH_CURVE", "LWPOLYLINE")}
     )
 
 
@@ -111,7 +111,7 @@ def test_where_the_roller_turns_the_flank_is_its_arc(built: Built) -> None:
 
 
 def test_pitch_curve_and_base_circle(built: Built) -> None:
-    if not built.design.cam.follower.is_flat:
+    if built.design.cam.follower.rolls:
         (pitch,) = _outlines(built, "PITCH_CURVE")
         points = built.pitch.dense(DENSE)
         assert np.max(pitch.distances(points[::3])) <= built.tolerance

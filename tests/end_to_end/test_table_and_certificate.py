@@ -43,7 +43,7 @@ def test_table_holds_the_values_of_the_design(built: Built) -> None:
     phi = np.radians(degrees)
     design, unit, mm = built.design, built.design.scene.unit, MM_PER[built.design.scene.unit]
     curves = {name: partial(design.pictured.curve, name) for name in ("pitch", "inner", "outer")}
-    if design.cam.follower.is_flat:
+    if not design.cam.follower.has_pitch_curve:
         curves = {"contact": curves["pitch"]}
         # The contact lies where the face does, turned back by the cam angle.
         contact = (

@@ -162,7 +162,7 @@ class StubProduct:
 
     @property
     def has_pitch_curve(self) -> bool:
-        return not self.is_flat
+        return True
 
     @property
     def centre(self) -> complex:
@@ -231,10 +231,6 @@ class StubProduct:
         )
         body = (rim, bore)
         return Part((Layer(bottom, -3.0, body), Layer(-3.0, 0.0, body + flanks, "groove")))
-
-    @property
-    def is_flat(self) -> bool:
-        return False
 
     def pitch_contour(self, tolerance: float) -> Fit:
         contour = bulged(self.pitch_radius, self.centre, tolerance)

@@ -45,7 +45,7 @@ def test_effects_that_are_offered_work(kind: str) -> None:
     text = head + mark + asked + output + tail
     design = Design(parse_scene(text))
     # Most effects are for rollers, and some for a single contact.
-    flat = design.cam.follower.is_flat
+    flat = not design.cam.follower.rolls
     core = {"kinematics"} if flat else {"inertia", "drive-torque"}
     if not flat and len(design.discs) == 1:
         core |= {"contact-force", "lift-off"}

@@ -115,7 +115,7 @@ def _unit(drawing: DxfFile, product: Product, reading: Reading) -> Check:
 def _contents(drawing: DxfFile, product: Product) -> Check:
     """Nothing but what our writer draws, and all of its layers."""
     allowed: tuple[str, ...] = OURS if product.options[FORMAT].auxiliary else OURS[:1]
-    if product.pictured.is_flat:
+    if not product.drawn.has_pitch_curve:
         allowed = tuple(name for name in allowed if name != "PITCH_CURVE")
     for entity in drawing.entities:
         if entity.layer not in allowed or entity.kind not in CURVES:
