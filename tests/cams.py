@@ -5,14 +5,14 @@ from __future__ import annotations
 from camgeo.cam.cam import Cam
 from camgeo.cam.contact import Contact
 from camgeo.cam.drive import Drive, LiftUnit
-from camgeo.mechanism.kinds import AnyFollower
+from camgeo.mechanism.follower import Follower
 from camgeo.mechanism.linkage_protocol import Linkage
 from camgeo.motion.plan import MotionPlan
 
 
 def cam_of(
     plan: MotionPlan,
-    follower: AnyFollower,
+    follower: Follower,
     rotation: int = 1,
     contact: Contact = Contact.INNER,
     linkage: Linkage | None = None,

@@ -15,7 +15,7 @@ from camgeo.pickled import Pickled
 if TYPE_CHECKING:
     from camgeo.cam.breadth import Breadth
     from camgeo.cam.drive import Drive, LiftUnit
-    from camgeo.mechanism.kinds import AnyFollower
+    from camgeo.mechanism.follower import Follower
     from camgeo.mechanism.yoke import Yoke
 
 
@@ -32,7 +32,7 @@ class Cam(Pickled):
     """
 
     drive: Drive
-    follower: AnyFollower
+    follower: Follower
     rotation: int = 1
     contact: Contact = Contact.INNER
     clearance: float = 0.0
@@ -81,7 +81,8 @@ class Cam(Pickled):
         The drive, whose linkage is looked at all round when its motion is made, is shared.
         """
         changes: dict[str, Any] = dict(sizes)
-        return replace(self, follower=replace(self.follower, **changes), ledger=Ledger())
+        follower: Any = self.follower  # a frozen dataclass
+        return replace(self, follower=replace(follower, **changes), ledger=Ledger())
 
     def moved(self, plan: MotionPlan) -> Cam:
         """The same cam with another motion plan."""

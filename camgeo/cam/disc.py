@@ -17,7 +17,7 @@ from camgeo.pickled import Pickled
 
 if TYPE_CHECKING:
     from camgeo.cam.drive import Drive
-    from camgeo.mechanism.kinds import AnyFollower
+    from camgeo.mechanism.follower import Follower
     from camgeo.outline.outline import Outline
     from camgeo.outline.path import Path
     from camgeo.outline.replay_result import Replay
@@ -37,7 +37,7 @@ class Disc(Pickled):
     """
 
     drive: Drive
-    follower: AnyFollower
+    follower: Follower
     rotation: int = 1
     contact: Contact = Contact.INNER
     clearance: float = 0.0

@@ -1,27 +1,20 @@
-"""The kinds of followers there are, by name; imported by those who need to tell them apart."""
+"""The kinds of roller followers there are; imported by those who need one of them for certain."""
 
 from __future__ import annotations
 
+from typing import cast
+
 from camgeo.errors import GeometryError
-from camgeo.mechanism.oscillating_flat import OscillatingFlat
+from camgeo.mechanism.follower import Follower
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
-from camgeo.mechanism.translating_flat import TranslatingFlat
 from camgeo.mechanism.translating_roller import TranslatingRoller
 
 RollerFollower = TranslatingRoller | OscillatingRoller
 
-AnyFlat = TranslatingFlat | OscillatingFlat
 
-AnyGuided = TranslatingRoller | TranslatingFlat
-
-AnyRocker = OscillatingRoller | OscillatingFlat
-
-AnyFollower = RollerFollower | AnyFlat
-
-
-def require_roller(follower: AnyFollower) -> RollerFollower:
+def require_roller(follower: Follower) -> RollerFollower:
     """`follower`, if it has a roller; GeometryError with the key of its kind if a flat face."""
-    if isinstance(follower, TranslatingRoller | OscillatingRoller):
-        return follower
+    if follower.rolls:
+        return cast("RollerFollower", follower)
     message = "what is asked for is for roller followers, and this one has a flat face"
     raise GeometryError(message, key="follower.kind", value=follower.kind)

@@ -29,7 +29,7 @@ from camgeo.scene.sound import SoundValues
 from camgeo.units import RPM, TURN
 
 if TYPE_CHECKING:
-    from camgeo.mechanism.kinds import AnyFollower, RollerFollower
+    from camgeo.mechanism.follower import Follower
     from camgeo.mechanism.linkage_protocol import Linkage
     from camgeo.mechanism.yoke import Yoke
     from camgeo.motion.time_course import SpeedCurve
@@ -47,7 +47,7 @@ class Earlier(Protocol):
     def plan(self) -> MotionPlan: ...
 
     @property
-    def follower(self) -> AnyFollower | None: ...
+    def follower(self) -> Follower | None: ...
 
     @property
     def linkage(self) -> Linkage | None: ...
@@ -103,7 +103,7 @@ class Builder:
         name: str = self.values.get(*key)
         return self._engine(key, lambda: read_speed_table(data, name))
 
-    def follower(self) -> AnyFollower | None:
+    def follower(self) -> Follower | None:
         """The follower; None if its table is not sound or there is no such mechanism."""
         values = self.values
         if not values.sound("follower") or not values.has("follower"):
@@ -113,7 +113,7 @@ class Builder:
         kind = FOLLOWERS[values.get("follower", "kind")]
         return self._engine(("follower",), lambda: kind.build(self._table("follower")))
 
-    def returning(self, follower: AnyFollower) -> RollerFollower | None:
+    def returning(self, follower: Follower) -> Follower | None:
         """The return roller of a conjugate pair; None if there is none, or none that works."""
         table: dict[str, Any] | None = self.values.get("follower", "return")
         if table is None:
@@ -151,7 +151,7 @@ class Builder:
         """The sound table at `place`."""
         return Values(self.values.get(*place), self._mm, linked=self.values.has("linkage"))
 
-    def join(self, plan: MotionPlan, follower: AnyFollower, linkage: Linkage) -> None:
+    def join(self, plan: MotionPlan, follower: Follower, linkage: Linkage) -> None:
         """Check that the linkage makes the motion, and moves the roller as the scene says."""
         linked = self._engine(("linkage",), lambda: LinkedMotion(plan, linkage))
         stated = self.values.get("follower", "direction")

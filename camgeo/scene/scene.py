@@ -20,8 +20,8 @@ from camgeo.scene.tree import Tree, edited, read_only
 if TYPE_CHECKING:
     from camgeo.cam.contact import Contact
     from camgeo.check.limits import Limits
+    from camgeo.mechanism.follower import Follower
     from camgeo.mechanism.kind import Unit
-    from camgeo.mechanism.kinds import AnyFollower, RollerFollower
     from camgeo.mechanism.linkage_protocol import Linkage
     from camgeo.mechanism.yoke import Yoke
     from camgeo.motion.plan import MotionPlan
@@ -74,9 +74,9 @@ class Scene:
     speed_curve: SpeedCurve | None
     plan: MotionPlan
     lift_unit: Unit
-    follower: AnyFollower | None
+    follower: Follower | None
     linkage: Linkage | None
-    returning: RollerFollower | None
+    returning: Follower | None
     yoke: Yoke | None
     contact: Contact
     side_clearance: float
