@@ -15,6 +15,7 @@ from __future__ import annotations
 import cmath
 import math
 from dataclasses import dataclass
+from functools import singledispatch
 from typing import Protocol
 
 import numpy as np
@@ -175,16 +176,14 @@ class FollowerPath(Protocol):
         """
 
 
+@singledispatch
 def path_of(follower: Follower, rotation: int) -> FollowerPath:
     """The path of `follower` on a cam that turns in the sense `rotation`, +1 counter-clockwise.
 
-    Raises GeometryError if it is no roller follower of this package.
+    Raises GeometryError if none is registered for its class.
     """
-    if isinstance(follower, TranslatingRoller):
-        return GuidePath(follower, rotation)
-    if isinstance(follower, OscillatingRoller):
-        return SwingPath(follower, rotation)
-    raise GeometryError(f"the path of a {type(follower).__name__} is not known")
+    del rotation  # of those that are registered
+    raise GeometryError(f"the path of a {follower.kind} is not known", key="follower.kind")
 
 
 @dataclass(frozen=True, slots=True)
@@ -325,6 +324,10 @@ class SwingPath:
     def touching(self, bows: Bows) -> FloatArray:
         arm, distance = self.follower.arm, self.follower.centre_distance
         return np.concatenate([bows.at_distance(distance, side) for side in (arm, -arm)])
+
+
+path_of.register(TranslatingRoller, GuidePath)
+path_of.register(OscillatingRoller, SwingPath)
 
 
 def lift_jet(path: FollowerPath, phi: FloatArray, q: FloatArray, bows: Bows) -> FloatArray:

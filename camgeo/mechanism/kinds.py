@@ -16,5 +16,5 @@ def require_roller(follower: Follower) -> RollerFollower:
     """`follower`, if it has a roller; GeometryError with the key of its kind if a flat face."""
     if follower.rolls:
         return cast("RollerFollower", follower)
-    message = "what is asked for is for roller followers, and this one has a flat face"
+    message = f'what is asked for is for roller followers, and this one is "{follower.kind}"'
     raise GeometryError(message, key="follower.kind", value=follower.kind)

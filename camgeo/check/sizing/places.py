@@ -187,7 +187,7 @@ class OnRocker:
 @singledispatch
 def places_of(follower: Any) -> Places:
     """The places for a follower; GeometryError with key "follower.kind" if it has no roller."""
-    message = "what is asked for is for roller followers, and this one has a flat face"
+    message = f'what is asked for is for roller followers, and this one is "{follower.kind}"'
     raise GeometryError(message, key="follower.kind", value=follower.kind)
 
 

@@ -1,0 +1,264 @@
+"""A new kind of follower or linkage is new files and a line of the registry, from scene to file."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import camgeo
+
+FOLLOWER = '''"""Translating follower with a round head, which slides on the cam."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+from camgeo.mechanism.translating_roller import TranslatingRoller
+from camgeo.mechanism.values import angle, length
+from camgeo.numeric.checked import hold
+
+
+@dataclass(frozen=True)
+class Mushroom:
+    """The centre of its head moves as that of a roller as large, on a guide through the axis."""
+
+    base_radius: float
+    head_radius: float
+    guide_angle: float = math.pi / 2.0
+
+    def __post_init__(self) -> None:
+        hold(
+            self,
+            base_radius=length("follower.base_radius", self.base_radius),
+            head_radius=length("follower.head_radius", self.head_radius),
+            guide_angle=angle("follower.guide_angle", self.guide_angle),
+        )
+        roller = TranslatingRoller(self.base_radius, self.head_radius, 0.0, self.guide_angle)
+        hold(self, _centre=roller)
+
+    @property
+    def kind(self) -> str:
+        return "mushroom"
+
+    @property
+    def rolls(self) -> bool:
+        return False
+
+    def sliding(self, jet: Any, rotation: int) -> Any:
+        at = self._centre.relative_jet(jet, rotation, 1)
+        return (at.u * at.u + at.v * at.v) ** 0.5 + self.head_radius
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(object.__getattribute__(self, "_centre"), name)
+'''
+
+DECLARED_FOLLOWER = '''"""The mushroom follower, declared."""
+
+from camgeo.mechanism.kind import FollowerKind, Values, schema_beside
+
+
+def build(values: Values):
+    from camgeo.mechanism.mushroom import Mushroom
+
+    return Mushroom(**values.lengths("base_radius", "head_radius"), **values.angles("guide_angle"))
+
+
+def head_is_a_cap(table):
+    if table.get("head_radius", 0.0) > 10.0 * table.get("base_radius", 1.0):
+        yield "head_radius", "is that of a flat face; use kind = \\"translating-flat\\""
+
+
+KIND = FollowerKind(
+    name="mushroom",
+    told="a round head on a straight guide.",
+    unit="mm",
+    touching="roller",
+    schema=schema_beside(__file__),
+    build=build,
+    sizes=("base_radius", "head_radius"),
+    rules=(head_is_a_cap,),
+)
+'''
+
+FOLLOWER_SCHEMA = {
+    "title": "a mushroom follower",
+    "type": "object",
+    "required": ["base_radius", "head_radius"],
+    "additionalProperties": False,
+    "properties": {
+        "base_radius": {"$ref": "#/$defs/base_radius"},
+        "head_radius": {"description": "Radius of the head.", "$ref": "#/$defs/length"},
+        "guide_angle": {"description": "Direction of the guide.", "$ref": "#/$defs/angle"},
+    },
+}
+
+TEMPLATE = """# A follower with a round head.
+camgeo = 1
+name = "mushroom"
+[cam]
+rotation = "ccw"                 # sense
+[follower]
+kind = "mushroom"                # a round head
+base_radius = 40                 # centre of the head
+head_radius = 12                 # of it
+[[motion]]
+law = "polynomial-345"           # rise
+span = 180                       # cam angle
+to = 8                           # position
+[[motion]]
+law = "polynomial-345"
+span = 180
+to = 0
+[limits]
+transmission_angle = 45          # smallest
+"""
+
+DECLARED_LINKAGE = '''"""A slider-crank of equal crank and coupler, declared: one length."""
+
+import math
+
+from camgeo.mechanism.kind import LinkageKind, schema_beside
+
+
+def build(values, unit):
+    from camgeo.mechanism.slider_crank import SliderCrank
+
+    arm = values.lengths("arm")["arm"]
+    return SliderCrank(arm, arm, math.radians(30.0), False, 1, 1, 1)
+
+
+KIND = LinkageKind(
+    name="toggle",
+    told="the motion is the stroke of a slider that a toggle turns into a swing.",
+    members={"rad": "slider"},
+    schema=schema_beside(__file__),
+    build=build,
+)
+'''
+
+LINKAGE_SCHEMA = {
+    "title": "a toggle",
+    "type": "object",
+    "required": ["arm"],
+    "additionalProperties": False,
+    "properties": {"arm": {"description": "Length of both arms.", "$ref": "#/$defs/length"}},
+}
+
+LINKED = """camgeo = 1
+name = "linked"
+[cam]
+rotation = "ccw"
+[follower]
+kind = "oscillating-roller"
+pivot = [-90, 20]
+arm = 75
+base_radius = 60
+roller_radius = 10
+[linkage]
+kind = "toggle"
+arm = 60
+[[motion]]
+law = "polynomial-345"
+span = 180
+to = 10
+[[motion]]
+law = "polynomial-345"
+span = 180
+to = 0
+"""
+
+
+@pytest.fixture(scope="module")
+def tree(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A copy of the package with both toys: new files, and one that existed."""
+    tree = tmp_path_factory.mktemp("toys")
+    own = Path(camgeo.__file__).parent
+    shutil.copytree(own, tree / "camgeo", ignore=shutil.ignore_patterns("__pycache__"))
+    mechanism = tree / "camgeo" / "mechanism"
+    declared = mechanism / "declared"
+    (mechanism / "mushroom.py").write_text(FOLLOWER, encoding="utf-8")
+    (declared / "mushroom.py").write_text(DECLARED_FOLLOWER, encoding="utf-8")
+    (declared / "mushroom.json").write_text(json.dumps(FOLLOWER_SCHEMA), encoding="utf-8")
+    (declared / "toggle.py").write_text(DECLARED_LINKAGE, encoding="utf-8")
+    (declared / "toggle.json").write_text(json.dumps(LINKAGE_SCHEMA), encoding="utf-8")
+    template = tree / "camgeo" / "scene" / "templates" / "mushroom.toml"
+    template.write_text(TEMPLATE, encoding="utf-8")
+    registry = declared / "registry.py"
+    text = registry.read_text(encoding="utf-8")
+    for old, new in (
+        ("import (\n", "import (\n    mushroom,\n    toggle,\n"),
+        ("oscillating_flat)\n", "oscillating_flat, mushroom)\n"),
+        ("four_bar)\n", "four_bar, toggle)\n"),
+    ):
+        assert text.count(old) == 1
+        text = text.replace(old, new)
+    registry.write_text(text, encoding="utf-8")
+    (tree / "linked.toml").write_text(LINKED, encoding="utf-8")
+    return tree
+
+
+def run(tree: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
+    """Run camgeo of the copy."""
+    return subprocess.run(
+        [sys.executable, "-m", "camgeo", *arguments],
+        cwd=tree,
+        env={**os.environ, "PYTHONPATH": str(tree)},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+
+
+def test_a_new_follower_is_started_checked_built_and_verified(tree: Path) -> None:
+    done = run(tree, "new", "mushroom", "-o", "mine.toml")
+    assert done.returncode == 0, done.stderr
+    done = run(tree, "check", "mine.toml")
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "smallest transmission angle" in done.stdout
+    done = run(tree, "build", "mine.toml", "--only", "dxf", "-o", "out")
+    assert done.returncode == 0, done.stderr
+    assert (tree / "out" / "mushroom.dxf").read_bytes().startswith(b"  0\nSECTION")
+    done = run(tree, "verify", "out/mushroom.dxf", "--scene", "mine.toml")
+    assert done.returncode == 0, done.stdout + done.stderr
+    done = run(tree, "replay", "mine.toml")
+    assert done.returncode == 2
+    assert 'this one is "mushroom"' in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "told"),
+    [
+        ("head_radius = 12", "head_radius = -1", "must be a positive number"),
+        ("head_radius = 12", "head_radius = 401", "is that of a flat face"),
+        ("head_radius", "haed_radius", "did you mean head_radius?"),
+        ("head_radius = 12", "head_radius = 12\noffset = 3", "a translating-roller follower"),
+        ('"mushroom"  ', '"mushrom"  ', 'did you mean "mushroom"?'),
+    ],
+)
+def test_what_is_wrong_is_told_as_of_any_follower(
+    tree: Path, old: str, new: str, told: str
+) -> None:
+    assert old in TEMPLATE
+    (tree / "wrong.toml").write_text(TEMPLATE.replace(old, new), encoding="utf-8")
+    done = run(tree, "check", "wrong.toml")
+    assert done.returncode == 2
+    assert told in done.stderr
+
+
+def test_a_new_linkage_drives_a_rocker_and_no_guided_follower(tree: Path) -> None:
+    done = run(tree, "check", "linked.toml")
+    assert done.returncode in (0, 1), done.stderr
+    assert "coupler" in done.stdout
+    guided = TEMPLATE.replace("[[motion]]", '[linkage]\nkind = "toggle"\narm = 60\n[[motion]]', 1)
+    (tree / "guided.toml").write_text(guided, encoding="utf-8")
+    done = run(tree, "check", "guided.toml")
+    assert done.returncode == 2
+    assert "a toggle turns a rocker" in done.stderr
