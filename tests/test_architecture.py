@@ -204,7 +204,7 @@ KIND_FUNCTIONS = {"require_roller"}
 NO_KIND = {"LinkedMotion"}
 """Classes of `mechanism` that are no kind: whether there is a linkage at all."""
 
-MOST_KIND_QUESTIONS = 18
+MOST_KIND_QUESTIONS = 17
 """Places outside `mechanism` that ask what kind of follower, linkage or contact it is."""
 
 
