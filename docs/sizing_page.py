@@ -150,7 +150,7 @@ def _arms(task: Task, sizing: Sizing, share: float) -> str:
     other = Task(task.cam.sized(roller_radius=roller))
     best, found = size_with_arm(other, sizing.angle, sizing.ratio, *ARMS)
     ends = [size_with_arm(other, sizing.angle, sizing.ratio, arm, arm)[1] for arm in ARMS]
-    arm = best.follower.arm  # type: ignore[union-attr]
+    arm = best.follower.arm
     cells = [each.answer for each in (found, *ends)]
     told = " | ".join("none" if each is None else f"{each.base_radius:.2f}" for each in cells)
     return f"| {roller:g} | {arm:.2f} | {told} |\n"
