@@ -230,7 +230,9 @@ def test_another_scene_is_told(
     assert code == 1
     assert {"scene", "deviation"} <= _failed(record)
     other = tmp_path / "other.toml"
-    other.write_text((setzhub / "setzhub.toml").read_text() + "\n# a word more\n")
+    text = (setzhub / "setzhub.toml").read_text()
+    assert "radius_ratio = 0.7\n" in text
+    other.write_text(text.replace("radius_ratio = 0.7\n", "radius_ratio = 0.71\n"))
     code, record = _verify(capsys, path, "--scene", other)
     assert code == 1
     assert _failed(record) == {"scene"}
