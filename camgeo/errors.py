@@ -6,6 +6,7 @@ camgeo can still catch it.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -151,3 +152,18 @@ class EffectError(CamgeoError, ArithmeticError):
         self.unit = unit
         self.cam_angle = cam_angle
         self.cam_range = cam_range
+
+
+def nearest(word: str, words: Iterable[str]) -> str:
+    """Return the word that was probably meant, or nothing."""
+    import difflib  # only what is wrong needs it
+
+    by_lower = {item.lower(): item for item in words}
+    close = difflib.get_close_matches(word[:100].lower(), by_lower, n=1)
+    return by_lower[close[0]] if close else ""
+
+
+def meant(word: str, words: Iterable[str], mark: str = "") -> str:
+    """The hint that one of `words` was probably meant, between two of `mark`; or nothing."""
+    near = nearest(word, words)
+    return f"did you mean {mark}{near}{mark}?" if near else ""

@@ -13,7 +13,7 @@ from camgeo.contour.fit import Effort, Fit
 from camgeo.contour.least_pieces import forced_pieces, least_arcs, least_chords, least_cubics
 from camgeo.contour.spline import SplineFit
 from camgeo.design import Design
-from camgeo.errors import GeometryError, ToleranceError
+from camgeo.errors import EffectError, GeometryError, ToleranceError
 from camgeo.files.product import Product
 from camgeo.files.writers import find_writer
 from camgeo.formats import gcode
@@ -172,7 +172,7 @@ def file_cost(product: Product, format: str, tolerance: float) -> FileCost:  # n
     return FileCost(len(written.data), deviation, write, read, written.facts)
 
 
-def reason(error: ToleranceError | GeometryError) -> str:
+def reason(error: ToleranceError | GeometryError | EffectError) -> str:
     """Why a row has no value, one short sentence."""
     return error.reason if isinstance(error, ToleranceError) else error.message
 

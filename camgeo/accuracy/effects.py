@@ -9,7 +9,7 @@ from typing import Any, Final
 import numpy as np
 
 from camgeo.accuracy.clock import timed
-from camgeo.accuracy.contours import Tell
+from camgeo.accuracy.contours import Tell, reason
 from camgeo.accuracy.rows import EffectRow
 from camgeo.design import Design
 from camgeo.effects.effect import Column, Result
@@ -81,10 +81,8 @@ def _row(design: Design, name: str, tolerance: float) -> tuple[EffectRow, Values
     try:
         result, seconds = timed(lambda: _result(design, name, tolerance))
         values = compared(result)
-    except (EffectError, GeometryError) as error:
-        return replace(row, fault=error.message), None
-    except ToleranceError as error:
-        return replace(row, fault=error.reason), None
+    except (EffectError, GeometryError, ToleranceError) as error:
+        return replace(row, fault=reason(error)), None
     return replace(row, seconds=seconds, error=result.error), values
 
 

@@ -6,11 +6,10 @@ import argparse
 import math
 from typing import Final
 
-from camgeo.errors import GeometryError
+from camgeo.errors import GeometryError, meant
 from camgeo.motion.laws import ALIASES, FAMILIES, OPTIONS, make_law
 from camgeo.motion.laws.law import Law
 from camgeo.motion.task import TASKS
-from camgeo.scene.words import nearest
 
 DEFAULT_TASK: Final = "R-R"
 
@@ -84,8 +83,7 @@ def known_law(text: str) -> str:
     name = ALIASES.get(text, text)
     if name not in FAMILIES:
         known = (*FAMILIES, *ALIASES)
-        close = nearest(name, known)
-        hint = f"did you mean {close}?" if close else f"there are {', '.join(known)}"
+        hint = meant(name, known) or f"there are {', '.join(known)}"
         raise GeometryError(f"is no motion law; {hint}", key="law", value=text)
     return name
 

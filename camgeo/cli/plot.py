@@ -15,7 +15,7 @@ from camgeo.cli.command import (
     write_told,
 )
 from camgeo.design import Design
-from camgeo.errors import Fault, SceneError
+from camgeo.errors import Fault, SceneError, meant
 from camgeo.scene.load import load_scene
 
 if TYPE_CHECKING:  # figures are imported when one is asked for
@@ -52,16 +52,13 @@ def register(subparsers: Subparsers[argparse.ArgumentParser]) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Write the picture."""
-    import difflib
-
     from camgeo.figure import motion, plots
     from camgeo.views.moving import Moving, PicturedMotion
 
     names = plots.names()
     for name in arguments.what:
         if name not in names:
-            near = difflib.get_close_matches(name, names, 1)
-            hint = f'did you mean "{near[0]}"?' if near else ""
+            hint = meant(name, names, '"')
             raise SceneError([Fault("plot", name, f"can draw {', '.join(names)}", hint)])
     design = Design(load_scene(arguments.scene))
     if EFFECTS in arguments.what and not design.scene.effects:

@@ -13,6 +13,7 @@ from camgeo._version import __version__
 from camgeo.cli.command import BROKEN, FINE, Subparsers, new_parser, print_json
 from camgeo.cli.plot import add_picture, check_picture, write_picture
 from camgeo.cli.progress import Progress
+from camgeo.errors import meant
 
 if TYPE_CHECKING:  # the suite is imported when it is run
     from camgeo.stability.measure import Reading
@@ -84,16 +85,14 @@ def _known(
     parser: argparse.ArgumentParser, asked: Sequence[str], known: tuple[str, ...]
 ) -> frozenset[str]:
     """The names that are asked for; one that is not known itself stands for all that begin so."""
-    import difflib
-
     found: set[str] = set()
     for name in asked:
-        meant = [name] if name in known else [each for each in known if each.startswith(name)]
-        if not meant:
-            near = difflib.get_close_matches(name, known, 1)
-            hint = f'; did you mean "{near[0]}"?' if near else ""
-            parser.error(f"argument --only: there is no {name!r}{hint}")
-        found.update(meant)
+        these = [name] if name in known else [each for each in known if each.startswith(name)]
+        if not these:
+            told = f"argument --only: there is no {name!r}"
+            hint = meant(name, known, '"')
+            parser.error(f"{told}; {hint}" if hint else told)
+        found.update(these)
     return frozenset(found)
 
 

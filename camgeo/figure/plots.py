@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Sequence
 from dataclasses import replace
 from importlib import import_module
 from importlib.metadata import entry_points
 from typing import Protocol
 
+from camgeo.errors import meant
 from camgeo.figure.layout import Size, rooms
 from camgeo.figure.model import Figure
 from camgeo.files.product import Product
@@ -40,9 +40,9 @@ def find(name: str) -> Builder:
     for entry in entry_points(group=GROUP, name=name):
         other: Builder = entry.load()
         return other
-    near = difflib.get_close_matches(name, names(), 1)
-    hint = f"; did you mean {near[0]}?" if near else ""
-    raise KeyError(f"no plot {name!r}; there are {', '.join(names())}{hint}")
+    hint = meant(name, names())
+    told = f"no plot {name!r}; there are {', '.join(names())}"
+    raise KeyError(f"{told}; {hint}" if hint else told)
 
 
 def stacked(product: Product, wanted: Sequence[str]) -> Figure:

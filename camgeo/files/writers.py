@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import difflib
-
-from camgeo.errors import Fault, SceneError
+from camgeo.errors import Fault, SceneError, meant
 from camgeo.files.product import Writer
 from camgeo.formats.registry import format_of, writer_entries
 
@@ -25,9 +23,7 @@ def find_writer(name: str) -> Writer:
     entry = writer_entries().get(name)
     if entry is None:
         names = writer_names()
-        near = difflib.get_close_matches(name, names, 1)
-        hint = f'did you mean "{near[0]}"?' if near else ""
         message = f"no writer for this format; there are {', '.join(names)}"
-        raise SceneError([Fault("format", name, message, hint)])
+        raise SceneError([Fault("format", name, message, meant(name, names, '"'))])
     writer: Writer = format_of(entry)[0]
     return writer

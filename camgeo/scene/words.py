@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any, Final
 
 from jsonschema_rs import ValidationError
 
-from camgeo.errors import Fault
+from camgeo.errors import Fault, meant, nearest
 from camgeo.scene.document import Document
 from camgeo.scene.keys import Path, quoted
 from camgeo.scene.schema import Node, definition, node_at, resolved, schema, schema_for
@@ -99,9 +98,9 @@ def _refused(scene: Document, path: Path, error: ValidationError, node: Node) ->
         if value in node.get("x-later", []):
             choice = ", ".join(f'"{item}"' for item in values)
             return scene.fault(path, f"is not available in this version; available: {choice}")
-        close = nearest(value, values)
+        close = meant(value, values, '"')
         if close:
-            hint = f'did you mean "{close}"?'
+            hint = close
         elif error.kind.name == "type" and _reads_as_number(value):
             hint = "leave out the quotes"
     told = {"x-allowed", "enum", "type"} & node.keys()  # of what other distributions declare
@@ -127,15 +126,6 @@ def allowed(node: Node) -> str:
         text += f", {'at most' if 'maximum' in node else 'below'} {highest:g}"
     unit = node.get("x-unit")
     return f"{text} ({unit})" if unit else text
-
-
-def nearest(word: str, words: Iterable[str]) -> str:
-    """Return the word that was probably meant, or nothing."""
-    import difflib  # only a scene with a fault needs it
-
-    by_lower = {item.lower(): item for item in words}
-    close = difflib.get_close_matches(word[:100].lower(), by_lower, n=1)
-    return by_lower[close[0]] if close else ""
 
 
 def _unknown_key(scene: Document, path: Path, name: str, node: Node) -> tuple[Fault, str, bool]:

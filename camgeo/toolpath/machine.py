@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import math
 import tomllib
 from dataclasses import MISSING, dataclass, fields, is_dataclass
@@ -11,7 +10,7 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Annotated, Any, get_args, get_type_hints
 
-from camgeo.errors import Fault, GeometryError, SceneError
+from camgeo.errors import Fault, GeometryError, SceneError, meant
 from camgeo.numeric.checked import check_fields, checks_of, instance, number, shown, whole
 from camgeo.toolpath.machining_time import Dynamics
 from camgeo.units import LengthUnit
@@ -184,10 +183,8 @@ def load(machine: str) -> Machine:
         resource = files("camgeo.toolpath").joinpath("machines", f"{machine}.toml")
         return parse(resource.read_text(encoding="utf-8"), f"{machine}.toml")
     if not machine.endswith(".toml"):
-        near = difflib.get_close_matches(machine, known, 1)
-        hint = f"did you mean {near[0]}?" if near else ""
         message = f"no such machine profile; allowed: {', '.join(known)}, or a .toml file"
-        raise SceneError([Fault(KEY, repr(machine), message, hint)])
+        raise SceneError([Fault(KEY, repr(machine), message, meant(machine, known))])
     try:
         text = Path(machine).read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
@@ -214,9 +211,7 @@ def _build(kind: Any, table: dict[str, Any], path: str, faults: list[Fault]) -> 
     hints = get_type_hints(kind)
     for key, given in table.items():
         if key not in hints:
-            near = difflib.get_close_matches(key, list(hints), 1)
-            hint = f"did you mean {near[0]}?" if near else ""
-            faults.append(Fault(path + key, repr(given), "unknown key", hint))
+            faults.append(Fault(path + key, repr(given), "unknown key", meant(key, hints)))
     values: dict[str, Any] = {}
     for field in fields(kind):
         key, kinds = field.name, hints[field.name]
