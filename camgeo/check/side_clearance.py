@@ -41,19 +41,15 @@ def check_side_clearance(curve: PitchCurve, clearance: float) -> Finding:
     who = curve.follower.mover
     place = f"at cam angle {math.degrees(phi):.4f} deg"
     head = f"side clearance {clearance:g} mm: the play lets the {who} deviate from its motion by"
-    if math.isinf(deviation):
-        return Finding(
-            name="side-clearance",
-            severity="ok",
-            sentence=f"{head} any amount {place}, where the transmission angle is 0",
-            unit=unit,
-            cam_angle=phi,
-        )
-    value = told(deviation)
+    value = None if math.isinf(deviation) else told(deviation)
+    if value is None:
+        sentence = f"{head} any amount {place}, where the transmission angle is 0"
+    else:
+        sentence = f"{head} up to ±{value:.4g} {unit}, {place}"
     return Finding(
         name="side-clearance",
         severity="ok",
-        sentence=f"{head} up to ±{value:.4g} {unit}, {place}",
+        sentence=sentence,
         value=value,
         unit=unit,
         cam_angle=phi,

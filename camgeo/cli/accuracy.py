@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import math
 from collections.abc import Sequence
+from dataclasses import asdict
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
@@ -290,14 +291,7 @@ def _solid_record(row: SolidRow) -> dict[str, Any]:
 
 
 def _effect_record(row: EffectRow) -> dict[str, Any]:
-    return {
-        "effect": row.effect,
-        "tolerance": row.tolerance,
-        "seconds": row.seconds,
-        "error": row.error,
-        "difference": row.difference,
-        "fault": row.fault or None,
-    }
+    return {**asdict(row), "fault": row.fault or None}
 
 
 def _file_record(file: FileCost) -> dict[str, Any]:

@@ -29,6 +29,12 @@ class Change:
     value_from: Value
     value_to: Value
 
+    def cure(
+        self, knob: str, unit: str, cost: float, sentence: str, also: tuple[Change, ...]
+    ) -> Cure:
+        """The cure that it is, `also` the other changes that go with it."""
+        return Cure(knob, self.key, self.value_from, self.value_to, unit, cost, sentence, also)
+
 
 @dataclass(frozen=True, slots=True)
 class Cure:

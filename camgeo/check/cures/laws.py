@@ -153,13 +153,6 @@ def _cure(plan: MotionPlan, offers: Mapping[int, Offer]) -> Cure:
         for change in changes.values()
     )
     grows = f"grows by {told_share(cost)}" if cost > 0.0 else "does not grow"
-    return Cure(
-        knob=KNOB,
-        key=changes[leading].key,
-        value_from=changes[leading].value_from,
-        value_to=changes[leading].value_to,
-        unit="",
-        cost=cost,
-        sentence=(f"{told}, with default parameters (the peak of the acceleration {grows})"),
-        also=tuple(change for number, change in changes.items() if number != leading),
-    )
+    sentence = f"{told}, with default parameters (the peak of the acceleration {grows})"
+    also = tuple(change for number, change in changes.items() if number != leading)
+    return changes[leading].cure(KNOB, "", cost, sentence, also)

@@ -186,16 +186,9 @@ def _cure(old: MotionPlan, new: MotionPlan, places: tuple[int, ...]) -> Cure:
     dwells = [change for number, change in changes.items() if number not in places]
     moves = " and ".join(_told(changes[number]) for number in places if number in changes)
     taken = " and ".join(_told(change) for change in dwells)
-    return Cure(
-        knob=KNOB,
-        key=changes[leading].key,
-        value_from=changes[leading].value_from,
-        value_to=changes[leading].value_to,
-        unit="deg",
-        cost=shares[leading],
-        sentence=f"longer: {moves} (a change by {told_share(shares[leading])}), taken from {taken}",
-        also=(*also, *dwells),
-    )
+    cost = shares[leading]
+    sentence = f"longer: {moves} (a change by {told_share(cost)}), taken from {taken}"
+    return changes[leading].cure(KNOB, "deg", cost, sentence, (*also, *dwells))
 
 
 def _told(change: Change) -> str:
