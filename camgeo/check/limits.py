@@ -5,11 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Final, Literal
+from functools import partial
+from typing import Annotated, Final, Literal
 
 from camgeo.mechanism.kind import Unit
-from camgeo.mechanism.values import length, right_angle
-from camgeo.numeric.checked import hold, number, one_of
+from camgeo.mechanism.values import Length, RightAngle
+from camgeo.numeric.checked import check_fields, number, one_of
 from camgeo.units import RPM
 
 SLOW = 30.0 * RPM
@@ -39,21 +40,15 @@ class Limits:
         With the key, if a value is not what it has to be.
     """
 
-    transmission_angle: float | None = None
-    radius_ratio: float = 0.7
-    undercut: Literal["refuse", "trim"] = "refuse"
-    closing_error: float = 0.02
+    transmission_angle: RightAngle | None = None
+    radius_ratio: Annotated[float, partial(number, above=0.0, most=1.0)] = 0.7
+    undercut: Annotated[Literal["refuse", "trim"], partial(one_of, choices=("refuse", "trim"))] = (
+        "refuse"
+    )
+    closing_error: Length = 0.02
 
     def __post_init__(self) -> None:
-        if self.transmission_angle is not None:
-            least = right_angle("limits.transmission_angle", self.transmission_angle)
-            hold(self, transmission_angle=least)
-        hold(
-            self,
-            radius_ratio=number("limits.radius_ratio", self.radius_ratio, above=0.0, most=1.0),
-            undercut=one_of("limits.undercut", self.undercut, ("refuse", "trim")),
-            closing_error=length("limits.closing_error", self.closing_error),
-        )
+        check_fields(self, "limits.")
 
 
 def default_transmission_angle(unit: Unit, speed: float | None) -> float:

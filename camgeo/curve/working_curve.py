@@ -14,10 +14,10 @@ import numpy as np
 from camgeo.curve.blocks import in_blocks
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.mechanism.follower import RelativeJet, bend_of_path
-from camgeo.mechanism.values import coordinate
+from camgeo.mechanism.values import Coordinate
 from camgeo.motion.motion import Dwell, Side
 from camgeo.numeric.arrays import ComplexArray, FloatArray
-from camgeo.numeric.checked import hold, instance
+from camgeo.numeric.checked import check_fields
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,11 +39,10 @@ class WorkingCurve:
     """
 
     pitch: PitchCurve
-    distance: float
+    distance: Coordinate
 
     def __post_init__(self) -> None:
-        instance("pitch", self.pitch, PitchCurve, "a pitch curve")
-        hold(self, distance=coordinate("distance", self.distance))
+        check_fields(self)
 
     @property
     def breaks(self) -> FloatArray:

@@ -25,9 +25,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from camgeo.errors import GeometryError
-from camgeo.mechanism.values import any_size
+from camgeo.mechanism.values import AnySize
 from camgeo.numeric.arrays import FloatArray
-from camgeo.numeric.checked import hold
+from camgeo.numeric.checked import check_fields
 from camgeo.numeric.extremes import Extreme, Extremes
 
 NEAR = 0.5
@@ -50,12 +50,11 @@ class CrankSlide:
         With key "crank" or "distance", if a length is not a positive number.
     """
 
-    crank: float
-    distance: float
+    crank: AnySize
+    distance: AnySize
 
     def __post_init__(self) -> None:
-        crank, distance = any_size("crank", self.crank), any_size("distance", self.distance)
-        hold(self, crank=crank, distance=distance)
+        check_fields(self)
 
     @property
     def ratio(self) -> float:

@@ -15,9 +15,9 @@ import numpy as np
 
 from camgeo.errors import GeometryError
 from camgeo.mechanism.crank_slide import CrankSlide
-from camgeo.mechanism.values import any_size
+from camgeo.mechanism.values import AnySize
 from camgeo.numeric.arrays import FloatArray
-from camgeo.numeric.checked import hold, instance
+from camgeo.numeric.checked import check_fields
 from camgeo.units import TURN
 
 Quantity = Literal["angle", "velocity", "acceleration"]
@@ -78,11 +78,10 @@ class DrivenSlide:
     """
 
     slide: CrankSlide
-    speed: float
+    speed: AnySize
 
     def __post_init__(self) -> None:
-        instance("slide", self.slide, CrankSlide, "a crank-slide, a `CrankSlide`")
-        hold(self, speed=any_size("speed", self.speed))
+        check_fields(self)
         largest = (
             self.turn_time,
             self.speed * self.slide.velocity_extremes.magnitude,

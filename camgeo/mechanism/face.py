@@ -32,7 +32,7 @@ for the direction of Z', whose own parts are smooth: there A is the part that ne
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Protocol, cast
+from typing import Annotated, Any, Protocol, cast
 
 import numpy as np
 
@@ -106,18 +106,17 @@ def spread(change: FloatArray, half: FloatArray) -> FloatArray:
     return np.divide(3.0 * change, half, out=np.zeros_like(change), where=half > 0.0)
 
 
-def face_ends(face: tuple[float, float] | None) -> tuple[float, float] | None:
+def face_ends(key: str, face: Any) -> tuple[float, float]:
     """Where a face begins and ends [mm], checked; GeometryError unless it ends behind its start."""
-    key = "follower.face"
-    if face is None:
-        return None
-    ends: Any = face  # whatever a caller hands over
-    if not isinstance(ends, tuple | list) or len(ends) != 2:
+    if not isinstance(face, tuple | list) or len(face) != 2:
         raise GeometryError("must be two lengths, (from, to)", key, shown(face))
-    start, end = (coordinate(key, each) for each in ends)
+    start, end = (coordinate(key, each) for each in face)
     if not start < end:
         raise GeometryError("must end beyond where it begins", key, shown(face))
     return start, end
+
+
+FaceEnds = Annotated[tuple[float, float], face_ends]
 
 
 def face_line(start: complex, along: complex, ends: tuple[float, float]) -> tuple[complex, complex]:

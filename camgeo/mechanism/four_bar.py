@@ -19,10 +19,10 @@ from camgeo.errors import GeometryError
 from camgeo.mechanism.sketch import MechanismSketch
 from camgeo.mechanism.triangle import IN_LINE, ROUNDING, SLACK, dot, drawn, half_angle, turning
 from camgeo.mechanism.turns import cosine_range, within
-from camgeo.mechanism.values import angle, length, place, sense
+from camgeo.mechanism.values import Angle, Length, Place, Sense
 from camgeo.motion.motion import FULL_ORDER, Jet
 from camgeo.numeric.arrays import ComplexArray, FloatArray
-from camgeo.numeric.checked import hold
+from camgeo.numeric.checked import check_fields
 
 if TYPE_CHECKING:
     from camgeo.mechanism.linkage_protocol import Size
@@ -51,25 +51,16 @@ class FourBar:
         close at motion 0.
     """
 
-    crank: float
-    coupler: float
-    lever: float
-    shaft: complex
-    lever_angle: float
-    lever_sense: int
-    branch: int
+    crank: Length
+    coupler: Length
+    lever: Length
+    shaft: Place
+    lever_angle: Angle
+    lever_sense: Sense
+    branch: Sense
 
     def __post_init__(self) -> None:
-        hold(
-            self,
-            crank=length("linkage.crank", self.crank),
-            coupler=length("linkage.coupler", self.coupler),
-            lever=length("linkage.lever", self.lever),
-            shaft=place("linkage.shaft", self.shaft),
-            lever_angle=angle("linkage.lever_angle", self.lever_angle),
-            lever_sense=sense("linkage.lever_sense", self.lever_sense),
-            branch=sense("linkage.branch", self.branch),
-        )
+        check_fields(self, "linkage.")
         gap = float(self.missing_length(np.zeros(1))[0])
         if gap > ROUNDING * (self.crank + self.coupler):
             distance = abs(self.shaft + cmath.rect(self.lever, self.lever_angle))

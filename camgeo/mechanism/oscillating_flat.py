@@ -10,14 +10,14 @@ from typing import Literal
 import numpy as np
 
 from camgeo.errors import GeometryError
-from camgeo.mechanism.face import HIGHEST, STANDSTILL, Touch, face_ends, face_line, spread
+from camgeo.mechanism.face import HIGHEST, STANDSTILL, FaceEnds, Touch, face_line, spread
 from camgeo.mechanism.follower import RelativeJet, TangentJet, bend_of_envelope
 from camgeo.mechanism.kind import Mover, Touching, Unit
 from camgeo.mechanism.sketch import MechanismSketch
-from camgeo.mechanism.values import coordinate, length, place, sense
+from camgeo.mechanism.values import Coordinate, Length, Place, Sense
 from camgeo.motion.motion import FULL_ORDER, Jet
 from camgeo.numeric.arrays import FloatArray
-from camgeo.numeric.checked import hold
+from camgeo.numeric.checked import check_fields
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,24 +55,15 @@ class OscillatingFlat:
         if it can be at no distance.
     """
 
-    pivot: complex
-    base_radius: float
-    face_offset: float = 0.0
-    arm_side: int = 1
-    direction: int | None = 1
-    face: tuple[float, float] | None = None
+    pivot: Place
+    base_radius: Length
+    face_offset: Coordinate = 0.0
+    arm_side: Sense = 1
+    direction: Sense | None = 1
+    face: FaceEnds | None = None
 
     def __post_init__(self) -> None:
-        own = self.direction
-        hold(
-            self,
-            pivot=place("follower.pivot", self.pivot),
-            base_radius=length("follower.base_radius", self.base_radius),
-            face_offset=coordinate("follower.face_offset", self.face_offset),
-            arm_side=sense("follower.arm_side", self.arm_side),
-            direction=None if own is None else sense("follower.direction", own),
-            face=face_ends(self.face),
-        )
+        check_fields(self, "follower.")
         l1, f = self.centre_distance, self.face_offset
         if l1 == 0.0:
             message = "the pivot lies on the cam axis: no rocker there moves its face outward"

@@ -20,10 +20,10 @@ from camgeo.mechanism.follower import (
 )
 from camgeo.mechanism.kind import Mover, Touching, Unit
 from camgeo.mechanism.sketch import MechanismSketch
-from camgeo.mechanism.values import length, place, radius, sense
+from camgeo.mechanism.values import Length, Place, Radius, Sense
 from camgeo.motion.motion import FULL_ORDER, Jet
 from camgeo.numeric.arrays import FloatArray
-from camgeo.numeric.checked import hold
+from camgeo.numeric.checked import check_fields
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,24 +52,15 @@ class OscillatingRoller:
         triangle cannot close, or closes only stretched out.
     """
 
-    pivot: complex
-    arm: float
-    base_radius: float
-    roller_radius: float
-    arm_side: int = 1
-    direction: int | None = 1
+    pivot: Place
+    arm: Length
+    base_radius: Length
+    roller_radius: Radius
+    arm_side: Sense = 1
+    direction: Sense | None = 1
 
     def __post_init__(self) -> None:
-        own = self.direction
-        hold(
-            self,
-            pivot=place("follower.pivot", self.pivot),
-            arm=length("follower.arm", self.arm),
-            base_radius=length("follower.base_radius", self.base_radius),
-            roller_radius=radius("follower.roller_radius", self.roller_radius),
-            arm_side=sense("follower.arm_side", self.arm_side),
-            direction=None if own is None else sense("follower.direction", own),
-        )
+        check_fields(self, "follower.")
         low, high = abs(self.centre_distance - self.arm), self.centre_distance + self.arm
         if not low < self.base_radius < high:
             raise GeometryError(

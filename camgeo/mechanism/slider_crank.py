@@ -10,17 +10,17 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import numpy as np
 
 from camgeo.errors import GeometryError
 from camgeo.mechanism.sketch import Guide, MechanismSketch
 from camgeo.mechanism.triangle import ROUNDING, drawn, half_angle, turning
-from camgeo.mechanism.values import angle, length, sense, truth
+from camgeo.mechanism.values import AcuteAngle, Length, Sense, Truth
 from camgeo.motion.motion import FULL_ORDER, Jet
 from camgeo.numeric.arrays import ComplexArray, FloatArray
-from camgeo.numeric.checked import hold
+from camgeo.numeric.checked import check_fields
 
 if TYPE_CHECKING:
     from camgeo.mechanism.linkage_protocol import Size
@@ -53,28 +53,17 @@ class SliderCrank:
         close at stroke 0.
     """
 
-    crank: float
-    coupler: float
-    deflection: float
-    leans_away: bool
-    slider_side: int
-    stroke_direction: int
-    branch: int
-    mirrored: bool = False
+    crank: Length
+    coupler: Length
+    deflection: Annotated[AcuteAngle, "crank_deflection"]
+    leans_away: Annotated[Truth, "crank_leans"]
+    slider_side: Sense
+    stroke_direction: Sense
+    branch: Sense
+    mirrored: Truth = False
 
     def __post_init__(self) -> None:
-        right = 0.5 * math.pi
-        hold(
-            self,
-            crank=length("linkage.crank", self.crank),
-            coupler=length("linkage.coupler", self.coupler),
-            deflection=angle("linkage.crank_deflection", self.deflection, -right, right),
-            leans_away=truth("linkage.crank_leans", self.leans_away),
-            slider_side=sense("linkage.slider_side", self.slider_side),
-            stroke_direction=sense("linkage.stroke_direction", self.stroke_direction),
-            branch=sense("linkage.branch", self.branch),
-            mirrored=truth("linkage.mirrored", self.mirrored),
-        )
+        check_fields(self, "linkage.")
         gap = self.missing_length(np.zeros(1))[0]
         if gap > 0.0:
             raise GeometryError(

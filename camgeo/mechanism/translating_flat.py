@@ -10,14 +10,14 @@ from typing import Literal
 import numpy as np
 
 from camgeo.mechanism.drawn import across, carriage, traced_point
-from camgeo.mechanism.face import HIGHEST, STANDSTILL, Touch, face_ends, face_line, spread
+from camgeo.mechanism.face import HIGHEST, STANDSTILL, FaceEnds, Touch, face_line, spread
 from camgeo.mechanism.follower import RelativeJet, TangentJet, bend_of_envelope
 from camgeo.mechanism.kind import Mover, Touching, Unit
 from camgeo.mechanism.sketch import MechanismSketch
-from camgeo.mechanism.values import angle, length, sense
+from camgeo.mechanism.values import Angle, Length, Sense
 from camgeo.motion.motion import FULL_ORDER, Jet
 from camgeo.numeric.arrays import FloatArray
-from camgeo.numeric.checked import hold
+from camgeo.numeric.checked import check_fields
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,19 +46,13 @@ class TranslatingFlat:
         With the key, if a value is not what it has to be.
     """
 
-    base_radius: float
-    guide_angle: float = math.pi / 2.0
-    direction: int = 1
-    face: tuple[float, float] | None = None
+    base_radius: Length
+    guide_angle: Angle = math.pi / 2.0
+    direction: Sense = 1
+    face: FaceEnds | None = None
 
     def __post_init__(self) -> None:
-        hold(
-            self,
-            base_radius=length("follower.base_radius", self.base_radius),
-            guide_angle=angle("follower.guide_angle", self.guide_angle),
-            direction=sense("follower.direction", self.direction),
-            face=face_ends(self.face),
-        )
+        check_fields(self, "follower.")
 
     @property
     def kind(self) -> str:

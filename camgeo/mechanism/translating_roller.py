@@ -20,10 +20,10 @@ from camgeo.mechanism.follower import (
 )
 from camgeo.mechanism.kind import Mover, Touching, Unit
 from camgeo.mechanism.sketch import MechanismSketch
-from camgeo.mechanism.values import angle, coordinate, length, radius, sense
+from camgeo.mechanism.values import Angle, Coordinate, Length, Radius, Sense
 from camgeo.motion.motion import FULL_ORDER, Jet
 from camgeo.numeric.arrays import FloatArray
-from camgeo.numeric.checked import hold
+from camgeo.numeric.checked import check_fields
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,21 +48,14 @@ class TranslatingRoller:
         With the key, if a value is not what it has to be, or the offset exceeds the base radius.
     """
 
-    base_radius: float
-    roller_radius: float
-    offset: float = 0.0
-    guide_angle: float = math.pi / 2.0
-    direction: int = 1
+    base_radius: Length
+    roller_radius: Radius
+    offset: Coordinate = 0.0
+    guide_angle: Angle = math.pi / 2.0
+    direction: Sense = 1
 
     def __post_init__(self) -> None:
-        hold(
-            self,
-            base_radius=length("follower.base_radius", self.base_radius),
-            roller_radius=radius("follower.roller_radius", self.roller_radius),
-            offset=coordinate("follower.offset", self.offset),
-            guide_angle=angle("follower.guide_angle", self.guide_angle),
-            direction=sense("follower.direction", self.direction),
-        )
+        check_fields(self, "follower.")
         if abs(self.offset) > self.base_radius:
             raise GeometryError(
                 "the roller cannot lie on the base circle: the offset must not exceed"

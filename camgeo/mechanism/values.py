@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 import sys
+from functools import partial
 from numbers import Real
 from typing import Annotated, Any, Final
 
@@ -77,10 +78,12 @@ def able(key: str, value: Any, method: str, what: str) -> None:
 
 # As types of fields, see `camgeo.numeric.checked.check_fields`.
 Length = Annotated[float, length]
+AnySize = Annotated[float, any_size]
 Radius = Annotated[float, radius]
 Coordinate = Annotated[float, coordinate]
 Place = Annotated[complex, place]
 Angle = Annotated[float, angle]
+AcuteAngle = Annotated[float, partial(angle, low=-0.5 * math.pi, high=0.5 * math.pi)]
 RightAngle = Annotated[float, right_angle]
 Sense = Annotated[int, sense]
 Truth = Annotated[bool, truth]

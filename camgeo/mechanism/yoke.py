@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from camgeo.mechanism.values import length
-from camgeo.numeric.checked import hold
+from camgeo.mechanism.values import Length
+from camgeo.numeric.checked import check_fields
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,8 +23,7 @@ class Yoke:
         With key "follower.yoke.breadth", if that is no length above 0.
     """
 
-    breadth: float | None = None
+    breadth: Length | None = None
 
     def __post_init__(self) -> None:
-        if self.breadth is not None:
-            hold(self, breadth=length("follower.yoke.breadth", self.breadth))
+        check_fields(self, "follower.yoke.")

@@ -47,7 +47,7 @@ class TimeCourse(Protocol):
     Attributes
     ----------
     borders : (k,) cam angles in [0, 2 pi) [rad], ascending, where its formula changes; omega, alpha
-        and alpha_rate are continuous there.
+        and dalpha/dt are continuous there.
     """
 
     @property
