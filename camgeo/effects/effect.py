@@ -178,8 +178,9 @@ class DataFile:
     data: bytes = field(repr=False)
 
 
-class Result(Protocol):
-    """What an effect answers; what else it offers to others is its own.
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class Result:
+    """What an effect answers; what else it offers to others is its own, in a class made of this.
 
     Attributes
     ----------
@@ -189,14 +190,9 @@ class Result(Protocol):
         None if it is exact but for rounding.
     """
 
-    @property
-    def findings(self) -> tuple[Finding, ...]: ...
-
-    @property
-    def columns(self) -> tuple[Column, ...]: ...
-
-    @property
-    def error(self) -> float | None: ...
+    findings: tuple[Finding, ...] = ()
+    columns: tuple[Column, ...] = ()
+    error: float | None = None
 
 
 SPEED: Final = ("cam.speed", "cam.speed_curve")

@@ -9,7 +9,7 @@ plane: a groove that is open on one side moves the plane and leaves U as it is.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Final
 
 from camgeo.check.finding import Finding
@@ -26,7 +26,7 @@ from camgeo.effects.balance.holes import Row, most, rows
 from camgeo.effects.balance.room import Room
 from camgeo.effects.balance.spec import BalanceSpec
 from camgeo.effects.balance.spin import Spin
-from camgeo.effects.effect import Column, Request
+from camgeo.effects.effect import Request, Result
 from camgeo.errors import EffectError, GeometryError, ToleranceError
 from camgeo.part.part import Part
 
@@ -36,7 +36,7 @@ the disc smaller than the areas of which they are shares."""
 
 
 @dataclass(frozen=True, slots=True)
-class Balance:
+class Balance(Result):
     """The balance of a disc.
 
     Attributes
@@ -52,15 +52,13 @@ class Balance:
     holes : balancing holes on the heavy side; None if none are sought or needed, or none fit.
     """
 
-    findings: tuple[Finding, ...]
-    columns: tuple[Column, ...]
-    error: float
     mass: float
     centre: complex
     unbalance: complex
     unbalance_error: float
     counterweight: float | None
     holes: Row | None
+    error: float = field(kw_only=True)
 
 
 def compute(request: Request[BalanceSpec]) -> Balance:

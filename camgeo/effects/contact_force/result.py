@@ -6,12 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from camgeo.check.finding import Finding
 from camgeo.effects.contact_force.balance import Balance
 from camgeo.effects.contact_force.findings import force_findings, shock_findings
 from camgeo.effects.contact_force.places import refuse_jamming, smooth_edges
 from camgeo.effects.contact_force.spec import FORCES, Spec
-from camgeo.effects.effect import Column, Quantity, Request, Subject
+from camgeo.effects.effect import Column, Quantity, Request, Result, Subject
 from camgeo.effects.face import require_convex
 from camgeo.effects.force import Force, all_borders
 from camgeo.effects.results import FRICTION, Friction
@@ -23,7 +22,7 @@ from camgeo.numeric.peaks import piecewise_extremes
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class ContactForce:
+class ContactForce(Result):
     """The normal force on the follower, positive where the inner flank carries.
 
     Of a conjugate pair it is positive where the main disc carries, negative where the return disc
@@ -31,19 +30,15 @@ class ContactForce:
 
     Attributes
     ----------
-    findings, columns, error : see `camgeo.effects.effect.Result`.
     balance : the forces on the follower.
     edges : (k,) cam angles [rad] from 0 to 2 pi between which the force is smooth and keeps its
         sign.
     extremes : smallest and largest force [N] of the turn, signed.
     """
 
-    findings: tuple[Finding, ...]
-    columns: tuple[Column, ...]
     balance: Balance
     edges: FloatArray
     extremes: Extremes
-    error: float | None = None
 
     @property
     def forces(self) -> tuple[Force, ...]:

@@ -13,13 +13,12 @@ from typing import Final
 
 import numpy as np
 
-from camgeo.check.finding import Finding
 from camgeo.effects.contact_pressure.contact import FLANKS, Contact, Normal
 from camgeo.effects.contact_pressure.findings import Worst, life_findings, pressure_findings
 from camgeo.effects.contact_pressure.hertz import SHEAR_SHARE
 from camgeo.effects.contact_pressure.life import Life, rolling_life
 from camgeo.effects.contact_pressure.spec import Spec
-from camgeo.effects.effect import SPEED, Column, Request, Subject
+from camgeo.effects.effect import SPEED, Column, Request, Result, Subject
 from camgeo.effects.results import CONTACT_FORCE
 from camgeo.errors import EffectError, GeometryError
 from camgeo.motion.motion import Side
@@ -32,7 +31,7 @@ KEY: Final = "effects.contact-pressure"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class ContactPressure:
+class ContactPressure(Result):
     """What `compute` gives.
 
     Attributes
@@ -45,9 +44,6 @@ class ContactPressure:
     returning : the same of the return disc of a conjugate pair; None if there is none.
     """
 
-    findings: tuple[Finding, ...]
-    columns: tuple[Column, ...]
-    error: float | None
     contact: Contact
     largest: Extreme
     life: Life | None

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from camgeo.check.finding import Finding
-from camgeo.effects.effect import Column, Request, Subject, driving_slider, toucher
+from camgeo.effects.effect import Request, Result, Subject, driving_slider, toucher
 from camgeo.effects.face import require_convex
 from camgeo.effects.force import Coefficients, Force
 from camgeo.effects.friction.jamming import column, jamming_margin
@@ -34,24 +33,20 @@ FLANKS: Final = (1, -1)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Friction:
+class Friction(Result):
     """Friction of the follower.
 
     Attributes
     ----------
-    findings, columns, error : see `camgeo.effects.effect.Result`.
     force : what does not depend on the normal force: viscous friction, and that of a slider.
     statics : what does.
     borders : (k,) cam angles [rad] in [0, 2 pi), besides those of the motion, where `per_normal`
         has a kink or jump.
     """
 
-    findings: tuple[Finding, ...]
-    columns: tuple[Column, ...]
     force: Force
     statics: Statics
     borders: FloatArray
-    error: float | None = None
 
     def per_normal(self, phi: FloatArray, side: Side, sense: int) -> FloatArray:
         """(2, n) what friction adds per unit of |N| on the side `sense`, see `carrier`.

@@ -14,7 +14,7 @@ from typing import Final
 import numpy as np
 
 from camgeo.check.finding import Finding
-from camgeo.effects.effect import Column, Request
+from camgeo.effects.effect import Column, Request, Result
 from camgeo.effects.force import Force
 from camgeo.effects.gravity.spec import STANDARD_GRAVITY, GravitySpec
 from camgeo.effects.results import INERTIA, Acting
@@ -28,20 +28,16 @@ N_M: Final = 1e-3
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Gravity:
+class Gravity(Result):
     """What `compute` gives.
 
     Attributes
     ----------
     force : the generalised force of all weights on the follower [N or N mm], c0 alone, and its
         potential energy [N mm], which is 0 at cam angle 0.
-    findings, columns, error : see `camgeo.effects.effect.Result`.
     """
 
     force: Force
-    findings: tuple[Finding, ...]
-    columns: tuple[Column, ...]
-    error: None = None
 
 
 def compute(request: Request[GravitySpec]) -> Acting:

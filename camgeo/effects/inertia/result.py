@@ -14,8 +14,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from camgeo.check.finding import Finding
-from camgeo.effects.effect import Column
+from camgeo.effects.effect import Result
 from camgeo.effects.force import Force
 from camgeo.effects.inertia.masses import Mass, masses_of
 from camgeo.effects.inertia.rates import Train, at_follower, train_of
@@ -32,7 +31,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Inertia:
+class Inertia(Result):
     """What `compute` gives.
 
     Attributes
@@ -41,16 +40,12 @@ class Inertia:
     train : the coordinates in which masses move.
     masses : those with a weight, and their places; 0 is left out.
     moved : what moves with the demanded motion [t, or t mm^2 if it turns].
-    findings, columns, error : see `camgeo.effects.effect.Result`.
     """
 
     force: Force
     train: Train
     masses: tuple[Mass, ...]
     moved: float
-    findings: tuple[Finding, ...]
-    columns: tuple[Column, ...]
-    error: None = None
 
     def to_follower(self, phi: FloatArray, side: Side = "right") -> FloatArray:
         """M(q) (n,) [t, or t mm^2 for a rocker] at n cam angles: T = M (dq/dt)^2 / 2.

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from camgeo.check.finding import Finding
-from camgeo.effects.effect import Column, Request
+from camgeo.effects.effect import Column, Request, Result
 from camgeo.motion.joints import breaks
 from camgeo.motion.law_extremes import extremes_at_turns
 from camgeo.motion.motion import Side
@@ -35,15 +35,6 @@ if TYPE_CHECKING:
     from camgeo.numeric.extremes import Extreme
 
 NAMES: Final = ("velocity", "acceleration", "jerk")
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Kinematics:
-    """What `compute` gives; see `camgeo.effects.effect.Result`."""
-
-    findings: tuple[Finding, ...]
-    columns: tuple[Column, ...]
-    error: None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,7 +96,7 @@ class _Moving:
         )
 
 
-def compute(request: Request[object]) -> Kinematics:
+def compute(request: Request[object]) -> Result:
     """The motion in time at the speed of the scene."""
     subject, course = request.subject, request.course
     moving = _motions(subject, course)
@@ -128,7 +119,7 @@ def compute(request: Request[object]) -> Kinematics:
 
         columns.append(Column("sliding velocity", "mm/s", rubbing))
     findings = (time, *(found for each in moving for found in each.findings()))
-    return Kinematics(findings, tuple(columns))
+    return Result(findings=findings, columns=tuple(columns))
 
 
 def _motions(subject: Subject, course: TimeCourse) -> list[_Moving]:

@@ -9,9 +9,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Final
 
-from camgeo.check.finding import Finding
 from camgeo.effects.carrier import holds_both_ways
-from camgeo.effects.effect import Column, Request
+from camgeo.effects.effect import Column, Request, Result
 from camgeo.effects.lift_off.inputs import Flank
 from camgeo.effects.lift_off.of_flank import OfFlank, of_flank
 from camgeo.effects.lift_off.of_groove import OfGroove, of_groove
@@ -23,7 +22,7 @@ NAME: Final = "lift-off"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class LiftOff:
+class LiftOff(Result):
     """What is found of the contact.
 
     Attributes
@@ -34,10 +33,8 @@ class LiftOff:
     groove : for a roller in a groove, or for a conjugate pair, else None.
     """
 
-    findings: tuple[Finding, ...]
     flank: OfFlank | None = None
     groove: OfGroove | None = None
-    error: float | None = None
     columns: tuple[Column, ...] = ()
 
 
@@ -66,7 +63,7 @@ def compute(request: Request[Spec]) -> LiftOff:
             )
         backlash = _backlash(spec, subject.cam.clearance)
         groove = of_groove(subject, contact, inertia, backlash, request.tolerance)
-        return LiftOff(groove.findings, groove=groove, error=groove.error)
+        return LiftOff(groove=groove, findings=groove.findings, error=groove.error)
     if spec.backlash is not None:
         raise GeometryError(
             'a backlash is for a roller in a groove, contact = "groove", or between two discs',
@@ -76,7 +73,7 @@ def compute(request: Request[Spec]) -> LiftOff:
     spring = request.results.get(SPRING)
     sense = subject.cam.contact.push
     flank = of_flank(Flank(subject, contact, sense, spec.margin, inertia), spring)
-    return LiftOff(flank.findings, flank=flank)
+    return LiftOff(flank=flank, findings=flank.findings)
 
 
 def _backlash(spec: Spec, side_clearance: float) -> float:

@@ -13,8 +13,7 @@ from typing import Final
 
 import numpy as np
 
-from camgeo.check.finding import Finding
-from camgeo.effects.effect import Column, Request, Subject
+from camgeo.effects.effect import Column, Request, Result, Subject
 from camgeo.effects.force import Force
 from camgeo.effects.load.course import Constant, Course, Steps
 from camgeo.effects.load.spec import LoadSpec
@@ -32,20 +31,16 @@ N_MM: Final = 1e3
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Load:
+class Load(Result):
     """What `compute` gives.
 
     Attributes
     ----------
     force : the generalised force on the follower [N or N mm], c0 alone. A constant load has a
         potential energy F s [N mm]; others do work over a turn and have none.
-    findings, columns, error : see `camgeo.effects.effect.Result`.
     """
 
     force: Force
-    findings: tuple[Finding, ...]
-    columns: tuple[Column, ...]
-    error: None = None
 
 
 def compute(request: Request[LoadSpec]) -> Acting:

@@ -14,7 +14,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from camgeo.check.finding import Finding
-from camgeo.effects.effect import Column, Request
+from camgeo.effects.effect import Request, Result
 from camgeo.effects.shock_spectrum.measures import QUIET, measured
 from camgeo.effects.shock_spectrum.moves import RestToRest, moves_of
 from camgeo.effects.shock_spectrum.spec import Spec
@@ -48,21 +48,17 @@ class Spectrum:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class ShockSpectrum:
+class ShockSpectrum(Result):
     """What `compute` gives.
 
     Attributes
     ----------
-    findings, columns, error : see `camgeo.effects.effect.Result`.
     spectra : of the moves from rest to rest, in the order of the cam angle.
     highest_ratio : up to which they were looked at.
     """
 
-    findings: tuple[Finding, ...]
     spectra: tuple[Spectrum, ...]
     highest_ratio: float
-    columns: tuple[Column, ...] = ()
-    error: None = None
 
 
 def compute(request: Request[Spec]) -> ShockSpectrum:
@@ -79,15 +75,14 @@ def compute(request: Request[Spec]) -> ShockSpectrum:
             "no move is from rest to rest, with velocity and acceleration 0 at both ends: there is"
             " no residual vibration to speak of"
         )
-        return ShockSpectrum(
-            (Finding("shock-spectrum", "warning", sentence),), (), spec.highest_ratio
-        )
+        none = Finding("shock-spectrum", "warning", sentence)
+        return ShockSpectrum((), spec.highest_ratio, findings=(none,))
     spectra = tuple(
         Spectrum(move, spec.damping, *measured(move.shock, spec.damping, spec.highest_ratio))
         for move in moves
     )
     findings = [each for found in spectra for each in _findings(found, spec.highest_ratio)]
-    return ShockSpectrum(tuple(findings), spectra, spec.highest_ratio)
+    return ShockSpectrum(spectra, spec.highest_ratio, findings=tuple(findings))
 
 
 def _findings(found: Spectrum, highest: float) -> Iterator[Finding]:

@@ -13,9 +13,8 @@ from typing import Final
 
 import numpy as np
 
-from camgeo.check.finding import Finding
 from camgeo.effects.carrier import holds_both_ways
-from camgeo.effects.effect import Column, Request, Subject, toucher
+from camgeo.effects.effect import Column, Request, Result, Subject, toucher
 from camgeo.effects.force import all_borders
 from camgeo.effects.results import DRIVE_TORQUE, ContactForce
 from camgeo.effects.speed_fluctuation.findings import Balance, findings, loss_of_contact
@@ -34,7 +33,7 @@ N_M: Final = 1e-3
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class SpeedFluctuation:
+class SpeedFluctuation(Result):
     """The steady state.
 
     Attributes
@@ -42,7 +41,6 @@ class SpeedFluctuation:
     turn : the speed over the cam angle.
     mean_speed : over time [rad/s].
     fluctuation : largest less smallest speed by the mean.
-    findings, columns, error : see `camgeo.effects.effect.Result`.
     """
 
     turn: SteadyTurn
@@ -50,9 +48,7 @@ class SpeedFluctuation:
     law: Law = field(repr=False)
     mean_speed: float
     fluctuation: float
-    findings: tuple[Finding, ...] = field(repr=False)
-    columns: tuple[Column, ...] = field(repr=False)
-    error: float
+    error: float = field(kw_only=True)
 
     def omega(self, phi: FloatArray) -> FloatArray:
         """(n,) speed of the cam [rad/s] at `phi` (n,) [rad]."""

@@ -7,8 +7,7 @@ from typing import Final
 
 import numpy as np
 
-from camgeo.check.finding import Finding
-from camgeo.effects.effect import Column, Request, Subject, driving_slider
+from camgeo.effects.effect import Column, Request, Result, Subject, driving_slider
 from camgeo.effects.force import Force
 from camgeo.effects.results import Spring as Asked
 from camgeo.effects.spring.findings import deflection, force_findings, opening
@@ -29,12 +28,11 @@ NEWTON_METRE: Final = 1e3
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Spring:
+class Spring(Result):
     """A linear spring on the follower, see `camgeo.effects.spring.ways` for its formulas.
 
     Attributes
     ----------
-    findings, columns, error : see `camgeo.effects.effect.Result`.
     force : its generalised force, with its potential.
     way : how it relaxes.
     preload, stiffness : P [N] and k [N/mm]; of a torsion spring [N mm] and [N mm/rad].
@@ -42,15 +40,12 @@ class Spring:
         "N m/rad", of which one is 1000 of those inside.
     """
 
-    findings: tuple[Finding, ...]
-    columns: tuple[Column, ...]
     force: Force
     way: Way
     preload: float
     stiffness: float
     unit_of_preload: str
     unit_of_stiffness: str
-    error: float | None = None
 
     def per_preload(self, phi: FloatArray, side: Side) -> FloatArray:
         """(n,) dx/dq: generalised force per unit of preload."""

@@ -9,13 +9,13 @@ smooth in pieces, and on each the response is known in closed form,
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Final
 
 import numpy as np
 
 from camgeo.check.finding import Finding
-from camgeo.effects.effect import Column, Request
+from camgeo.effects.effect import Column, Request, Result
 from camgeo.effects.vibration.findings import (
     Telling,
     largest,
@@ -41,7 +41,7 @@ FORCING: Final = 1e-3
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Vibration:
+class Vibration(Result):
     """What is found of the vibration.
 
     Attributes
@@ -52,12 +52,10 @@ class Vibration:
     source : the output over the cam angle.
     """
 
-    findings: tuple[Finding, ...]
-    columns: tuple[Column, ...]
-    error: float
     train: Train | None
     source: Output
     clock: Clock
+    error: float = field(kw_only=True)
 
     def deflection(self, phi: FloatArray, side: Side) -> FloatArray:
         """(n,) output less demanded motion [mm or rad] at `phi` (n,) [rad]."""
@@ -106,7 +104,14 @@ def compute(request: Request[Spec]) -> Vibration:
     if elastic is not None:
         findings += of_rests(elastic, telling)
         findings += of_resonance(elastic, most.value, telling)
-    return Vibration(tuple(findings), _columns(source, telling, limit), error, train, source, clock)
+    return Vibration(
+        train,
+        source,
+        clock,
+        findings=tuple(findings),
+        columns=_columns(source, telling, limit),
+        error=error,
+    )
 
 
 def _elastic(clock: Clock, train: Train, tolerance: float) -> tuple[Elastic, float]:
