@@ -76,6 +76,9 @@ class GeometryError(CamgeoError, ValueError):
         self.key = key
         self.value = value
 
+    def __str__(self) -> str:
+        return str(Fault(self.key, self.value, self.message))
+
 
 class UndercutError(GeometryError):
     """A contour was asked of a flank that has a cusp or undercut: it is no outline of a disc."""

@@ -6,7 +6,7 @@ import json
 import math
 from collections.abc import Callable
 from copy import copy
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from decimal import Decimal
 from functools import cache
 from pathlib import Path
@@ -22,7 +22,7 @@ from camgeo.accuracy.survey import Survey
 from camgeo.check.finding import Finding
 from camgeo.cli.main import parser
 from camgeo.design import Design
-from camgeo.effects.effect import Column, Effect, Request
+from camgeo.effects.effect import Column, Effect, Request, Result
 from camgeo.effects.graph import Effects
 from camgeo.errors import EffectError, GeometryError
 from camgeo.figure.accuracy import figure
@@ -37,13 +37,6 @@ BENT = 3.0
 """By so many tolerances the effects made up here are off, of their largest magnitude."""
 
 
-@dataclass(frozen=True, slots=True)
-class Answer:
-    findings: tuple[Finding, ...] = ()
-    columns: tuple[Column, ...] = ()
-    error: float | None = None
-
-
 def curve(size: float) -> Column:
     return Column("force", "N", lambda phi, side: size * np.sin(phi))
 
@@ -52,25 +45,25 @@ def off(request: Request[Any]) -> float:
     return 50.0 * (1.0 + BENT * request.tolerance)
 
 
-def with_column(request: Request[Any]) -> Answer:
-    return Answer((), (curve(off(request)), curve(0.0)), request.tolerance / 2.0)
+def with_column(request: Request[Any]) -> Result:
+    return Result((), (curve(off(request)), curve(0.0)), request.tolerance / 2.0)
 
 
-def with_findings(request: Request[Any]) -> Answer:
+def with_findings(request: Request[Any]) -> Result:
     findings = (
         Finding("work", "ok", "work", value=off(request), unit="N m"),
         Finding("rest", "ok", "rest", value=50.0 - off(request), unit="N m"),
         Finding("none", "ok", "none"),
         Finding("speed", "ok", "speed", value=7.0, unit="rev/min"),
     )
-    return Answer(findings, (), request.tolerance)
+    return Result(findings, (), request.tolerance)
 
 
 def no_answer(request: Request[Any]) -> Any:
     raise EffectError("the follower jams at 90 degrees", finding="jamming")
 
 
-def not_beyond(request: Request[Any]) -> Answer:
+def not_beyond(request: Request[Any]) -> Result:
     if request.tolerance < 5e-7:
         raise EffectError("cannot be had to this tolerance")
     return with_column(request)
@@ -133,7 +126,7 @@ def test_tolerances_are_one_a_decade() -> None:
 
 @pytest.mark.parametrize("compute", [with_column, with_findings])
 def test_differences_are_those_from_the_tightest(
-    made: Made, compute: Callable[[Request[Any]], Answer]
+    made: Made, compute: Callable[[Request[Any]], Result]
 ) -> None:
     made.add("effect", compute)
     rows = made.rows("effect")
@@ -224,11 +217,11 @@ def test_what_is_not_the_same_is_not_compared() -> None:
 
 def test_the_first_column_goes_before_findings() -> None:
     finding = Finding("force", "ok", "force", value=3.0, unit="kN")
-    assert set(compared(Answer((finding,), (curve(1.0),)))) == {"N"}
-    (values,) = compared(Answer((), (curve(1.0),))).values()
+    assert set(compared(Result((finding,), (curve(1.0),)))) == {"N"}
+    (values,) = compared(Result((), (curve(1.0),))).values()
     assert np.max(values) == pytest.approx(1.0, abs=1e-5)
-    assert compared(Answer((finding,))) == {"kN": [3.0]}
-    assert compared(Answer()) == {}
+    assert compared(Result((finding,))) == {"kN": [3.0]}
+    assert compared(Result()) == {}
 
 
 # In the survey ------------------------------------------------------------------------------------
