@@ -46,7 +46,8 @@ def off(request: Request[Any]) -> float:
 
 
 def with_column(request: Request[Any]) -> Result:
-    return Result((), (curve(off(request)), curve(0.0)), request.tolerance / 2.0)
+    columns = (curve(off(request)), curve(0.0))
+    return Result(columns=columns, error=request.tolerance / 2.0)
 
 
 def with_findings(request: Request[Any]) -> Result:
@@ -56,7 +57,7 @@ def with_findings(request: Request[Any]) -> Result:
         Finding("none", "ok", "none"),
         Finding("speed", "ok", "speed", value=7.0, unit="rev/min"),
     )
-    return Result(findings, (), request.tolerance)
+    return Result(findings=findings, error=request.tolerance)
 
 
 def no_answer(request: Request[Any]) -> Any:
@@ -217,10 +218,10 @@ def test_what_is_not_the_same_is_not_compared() -> None:
 
 def test_the_first_column_goes_before_findings() -> None:
     finding = Finding("force", "ok", "force", value=3.0, unit="kN")
-    assert set(compared(Result((finding,), (curve(1.0),)))) == {"N"}
-    (values,) = compared(Result((), (curve(1.0),))).values()
+    assert set(compared(Result(findings=(finding,), columns=(curve(1.0),)))) == {"N"}
+    (values,) = compared(Result(columns=(curve(1.0),))).values()
     assert np.max(values) == pytest.approx(1.0, abs=1e-5)
-    assert compared(Result((finding,))) == {"kN": [3.0]}
+    assert compared(Result(findings=(finding,))) == {"kN": [3.0]}
     assert compared(Result()) == {}
 
 
