@@ -5,14 +5,14 @@ from __future__ import annotations
 import cmath
 import math
 from dataclasses import dataclass
-from typing import Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 
 from camgeo.errors import GeometryError
-from camgeo.mechanism.face import HIGHEST, STANDSTILL, FaceEnds, Touch, face_line, spread
-from camgeo.mechanism.follower import RelativeJet, TangentJet, bend_of_envelope
-from camgeo.mechanism.kind import Mover, Touching, Unit
+from camgeo.mechanism.alike import Flat, Rocking
+from camgeo.mechanism.face import HIGHEST, FaceEnds, Touch, face_line, spread
+from camgeo.mechanism.follower import RelativeJet, TangentJet
 from camgeo.mechanism.sketch import MechanismSketch
 from camgeo.mechanism.values import Coordinate, Length, Place, Sense
 from camgeo.motion.motion import FULL_ORDER, Jet
@@ -21,7 +21,7 @@ from camgeo.numeric.checked import check_fields
 
 
 @dataclass(frozen=True, slots=True)
-class OscillatingFlat:
+class OscillatingFlat(Rocking, Flat):
     """Oscillating follower with a flat face.
 
     The face's direction d points from the foot of the pivot on it to the contact. chi is its angle
@@ -62,6 +62,11 @@ class OscillatingFlat:
     direction: Sense | None = 1
     face: FaceEnds | None = None
 
+    kind: ClassVar[str] = "oscillating-flat"
+    origin: ClassVar[str] = "pivot's foot"
+    least_place: ClassVar[float] = 0.0
+    raised_by: ClassVar[tuple[str, ...]] = ("follower.base_radius", "follower.face_offset")
+
     def __post_init__(self) -> None:
         check_fields(self, "follower.")
         l1, f = self.centre_distance, self.face_offset
@@ -85,44 +90,9 @@ class OscillatingFlat:
             )
 
     @property
-    def kind(self) -> str:
-        """See `Follower`."""
-        return "oscillating-flat"
-
-    @property
-    def lift_unit(self) -> Unit:
-        """See `Follower`."""
-        return "rad"
-
-    @property
-    def touching(self) -> Touching:
-        """See `Follower`."""
-        return "face"
-
-    @property
-    def mover(self) -> Mover:
-        """See `Follower`."""
-        return "rocker"
-
-    @property
-    def offset(self) -> float:
-        """See `Follower`: none."""
-        return 0.0
-
-    @property
     def farthest(self) -> float:
         """See `Follower`."""
         return self.face_offset + self.centre_distance
-
-    @property
-    def lift_scale(self) -> float:
-        """See `Follower`."""
-        return 1.0
-
-    @property
-    def way(self) -> complex:
-        """See `Follower`."""
-        return 0j
 
     @property
     def start_arm(self) -> complex:
@@ -130,70 +100,15 @@ class OscillatingFlat:
         return self._face(0.0)[0] - self.pivot
 
     @property
-    def rolls(self) -> bool:
-        """See `Follower`."""
-        return False
-
-    @property
-    def has_edge(self) -> bool:
-        """See `Follower`."""
-        return False
-
-    @property
-    def has_pitch_curve(self) -> bool:
-        """See `Follower`."""
-        return False
-
-    @property
-    def standstill(self) -> str:
-        """See `Follower`."""
-        return STANDSTILL
-
-    @property
-    def origin(self) -> str:
+    def facing(self) -> int:
         """See `FlatFollower`."""
-        return "pivot's foot"
-
-    @property
-    def least_place(self) -> float:
-        """See `FlatFollower`: at the pivot's foot it has no lever about the pivot."""
-        return 0.0
-
-    @property
-    def raised_by(self) -> tuple[str, ...]:
-        """See `FlatFollower`."""
-        return ("follower.base_radius", "follower.face_offset")
-
-    @property
-    def ahead(self) -> int:
-        """See `Follower`."""
-        return 1
-
-    @property
-    def roller_radius(self) -> float:
-        """See `Follower`: 0."""
-        return 0.0
-
-    @property
-    def centre_distance(self) -> float:
-        """l_1, cam axis to pivot [mm]."""
-        return abs(self.pivot)
+        return self.arm_side
 
     @property
     def start_angle(self) -> float:
         """chi at cam angle 0 [rad], in (-pi/2, pi/2)."""
         l1, over = self.centre_distance, self.base_radius - self.face_offset
         return math.atan2(over, math.sqrt((l1 - over) * (l1 + over)))
-
-    @property
-    def swing_sense(self) -> int:
-        """Sense in which a positive lift turns the rocker: +1 counter-clockwise, -1 clockwise."""
-        return 1 if self.direction is None else self.direction * self.arm_side
-
-    @property
-    def facing(self) -> int:
-        """See `FlatFollower`: d = -i m n."""
-        return self.arm_side
 
     @property
     def reach(self) -> float:
@@ -314,22 +229,10 @@ class OscillatingFlat:
         out[:, slowest <= 0.0] = np.inf
         return out
 
-    def curvature(self, relative: RelativeJet, speed: FloatArray, rotation: int) -> FloatArray:
-        """See `Follower.curvature`."""
-        return bend_of_envelope(relative, speed, rotation)
-
-    def contact_radius(self, kappa: FloatArray, _: float) -> FloatArray:
-        """See `Follower.contact_radius`: a face adds no curvature."""
-        return 1.0 / kappa
-
     def sliding(self, jet: Jet, rotation: int) -> FloatArray:
         """See `Follower.sliding`: g = h - sigma f nu'."""
         slide = self.touch(jet, rotation).distance
         return np.asarray(slide - rotation * self.face_offset * self.swing_sense * jet[1])
-
-    def on_one_side(self, _: FloatArray) -> bool:
-        """See `Follower.on_one_side`."""
-        return False
 
     def _face(self, lift: float) -> tuple[complex, complex]:
         """The pivot's foot on the face [mm], and the way in which places count from it."""
@@ -356,15 +259,3 @@ class OscillatingFlat:
     ) -> tuple[Literal["pivot"], complex, tuple[complex, complex]]:
         """See `Follower.held`."""
         return "pivot", self.pivot, self._face_line(0.0, ends)
-
-    def linked_at(self, _: float) -> tuple[complex, complex]:
-        """See `Follower.linked_at`."""
-        return self.pivot, 0j
-
-    def far_side(self, _: float, __: tuple[float, float], ___: float) -> MechanismSketch:
-        """See `Follower.far_side`."""
-        return MechanismSketch()
-
-    def beside(self, _: complex, __: float, ___: float) -> MechanismSketch:
-        """See `Follower.beside`."""
-        return MechanismSketch()

@@ -5,20 +5,17 @@ from __future__ import annotations
 import cmath
 import math
 from dataclasses import dataclass
-from typing import Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 
 from camgeo.errors import GeometryError
+from camgeo.mechanism.alike import Rocking, Rolling
 from camgeo.mechanism.drawn import traced_point
 from camgeo.mechanism.follower import (
-    STANDSTILL,
     RelativeJet,
     TangentJet,
-    bend_of_path,
-    radius_under_roller,
 )
-from camgeo.mechanism.kind import Mover, Touching, Unit
 from camgeo.mechanism.sketch import MechanismSketch
 from camgeo.mechanism.values import Length, Place, Radius, Sense
 from camgeo.motion.motion import FULL_ORDER, Jet
@@ -27,7 +24,7 @@ from camgeo.numeric.checked import check_fields
 
 
 @dataclass(frozen=True, slots=True)
-class OscillatingRoller:
+class OscillatingRoller(Rocking, Rolling):
     """Oscillating roller follower (Wirsig eqs. 2.43 to 2.52).
 
     The rocker's angle chi is counted counter-clockwise from the line pivot -> cam axis:
@@ -59,6 +56,8 @@ class OscillatingRoller:
     arm_side: Sense = 1
     direction: Sense | None = 1
 
+    kind: ClassVar[str] = "oscillating-roller"
+
     def __post_init__(self) -> None:
         check_fields(self, "follower.")
         low, high = abs(self.centre_distance - self.arm), self.centre_distance + self.arm
@@ -72,11 +71,6 @@ class OscillatingRoller:
             )
 
     @property
-    def centre_distance(self) -> float:
-        """l_1, cam axis to pivot [mm]."""
-        return abs(self.pivot)
-
-    @property
     def start_angle(self) -> float:
         """psi_G, angle between arm and the line pivot -> cam axis at cam angle 0 [rad], (0, pi)."""
         l1, l3, base = self.centre_distance, self.arm, self.base_radius
@@ -86,84 +80,14 @@ class OscillatingRoller:
         )
 
     @property
-    def swing_sense(self) -> int:
-        """Sense in which a positive lift turns the rocker: +1 counter-clockwise, -1 clockwise."""
-        return 1 if self.direction is None else self.direction * self.arm_side
-
-    @property
-    def kind(self) -> str:
-        """See `Follower`."""
-        return "oscillating-roller"
-
-    @property
-    def lift_unit(self) -> Unit:
-        """See `Follower`."""
-        return "rad"
-
-    @property
-    def touching(self) -> Touching:
-        """See `Follower`."""
-        return "roller"
-
-    @property
-    def mover(self) -> Mover:
-        """See `Follower`."""
-        return "rocker"
-
-    @property
-    def offset(self) -> float:
-        """See `Follower`: none."""
-        return 0.0
-
-    @property
-    def face(self) -> tuple[float, float]:
-        """See `Follower`: none."""
-        return 0.0, 0.0
-
-    @property
     def farthest(self) -> float:
         """See `Follower`."""
         return self.centre_distance + self.arm
 
     @property
-    def lift_scale(self) -> float:
-        """See `Follower`."""
-        return 1.0
-
-    @property
-    def way(self) -> complex:
-        """See `Follower`."""
-        return 0j
-
-    @property
     def start_arm(self) -> complex:
         """See `Follower`."""
         return cmath.rect(self.arm, cmath.phase(-self.pivot) + self.arm_side * self.start_angle)
-
-    @property
-    def rolls(self) -> bool:
-        """See `Follower`."""
-        return True
-
-    @property
-    def has_edge(self) -> bool:
-        """See `Follower`."""
-        return self.roller_radius == 0.0
-
-    @property
-    def has_pitch_curve(self) -> bool:
-        """See `Follower`."""
-        return True
-
-    @property
-    def standstill(self) -> str:
-        """See `Follower`; hard case HC18."""
-        return STANDSTILL
-
-    @property
-    def ahead(self) -> int:
-        """See `Follower`."""
-        return 0
 
     @property
     def reach(self) -> float:
@@ -237,18 +161,6 @@ class OscillatingRoller:
             )
         )
 
-    def curvature(self, relative: RelativeJet, speed: FloatArray, rotation: int) -> FloatArray:
-        """See `Follower.curvature`."""
-        return bend_of_path(relative, speed, rotation)
-
-    def contact_radius(self, kappa: FloatArray, half: float) -> FloatArray:
-        """See `Follower.contact_radius`."""
-        return radius_under_roller(self.roller_radius, kappa, half)
-
-    def sliding(self, jet: Jet, _: int) -> FloatArray:
-        """See `Follower.sliding`: a roller rolls."""
-        return np.zeros(jet.shape[1])
-
     def on_one_side(self, lifts: FloatArray) -> bool:
         """See `Follower.on_one_side`."""
         rocker = self.rocker_angle(lifts)
@@ -262,15 +174,7 @@ class OscillatingRoller:
         """See `Follower.held`."""
         return "pivot", self.pivot, None
 
-    def linked_at(self, _: float) -> tuple[complex, complex]:
-        """See `Follower.linked_at`."""
-        return self.pivot, 0j
-
     def beside(self, _: complex, lift: float, __: float) -> MechanismSketch:
         """See `Follower.beside`: both arms are on the pivot."""
         here = traced_point(self, lift)
         return MechanismSketch(links=((self.pivot, here),), rollers=((here, self.roller_radius),))
-
-    def far_side(self, _: float, __: tuple[float, float], ___: float) -> MechanismSketch:
-        """See `Follower.far_side`."""
-        return MechanismSketch()

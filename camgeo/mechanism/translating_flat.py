@@ -5,14 +5,14 @@ from __future__ import annotations
 import cmath
 import math
 from dataclasses import dataclass
-from typing import Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 
+from camgeo.mechanism.alike import Flat, Guided
 from camgeo.mechanism.drawn import across, carriage, traced_point
-from camgeo.mechanism.face import HIGHEST, STANDSTILL, FaceEnds, Touch, face_line, spread
-from camgeo.mechanism.follower import RelativeJet, TangentJet, bend_of_envelope
-from camgeo.mechanism.kind import Mover, Touching, Unit
+from camgeo.mechanism.face import HIGHEST, FaceEnds, Touch, face_line, spread
+from camgeo.mechanism.follower import RelativeJet, TangentJet
 from camgeo.mechanism.sketch import MechanismSketch
 from camgeo.mechanism.values import Angle, Length, Sense
 from camgeo.motion.motion import FULL_ORDER, Jet
@@ -21,7 +21,7 @@ from camgeo.numeric.checked import check_fields
 
 
 @dataclass(frozen=True, slots=True)
-class TranslatingFlat:
+class TranslatingFlat(Guided, Flat):
     """Translating follower whose face is square across the guide.
 
     With nu = `guide_angle` and h = r_G + kappa_F s in `camgeo.mechanism.face` the turn is 1, and
@@ -51,118 +51,19 @@ class TranslatingFlat:
     direction: Sense = 1
     face: FaceEnds | None = None
 
+    kind: ClassVar[str] = "translating-flat"
+    origin: ClassVar[str] = "cam axis"
+    least_place: ClassVar[float] = -math.inf
+    raised_by: ClassVar[tuple[str, ...]] = ("follower.base_radius",)
+    facing: ClassVar[int] = 1
+
     def __post_init__(self) -> None:
         check_fields(self, "follower.")
-
-    @property
-    def kind(self) -> str:
-        """See `Follower`."""
-        return "translating-flat"
-
-    @property
-    def lift_unit(self) -> Unit:
-        """See `Follower`."""
-        return "mm"
-
-    @property
-    def touching(self) -> Touching:
-        """See `Follower`."""
-        return "face"
-
-    @property
-    def pivot(self) -> None:
-        """See `Follower`: none."""
-        return None
-
-    @property
-    def mover(self) -> Mover:
-        """See `Follower`."""
-        return "follower"
-
-    @property
-    def offset(self) -> float:
-        """See `Follower`: none."""
-        return 0.0
-
-    @property
-    def farthest(self) -> float:
-        """See `Follower`."""
-        return math.inf
-
-    @property
-    def lift_scale(self) -> float:
-        """See `Follower`."""
-        return self.base_radius
-
-    @property
-    def swing_sense(self) -> int:
-        """See `Follower`: none."""
-        return 0
-
-    @property
-    def way(self) -> complex:
-        """See `Follower`."""
-        return self.direction * cmath.rect(1.0, self.guide_angle)
 
     @property
     def start_arm(self) -> complex:
         """See `Follower`."""
         return 1j * self.base_radius * cmath.rect(1.0, self.guide_angle - 0.5 * math.pi)
-
-    @property
-    def rolls(self) -> bool:
-        """See `Follower`."""
-        return False
-
-    @property
-    def has_edge(self) -> bool:
-        """See `Follower`."""
-        return False
-
-    @property
-    def has_pitch_curve(self) -> bool:
-        """See `Follower`."""
-        return False
-
-    @property
-    def standstill(self) -> str:
-        """See `Follower`."""
-        return STANDSTILL
-
-    @property
-    def origin(self) -> str:
-        """See `FlatFollower`."""
-        return "cam axis"
-
-    @property
-    def least_place(self) -> float:
-        """See `FlatFollower`: it moves by its guide wherever it is pressed."""
-        return -math.inf
-
-    @property
-    def raised_by(self) -> tuple[str, ...]:
-        """See `FlatFollower`."""
-        return ("follower.base_radius",)
-
-    @property
-    def ahead(self) -> int:
-        """See `Follower`."""
-        return 1
-
-    @property
-    def roller_radius(self) -> float:
-        """See `Follower`: 0."""
-        return 0.0
-
-    @property
-    def facing(self) -> int:
-        """See `FlatFollower`: to the right."""
-        return 1
-
-    @property
-    def reach(self) -> float:
-        """See `Follower`: kappa_F."""
-        return float(self.direction)
 
     def _distance(self, jet: Jet) -> Jet:
         """h and its derivatives, as many as of the lift."""
@@ -213,25 +114,9 @@ class TranslatingFlat:
             (height + bounds[2], height + rest, height + 2.0 * rest + spread(change, half))
         )
 
-    def curvature(self, relative: RelativeJet, speed: FloatArray, rotation: int) -> FloatArray:
-        """See `Follower.curvature`."""
-        return bend_of_envelope(relative, speed, rotation)
-
-    def contact_radius(self, kappa: FloatArray, _: float) -> FloatArray:
-        """See `Follower.contact_radius`: a face adds no curvature."""
-        return 1.0 / kappa
-
     def sliding(self, jet: Jet, rotation: int) -> FloatArray:
         """See `Follower.sliding`: g = h; that the contact wanders is no sliding."""
         return self.touch(jet, rotation).distance
-
-    def on_one_side(self, _: FloatArray) -> bool:
-        """See `Follower.on_one_side`."""
-        return False
-
-    @property
-    def _out(self) -> complex:
-        return cmath.exp(1j * self.guide_angle)
 
     def _face(self, lift: float) -> tuple[complex, complex]:
         """The foot of the cam axis on the face [mm], and the way in which places count."""
@@ -240,26 +125,17 @@ class TranslatingFlat:
 
     def sketch(self, lift: float, farthest: float, ends: tuple[float, float]) -> MechanismSketch:
         """See `Follower.sketch`."""
-        _, rod = carriage(self, self._out, lift, farthest)
+        _, rod = carriage(self, self.out, lift, farthest)
         return rod + MechanismSketch(faces=(face_line(*self._face(lift), ends),))
 
     def held(
         self, ends: tuple[float, float]
     ) -> tuple[Literal["guide"], complex, tuple[complex, complex]]:
         """See `Follower.held`."""
-        return "guide", 2.0 * self.base_radius * self._out, face_line(*self._face(0.0), ends)
-
-    def linked_at(self, farthest: float) -> tuple[complex, complex]:
-        """See `Follower.linked_at`: the end of its rod."""
-        _, rod = carriage(self, self._out, 0.0, farthest)
-        return rod.links[0][-1], self.direction * self._out
+        return "guide", 2.0 * self.base_radius * self.out, face_line(*self._face(0.0), ends)
 
     def far_side(self, lift: float, ends: tuple[float, float], breadth: float) -> MechanismSketch:
         """See `Follower.far_side`: the same face, half a turn on."""
         here, along = self._face(lift)
         there, joined = across(here, breadth)
         return joined + MechanismSketch(faces=(face_line(there, -along, ends),))
-
-    def beside(self, _: complex, __: float, ___: float) -> MechanismSketch:
-        """See `Follower.beside`."""
-        return MechanismSketch()

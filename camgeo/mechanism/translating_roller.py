@@ -5,20 +5,17 @@ from __future__ import annotations
 import cmath
 import math
 from dataclasses import dataclass
-from typing import Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 
 from camgeo.errors import GeometryError
+from camgeo.mechanism.alike import Guided, Rolling
 from camgeo.mechanism.drawn import across, bracket, carriage, traced_point
 from camgeo.mechanism.follower import (
-    STANDSTILL,
     RelativeJet,
     TangentJet,
-    bend_of_path,
-    radius_under_roller,
 )
-from camgeo.mechanism.kind import Mover, Touching, Unit
 from camgeo.mechanism.sketch import MechanismSketch
 from camgeo.mechanism.values import Angle, Coordinate, Length, Radius, Sense
 from camgeo.motion.motion import FULL_ORDER, Jet
@@ -27,7 +24,7 @@ from camgeo.numeric.checked import check_fields
 
 
 @dataclass(frozen=True, slots=True)
-class TranslatingRoller:
+class TranslatingRoller(Guided, Rolling):
     """Translating roller follower (Wirsig eqs. 2.56 to 2.63, sign of e corrected).
 
     With the guide upwards (`guide_angle` pi/2) the guide line is x = e and the follower lies above
@@ -54,6 +51,8 @@ class TranslatingRoller:
     guide_angle: Angle = math.pi / 2.0
     direction: Sense = 1
 
+    kind: ClassVar[str] = "translating-roller"
+
     def __post_init__(self) -> None:
         check_fields(self, "follower.")
         if abs(self.offset) > self.base_radius:
@@ -65,91 +64,11 @@ class TranslatingRoller:
             )
 
     @property
-    def kind(self) -> str:
-        """See `Follower`."""
-        return "translating-roller"
-
-    @property
-    def lift_unit(self) -> Unit:
-        """See `Follower`."""
-        return "mm"
-
-    @property
-    def touching(self) -> Touching:
-        """See `Follower`."""
-        return "roller"
-
-    @property
-    def pivot(self) -> None:
-        """See `Follower`: none."""
-        return None
-
-    @property
-    def mover(self) -> Mover:
-        """See `Follower`."""
-        return "follower"
-
-    @property
-    def face(self) -> tuple[float, float]:
-        """See `Follower`: none."""
-        return 0.0, 0.0
-
-    @property
-    def farthest(self) -> float:
-        """See `Follower`."""
-        return math.inf
-
-    @property
-    def lift_scale(self) -> float:
-        """See `Follower`."""
-        return self.base_radius
-
-    @property
-    def swing_sense(self) -> int:
-        """See `Follower`: none."""
-        return 0
-
-    @property
-    def way(self) -> complex:
-        """See `Follower`."""
-        return self.direction * cmath.rect(1.0, self.guide_angle)
-
-    @property
     def start_arm(self) -> complex:
         """See `Follower`."""
         return complex(self.offset, self.start_height) * cmath.rect(
             1.0, self.guide_angle - 0.5 * math.pi
         )
-
-    @property
-    def rolls(self) -> bool:
-        """See `Follower`."""
-        return True
-
-    @property
-    def has_edge(self) -> bool:
-        """See `Follower`."""
-        return self.roller_radius == 0.0
-
-    @property
-    def has_pitch_curve(self) -> bool:
-        """See `Follower`."""
-        return True
-
-    @property
-    def standstill(self) -> str:
-        """See `Follower`."""
-        return STANDSTILL
-
-    @property
-    def ahead(self) -> int:
-        """See `Follower`."""
-        return 0
-
-    @property
-    def reach(self) -> float:
-        """See `Follower`: kappa_F."""
-        return float(self.direction)
 
     @property
     def start_height(self) -> float:
@@ -202,29 +121,13 @@ class TranslatingRoller:
             )
         )
 
-    def curvature(self, relative: RelativeJet, speed: FloatArray, rotation: int) -> FloatArray:
-        """See `Follower.curvature`."""
-        return bend_of_path(relative, speed, rotation)
-
-    def contact_radius(self, kappa: FloatArray, half: float) -> FloatArray:
-        """See `Follower.contact_radius`."""
-        return radius_under_roller(self.roller_radius, kappa, half)
-
-    def sliding(self, jet: Jet, _: int) -> FloatArray:
-        """See `Follower.sliding`: a roller rolls."""
-        return np.zeros(jet.shape[1])
-
     def on_one_side(self, lifts: FloatArray) -> bool:
         """See `Follower.on_one_side`."""
         return bool(np.all(self.start_height + self.direction * lifts > 0.0))
 
-    @property
-    def _out(self) -> complex:
-        return cmath.exp(1j * self.guide_angle)
-
     def sketch(self, lift: float, farthest: float, _: tuple[float, float]) -> MechanismSketch:
         """See `Follower.sketch`."""
-        here, rod = carriage(self, self._out, lift, farthest)
+        here, rod = carriage(self, self.out, lift, farthest)
         return rod + MechanismSketch(rollers=((here, self.roller_radius),))
 
     def held(self, _: tuple[float, float]) -> tuple[Literal["guide"], complex, None]:
@@ -235,11 +138,6 @@ class TranslatingRoller:
             -1j * out * self.offset + out * (self.start_height + 2.0 * self.base_radius),
             None,
         )
-
-    def linked_at(self, farthest: float) -> tuple[complex, complex]:
-        """See `Follower.linked_at`: the end of its rod."""
-        _, rod = carriage(self, self._out, 0.0, farthest)
-        return rod.links[0][-1], self.direction * self._out
 
     def far_side(self, lift: float, _: tuple[float, float], breadth: float) -> MechanismSketch:
         """See `Follower.far_side`."""
