@@ -10,6 +10,10 @@ from camgeo.contour.proved import FitPieces, PieceOfLeg
 from camgeo.curve.pieces import Piece
 from camgeo.curve.working_curve import WorkingCurve
 
+AIM = 0.985
+"""Share of the tolerance that the sampled distance of a fast fit may reach; the proof takes the
+rest."""
+
 
 class Group(Protocol):
     """Smooth pieces of one curve, ready to be fitted at any aim."""

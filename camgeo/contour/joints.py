@@ -20,6 +20,11 @@ APART = 2.0**-52 * 1e4
 """Nearest two joints, as a share of their distance from the cam axis: the direction from one to the
 next is still known to 1e-3 rad. Only beside a cusp does a curve move so little."""
 
+CROWDED = 1e3 * APART
+"""Joints with places between them nearer than this share of their distance from the cam axis are
+looked at for `joints_apart`; a pace that changes thousandfold between two joints is that of a cusp.
+"""
+
 
 def require_regular(curve: WorkingCurve, piece: Piece) -> None:
     """Raise UndercutError if 1 + d kappa is negative at some sample of the piece.

@@ -16,8 +16,8 @@ from camgeo.contour.arcs.density import ArcDensity, Found
 from camgeo.contour.chain import Chain
 from camgeo.contour.counts import Trials
 from camgeo.contour.fit import Fit
-from camgeo.contour.groups import fit_by_groups
-from camgeo.contour.joints import APART, joints_apart
+from camgeo.contour.groups import AIM, fit_by_groups
+from camgeo.contour.joints import CROWDED, joints_apart
 from camgeo.contour.legs import TurnLeg
 from camgeo.contour.proved import proved_fit
 from camgeo.contour.spread import bends_of
@@ -25,14 +25,6 @@ from camgeo.curve.pieces import Piece
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.numeric.arrays import FloatArray
 from camgeo.outline.path import Path
-
-AIM = 0.985
-"""Share of the tolerance that the sampled distance may reach; the proof takes the rest."""
-
-CROWDED = 1e3 * APART
-"""Joints with places between them nearer than this share of their distance from the cam axis are
-looked at for `joints_apart`; a pace that changes thousandfold between two joints is that of a cusp.
-"""
 
 ORDER = 3.0
 """Power of the number of arcs with which the distance falls."""

@@ -12,8 +12,8 @@ from camgeo.contour.chain import Chain
 from camgeo.contour.chords.density import MOST_TURN, ChordDensity
 from camgeo.contour.counts import Trials, too_many
 from camgeo.contour.fit import Fit
-from camgeo.contour.groups import fit_by_groups
-from camgeo.contour.joints import APART, joints_apart
+from camgeo.contour.groups import AIM, fit_by_groups
+from camgeo.contour.joints import CROWDED, joints_apart
 from camgeo.contour.legs import TurnLeg
 from camgeo.contour.peaks import highest
 from camgeo.contour.proved import proved_fit
@@ -23,18 +23,11 @@ from camgeo.curve.working_curve import WorkingCurve
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.outline.path import Path
 
-AIM = 0.985
-"""Share of the tolerance that the sampled distance may reach; the proof takes the rest."""
-
 PARTS = 2
 """Places a chord at which its distance is looked for: where it starts and half way."""
 
 ORDER = 2.0
 """Power of the number of chords with which the distance falls."""
-
-CROWDED = 1e3 * APART
-"""Vertices with places between them nearer than this share of their distance from the cam axis are
-looked at for `joints_apart`; a pace that changes thousandfold between two is that of a cusp."""
 
 MAX_CHORDS = 2_000_000
 """Chords a smooth piece at most."""
