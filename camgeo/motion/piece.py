@@ -35,6 +35,11 @@ class Piece:
     spline: Spline | None = None
 
     @property
+    def rests(self) -> bool:
+        """Whether nothing moves."""
+        return self.formula is None
+
+    @property
     def length(self) -> float:
         """Cam angle of the whole segment [rad]."""
         return self.segment_end - self.segment_start

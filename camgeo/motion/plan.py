@@ -10,6 +10,8 @@ import math
 from dataclasses import dataclass, field
 from decimal import Decimal
 from functools import cached_property
+from itertools import groupby
+from operator import attrgetter
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -196,21 +198,12 @@ class MotionPlan(Pickled):
         The joints, and the inner borders of the laws; not the middle of a rest.
         """
         found: list[float] = []
-        resting = [piece.formula is None for piece in self._pieces]
-        for before, after, rest_before, rest_after in zip(
-            self._pieces[-1:] + self._pieces[:-1],
-            self._pieces,
-            resting[-1:] + resting[:-1],
-            resting,
-            strict=True,
-        ):
-            moving = not rest_before and not rest_after
-            same_segment = moving and before.segment_start == after.segment_start
-            if rest_before and rest_after:
+        for before, after in zip(self._pieces[-1:] + self._pieces[:-1], self._pieces, strict=True):
+            if before.rests and after.rests:
                 continue
-            if same_segment and after.start not in self._inner_breaks:
-                continue
-            found.append(after.start)
+            inside = before.segment_start == after.segment_start
+            if before.rests or after.rests or not inside or after.start in self._inner_breaks:
+                found.append(after.start)
         return frozen(found, np.float64)
 
     @cached_property
@@ -224,18 +217,9 @@ class MotionPlan(Pickled):
     @cached_property
     def dwells(self) -> tuple[DwellSpan, ...]:
         """All rests, neighbours merged, also across cam angle 0."""
-        resting = [piece.formula is None for piece in self._pieces]
-        if all(resting):
-            return (DwellSpan(0.0, TURN),)
-        found: list[list[float]] = []
-        previous = False
-        for piece, rests in zip(self._pieces, resting, strict=True):
-            if rests and previous:
-                found[-1][1] = piece.end
-            elif rests:
-                found.append([piece.start, piece.end])
-            previous = rests
-        if len(found) > 1 and resting[0] and resting[-1]:
+        runs = [[*run] for rests, run in groupby(self._pieces, attrgetter("rests")) if rests]
+        found = [[run[0].start, run[-1].end] for run in runs]
+        if len(found) > 1 and self._pieces[0].rests and self._pieces[-1].rests:
             found[-1][1] += found[0][1]
             found = found[1:]
         return tuple(DwellSpan(start, end - start) for start, end in found)

@@ -8,7 +8,6 @@ follows from (2) by the chain rule once more.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import partial
 from typing import TYPE_CHECKING, Annotated, Final, Literal, Protocol
@@ -21,7 +20,7 @@ from camgeo.numeric import checked
 from camgeo.numeric.arrays import FloatArray, ascending
 from camgeo.numeric.extremes import Extremes, extremes_of
 from camgeo.numeric.peaks import grid_of, peaks
-from camgeo.numeric.roots import bracketed_roots
+from camgeo.numeric.roots import bracketed_roots, sign_changes
 from camgeo.pickled import Pickled
 from camgeo.units import TURN
 
@@ -255,7 +254,8 @@ def time_extremes(motion: Motion, course: TimeCourse, unit: LiftUnit = "mm") -> 
         )
 
     def at_roots(row: int) -> Extremes:
-        return extremes(row, _roots(lambda phi: timed(phi)[row + 1], inside, grid[row + 1]))
+        cells = sign_changes(inside, grid[row + 1])
+        return extremes(row, bracketed_roots(lambda phi: timed(phi)[row + 1], *cells))
 
     def at_peaks(row: int) -> Extremes:
         return extremes(row, peaks(lambda phi: timed(phi)[row], inside, grid[row]))
@@ -266,11 +266,3 @@ def time_extremes(motion: Motion, course: TimeCourse, unit: LiftUnit = "mm") -> 
         jerk=at_peaks(JERK),
         torque=at_peaks(TORQUE),
     )
-
-
-def _roots(
-    function: Callable[[FloatArray], FloatArray], grid: FloatArray, values: FloatArray
-) -> FloatArray:
-    """Roots where `values` changes sign along the rows of `grid` (m, k)."""
-    change = values[:, :-1] * np.sign(values[:, 1:]) < 0.0
-    return bracketed_roots(function, grid[:, :-1][change], grid[:, 1:][change])

@@ -152,25 +152,23 @@ class ExactBoundary:
 
 def largest_radius(contour: Contour) -> float:
     """Largest distance of the contour from the cam axis [mm]."""
-    return float(np.max(_radii(contour)[1]))
+    return max(_radii(contour))
 
 
 def smallest_radius(contour: Contour) -> float:
     """Smallest distance of the contour from the cam axis [mm]; 0 if the axis lies outside of it."""
     from camgeo.contour.winding import winding_number
 
-    if winding_number(contour, 0j) == 0:
-        return 0.0
-    return float(np.min(_radii(contour)[0]))
+    return min(_radii(contour)) if winding_number(contour, 0j) else 0.0
 
 
-def _radii(contour: Contour) -> tuple[list[float], list[float]]:
-    """Smallest and largest distance of each piece from the cam axis."""
-    near, far = [], []
+def _radii(contour: Contour) -> list[float]:
+    """Distances from the cam axis: of the ends of pieces, and of what is nearest or farthest."""
+    radii: list[float] = []
     for start, end, sweep, centre in zip(
         contour.vertices, contour.ends, contour.sweeps, contour.centres, strict=True
     ):
-        radii = [abs(start), abs(end)]
+        radii += (abs(start), abs(end))
         if sweep == 0.0:
             chord = end - start
             share = -(start * np.conj(chord)).real / abs(chord) ** 2
@@ -182,6 +180,4 @@ def _radii(contour: Contour) -> tuple[list[float], list[float]]:
                 turned = np.angle(direction / (start - centre)) * np.sign(sweep)
                 if turned % (2.0 * np.pi) <= abs(sweep):
                     radii.append(abs(centre + radius * direction))
-        near.append(min(radii))
-        far.append(max(radii))
-    return near, far
+    return [float(radius) for radius in radii]

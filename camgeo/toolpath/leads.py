@@ -18,19 +18,17 @@ SMALLEST_SHARE = 1.0 / 64.0
 
 @dataclass(frozen=True, slots=True)
 class Lead:
-    """Arcs onto and off a path at one of its points.
+    """Arcs onto and off a path at its first point, counter-clockwise.
 
     Attributes
     ----------
     start, end : complex [mm] where the lead-in begins and the lead-out ends.
     centre : complex [mm], of both arcs.
-    ccw : sense of both.
     """
 
     start: complex
     end: complex
     centre: complex
-    ccw: bool
 
 
 def started(contour: Contour, index: int) -> Contour:
@@ -57,9 +55,7 @@ def start_tangent(contour: Contour) -> complex:
     return along / abs(along)
 
 
-def quarter_circle_lead(
-    path: Contour, point: complex, tangent: complex, side: complex, room: float
-) -> Lead:
+def quarter_circle_lead(path: Contour, room: float) -> Lead:
     """Quarter circles on the free side, the left, at most `room` [mm] large, clear of the path.
 
     Raises
@@ -69,32 +65,21 @@ def quarter_circle_lead(
     """
     import shapely
 
+    point, tangent = complex(path.vertices[0]), start_tangent(path)
     outline = path.points(1e-4 * path.length)
     region = shapely.Polygon(np.column_stack((outline.real, outline.imag)))
     free_is_outside = path.area < 0.0
     radius = room
     while radius >= SMALLEST_SHARE * room:
-        centre = point + radius * side
-        lead = Lead(
-            centre - radius * tangent,
-            centre + radius * tangent,
-            centre,
-            _turns_ccw(point - centre, tangent),
-        )
-        quarter = np.linspace(-0.5 * np.pi, 0.5 * np.pi, CHECKED_POINTS)
-        sense = 1.0 if lead.ccw else -1.0
-        points = centre + (point - centre) * np.exp(1j * sense * quarter)
+        centre = point + radius * (1j * tangent)
+        half = np.linspace(-0.5 * np.pi, 0.5 * np.pi, CHECKED_POINTS)
+        points = centre + (point - centre) * np.exp(1j * half)
         points = np.delete(points, CHECKED_POINTS // 2)
         inside = shapely.contains_xy(region, points.real, points.imag)
         if not np.any(inside == free_is_outside):
-            return lead
+            return Lead(centre - radius * tangent, centre + radius * tangent, centre)
         radius /= 2.0
     raise GeometryError(
         "there is no room for a tangential lead-in beside the outline; a smaller cutter may help",
         key="output.gcode.tool_diameter",
     )
-
-
-def _turns_ccw(arm: complex, tangent: complex) -> bool:
-    """Does a point at `arm` from the centre turn counter-clockwise if it moves along `tangent`?"""
-    return (arm.conjugate() * tangent).imag > 0.0

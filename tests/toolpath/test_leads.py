@@ -39,7 +39,7 @@ def test_start_in_the_middle_of_a_piece() -> None:
 def test_lead_stays_in_the_slot(room: float) -> None:
     contour = started(SLOT, 0)
     point, tangent = complex(contour.vertices[0]), start_tangent(contour)
-    lead = quarter_circle_lead(contour, point, tangent, 1j * tangent, room)
+    lead = quarter_circle_lead(contour, room)
     radius = abs(lead.centre - point)
     # Halved until it fits: a quarter circle on either side rises by its radius, up to 2.
     assert radius <= 2.0 * HALF_WIDTH
@@ -49,13 +49,12 @@ def test_lead_stays_in_the_slot(room: float) -> None:
     for end in (lead.start, lead.end):
         assert abs(end.imag) <= HALF_WIDTH
     # It runs along the path where it meets it.
-    turned = (point - lead.centre) * (1j if lead.ccw else -1j) / radius
+    turned = (point - lead.centre) * 1j / radius
     assert turned == pytest.approx(tangent)
 
 
 def test_no_room_is_refused() -> None:
     contour = started(SLOT, 0)
-    point, tangent = complex(contour.vertices[0]), start_tangent(contour)
     room = 2.1 * HALF_WIDTH / SMALLEST_SHARE
     with pytest.raises(GeometryError, match="no room for a tangential lead-in"):
-        quarter_circle_lead(contour, point, tangent, 1j * tangent, room)
+        quarter_circle_lead(contour, room)

@@ -137,7 +137,7 @@ def _peak(law: Law) -> float:
 def _jerks(law: Law) -> bool:
     """Whether the acceleration jumps, between two rests."""
     ends = (law.start, law.end)
-    return any(end.velocity or end.acceleration for end in ends) or acceleration_jumps(law)
+    return any(end.velocity or end.acceleration for end in ends) or bool(acceleration_jumps(law))
 
 
 def _cure(plan: MotionPlan, offers: Mapping[int, Offer]) -> Cure:

@@ -104,19 +104,20 @@ def characteristic(law: Law) -> Characteristic:
     )
 
 
-def acceleration_jumps(law: Law) -> bool:
-    """Whether f'' jumps inside the law: a jerk in the sense of the guideline."""
+def acceleration_jumps(law: Law) -> tuple[float, ...]:
+    """The z inside the law at which f'' jumps: jerks in the sense of the guideline."""
     ends = []
     for region in law.regions:
         z = np.array([region.start, region.end])
         ends.append(region.formula(z, 1.0 - z)[2])
     scale = float(np.max(np.abs(ends)))
+    found = []
     for (before, left), (after, right) in itertools.pairwise(zip(law.regions, ends, strict=True)):
         # A border is off by its rounding, which the jerk turns into acceleration.
         moved = BORDER * max(before.jerk_bound, after.jerk_bound)
         if abs(float(right[0] - left[1])) > ROUNDING * scale + moved:
-            return True
-    return False
+            found.append(after.start)
+    return tuple(found)
 
 
 _Pick = Callable[[FloatArray, FloatArray, BoolArray], Extreme]

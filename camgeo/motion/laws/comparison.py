@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
-
-import numpy as np
 
 from camgeo.errors import GeometryError
 from camgeo.motion.laws import (
@@ -19,8 +16,8 @@ from camgeo.motion.laws import (
     find_family,
     law_of,
 )
-from camgeo.motion.laws.characteristic import ROUNDING
-from camgeo.motion.laws.law import Law, Region
+from camgeo.motion.laws.characteristic import ROUNDING, acceleration_jumps
+from camgeo.motion.laws.law import Law
 from camgeo.motion.task import TASKS, ends_of
 from camgeo.numeric import checked
 
@@ -164,7 +161,7 @@ def _entry(name: str, task: str, given: Mapping[str, float]) -> Entry:
         given_as = f"{error.key} = {error.value}: " if error.value and error.key != "task" else ""
         return Entry(name, task, reason=f"{given_as}{error.message}")
     shocks = _end_jumps(law, "v")
-    jerks = tuple(sorted({*_end_jumps(law, "a"), *_inner_jumps(law)}))
+    jerks = tuple(sorted({*_end_jumps(law, "a"), *acceleration_jumps(law)}))
     return Entry(
         name,
         task,
@@ -198,24 +195,6 @@ def _end_jumps(law: Law, order: str) -> tuple[float, ...]:
         if order in ZERO[kind] and value != 0.0:
             found.append(place)
     return tuple(found)
-
-
-def _inner_jumps(law: Law) -> tuple[float, ...]:
-    """z inside at which f'' jumps."""
-    ends = [(region.start, *_accelerations(region)) for region in law.regions]
-    scale = max(abs(value) for _, *pair in ends for value in pair)
-    return tuple(
-        place
-        for (_, _, left), (place, right, _) in itertools.pairwise(ends)
-        if abs(right - left) > ROUNDING * scale
-    )
-
-
-def _accelerations(region: Region) -> tuple[float, float]:
-    """f'' at the ends of a region, from inside."""
-    z = np.array([region.start, region.end])
-    first, last = region.formula(z, 1.0 - z)[2]
-    return float(first), float(last)
 
 
 def _unbounded(law: Law, shocks: tuple[float, ...], jerks: tuple[float, ...]) -> frozenset[str]:

@@ -9,7 +9,7 @@ from camgeo.errors import GeometryError
 from camgeo.motion.laws import find_family, law_of
 from camgeo.motion.laws.law import Law
 from camgeo.motion.laws.two_point import law_of_boundary_values
-from camgeo.motion.planning.chain import Chain, Joint, Link
+from camgeo.motion.planning.chain import Chain, Link
 from camgeo.motion.planning.reach import out_of_reach
 from camgeo.motion.planning.request import MoveRequest
 
@@ -83,16 +83,10 @@ def _scaled(chain: Chain, number: int, unit: float) -> dict[str, float]:
     link = chain.links[number]
     found = {}
     for end, joint in (("0", chain.before(number)), ("1", chain.after(number))):
-        for key, value in _values(joint):
+        for key, value in zip("vaj", (*joint.values, joint.jerk), strict=True):
             if value is not None:
                 found[key + end] = value * link.length ** ORDERS[key] / unit
     return found
-
-
-def _values(joint: Joint) -> Iterator[tuple[str, float | None]]:
-    yield "v", joint.velocity
-    yield "a", joint.acceleration
-    yield "j", joint.jerk
 
 
 def _needed(

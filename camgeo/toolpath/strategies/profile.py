@@ -7,7 +7,7 @@ from typing import Final
 from camgeo.contour.fit import Effort
 from camgeo.part.part import Wall
 from camgeo.toolpath.cut import Cut, passes
-from camgeo.toolpath.leads import quarter_circle_lead, start_tangent
+from camgeo.toolpath.leads import quarter_circle_lead
 from camgeo.toolpath.moves import ArcFeed, Feed, Move, Rapid
 from camgeo.toolpath.strategies.closed_path import fitted, once_round
 from camgeo.toolpath.tool import Tool
@@ -39,8 +39,8 @@ def moves(cut: Cut, safe_height: float, tolerance: float, effort: Effort) -> lis
         If the cutter is too large for the boundary, or there is no room for leads.
     """
     contour = fitted(cut, tolerance, effort)
-    point, tangent = complex(contour.vertices[0]), start_tangent(contour)
-    lead = quarter_circle_lead(contour, point, tangent, 1j * tangent, cut.room)
+    point = complex(contour.vertices[0])
+    lead = quarter_circle_lead(contour, cut.room)
     centre = (lead.centre.real, lead.centre.imag)
     feed = cut.tool.feed
     found: list[Move] = []
@@ -48,9 +48,9 @@ def moves(cut: Cut, safe_height: float, tolerance: float, effort: Effort) -> lis
         found += (
             Rapid((lead.start.real, lead.start.imag, safe_height)),
             Feed((lead.start.real, lead.start.imag, z), cut.tool.plunge_feed),
-            ArcFeed((point.real, point.imag, z), centre, lead.ccw, feed),
+            ArcFeed((point.real, point.imag, z), centre, ccw=True, feed=feed),
             *once_round(contour, z, feed),
-            ArcFeed((lead.end.real, lead.end.imag, z), centre, lead.ccw, feed),
+            ArcFeed((lead.end.real, lead.end.imag, z), centre, ccw=True, feed=feed),
             Rapid((lead.end.real, lead.end.imag, safe_height)),
         )
     return found
