@@ -33,7 +33,6 @@ from camgeo.mechanism.linkage import LinkedMotion
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.mechanism.slider_crank import SliderCrank
 from camgeo.mechanism.translating_roller import TranslatingRoller
-from camgeo.motion.inflection import shift
 from camgeo.motion.laws import characteristic
 from camgeo.motion.plan import MotionPlan, Move
 from camgeo.numeric.roots import roots_on_grid
@@ -49,6 +48,7 @@ from tests.reference import (
     pitch_curve_of,
     plan_of,
     reference,
+    shift,
     slider_crank_of,
     thesis_params,
 )

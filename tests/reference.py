@@ -18,7 +18,6 @@ from camgeo.mechanism.linkage import LinkedMotion
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.mechanism.slider_crank import SliderCrank
 from camgeo.mechanism.translating_roller import TranslatingRoller
-from camgeo.motion.inflection import shift
 from camgeo.motion.laws import LAWS, make_law
 from camgeo.motion.laws.law import Law
 from camgeo.motion.motion import Motion
@@ -50,6 +49,11 @@ LAW_NAMES = {
 """Names of the laws there and here; those that end in `poly5` are `polynomial-5`."""
 
 POLYNOMIAL = LAWS["polynomial-345"]
+
+
+def shift(law: Law, inflection: float) -> Law:
+    """`law` with its inflection point at lambda = `inflection` (VDI 2143-1, 6.1.2)."""
+    return make_law(law.name, law.task, **{**law.parameters, "inflection": inflection})
 
 
 @cache

@@ -10,11 +10,10 @@ from hypothesis import strategies as st
 from mpmath import mp
 
 from camgeo.errors import GeometryError
-from camgeo.motion.inflection import shift
 from camgeo.motion.laws import LAWS, characteristic
 from camgeo.motion.laws.law import Law
 from tests.motion.oracle import decimal, ulps
-from tests.reference import POLYNOMIAL, hard_case
+from tests.reference import POLYNOMIAL, hard_case, shift
 from tests.strategies import BENT, attack, inflections, laws, places
 
 EPS = 2.0**-52

@@ -28,8 +28,9 @@ SMOOTH = Option(
 
 
 def make(task, given):
-    end = {1: 0.0, 2: 0.0, 3: 60.0 * (1.0 - given.get("smooth", SMOOTH.default))}
-    return law_of_boundary_values("toy-septic", task, end, end, given)
+    jerk = 60.0 * (1.0 - given.get("smooth", SMOOTH.default))
+    rest = {key: 0.0 for key in ("v0", "a0", "v1", "a1")}
+    return law_of_boundary_values("toy-septic", task, {**rest, "j0": jerk, "j1": jerk}, given)
 
 
 FAMILY = Family("toy-septic", {"R-R": ("smooth",)}, make, options=(SMOOTH,), aliases=("toy",))

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from camgeo.motion.laws.family import Family, Given
 from camgeo.motion.laws.law import Law
-from camgeo.motion.laws.polynomials import polynomial_law
+from camgeo.motion.laws.two_point import law_of_boundary_values
 
 
 def _make(task: str, given: Given) -> Law:
-    return polynomial_law("polynomial", task, given, given)
+    return law_of_boundary_values("polynomial", task, given, given)
 
 
 FAMILY = Family("polynomial", {"B-B": ("v0", "a0", "j0", "v1", "a1", "j1")}, _make)

@@ -13,22 +13,13 @@ from camgeo.motion.laws.law import Law
 from camgeo.motion.laws.two_point import law_of_boundary_values
 from camgeo.motion.task import TASKS
 
-ORDERS = {"v": 1, "a": 2, "j": 3}
-
 
 def complete(name: str, orders: str) -> Family:
     """The family that meets these orders at both ends, 0 where they are not given."""
 
     def make(task: str, given: Given) -> Law:
         values = {order + end: given.get(order + end, 0.0) for end in "01" for order in orders}
-        return polynomial_law(name, task, values, given)
+        return law_of_boundary_values(name, task, values, given)
 
     parameters = {task: boundary_parameters(task, orders) for task in TASKS}
     return Family(name, parameters, make)
-
-
-def polynomial_law(name: str, task: str, values: Given, given: Given) -> Law:
-    """The polynomial that meets `values`, by their names, and says that it was made of `given`."""
-    start = {ORDERS[key[0]]: value for key, value in values.items() if key[1] == "0"}
-    end = {ORDERS[key[0]]: value for key, value in values.items() if key[1] == "1"}
-    return law_of_boundary_values(name, task, start, end, given)

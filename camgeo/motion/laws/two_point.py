@@ -13,7 +13,7 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
@@ -32,11 +32,14 @@ if TYPE_CHECKING:
     from fractions import Fraction
 
 
+ORDERS: Final = {"v": 1, "a": 2, "j": 3}
+"""Order of the derivative that each letter of a boundary value's name stands for."""
+
+
 def law_of_boundary_values(
     name: str,
     task: str,
-    start: Mapping[int, float],
-    end: Mapping[int, float],
+    values: Mapping[str, float],
     parameters: Mapping[str, float],
     rise: float = 1.0,
 ) -> Law:
@@ -44,7 +47,7 @@ def law_of_boundary_values(
 
     Parameters
     ----------
-    start, end : derivatives at z = 0 and at z = 1 by their order, 1 to 3.
+    values : derivatives at z = 0 and at z = 1 by their names, "v0" to "j1".
     parameters : what the law shall say it was made of.
     rise : f(1), if it is not normalised; then all values are in the unit of the rise.
 
@@ -53,6 +56,9 @@ def law_of_boundary_values(
     GeometryError
         If the values given do not determine a polynomial: one of f''' alone, for instance.
     """
+    start, end = (
+        {ORDERS[key[0]]: value for key, value in values.items() if key[1] == side} for side in "01"
+    )
     powers = _coefficients(start, end, rise)
     try:
         shape = _Shape.of(powers, rise)
@@ -68,10 +74,7 @@ def law_of_boundary_values(
         start=_boundary(shape, 0.0),
         end=_boundary(shape, 1.0),
         parameters=MappingProxyType(dict(parameters)),
-        recipe=(
-            law_of_boundary_values,
-            (name, task, dict(start), dict(end), dict(parameters), rise),
-        ),
+        recipe=(law_of_boundary_values, (name, task, dict(values), dict(parameters), rise)),
     )
 
 

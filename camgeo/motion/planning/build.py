@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from camgeo.errors import GeometryError
 from camgeo.motion.laws import find_family, law_of
 from camgeo.motion.laws.law import Law
-from camgeo.motion.laws.two_point import law_of_boundary_values
+from camgeo.motion.laws.two_point import ORDERS, law_of_boundary_values
 from camgeo.motion.planning.chain import Chain, Link
 from camgeo.motion.planning.reach import out_of_reach
 from camgeo.motion.planning.request import MoveRequest
@@ -18,8 +18,6 @@ MISSED = 1e-9
 
 GENTLEST = 1.0 - 1e-9
 """c of a sine-straight combination that may turn a little more gently still, by rounding."""
-
-ORDERS = {"v": 1, "a": 2, "j": 3}
 
 
 def named_law(chain: Chain, number: int, task: str) -> Law:
@@ -135,11 +133,8 @@ def law_without_stroke(chain: Chain, number: int, name: str) -> Law:
         values = {key: value for key, value in values.items() if key[0] != "j"}
     if name == "polynomial-7":
         values = {"j0": 0.0, "j1": 0.0, **values}
-    start, end = (
-        {ORDERS[key[0]]: value for key, value in values.items() if key[1] == side} for side in "01"
-    )
     task = f"{chain.before(number).end}-{chain.after(number).end}"
-    return law_of_boundary_values(name, task, start, end, {}, rise=0.0)
+    return law_of_boundary_values(name, task, values, {}, rise=0.0)
 
 
 @contextmanager
