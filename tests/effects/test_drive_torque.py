@@ -11,8 +11,9 @@ import pytest
 from camgeo.check.finding import Finding
 from camgeo.design import Design
 from camgeo.effects.drive_torque.flywheel import moment_of_inertia, stored_energy
-from camgeo.effects.drive_torque.result import DriveTorque, compute
+from camgeo.effects.drive_torque.result import compute
 from camgeo.effects.drive_torque.spec import parse
+from camgeo.effects.drive_torque.torque import DriveTorque
 from camgeo.effects.effect import Request
 from camgeo.effects.force import Force, at_rates, total
 from camgeo.effects.results import Results
@@ -223,7 +224,7 @@ def test_static_and_dynamic_parts() -> None:
     total_torque, slow, fast = (each.values(phi, "right") for each in result.columns)
     assert np.allclose(total_torque, slow + fast, rtol=0.0, atol=10.0 * EPS * scale)
     alpha = np.full(len(phi), 3.0)
-    at = result.torque_at(phi, "right", 2.0 * TURN + 0.0 * phi, alpha)
+    at = result.law.at(phi, "right", 2.0 * TURN + 0.0 * phi, alpha)
     assert np.max(np.abs(at - static - 4.0 * dynamic - 6e-3 * s1**2)) <= 20.0 * EPS * scale
 
 

@@ -102,7 +102,7 @@ def test_a_stiff_motor_keeps_the_speed(plate: Design, stall: float) -> None:
     torque = driven(plate)
     result = steady(plate, torque, 50.0, stall, 1e-12)
     phi = np.linspace(0.0, TURN, 500)
-    cam = torque.torque_at(phi, "right", np.full(500, NO_LOAD), np.zeros(500))
+    cam = torque.law.at(phi, "right", np.full(500, NO_LOAD), np.zeros(500))
     slip = cam / stall
     # To first order; the second is the slip's change, (J omega slip') / (slope) by the slip:
     # 50 * 12 * (20 / rad) * 12 / stall of it.
@@ -151,7 +151,7 @@ def test_equation_of_motion_and_power_balance(plate: Design, share: float, prelo
     phi = np.linspace(0.0, TURN, 999)
     omega, alpha = result.omega(phi), result.alpha(phi)
     motor = stall * (1.0 - omega / NO_LOAD)
-    cam = torque.torque_at(phi, "right", omega, alpha)
+    cam = torque.law.at(phi, "right", omega, alpha)
     scale = np.max(np.abs(cam)) + stall
     assert np.max(np.abs(moment * alpha - motor + cam)) <= 50.0 * EPS * scale
     # alpha is the slope of omega^2 / 2: their integral over parts of the turn.
@@ -165,7 +165,7 @@ def test_equation_of_motion_and_power_balance(plate: Design, share: float, prelo
 
     def balance(x: FloatArray) -> FloatArray:
         speed = result.omega(x)
-        taken = torque.torque_at(x, "right", speed, result.alpha(x))
+        taken = torque.law.at(x, "right", speed, result.alpha(x))
         return np.asarray(stall * (1.0 - speed / NO_LOAD) - taken)
 
     # The cells end at the kinks of friction, which the edges do not know.
@@ -190,7 +190,7 @@ def test_against_a_general_integrator(plate: Design, moment: float) -> None:
         motor = stall * (1.0 - omega / NO_LOAD)
         # The spring keeps the roller on its flank, where T is linear in alpha.
         two = np.array([0.0, 1.0])
-        at_rest, at_one = torque.torque_at(at + 0.0 * two, "right", omega + 0.0 * two, two)
+        at_rest, at_one = torque.law.at(at + 0.0 * two, "right", omega + 0.0 * two, two)
         return [(motor - at_rest) / (moment + at_one - at_rest)]
 
     edges = plate.drive.smooth_angles
@@ -393,7 +393,7 @@ tolerance = 1e-8
     phi = np.linspace(0.0, TURN, 500)
     omega, alpha = result.omega(phi), result.alpha(phi)
     motor = 20e3 * (1.0 - omega / (80.0 * RPM))
-    left = 50.0 * alpha - motor + torque.torque_at(phi, "right", omega, alpha)
+    left = 50.0 * alpha - motor + torque.law.at(phi, "right", omega, alpha)
     assert np.max(np.abs(left)) <= 50.0 * EPS * 20e3
     assert 70.0 < value(result, "mean-speed") < 80.0
 

@@ -3,19 +3,16 @@
 from __future__ import annotations
 
 import math
-from typing import Final, Protocol
+from typing import Final
 
 import numpy as np
 
 from camgeo.check.finding import Finding, Severity
-from camgeo.effects.carrier import holds_both_ways
 from camgeo.effects.drive_torque.flywheel import moment_of_inertia
-from camgeo.effects.drive_torque.law import TorqueLaw
-from camgeo.effects.drive_torque.summary import Summary, Torque
-from camgeo.effects.effect import toucher
-from camgeo.numeric.arrays import FloatArray
+from camgeo.effects.drive_torque.summary import Summary
+from camgeo.effects.drive_torque.torque import DriveTorque
+from camgeo.effects.told import at, degrees, loss_of_contact, placed
 from camgeo.numeric.extremes import Extreme
-from camgeo.numeric.peaks import piecewise_extremes
 from camgeo.units import RPM, TURN
 
 N_M: Final = 1e-3
@@ -30,19 +27,9 @@ WATT: Final = 1e-3
 JUMP: Final = 1e-9
 """A jump of the velocity by less than this share of the largest is rounding."""
 
-TOUCH: Final = 1e-9
-"""A contact force on the wrong side of zero by less than this share of the largest is rounding."""
-
-
-class LawfulTorque(Torque, Protocol):
-    """A torque with its law, see `DriveTorque`."""
-
-    @property
-    def law(self) -> TorqueLaw: ...
-
 
 def findings(
-    torque: LawfulTorque, found: Summary, limit: float | None, fluctuation: float | None
+    torque: DriveTorque, found: Summary, limit: float | None, fluctuation: float | None
 ) -> tuple[Finding, ...]:
     """All findings; `limit` in N mm."""
     peaks, static = found.peaks, found.static_peaks
@@ -65,8 +52,9 @@ def findings(
         out.append(_value("mean-power", "mean power of the drive", power, "W"))
     out += _flywheel(found, fluctuation)
     out += _shock(torque)
-    out += _loss_of_contact(torque)
-    return tuple(out)
+    subject, normal = torque.law.subject, torque.law.contact.normal
+    lost = loss_of_contact("torque-without-contact", "drive torque", subject, normal, torque.edges)
+    return (*out, *lost)
 
 
 def _value(name: str, words: str, value: float, unit: str) -> Finding:
@@ -84,13 +72,8 @@ def _peak(
         broken = sense * value > sense * bound
         severity = "broken" if broken else "ok"
         verdict = f", {'beyond' if broken else 'within'} {bound:g} N m"
-    place = _in_turn(peak.place)
-    sentence = f"{words} {value:.5g} N m at cam angle {math.degrees(place):.4f} deg{verdict}"
-    return Finding(name, severity, sentence, value, bound, "N m", place)
-
-
-def _in_turn(phi: float) -> float:
-    return phi % TURN
+    sentence = f"{words} {value:.5g} N m {at(peak.place)}{verdict}"
+    return placed(name, sentence, Extreme(value, peak.place), "N m", bound, severity)
 
 
 def _flywheel(found: Summary, fluctuation: float | None) -> list[Finding]:
@@ -104,8 +87,8 @@ def _flywheel(found: Summary, fluctuation: float | None) -> list[Finding]:
             "energy-fluctuation",
             "ok",
             f"a drive of constant torque stores {N_M * stored.span:.5g} J in what turns with the"
-            f" cam, between cam angles {math.degrees(_in_turn(low.place)):.4f} deg (slowest) and"
-            f" {math.degrees(_in_turn(high.place)):.4f} deg (fastest)",
+            f" cam, between cam angles {degrees(low.place)} (slowest) and {degrees(high.place)}"
+            " (fastest)",
             N_M * stored.span,
             unit="J",
         ),
@@ -120,7 +103,7 @@ def _flywheel(found: Summary, fluctuation: float | None) -> list[Finding]:
     ]
 
 
-def _shock(torque: LawfulTorque) -> list[Finding]:
+def _shock(torque: DriveTorque) -> list[Finding]:
     """Where a mass changes its velocity in no time; none if there is neither mass nor speed."""
     if torque.course is None:
         return []
@@ -148,35 +131,5 @@ def _shock(torque: LawfulTorque) -> list[Finding]:
             f" {math.degrees(first):.4f} deg: the torque is infinite there, and its impulses are in"
             " none of these figures",
             cam_angle=first,
-        )
-    ]
-
-
-def _loss_of_contact(torque: LawfulTorque) -> list[Finding]:
-    """A warning if the one flank there is would have to pull."""
-    law = torque.law
-    if holds_both_ways(law.subject):
-        return []
-    sense = float(law.subject.cam.contact.push)
-
-    def pressing(phi: FloatArray, side: str) -> FloatArray:
-        return sense * law.contact.normal(phi, "left" if side == "left" else "right")
-
-    ends = piecewise_extremes(pressing, torque.edges)
-    lowest = ends.lowest
-    if lowest.value >= -TOUCH * ends.magnitude:
-        return []
-    place = _in_turn(lowest.place)
-    return [
-        Finding(
-            "torque-without-contact",
-            "warning",
-            f"the {toucher(law.subject)} leaves the flank, and the drive torque holds only as long"
-            f" as it does not: contact force {lowest.value:.5g} N at cam angle"
-            f" {math.degrees(place):.4f} deg",
-            lowest.value,
-            0.0,
-            "N",
-            place,
         )
     ]

@@ -8,72 +8,27 @@ rotation, negative where the follower drives it.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import replace
 from typing import Any, Final
 
 import numpy as np
 
-from camgeo.check.finding import Finding
 from camgeo.effects.drive_torque.findings import findings
 from camgeo.effects.drive_torque.law import TorqueLaw
 from camgeo.effects.drive_torque.spec import Spec
 from camgeo.effects.drive_torque.summary import summary
+from camgeo.effects.drive_torque.torque import DriveTorque
 from camgeo.effects.effect import Column, Request, Subject
 from camgeo.effects.force import all_borders
 from camgeo.effects.results import CONTACT_FORCE
 from camgeo.effects.results import DriveTorque as Asked
 from camgeo.errors import GeometryError
-from camgeo.motion.motion import Side
-from camgeo.motion.time_course import TimeCourse
 from camgeo.numeric.arrays import FloatArray, frozen, merged
 from camgeo.numeric.peaks import grid_of
 from camgeo.numeric.roots import roots_on_grid
 
 N_M: Final = 1e-3
 """N m in an N mm."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class DriveTorque:
-    """The torque on the camshaft.
-
-    Attributes
-    ----------
-    law : the torque as a law of cam angle, speed and acceleration.
-    course : how the cam turns; None if the scene gives no speed, then it stands all but still.
-    edges, static_edges : (k,) cam angles [rad] from 0 to 2 pi, ascending; between two of them the
-        torque, or its static part, is smooth.
-    findings, columns, error : see `camgeo.effects.effect.Result`.
-    """
-
-    law: TorqueLaw
-    course: TimeCourse | None
-    edges: FloatArray
-    static_edges: FloatArray
-    findings: tuple[Finding, ...] = field(default=(), repr=False)
-    columns: tuple[Column, ...] = field(default=(), repr=False)
-    error: float | None = None
-
-    def torque(self, phi: FloatArray, side: Side) -> FloatArray:
-        """(n,) [N mm] with the cam turning as the scene says."""
-        if self.course is None:
-            return self.static(phi, side)
-        omega, alpha = self.course.rates(phi)[:2]
-        return self.law.at(phi, side, omega, alpha)
-
-    def torque_at(
-        self, phi: FloatArray, side: Side, omega: FloatArray, alpha: FloatArray
-    ) -> FloatArray:
-        """(n,) [N mm] with the cam turning at `omega` [rad/s] and `alpha` [rad/s^2], (n,) each."""
-        return self.law.at(phi, side, omega, alpha)
-
-    def static(self, phi: FloatArray, side: Side) -> FloatArray:
-        """(n,) [N mm] with the cam turning very slowly: without inertia and viscous friction."""
-        return self.law.at(phi, side, 0.0, 0.0)
-
-    def dynamic(self, phi: FloatArray, side: Side) -> FloatArray:
-        """(n,) [N mm] what the speed adds to the static part."""
-        return self.torque(phi, side) - self.static(phi, side)
 
 
 def compute(request: Request[Spec]) -> Asked:
@@ -98,14 +53,11 @@ def compute(request: Request[Spec]) -> Asked:
     law = TorqueLaw(subject, contact)
     bare = DriveTorque(law, course, frozen(contact.edges, np.float64), _static_edges(law))
     found = summary(bare, spec.fluctuation, request.tolerance)
-    return DriveTorque(
-        law,
-        course,
-        bare.edges,
-        bare.static_edges,
-        findings(bare, found, spec.limit, spec.fluctuation),
-        _columns(bare, subject, spec.limit),
-        found.error,
+    return replace(
+        bare,
+        findings=findings(bare, found, spec.limit, spec.fluctuation),
+        columns=_columns(bare, subject, spec.limit),
+        error=found.error,
     )
 
 

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Final, Protocol
+from typing import Final
 
 import numpy as np
 
 from camgeo.effects.drive_torque.flywheel import StoredEnergy, stored_energy
+from camgeo.effects.drive_torque.torque import DriveTorque
 from camgeo.errors import EffectError
-from camgeo.motion.motion import Side
-from camgeo.motion.time_course import TimeCourse
 from camgeo.numeric.arrays import FloatArray
 from camgeo.numeric.extremes import Extremes
 from camgeo.numeric.peaks import piecewise_extremes
@@ -20,23 +19,6 @@ from camgeo.units import TURN
 
 ROUNDING: Final = 1e-14
 """An error or a mean below this share of the largest torque is rounding."""
-
-
-class Torque(Protocol):
-    """A torque over the cam angle, and its static part, see `DriveTorque`."""
-
-    @property
-    def course(self) -> TimeCourse | None: ...
-
-    @property
-    def edges(self) -> FloatArray: ...
-
-    @property
-    def static_edges(self) -> FloatArray: ...
-
-    def torque(self, phi: FloatArray, side: Side) -> FloatArray: ...
-
-    def static(self, phi: FloatArray, side: Side) -> FloatArray: ...
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,7 +45,7 @@ class Summary:
     error: float
 
 
-def summary(torque: Torque, fluctuation: float | None, tolerance: float) -> Summary:
+def summary(torque: DriveTorque, fluctuation: float | None, tolerance: float) -> Summary:
     """The figures of `torque`, the integrals among them to `tolerance`.
 
     The mean square over time is the integral of T^2 dt over the turn by its duration, with

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import Final
 
 from camgeo.check.finding import Finding, held
+from camgeo.effects.told import at, placed
 from camgeo.numeric.extremes import Extreme, Extremes
 from camgeo.units import RPM, TURN
 
@@ -76,35 +76,5 @@ def findings(
 
 
 def _extreme(name: str, words: str, extreme: Extreme, factor: float, unit: str) -> Finding:
-    value, place = factor * extreme.value, extreme.place % TURN
-    return Finding(
-        name,
-        "ok",
-        f"{words} {value:.6g} {unit} at cam angle {math.degrees(place):.4f} deg",
-        value,
-        unit=unit,
-        cam_angle=place,
-    )
-
-
-def loss_of_contact(pressing: Extremes, what: str) -> tuple[Finding, ...]:
-    """A warning if the one flank there is would have to pull; `pressing` [N], negative there.
-
-    `what` touches the flank.
-    """
-    lowest = pressing.lowest
-    if lowest.value >= -1e-9 * pressing.magnitude:  # rounding
-        return ()
-    place = lowest.place % TURN
-    return (
-        Finding(
-            "speed-without-contact",
-            "warning",
-            f"the {what} leaves the flank, and the speed holds only as long as it does not: contact"
-            f" force {lowest.value:.5g} N at cam angle {math.degrees(place):.4f} deg",
-            lowest.value,
-            0.0,
-            "N",
-            place,
-        ),
-    )
+    value, place = factor * extreme.value, extreme.place
+    return placed(name, f"{words} {value:.6g} {unit} {at(place)}", Extreme(value, place), unit)

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Final, Protocol
+from typing import Final
 
 import numpy as np
 
@@ -17,10 +18,8 @@ stays sound with a motor so stiff that the speed follows at once (Hairer and Wan
 Ordinary Differential Equations II, section IV.5)."""
 
 
-class Law(Protocol):
-    """(n,) cam angles [rad], side -> (6, n), see `camgeo.effects.speed_fluctuation.rate`."""
-
-    def __call__(self, phi: FloatArray, side: Side) -> FloatArray: ...
+Law = Callable[[FloatArray, Side], FloatArray]
+"""(n,) cam angles [rad], side -> (6, n), see `camgeo.effects.speed_fluctuation.rate`."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

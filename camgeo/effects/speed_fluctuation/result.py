@@ -13,16 +13,16 @@ from typing import Final
 
 import numpy as np
 
-from camgeo.effects.carrier import holds_both_ways
-from camgeo.effects.effect import Column, Request, Result, Subject, toucher
+from camgeo.effects.effect import Column, Request, Result
 from camgeo.effects.force import all_borders
-from camgeo.effects.results import DRIVE_TORQUE, ContactForce
-from camgeo.effects.speed_fluctuation.findings import Balance, findings, loss_of_contact
+from camgeo.effects.results import DRIVE_TORQUE
+from camgeo.effects.speed_fluctuation.findings import Balance, findings
 from camgeo.effects.speed_fluctuation.mesh import Law
 from camgeo.effects.speed_fluctuation.rate import Shaft
 from camgeo.effects.speed_fluctuation.solve import refuse_shocks, solve
 from camgeo.effects.speed_fluctuation.spec import Spec
 from camgeo.effects.speed_fluctuation.steady import SteadyTurn
+from camgeo.effects.told import loss_of_contact
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray, merged
 from camgeo.numeric.peaks import piecewise_extremes
@@ -76,18 +76,6 @@ def compute(request: Request[Spec]) -> SpeedFluctuation:
     refuse_shocks(subject, law)
     shaft = Shaft(spec.moment_of_inertia, spec.motor)
     turn = solve(shaft, law, edges, request.tolerance)
-    return _result(subject, shaft, spec.limit, turn, law, contact, edges)
-
-
-def _result(
-    subject: Subject,
-    shaft: Shaft,
-    limit: float | None,
-    turn: SteadyTurn,
-    law: Law,
-    contact: ContactForce,
-    edges: FloatArray,
-) -> SpeedFluctuation:
 
     def omega(phi: FloatArray, _: Side) -> FloatArray:
         return turn.omega(phi)
@@ -95,26 +83,23 @@ def _result(
     def motor(phi: FloatArray, _: Side) -> FloatArray:
         return shaft.motor.torque(turn.omega(phi))[0]
 
-    def pressing(phi: FloatArray, side: Side) -> FloatArray:
-        sense = float(subject.cam.contact.push)
+    def normal(phi: FloatArray, side: Side) -> FloatArray:
         alpha = _alpha(turn, shaft, law, phi, side)
-        return sense * contact.normal_at(phi, side, turn.omega(phi), alpha)
+        return contact.normal_at(phi, side, turn.omega(phi), alpha)
 
     speeds = piecewise_extremes(omega, edges)
     motor_torque = shaft.motor.torque(np.sqrt(2.0 * (turn.state.base + turn.state.nodes)))[0]
     work = TURN * turn.mean(motor_torque)
     balance = Balance(work, work - shaft.inertia * TURN * turn.mean(turn.rates), turn.period)
     mean = TURN / balance.period
-    found = findings(speeds, piecewise_extremes(motor, edges), balance, turn.slope, limit)
-    if not holds_both_ways(subject):
-        found += loss_of_contact(piecewise_extremes(pressing, edges), toucher(subject))
+    found = findings(speeds, piecewise_extremes(motor, edges), balance, turn.slope, spec.limit)
     return SpeedFluctuation(
         turn=turn,
         shaft=shaft,
         law=law,
         mean_speed=mean,
         fluctuation=(speeds.highest.value - speeds.lowest.value) / mean,
-        findings=found,
+        findings=found + loss_of_contact("speed-without-contact", "speed", subject, normal, edges),
         columns=(
             Column("cam speed", "rev/min", lambda phi, side: omega(phi, side) / RPM),
             Column("motor torque", "N m", lambda phi, side: N_M * motor(phi, side)),
