@@ -64,6 +64,7 @@ EFFECT_FRAME = {
     "registry",
     "results",
     "rules",
+    "shocks",
     "told",
 }
 """What is in `effects` and no effect: effects are imported by the registry alone."""

@@ -17,7 +17,9 @@ if TYPE_CHECKING:
 INNER: Final = 1
 OUTER: Final = -1
 
-OF_GROOVE: Final = ({INNER: "inner", OUTER: "outer"}, "flank")
+FLANKS: Final = {INNER: "inner", OUTER: "outer"}
+
+OF_GROOVE: Final = (FLANKS, "flank")
 OF_PAIR: Final = ({INNER: "main", OUTER: "return"}, "disc")
 
 

@@ -15,7 +15,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from camgeo.design import Design
-from camgeo.effects.contact_pressure.contact import INNER, OUTER, Contact
+from camgeo.effects.carrier import INNER, OUTER
+from camgeo.effects.contact_pressure.contact import Contact
 from camgeo.effects.contact_pressure.hertz import (
     SHEAR_DEPTH,
     SHEAR_SHARE,

@@ -2,21 +2,16 @@
 
 from __future__ import annotations
 
-import math
-from typing import Any, Final
+from typing import Any
 
-import numpy as np
-
-from camgeo.check.finding import Finding, held
+from camgeo.check.finding import Finding, Severity, held
 from camgeo.effects.carrier import INNER, OUTER, holds_both_ways, sides_of
 from camgeo.effects.effect import Request, Subject, toucher
 from camgeo.effects.results import INERTIA
-from camgeo.motion.joints import breaks
+from camgeo.effects.shocks import shocks
+from camgeo.effects.told import at, placed
 from camgeo.numeric.extremes import Extreme, Extremes
 from camgeo.units import TURN
-
-SHOCK: Final = 0
-"""Order up to which the motion is continuous where its velocity jumps."""
 
 
 def force_findings(extremes: Extremes, subject: Subject, limit: float | None) -> list[Finding]:
@@ -49,51 +44,32 @@ def _largest(extreme: Extreme, where: str, limit: float | None) -> Finding:
 def _smallest(extreme: Extreme, where: str, what: str) -> Finding:
     lost = extreme.value < 0.0
     tail = f": the {what} is not held to its flank there" if lost else ""
-    return Finding(
-        name="smallest-contact-force",
-        severity="warning" if lost else "ok",
-        sentence=f"smallest contact force {_told(extreme, where)}{tail}",
-        value=extreme.value,
-        unit="N",
-        cam_angle=extreme.place % TURN,
-    )
+    sentence = f"smallest contact force {_told(extreme, where)}{tail}"
+    severity: Severity = "warning" if lost else "ok"
+    return placed("smallest-contact-force", sentence, extreme, "N", severity=severity)
 
 
 def _on_side(extreme: Extreme, name: str, noun: str) -> Finding:
-    return Finding(
-        name=f"largest-contact-force-{name}",
-        severity="ok",
-        sentence=f"largest contact force {_told(extreme, f'the {name} {noun}')}",
-        value=extreme.value,
-        unit="N",
-        cam_angle=extreme.place % TURN,
-    )
+    sentence = f"largest contact force {_told(extreme, f'the {name} {noun}')}"
+    return placed(f"largest-contact-force-{name}", sentence, extreme, "N")
 
 
 def _told(extreme: Extreme, where: str) -> str:
-    angle = math.degrees(extreme.place % TURN)
-    return f"on {where} {extreme.value:.6g} N at cam angle {angle:.4f} deg"
+    return f"on {where} {extreme.value:.6g} N {at(extreme.place)}"
 
 
 def shock_findings(request: Request[Any]) -> list[Finding]:
     """Where the velocity jumps: with a mass the force is infinite there, and not in the values."""
     inertia = request.results.get(INERTIA)
-    if inertia is None:
-        return []
-    found = []
-    for joint in breaks(request.subject.cam.drive.plan):
-        angle = joint.cam_angle
-        if joint.order >= SHOCK + 1 or not inertia.to_follower(np.array([angle]), "right")[0] > 0.0:
-            continue
-        found.append(
-            Finding(
-                name="shock",
-                severity="broken",
-                sentence=(
-                    f"the velocity jumps at cam angle {math.degrees(angle):.4f} deg: the contact"
-                    " force of the masses is infinite for a moment, which is in none of the values"
-                ),
-                cam_angle=angle,
-            )
+    return [
+        Finding(
+            name="shock",
+            severity="broken",
+            sentence=(
+                f"the velocity jumps {at(angle)}: the contact force of the masses is infinite for"
+                " a moment, which is in none of the values"
+            ),
+            cam_angle=angle,
         )
-    return found
+        for angle in shocks(request.subject, inertia)
+    ]

@@ -27,17 +27,14 @@ from typing import Final, NoReturn
 
 import numpy as np
 
+from camgeo.effects.carrier import INNER, OUTER
 from camgeo.effects.effect import Subject
+from camgeo.effects.told import at
 from camgeo.errors import EffectError, GeometryError
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray
 from camgeo.numeric.peaks import piecewise_extremes
 from camgeo.units import TURN
-
-INNER: Final = 1
-OUTER: Final = -1
-
-FLANKS: Final = {INNER: "inner", OUTER: "outer"}
 
 CUSP: Final = 1e-12
 """1 + d kappa up to here is a cusp: its digits are rounding."""
@@ -138,8 +135,8 @@ class Contact:
         value = radius / self.scale
         what = "a cusp" if value >= -CUSP else "undercut"
         raise EffectError(
-            f"the pressure is infinite at cam angle {math.degrees(angle % TURN):.4f} deg: the flank"
-            f" has {what} there and carries the roller, 1 + d kappa is {value:.6g} and has to be"
+            f"the pressure is infinite {at(angle)}: the flank has"
+            f" {what} there and carries the roller, 1 + d kappa is {value:.6g} and has to be"
             " above 0",
             finding="infinite-contact-pressure",
             value=value,

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import Final
 
-from camgeo.check.finding import Finding, held
+from camgeo.check.finding import Finding, Severity, held
 from camgeo.effects.contact_pressure.hertz import (
     SHEAR_DEPTH,
     SHEAR_SHARE,
@@ -17,6 +17,8 @@ from camgeo.effects.contact_pressure.hertz import (
 )
 from camgeo.effects.contact_pressure.life import Life
 from camgeo.effects.contact_pressure.spec import Spec
+from camgeo.effects.told import at, placed
+from camgeo.numeric.extremes import Extreme
 from camgeo.units import RPM
 
 HOUR: Final = 3600.0
@@ -51,7 +53,19 @@ class Worst:
     @property
     def place(self) -> str:
         """In words."""
-        return f"at cam angle {math.degrees(self.angle):.4f} deg"
+        return at(self.angle)
+
+    def finding(
+        self,
+        name: str,
+        sentence: str,
+        value: float,
+        unit: str,
+        limit: float | None = None,
+        severity: Severity = "ok",
+    ) -> Finding:
+        """A `value` [`unit`] that is found here."""
+        return placed(name, sentence, Extreme(value, self.angle), unit, limit, severity)
 
     def pressure(self, modulus: float) -> float:
         """p [MPa] for E* `modulus` [MPa]; without force the radius may be anything."""
@@ -82,20 +96,16 @@ def pressure_findings(worst: Worst, spec: Spec) -> tuple[Finding, ...]:
     shear = SHEAR_SHARE * pressure
     width = half_width(worst.load / worst.width, spec.modulus, worst.radius)
     depth = SHEAR_DEPTH * width
-    angle = worst.angle
     return (
-        Finding(
-            name="largest-contact-pressure",
-            severity="broken" if beyond else "ok",
-            sentence=(
-                f"largest contact pressure {pressure:.6g} MPa on the {worst.flank} flank"
-                f" {worst.place}, {'above' if beyond else 'at most'} {spec.limit:g} MPa; the force"
-                f" is {worst.load:.6g} N, the radius of relative curvature {worst.radius:.6g} mm"
-            ),
-            value=pressure,
-            limit=spec.limit,
-            unit="MPa",
-            cam_angle=angle,
+        worst.finding(
+            "largest-contact-pressure",
+            f"largest contact pressure {pressure:.6g} MPa on the {worst.flank} flank {worst.place},"
+            f" {'above' if beyond else 'at most'} {spec.limit:g} MPa; the force is"
+            f" {worst.load:.6g} N, the radius of relative curvature {worst.radius:.6g} mm",
+            pressure,
+            "MPa",
+            spec.limit,
+            "broken" if beyond else "ok",
         ),
         held(
             "pressure-safety",
@@ -103,35 +113,26 @@ def pressure_findings(worst: Worst, spec: Spec) -> tuple[Finding, ...]:
             f" {worst.place}",
             safety,
             spec.safety,
-            cam_angle=angle,
+            cam_angle=worst.angle,
             least=True,
         ),
-        Finding(
-            name="largest-subsurface-shear",
-            severity="ok",
-            sentence=(
-                f"largest shear below the surface {shear:.6g} MPa {worst.place},"
-                f" {depth:.6g} mm deep"
-            ),
-            value=shear,
-            unit="MPa",
-            cam_angle=angle,
+        worst.finding(
+            "largest-subsurface-shear",
+            f"largest shear below the surface {shear:.6g} MPa {worst.place}, {depth:.6g} mm deep",
+            shear,
+            "MPa",
         ),
-        Finding(
-            name="subsurface-shear-depth",
-            severity="ok",
-            sentence=f"depth of the largest shear {depth:.6g} mm {worst.place}",
-            value=depth,
-            unit="mm",
-            cam_angle=angle,
+        worst.finding(
+            "subsurface-shear-depth",
+            f"depth of the largest shear {depth:.6g} mm {worst.place}",
+            depth,
+            "mm",
         ),
-        Finding(
-            name="contact-half-width",
-            severity="ok",
-            sentence=f"half width of the contact {width:.6g} mm {worst.place}",
-            value=width,
-            unit="mm",
-            cam_angle=angle,
+        worst.finding(
+            "contact-half-width",
+            f"half width of the contact {width:.6g} mm {worst.place}",
+            width,
+            "mm",
         ),
         _needed_width(worst, pressure, spec),
         _needed_radius(worst, spec) if worst.roller is None else _needed_roller(worst, spec),
@@ -140,33 +141,21 @@ def pressure_findings(worst: Worst, spec: Spec) -> tuple[Finding, ...]:
 
 def _needed_width(worst: Worst, pressure: float, spec: Spec) -> Finding:
     needed = worst.width * (pressure / spec.allowed) ** 2
-    return Finding(
-        name="needed-width",
-        severity="ok",
-        sentence=(
-            f"width of contact that is needed for {spec.allowed:.6g} MPa {worst.place}:"
-            f" {needed:.6g} mm; it has {worst.width:g} mm"
-        ),
-        value=needed,
-        unit="mm",
-        cam_angle=worst.angle,
+    sentence = (
+        f"width of contact that is needed for {spec.allowed:.6g} MPa {worst.place}: {needed:.6g}"
+        f" mm; it has {worst.width:g} mm"
     )
+    return worst.finding("needed-width", sentence, needed, "mm")
 
 
 def _needed_radius(worst: Worst, spec: Spec) -> Finding:
     """The radius of curvature of the cam that gives a flat face the allowed pressure."""
     needed = needed_radius(worst.load / worst.width, spec.modulus, spec.allowed)
-    return Finding(
-        name="needed-radius-of-curvature",
-        severity="ok",
-        sentence=(
-            f"radius of curvature of the cam that is needed for {spec.allowed:.6g} MPa"
-            f" {worst.place}: {needed:.6g} mm; it is {worst.radius:.6g} mm"
-        ),
-        value=needed,
-        unit="mm",
-        cam_angle=worst.angle,
+    sentence = (
+        f"radius of curvature of the cam that is needed for {spec.allowed:.6g} MPa {worst.place}:"
+        f" {needed:.6g} mm; it is {worst.radius:.6g} mm"
     )
+    return worst.finding("needed-radius-of-curvature", sentence, needed, "mm")
 
 
 def _needed_roller(worst: Worst, spec: Spec) -> Finding:
@@ -190,16 +179,10 @@ def _needed_roller(worst: Worst, spec: Spec) -> Finding:
     low, high = radii
     nearest = high if worst.roller > high else low
     upper = "or more" if math.isinf(high) else f"to {high:.6g} mm"
-    return Finding(
-        name=name,
-        severity="ok",
-        sentence=(
-            f"roller radius that is needed {told}: {low:.6g} mm {upper}; it is {worst.roller:g} mm"
-        ),
-        value=nearest,
-        unit="mm",
-        cam_angle=worst.angle,
+    sentence = (
+        f"roller radius that is needed {told}: {low:.6g} mm {upper}; it is {worst.roller:g} mm"
     )
+    return worst.finding(name, sentence, nearest, "mm")
 
 
 def life_findings(life: Life, spec: Spec) -> tuple[Finding, ...]:

@@ -13,7 +13,8 @@ from typing import Final
 
 import numpy as np
 
-from camgeo.effects.contact_pressure.contact import FLANKS, Contact, Normal
+from camgeo.effects.carrier import FLANKS
+from camgeo.effects.contact_pressure.contact import Contact, Normal
 from camgeo.effects.contact_pressure.findings import Worst, life_findings, pressure_findings
 from camgeo.effects.contact_pressure.hertz import SHEAR_SHARE
 from camgeo.effects.contact_pressure.life import Life, rolling_life

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from typing import Final
-
-import numpy as np
 
 from camgeo.check.finding import Finding, Severity
 from camgeo.effects.drive_torque.flywheel import moment_of_inertia
 from camgeo.effects.drive_torque.summary import Summary
 from camgeo.effects.drive_torque.torque import DriveTorque
+from camgeo.effects.shocks import torque_shocks
 from camgeo.effects.told import at, degrees, loss_of_contact, placed
 from camgeo.numeric.extremes import Extreme
 from camgeo.units import RPM, TURN
@@ -23,9 +21,6 @@ KG_M2: Final = 1e-3
 
 WATT: Final = 1e-3
 """W in an N mm/s."""
-
-JUMP: Final = 1e-9
-"""A jump of the velocity by less than this share of the largest is rounding."""
 
 
 def findings(
@@ -108,28 +103,18 @@ def _shock(torque: DriveTorque) -> list[Finding]:
     if torque.course is None:
         return []
     law = torque.law
-    places = np.asarray(law.subject.cam.drive.motion.breaks)
+    places = torque_shocks(
+        law.subject, lambda phi, side: law.contact.required(phi, side)[3], torque.edges
+    )
     if not len(places):
         return []
-    before = law.subject.cam.drive.motion.jet(places, "left", 1)[1]
-    after = law.subject.cam.drive.motion.jet(places, "right", 1)[1]
-    jump = np.abs(after - before)
-    scale = np.max(
-        np.abs(law.subject.cam.drive.motion.jet(torque.edges[:-1] + 0.5 * np.diff(torque.edges))[1])
-    )
-    sides = (law.contact.required(places, "left"), law.contact.required(places, "right"))
-    heavy = np.maximum(np.abs(sides[0][3]), np.abs(sides[1][3])) > 0.0
-    hit = heavy & (jump > JUMP * max(float(scale), float(np.max(jump))))
-    if not np.any(hit):
-        return []
-    first = float(places[int(np.argmax(hit))])
+    first = float(places[0])
     return [
         Finding(
             "shock",
             "broken",
-            f"the velocity jumps at {int(np.sum(hit))} cam angles, first at"
-            f" {math.degrees(first):.4f} deg: the torque is infinite there, and its impulses are in"
-            " none of these figures",
+            f"the velocity jumps at {len(places)} cam angles, first at {degrees(first)}: the torque"
+            " is infinite there, and its impulses are in none of these figures",
             cam_angle=first,
         )
     ]

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from camgeo.effects.carrier import INNER, OUTER
 from camgeo.effects.effect import Request, Result, Subject, driving_slider, toucher
 from camgeo.effects.face import require_convex
 from camgeo.effects.force import Coefficients, Force
@@ -27,9 +28,6 @@ from camgeo.units import TURN
 if TYPE_CHECKING:
     from camgeo.effects.friction.senses import Senses
     from camgeo.mechanism.slider_crank import SliderCrank
-
-FLANKS: Final = (1, -1)
-"""Senses of the normal force: the inner flank carries, the outer one does."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -99,7 +97,7 @@ def _borders(statics: Statics, edges: FloatArray) -> FloatArray:
     found = [edges]
     if statics.spec.face and statics.swing:
         found.append(roots_on_grid(lambda phi: statics.state(phi, "right", 1).slip, grid_of(edges)))
-    for sense in FLANKS:
+    for sense in (INNER, OUTER):
 
         def spin(phi: FloatArray, sense: int = sense) -> FloatArray:
             return statics.state(phi, "right", sense).spin

@@ -9,12 +9,10 @@ import numpy as np
 
 from camgeo.effects.effect import Subject, toucher
 from camgeo.effects.results import ContactForce, Inertia
-from camgeo.motion.joints import breaks
+from camgeo.effects.shocks import shocks
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray
 from camgeo.numeric.extremes import Extreme
-
-FLANKS: Final = {1: "inner", -1: "outer"}
 
 ROUNDING: Final = 64.0 * 2.0**-52
 """Forces whose sum is below this share of their magnitudes cancel: what is left is rounding."""
@@ -68,17 +66,12 @@ class Flank:
 
         No finite force holds it to the flank there.
         """
-        if self.inertia is None:
-            return ()
         motion, found = self.subject.cam.drive.motion, []
-        for joint in breaks(self.subject.cam.drive.plan):
-            if joint.order >= 1:
-                continue
-            here = np.array([joint.cam_angle])
+        for angle in shocks(self.subject, self.inertia):
+            here = np.array([angle])
             jump = motion.jet(here, "right")[1] - motion.jet(here, "left")[1]
-            away = jump * self.outwards(here, "right") < 0.0
-            if away[0] and self.inertia.to_follower(here, "right")[0] > 0.0:
-                found.append(joint.cam_angle)
+            if jump[0] * self.outwards(here, "right")[0] < 0.0:
+                found.append(angle)
         return tuple(found)
 
     def reserve(

@@ -8,11 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from camgeo.check.finding import Finding
-from camgeo.effects.lift_off.inputs import FLANKS, TOUCH, Flank
+from camgeo.effects.carrier import FLANKS
+from camgeo.effects.lift_off.inputs import TOUCH, Flank
 from camgeo.effects.lift_off.ranges import Range, ranges_below
 from camgeo.effects.lift_off.sizing import Least, least_preload, least_stiffness
 from camgeo.effects.lift_off.speed import LiftOffSpeed, lift_off_speed
 from camgeo.effects.results import Spring
+from camgeo.effects.told import at, degrees, placed
 from camgeo.motion.time_course import TimeCourse
 from camgeo.numeric.extremes import Extreme
 from camgeo.units import RPM, TURN
@@ -74,10 +76,6 @@ def of_flank(flank: Flank, spring: Spring | None) -> OfFlank:
     return OfFlank(tuple(found), lowest, lost, speed, preload, stiffness)
 
 
-def _degrees(angle: float) -> str:
-    return f"{math.degrees(angle % TURN):.4f} deg"
-
-
 def _leaves(flank: Flank) -> str:
     return f"leaves the {FLANKS[flank.sense]} flank"
 
@@ -95,7 +93,7 @@ def _lost(flank: Flank, stretch: Range) -> Finding:
     where = (
         "all the turn"
         if whole
-        else f"from cam angle {_degrees(stretch.start)} to {_degrees(stretch.end)}"
+        else f"from cam angle {degrees(stretch.start)} to {degrees(stretch.end)}"
     )
     told = _leaves(flank) if low.value < 0.0 else _short(flank)
     return Finding(
@@ -103,7 +101,7 @@ def _lost(flank: Flank, stretch: Range) -> Finding:
         severity="broken",
         sentence=(
             f"the {flank.toucher} {told} {where}: the contact force falls to"
-            f" {low.value:.6g} N at {_degrees(low.place)}"
+            f" {low.value:.6g} N at {degrees(low.place)}"
         ),
         value=low.value,
         limit=flank.margin,
@@ -118,9 +116,8 @@ def _leap(flank: Flank, angle: float) -> Finding:
         name="lift-off",
         severity="broken",
         sentence=(
-            f"the {flank.toucher} leaves the {FLANKS[flank.sense]} flank at cam angle"
-            f" {_degrees(angle)}: the velocity jumps away from it, and no force holds it for this"
-            " moment"
+            f"the {flank.toucher} {_leaves(flank)} {at(angle)}: the velocity jumps away from it,"
+            " and no force holds it for this moment"
         ),
         limit=flank.margin,
         unit="N",
@@ -129,34 +126,19 @@ def _leap(flank: Flank, angle: float) -> Finding:
 
 
 def _kept(flank: Flank, low: Extreme) -> Finding:
-    return Finding(
-        name="lift-off",
-        severity="ok",
-        sentence=(
-            f"the {flank.toucher} stays on the {FLANKS[flank.sense]} flank: smallest contact"
-            f" force {low.value:.6g} N at cam angle {_degrees(low.place)}, at least"
-            f" {flank.margin:g} N"
-        ),
-        value=low.value,
-        limit=flank.margin,
-        unit="N",
-        cam_angle=low.place % TURN,
+    sentence = (
+        f"the {flank.toucher} stays on the {FLANKS[flank.sense]} flank: smallest contact force"
+        f" {low.value:.6g} N {at(low.place)}, at least {flank.margin:g} N"
     )
+    return placed("lift-off", sentence, low, "N", flank.margin)
 
 
 def _touching(low: Extreme, what: str) -> Finding:
-    return Finding(
-        name="contact-touches-zero",
-        severity="warning",
-        sentence=(
-            f"the contact force falls to 0 N at cam angle {_degrees(low.place)} and not below: the"
-            f" {what} is held by nothing there"
-        ),
-        value=0.0,
-        limit=0.0,
-        unit="N",
-        cam_angle=low.place % TURN,
+    sentence = (
+        f"the contact force falls to 0 N {at(low.place)} and not below: the {what} is held by"
+        " nothing there"
     )
+    return placed("contact-touches-zero", sentence, Extreme(0.0, low.place), "N", 0.0, "warning")
 
 
 def _speed(flank: Flank, found: LiftOffSpeed, course: TimeCourse, lost: bool) -> Finding:
@@ -179,14 +161,13 @@ def _speed(flank: Flank, found: LiftOffSpeed, course: TimeCourse, lost: bool) ->
     tail = f"; the cam turns at {mean:.6g} rev/min"
     if early and not lost:
         tail += ", beyond a range of speeds in which contact is lost"
-    return Finding(
-        name="lift-off-speed",
-        severity="broken" if lost else "warning" if early else "ok",
-        sentence=f"{sentence} at cam angle {_degrees(found.place)}{tail}",
-        value=value,
-        limit=mean,
-        unit="rev/min",
-        cam_angle=found.place % TURN,
+    return placed(
+        "lift-off-speed",
+        f"{sentence} {at(found.place)}{tail}",
+        Extreme(value, found.place),
+        "rev/min",
+        mean,
+        "broken" if lost else "warning" if early else "ok",
     )
 
 
@@ -204,8 +185,8 @@ def _least(what: str, least: Least, now: float, unit: str, other: str, kept: str
             name=f"least-{what}",
             severity="warning",
             sentence=(
-                f"no {what} of the spring keeps the {kept} on its flank at cam angle"
-                f" {_degrees(least.place)} with the {other} that it has"
+                f"no {what} of the spring keeps the {kept} on its flank {at(least.place)} with the"
+                f" {other} that it has"
             ),
             limit=given,
             unit=unit,
@@ -217,8 +198,8 @@ def _least(what: str, least: Least, now: float, unit: str, other: str, kept: str
         name=f"least-{what}",
         severity="broken" if short else "ok",
         sentence=(
-            f"least {what} of the spring {value:.6g} {unit}, asked for at cam angle"
-            f" {_degrees(least.place)}; it has {given:.6g} {unit}"
+            f"least {what} of the spring {value:.6g} {unit}, asked for"
+            f" {at(least.place)}; it has {given:.6g} {unit}"
             if value > 0.0
             else f"the {kept} stays on its flank without {what} of the spring; it has"
             f" {given:.6g} {unit}"

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import Final
 
@@ -15,9 +14,9 @@ from camgeo.effects.lift_off.crossing import Impact, impact_after
 from camgeo.effects.lift_off.flanks import Change, flank_changes
 from camgeo.effects.lift_off.inputs import Flank
 from camgeo.effects.results import ContactForce, Inertia
-from camgeo.motion.joints import breaks
+from camgeo.effects.shocks import shocks
+from camgeo.effects.told import at, degrees
 from camgeo.numeric.peaks import piecewise_extremes
-from camgeo.units import TURN
 
 LISTED: Final = 12
 """Changes that are told one by one."""
@@ -84,15 +83,10 @@ def _why_not(subject: Subject, contact: ContactForce, inertia: Inertia | None) -
         return "it needs [effects.inertia]: without a mass the clearance is crossed in no time"
     if not piecewise_extremes(inertia.to_follower, contact.edges).lowest.value > 0.0:
         return "the follower has no mass: the clearance is crossed in no time"
-    shocks = [joint.cam_angle for joint in breaks(subject.cam.drive.plan) if joint.order < 1]
-    if shocks:
-        place = math.degrees(shocks[0])
-        return f"the velocity jumps at cam angle {place:.4f} deg, a shock of its own"
+    jumps = shocks(subject, inertia)
+    if jumps:
+        return f"the velocity jumps {at(jumps[0])}, a shock of its own"
     return ""
-
-
-def _degrees(angle: float) -> str:
-    return f"{math.degrees(angle % TURN):.4f} deg"
 
 
 def _untold(why: str) -> Finding:
@@ -123,12 +117,12 @@ class _Told:
 
     def change(self, change: Change) -> Finding:
         free = change.leaving != change.carrying
-        until = f", with no force on either up to {_degrees(change.carrying)}" if free else ""
+        until = f", with no force on either up to {degrees(change.carrying)}" if free else ""
         return Finding(
             name="flank-change",
             severity="ok",
             sentence=(
-                f"at cam angle {_degrees(change.leaving)} the {self.who} goes from the"
+                f"at cam angle {degrees(change.leaving)} the {self.who} goes from the"
                 f" {self.names[change.sense]} to the {self.names[-change.sense]} {self.noun}{until}"
             ),
             cam_angle=change.leaving,
@@ -162,15 +156,15 @@ class _Told:
         found = []
         for change, impact in list(zip(changes, impacts, strict=True))[:LISTED]:
             left = f"after it leaves the {self.names[change.sense]} {self.noun}"
-            left += f" at {_degrees(change.leaving)}"
+            left += f" at {degrees(change.leaving)}"
             if impact is None:
                 sentence = f"{left} the {self.who} meets neither {self.noun} within a turn"
             else:
                 met = self.names[-change.sense if impact.crossed else change.sense]
                 back = "" if impact.crossed else " again, for it has not crossed the clearance"
                 sentence = (
-                    f"{left} the {self.who} meets the {met} {self.noun}{back} at"
-                    f" {_degrees(impact.cam_angle)} with {impact.speed:.6g} mm/s"
+                    f"{left} the {self.who} meets the {met} {self.noun}{back}"
+                    f" at {degrees(impact.cam_angle)} with {impact.speed:.6g} mm/s"
                 )
             found.append(
                 Finding(
@@ -192,7 +186,7 @@ class _Told:
                     sentence=(
                         f"the {self.who} crosses its clearance of {backlash:g} mm and meets the"
                         f" {self.noun} with up to {fastest.speed:.6g} mm/s,"
-                        f" at cam angle {_degrees(fastest.cam_angle)}"
+                        f" at cam angle {degrees(fastest.cam_angle)}"
                     ),
                     value=fastest.speed,
                     unit="mm/s",

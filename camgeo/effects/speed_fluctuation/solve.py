@@ -8,6 +8,7 @@ from typing import Final
 import numpy as np
 
 from camgeo.effects.effect import Subject
+from camgeo.effects.shocks import torque_shocks
 from camgeo.effects.speed_fluctuation.march import outcome
 from camgeo.effects.speed_fluctuation.mesh import Law, Mesh, double_mesh, rule
 from camgeo.effects.speed_fluctuation.newton import NoConvergenceError
@@ -24,25 +25,16 @@ N_M: Final = 1e-3
 LONGEST: Final = TURN / 24.0
 """Of a cell to begin with."""
 
-JUMP: Final = 1e-9
-"""A jump of the velocity by less than this share of the largest is rounding."""
-
 GUESSES: Final = 65
 """Constant speeds, up to twice that of no load, at which the balance of power is looked at."""
 
 
 def refuse_shocks(subject: Subject, law: Law) -> None:
     """Raise EffectError if the velocity of a mass jumps: by how much the speed does is unknown."""
-    places = np.asarray(subject.cam.drive.motion.breaks)
-    if not len(places):
-        return
-    motion, edges = subject.cam.drive.motion, subject.cam.drive.smooth_angles
-    jump = np.abs(motion.jet(places, "right", 1)[1] - motion.jet(places, "left", 1)[1])
-    heavy = (law(places, "left")[3] != 0.0) | (law(places, "right")[3] != 0.0)
-    inside = np.abs(motion.jet(edges[:-1] + 0.5 * np.diff(edges), "right", 1)[1])
-    hit = heavy & (jump > JUMP * max(float(np.max(inside)), float(np.max(jump))))
-    if np.any(hit):
-        first = float(places[int(np.argmax(hit))])
+    edges = subject.cam.drive.smooth_angles
+    places = torque_shocks(subject, lambda phi, side: law(phi, side)[3], edges)
+    if len(places):
+        first = float(places[0])
         raise EffectError(
             f"the velocity of the follower jumps at cam angle {math.degrees(first):.4f} deg: the"
             " torque is infinite there, and no equation of motion tells the speed after it",

@@ -10,6 +10,7 @@ import numpy as np
 from camgeo.check.finding import Finding
 from camgeo.effects.effect import toucher
 from camgeo.effects.spring.ways import Way, closing_sense, outward
+from camgeo.effects.told import at, placed
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray
 from camgeo.numeric.extremes import Extreme
@@ -30,13 +31,11 @@ def force_findings(force: Quantity, subject: Subject, unit: str) -> list[Finding
     found = piecewise_extremes(force, edges)
     name = "torque" if unit == "N m" else "force"
     findings = [
-        Finding(
-            name=f"{size}-spring-{name}",
-            severity="ok",
-            sentence=f"{size} spring {name} {extreme.value:.6g} {unit} at {_place(extreme)}",
-            value=extreme.value,
-            unit=unit,
-            cam_angle=extreme.place % TURN,
+        placed(
+            f"{size}-spring-{name}",
+            f"{size} spring {name} {extreme.value:.6g} {unit} {at(extreme.place)}",
+            extreme,
+            unit,
         )
         for size, extreme in (("largest", found.highest), ("smallest", found.lowest))
     ]
@@ -49,8 +48,8 @@ def force_findings(force: Quantity, subject: Subject, unit: str) -> list[Finding
                 severity="warning",
                 sentence=(
                     f"the spring {name} is below 0 from cam angle {math.degrees(first):.4f} to"
-                    f" {math.degrees(last):.4f} deg, {lowest.value:.6g} {unit} at"
-                    f" {_place(lowest)}: a real spring is slack there, the values hold on"
+                    f" {math.degrees(last):.4f} deg, {lowest.value:.6g} {unit}"
+                    f" {at(lowest.place)}: a real spring is slack there, the values hold on"
                 ),
                 value=lowest.value,
                 limit=0.0,
@@ -69,17 +68,9 @@ def deflection(way: Way, subject: Subject, *, torsion: bool) -> Finding:
     value = abs(math.degrees(farthest.value) if torsion else farthest.value)
     unit = "deg" if torsion else "mm"
     kind = "relaxed" if farthest.value > 0.0 else "tightened"
-    return Finding(
-        name="largest-spring-deflection",
-        severity="ok",
-        sentence=(
-            f"largest spring deflection {value:.6g} {unit} at {_place(farthest)}, {kind} since cam"
-            " angle 0"
-        ),
-        value=value,
-        unit=unit,
-        cam_angle=farthest.place % TURN,
-    )
+    place = farthest.place
+    sentence = f"largest spring deflection {value:.6g} {unit} {at(place)}, {kind} since cam angle 0"
+    return placed("largest-spring-deflection", sentence, Extreme(value, place), unit)
 
 
 def opening(way: Way, subject: Subject) -> list[Finding]:
@@ -107,10 +98,6 @@ def opening(way: Way, subject: Subject) -> list[Finding]:
             cam_range=(first, last),
         )
     ]
-
-
-def _place(extreme: Extreme) -> str:
-    return f"cam angle {math.degrees(extreme.place % TURN):.4f} deg"
 
 
 def _below(function: Quantity, edges: FloatArray, place: float) -> tuple[float, float]:

@@ -10,6 +10,7 @@ from typing import Final
 import numpy as np
 
 from camgeo.check.finding import Finding
+from camgeo.effects.told import at
 from camgeo.effects.vibration.output import Clock, Elastic, Output
 from camgeo.motion.motion import Dwell, Side
 from camgeo.motion.time_course import in_time
@@ -110,7 +111,7 @@ def of_error(found: Extreme, limit: float | None, telling: Telling) -> Finding:
         name="largest-motion-error",
         severity="broken" if broken else "ok",
         sentence=(
-            f"largest error of the motion {telling.of(found.value)}{_at(found.place)}{against}"
+            f"largest error of the motion {telling.of(found.value)} {at(found.place)}{against}"
         ),
         value=telling.scale * found.value,
         limit=None if limit is None else telling.scale * limit,
@@ -134,8 +135,8 @@ def of_acceleration(found: Extreme, clock: Clock, edges: FloatArray, telling: Te
         severity="ok",
         sentence=(
             f"largest acceleration of the output {telling.scale * found.value:.6g} {unit}"
-            f"{_at(found.place)}{times} that of the demanded motion,"
-            f" {telling.scale * demanded.value:.6g} {unit}{_at(demanded.place)}"
+            f" {at(found.place)}{times} that of the demanded motion,"
+            f" {telling.scale * demanded.value:.6g} {unit} {at(demanded.place)}"
         ),
         value=telling.scale * found.value,
         unit=unit,
@@ -216,10 +217,6 @@ def _residual(name: str, what: str, rest: Dwell, amplitude: float, telling: Tell
 def _duration(clock: Clock, rest: Dwell) -> float:
     ends = clock.course.time(np.array([rest.start, rest.start + rest.span]))
     return float(ends[1] - ends[0])
-
-
-def _at(phi: float) -> str:
-    return f" at cam angle {math.degrees(phi):.4f} deg"
 
 
 def _from(phi: float) -> str:
