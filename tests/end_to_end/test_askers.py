@@ -35,7 +35,7 @@ BASES: Final = tuple(
 )  # fmt: skip
 
 COUNT: Final = int(os.environ.get("CAMGEO_RANDOM_SCENES", "12"))
-"""Random scenes; `.ci/full` asks for 200."""
+"""Random scenes; CONTRIBUTING.md says how to ask for more."""
 
 TRAVELLERS: Final = 4 if COUNT < 100 else COUNT
 """Of these, each is computed again after it has travelled."""
