@@ -16,7 +16,6 @@ from camgeo.check.judge import Judgement
 from camgeo.errors import Fault, SceneError
 from camgeo.lazy import Ledger, built
 from camgeo.pickled import Pickled
-from camgeo.workpiece import Workpiece
 
 if TYPE_CHECKING:
     import pathlib
@@ -31,6 +30,7 @@ if TYPE_CHECKING:
     from camgeo.views.milled import MilledDisc
     from camgeo.views.pictured import PicturedCam
     from camgeo.views.tabulated import TabulatedCam
+    from camgeo.workpiece import Workpiece
 
 
 @dataclass(frozen=True)
@@ -147,6 +147,8 @@ class Design(Pickled):
     @built
     def discs(self) -> tuple[Workpiece, ...]:
         """The discs as they are made, the main one first."""
+        from camgeo.workpiece import Workpiece  # a check makes none
+
         pieces: list[Workpiece] = []
         for cam in reversed(self.cams):  # the main one knows the other
             others = tuple(pieces)

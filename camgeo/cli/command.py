@@ -9,13 +9,15 @@ import sys
 from collections.abc import Sequence
 from decimal import Decimal, InvalidOperation
 from pathlib import Path
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from camgeo.check.finding import Finding
 from camgeo.design import Design
 from camgeo.motion.joints import joints
 from camgeo.motion.plan import Course, Move
-from camgeo.workpiece import Workpiece
+
+if TYPE_CHECKING:
+    from camgeo.workpiece import Workpiece
 
 FINE: Final = 0
 BROKEN: Final = 1

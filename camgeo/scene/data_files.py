@@ -42,6 +42,7 @@ class DataFiles:
         if self._path(key) is None:
             return None
         data = self.contents[self.values.get(*key)]
+
         self.hashes[self.values.get(*key)] = hashlib.sha256(data).hexdigest()
         return data
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -13,7 +12,6 @@ from camgeo.errors import SceneError
 from camgeo.pickled import pickled
 from camgeo.scene.document import Document, document, document_of, document_of_tree
 from camgeo.scene.door import enter
-from camgeo.scene.identity import identity_of, made_of
 from camgeo.scene.source import Source
 from camgeo.scene.tree import Tree, edited, read_only
 
@@ -130,14 +128,20 @@ class Scene:
     @cached_property
     def identity(self) -> str:
         """SHA-256 of all that the scene says, hexadecimal, see `camgeo.scene.identity`."""
+        from camgeo.scene.identity import identity_of  # a check asks for no hash
+
         return identity_of(self._tree, self._digest)
 
     @cached_property
     def made(self) -> str:
         """SHA-256 of all that decides the bytes of files, hexadecimal, as it stands in them."""
+        from camgeo.scene.identity import made_of
+
         return made_of(self._tree, self._digest)
 
     def _digest(self, name: str) -> str:
+        import hashlib  # its import costs as much as a small check
+
         return hashlib.sha256(self.source.contents[name]).hexdigest()
 
     @cached_property
