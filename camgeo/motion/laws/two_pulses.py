@@ -92,15 +92,22 @@ class Parts:
                 raise self._out_of_reach(acceleration)
             return roots[0]
 
+    def reach(self) -> tuple[float, bool]:
+        """The bound of f''(1), and if it lies above it, for a second pulse that starts at its peak.
+
+        f''(1) runs from the bound, at lambda = 0, to infinity, at 1.
+        """
+        v0, v1 = Decimal(self.v0), Decimal(self.v1)
+        grows = self.first.velocity * (1 - v0) - self.first.position * (v1 - v0)
+        return -float((1 - v1) / self.second.position), grows <= 0
+
     def _out_of_reach(self, acceleration: float) -> GeometryError:
-        """Why there is no lambda: the peak runs from its value at 0 to infinity at 1."""
-        bound = (1 - Decimal(self.v1)) / self.second.position
-        d = Decimal(self.v1) - Decimal(self.v0)
-        grows = self.first.velocity * (1 - Decimal(self.v0)) - self.first.position * d
-        side = "below" if grows > 0 else "above"
+        """Why there is no lambda."""
+        bound, above = self.reach()
+        side = "above" if above else "below"
         return GeometryError(
             f"no inflection point gives the normalised acceleration {acceleration:.6g} at that"
-            f" end; it must be {side} {-float(bound):.6g}",
+            f" end; it must be {side} {bound:.6g}",
             key="acceleration",
             value=f"{acceleration:.6g}",
         )

@@ -27,17 +27,13 @@ def out_of_reach(
         key = next(iter(ends))
         rest = {name: value for name, value in given.items() if name not in ends}
         parts = family.parts(task, rest)
-        forward = parts.mirrored if key == "a0" else parts
-        with_sign = 1.0 if key == "a0" else -1.0
-        bound = with_sign * (1.0 - forward.v1) / float(forward.second.position)
-        change = forward.v1 - forward.v0
-        grows = float(forward.first.velocity) * (1.0 - forward.v0) > (
-            float(forward.first.position) * change
-        )
-        above = grows == (key == "a0")
+        bound, above = parts.reach()
+        if key == "a0":  # of the mirror image, whose acceleration has the other sign
+            bound, above = parts.mirrored.reach()
+            bound, above = -bound, not above
         if family.name == "sine-straight" and "inflection" in given:
-            part = given["inflection"] if key == "a0" else 1.0 - given["inflection"]
-            bound = with_sign * LEAST / part
+            inflection = given["inflection"]
+            bound = LEAST / inflection if key == "a0" else -LEAST / (1.0 - inflection)
     if not key or (ends[key] > bound if above else ends[key] < bound):
         return None
     link = chain.links[number]

@@ -7,6 +7,8 @@ sharp as a law beside it asks for; the rest is then chosen anew.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from camgeo.errors import GeometryError
@@ -77,9 +79,8 @@ def _from_laws(chain: Chain) -> None:
     deciding = [
         number
         for number, link in enumerate(chain.links)
-        if decides_turn(link, task_of(chain, number))
+        if link.stroke and decides_turn(link, task_of(chain, number))
     ]
-    deciding = [number for number in deciding if chain.links[number].stroke]
     # A law meets any turn that is sharper than its own, so the sharper one decides.
     deciding.sort(
         key=lambda number: (not _stated_in_full(chain.links[number]), -_sharpness(chain, number))
@@ -139,7 +140,7 @@ def _smoothest(chain: Chain) -> None:
     if not any(open_links):
         return
     if all(open_links):
-        _fill_ring(chain)
+        _fill(chain, range(count), ring=True)
         return
     first = open_links.index(False)
     run: list[int] = []
@@ -148,7 +149,7 @@ def _smoothest(chain: Chain) -> None:
         if open_links[number]:
             run.append(number)
         elif run:
-            _fill_run(chain, run)
+            _fill(chain, run, ring=False)
             run = []
 
 
@@ -157,22 +158,14 @@ def _is_open(chain: Chain, number: int) -> bool:
     return not (chain.before(number).settled and chain.after(number).settled)
 
 
-def _fill_run(chain: Chain, run: list[int]) -> None:
-    """A run of moves between two joints at which all is known."""
-    joints = [chain.before(number) for number in run] + [chain.after(run[-1])]
+def _fill(chain: Chain, run: Sequence[int], *, ring: bool) -> None:
+    """A run of moves between two joints at which all is known; or a turn without any such joint."""
     nodes = _Nodes()
-    for number, joint in zip(run, joints[:-1], strict=True):
-        nodes.add(joint, chain.links[number])
-    nodes.close(joints[-1])
-    nodes.fill(None)
-
-
-def _fill_ring(chain: Chain) -> None:
-    """A turn without a single joint at which all is known."""
-    nodes = _Nodes()
-    for number, link in enumerate(chain.links):
-        nodes.add(chain.before(number), link)
-    nodes.fill(nodes.end)
+    for number in run:
+        nodes.add(chain.before(number), chain.links[number])
+    if not ring:
+        nodes.close(chain.after(run[-1]))
+    nodes.fill(nodes.end if ring else None)
 
 
 class _Nodes:
