@@ -10,6 +10,7 @@ import json
 import pathlib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from inspect import signature
 from typing import TYPE_CHECKING, Any, Final, Generic, Literal, Protocol, TypeVar
 
 import numpy as np
@@ -212,10 +213,11 @@ class Effect:
         contradict each other, `EffectError` if there is no answer for this design.
     schema : JSON Schema of its table, an object. It may refer to the definitions of the scene's
         schema, as {"$ref": "#/$defs/length"}; a number with an "x-unit" is given in that unit.
-    parse : from the table to what `compute` gets as `Request.spec`, a frozen dataclass. Numbers of
-        the table are in the units of this module, angles in radians, files are `DataFile`. It
-        raises GeometryError with the key in the table, e.g. "preload", if data are missing or
-        contradict each other.
+    parse : from the table to what `compute` gets as `Request.spec`, a frozen dataclass, which
+        `spec_of` makes where nothing else is to be held against the table. Numbers of the table
+        are in the units of this module, angles in radians, files are `DataFile`. It raises
+        GeometryError with the key in the table, e.g. "preload", if data are missing or contradict
+        each other.
     rules : what does not go together with a machine that has it.
     needs : effects whose results it cannot do without.
     uses : effects whose results it takes into account if the scene names them.
@@ -239,6 +241,14 @@ class Effect:
     tabled: bool = False
     numerical: bool = False
     of_drive: bool = False
+
+
+def spec_of(kind: Callable[..., Spec], table: Mapping[str, Any]) -> Spec:
+    """The dataclass `kind` of the keys of `table` that are its fields; others have their defaults.
+
+    The tolerance of a numerical effect is none of them: it is in `Request`.
+    """
+    return kind(**{key: table[key] for key in signature(kind).parameters if key in table})
 
 
 def schema_beside(module: str) -> Mapping[str, Any]:

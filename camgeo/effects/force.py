@@ -45,6 +45,17 @@ class Force:
     borders: FloatArray = field(default_factory=lambda: np.empty(0))
 
 
+def unmoved(values: Callable[[FloatArray, Side], FloatArray]) -> Coefficients:
+    """The coefficients of a force (n,) that no speed changes: c0 alone."""
+
+    def coefficients(phi: FloatArray, side: Side) -> FloatArray:
+        out = np.zeros((4, len(phi)))
+        out[0] = values(phi, side)
+        return out
+
+    return coefficients
+
+
 def at_rates(coefficients: FloatArray, rates: FloatArray) -> FloatArray:
     """(n,) the force for `coefficients` (4, n) at `rates`, (2 or more, n): omega and alpha."""
     omega, alpha = rates[0], rates[1]

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from camgeo.check.finding import Severity
     from camgeo.effects.effect import Quantity, Subject
     from camgeo.numeric.arrays import FloatArray
-    from camgeo.numeric.extremes import Extreme
+    from camgeo.numeric.extremes import Extreme, Extremes
 
 TOUCH: Final = 1e-9
 """A contact force on the wrong side of zero by less than this share of the largest is rounding."""
@@ -47,6 +47,16 @@ def extreme_finding(name: str, words: str, end: Extreme, unit: str, sign: str = 
     """A largest or smallest value [`unit`] with its place; `sign` says what is positive."""
     angle = f"{math.degrees(end.place):.6g} deg"
     return placed(name, f"{words} {end.value:.6g} {unit}{sign}, at cam angle {angle}", end, unit)
+
+
+def extreme_findings(
+    name: str, words: str, ends: Extremes, unit: str, sign: str = ""
+) -> list[Finding]:
+    """The largest and the smallest value, see `extreme_finding`."""
+    return [
+        extreme_finding(f"{which}-{name}", f"{which} {words}", end, unit, sign)
+        for which, end in (("largest", ends.highest), ("smallest", ends.lowest))
+    ]
 
 
 def loss_of_contact(

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from camgeo.design import Design
+from camgeo.effects.contact_force import EFFECT
 from camgeo.effects.contact_force.result import ContactForce, compute
-from camgeo.effects.contact_force.spec import parse
 from camgeo.effects.effect import Request
 from camgeo.effects.force import Force
 from camgeo.effects.results import Results
@@ -87,7 +87,7 @@ def constant(value: float) -> Any:
 
 def computed(subject: Design, results: dict[str, Any], limit: float | None = None) -> ContactForce:
     table = {} if limit is None else {"limit": limit}
-    found = compute(Request(subject.effects.subject, parse(table), Results(results), 1e-6))
+    found = compute(Request(subject.effects.subject, EFFECT.parse(table), Results(results), 1e-6))
     assert isinstance(found, ContactForce)
     return found
 

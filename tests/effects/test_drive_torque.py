@@ -10,9 +10,9 @@ import pytest
 
 from camgeo.check.finding import Finding
 from camgeo.design import Design
+from camgeo.effects.drive_torque import EFFECT
 from camgeo.effects.drive_torque.flywheel import moment_of_inertia, stored_energy
 from camgeo.effects.drive_torque.result import compute
-from camgeo.effects.drive_torque.spec import parse
 from camgeo.effects.drive_torque.torque import DriveTorque
 from camgeo.effects.effect import Request
 from camgeo.effects.force import Force, at_rates, total
@@ -119,7 +119,7 @@ def drive(
     subject: Design, contact: Contact, tolerance: float = 1e-9, **table: float
 ) -> DriveTorque:
     given = Results({"contact-force": contact})
-    found = compute(Request(subject.effects.subject, parse(table), given, tolerance))
+    found = compute(Request(subject.effects.subject, EFFECT.parse(table), given, tolerance))
     assert isinstance(found, DriveTorque)
     return found
 

@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from camgeo.effects.gravity import EFFECT
-from camgeo.effects.gravity.spec import STANDARD_GRAVITY
+from camgeo.effects.gravity import EFFECT, STANDARD_GRAVITY
 from camgeo.errors import GeometryError, SceneError
 from camgeo.numeric.arrays import FloatArray
 from camgeo.units import TURN

@@ -15,10 +15,9 @@ from mpmath import mp, mpf
 from camgeo.effects.effect import Request, Subject
 from camgeo.effects.force import at_rates
 from camgeo.effects.inertia import EFFECT
-from camgeo.effects.inertia.rates import LinkedTrain
+from camgeo.effects.inertia.rates import LinkedTrain, at_cam, inertia_force, reduced
 from camgeo.effects.inertia.result import Inertia, compute
 from camgeo.effects.inertia.spec import InertiaSpec, parse
-from camgeo.effects.inertia.sums import inertia_force, reduced
 from camgeo.effects.results import Results
 from camgeo.errors import EffectError, GeometryError, SceneError
 from camgeo.mechanism.slider_crank import SliderCrank
@@ -136,7 +135,7 @@ def test_columns_show_what_findings_tell() -> None:
 def test_without_any_mass_there_is_no_force() -> None:
     result, _ = inertia_of("setzhub", "[effects.inertia]\n")
     assert not np.any(result.force.coefficients(PHI, "right"))
-    assert not np.any(result.to_cam(PHI))
+    assert not np.any(at_cam(result.train, PHI, "right"))
     assert result.masses == ()
     assert all(each.value == 0.0 and math.isfinite(each.value) for each in result.findings)
 
@@ -319,13 +318,13 @@ def test_a_turn_at_constant_speed_costs_no_work(scene: str, effects: str) -> Non
     peak = float(np.max(np.abs(power(PHI))))
     assert peak > 0.0
     assert abs(np.sum(integrals(power, low, high))) <= 1e-12 * peak * TURN
-    moment, slope = result.to_cam(PHI)
+    moment, slope = at_cam(result.train, PHI, "right")
     rate = subject.cam.drive.motion.jet(PHI)[1]
     largest = float(np.max(moment))
     assert moment == pytest.approx(result.to_follower(PHI) * rate**2, abs=1e-12 * largest)
     assert -2.0 * power(PHI) == pytest.approx(slope, abs=1e-12 * 2.0 * peak)
-    over = integrals(lambda phi: result.to_cam(phi)[1], low, high)
-    change = result.to_cam(high, "left")[0] - result.to_cam(low, "right")[0]
+    over = integrals(lambda phi: at_cam(result.train, phi, "right")[1], low, high)
+    change = at_cam(result.train, high, "left")[0] - at_cam(result.train, low, "right")[0]
     assert over == pytest.approx(change, abs=1e-12 * largest)
 
 

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Final
 
+from camgeo.effects.effect import spec_of
 from camgeo.errors import GeometryError
 
 LARGEST_HOLE: Final = 0.25
@@ -27,10 +28,10 @@ class BalanceSpec:
     """
 
     density: float
-    counterweight_radius: float | None
-    hole_radius: float | None
-    hole_diameter: float | None
-    grade: float | None
+    counterweight_radius: float | None = None
+    hole_radius: float | None = None
+    hole_diameter: float | None = None
+    grade: float | None = None
 
 
 def parse(table: Mapping[str, Any]) -> BalanceSpec:
@@ -41,23 +42,15 @@ def parse(table: Mapping[str, Any]) -> BalanceSpec:
     GeometryError
         With the key, if there is no such material, or a diameter of holes without their radius.
     """
-    hole_radius = table.get("hole_radius")
-    hole_diameter = table.get("hole_diameter")
-    if hole_diameter is not None and hole_radius is None:
+    if "hole_diameter" in table and "hole_radius" not in table:
         raise GeometryError(
             "needs hole_radius, the distance of the holes from the cam axis", key="hole_diameter"
         )
-    if hole_radius is not None and hole_diameter is None:
-        hole_diameter = LARGEST_HOLE * hole_radius
-    density = table.get("density")
-    if density is None:
+    told = dict(table)
+    if "hole_radius" in table:
+        told.setdefault("hole_diameter", LARGEST_HOLE * table["hole_radius"])
+    if "density" not in table:
         from camgeo.effects.materials import find_material  # a density needs no table
 
-        density = find_material(table.get("material", "steel"), "material").density
-    return BalanceSpec(
-        density=density,
-        counterweight_radius=table.get("counterweight_radius"),
-        hole_radius=hole_radius,
-        hole_diameter=hole_diameter,
-        grade=table.get("grade"),
-    )
+        told["density"] = find_material(table.get("material", "steel"), "material").density
+    return spec_of(BalanceSpec, told)

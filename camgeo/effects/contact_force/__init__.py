@@ -2,19 +2,31 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from functools import partial
 from typing import Final
 
-from camgeo.effects.contact_force.spec import FORCES, parse
-from camgeo.effects.effect import Effect, schema_beside
-from camgeo.effects.results import CONTACT_FORCE, FRICTION
+from camgeo.effects.effect import Effect, schema_beside, spec_of
+from camgeo.effects.results import CONTACT_FORCE, FRICTION, GRAVITY, INERTIA, LOAD, SPRING
 from camgeo.effects.rules import ONE_CONTACT, Only
+
+FORCES: Final = (INERTIA, GRAVITY, LOAD, SPRING)
+"""Effects that are forces on the follower, besides friction."""
+
+
+@dataclass(frozen=True, slots=True)
+class Spec:
+    """What the scene says: `limit` is the largest force allowed [N], None for none."""
+
+    limit: float | None = None
+
 
 EFFECT: Final = Effect(
     name=CONTACT_FORCE,
     title="force between cam and follower along their common normal",
     compute="camgeo.effects.contact_force.result:compute",
     schema=schema_beside(__file__),
-    parse=parse,
+    parse=partial(spec_of, Spec),
     rules=(Only(ONE_CONTACT),),
     uses=(*FORCES, FRICTION),
     keys=(tuple(f"effects.{name}" for name in FORCES),),

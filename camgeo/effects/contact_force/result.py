@@ -6,10 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from camgeo.effects.contact_force import FORCES, Spec
 from camgeo.effects.contact_force.balance import Balance
 from camgeo.effects.contact_force.findings import force_findings, shock_findings
 from camgeo.effects.contact_force.places import refuse_jamming, smooth_edges
-from camgeo.effects.contact_force.spec import FORCES, Spec
 from camgeo.effects.effect import Column, Quantity, Request, Result, Subject
 from camgeo.effects.face import require_convex
 from camgeo.effects.force import Force, all_borders

@@ -13,9 +13,9 @@ from typing import Any, Final
 
 import numpy as np
 
+from camgeo.effects.drive_torque import Spec
 from camgeo.effects.drive_torque.findings import findings
 from camgeo.effects.drive_torque.law import TorqueLaw
-from camgeo.effects.drive_torque.spec import Spec
 from camgeo.effects.drive_torque.summary import summary
 from camgeo.effects.drive_torque.torque import DriveTorque
 from camgeo.effects.effect import Column, Request, Subject

@@ -70,8 +70,8 @@ class State:
     slip : g, along t [mm/rad]; 0 for a roller.
     reach : |dW/dq|, 1 or the lever about the pivot [mm/rad], l_3 with a roller.
     sine, cosine : dn/dq and t dW/dq over the reach, both signed: of the transmission angle.
-    side_force : S, across the guide, to the right looking along it; 0 for a rocker.
-    near, far : R_1 and R_2; the one is -S and the other 0 without a length of the guide.
+    near, far : R_1 and R_2, to the right looking along the guide; the one is -S and the other 0
+        without a length of the guide.
     overhang : a [mm]; 0 for a rocker.
     tilt : M, counter-clockwise [mm]; 0 for a rocker.
     """
@@ -86,7 +86,6 @@ class State:
     reach: FloatArray
     sine: FloatArray
     cosine: FloatArray
-    side_force: FloatArray
     near: FloatArray
     far: FloatArray
     overhang: FloatArray
@@ -162,8 +161,8 @@ class Statics:
                 near = -((overhang + length) * across + tilt) / length
         reach = np.abs(relative.reach) + np.zeros_like(speed)
         return State(
-            jet[1], spin, against_cam, pin, rolling, tangential, slip, reach, sine, cosine, across,
-            near, far, overhang, tilt,
+            jet[1], spin, against_cam, pin, rolling, tangential, slip, reach, sine, cosine, near,
+            far, overhang, tilt,
         )  # fmt: skip
 
     def per_normal(self, phi: FloatArray, side: Side, sense: int) -> FloatArray:

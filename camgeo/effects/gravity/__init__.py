@@ -2,18 +2,43 @@
 
 from __future__ import annotations
 
+import cmath
+import math
+from dataclasses import dataclass
+from functools import partial
 from typing import Final
 
-from camgeo.effects.effect import Effect, schema_beside
-from camgeo.effects.gravity.spec import parse
+from camgeo.effects.effect import Effect, schema_beside, spec_of
 from camgeo.effects.results import GRAVITY, INERTIA
+
+STANDARD_GRAVITY: Final = 9806.65
+"""g_n [mm/s^2] (3rd CGPM 1901, resolution on the standard value of the acceleration of gravity;
+ISO 80000-3, acceleration of free fall)."""
+
+
+@dataclass(frozen=True, slots=True)
+class GravitySpec:
+    """The table ``[effects.gravity]``.
+
+    Attributes
+    ----------
+    angle : direction in which weights pull [rad], from the x axis, counter-clockwise.
+    """
+
+    angle: float = -0.5 * math.pi
+
+    @property
+    def pull(self) -> complex:
+        """The acceleration of free fall [mm/s^2]."""
+        return STANDARD_GRAVITY * cmath.rect(1.0, self.angle)
+
 
 EFFECT: Final = Effect(
     name=GRAVITY,
     title="weights",
     compute="camgeo.effects.gravity.result:compute",
     schema=schema_beside(__file__),
-    parse=parse,
+    parse=partial(spec_of, GravitySpec),
     needs=(INERTIA,),
     keys=((f"effects.{INERTIA}",),),
 )

@@ -15,10 +15,10 @@ import numpy as np
 
 from camgeo.check.finding import Finding
 from camgeo.effects.effect import Column, Request, Result
-from camgeo.effects.force import Force
-from camgeo.effects.gravity.spec import STANDARD_GRAVITY, GravitySpec
+from camgeo.effects.force import Force, unmoved
+from camgeo.effects.gravity import STANDARD_GRAVITY, GravitySpec
 from camgeo.effects.results import INERTIA, Acting
-from camgeo.effects.told import extreme_finding
+from camgeo.effects.told import extreme_findings
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.numeric.peaks import piecewise_extremes
@@ -53,11 +53,6 @@ def compute(request: Request[GravitySpec]) -> Acting:
             out += each.mass * _along(each.per_lift(phi, side), pull)
         return out
 
-    def coefficients(phi: FloatArray, side: Side) -> FloatArray:
-        out = np.zeros((4, len(phi)))
-        out[0] = on_follower(phi, side)
-        return out
-
     def potential(phi: FloatArray, side: Side) -> FloatArray:
         out = np.zeros(len(phi))
         for each, first in zip(masses, start, strict=True):
@@ -73,18 +68,15 @@ def compute(request: Request[GravitySpec]) -> Acting:
     weight = STANDARD_GRAVITY * sum(each.mass for each in masses)
     extremes = piecewise_extremes(told, subject.cam.drive.smooth_angles)
     return Gravity(
-        force=Force("gravity", coefficients, potential),
+        force=Force("gravity", unmoved(on_follower), potential),
         findings=(
             Finding("weight", "ok", f"weight of all masses {weight:.6g} N", weight, unit="N"),
-            *(
-                extreme_finding(
-                    f"{which}-weight-force",
-                    f"{which} {what} of the weights on the follower",
-                    end,
-                    unit,
-                    ", positive with growing lift",
-                )
-                for which, end in (("largest", extremes.highest), ("smallest", extremes.lowest))
+            *extreme_findings(
+                "weight-force",
+                f"{what} of the weights on the follower",
+                extremes,
+                unit,
+                ", positive with growing lift",
             ),
         ),
         columns=(Column(f"weight {what}", unit, told),),

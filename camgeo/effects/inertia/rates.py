@@ -126,3 +126,37 @@ class LinkedTrain:
         """
         moment = self.spec.coupler_moment
         return self.spec.coupler_mass * self.linkage.coupler**2 / 12.0 if moment is None else moment
+
+
+def reduced(train: Train, phi: FloatArray, side: Side) -> FloatArray:
+    """M (n,), see `Inertia.to_follower`."""
+    out = np.zeros(len(phi))
+    for each in train(phi, side):
+        out += each.inertia * each.per_lift * each.per_lift
+    return out
+
+
+def inertia_force(train: Train, phi: FloatArray, side: Side) -> FloatArray:
+    """(4, n) coefficients of the sum of -m (d^2 x/dt^2) dx/dq at n cam angles.
+
+    d^2 x/dt^2 = x'' omega^2 + x' alpha (VDI 2143-1, eq. 2). By Lagrange's equation it is
+    -(M d^2 q/dt^2 + dM/dq (dq/dt)^2 / 2), of the reduced inertia M(q).
+    """
+    out = np.zeros((4, len(phi)))
+    for each in train(phi, side):
+        of_lift = -each.inertia * each.per_lift
+        out[2] += of_lift * each.second
+        out[3] += of_lift * each.first
+    return out
+
+
+def at_cam(train: Train, phi: FloatArray, side: Side) -> FloatArray:
+    """(2, n) J [t mm^2] and dJ/dphi [t mm^2/rad]: T = J omega^2 / 2 at the camshaft.
+
+    J is the sum of m x'^2, which is M q'^2; its derivative that of 2 m x' x''.
+    """
+    out = np.zeros((2, len(phi)))
+    for each in train(phi, side):
+        out[0] += each.inertia * each.first * each.first
+        out[1] += 2.0 * each.inertia * each.first * each.second
+    return out

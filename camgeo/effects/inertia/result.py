@@ -12,13 +12,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from camgeo.effects.effect import Result
 from camgeo.effects.force import Force
 from camgeo.effects.inertia.masses import Mass, masses_of
-from camgeo.effects.inertia.rates import Train, at_follower, train_of
-from camgeo.effects.inertia.sums import inertia_force, reduced
+from camgeo.effects.inertia.rates import Train, at_follower, inertia_force, reduced, train_of
 from camgeo.effects.inertia.told import TERMS, Told, lacking
 from camgeo.effects.locked import refuse_locked
 from camgeo.effects.results import Inertia as Asked
@@ -55,17 +52,6 @@ class Inertia(Result):
         effective masses in dynamic models of cam systems).
         """
         return reduced(self.train, phi, side)
-
-    def to_cam(self, phi: FloatArray, side: Side = "right") -> FloatArray:
-        """(2, n) J [t mm^2] and dJ/dphi [t mm^2/rad]: T = J omega^2 / 2 at the camshaft.
-
-        J is the sum of m x'^2, which is M q'^2; its derivative that of 2 m x' x''.
-        """
-        out = np.zeros((2, len(phi)))
-        for each in self.train(phi, side):
-            out[0] += each.inertia * each.first * each.first
-            out[1] += 2.0 * each.inertia * each.first * each.second
-        return out
 
 
 def compute(request: Request[InertiaSpec]) -> Asked:

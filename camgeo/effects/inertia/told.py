@@ -12,9 +12,8 @@ import numpy as np
 from camgeo.check.finding import Finding
 from camgeo.effects.effect import Column
 from camgeo.effects.force import at_rates
-from camgeo.effects.inertia.rates import DirectTrain, Train
-from camgeo.effects.inertia.sums import inertia_force, reduced
-from camgeo.effects.told import extreme_finding
+from camgeo.effects.inertia.rates import DirectTrain, Train, at_cam, inertia_force, reduced
+from camgeo.effects.told import extreme_finding, extreme_findings
 from camgeo.motion.joints import breaks
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray
@@ -104,8 +103,7 @@ class Told:
 
     def at_cam(self, phi: FloatArray, side: Side) -> FloatArray:
         """Reduced to the camshaft [kg m^2]."""
-        moment = sum(each.inertia * each.first * each.first for each in self.train(phi, side))
-        return np.asarray(KG_M2 * moment)
+        return np.asarray(KG_M2 * at_cam(self.train, phi, side)[0])
 
     def force(self, phi: FloatArray, side: Side) -> FloatArray:
         """At the speed of the scene [N or N m]."""
@@ -121,7 +119,7 @@ class Told:
 
     def findings(self) -> tuple[Finding, ...]:
         edges = self.subject.cam.drive.smooth_angles
-        at_cam = piecewise_extremes(self.at_cam, edges).highest
+        largest = piecewise_extremes(self.at_cam, edges).highest
         name = f"reduced-{self.terms.mass.replace(' ', '-')}"
         at = f"{self.terms.mass} reduced to the follower"
         found = []
@@ -131,15 +129,12 @@ class Told:
             found.append(Finding(name, "ok", sentence, value=value, unit=self.terms.mass_unit))
         else:
             masses = piecewise_extremes(self.mass, edges)
-            for which, end in (("largest", masses.highest), ("smallest", masses.lowest)):
-                found.append(
-                    extreme_finding(f"{which}-{name}", f"{which} {at}", end, self.terms.mass_unit)
-                )
+            found += extreme_findings(name, at, masses, self.terms.mass_unit)
         found.append(
             extreme_finding(
                 "largest-moment-at-cam",
                 "largest moment of inertia reduced to the camshaft",
-                at_cam,
+                largest,
                 "kg m^2",
             )
         )

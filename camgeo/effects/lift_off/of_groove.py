@@ -15,7 +15,8 @@ from camgeo.effects.lift_off.flanks import Change, flank_changes
 from camgeo.effects.lift_off.inputs import Flank
 from camgeo.effects.results import ContactForce, Inertia
 from camgeo.effects.shocks import shocks
-from camgeo.effects.told import at, degrees
+from camgeo.effects.told import at, degrees, placed
+from camgeo.numeric.extremes import Extreme
 from camgeo.numeric.peaks import piecewise_extremes
 
 LISTED: Final = 12
@@ -179,18 +180,10 @@ class _Told:
         hits = [impact for impact in impacts if impact is not None]
         if hits:
             fastest = hits[int(np.argmax([each.speed for each in hits]))]
-            found.append(
-                Finding(
-                    name="largest-impact-speed",
-                    severity="warning",
-                    sentence=(
-                        f"the {self.who} crosses its clearance of {backlash:g} mm and meets the"
-                        f" {self.noun} with up to {fastest.speed:.6g} mm/s,"
-                        f" at cam angle {degrees(fastest.cam_angle)}"
-                    ),
-                    value=fastest.speed,
-                    unit="mm/s",
-                    cam_angle=fastest.cam_angle,
-                )
+            sentence = (
+                f"the {self.who} crosses its clearance of {backlash:g} mm and meets the {self.noun}"
+                f" with up to {fastest.speed:.6g} mm/s, {at(fastest.cam_angle)}"
             )
+            end = Extreme(fastest.speed, fastest.cam_angle)
+            found.append(placed("largest-impact-speed", sentence, end, "mm/s", severity="warning"))
         return found

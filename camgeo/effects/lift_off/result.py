@@ -11,10 +11,10 @@ from typing import Final
 
 from camgeo.effects.carrier import holds_both_ways
 from camgeo.effects.effect import Column, Request, Result
+from camgeo.effects.lift_off import Spec
 from camgeo.effects.lift_off.inputs import Flank
 from camgeo.effects.lift_off.of_flank import OfFlank, of_flank
 from camgeo.effects.lift_off.of_groove import OfGroove, of_groove
-from camgeo.effects.lift_off.spec import Spec
 from camgeo.effects.results import CONTACT_FORCE, INERTIA, SPRING
 from camgeo.errors import GeometryError
 

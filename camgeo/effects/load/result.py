@@ -14,12 +14,12 @@ from typing import Final
 import numpy as np
 
 from camgeo.effects.effect import Column, Request, Result, Subject
-from camgeo.effects.force import Force
+from camgeo.effects.force import Force, unmoved
 from camgeo.effects.load.course import Constant, Course, Steps
 from camgeo.effects.load.spec import LoadSpec
 from camgeo.effects.locked import refuse_locked
 from camgeo.effects.results import Acting
-from camgeo.effects.told import extreme_finding
+from camgeo.effects.told import extreme_findings
 from camgeo.errors import GeometryError
 from camgeo.motion.motion import Side
 from camgeo.motion.plan import MotionPlan
@@ -61,10 +61,8 @@ def compute(request: Request[LoadSpec]) -> Acting:
     scale = N_MM if is_torque else 1.0
     refuse_locked(subject, " against its load")
 
-    def coefficients(phi: FloatArray, side: Side) -> FloatArray:
-        out = np.zeros((4, len(phi)))
-        out[0] = -scale * course.values(phi, side) * _way(subject, phi, side)
-        return out
+    def on_follower(phi: FloatArray, side: Side) -> FloatArray:
+        return -scale * course.values(phi, side) * _way(subject, phi, side)
 
     def work(phi: FloatArray, side: Side) -> FloatArray:
         """Against a constant load, from the start of the stroke on."""
@@ -77,12 +75,9 @@ def compute(request: Request[LoadSpec]) -> Acting:
     edges = merged(np.concatenate((subject.cam.drive.smooth_angles, course.borders)))
     extremes = piecewise_extremes(course.values, edges)
     return Load(
-        force=Force("load", coefficients, potential, course.borders),
+        force=Force("load", unmoved(on_follower), potential, course.borders),
         findings=tuple(
-            extreme_finding(
-                f"{which}-load", f"{which} load", end, unit, ", positive against a positive motion"
-            )
-            for which, end in (("largest", extremes.highest), ("smallest", extremes.lowest))
+            extreme_findings("load", "load", extremes, unit, ", positive against a positive motion")
         ),
         columns=(Column("load", unit, course.values, borders=course.borders),),
     )

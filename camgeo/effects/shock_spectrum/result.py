@@ -15,9 +15,9 @@ from dataclasses import dataclass
 
 from camgeo.check.finding import Finding
 from camgeo.effects.effect import Request, Result
+from camgeo.effects.shock_spectrum import Spec
 from camgeo.effects.shock_spectrum.measures import QUIET, measured
 from camgeo.effects.shock_spectrum.moves import RestToRest, moves_of
-from camgeo.effects.shock_spectrum.spec import Spec
 from camgeo.motion.time_course import ConstantSpeed
 from camgeo.numeric.arrays import FloatArray
 from camgeo.numeric.extremes import Extreme

@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 
 from camgeo.effects.effect import Column, Request, Result, Subject, driving_slider
-from camgeo.effects.force import Force
+from camgeo.effects.force import Force, unmoved
 from camgeo.effects.results import Spring as Asked
 from camgeo.effects.spring.findings import deflection, force_findings, opening
 from camgeo.effects.spring.spec import Spec
@@ -75,11 +75,9 @@ def compute(request: Request[Spec]) -> Asked:
         """F (n,) [N or N mm]."""
         return np.asarray(preload - stiffness * way(phi, side)[0])
 
-    def coefficients(phi: FloatArray, side: Side) -> FloatArray:
+    def on_follower(phi: FloatArray, side: Side) -> FloatArray:
         x, rate = way(phi, side)
-        out = np.zeros((4, len(x)))
-        out[0] = (preload - stiffness * x) * rate
-        return out
+        return (preload - stiffness * x) * rate
 
     def potential(phi: FloatArray, side: Side) -> FloatArray:
         x = way(phi, side)[0]
@@ -97,7 +95,7 @@ def compute(request: Request[Spec]) -> Asked:
             *opening(way, subject),
         ),
         columns=(Column("spring torque" if torsion else "spring force", unit, shown),),
-        force=Force("spring", coefficients, potential),
+        force=Force("spring", unmoved(on_follower), potential),
         way=way,
         preload=preload,
         stiffness=stiffness,

@@ -143,16 +143,14 @@ def _elastic(clock: Clock, train: Train, tolerance: float) -> tuple[Elastic, flo
 
 
 def _columns(source: Output, telling: Telling, limit: float | None) -> tuple[Column, ...]:
-    def deflection(phi: FloatArray, side: Side) -> FloatArray:
-        found: FloatArray = telling.scale * source.states(phi, side)[0]
-        return found
+    def column(name: str, unit: str, order: int, limit: float | None = None) -> Column:
+        def values(phi: FloatArray, side: Side) -> FloatArray:
+            return np.asarray(telling.scale * source.states(phi, side)[order])
 
-    def acceleration(phi: FloatArray, side: Side) -> FloatArray:
-        found: FloatArray = telling.scale * source.states(phi, side)[2]
-        return found
+        return Column(name, unit, values, limit)
 
     bound = None if limit is None else telling.scale * limit
     return (
-        Column("vibration deflection", telling.unit, deflection, bound),
-        Column("output acceleration", f"{telling.unit}/s^2", acceleration),
+        column("vibration deflection", telling.unit, 0, bound),
+        column("output acceleration", f"{telling.unit}/s^2", 2),
     )

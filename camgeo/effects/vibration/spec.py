@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
 
+from camgeo.effects.effect import spec_of
 from camgeo.errors import GeometryError
 
 if TYPE_CHECKING:
@@ -65,8 +66,4 @@ def parse(table: Mapping[str, Any]) -> Spec:
 
         own = table["second"]
         second = Second(own["natural_frequency"], own["mass_ratio"], own.get("damping", 0.0))
-    return Spec(
-        **{key: table.get(key) for key in (*FREQUENCY_KEYS, "limit", "limit_angle")},
-        damping=table.get("damping", 0.0),
-        second=second,
-    )
+    return spec_of(Spec, {**table, "second": second})
