@@ -506,7 +506,9 @@ def with_cam(made: Design, **changes: Any) -> Any:
     """A design with other parts of its cam."""
     subject = made.effects.subject
     cam = Changed(subject.cam, **changes)
-    return SimpleNamespace(effects=SimpleNamespace(subject=Changed(subject, cam=cam)))
+    return SimpleNamespace(
+        effects=SimpleNamespace(subject=Changed(subject, cam=cam, drive=cam.drive))
+    )
 
 
 def test_from_a_scene() -> None:

@@ -11,7 +11,7 @@ from camgeo.check.finding import Finding
 from camgeo.effects.carrier import FLANKS
 from camgeo.effects.lift_off.inputs import TOUCH, Flank
 from camgeo.effects.lift_off.ranges import Range, ranges_below
-from camgeo.effects.lift_off.sizing import Least, least_preload, least_stiffness
+from camgeo.effects.lift_off.sizing import Least, least_of
 from camgeo.effects.lift_off.speed import LiftOffSpeed, lift_off_speed
 from camgeo.effects.results import Spring
 from camgeo.effects.told import at, degrees, placed
@@ -65,8 +65,8 @@ def of_flank(flank: Flank, spring: Spring | None) -> OfFlank:
     if spring is not None:
         kept, rate = flank.toucher, spring.stiffness
         never = Least(None, leaps[0]) if leaps else None
-        preload = never or least_preload(flank, spring, edges)
-        stiffness = never or least_stiffness(flank, spring, edges)
+        preload = never or least_of(flank, spring.per_preload, spring.preload, edges)
+        stiffness = never or least_of(flank, spring.per_stiffness, rate, edges)
         found.append(
             _least("preload", preload, spring.preload, spring.unit_of_preload, "stiffness", kept)
         )

@@ -15,7 +15,6 @@ import numpy as np
 
 from camgeo.effects.effect import Quantity
 from camgeo.effects.lift_off.inputs import TOUCH, Flank
-from camgeo.effects.results import Spring
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray, merged
 from camgeo.numeric.peaks import grid_of, piecewise_extremes
@@ -42,20 +41,11 @@ class Least:
     place: float
 
 
-def least_preload(flank: Flank, spring: Spring, edges: FloatArray) -> Least:
-    """The least preload [N or N mm] at the stiffness that the spring has; it is at least 0."""
-    return _least(flank, spring.per_preload, spring.preload, edges)
+def least_of(flank: Flank, per_unit: Quantity, now: float, edges: FloatArray) -> Least:
+    """The least preload or stiffness, of which the spring has `now` and gives `per_unit` of it.
 
-
-def least_stiffness(flank: Flank, spring: Spring, edges: FloatArray) -> Least:
-    """The least stiffness [N/mm or N mm/rad] at the preload that the spring has; at least 0."""
-    return _least(flank, spring.per_stiffness, spring.stiffness, edges)
-
-
-def _least(flank: Flank, per_unit: Quantity, now: float, edges: FloatArray) -> Least:
-    """The least x >= 0 with rest + x effect >= 0 all over the turn.
-
-    Effect and rest are generalised forces in the sense in which the flank pushes.
+    The least x >= 0 with rest + x effect >= 0 all over the turn, effect and rest generalised forces
+    in the sense in which the flank pushes; what else the spring has stays.
     """
 
     def parts(phi: FloatArray, side: Side) -> tuple[FloatArray, FloatArray]:

@@ -29,7 +29,6 @@ if TYPE_CHECKING:
     from camgeo.effects.effect import Subject
     from camgeo.mechanism.slider_crank import SliderCrank
     from camgeo.motion.motion import Motion
-    from camgeo.motion.plan import MotionPlan
 
 Way = Callable[[FloatArray, Side], tuple[FloatArray, FloatArray]]
 
@@ -55,45 +54,26 @@ def outward(subject: Subject, phi: FloatArray, side: Side) -> FloatArray:
 
 
 @dataclass(frozen=True, slots=True)
-class AlongLift:
-    """A spring along the guide of a translating follower, or a torsion spring about a pivot.
+class Along:
+    """A spring along the guide of follower or slider, or a torsion spring about a pivot.
 
     Attributes
     ----------
-    motion : the follower's own.
-    start : q at cam angle 0 [mm or rad].
-    sense : +1 if the spring relaxes with growing q, -1 if with falling q.
+    motion : along the guide or about the pivot: the follower's own, or that of the slider.
+    start : where it is at cam angle 0 [mm or rad].
+    sense : +1 if the spring relaxes as the motion grows, -1 if as it falls.
+    linkage : from the slider to the rocker, with dq/ds; None if the motion is the follower's own.
     """
 
     motion: Motion
     start: float
     sense: float
+    linkage: SliderCrank | None = None
 
     def __call__(self, phi: FloatArray, side: Side) -> tuple[FloatArray, FloatArray]:
-        x = self.sense * (self.motion.jet(phi, side, 1)[0] - self.start)
-        return x, np.full(len(x), self.sense)
-
-
-@dataclass(frozen=True, slots=True)
-class AlongSlider:
-    """A spring along the guide of a linkage's slider, with dq/ds of the linkage.
-
-    Attributes
-    ----------
-    slider : the demanded motion, of the stroke s.
-    linkage : from the stroke to the rocker.
-    start : s at cam angle 0 [mm].
-    sense : +1 if the spring relaxes with growing s, -1 if with falling s.
-    """
-
-    slider: MotionPlan
-    linkage: SliderCrank
-    start: float
-    sense: float
-
-    def __call__(self, phi: FloatArray, side: Side) -> tuple[FloatArray, FloatArray]:
-        stroke = self.slider.jet(phi, side, 1)[0]
-        return self.sense * (stroke - self.start), self.sense * self.linkage.per_swing(stroke)[0]
+        place = self.motion.jet(phi, side, 1)[0]
+        rate = np.ones(len(phi)) if self.linkage is None else self.linkage.per_swing(place)[0]
+        return self.sense * (place - self.start), self.sense * rate
 
 
 @dataclass(frozen=True, slots=True)
@@ -143,13 +123,13 @@ class BetweenPoints:
         return length
 
 
-def along_guide(subject: Subject) -> AlongLift:
+def along_guide(subject: Subject) -> Along:
     """Along the guide of a translating follower: it relaxes towards the flank in use."""
     sense = closing_sense(subject) * subject.cam.follower.reach
-    return AlongLift(subject.cam.drive.motion, _start(subject.cam.drive.motion), sense)
+    return Along(subject.cam.drive.motion, _start(subject.cam.drive.motion), sense)
 
 
-def about_pivot(subject: Subject) -> AlongLift:
+def about_pivot(subject: Subject) -> Along:
     """About the pivot of a rocker: it relaxes as the follower is turned towards the flank in use.
 
     Towards it as seen at cam angle 0; the side cannot change unless the arm passes the line of
@@ -157,10 +137,10 @@ def about_pivot(subject: Subject) -> AlongLift:
     """
     lever = float(outward(subject, np.zeros(1), "right")[0])
     sense = closing_sense(subject) * float(np.sign(lever))
-    return AlongLift(subject.cam.drive.motion, _start(subject.cam.drive.motion), sense)
+    return Along(subject.cam.drive.motion, _start(subject.cam.drive.motion), sense)
 
 
-def along_slider(subject: Subject, linkage: SliderCrank) -> AlongSlider:
+def along_slider(subject: Subject, linkage: SliderCrank) -> Along:
     """Along the slider's guide: it relaxes as the follower is moved towards the flank in use.
 
     Raises
@@ -195,7 +175,7 @@ def along_slider(subject: Subject, linkage: SliderCrank) -> AlongSlider:
     slopes = linkage.per_swing(plan.jet(low, "right", 1)[0])[0]
     slope = float(slopes[np.argmax(np.abs(slopes))])
     sense = closing_sense(subject) * outwards * float(np.sign(slope))
-    return AlongSlider(plan, linkage, _start(plan), sense)
+    return Along(plan, _start(plan), sense, linkage)
 
 
 def between_points(
