@@ -31,13 +31,15 @@ for the direction of Z', whose own parts are smooth: there A is the part that ne
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from dataclasses import dataclass
-from typing import Annotated, Any, Protocol, cast
+from typing import Annotated, Any, ClassVar, cast
 
 import numpy as np
 
 from camgeo.errors import GeometryError
-from camgeo.mechanism.follower import Follower
+from camgeo.mechanism.follower import Follower, RelativeJet
+from camgeo.mechanism.sketch import MechanismSketch
 from camgeo.mechanism.values import coordinate
 from camgeo.motion.motion import FULL_ORDER, Jet
 from camgeo.numeric.arrays import FloatArray
@@ -45,13 +47,6 @@ from camgeo.numeric.checked import shown
 
 HIGHEST = FULL_ORDER - 1
 """Order of the highest derivative of Z: each takes one more of the lift."""
-
-
-STANDSTILL = (
-    "the contact of the flat face stands still in the turning cam (Z' = 0): the outline has a cusp"
-    " and no normal there"
-)
-"""Said where it does."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -73,7 +68,7 @@ class Touch:
     pace: FloatArray
 
 
-class FlatFollower(Follower, Protocol):
+class FlatFollower(Follower):
     """A follower with a flat face; its `face` counts as `Touch.contact`.
 
     Attributes
@@ -85,20 +80,52 @@ class FlatFollower(Follower, Protocol):
         the cam axis, -1 to the left.
     """
 
-    @property
-    def facing(self) -> int: ...
+    __slots__ = ()
+
+    touching = "face"
+    roller_radius = 0.0
+    offset = 0.0
+    rolls = False
+    has_edge = False
+    has_pitch_curve = False
+    standstill = (
+        "the contact of the flat face stands still in the turning cam (Z' = 0): the outline has a"
+        " cusp and no normal there"
+    )
+    ahead = 1
+
+    origin: ClassVar[str]
+    least_place: ClassVar[float]
+    raised_by: ClassVar[tuple[str, ...]]
 
     @property
-    def origin(self) -> str: ...
+    @abstractmethod
+    def facing(self) -> int:
+        """See the class."""
 
-    @property
-    def least_place(self) -> float: ...
-
-    @property
-    def raised_by(self) -> tuple[str, ...]: ...
-
+    @abstractmethod
     def touch(self, jet: Jet, rotation: int) -> Touch:
         """The contact for lifts `jet` (4, n); `rotation` as of `Follower.relative_jet`."""
+
+    def curvature(self, relative: RelativeJet, speed: FloatArray, rotation: int) -> FloatArray:
+        """See `Follower.curvature`: of the envelope of the face, which is its tangent.
+
+        Nothing cancels where the face nearly stands still in the cam and Z'' is long.
+        """
+        kappa: FloatArray = (1.0 - rotation * relative.turning) / speed
+        return kappa
+
+    def contact_radius(self, kappa: FloatArray, _: float) -> FloatArray:
+        """See `Follower.contact_radius`: a face adds no curvature."""
+        return 1.0 / kappa
+
+    def on_one_side(self, _: FloatArray) -> bool:
+        """See `Follower.on_one_side`."""
+        return False
+
+    def beside(self, _: complex, __: float, ___: float) -> MechanismSketch:
+        """See `Follower.beside`."""
+        return MechanismSketch()
 
 
 def spread(change: FloatArray, half: FloatArray) -> FloatArray:

@@ -20,21 +20,14 @@ The R_k are kept as two real arrays: a third of the cost of complex ones, as mos
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import Literal, Protocol
-
-import numpy as np
+from typing import TYPE_CHECKING, ClassVar, Literal
 
 from camgeo.mechanism.kind import Mover, Touching, Unit
 from camgeo.mechanism.sketch import MechanismSketch
 from camgeo.motion.motion import FULL_ORDER, Jet
 from camgeo.numeric.arrays import FloatArray
-
-STANDSTILL = (
-    "the roller centre stands still in the turning cam (Z' = 0): the pitch curve has a cusp and no"
-    " normal there; the rocker lies on the line of centres and l_3 (1 - sigma psi') = l_1"
-)
-"""Said where it does."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -84,32 +77,35 @@ class TangentJet:
     swerve: FloatArray
 
 
-class Follower(Protocol):
+class Follower(ABC):
     """A follower; lengths in mm.
+
+    A kind is a frozen dataclass of its sizes on the classes of `camgeo.mechanism.families`, or of
+    `camgeo.mechanism.face`, that answer for all of its family.
 
     Attributes
     ----------
     base_radius : r_G, cam axis to roller centre, or square across to a flat face, at cam angle 0.
     roller_radius : r_R; 0 for a flat face, whose contact is the curve itself.
-    reach : way of the roller centre a unit of lift [1 or mm/rad], positive if a positive lift moves
-        the rocker counter-clockwise, or the roller outward along the guide. Of a flat face that
-        rocks, whose contact wanders, the one at cam angle 0 if the cam rests there.
-    kind : its name in scenes.
-    lift_unit : of its lift.
-    touching : what of it touches the cam, "roller" or "face", as sentences call it.
-    mover : what of it moves, "follower" or "rocker", as sentences call it.
     pivot : what it swings about, seen from the cam axis, complex [mm]; None on a guide.
     offset : e, signed distance of the roller's guide from the cam axis [mm]; 0 without any.
     face : where a flat face begins and ends [mm], None if it is as long as it needs to be; zeros
         for a roller.
+    reach : way of the roller centre a unit of lift [1 or mm/rad], positive if a positive lift moves
+        the rocker counter-clockwise, or the roller outward along the guide. Of a flat face that
+        rocks, whose contact wanders, the one at cam angle 0 if the cam rests there.
     farthest : base radius [mm] with which a rocker lies stretched out; infinite on a guide.
     lift_scale : a large lift [mm or rad], for what is small beside it.
     way : direction of a positive lift, complex; 0 of a rocker.
     start_arm : at lift 0 from the pivot, or on a guide from the cam axis, to the roller centre, the
         pivot's foot on a face, or that of the cam axis, complex [mm].
     swing_sense : sense in which a positive lift turns it, +1 counter-clockwise, -1; 0 on a guide.
-    rolls : whether what touches the cam rolls on it; a flat face slides.
     has_edge : whether it is a knife edge, a roller without radius.
+    kind : its name in scenes.
+    lift_unit : of its lift.
+    touching : what of it touches the cam, "roller" or "face", as sentences call it.
+    mover : what of it moves, "follower" or "rocker", as sentences call it.
+    rolls : whether what touches the cam rolls on it; a flat face slides.
     has_pitch_curve : whether the flanks are parallels of the curve that it traces, and may cross
         themselves; a flat face touches the outline itself, which has to be convex.
     standstill : what it means where Z' = 0, in words.
@@ -117,66 +113,60 @@ class Follower(Protocol):
         it has no R_3: a motion has three.
     """
 
-    @property
-    def base_radius(self) -> float: ...
+    __slots__ = ()
+
+    kind: ClassVar[str]
+    lift_unit: ClassVar[Unit]
+    touching: ClassVar[Touching]
+    mover: ClassVar[Mover]
+    rolls: ClassVar[bool]
+    has_pitch_curve: ClassVar[bool]
+    standstill: ClassVar[str]
+    ahead: ClassVar[int]
+
+    if TYPE_CHECKING:  # fields of the kinds that have them, which would take these for defaults
+
+        @property
+        def base_radius(self) -> float: ...
+
+        @property
+        def roller_radius(self) -> float: ...
+
+        @property
+        def pivot(self) -> complex | None: ...
+
+        @property
+        def offset(self) -> float: ...
+
+        @property
+        def face(self) -> tuple[float, float] | None: ...
+
+        @property
+        def farthest(self) -> float: ...
+
+        @property
+        def lift_scale(self) -> float: ...
+
+        @property
+        def way(self) -> complex: ...
+
+        @property
+        def swing_sense(self) -> int: ...
+
+        @property
+        def has_edge(self) -> bool: ...
 
     @property
-    def reach(self) -> float: ...
+    @abstractmethod
+    def reach(self) -> float:
+        """See the class."""
 
     @property
-    def roller_radius(self) -> float: ...
+    @abstractmethod
+    def start_arm(self) -> complex:
+        """See the class."""
 
-    @property
-    def kind(self) -> str: ...
-
-    @property
-    def lift_unit(self) -> Unit: ...
-
-    @property
-    def touching(self) -> Touching: ...
-
-    @property
-    def mover(self) -> Mover: ...
-
-    @property
-    def pivot(self) -> complex | None: ...
-
-    @property
-    def offset(self) -> float: ...
-
-    @property
-    def face(self) -> tuple[float, float] | None: ...
-
-    @property
-    def farthest(self) -> float: ...
-
-    @property
-    def lift_scale(self) -> float: ...
-
-    @property
-    def way(self) -> complex: ...
-
-    @property
-    def start_arm(self) -> complex: ...
-
-    @property
-    def swing_sense(self) -> int: ...
-
-    @property
-    def rolls(self) -> bool: ...
-
-    @property
-    def has_edge(self) -> bool: ...
-
-    @property
-    def has_pitch_curve(self) -> bool: ...
-
-    @property
-    def standstill(self) -> str: ...
-
-    @property
-    def ahead(self) -> int: ...
-
+    @abstractmethod
     def relative_jet(self, jet: Jet, rotation: int, order: int = FULL_ORDER) -> RelativeJet:
         """R_0 to R_`order`, order at least 1, for lifts `jet` (order + 1 or more, n).
 
@@ -184,9 +174,11 @@ class Follower(Protocol):
         `rotation` is sigma, +1 for a cam that turns counter-clockwise, -1 clockwise.
         """
 
+    @abstractmethod
     def tangent_jet(self, jet: Jet, rotation: int) -> TangentJet:
         """Z' in the follower's own axes for lifts `jet` (4, n), `rotation` as above."""
 
+    @abstractmethod
     def speed_bounds(self, jet: Jet, bounds: Jet, half: FloatArray, rotation: int) -> FloatArray:
         """(3, n) upper bounds of |Z'|, |Z''|, |Z'''| [mm/rad^k] over cells of cam angle.
 
@@ -195,9 +187,11 @@ class Follower(Protocol):
         off its value in the middle, see `camgeo.mechanism.face`.
         """
 
+    @abstractmethod
     def curvature(self, relative: RelativeJet, speed: FloatArray, rotation: int) -> FloatArray:
         """(n,) [1/mm] of the pitch curve, from R_0 to R_k, k + `ahead` = 2, and `speed` |Z'|."""
 
+    @abstractmethod
     def contact_radius(self, kappa: FloatArray, half: float) -> FloatArray:
         """(n,) [mm] R of 1/R = 1/r_R + the curvature of the flank, as of Hertz's pressure.
 
@@ -205,14 +199,17 @@ class Follower(Protocol):
         [mm] from it. Not above 0 where the flank undercuts.
         """
 
+    @abstractmethod
     def sliding(self, jet: Jet, rotation: int) -> FloatArray:
         """(n,) [mm/rad] how fast it slides on the cam for lifts `jet` (4, n), along t = Z'/|Z'|."""
 
+    @abstractmethod
     def on_one_side(self, lifts: FloatArray) -> bool:
         """Whether at these lifts the roller stays before the foot of its guide, or on its side of
         the line of centres; of a flat face, whose contact does not, False.
         """
 
+    @abstractmethod
     def sketch(self, lift: float, farthest: float, ends: tuple[float, float]) -> MechanismSketch:
         """The follower at the lift `lift` [mm or rad].
 
@@ -220,20 +217,24 @@ class Follower(Protocol):
         [mm], as its contact is counted, and of no meaning for a roller.
         """
 
+    @abstractmethod
     def held(
         self, ends: tuple[float, float]
     ) -> tuple[Literal["guide", "pivot"], complex, tuple[complex, complex] | None]:
         """What holds it, a place there [mm], and the ends of a flat face, at cam angle 0."""
 
+    @abstractmethod
     def linked_at(self, farthest: float) -> tuple[complex, complex]:
         """Where a linkage takes hold of it at lift 0 [mm], and the direction of a positive lift.
 
         The pivot of a rocker, of which the direction is 0.
         """
 
+    @abstractmethod
     def far_side(self, lift: float, ends: tuple[float, float], breadth: float) -> MechanismSketch:
         """The second side of a yoke of `breadth` [mm] at `lift` [mm]; nothing of a rocker."""
 
+    @abstractmethod
     def beside(self, first: complex, lift: float, reach: float) -> MechanismSketch:
         """The second roller of the body whose first one is at `first` [mm]; nothing of a face.
 
@@ -251,22 +252,3 @@ def bend_of_path(relative: RelativeJet, speed: FloatArray, rotation: int) -> Flo
     kappa *= rotation
     kappa /= speed * speed * speed
     return kappa
-
-
-def bend_of_envelope(relative: RelativeJet, speed: FloatArray, rotation: int) -> FloatArray:
-    """(n,) [1/mm] curvature of the envelope of a face, which is its tangent.
-
-    Nothing cancels where the face nearly stands still in the cam and Z'' is long.
-    """
-    kappa: FloatArray = (1.0 - rotation * relative.turning) / speed
-    return kappa
-
-
-def radius_under_roller(roller: float, kappa: FloatArray, half: float) -> FloatArray:
-    """(n,) [mm] see `Follower.contact_radius`.
-
-    1/R = 1/r_R + kappa/(1 - d kappa), d the flank's distance: r_R but in a groove with play.
-    """
-    radius = roller * (1.0 - half * kappa)
-    share = 1.0 - (half - roller) * kappa
-    return np.divide(radius, share, out=radius, where=radius > 0.0)

@@ -10,8 +10,8 @@ from typing import ClassVar, Literal
 import numpy as np
 
 from camgeo.errors import GeometryError
-from camgeo.mechanism.alike import Flat, Rocking
-from camgeo.mechanism.face import HIGHEST, FaceEnds, Touch, face_line, spread
+from camgeo.mechanism.face import HIGHEST, FaceEnds, FlatFollower, Touch, face_line, spread
+from camgeo.mechanism.families import Rocking
 from camgeo.mechanism.follower import RelativeJet, TangentJet
 from camgeo.mechanism.sketch import MechanismSketch
 from camgeo.mechanism.values import Coordinate, Length, Place, Sense
@@ -21,7 +21,7 @@ from camgeo.numeric.checked import check_fields
 
 
 @dataclass(frozen=True, slots=True)
-class OscillatingFlat(Rocking, Flat):
+class OscillatingFlat(Rocking, FlatFollower):
     """Oscillating follower with a flat face.
 
     The face's direction d points from the foot of the pivot on it to the contact. chi is its angle
@@ -55,17 +55,17 @@ class OscillatingFlat(Rocking, Flat):
         if it can be at no distance.
     """
 
+    kind: ClassVar = "oscillating-flat"
+    origin: ClassVar = "pivot's foot"
+    least_place: ClassVar = 0.0  # at the pivot's foot it has no lever about the pivot
+    raised_by: ClassVar = ("follower.base_radius", "follower.face_offset")
+
     pivot: Place
     base_radius: Length
     face_offset: Coordinate = 0.0
     arm_side: Sense = 1
     direction: Sense | None = 1
     face: FaceEnds | None = None
-
-    kind: ClassVar[str] = "oscillating-flat"
-    origin: ClassVar[str] = "pivot's foot"
-    least_place: ClassVar[float] = 0.0
-    raised_by: ClassVar[tuple[str, ...]] = ("follower.base_radius", "follower.face_offset")
 
     def __post_init__(self) -> None:
         check_fields(self, "follower.")
@@ -100,15 +100,15 @@ class OscillatingFlat(Rocking, Flat):
         return self._face(0.0)[0] - self.pivot
 
     @property
-    def facing(self) -> int:
-        """See `FlatFollower`."""
-        return self.arm_side
-
-    @property
     def start_angle(self) -> float:
         """chi at cam angle 0 [rad], in (-pi/2, pi/2)."""
         l1, over = self.centre_distance, self.base_radius - self.face_offset
         return math.atan2(over, math.sqrt((l1 - over) * (l1 + over)))
+
+    @property
+    def facing(self) -> int:
+        """See `FlatFollower`: d = -i m n."""
+        return self.arm_side
 
     @property
     def reach(self) -> float:

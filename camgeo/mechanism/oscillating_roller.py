@@ -10,12 +10,9 @@ from typing import ClassVar, Literal
 import numpy as np
 
 from camgeo.errors import GeometryError
-from camgeo.mechanism.alike import Rocking, Rolling
 from camgeo.mechanism.drawn import traced_point
-from camgeo.mechanism.follower import (
-    RelativeJet,
-    TangentJet,
-)
+from camgeo.mechanism.families import Rocking, WithRoller
+from camgeo.mechanism.follower import RelativeJet, TangentJet
 from camgeo.mechanism.sketch import MechanismSketch
 from camgeo.mechanism.values import Length, Place, Radius, Sense
 from camgeo.motion.motion import FULL_ORDER, Jet
@@ -24,7 +21,7 @@ from camgeo.numeric.checked import check_fields
 
 
 @dataclass(frozen=True, slots=True)
-class OscillatingRoller(Rocking, Rolling):
+class OscillatingRoller(Rocking, WithRoller):
     """Oscillating roller follower (Wirsig eqs. 2.43 to 2.52).
 
     The rocker's angle chi is counted counter-clockwise from the line pivot -> cam axis:
@@ -49,14 +46,14 @@ class OscillatingRoller(Rocking, Rolling):
         triangle cannot close, or closes only stretched out.
     """
 
+    kind: ClassVar = "oscillating-roller"
+
     pivot: Place
     arm: Length
     base_radius: Length
     roller_radius: Radius
     arm_side: Sense = 1
     direction: Sense | None = 1
-
-    kind: ClassVar[str] = "oscillating-roller"
 
     def __post_init__(self) -> None:
         check_fields(self, "follower.")

@@ -9,9 +9,9 @@ from typing import ClassVar, Literal
 
 import numpy as np
 
-from camgeo.mechanism.alike import Flat, Guided
 from camgeo.mechanism.drawn import across, carriage, traced_point
-from camgeo.mechanism.face import HIGHEST, FaceEnds, Touch, face_line, spread
+from camgeo.mechanism.face import HIGHEST, FaceEnds, FlatFollower, Touch, face_line, spread
+from camgeo.mechanism.families import Guided
 from camgeo.mechanism.follower import RelativeJet, TangentJet
 from camgeo.mechanism.sketch import MechanismSketch
 from camgeo.mechanism.values import Angle, Length, Sense
@@ -21,7 +21,7 @@ from camgeo.numeric.checked import check_fields
 
 
 @dataclass(frozen=True, slots=True)
-class TranslatingFlat(Guided, Flat):
+class TranslatingFlat(Guided, FlatFollower):
     """Translating follower whose face is square across the guide.
 
     With nu = `guide_angle` and h = r_G + kappa_F s in `camgeo.mechanism.face` the turn is 1, and
@@ -46,16 +46,16 @@ class TranslatingFlat(Guided, Flat):
         With the key, if a value is not what it has to be.
     """
 
+    kind: ClassVar = "translating-flat"
+    origin: ClassVar = "cam axis"
+    least_place: ClassVar = -math.inf  # it moves by its guide wherever it is pressed
+    raised_by: ClassVar = ("follower.base_radius",)
+    facing: ClassVar = 1
+
     base_radius: Length
     guide_angle: Angle = math.pi / 2.0
     direction: Sense = 1
     face: FaceEnds | None = None
-
-    kind: ClassVar[str] = "translating-flat"
-    origin: ClassVar[str] = "cam axis"
-    least_place: ClassVar[float] = -math.inf
-    raised_by: ClassVar[tuple[str, ...]] = ("follower.base_radius",)
-    facing: ClassVar[int] = 1
 
     def __post_init__(self) -> None:
         check_fields(self, "follower.")
@@ -125,14 +125,14 @@ class TranslatingFlat(Guided, Flat):
 
     def sketch(self, lift: float, farthest: float, ends: tuple[float, float]) -> MechanismSketch:
         """See `Follower.sketch`."""
-        _, rod = carriage(self, self.out, lift, farthest)
+        _, rod = carriage(self, self.outward, lift, farthest)
         return rod + MechanismSketch(faces=(face_line(*self._face(lift), ends),))
 
     def held(
         self, ends: tuple[float, float]
     ) -> tuple[Literal["guide"], complex, tuple[complex, complex]]:
         """See `Follower.held`."""
-        return "guide", 2.0 * self.base_radius * self.out, face_line(*self._face(0.0), ends)
+        return "guide", 2.0 * self.base_radius * self.outward, face_line(*self._face(0.0), ends)
 
     def far_side(self, lift: float, ends: tuple[float, float], breadth: float) -> MechanismSketch:
         """See `Follower.far_side`: the same face, half a turn on."""

@@ -10,12 +10,9 @@ from typing import ClassVar, Literal
 import numpy as np
 
 from camgeo.errors import GeometryError
-from camgeo.mechanism.alike import Guided, Rolling
 from camgeo.mechanism.drawn import across, bracket, carriage, traced_point
-from camgeo.mechanism.follower import (
-    RelativeJet,
-    TangentJet,
-)
+from camgeo.mechanism.families import Guided, WithRoller
+from camgeo.mechanism.follower import RelativeJet, TangentJet
 from camgeo.mechanism.sketch import MechanismSketch
 from camgeo.mechanism.values import Angle, Coordinate, Length, Radius, Sense
 from camgeo.motion.motion import FULL_ORDER, Jet
@@ -24,7 +21,7 @@ from camgeo.numeric.checked import check_fields
 
 
 @dataclass(frozen=True, slots=True)
-class TranslatingRoller(Guided, Rolling):
+class TranslatingRoller(Guided, WithRoller):
     """Translating roller follower (Wirsig eqs. 2.56 to 2.63, sign of e corrected).
 
     With the guide upwards (`guide_angle` pi/2) the guide line is x = e and the follower lies above
@@ -45,13 +42,13 @@ class TranslatingRoller(Guided, Rolling):
         With the key, if a value is not what it has to be, or the offset exceeds the base radius.
     """
 
+    kind: ClassVar = "translating-roller"
+
     base_radius: Length
     roller_radius: Radius
     offset: Coordinate = 0.0
     guide_angle: Angle = math.pi / 2.0
     direction: Sense = 1
-
-    kind: ClassVar[str] = "translating-roller"
 
     def __post_init__(self) -> None:
         check_fields(self, "follower.")
@@ -127,17 +124,13 @@ class TranslatingRoller(Guided, Rolling):
 
     def sketch(self, lift: float, farthest: float, _: tuple[float, float]) -> MechanismSketch:
         """See `Follower.sketch`."""
-        here, rod = carriage(self, self.out, lift, farthest)
+        here, rod = carriage(self, self.outward, lift, farthest)
         return rod + MechanismSketch(rollers=((here, self.roller_radius),))
 
     def held(self, _: tuple[float, float]) -> tuple[Literal["guide"], complex, None]:
         """See `Follower.held`."""
-        out = complex(math.cos(self.guide_angle), math.sin(self.guide_angle))
-        return (
-            "guide",
-            -1j * out * self.offset + out * (self.start_height + 2.0 * self.base_radius),
-            None,
-        )
+        height = self.start_height + 2.0 * self.base_radius
+        return "guide", -1j * self.outward * self.offset + self.outward * height, None
 
     def far_side(self, lift: float, _: tuple[float, float], breadth: float) -> MechanismSketch:
         """See `Follower.far_side`."""

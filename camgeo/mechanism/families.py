@@ -1,0 +1,157 @@
+"""What the followers of a family have in common: guided or rocking, and with a roller.
+
+Flat faces are a family too, see `camgeo.mechanism.face`.
+"""
+
+from __future__ import annotations
+
+import cmath
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from camgeo.mechanism.drawn import carriage
+from camgeo.mechanism.follower import Follower, RelativeJet, bend_of_path
+from camgeo.mechanism.sketch import MechanismSketch
+from camgeo.motion.motion import Jet
+from camgeo.numeric.arrays import FloatArray
+
+
+class Guided(Follower):
+    """A follower on a straight guide.
+
+    Attributes
+    ----------
+    guide_angle : direction of the guide away from the cam, from the x axis [rad].
+    direction : kappa_F, +1 if a positive lift moves it outward (F-cam), -1 inward (P-cam).
+    """
+
+    __slots__ = ()
+
+    lift_unit = "mm"
+    mover = "follower"
+    pivot = None
+    farthest = math.inf
+    swing_sense = 0
+
+    if TYPE_CHECKING:  # fields of every kind
+
+        @property
+        def guide_angle(self) -> float: ...
+
+        @property
+        def direction(self) -> int: ...
+
+    @property
+    def outward(self) -> complex:
+        """Unit direction of the guide away from the cam."""
+        return cmath.rect(1.0, self.guide_angle)
+
+    @property
+    def way(self) -> complex:
+        """See `Follower`."""
+        return self.direction * self.outward
+
+    @property
+    def reach(self) -> float:
+        """See `Follower`: kappa_F."""
+        return float(self.direction)
+
+    @property
+    def lift_scale(self) -> float:
+        """See `Follower`."""
+        return self.base_radius
+
+    def linked_at(self, farthest: float) -> tuple[complex, complex]:
+        """See `Follower.linked_at`: the end of its rod."""
+        _, rod = carriage(self, self.outward, 0.0, farthest)
+        return rod.links[0][-1], self.way
+
+
+class Rocking(Follower):
+    """A follower that swings about a fixed pivot.
+
+    Attributes
+    ----------
+    pivot : B_0 seen from the cam axis, complex [mm].
+    arm_side : +1 if its arm or face lies counter-clockwise of the line pivot -> cam axis, -1
+        clockwise.
+    direction : +1 if a positive lift [rad] moves it outward (F-cam), -1 inward (P-cam); None if the
+        lift is its own angle, counter-clockwise positive, as a linkage gives.
+    """
+
+    __slots__ = ()
+
+    lift_unit = "rad"
+    mover = "rocker"
+    offset = 0.0
+    lift_scale = 1.0
+    way = 0j
+
+    if TYPE_CHECKING:  # fields of every kind
+
+        @property
+        def pivot(self) -> complex: ...
+
+        @property
+        def arm_side(self) -> int: ...
+
+        @property
+        def direction(self) -> int | None: ...
+
+    @property
+    def centre_distance(self) -> float:
+        """l_1, cam axis to pivot [mm]."""
+        return abs(self.pivot)
+
+    @property
+    def swing_sense(self) -> int:
+        """Sense in which a positive lift turns the rocker: +1 counter-clockwise, -1 clockwise."""
+        return 1 if self.direction is None else self.direction * self.arm_side
+
+    def linked_at(self, _: float) -> tuple[complex, complex]:
+        """See `Follower.linked_at`."""
+        return self.pivot, 0j
+
+    def far_side(self, _: float, __: tuple[float, float], ___: float) -> MechanismSketch:
+        """See `Follower.far_side`."""
+        return MechanismSketch()
+
+
+class WithRoller(Follower):
+    """A follower with a roller, whose centre runs along the pitch curve."""
+
+    __slots__ = ()
+
+    touching = "roller"
+    face = (0.0, 0.0)
+    rolls = True
+    has_pitch_curve = True
+    standstill = (
+        "the roller centre stands still in the turning cam (Z' = 0): the pitch curve has a cusp and"
+        " no normal there; the rocker lies on the line of centres and l_3 (1 - sigma psi') = l_1"
+    )
+    ahead = 0
+
+    @property
+    def has_edge(self) -> bool:
+        """See `Follower`."""
+        return self.roller_radius == 0.0
+
+    def curvature(self, relative: RelativeJet, speed: FloatArray, rotation: int) -> FloatArray:
+        """See `Follower.curvature`."""
+        return bend_of_path(relative, speed, rotation)
+
+    def contact_radius(self, kappa: FloatArray, half: float) -> FloatArray:
+        """See `Follower.contact_radius`.
+
+        1/R = 1/r_R + kappa/(1 - d kappa), d the flank's distance: r_R but in a groove with play.
+        """
+        radius = self.roller_radius * (1.0 - half * kappa)
+        share = 1.0 - (half - self.roller_radius) * kappa
+        return np.divide(radius, share, out=radius, where=radius > 0.0)
+
+    def sliding(self, jet: Jet, _: int) -> FloatArray:
+        """See `Follower.sliding`: a roller rolls."""
+        return np.zeros(jet.shape[1])
