@@ -29,7 +29,7 @@ from camgeo.effects.contact_pressure.findings import HEAVY
 from camgeo.effects.contact_pressure.hertz import SHEAR_DEPTH, SHEAR_SHARE
 from camgeo.effects.friction.jamming import NEAR
 from camgeo.effects.graph import TOLERANCE
-from camgeo.effects.gravity.spec import STANDARD_GRAVITY
+from camgeo.effects.gravity import STANDARD_GRAVITY
 from camgeo.effects.lift_off.of_groove import LISTED
 from camgeo.effects.materials import MATERIALS, PER_CUBIC_CM
 from camgeo.effects.registry import EFFECTS, find_effect
