@@ -24,12 +24,12 @@ if TYPE_CHECKING:
     from camgeo.check.cures import Cure
     from camgeo.effects.effect import Column
     from camgeo.effects.graph import Effects
+    from camgeo.files.drawn import DrawnDisc
+    from camgeo.files.milled import MilledDisc
+    from camgeo.files.pictured import PicturedCam
+    from camgeo.files.tabulated import TabulatedCam
     from camgeo.files.write import Report
     from camgeo.scene.scene import Scene
-    from camgeo.views.drawn import DrawnDisc
-    from camgeo.views.milled import MilledDisc
-    from camgeo.views.pictured import PicturedCam
-    from camgeo.views.tabulated import TabulatedCam
     from camgeo.workpiece import Workpiece
 
 
@@ -177,8 +177,8 @@ class Design(Pickled):
         """The cam as value tables tell it; of a scene without follower its motion alone."""
         if self.scene.follower is not None:
             return self.disc.tabulated
+        from camgeo.files.tabulated import TabulatedCam
         from camgeo.formats.csv import FORMAT
-        from camgeo.views.tabulated import TabulatedCam
 
         scene, spec = self.scene, self.scene.output.options[FORMAT]
         return TabulatedCam(

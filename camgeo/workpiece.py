@@ -17,12 +17,12 @@ if TYPE_CHECKING:
     from camgeo.cam.cam import Cam
     from camgeo.check.finding import Finding
     from camgeo.effects.effect import Column
+    from camgeo.files.drawn import DrawnDisc
+    from camgeo.files.milled import MilledDisc
+    from camgeo.files.pictured import PicturedCam
+    from camgeo.files.tabulated import TabulatedCam
     from camgeo.formats.format import Options, Values
     from camgeo.scene.scene import Scene
-    from camgeo.views.drawn import DrawnDisc
-    from camgeo.views.milled import MilledDisc
-    from camgeo.views.pictured import PicturedCam
-    from camgeo.views.tabulated import TabulatedCam
 
 
 @dataclass(frozen=True)
@@ -95,7 +95,7 @@ class Workpiece(Pickled):
     @built
     def drawn(self) -> DrawnDisc:
         """The disc as drawings and solids show it."""
-        from camgeo.views.drawn import DrawnDisc
+        from camgeo.files.drawn import DrawnDisc
 
         scene = self.scene
         return DrawnDisc(self.cam, scene.part, scene.output.fit, self.judgement, self.ledger)
@@ -103,15 +103,15 @@ class Workpiece(Pickled):
     @built
     def milled(self) -> MilledDisc:
         """The disc as milling programs make it."""
-        from camgeo.views.milled import MilledDisc
+        from camgeo.files.milled import MilledDisc
 
         return MilledDisc(self.drawn, self.options, self.values, self.ledger)
 
     @built
     def tabulated(self) -> TabulatedCam:
         """The cam as value tables tell it."""
+        from camgeo.files.tabulated import TabulatedCam
         from camgeo.formats.csv import FORMAT
-        from camgeo.views.tabulated import TabulatedCam
 
         return TabulatedCam(
             self.cam.drive,
@@ -126,7 +126,7 @@ class Workpiece(Pickled):
     @built
     def pictured(self) -> PicturedCam:
         """The cam as pictures show it."""
-        from camgeo.views.pictured import PicturedCam
+        from camgeo.files.pictured import PicturedCam
 
         other = self.others[0].cam if self.others else None
         drive, lift_unit = self.cam.drive, self.cam.lift_unit

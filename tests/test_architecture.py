@@ -32,7 +32,7 @@ STAGES: tuple[tuple[str, ...], ...] = (
     ("formats",),
     ("files",),
     ("scene",),
-    ("views", "workpiece", "design"),
+    ("workpiece", "design"),
     ("sweep",),
     ("stability",),
     ("accuracy",),

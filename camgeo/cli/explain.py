@@ -13,10 +13,10 @@ from camgeo.cli.check import effect_findings
 from camgeo.cli.command import FINE, Subparsers, identity, new_parser, print_json, tell_main_disc
 from camgeo.cli.progress import Progress
 from camgeo.design import Design
+from camgeo.files.drawn import DrawnDisc
+from camgeo.files.milled import MilledDisc
 from camgeo.lazy import Run, lazy_names
 from camgeo.scene.load import load_scene
-from camgeo.views.drawn import DrawnDisc
-from camgeo.views.milled import MilledDisc
 
 MILLI: Final = 1e3
 INDENT: Final = "  "

@@ -53,7 +53,7 @@ def register(subparsers: Subparsers[argparse.ArgumentParser]) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Write the picture."""
     from camgeo.figure import motion, plots
-    from camgeo.views.moving import Moving, PicturedMotion
+    from camgeo.files.moving import Moving, PicturedMotion
 
     names = plots.names()
     for name in arguments.what:

@@ -9,8 +9,8 @@ from camgeo.figure import cut_off
 from camgeo.figure.marks import Line, Mark, Style, Text, plane
 from camgeo.figure.model import Entry
 from camgeo.figure.style import LIMIT, LINE, SAMPLES
-from camgeo.files.pictured import CutOff
 from camgeo.files.product import Product
+from camgeo.files.sketch import CutOff
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.units import TURN
 

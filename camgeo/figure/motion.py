@@ -19,7 +19,9 @@ from camgeo.figure.model import Entry, Figure, Legend
 from camgeo.figure.motion_diagram import Unit
 from camgeo.figure.strips import Strips
 from camgeo.figure.style import LEFT, RIGHT
-from camgeo.files.pictured import Moved, PlanSketch
+from camgeo.files.moving import Moving
+from camgeo.files.product import Product
+from camgeo.files.sketch import PlanSketch
 from camgeo.units import MM_PER, RPM
 
 SIZE = (7.0, 10.0)
@@ -34,7 +36,7 @@ ANGLES: Final = {"lever": "χ", "crank": "θ"}
 """Symbols of demanded angles that are not the follower's own."""
 
 
-def figure(product: Moved, size: Size = SIZE) -> Figure:
+def figure(product: Product | Moving, size: Size = SIZE) -> Figure:
     """The motion plan above s, s', s'', s''' of the follower."""
     sketch = product.pictured.plan_sketch
     strips = Strips(size, LEFT, RIGHT if sketch.speed is None else SECOND_SCALE)
@@ -62,13 +64,13 @@ def _middle(strips: Strips) -> float:
     return (strips.left + 0.5 * strips.across) / strips.width
 
 
-def _unit(product: Moved, unit: str) -> Unit:
+def _unit(product: Product | Moving, unit: str) -> Unit:
     if unit == "mm":
         return Unit(product.unit, "s", 1.0 / MM_PER[product.unit])
     return Unit("°", "ψ", math.degrees(1.0))
 
 
-def _diagram_title(product: Moved, sketch: PlanSketch) -> str:
+def _diagram_title(product: Product | Moving, sketch: PlanSketch) -> str:
     what = "lift s" if product.pictured.lift_unit == "mm" else "swing ψ"
     behind = "" if sketch.of == "follower" else " behind the linkage"
     speed = "" if sketch.speed is None else f" (right: at {sketch.speed / RPM:.4g} rev/min)"

@@ -14,7 +14,9 @@ from camgeo.figure.marks import Box, Line, Mark, Style, Text, over
 from camgeo.figure.model import Axis, Panel
 from camgeo.figure.strips import Strips
 from camgeo.figure.style import CURVE, LIMIT, ZERO, diagram_angles, joint_marks, turn_axis
-from camgeo.files.pictured import Moved, PlanSketch
+from camgeo.files.moving import Moving
+from camgeo.files.product import Product
+from camgeo.files.sketch import PlanSketch
 from camgeo.numeric.arrays import FloatArray
 
 MARKS: Final = {"s": "", "s1": "′", "s2": "″", "s3": "‴"}
@@ -61,7 +63,9 @@ class Unit:
     scale: float
 
 
-def panels(strips: Strips, product: Moved, sketch: PlanSketch, unit: Unit) -> list[Panel]:
+def panels(
+    strips: Strips, product: Product | Moving, sketch: PlanSketch, unit: Unit
+) -> list[Panel]:
     """A panel for the lift and each derivative."""
     joints = tuple(joint.cam_angle for joint in sketch.joints)
     phi = diagram_angles(tuple(joint.cam_angle for joint in sketch.breaks))

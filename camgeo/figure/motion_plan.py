@@ -13,7 +13,7 @@ from camgeo.figure.model import Axis, Panel
 from camgeo.figure.motion_diagram import NAME_PLACE, SMALL, Unit, number
 from camgeo.figure.strips import Strips
 from camgeo.figure.style import AUXILIARY, LINE, joint_marks, turn_axis
-from camgeo.files.pictured import PlanSketch
+from camgeo.files.sketch import PlanSketch
 from camgeo.numeric.arrays import FloatArray
 from camgeo.units import TURN
 

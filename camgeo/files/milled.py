@@ -2,18 +2,55 @@
 
 from __future__ import annotations
 
-from typing import Protocol
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
-from camgeo.toolpath.cut import Cut
-from camgeo.toolpath.moves import Toolpath
+from camgeo.errors import GeometryError
+from camgeo.formats.gcode import FORMAT
+from camgeo.lazy import Ledger, lazy
+from camgeo.pickled import Pickled
+
+if TYPE_CHECKING:
+    from camgeo.files.drawn import DrawnDisc
+    from camgeo.formats.format import Options, Values
+    from camgeo.toolpath.cut import Cut
+    from camgeo.toolpath.moves import Toolpath
 
 
-class Milled(Protocol):
-    """What programs make of a disc; `camgeo.views.milled.MilledDisc` is one."""
+@dataclass(frozen=True)
+class MilledDisc(Pickled):
+    """What programs make of a disc.
 
-    @property
+    Attributes
+    ----------
+    drawn : the disc to be milled.
+    options : tool, feeds and machine among them.
+    values : of the scene, which may lack what milling needs.
+    ledger : where it is entered what was computed.
+    """
+
+    drawn: DrawnDisc
+    options: Options
+    values: Values
+    ledger: Ledger = field(default_factory=Ledger, repr=False, compare=False)
+
+    @lazy
     def cuts(self) -> tuple[Cut, ...]:
-        """What the milling program cuts, exactly."""
+        """What is milled, exactly; GeometryError if the scene lacks what milling needs."""
+        from camgeo.toolpath.sequence import cuts_of
+
+        if lacking := FORMAT.lacking(self.values):
+            raise GeometryError(f"milling {'; '.join(lacking)}", key="output.gcode")
+        spec = self.options[FORMAT]
+        return cuts_of(self.drawn.part, spec.tool, spec.pass_depth)
 
     def toolpath(self, tolerance: float) -> Toolpath:
-        """The milling program; its arcs lie within `tolerance` [mm] of the exact cutter path."""
+        """The milling program; its arcs lie within `tolerance` [mm] of the exact cutter paths."""
+        from camgeo.toolpath.machine import load
+        from camgeo.toolpath.plan import plan_toolpath
+
+        cuts, spec, effort = self.cuts, self.options[FORMAT], self.drawn.effort
+        limits, height = load(spec.machine).arcs, spec.safe_height
+        return self.ledger.run(
+            "toolpath", lambda: plan_toolpath(cuts, height, limits, tolerance, effort)
+        )

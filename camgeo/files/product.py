@@ -8,16 +8,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any, Protocol, TypeVar
+from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
 from camgeo.check.finding import Finding
-from camgeo.files.drawn import Drawn
-from camgeo.files.milled import Milled
-from camgeo.files.pictured import Pictured
-from camgeo.files.tabulated import Tabulated
 from camgeo.formats.format import Format, Options, Values
 from camgeo.lazy import Ledger
 from camgeo.units import LengthUnit
+
+if TYPE_CHECKING:  # a writer is computed the views that it reads, and no other
+    from camgeo.files.drawn import DrawnDisc
+    from camgeo.files.milled import MilledDisc
+    from camgeo.files.pictured import PicturedCam
+    from camgeo.files.tabulated import TabulatedCam
 
 
 class Product(Protocol):
@@ -67,16 +69,16 @@ class Product(Protocol):
         """What was computed of it, and how long it took."""
 
     @property
-    def drawn(self) -> Drawn: ...
+    def drawn(self) -> DrawnDisc: ...
 
     @property
-    def milled(self) -> Milled: ...
+    def milled(self) -> MilledDisc: ...
 
     @property
-    def tabulated(self) -> Tabulated: ...
+    def tabulated(self) -> TabulatedCam: ...
 
     @property
-    def pictured(self) -> Pictured: ...
+    def pictured(self) -> PicturedCam: ...
 
 
 Disc = TypeVar("Disc", bound=Product)

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
-from typing import Literal, Self
+from typing import Literal, Self, cast
 
 import numpy as np
 
@@ -19,8 +19,12 @@ from camgeo.contour.contour import Contour
 from camgeo.contour.fit import Effort, Fit
 from camgeo.contour.spline import Arc, SplineContour, SplineFit
 from camgeo.effects.effect import Column
-from camgeo.files.pictured import CutOff, FollowerSketch, PlanSegment, PlanSketch
+from camgeo.files.drawn import DrawnDisc
+from camgeo.files.milled import MilledDisc
+from camgeo.files.pictured import PicturedCam
+from camgeo.files.sketch import CutOff, FollowerSketch, PlanSegment, PlanSketch
 from camgeo.files.table import Table
+from camgeo.files.tabulated import TabulatedCam
 from camgeo.formats.dxf import DxfSpec
 from camgeo.formats.format import Options, Values
 from camgeo.lazy import Ledger
@@ -145,20 +149,20 @@ class StubProduct:
         return (self,)
 
     @property
-    def drawn(self) -> Self:
-        return self
+    def drawn(self) -> DrawnDisc:
+        return cast("DrawnDisc", self)
 
     @property
-    def milled(self) -> Self:
-        return self
+    def milled(self) -> MilledDisc:
+        return cast("MilledDisc", self)
 
     @property
-    def tabulated(self) -> Self:
-        return self
+    def tabulated(self) -> TabulatedCam:
+        return cast("TabulatedCam", self)
 
     @property
-    def pictured(self) -> Self:
-        return self
+    def pictured(self) -> PicturedCam:
+        return cast("PicturedCam", self)
 
     @property
     def has_pitch_curve(self) -> bool:

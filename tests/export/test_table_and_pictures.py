@@ -8,7 +8,7 @@ import matplotlib as mpl
 import pytest
 
 from camgeo.figure.plots import OWN, find, stacked
-from camgeo.files.pictured import FollowerSketch
+from camgeo.files.sketch import FollowerSketch
 from camgeo.files.table import Table
 from camgeo.units import LengthUnit
 from camgeo_export.errors import FileError

@@ -18,9 +18,8 @@ from matplotlib.figure import Figure
 import camgeo
 from camgeo.figure import motion
 from camgeo.figure.motion_plan import spread
-from camgeo.files.pictured import PlanSketch
 from camgeo.files.product import Product
-from camgeo.files.sketch import plan_sketch
+from camgeo.files.sketch import PlanSketch, plan_sketch
 from camgeo.motion.laws import make_law
 from camgeo.motion.plan import Dwell, MotionPlan, Move
 from camgeo.numeric.arrays import FloatArray

@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from camgeo.files.pictured import PlanSketch
-from camgeo.files.sketch import plan_sketch
+from camgeo.files.sketch import PlanSketch, plan_sketch
 from camgeo.numeric.arrays import FloatArray
 from camgeo.pickled import Pickled
 from camgeo.units import LengthUnit
@@ -22,7 +21,7 @@ LIFT = ("s", "s1", "s2", "s3")
 
 @dataclass(frozen=True)
 class PicturedMotion(Pickled):
-    """A `camgeo.files.pictured.PicturedDrive`.
+    """What pictures show of a motion.
 
     Attributes
     ----------
@@ -34,7 +33,9 @@ class PicturedMotion(Pickled):
     lift_unit: LiftUnit
 
     def quantity(self, what: str, phi: FloatArray) -> FloatArray:
-        """(n,) lift or a derivative at `phi` (n,) [rad], see `camgeo.files.pictured.Pictured`."""
+        """(n,) values at `phi` (n,) [rad]: "s", "s1", "s2", "s3", the lift and its derivatives [mm
+        or rad per rad^k].
+        """
         lift: FloatArray = self.drive.motion.jet(np.atleast_1d(phi))[LIFT.index(what)]
         return lift
 
@@ -52,7 +53,7 @@ class PicturedMotion(Pickled):
 
 @dataclass(frozen=True)
 class Moving(Pickled):
-    """A `camgeo.files.pictured.Moved`: the motion of a scene without a follower.
+    """The motion of a scene without a follower, for the picture of a motion.
 
     Attributes
     ----------
