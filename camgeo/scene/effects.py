@@ -11,6 +11,7 @@ from camgeo.effects.rules import Machine, Table
 from camgeo.errors import Fault, GeometryError
 from camgeo.scene.data_files import DataFiles
 from camgeo.scene.inside import Inside
+from camgeo.scene.keys import Path
 from camgeo.scene.schema import EFFECTS, schema_for
 from camgeo.scene.sound import SoundValues
 
@@ -66,8 +67,11 @@ class EffectTables:
                 self.faults.append(fault)
 
 
-def misfits(values: SoundValues) -> Iterator[Fault]:
-    """Effects that a scene names, or keys of their tables, that have no place on its machine."""
+def misfits(values: SoundValues) -> Iterator[tuple[Path, str]]:
+    """Effects that a scene names, or keys of their tables, that have no place on its machine.
+
+    Each with the reason.
+    """
     machine = _machine(values)
     for effect in schema_for(values.scene.plain).effects:
         name, table = effect.name, values.scene.plain[EFFECTS][effect.name]
@@ -80,7 +84,7 @@ def misfits(values: SoundValues) -> Iterator[Fault]:
         for key, message in (each for rule in effect.rules for each in rule(machine, own)):
             told.setdefault(key, message)
         for key, message in told.items():
-            yield values.scene.fault((EFFECTS, name, *filter(None, [key])), message)
+            yield (EFFECTS, name, *filter(None, [key])), message
 
 
 def _machine(values: SoundValues) -> Machine:

@@ -12,6 +12,7 @@ from camgeo.formats.format import LARGEST_TOLERANCE, SMALLEST_TOLERANCE
 from camgeo.mechanism.declared.registry import FOLLOWERS, LINKAGES
 from camgeo.motion.laws import find_family
 from camgeo.motion.planning import AUTO
+from camgeo.scene.keys import Path
 from camgeo.scene.laws import BY_DATA, SHAPES
 from camgeo.scene.model import OutputSpec
 from camgeo.scene.schema import EFFECTS, schema_for
@@ -55,15 +56,18 @@ FOR_ROLLERS: Final = "is for roller followers"
 DRIVES: Final = {"mm": "turns a rocker", "rad": "moves a guided follower"}
 """What a linkage does that cannot drive a follower whose lift has that unit."""
 
-Rule = Callable[[SoundValues], Iterator[Fault]]
+Broken = tuple[Path, str]
+"""The place at fault, and why."""
+
+Rule = Callable[[SoundValues], Iterator[Broken]]
 
 
 def broken_rules(values: SoundValues) -> list[Fault]:
     """Return the faults of all rules."""
-    return [fault for rule in RULES for fault in rule(values)]
+    return [values.scene.fault(*broken) for rule in RULES for broken in rule(values)]
 
 
-def spans_add_up(values: SoundValues) -> Iterator[Fault]:
+def spans_add_up(values: SoundValues) -> Iterator[Broken]:
     """The spans add up to one turn, exactly as they are written."""
     spans: list[Decimal] = []
     for index in range(values.segments):
@@ -75,8 +79,7 @@ def spans_add_up(values: SoundValues) -> Iterator[Fault]:
         if span is None:
             return
         if 0 < span < SHORTEST_SPAN:
-            message = "must be 0, or from 1e-6 to 360 (degrees)"
-            yield values.scene.fault(("motion", index, key), message)
+            yield ("motion", index, key), "must be 0, or from 1e-6 to 360 (degrees)"
         spans.append(span)
     if not spans:
         return
@@ -86,15 +89,14 @@ def spans_add_up(values: SoundValues) -> Iterator[Fault]:
         for span in spans:
             total = adding.add(total, span)
     except Inexact:
-        message = f"the spans have more digits than can be added exactly ({SPAN_DIGITS})"
-        yield values.scene.fault(("motion",), message)
+        yield ("motion",), f"the spans have more digits than can be added exactly ({SPAN_DIGITS})"
         return
     if total != TURN:
         message = f"the spans add up to {total.normalize():f} degrees; they must add up to 360"
-        yield values.scene.fault(("motion",), message)
+        yield ("motion",), message
 
 
-def motion_returns(values: SoundValues) -> Iterator[Fault]:
+def motion_returns(values: SoundValues) -> Iterator[Broken]:
     """The motion starts at 0 and ends there."""
     for index in reversed(range(values.segments)):
         place = ("motion", index, "to")
@@ -102,23 +104,21 @@ def motion_returns(values: SoundValues) -> Iterator[Fault]:
             return  # where it ends is told by its file
         if values.has(*place):
             if values.get(*place):
-                message = "the motion starts at 0 and must return to 0 with its last move"
-                yield values.scene.fault(place, message)
+                yield place, "the motion starts at 0 and must return to 0 with its last move"
             return
         if not values.sound("motion", index):
             return
 
 
-def positions_can_be_told_from_0(values: SoundValues) -> Iterator[Fault]:
+def positions_can_be_told_from_0(values: SoundValues) -> Iterator[Broken]:
     """A position is 0, or no smaller than what laws can be scaled to."""
     for index in range(values.segments):
         end = values.get("motion", index, "to")
         if end is not None and 0.0 < abs(end) < SMALLEST_POSITION:
-            message = "must be 0, or at least 1e-30 in magnitude"
-            yield values.scene.fault(("motion", index, "to"), message)
+            yield ("motion", index, "to"), "must be 0, or at least 1e-30 in magnitude"
 
 
-def laws_have_their_parameters(values: SoundValues) -> Iterator[Fault]:
+def laws_have_their_parameters(values: SoundValues) -> Iterator[Broken]:
     """A law takes the parameters that stand beside it."""
     for index in range(values.segments):
         place = ("motion", index)
@@ -126,7 +126,7 @@ def laws_have_their_parameters(values: SoundValues) -> Iterator[Fault]:
         if name is None or not values.sound(*place) or name in BY_DATA:
             continue
         if name != AUTO and values.has(*place, "optimise"):
-            yield values.scene.fault((*place, "optimise"), f'belongs to law "{AUTO}"')
+            yield (*place, "optimise"), f'belongs to law "{AUTO}"'
         family = None if name == AUTO else find_family(name)
         taken = set().union(*family.parameters.values()) if family else set(SHAPES)
         for key in (*SHAPES, "jerk"):
@@ -136,18 +136,16 @@ def laws_have_their_parameters(values: SoundValues) -> Iterator[Fault]:
                 continue
             own = [each for each in SHAPES if each in taken]
             known = f"its parameters: {', '.join(own)}" if own else "it has no parameters"
-            message = f'is no parameter of "{name}"; {known}'
-            yield values.scene.fault((*place, key), message)
+            yield (*place, key), f'is no parameter of "{name}"; {known}'
 
 
-def one_speed(values: SoundValues) -> Iterator[Fault]:
+def one_speed(values: SoundValues) -> Iterator[Broken]:
     """The disc turns evenly or by a table."""
     if values.has("cam", "speed") and values.has("cam", "speed_curve"):
-        message = "contradicts speed; give one of them"
-        yield values.scene.fault(("cam", "speed_curve"), message)
+        yield ("cam", "speed_curve"), "contradicts speed; give one of them"
 
 
-def swing_is_possible(values: SoundValues) -> Iterator[Fault]:
+def swing_is_possible(values: SoundValues) -> Iterator[Broken]:
     """A rocker's own motion is given in degrees and stays on its side of the cam axis."""
     if not values.angular:
         return
@@ -157,55 +155,52 @@ def swing_is_possible(values: SoundValues) -> Iterator[Fault]:
         if free:
             if end is not None and not abs(end) <= WIDEST_TURN:
                 message = "must lie between -3600 and 3600: the motion is given in degrees"
-                yield values.scene.fault(("motion", index, "to"), message)
+                yield ("motion", index, "to"), message
             continue
         if end is not None and not abs(end) < WIDEST_SWING:
             message = (
                 "must lie between -180 and 180: without a linkage the motion of an oscillating "
                 "follower is given in degrees"
             )
-            yield values.scene.fault(("motion", index, "to"), message)
+            yield ("motion", index, "to"), message
 
 
-def positions_have_one_unit(values: SoundValues) -> Iterator[Fault]:
+def positions_have_one_unit(values: SoundValues) -> Iterator[Broken]:
     """What positions are is stated where neither follower nor linkage decides it."""
     for name in ("linkage", "follower"):
         if values.has("units", "motion") and values.has(name):
             message = f"belongs to a scene without [{name}], which decides it here; leave it out"
-            yield values.scene.fault(("units", "motion"), message)
+            yield ("units", "motion"), message
             return
 
 
-def a_return_disc_has_a_main_disc(values: SoundValues) -> Iterator[Fault]:
+def a_return_disc_has_a_main_disc(values: SoundValues) -> Iterator[Broken]:
     """A conjugate pair is two plate cams."""
     place = ("follower", "return")
     if not values.has(*place):
         free = values.lacks(*place) and values.lacks(*YOKE)
         if values.has("limits", "closing_error") and free:
             message = "belongs to a pair or a yoke: it needs [follower.return] or [follower.yoke]"
-            yield values.scene.fault(("limits", "closing_error"), message)
+            yield ("limits", "closing_error"), message
         return
     if values.contact is not None and not values.contact.is_plate:
-        message = 'belongs to contact "inner": both discs of a conjugate pair are plate cams'
-        yield values.scene.fault(place, message)
+        yield place, 'belongs to contact "inner": both discs of a conjugate pair are plate cams'
 
 
-def a_yoke_stands_astride(values: SoundValues) -> Iterator[Fault]:
+def a_yoke_stands_astride(values: SoundValues) -> Iterator[Broken]:
     """Both sides of a yoke lie in line with the cam axis, on one plate cam."""
     if not values.has(*YOKE):
         return
     if values.get("follower", "offset"):
         message = "must be 0 for a yoke: both its rollers lie in line with the cam axis"
-        yield values.scene.fault(("follower", "offset"), message)
+        yield ("follower", "offset"), message
     if values.contact is not None and not values.contact.is_plate:
-        message = 'belongs to contact "inner": the yoke stands astride a plate cam'
-        yield values.scene.fault(YOKE, message)
+        yield YOKE, 'belongs to contact "inner": the yoke stands astride a plate cam'
     if values.has("follower", "return"):
-        message = "contradicts [follower.return]: one disc leads a yoke both ways"
-        yield values.scene.fault(YOKE, message)
+        yield YOKE, "contradicts [follower.return]: one disc leads a yoke both ways"
 
 
-def followers_keep_their_own_rules(values: SoundValues) -> Iterator[Fault]:
+def followers_keep_their_own_rules(values: SoundValues) -> Iterator[Broken]:
     """What the follower's kind declares of its keys."""
     kind = values.follower_kind
     if kind is None:
@@ -214,10 +209,10 @@ def followers_keep_their_own_rules(values: SoundValues) -> Iterator[Fault]:
     table = {key: value for key, value in known.items() if value is not None}
     for rule in kind.rules:
         for key, message in rule(table):
-            yield values.scene.fault(("follower", key), message)
+            yield ("follower", key), message
 
 
-def rollers_have_what_is_theirs(values: SoundValues) -> Iterator[Fault]:
+def rollers_have_what_is_theirs(values: SoundValues) -> Iterator[Broken]:
     """What a flat face does not have: a ratio to its radius, undercut to be trimmed.
 
     A flat face touches only what is convex: of a cam that is not, nothing can be left.
@@ -226,23 +221,22 @@ def rollers_have_what_is_theirs(values: SoundValues) -> Iterator[Fault]:
         return
     if values.get("limits", "undercut") == "trim":
         message = f'{FOR_ROLLERS}; a cam for a flat face is convex or not made: "refuse"'
-        yield values.scene.fault(("limits", "undercut"), message)
+        yield ("limits", "undercut"), message
     if values.has("limits", "radius_ratio"):
-        yield values.scene.fault(("limits", "radius_ratio"), FOR_ROLLERS)
+        yield ("limits", "radius_ratio"), FOR_ROLLERS
 
 
-def linkage_drives_the_follower(values: SoundValues) -> Iterator[Fault]:
+def linkage_drives_the_follower(values: SoundValues) -> Iterator[Broken]:
     """A linkage may drive rockers only, or guided followers only."""
     linkage, follower = values.get("linkage", "kind"), values.follower_kind
     if linkage is None or follower is None or follower.unit in LINKAGES[linkage].members:
         return
     units = LINKAGES[linkage].members
     fitting = " or ".join(f'"{each.name}"' for each in FOLLOWERS.values() if each.unit in units)
-    message = f"a {linkage} {DRIVES[follower.unit]}: it needs kind = {fitting}"
-    yield values.scene.fault(("follower", "kind"), message)
+    yield ("follower", "kind"), f"a {linkage} {DRIVES[follower.unit]}: it needs kind = {fitting}"
 
 
-def effects_suit_the_machine(values: SoundValues) -> Iterator[Fault]:
+def effects_suit_the_machine(values: SoundValues) -> Iterator[Broken]:
     """What effects declare as for machines of a kind alone is asked for of no other."""
     if isinstance(values.scene.plain.get(EFFECTS), dict):
         from camgeo.scene.effects import misfits  # few scenes name an effect
@@ -250,74 +244,71 @@ def effects_suit_the_machine(values: SoundValues) -> Iterator[Fault]:
         yield from misfits(values)
 
 
-def formats_have_what_they_need(values: SoundValues) -> Iterator[Fault]:
+def formats_have_what_they_need(values: SoundValues) -> Iterator[Broken]:
     """Formats that are named, and the tables of their options, keep to what they declare."""
     listed: list[str] = values.get("output", "formats") or []
     for form in schema_for(values.scene.plain).formats:
         if form.name in listed:
             place = ("output", "formats", listed.index(form.name))
             for message in form.lacking(values):
-                yield values.scene.fault(place, message)
+                yield place, message
         for key, message in form.broken(values):
-            yield values.scene.fault(("output", form.name, key), message)
+            yield ("output", form.name, key), message
 
 
-def contact_and_part_agree(values: SoundValues) -> Iterator[Fault]:
+def contact_and_part_agree(values: SoundValues) -> Iterator[Broken]:
     """The part has the boundaries that its contact asks for, and no others."""
     contact = values.contact
     if contact is None or values.lacks("follower"):
         return
     if not contact.is_plate and values.lacks("part", "rim"):
-        message = "needs [part] rim, the diameter of the blank"
-        yield values.scene.fault(("follower", "contact"), message)
+        yield ("follower", "contact"), "needs [part] rim, the diameter of the blank"
     if contact.is_plate and values.has("part", "rim"):
         message = 'belongs to contact "outer" or "groove"; the outline of this cam is its flank'
-        yield values.scene.fault(("part", "rim"), message)
+        yield ("part", "rim"), message
     if not contact.closed_by_form and values.has("part", "groove_depth"):
-        yield values.scene.fault(("part", "groove_depth"), 'belongs to contact "groove"')
+        yield ("part", "groove_depth"), 'belongs to contact "groove"'
     if not contact.runs_inside and values.has("part", "bore"):
         message = 'has no place in a cam with contact "outer": the roller runs where it would be'
-        yield values.scene.fault(("part", "bore"), message)
+        yield ("part", "bore"), message
 
 
-def roller_is_possible(values: SoundValues) -> Iterator[Fault]:
+def roller_is_possible(values: SoundValues) -> Iterator[Broken]:
     """A roller or a knife edge, and a groove about a roller that it does not dwarf."""
     groove = values.contact is not None and values.contact.closed_by_form
     radius = values.get("follower", "roller_radius")
     play = values.get("follower", "side_clearance")
     for key, value in (("roller_radius", radius), ("side_clearance", play)):
         if value is not None and 0.0 < value < SMALLEST_LENGTH:
-            yield values.scene.fault(("follower", key), f"must be 0, or {SMALLEST_LENGTH:g} to 1e9")
+            yield ("follower", key), f"must be 0, or {SMALLEST_LENGTH:g} to 1e9"
     if radius == 0.0 and groove:
         message = "must be above 0: a groove holds a roller, a knife edge has no groove"
-        yield values.scene.fault(("follower", "roller_radius"), message)
+        yield ("follower", "roller_radius"), message
     if play is None or values.contact is None:
         return
     if not groove:
         message = 'belongs to contact "groove"; a roller on one flank has no play'
-        yield values.scene.fault(("follower", "side_clearance"), message)
+        yield ("follower", "side_clearance"), message
     elif radius is not None and radius > 0.0 and not play < 2.0 * radius:
         message = f"must be less than the roller's diameter, {2.0 * radius:g}"
-        yield values.scene.fault(("follower", "side_clearance"), message)
+        yield ("follower", "side_clearance"), message
 
 
-def part_is_possible(values: SoundValues) -> Iterator[Fault]:
+def part_is_possible(values: SoundValues) -> Iterator[Broken]:
     """Groove within the thickness, keyway within the bore."""
     depth = values.get("part", "groove_depth")
     thickness = values.get("part", "thickness")
     if depth is not None and thickness is not None and not depth < thickness:
-        message = f"must be less than the thickness, {thickness:g}"
-        yield values.scene.fault(("part", "groove_depth"), message)
+        yield ("part", "groove_depth"), f"must be less than the thickness, {thickness:g}"
     if values.has("part", "keyway") and values.lacks("part", "bore"):
-        yield values.scene.fault(("part", "keyway"), "needs [part] bore")
+        yield ("part", "keyway"), "needs [part] bore"
     bore = values.get("part", "bore")
     width = values.get("part", "keyway", "width")
     if bore is not None and width is not None and not width < bore:
-        message = f"must be less than the bore, {bore:g}"
-        yield values.scene.fault(("part", "keyway", "width"), message)
+        yield ("part", "keyway", "width"), f"must be less than the bore, {bore:g}"
 
 
-def tolerance_is_possible(values: SoundValues) -> Iterator[Fault]:
+def tolerance_is_possible(values: SoundValues) -> Iterator[Broken]:
     """The tolerance is within its limits, and in proportion to the mechanism."""
     place = ("output", "tolerance")
     if not values.sound("units"):
@@ -331,7 +322,7 @@ def tolerance_is_possible(values: SoundValues) -> Iterator[Fault]:
             message = "must be a length of 1e-7 mm to 1 mm"
             if values.unit != "mm":
                 message += f'; it is given in the scene\'s unit, "{values.unit}"'
-            yield values.scene.fault(place, message)
+            yield place, message
             return
     else:
         tolerance = DEFAULT_TOLERANCE
@@ -343,10 +334,10 @@ def tolerance_is_possible(values: SoundValues) -> Iterator[Fault]:
     what = "" if values.has(*place) else f"is not given; its default, {tolerance:g} mm, "
     if tolerance < FINEST_PART * size:
         message = f"must be at least {FINEST_PART:g} of the largest length, {size:g} mm"
-        yield values.scene.fault(place, what + message)
+        yield place, what + message
     if tolerance > COARSEST_PART * base:
         message = f"must be at most {COARSEST_PART:g} of the base radius, {base:g} mm"
-        yield values.scene.fault(place, what + message)
+        yield place, what + message
 
 
 def _largest_length(values: SoundValues) -> float | None:
