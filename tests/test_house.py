@@ -20,6 +20,11 @@ MOST_MEMBERS = 20
 """Public ones of a design; it has fewer."""
 
 
+MOST_METHODS = 15
+"""Public methods and properties of a class outside of `mechanism`, whose followers answer for all
+rooms; the design has a limit of its own. Fields do not count: data may have many."""
+
+
 def modules() -> list[Path]:
     return [
         path for folder in ("camgeo", "export") for path in sorted((ROOT / folder).rglob("*.py"))
@@ -55,6 +60,29 @@ def test_a_module_that_is_too_long_is_found(tmp_path: Path) -> None:
     assert not too_long(path)
     path.write_text("\n" * (MOST_LINES + 1), "utf-8")
     assert too_long(path)
+
+
+def wide_classes(source: str) -> list[str]:
+    """Classes with too many public methods and properties."""
+    found = []
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.ClassDef):
+            methods = [each for each in node.body if isinstance(each, ast.FunctionDef)]
+            if sum(not each.name.startswith("_") for each in methods) > MOST_METHODS:
+                found.append(node.name)
+    return found
+
+
+def test_no_class_answers_too_much() -> None:
+    rooms = [path for path in modules() if "mechanism" not in path.parts]
+    found = {name for path in rooms for name in wide_classes(path.read_text("utf-8"))}
+    assert found <= {"Design"}
+
+
+def test_a_class_that_answers_too_much_is_found() -> None:
+    methods = "".join(f"    def ask{k}(self): ...\n" for k in range(MOST_METHODS))
+    assert wide_classes(f"class Room:\n    size: int\n{methods}    def _own(self): ...\n") == []
+    assert wide_classes(f"class Room:\n{methods}    def more(self): ...\n") == ["Room"]
 
 
 def test_the_design_reaches_few_modules() -> None:
