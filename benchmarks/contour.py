@@ -34,6 +34,7 @@ from __future__ import annotations
 
 import argparse
 import functools
+import itertools
 import math
 import platform
 import statistics
@@ -323,11 +324,13 @@ def print_times(design: Design, flank: Flank, forms: Sequence[Form], rounds: int
     """Table of the fits in times of the curve; True if the targets are reached."""
     pitch, curve = design.cam.disc.pitch_curve, flank.curve
 
+    starts = itertools.cycle((0.0, 1e-9))  # a plan keeps its last answer
+
     def evaluate(count: int) -> None:
-        pitch.jet(np.linspace(0.0, TURN, count, endpoint=False))
+        pitch.jet(next(starts) + np.linspace(0.0, TURN, count, endpoint=False))
 
     def evaluate_all(count: int) -> None:
-        phi = np.linspace(0.0, TURN, count, endpoint=False)
+        phi = next(starts) + np.linspace(0.0, TURN, count, endpoint=False)
         pitch.jet(phi)
         curve.point(phi)
         curve.curvature(phi)

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import argparse
 import functools
+import itertools
 import platform
 import statistics
 import time
@@ -69,8 +70,9 @@ def main() -> None:
     for points in map(int, arguments.points.split(",")):
         phi = np.linspace(0.0, TURN, points, endpoint=False)
         out = np.empty_like(phi)
+        asked = itertools.cycle((phi, phi + 1e-9))  # a plan keeps its last answer
         work: dict[str, Callable[[], object]] = {
-            "jet": functools.partial(plan.jet, phi),
+            "jet": lambda asked=asked: plan.jet(next(asked)),  # type: ignore[misc]
             "sin": functools.partial(np.sin, phi, out=out),
             "cos": functools.partial(np.cos, phi, out=out),
         }
