@@ -9,14 +9,14 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, ClassVar, Literal
 
 import numpy as np
 
 from camgeo.errors import GeometryError
 from camgeo.mechanism.sketch import MechanismSketch
 from camgeo.mechanism.slider_crank import SliderCrank
-from camgeo.mechanism.triangle import IN_LINE, ROUNDING, SLACK, dot, turning
+from camgeo.mechanism.triangle import ROUNDING, SLACK, dot, in_line, turning
 from camgeo.mechanism.turns import cosine_range, within
 from camgeo.motion.motion import FULL_ORDER, Jet
 from camgeo.numeric.arrays import ComplexArray, FloatArray
@@ -48,6 +48,9 @@ class CrankSlider:
         slider could go either way.
     """
 
+    member: ClassVar[Literal["crank"]] = "crank"
+    unit: ClassVar[Literal["rad"]] = "rad"
+
     inner: SliderCrank
 
     def __post_init__(self) -> None:
@@ -68,16 +71,6 @@ class CrankSlider:
     def coupler(self) -> float:
         """l_4 [mm]."""
         return self.inner.coupler
-
-    @property
-    def member(self) -> Literal["crank"]:
-        """The crank makes the demanded motion."""
-        return "crank"
-
-    @property
-    def unit(self) -> Literal["rad"]:
-        """Of the crank's angle."""
-        return "rad"
 
     @cached_property
     def side(self) -> int:
@@ -191,21 +184,12 @@ class CrankSlider:
     def locked_positions(self, low: float, high: float) -> tuple[float, ...]:
         """See `Linkage.locked_positions`: crank and coupler lie on one line."""
         thetas: list[float] = []
-        height = self.inner.guide_height
         for signed in (self.crank + self.coupler, self.crank - self.coupler):
-            square = (signed - height) * (signed + height)
-            if signed and square >= 0.0:
-                ahead = 0.0 if signed > 0.0 else math.pi  # the tip towards the pin, or opposite
-                ways = (math.sqrt(square), -math.sqrt(square))
-                thetas += [math.atan2(height, way) + ahead for way in ways]
+            ahead = 0.0 if signed > 0.0 else math.pi  # the tip towards the pin, or opposite
+            if signed:
+                thetas += [each + ahead for each in _rising(self.inner.guide_height, signed)]
         found = self._angles(thetas, low - SLACK, high + SLACK)
-        across = np.abs(self._across_crank(np.array(found)))
-        # The other places are on the other branch.
-        return tuple(
-            each
-            for each, sine in zip(found, across / (self.crank * self.coupler), strict=True)
-            if sine <= IN_LINE
-        )
+        return in_line(found, self._across_crank(np.array(found)), self.crank * self.coupler)
 
     def transform(self, jet: Jet, order: int = FULL_ORDER) -> Jet:
         """(order + 1, n) stroke s and derivatives [mm/rad^k] for the crank's angles `jet`.
@@ -287,10 +271,7 @@ class CrankSlider:
         """See `Linkage.dead_positions`: the coupler stands across the guide."""
         found: list[float] = []
         for down in (self.coupler, -self.coupler):
-            height = self.inner.guide_height - down
-            square = (self.crank - height) * (self.crank + height)
-            if square >= 0.0:
-                found += [math.atan2(height, x) for x in (math.sqrt(square), -math.sqrt(square))]
+            found += _rising(self.inner.guide_height - down, self.crank)
         return self._angles(found, low, high)
 
     def _angles(
@@ -316,3 +297,11 @@ class CrankSlider:
     def resized(self, size: Size, length: float) -> CrankSlider:
         """See `Linkage.resized`."""
         return CrankSlider(self.inner.resized(size, length))
+
+
+def _rising(height: float, length: float) -> list[float]:
+    """Directions [rad] of a `length` [mm] of any sign that ends `height` [mm] above its start."""
+    square = (length - height) * (length + height)
+    if square < 0.0:
+        return []
+    return [math.atan2(height, x) for x in (math.sqrt(square), -math.sqrt(square))]

@@ -11,13 +11,13 @@ import cmath
 import math
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, ClassVar, Literal
 
 import numpy as np
 
 from camgeo.errors import GeometryError
 from camgeo.mechanism.sketch import MechanismSketch
-from camgeo.mechanism.triangle import IN_LINE, ROUNDING, SLACK, dot, drawn, half_angle, turning
+from camgeo.mechanism.triangle import ROUNDING, SLACK, dot, drawn, half_angle, in_line, turning
 from camgeo.mechanism.turns import cosine_range, within
 from camgeo.mechanism.values import Angle, Length, Place, Sense
 from camgeo.motion.motion import FULL_ORDER, Jet
@@ -51,6 +51,9 @@ class FourBar:
         close at motion 0.
     """
 
+    member: ClassVar[Literal["lever"]] = "lever"
+    unit: ClassVar[Literal["rad"]] = "rad"
+
     crank: Length
     coupler: Length
     lever: Length
@@ -70,16 +73,6 @@ class FourBar:
                 f" must be {least:.6g} to {most:.6g} mm long",
                 key="linkage",
             )
-
-    @property
-    def member(self) -> Literal["lever"]:
-        """The lever makes the demanded motion."""
-        return "lever"
-
-    @property
-    def unit(self) -> Literal["rad"]:
-        """Of the lever's angle."""
-        return "rad"
 
     @cached_property
     def start_angle(self) -> float:
@@ -200,13 +193,7 @@ class FourBar:
             ahead = 0.0 if signed > 0.0 else math.pi
             bends += [bend + ahead for bend in self._bends(abs(signed), self.crank)]
         found = self._motions(bends, low - SLACK, high + SLACK)
-        across = np.abs(self._across_lever(np.array(found)))
-        # The other places are on the other branch.
-        return tuple(
-            each
-            for each, sine in zip(found, across / (self.lever * self.coupler), strict=True)
-            if sine <= IN_LINE
-        )
+        return in_line(found, self._across_lever(np.array(found)), self.lever * self.coupler)
 
     def transform(self, jet: Jet, order: int = FULL_ORDER) -> Jet:
         """(order + 1, n) rocker angle psi and derivatives [rad/rad^k] for lever angles `jet`.

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
 
 import numpy as np
 
@@ -52,6 +52,9 @@ class SliderCrank:
         With the key, if a value is not what it has to be; with "linkage", if the linkage does not
         close at stroke 0.
     """
+
+    member: ClassVar[Literal["slider"]] = "slider"
+    unit: ClassVar[Literal["mm"]] = "mm"
 
     crank: Length
     coupler: Length
@@ -112,16 +115,6 @@ class SliderCrank:
             for distance in distances
             for x in (distance, -distance)
         )
-
-    @property
-    def member(self) -> Literal["slider"]:
-        """The slider makes the demanded motion."""
-        return "slider"
-
-    @property
-    def unit(self) -> Literal["mm"]:
-        """Of the stroke."""
-        return "mm"
 
     def dead_positions(self, low: float, high: float) -> tuple[float, ...]:
         """See `Linkage.dead_positions`."""

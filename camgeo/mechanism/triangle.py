@@ -48,6 +48,16 @@ def half_angle(
     return np.sqrt(np.maximum(first, 0.0)), np.sqrt(np.maximum(second, 0.0))
 
 
+def in_line(places: tuple[float, ...], areas: FloatArray, full: float) -> tuple[float, ...]:
+    """Those of `places` at which two members of the product `full` [mm^2] lie on one line.
+
+    `areas` (n,) [mm^2] are `full` times the sine of their angle there. The other places are on the
+    other branch.
+    """
+    sines = np.abs(areas) / full
+    return tuple(each for each, sine in zip(places, sines, strict=True) if sine <= IN_LINE)
+
+
 def dot(a: ComplexArray, b: ComplexArray) -> FloatArray:
     """(n,) scalar products of plane vectors."""
     found: FloatArray = a.real * b.real + a.imag * b.imag
