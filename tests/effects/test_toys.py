@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv
 import json
-import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -12,7 +11,7 @@ from typing import Any, Final
 
 import pytest
 
-import camgeo
+from tests.copies import copied, replaced
 from tests.effects.scenes import SCENES
 
 DECLARATION: Final = """
@@ -98,23 +97,15 @@ def distribution(folder: Path) -> Path:
 
 def tree(folder: Path) -> Path:
     """A copy of camgeo with the effect as one of its own: a package, and a line of the registry."""
-    shutil.copytree(
-        Path(camgeo.__file__).parent,
-        folder / "camgeo",
-        ignore=shutil.ignore_patterns("__pycache__"),
-    )
-    package = folder / "camgeo" / "effects" / "noise"
+    effects = copied(folder) / "effects"
+    package = effects / "noise"
     package.mkdir()
     (package / "__init__.py").write_text(
         DECLARATION.replace("PACKAGE", "camgeo.effects.noise"), "utf-8"
     )
     (package / "result.py").write_text(RESULT, "utf-8")
-    registry = folder / "camgeo" / "effects" / "registry.py"
-    text = registry.read_text("utf-8")
-    assert text.count('    "drive-torque",\n') == 1
-    registry.write_text(
-        text.replace('    "drive-torque",\n', '    "noise",\n    "drive-torque",\n')
-    )
+    line = '    "drive-torque",\n'
+    replaced(effects / "registry.py", (line, f'    "noise",\n{line}'))
     return folder
 
 

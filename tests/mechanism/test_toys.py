@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 import json
-import os
-import shutil
 import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 
-import camgeo
+from tests.copies import copied, replaced, run_copy
 
 FOLLOWER = '''"""Translating follower with a round head, which slides on the cam."""
 
@@ -62,7 +59,8 @@ class Mushroom:
 
 DECLARED_FOLLOWER = '''"""The mushroom follower, declared."""
 
-from camgeo.mechanism.kind import FollowerKind, Values, schema_beside
+from camgeo.declared import schema_beside
+from camgeo.mechanism.kind import FollowerKind, Values
 
 
 def build(values: Values):
@@ -125,7 +123,8 @@ DECLARED_LINKAGE = '''"""A slider-crank of equal crank and coupler, declared: on
 
 import math
 
-from camgeo.mechanism.kind import LinkageKind, schema_beside
+from camgeo.declared import schema_beside
+from camgeo.mechanism.kind import LinkageKind
 
 
 def build(values, unit):
@@ -180,9 +179,7 @@ to = 0
 def tree(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A copy of the package with both toys: new files, and one that existed."""
     tree = tmp_path_factory.mktemp("toys")
-    own = Path(camgeo.__file__).parent
-    shutil.copytree(own, tree / "camgeo", ignore=shutil.ignore_patterns("__pycache__"))
-    mechanism = tree / "camgeo" / "mechanism"
+    mechanism = copied(tree) / "mechanism"
     declared = mechanism / "declared"
     (mechanism / "mushroom.py").write_text(FOLLOWER, encoding="utf-8")
     (declared / "mushroom.py").write_text(DECLARED_FOLLOWER, encoding="utf-8")
@@ -191,30 +188,19 @@ def tree(tmp_path_factory: pytest.TempPathFactory) -> Path:
     (declared / "toggle.json").write_text(json.dumps(LINKAGE_SCHEMA), encoding="utf-8")
     template = tree / "camgeo" / "scene" / "templates" / "mushroom.toml"
     template.write_text(TEMPLATE, encoding="utf-8")
-    registry = declared / "registry.py"
-    text = registry.read_text(encoding="utf-8")
-    for old, new in (
+    replaced(
+        declared / "registry.py",
         ("import (\n", "import (\n    mushroom,\n    toggle,\n"),
         ("oscillating_flat)\n", "oscillating_flat, mushroom)\n"),
         ("four_bar)\n", "four_bar, toggle)\n"),
-    ):
-        assert text.count(old) == 1
-        text = text.replace(old, new)
-    registry.write_text(text, encoding="utf-8")
+    )
     (tree / "linked.toml").write_text(LINKED, encoding="utf-8")
     return tree
 
 
 def run(tree: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
     """Run camgeo of the copy."""
-    return subprocess.run(
-        [sys.executable, "-m", "camgeo", *arguments],
-        cwd=tree,
-        env={**os.environ, "PYTHONPATH": str(tree)},
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    return run_copy(tree, "-m", "camgeo", *arguments)
 
 
 def test_a_new_follower_is_started_checked_built_and_verified(tree: Path) -> None:

@@ -3,15 +3,11 @@
 from __future__ import annotations
 
 import json
-import os
-import shutil
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 
-import camgeo
+from tests.copies import copied, replaced, run_copy
 
 TOY = '''"""Septic from rest to rest with a part of the 3-4-5 polynomial's jerk at the ends."""
 
@@ -65,34 +61,17 @@ to = 0
 def tree(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A copy of the package with the toy law, and a scene that names it."""
     tree = tmp_path_factory.mktemp("toy")
-    own = Path(camgeo.__file__).parent
-    shutil.copytree(own, tree / "camgeo", ignore=shutil.ignore_patterns("__pycache__"))
-    laws = tree / "camgeo" / "motion" / "laws"
+    laws = copied(tree) / "motion" / "laws"
     (laws / "toy_septic.py").write_text(TOY, encoding="utf-8")
-    registry = laws / "__init__.py"
-    text = registry.read_text(encoding="utf-8")
-    assert text.count(LINE) == 1
-    registry.write_text(text.replace(LINE, f'{LINE}    "toy-septic",\n'), encoding="utf-8")
+    replaced(laws / "__init__.py", (LINE, f'{LINE}    "toy-septic",\n'))
     (tree / "toy.toml").write_text(SCENE, encoding="utf-8")
     return tree
 
 
-def run(tree: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
-    """Run Python on the copy of the package."""
-    return subprocess.run(
-        [sys.executable, *arguments],
-        cwd=tree,
-        env={**os.environ, "PYTHONPATH": str(tree)},
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-
-
 def test_a_scene_takes_it_and_its_parameter(tree: Path) -> None:
-    done = run(tree, "-m", "camgeo", "check", "toy.toml")
+    done = run_copy(tree, "-m", "camgeo", "check", "toy.toml")
     assert (done.returncode, done.stderr) == (0, "")
-    done = run(tree, "-m", "camgeo", "table", "toy.toml", "--step", "30")
+    done = run_copy(tree, "-m", "camgeo", "table", "toy.toml", "--step", "30")
     assert done.returncode == 0, done.stderr
     rows = [[float(cell) for cell in line.split(",")[:2]] for line in done.stdout.splitlines()[1:]]
     assert [row[1] for row in rows if row[0] in (60.0, 120.0, 180.0, 270.0)] == pytest.approx(
@@ -112,19 +91,19 @@ def test_a_scene_takes_it_and_its_parameter(tree: Path) -> None:
 )
 def test_what_is_wrong_is_told_as_of_any_law(tree: Path, old: str, new: str, told: str) -> None:
     (tree / "wrong.toml").write_text(SCENE.replace(old, new), encoding="utf-8")
-    done = run(tree, "-m", "camgeo", "check", "wrong.toml")
+    done = run_copy(tree, "-m", "camgeo", "check", "wrong.toml")
     assert done.returncode == 2
     assert told in done.stderr
 
 
 def test_the_command_of_laws_lists_and_makes_it(tree: Path) -> None:
-    done = run(tree, "-m", "camgeo", "laws", "--law", "toy", "--smooth", "1", "--json")
+    done = run_copy(tree, "-m", "camgeo", "laws", "--law", "toy", "--smooth", "1", "--json")
     (found,) = json.loads(done.stdout)
     assert found["law"] == "toy-septic"
     assert found["parameters"] == {"smooth": 1.0}
     assert found["values"]["acceleration"]["value"] == pytest.approx(7.5132, abs=1e-4)  # 4-5-6-7
-    assert "toy-septic" in run(tree, "-m", "camgeo", "laws").stdout
-    assert "--smooth S" in run(tree, "-m", "camgeo", "laws", "--help").stdout
+    assert "toy-septic" in run_copy(tree, "-m", "camgeo", "laws").stdout
+    assert "--smooth S" in run_copy(tree, "-m", "camgeo", "laws", "--help").stdout
 
 
 def test_auto_picks_it_and_its_plan_travels(tree: Path) -> None:
@@ -143,7 +122,7 @@ phi = np.linspace(0.0, 6.0, 99)
 print(np.array_equal(pickle.loads(pickle.dumps(plan)).jet(phi), plan.jet(phi)))
 print(schema()["$defs"]["move"]["properties"]["smooth"]["description"])
 """
-    done = run(tree, "-c", script)
+    done = run_copy(tree, "-c", script)
     assert done.stdout.splitlines() == [
         "toy-septic",
         "True",
