@@ -117,12 +117,11 @@ class Design(Pickled):
         from camgeo.effects.graph import Effects
 
         scene = self.scene
-        subject = Subject(self.drive, scene.lift_unit, scene.unit, scene.part)
-        others: list[Subject] = []
+        moved = Subject(self.drive, scene.lift_unit, scene.unit, scene.part)
+        subject = None
         for each in reversed(self.discs if scene.follower is not None else ()):
-            subject = replace(subject, disc=each.drawn, returning=others[0] if others else None)
-            others = [subject]
-        return Effects(subject, self.scene.effects, self.ledger)
+            subject = replace(moved, disc=each.drawn, returning=subject)
+        return Effects(subject or moved, scene.effects, self.ledger)
 
     def effect(self, name: str) -> Any:
         """The result of the effect `name`, see `camgeo.effects.effect.Result`.

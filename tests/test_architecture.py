@@ -18,7 +18,7 @@ PACKAGE = "camgeo"
 WRITERS = "camgeo_export"
 
 STAGES: tuple[tuple[str, ...], ...] = (
-    ("_version", "errors", "units", "lazy", "pickled", "numeric"),
+    ("_version", "errors", "units", "lazy", "pickled", "declared", "numeric"),
     ("motion",),
     ("mechanism",),
     ("curve",),

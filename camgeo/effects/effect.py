@@ -6,8 +6,6 @@ for moments of inertia, so that no factor stands in any formula.
 
 from __future__ import annotations
 
-import json
-import pathlib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from inspect import signature
@@ -249,11 +247,3 @@ def spec_of(kind: Callable[..., Spec], table: Mapping[str, Any]) -> Spec:
     The tolerance of a numerical effect is none of them: it is in `Request`.
     """
     return kind(**{key: table[key] for key in signature(kind).parameters if key in table})
-
-
-def schema_beside(module: str) -> Mapping[str, Any]:
-    """The JSON Schema in the file schema.json in the folder of `module`, a `__file__`."""
-    found: Mapping[str, Any] = json.loads(
-        pathlib.Path(module).with_name("schema.json").read_bytes()
-    )
-    return found

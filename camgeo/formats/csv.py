@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from decimal import Decimal
 from typing import Any, Final
 
+from camgeo.declared import schema_beside
 from camgeo.errors import GeometryError
 from camgeo.formats.format import Format
-from camgeo.mechanism.kind import schema_beside
 from camgeo.numeric.checked import instance
 
 SMALLEST_STEP: Final = Decimal("0.0001")

@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Final
 
+from camgeo.declared import schema_beside
 from camgeo.formats.format import Format
-from camgeo.mechanism.kind import schema_beside
 from camgeo.numeric.checked import instance, one_of
 
 ENTITIES: Final = ("arcs", "polyline", "spline")

@@ -6,9 +6,9 @@ from collections.abc import Iterator, Mapping
 from decimal import Decimal
 from typing import Any, Final
 
+from camgeo.declared import schema_beside
 from camgeo.formats.format import Format, Values
 from camgeo.formats.solid import groove_has_a_depth
-from camgeo.mechanism.kind import schema_beside
 from camgeo.toolpath.spec import GcodeSpec
 
 

@@ -6,9 +6,7 @@ that read scenes know kinds by their declarations alone.
 
 from __future__ import annotations
 
-import json
 import math
-import pathlib
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final, Literal
@@ -135,9 +133,3 @@ class LinkageKind:
     schema: Mapping[str, Any]
     build: Callable[[Values, Unit], Linkage]
     templates: tuple[str, ...] = ()
-
-
-def schema_beside(file: str) -> dict[str, Any]:
-    """The JSON Schema beside the module `file`, of the same stem."""
-    found: dict[str, Any] = json.loads(pathlib.Path(file).with_suffix(".json").read_bytes())
-    return found

@@ -44,8 +44,8 @@ class Inside:
 
     def table(self, path: Path, node: Mapping[str, Any]) -> dict[str, Any]:
         """The sound table at `path`, by its schema `node`; None where a file cannot be read."""
-        table: dict[str, Any] = self._values.get(*path)
-        return self._value(path, table, dict(node))  # type: ignore[no-any-return]
+        found: dict[str, Any] = self._value(path, self._values.get(*path), dict(node))
+        return found
 
     def _value(self, path: Path, value: Any, node: Node) -> Any:
         if isinstance(value, dict):

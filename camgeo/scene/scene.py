@@ -149,14 +149,15 @@ class Scene:
         """What stood in files in place of `made` when the text was hashed; empty without a text."""
         from camgeo.scene.fingerprint import hash_of  # only files of before ask
 
-        data = self.source.text.encode()
-        return hash_of(data, document(data)) if self._says_its_text else ""
+        found = self._of_text
+        return "" if found is None else hash_of(self.source.text.encode(), found)
 
     @property
-    def _says_its_text(self) -> bool:
-        """Whether the values are those of the text, and not edited ones."""
+    def _of_text(self) -> Document | None:
+        """The text taken apart; None if the values are edited ones, or came from no text."""
         text = self.source.text
-        return bool(text) and document(text.encode()).exact == self._tree
+        found = document(text.encode()) if text else None
+        return None if found is None or found.exact != self._tree else found
 
     def with_values(self, edits: Mapping[str, Any]) -> Scene:
         """The scene with other values at some keys, None for a key that is to go.
@@ -178,7 +179,7 @@ class Scene:
 
         Keys that an edit has added stand behind those that were set before them in their table.
         """
-        if self._says_its_text:
+        if self._of_text is not None:
             return self.source.text
         from camgeo.scene.toml import written_into
 

@@ -41,7 +41,7 @@ def test_declarations_import_nothing_that_computes() -> None:
     declared = {name for name in loaded if name.startswith("camgeo.formats")}
     assert declared >= {f"camgeo.formats.{name}" for name in modules}
     toolpath = {"camgeo.toolpath", "camgeo.toolpath.spec", "camgeo.toolpath.tool"}
-    assert loaded - declared <= {"camgeo.numeric.checked", "camgeo.mechanism.kind", *toolpath}
+    assert loaded - declared <= {"camgeo.numeric.checked", "camgeo.declared", *toolpath}
 
 
 def test_options_are_those_of_the_format_that_is_asked_for() -> None:

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import Final
 
+from camgeo.declared import schema_beside
 from camgeo.effects.contact_pressure.spec import OF_FACE, OF_ROLLER, parse
-from camgeo.effects.effect import Effect, schema_beside
+from camgeo.effects.effect import Effect
 from camgeo.effects.results import CONTACT_FORCE
 from camgeo.effects.rules import FLATS, ONE_CONTACT, ROLLERS, Only
 

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Final
 
-from camgeo.effects.effect import Effect, schema_beside, spec_of
+from camgeo.declared import schema_beside
+from camgeo.effects.effect import Effect, spec_of
 from camgeo.effects.results import GRAVITY, INERTIA
 
 STANDARD_GRAVITY: Final = 9806.65

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import Final
 
-from camgeo.effects.effect import Effect, schema_beside
+from camgeo.declared import schema_beside
+from camgeo.effects.effect import Effect
 from camgeo.effects.results import DRIVE_TORQUE
 from camgeo.effects.speed_fluctuation.spec import parse
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import Final
 
-from camgeo.effects.effect import SPEED, Effect, schema_beside
+from camgeo.declared import schema_beside
+from camgeo.effects.effect import SPEED, Effect
 from camgeo.effects.results import INERTIA
 from camgeo.effects.rules import ANGLES, LENGTHS, Only
 from camgeo.effects.vibration.spec import parse

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
+from camgeo.declared import schema_beside
 from camgeo.mechanism.declared.faces import face_has_a_length
-from camgeo.mechanism.kind import FollowerKind, Values, schema_beside
+from camgeo.mechanism.kind import FollowerKind, Values
 
 if TYPE_CHECKING:
     from camgeo.mechanism.translating_flat import TranslatingFlat

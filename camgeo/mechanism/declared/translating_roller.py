@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
-from camgeo.mechanism.kind import FollowerKind, Values, schema_beside
+from camgeo.declared import schema_beside
+from camgeo.mechanism.kind import FollowerKind, Values
 
 if TYPE_CHECKING:
     from camgeo.mechanism.translating_roller import TranslatingRoller
