@@ -91,9 +91,10 @@ class Design(Pickled):
 
     @built
     def judgement(self) -> Judgement:
-        """What the checks find."""
+        """What the checks find; without a follower, of the motion alone."""
         scene = self.scene
-        return Judgement(self.cams, scene.limits, scene.output.tolerance, self.ledger)
+        cams = self.cams if scene.follower is not None else ()
+        return Judgement(self.drive, cams, scene.limits, scene.output.tolerance, self.ledger)
 
     @property
     def findings(self) -> tuple[Finding, ...]:

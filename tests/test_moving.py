@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 import pathlib
 from decimal import Decimal
@@ -11,6 +12,7 @@ import numpy as np
 import pytest
 
 import camgeo
+from camgeo.check.judge import motion_findings
 from camgeo.cli.main import main
 from camgeo.errors import SceneError
 from camgeo.scene.scene import Scene
@@ -65,6 +67,16 @@ def test_the_motion_is_that_with_a_follower(name: str) -> None:
     assert table.values.tolist() == whole.values[:, : len(table.names)].tolist()
 
 
+@pytest.mark.parametrize("name", ["plate_translating", "setzhub", "four_bar"])
+def test_the_motion_is_judged_without_a_disc(name: str) -> None:
+    design, free = without_follower(name)
+    alone = set(free.findings)
+    assert alone < set(design.findings)
+    assert {each.name for each in motion_findings(design.drive)} <= {each.name for each in alone}
+    assert any(each.name == "dead-centre" for each in alone) == (design.scene.linkage is not None)
+    assert free.cures == ()
+
+
 def test_degrees_are_stated() -> None:
     lengths = camgeo.loads(FREE)
     degrees = camgeo.Design(lengths.scene.with_values({"units.motion": "degrees"}))
@@ -105,7 +117,7 @@ def test_kinematics_need_no_follower() -> None:
     assert "velocity [mm/s]" in design.tabulated.table().names
 
 
-@pytest.mark.parametrize("ask", ["cams", "cam", "discs", "disc", "findings", "judgement", "cures"])
+@pytest.mark.parametrize("ask", ["cams", "cam", "discs", "disc", "drawn"])
 def test_what_needs_a_disc_says_so(ask: str) -> None:
     with pytest.raises(SceneError, match="follower: is missing: a disc needs it") as caught:
         getattr(camgeo.loads(FREE), ask)
@@ -117,12 +129,18 @@ def test_commands(tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]) ->
     scene.write_text(FREE)
     assert main(["table", str(scene), "--step", "10"]) == 0
     assert len(capsys.readouterr().out.splitlines()) == 37
+    assert main(["check", str(scene)]) == 0
+    assert "largest-velocity" in capsys.readouterr().out
+    assert main(["check", "--json", str(scene)]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert "outlines" not in told
+    assert {each["name"] for each in told["findings"]} >= {"laws", "largest-velocity"}
     for what in ([], ["motion"]):
         words = ["plot", str(scene), *what, "-o", str(tmp_path / "free.svg"), "--force"]
         assert main(words) == 0
     assert "motion plan of the follower" in (tmp_path / "free.svg").read_text()
     capsys.readouterr()
-    for words in (["build", "--only", "dxf", "-o", str(tmp_path / "out")], ["check"], ["size"]):
+    for words in (["build", "--only", "dxf", "-o", str(tmp_path / "out")], ["size"]):
         assert main([words[0], str(scene), *words[1:]]) == 2
         assert "follower: is missing: a disc needs it" in capsys.readouterr().err
     assert main(["plot", str(scene), "cam", "-o", str(tmp_path / "cam.svg")]) == 2

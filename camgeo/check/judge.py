@@ -16,7 +16,7 @@ from camgeo.check.speed import check_speed
 from camgeo.check.standstill import check_standstill
 from camgeo.check.transmission_angle import check_transmission_angle
 from camgeo.errors import GeometryError, UndercutError
-from camgeo.lazy import Ledger, built, lazy
+from camgeo.lazy import Ledger, lazy
 from camgeo.mechanism.linkage import LinkedMotion
 from camgeo.pickled import Pickled
 
@@ -42,12 +42,15 @@ class Judgement(Pickled):
 
     Attributes
     ----------
-    cams : the cam; of a conjugate pair the main one and the return one, of the same drive.
+    drive : what moves the follower.
+    cams : the cam; of a conjugate pair the main one and the return one, of that drive; none without
+        a follower.
     limits : what they are held to.
     tolerance : by which a flank may be off along its normal [mm], for the closing error of a pair.
     ledger : where it is entered what was computed.
     """
 
+    drive: Drive
     cams: tuple[Cam, ...]
     limits: Limits
     tolerance: float
@@ -57,25 +60,27 @@ class Judgement(Pickled):
     def findings(self) -> tuple[Finding, ...]:
         """All findings, the good with the bad, worst first.
 
-        Of a conjugate pair also those of the return disc, and of both together.
+        Of a conjugate pair also those of the return disc, and of both together; without a follower
+        those of the linkage and of the motion.
         """
-        main = self.cams[0]
-        found = [*self._of_main, *self._of_pair(), *_of_yoke(main, self.limits)]
-        return _worst_first([*found, *motion_findings(main.drive)])
+        found = [*self._of_main(), *self._of_pair()]
+        return _worst_first([*found, *motion_findings(self.drive)])
 
-    @built
     def _of_main(self) -> tuple[Finding, ...]:
-        return disc_findings(self.cams[0], self.limits)
+        if not self.cams:
+            return _of_linkage(self.drive)
+        main = self.cams[0]
+        return (*disc_findings(main, self.limits), *_of_yoke(main, self.limits))
 
     def _of_pair(self) -> list[Finding]:
         """What is found of the return disc and of both discs together; nothing of one."""
-        if len(self.cams) == 1:
+        if len(self.cams) < 2:
             return []
         from camgeo.check.conjugate import check_pair  # few cams are pairs
 
         main, other = self.cams
         # The linkage, which both discs share, is told once.
-        shared = _of_linkage(main.drive)
+        shared = _of_linkage(self.drive)
         found = [
             replace(each, name=f"{RETURN}: {each.name}", sentence=f"{RETURN} disc: {each.sentence}")
             for each in disc_findings(other, self.limits)

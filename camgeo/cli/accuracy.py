@@ -103,7 +103,7 @@ def run(parser: argparse.ArgumentParser, arguments: argparse.Namespace) -> int:
         told = "pieces, bytes, seconds"
         write_picture(figure, Path(arguments.output), told, force=arguments.force)
     if arguments.json:
-        print_json({**identity(design.disc), **_document(design, found)})
+        print_json({**identity(design.scene), **_document(design, found)})
     else:
         _print_tables(design, found, ripple=ripple)
     return FINE

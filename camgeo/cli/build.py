@@ -71,7 +71,7 @@ def run(arguments: argparse.Namespace) -> int:
         )
     if arguments.json:
         files = [{"file": f.name, **_record(f)} for f in report.files]
-        print_json({**identity(design.disc), "tolerance_mm": tolerance, "files": files})
+        print_json({**identity(design.scene), "tolerance_mm": tolerance, "files": files})
     else:
         for path, file in zip(report.paths, report.files, strict=False):
             print(f"{path!s:39} {_sentence(file)}")

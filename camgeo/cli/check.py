@@ -49,10 +49,11 @@ def run(arguments: argparse.Namespace) -> int:
     effects = effect_findings(design)
     if arguments.json:
         records = [finding_record(finding) for finding in findings]
-        document = {**identity(design.disc), "motion": motion_record(design), "findings": records}
-        document["outlines"] = outline_records(design.disc)
-        for other in design.discs[1:]:
-            document["return"] = {"name": other.name, "outlines": outline_records(other)}
+        document = {**identity(design.scene), "motion": motion_record(design), "findings": records}
+        if design.judgement.cams:
+            document["outlines"] = outline_records(design.disc)
+            for other in design.disc.others:
+                document["return"] = {"name": other.name, "outlines": outline_records(other)}
         document["cures"] = [cure_record(cure) for cure in design.cures]
         if effects:
             document["effects"] = {

@@ -11,13 +11,14 @@ from decimal import Decimal, InvalidOperation
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
+from camgeo._version import __version__
 from camgeo.check.finding import Finding
 from camgeo.design import Design
 from camgeo.motion.joints import joints
 from camgeo.motion.plan import Course, Move
 
 if TYPE_CHECKING:
-    from camgeo.workpiece import Workpiece
+    from camgeo.scene.scene import Scene
 
 FINE: Final = 0
 BROKEN: Final = 1
@@ -181,12 +182,12 @@ def tell(message: str) -> None:
     print(message, file=sys.stderr)
 
 
-def identity(disc: Workpiece) -> dict[str, Any]:
+def identity(scene: Scene) -> dict[str, Any]:
     """What made a result: scene, its hash, version."""
-    scene: dict[str, Any] = {"name": disc.name, "sha256": disc.scene_hash}
-    if disc.scene_files:
-        scene["files"] = disc.scene_files
-    return {"camgeo": disc.version, "scene": scene}
+    record: dict[str, Any] = {"name": scene.name, "sha256": scene.made}
+    if scene.files:
+        record["files"] = dict(scene.files)
+    return {"camgeo": __version__, "scene": record}
 
 
 def tell_main_disc(design: Design, what: str) -> None:

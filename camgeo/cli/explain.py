@@ -80,7 +80,7 @@ def run(arguments: argparse.Namespace) -> int:
     alone = left_alone(design)
     tell_main_disc(design, "times and quantities")
     if arguments.json:
-        document: dict[str, Any] = {**identity(design.disc), "command": arguments.command}
+        document: dict[str, Any] = {**identity(design.scene), "command": arguments.command}
         document["computed"] = [run_record(design, each) for each in runs]
         document["left_alone"] = list(alone)
         print_json(document)

@@ -139,7 +139,7 @@ def run(parser: argparse.ArgumentParser, arguments: argparse.Namespace) -> int:
             other = found[1]
             told["return"] = {"name": other.disc.name, "contour": other.source, **records[1]}
             told["closing"] = closing
-        print_json({**identity(first.disc), **told})
+        print_json({**identity(first.disc.scene), **told})
     else:
         for each, record in zip(found, records, strict=True):
             print(f"{each.disc.name}: the roller on {each.source}, {flank} flank")

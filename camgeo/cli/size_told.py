@@ -115,7 +115,7 @@ def _active(active: Active, sizing: Sizing) -> str:
 def document(design: Design, task: Task, sizing: Sizing, present: Rating | None) -> dict[str, Any]:
     """The answer for JSON; lengths in mm, angles in degrees."""
     return {
-        **identity(design.disc),
+        **identity(design.scene),
         "required": {
             "transmission_angle_deg": math.degrees(sizing.angle),
             "radius_ratio": sizing.ratio,
