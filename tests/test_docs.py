@@ -76,3 +76,22 @@ def test_the_scene_lines_of_the_readme_are_a_valid_scene() -> None:
     scene = parse_scene('camgeo = 1\nname = "readme"\n[cam]\nrotation = "ccw"\n' + heart)
     assert scene.follower is not None
     assert scene.follower.base_radius == 50.0
+
+
+def test_the_readme_is_short_and_links_pages_that_exist() -> None:
+    readme = (ROOT / "README.md").read_text(encoding="utf-8")
+    assert readme.count("\n") <= 150
+    linked = re.findall(r"\]\(([^)#]+)\)", readme)
+    assert linked
+    assert [name for name in linked if not (ROOT / name).is_file()] == []
+    pages = {f"docs/{page.name}" for page in (ROOT / "docs").glob("*.md")}
+    assert pages - set(linked) == set()
+
+
+def test_every_figure_names_a_command_that_is_there() -> None:
+    page = (ROOT / "docs" / "figures.md").read_text(encoding="utf-8")
+    rows = [row for row in page.splitlines() if row.startswith("| ") and "| what |" not in row]
+    assert rows
+    for row in rows:
+        (script,) = re.findall(r"python (benchmarks/\w+\.py)[^|]*` \|$", row)
+        assert (ROOT / script).is_file()
