@@ -24,7 +24,8 @@ from typing import Final
 import numpy as np
 
 from camgeo.motion.plan import Move
-from camgeo.motion.planning import MoveRequest, plan_motion
+from camgeo.motion.planning.planner import plan_motion
+from camgeo.motion.planning.request import MoveRequest
 from camgeo.units import TURN
 
 MOVES: Final = (

@@ -33,7 +33,7 @@ from camgeo.mechanism.linkage import LinkedMotion
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.mechanism.slider_crank import SliderCrank
 from camgeo.mechanism.translating_roller import TranslatingRoller
-from camgeo.motion.laws import characteristic
+from camgeo.motion.laws.characteristic import characteristic
 from camgeo.motion.plan import Dwell, MotionPlan, Move
 from camgeo.numeric.roots import roots_on_grid
 from camgeo.outline.crossings import find_crossings

@@ -7,7 +7,7 @@ from typing import Literal
 
 from camgeo.check.finding import Finding
 from camgeo.motion.joints import Joint, breaks, joints
-from camgeo.motion.laws import characteristic
+from camgeo.motion.laws.characteristic import characteristic
 from camgeo.motion.plan import Course, Dwell, MotionPlan, Move
 
 Unit = Literal["mm", "deg"]

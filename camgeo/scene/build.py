@@ -17,7 +17,7 @@ from camgeo.mechanism.declared.registry import FOLLOWERS, LINKAGES
 from camgeo.mechanism.kind import SIGNS, Values
 from camgeo.mechanism.linkage import LinkedMotion
 from camgeo.motion.plan import Dwell, MotionPlan
-from camgeo.motion.planning import plan_motion
+from camgeo.motion.planning.planner import plan_motion
 from camgeo.part.spec import Keyway, PartSpec
 from camgeo.scene.data_files import DataFiles
 from camgeo.scene.inside import Inside

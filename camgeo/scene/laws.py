@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Any, Final
 
 from camgeo.motion.laws import ALIASES, FAMILIES, OPTIONS
-from camgeo.motion.planning import AUTO
+from camgeo.motion.planning.request import AUTO
 
 BY_DATA: Final = ("table", "points")
 """Words for motion by data, in place of a law."""

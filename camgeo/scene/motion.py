@@ -11,7 +11,7 @@ import numpy as np
 from camgeo.errors import Fault, GeometryError
 from camgeo.motion.boundary import FREE
 from camgeo.motion.plan import Dwell
-from camgeo.motion.planning import MoveRequest, PointsRequest, Request, TableRequest, Unit
+from camgeo.motion.planning.request import MoveRequest, PointsRequest, Request, TableRequest, Unit
 from camgeo.motion.spans import FULL_TURN
 from camgeo.scene.data_files import DataFiles
 from camgeo.scene.keys import Path

@@ -11,7 +11,7 @@ from camgeo.errors import Fault
 from camgeo.formats.format import LARGEST_TOLERANCE, SMALLEST_TOLERANCE
 from camgeo.mechanism.declared.registry import FOLLOWERS, LINKAGES
 from camgeo.motion.laws import find_family
-from camgeo.motion.planning import AUTO
+from camgeo.motion.planning.request import AUTO
 from camgeo.scene.keys import Path
 from camgeo.scene.laws import BY_DATA, SHAPES
 from camgeo.scene.model import OutputSpec

@@ -13,6 +13,7 @@ from camgeo.numeric.arrays import FloatArray
 from camgeo.numeric.extremes import Extreme
 from camgeo.stability.case import Case
 from camgeo.stability.high_precision import Number, multiprecision
+from camgeo.stability.roots import newton
 from camgeo.stability.series import Series, direction, logarithm, variable
 from camgeo.units import TURN
 
@@ -47,10 +48,7 @@ GUESS: Final = 7
 """Digits of a crank angle at which an exact root is looked for: an extreme lies as near to 0 as the
 lengths are to each other."""
 
-STEPS: Final = 20
-"""Newton's steps at most; from seven digits four do."""
-
-ENOUGH: Final = 30
+ENOUGH: Final = 46
 """Decimals behind which a step is the last one; it leaves its square over the angle itself, which
 is 1e-16 at least."""
 
@@ -99,13 +97,11 @@ def _extreme(
         return np.full(len(guesses), engine.value), np.full(len(guesses), engine.place)
 
     def exact(guess: Number, crank: Number, distance: Number) -> tuple[Number, ...]:
-        theta, enough = guess, multiprecision().mpf(10) ** -ENOUGH
-        for _ in range(STEPS):
+        def slope(theta: Number) -> tuple[Number, Number]:
             phi = exact_angle(theta, crank, distance, order + 3)
-            step = phi.derivative(order + 1) / phi.derivative(order + 2)
-            theta = theta - step
-            if abs(step) < enough * abs(theta):
-                break
+            return phi.derivative(order + 1), phi.derivative(order + 2)
+
+        theta = newton(slope, guess, ENOUGH)
         return exact_angle(theta, crank, distance, order + 1).derivative(order), theta
 
     guess = float(f"{engine.place:.{GUESS}g}")

@@ -6,10 +6,11 @@ derivatives are those of its series, and curvature and angles come from the tang
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import singledispatch
-from typing import Any
+from operator import attrgetter
+from typing import Any, Final
 
 from camgeo.errors import GeometryError
 from camgeo.mechanism.crank_slider import CrankSlider
@@ -30,6 +31,17 @@ TERMS = 4
 AnyFollower = TranslatingRoller | OscillatingRoller | TranslatingFlat | OscillatingFlat
 
 AnyLinkage = SliderCrank | FourBar | CrankSlider
+
+NUMBERS: Final[Mapping[type, tuple[str, ...]]] = {
+    TranslatingRoller: ("offset", "guide_angle"),
+    TranslatingFlat: ("guide_angle",),
+    OscillatingRoller: ("pivot.real", "pivot.imag", "arm"),
+    OscillatingFlat: ("pivot.real", "pivot.imag", "face_offset"),
+    SliderCrank: ("crank", "coupler", "deflection"),
+    FourBar: ("crank", "coupler", "lever", "shaft.real", "shaft.imag", "lever_angle"),
+    CrankSlider: ("inner.crank", "inner.coupler", "inner.deflection"),
+}
+"""The attributes that are lengths and angles of each kind, in the order of its exact numbers."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -145,46 +157,9 @@ class CamJet:
         )
 
 
-@singledispatch
-def numbers_of(part: Any) -> tuple[float, ...]:
+def numbers_of(part: AnyFollower | AnyLinkage) -> tuple[float, ...]:
     """The lengths and angles of a follower, behind its radii, or of a linkage."""
-    raise TypeError(type(part))
-
-
-@numbers_of.register
-def _(follower: TranslatingRoller) -> tuple[float, ...]:
-    return follower.offset, follower.guide_angle
-
-
-@numbers_of.register
-def _(follower: TranslatingFlat) -> tuple[float, ...]:
-    return (follower.guide_angle,)
-
-
-@numbers_of.register
-def _(follower: OscillatingRoller) -> tuple[float, ...]:
-    return follower.pivot.real, follower.pivot.imag, follower.arm
-
-
-@numbers_of.register
-def _(follower: OscillatingFlat) -> tuple[float, ...]:
-    return follower.pivot.real, follower.pivot.imag, follower.face_offset
-
-
-@numbers_of.register
-def _(linkage: FourBar) -> tuple[float, ...]:
-    shaft, lengths = linkage.shaft, (linkage.crank, linkage.coupler, linkage.lever)
-    return *lengths, shaft.real, shaft.imag, linkage.lever_angle
-
-
-@numbers_of.register
-def _(linkage: SliderCrank) -> tuple[float, ...]:
-    return linkage.crank, linkage.coupler, linkage.deflection
-
-
-@numbers_of.register
-def _(linkage: CrankSlider) -> tuple[float, ...]:
-    return numbers_of(linkage.inner)
+    return tuple(attrgetter(name)(part) for name in NUMBERS[type(part)])
 
 
 @singledispatch

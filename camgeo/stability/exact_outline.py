@@ -19,10 +19,8 @@ from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.stability.cam_case import CamSpec
 from camgeo.stability.exact_cam import AnyFollower, CamJet
 from camgeo.stability.high_precision import Number, multiprecision
+from camgeo.stability.roots import STEPS, newton
 from camgeo.stability.series import Series, direction, logarithm, root, variable
-
-STEPS: Final = 20
-"""Newton's steps at most; from the first digits of a swallow tail's width six do."""
 
 ENOUGH: Final = 24
 """Decimals behind which a step is the last one. It leaves its square over the width of the tail,
@@ -164,21 +162,16 @@ class ExactOutline:
         return loss
 
     def place_of_largest_loss(self, guess: Number, corner: Number, numbers: Numbers) -> Number:
-        """Cam angle [rad] near `guess` at which the lost stroke is stationary, by Newton's steps.
+        """Cam angle [rad] near `guess` at which the lost stroke is stationary.
 
-        Raises
-        ------
-        GeometryError
-            If the steps do not settle.
+        GeometryError if there is none.
         """
-        phi, enough = guess, multiprecision().mpf(10) ** -ENOUGH
-        for _ in range(STEPS):
+
+        def slope(phi: Number) -> tuple[Number, Number]:
             loss = self.loss(phi, corner, numbers, 3)
-            step = loss.terms[1] / loss.derivative(2)
-            phi = phi - step
-            if abs(step) < enough:
-                return phi
-        raise GeometryError("there is no largest lost stroke there")
+            return loss.terms[1], loss.derivative(2)
+
+        return newton(slope, guess, ENOUGH)
 
 
 @singledispatch

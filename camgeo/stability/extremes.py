@@ -16,12 +16,12 @@ from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.numeric.arrays import FloatArray
 from camgeo.outline.cusps import undercut_ranges
-from camgeo.stability import cams, linkages
+from camgeo.stability import cams, loops
 from camgeo.stability.cam_case import CamSpec
 from camgeo.stability.case import Case
-from camgeo.stability.exact_cam import CamJet, Stage
-from camgeo.stability.high_precision import Number, multiprecision
-from camgeo.stability.roots import Roots
+from camgeo.stability.exact_cam import CamJet
+from camgeo.stability.high_precision import Number
+from camgeo.stability.roots import Roots, newton
 
 GROUP: Final = "extremes"
 
@@ -54,9 +54,6 @@ excess of 1e-6 are 5e-4 apart, and Newton's steps double the digits from there."
 TERMS: Final = 5
 """Z to Z'''', for kappa''."""
 
-STEPS: Final = 12
-"""Newton's steps at most: seven decimals become 28 in two."""
-
 ENOUGH: Final = 12
 """Decimals behind which a step is the last one: it leaves an error of about its square, 1e-24, and
 half an ulp of the inputs moves a place by 1e-17 and more."""
@@ -68,7 +65,7 @@ a bend there, and the place is a root of one part of Z'."""
 
 def cases() -> tuple[Case, ...]:
     """All cases of this module."""
-    specs = {spec.name: spec for spec in (*cams.specs(), *linkages.specs())}
+    specs = {spec.name: spec for spec in (*cams.specs(), *loops.specs())}
     found: list[Case] = []
     for name in CAMS:
         curve = specs[name].curve
@@ -92,7 +89,10 @@ def _extremes(
     roots = Roots(GUESS)
 
     def exact(guess: Number, *parameters: Number) -> tuple[Number, ...]:
-        place = _root(spec.stage, roots.near(guess), parameters, lambda jet: slopes(jet)[1:])
+        def bend(phi: Number) -> Sequence[Number]:
+            return slopes(spec.stage.jet(phi, parameters, TERMS))[1:]
+
+        place = newton(bend, roots.near(guess), ENOUGH)
         roots.keep(guess, place)
         return slopes(spec.stage.jet(place, parameters, TERMS))[0], place
 
@@ -129,11 +129,12 @@ def _cusps(spec: CamSpec, excess: float) -> Case:
     roots = Roots(GUESS)
 
     def exact(guess: Number, *parameters: Number) -> tuple[Number, ...]:
-        def margin(jet: CamJet) -> tuple[Number, Number]:
+        def margin(phi: Number) -> tuple[Number, Number]:
+            jet = large.stage.jet(phi, parameters, TERMS)
             bend = jet.bend
             return 1 - jet.roller * bend.terms[0], -jet.roller * bend.terms[1]
 
-        place = _root(large.stage, roots.near(guess), parameters, margin)
+        place = newton(margin, roots.near(guess), ENOUGH)
         roots.keep(guess, place)
         return (place,)
 
@@ -158,20 +159,3 @@ def _tilt(jet: CamJet) -> tuple[Number, Number, Number]:
     """The transmission angle, and two derivatives of the angle that it is the acute one of."""
     tilt = jet.tilt
     return jet.transmission_angle, tilt.terms[1], tilt.derivative(2)
-
-
-def _root(
-    stage: Stage,
-    guess: Number,
-    parameters: Sequence[Number],
-    value_and_slope: Callable[[CamJet], Sequence[Number]],
-) -> Number:
-    """The cam angle [rad] near `guess` at which a value is zero, by Newton's steps."""
-    place, enough = guess, multiprecision().mpf(10) ** -ENOUGH
-    for _ in range(STEPS):
-        value, slope = value_and_slope(stage.jet(place, parameters, TERMS))
-        step = value / slope
-        place = place - step
-        if abs(step) < enough:
-            break
-    return place

@@ -11,7 +11,7 @@ from collections.abc import Callable, Mapping
 from typing import Final
 
 from camgeo.stability.high_precision import Number, multiprecision
-from camgeo.stability.series import Series, cosine, sine
+from camgeo.stability.series import Series, cosine, polynomial, sine
 
 Half = Callable[[Series], Series]
 
@@ -151,12 +151,8 @@ def boundary_lift(z: Series, start: Mapping[int, Number], end: Mapping[int, Numb
     for row, (place, order, _) in enumerate(wanted):
         for power in range(order, size):
             if place == 1 or power == order:
-                rows[row, power] = mp.factorial(power) / mp.factorial(power - order)
-    coefficients = mp.lu_solve(rows, mp.matrix([value for _, _, value in wanted]))
-    f: Series = z * 0
-    for power in reversed(range(size)):
-        f = f * z + coefficients[power]
-    return f
+                rows[row, power] = mp.ff(power, order)
+    return polynomial(list(mp.lu_solve(rows, [value for _, _, value in wanted])), z)
 
 
 def double_harmonic_lift(z: Series) -> Series:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import singledispatch
 from typing import Any
 
@@ -15,127 +14,7 @@ from camgeo.stability.high_precision import Number, multiprecision
 from camgeo.stability.series import Series, direction, logarithm, root
 
 Transform = Callable[[Series], Series]
-
-
-@dataclass(frozen=True, slots=True)
-class ExactSliderCrank:
-    """A slider-crank with exact lengths and angle, and the assembly of `SliderCrank`."""
-
-    crank: Number
-    coupler: Number
-    deflection: Number
-    assembly: SliderCrank
-
-    def swing(self, stroke: Series) -> Series:
-        """psi [rad] from stroke 0, counter-clockwise positive, in (-pi, pi].
-
-        Raises
-        ------
-        GeometryError
-            If crank and coupler do not reach the pin, or lie on one line.
-        """
-        mp = multiprecision()
-        start = self.crank_angle(Series((mp.mpf(0),)))
-        psi = self.crank_angle(stroke) - start.terms[0]
-        psi = psi - 2 * mp.pi * mp.ceil((psi.terms[0] - mp.pi) / (2 * mp.pi))
-        turned: Series = -psi if self.assembly.mirrored else psi
-        return turned
-
-    def crank_angle(self, stroke: Series) -> Series:
-        """theta [rad]: the pin's angle less that of the triangle of shaft, tip and pin.
-
-        By the law of cosines; raises as `swing` does.
-        """
-        mp = multiprecision()
-        crank, coupler, how = self.crank, self.coupler, self.assembly
-        lean = crank * mp.sin(self.deflection)
-        start = how.slider_side * (coupler - lean if how.leans_away else coupler + lean)
-        height = crank * mp.cos(self.deflection)
-        pin = -(start + how.stroke_direction * stroke) + mp.mpc(0, 1) * height
-        between = _triangle(crank, coupler, pin)
-        # Counted from straight above the shaft: a pin on the guide through the shaft stays off the
-        # cut of the logarithm whichever way half an ulp moves it.
-        upward = logarithm(pin * mp.mpc(0, -1)).imag
-        angle: Series = upward + mp.pi / 2 - how.branch * between
-        return angle
-
-
-@dataclass(frozen=True, slots=True)
-class ExactFourBar:
-    """A four-bar with exact lengths and angle, and the assembly of `FourBar`."""
-
-    assembly: FourBar
-    crank: Number
-    coupler: Number
-    lever: Number
-    shaft_x: Number
-    shaft_y: Number
-    lever_angle: Number
-
-    def swing(self, motion: Series) -> Series:
-        """psi [rad] from motion 0, counter-clockwise positive; raises as `crank_angle` does."""
-        start = self.crank_angle(Series((multiprecision().mpf(0),)))
-        psi: Series = self.crank_angle(motion) - start.terms[0]
-        return psi
-
-    def crank_angle(self, motion: Series) -> Series:
-        """theta [rad]: the pin's angle less that of the triangle of shaft, tip and pin.
-
-        The pin's angle is continuous: it is that of the longer of shaft and lever, which the pin
-        stays within a quarter turn of, and what lies between.
-
-        Raises
-        ------
-        GeometryError
-            If crank and coupler do not reach the pin, or lie on one line.
-        """
-        mp = multiprecision()
-        shaft = mp.mpc(self.shaft_x, self.shaft_y)
-        lever = self.assembly.lever_sense * motion + self.lever_angle
-        arm = self.lever * direction(lever)
-        if abs(shaft) > self.lever:
-            about, rest = logarithm((arm + shaft) / shaft).imag, mp.arg(shaft)
-        else:
-            about, rest = logarithm((arm + shaft) / arm).imag, lever
-        between = _triangle(self.crank, self.coupler, arm + shaft)
-        angle: Series = about + rest - self.assembly.branch * between
-        return angle
-
-
-@dataclass(frozen=True, slots=True)
-class ExactCrankSlider:
-    """A slider behind a crank with exact lengths and angle, and the assembly of `CrankSlider`."""
-
-    assembly: CrankSlider
-    crank: Number
-    coupler: Number
-    deflection: Number
-
-    def stroke(self, motion: Series) -> Series:
-        """s [mm] from angle 0.
-
-        Raises
-        ------
-        GeometryError
-            If the coupler does not reach the guide, or stands across it.
-        """
-        mp = multiprecision()
-        inner = self.assembly.inner
-        linkage = ExactSliderCrank(self.crank, self.coupler, self.deflection, inner)
-        start = linkage.crank_angle(Series((mp.mpf(0),))).terms[0]
-        turned = -motion if inner.mirrored else motion
-        way = self._pin(turned + start) - self._pin(Series((start,))).terms[0]
-        stroke: Series = -inner.stroke_direction * way
-        return stroke
-
-    def _pin(self, theta: Series) -> Series:
-        tip = self.crank * direction(theta)
-        height = self.crank * multiprecision().cos(self.deflection)
-        square = self.coupler**2 - (height - tip.imag) ** 2
-        if not square.terms[0] > 0 and (len(square.terms) > 1 or square.terms[0] < 0):
-            raise GeometryError("the coupler does not reach the guide", key="linkage")
-        pin: Series = tip.real + self.assembly.side * root(square)
-        return pin
+"""Raises GeometryError if the linkage does not close."""
 
 
 @singledispatch
@@ -149,23 +28,93 @@ def exact_linkage(linkage: Any, *numbers: Number) -> tuple[Transform, Transform]
 
 
 @exact_linkage.register
-def _(linkage: FourBar, *numbers: Number) -> tuple[Transform, Transform]:
-    bar = ExactFourBar(linkage, *numbers)
-    return bar.swing, bar.crank_angle
+def _(
+    linkage: SliderCrank, crank: Number, coupler: Number, deflection: Number
+) -> tuple[Transform, Transform]:
+    mp = multiprecision()
+    lean = crank * mp.sin(deflection)
+    start = linkage.slider_side * (coupler - lean if linkage.leans_away else coupler + lean)
+    height = crank * mp.cos(deflection)
 
+    def crank_angle(stroke: Series) -> Series:
+        """theta [rad]: the pin's angle less that of the triangle of shaft, tip and pin."""
+        pin = -(start + linkage.stroke_direction * stroke) + mp.mpc(0, 1) * height
+        # Counted from straight above the shaft: a pin on the guide through the shaft stays off the
+        # cut of the logarithm whichever way half an ulp moves it.
+        upward = logarithm(pin * mp.mpc(0, -1)).imag
+        angle: Series = upward + mp.pi / 2 - linkage.branch * _triangle(crank, coupler, pin)
+        return angle
 
-@exact_linkage.register
-def _(linkage: CrankSlider, *numbers: Number) -> tuple[Transform, Transform]:
-    slider = ExactCrankSlider(linkage, *numbers)
-    return slider.stroke, slider.stroke
+    def swing(stroke: Series) -> Series:
+        """psi [rad] from stroke 0, counter-clockwise positive, in (-pi, pi]."""
+        psi = crank_angle(stroke) - crank_angle(Series((mp.mpf(0),))).terms[0]
+        psi = psi - 2 * mp.pi * mp.ceil((psi.terms[0] - mp.pi) / (2 * mp.pi))
+        turned: Series = -psi if linkage.mirrored else psi
+        return turned
+
+    return swing, crank_angle
 
 
 @exact_linkage.register
 def _(
-    linkage: SliderCrank, length: Number, coupler: Number, deflection: Number
+    linkage: FourBar,
+    crank: Number,
+    coupler: Number,
+    length: Number,
+    shaft_x: Number,
+    shaft_y: Number,
+    lever_angle: Number,
 ) -> tuple[Transform, Transform]:
-    crank = ExactSliderCrank(length, coupler, deflection, linkage)
-    return crank.swing, crank.crank_angle
+    mp = multiprecision()
+    shaft = mp.mpc(shaft_x, shaft_y)
+
+    def crank_angle(motion: Series) -> Series:
+        """theta [rad]: the pin's angle less that of the triangle of shaft, tip and pin.
+
+        The pin's angle is continuous: it is that of the longer of shaft and lever, which the pin
+        stays within a quarter turn of, and what lies between.
+        """
+        lever = linkage.lever_sense * motion + lever_angle
+        arm = length * direction(lever)
+        if abs(shaft) > length:
+            about, rest = logarithm((arm + shaft) / shaft).imag, mp.arg(shaft)
+        else:
+            about, rest = logarithm((arm + shaft) / arm).imag, lever
+        angle: Series = about + rest - linkage.branch * _triangle(crank, coupler, arm + shaft)
+        return angle
+
+    def swing(motion: Series) -> Series:
+        """psi [rad] from motion 0, counter-clockwise positive."""
+        psi: Series = crank_angle(motion) - crank_angle(Series((mp.mpf(0),))).terms[0]
+        return psi
+
+    return swing, crank_angle
+
+
+@exact_linkage.register
+def _(
+    linkage: CrankSlider, crank: Number, coupler: Number, deflection: Number
+) -> tuple[Transform, Transform]:
+    mp = multiprecision()
+    inner, height = linkage.inner, crank * mp.cos(deflection)
+    crank_angle = exact_linkage(inner, crank, coupler, deflection)[1]
+
+    def pin(theta: Series) -> Series:
+        tip = crank * direction(theta)
+        square = coupler**2 - (height - tip.imag) ** 2
+        _check_reach(square, "the coupler does not reach the guide")
+        place: Series = tip.real + linkage.side * root(square)
+        return place
+
+    def stroke(motion: Series) -> Series:
+        """s [mm] from angle 0."""
+        start = crank_angle(Series((mp.mpf(0),))).terms[0]
+        turned = -motion if inner.mirrored else motion
+        way = pin(turned + start) - pin(Series((start,))).terms[0]
+        found: Series = -inner.stroke_direction * way
+        return found
+
+    return stroke, stroke
 
 
 def _triangle(crank: Number, coupler: Number, pin: Series) -> Series:
@@ -173,11 +122,15 @@ def _triangle(crank: Number, coupler: Number, pin: Series) -> Series:
 
     GeometryError if crank and coupler do not reach the pin, or lie on one line.
     """
-    mp = multiprecision()
     square = pin.real**2 + pin.imag**2
     opposite = (square + (crank**2 - coupler**2)) / (2 * crank * root(square))
     across = 1 - opposite**2
-    if not across.terms[0] > 0 and (len(square.terms) > 1 or across.terms[0] < 0):
-        raise GeometryError("crank and coupler do not reach the pin", key="linkage")
-    angle: Series = logarithm(opposite + mp.mpc(0, 1) * root(across)).imag
+    _check_reach(across, "crank and coupler do not reach the pin")
+    angle: Series = logarithm(opposite + multiprecision().mpc(0, 1) * root(across)).imag
     return angle
+
+
+def _check_reach(square: Series, fault: str) -> None:
+    """GeometryError where a root is not real, or has no derivatives and they are asked for."""
+    if not square.terms[0] > 0 and (len(square.terms) > 1 or square.terms[0] < 0):
+        raise GeometryError(fault, key="linkage")

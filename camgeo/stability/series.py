@@ -7,6 +7,7 @@ k-th derivative is k! c_k.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -83,6 +84,14 @@ def variable(value: Number, rate: Number, terms: int) -> Series:
     """value + rate t."""
     mp = multiprecision()
     return Series((value, rate, *(mp.mpf(0),) * (terms - 2)))
+
+
+def polynomial(coefficients: Sequence[Number], x: Series) -> Series:
+    """The polynomial of x with these coefficients, in ascending powers."""
+    f: Series = x * 0
+    for coefficient in reversed(coefficients):
+        f = f * x + coefficient
+    return f
 
 
 def exponential(x: Series) -> Series:

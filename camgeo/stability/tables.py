@@ -17,6 +17,7 @@ from camgeo.motion.points import clamped_spline, periodic_spline
 from camgeo.numeric.arrays import FloatArray
 from camgeo.stability.case import Case
 from camgeo.stability.high_precision import Number, multiprecision
+from camgeo.stability.series import polynomial, variable
 
 GROUP: Final = "tables"
 
@@ -81,7 +82,8 @@ def _table(
     def exact(phi: Number, *numbers: Number) -> tuple[Number, ...]:
         piece = sum(phi >= knot for knot in numbers[: len(knots) - 1])
         start = numbers[piece - 1] if piece else 0
-        return tuple(derivative(pieces(numbers)[piece], phi - start, order) for order in range(4))
+        lift = polynomial(pieces(numbers)[piece], variable(phi - start, 1, 4))
+        return tuple(lift.derivative(order) for order in range(4))
 
     shares = SHARES if periodic or rest else INSIDE
     places = tuple(share * knots[-1] for share in shares)
@@ -103,8 +105,7 @@ def exact_spline(
 
     def add(piece: int, at: Number, order: int, sign: int) -> None:
         for power in range(order, SIZE):
-            term = mp.factorial(power) / mp.factorial(power - order) * at ** (power - order)
-            rows[line, SIZE * piece + power] += sign * term
+            rows[line, SIZE * piece + power] += sign * mp.ff(power, order) * at ** (power - order)
 
     lengths = [x[k + 1] - x[k] for k in range(count)]
     for k in range(count):
@@ -125,15 +126,3 @@ def exact_spline(
             line += 1
     solved = mp.lu_solve(rows, right)
     return [list(solved[SIZE * k : SIZE * (k + 1)]) for k in range(count)]
-
-
-def derivative(coefficients: list[Number], at: Number, order: int) -> Number:
-    """The derivative of that order of a polynomial by its coefficients."""
-    mp = multiprecision()
-    return sum(
-        mp.factorial(power)
-        / mp.factorial(power - order)
-        * coefficients[power]
-        * at ** (power - order)
-        for power in range(order, len(coefficients))
-    )

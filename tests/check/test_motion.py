@@ -12,9 +12,11 @@ from hypothesis import strategies as st
 from camgeo.check.finding import Finding
 from camgeo.check.motion import check_motion
 from camgeo.check.speed import check_speed
-from camgeo.motion.laws import characteristic, make_law
+from camgeo.motion.laws import make_law
+from camgeo.motion.laws.characteristic import characteristic
 from camgeo.motion.plan import Dwell, MotionPlan, Move
-from camgeo.motion.planning import MoveRequest, Request, TableRequest, plan_motion
+from camgeo.motion.planning.planner import plan_motion
+from camgeo.motion.planning.request import MoveRequest, Request, TableRequest
 from camgeo.motion.time_course import ConstantSpeed
 from tests.strategies import SMOOTH, attack, plans
 

@@ -9,9 +9,9 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from camgeo.errors import GeometryError
-from camgeo.motion.laws import BALANCES, characteristic, make_law
+from camgeo.motion.laws import BALANCES, make_law
 from camgeo.motion.laws.balance import balanced, equal_accelerations
-from camgeo.motion.laws.characteristic import Characteristic
+from camgeo.motion.laws.characteristic import Characteristic, characteristic
 from tests.strategies import attack
 
 CLAIMS = [

@@ -16,7 +16,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from mpmath import mp, mpf
 
-from camgeo.motion.laws import characteristic, make_law
+from camgeo.motion.laws import make_law
+from camgeo.motion.laws.characteristic import characteristic
 from tests.motion import printed
 from tests.motion.oracle import (
     DIGITS,

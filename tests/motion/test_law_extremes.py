@@ -9,7 +9,8 @@ from hypothesis import strategies as st
 
 from camgeo.motion.law_extremes import extremes_at_turns
 from camgeo.motion.plan import MotionPlan
-from camgeo.motion.planning import MoveRequest, TableRequest, plan_motion
+from camgeo.motion.planning.planner import plan_motion
+from camgeo.motion.planning.request import MoveRequest, TableRequest
 from camgeo.motion.time_course import ConstantSpeed, in_time, inertia_torque, time_extremes
 from tests.strategies import BENT, attack, plans
 

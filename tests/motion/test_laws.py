@@ -23,8 +23,8 @@ from hypothesis import strategies as st
 from mpmath import mp, mpf
 
 from camgeo.errors import GeometryError
-from camgeo.motion.laws import ALIASES, FAMILIES, LAWS, characteristic, find_family, make_law
-from camgeo.motion.laws.characteristic import acceleration_jumps
+from camgeo.motion.laws import ALIASES, FAMILIES, LAWS, find_family, make_law
+from camgeo.motion.laws.characteristic import acceleration_jumps, characteristic
 from camgeo.motion.laws.law import Law, Region, Values
 from camgeo.motion.task import TASKS
 from camgeo.numeric.arrays import FloatArray

@@ -112,7 +112,8 @@ def test_auto_picks_it_and_its_plan_travels(tree: Path) -> None:
 import pickle, numpy as np
 from decimal import Decimal
 from camgeo.motion.plan import Dwell
-from camgeo.motion.planning import MoveRequest, plan_motion
+from camgeo.motion.planning.planner import plan_motion
+from camgeo.motion.planning.request import MoveRequest
 from camgeo.scene.schema import schema
 asked = [MoveRequest(Decimal(span), to, "auto", optimise={"jerk": 1.0})
          for span, to in ((120, 12.0), (180, 0.0))]

@@ -23,7 +23,7 @@ from camgeo.motion.laws.law import Law
 from camgeo.motion.lift_table import read_lift_table
 from camgeo.motion.motion import Motion
 from camgeo.motion.plan import Course, Dwell, MotionPlan, Move
-from camgeo.motion.planning import plan_motion
+from camgeo.motion.planning.planner import plan_motion
 from camgeo.motion.time_course import ConstantSpeed, SpeedCurve
 from camgeo.motion.two_columns import TwoColumns
 from camgeo.numeric.arrays import FloatArray

@@ -12,7 +12,7 @@ from camgeo.check.limits import Limits
 from camgeo.formats.csv import CsvSpec
 from camgeo.formats.dxf import DxfSpec
 from camgeo.motion.laws import ALIASES, FAMILIES
-from camgeo.motion.planning import AUTO
+from camgeo.motion.planning.request import AUTO
 from camgeo.scene.model import OutputSpec
 from camgeo.scene.schema import Node, definition, resolved, schema
 from camgeo.scene.whole_schema import whole_schema

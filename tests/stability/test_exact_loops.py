@@ -10,13 +10,14 @@ from mpmath import mp, mpf
 
 from camgeo.mechanism.crank_slider import CrankSlider
 from camgeo.mechanism.four_bar import FourBar
+from camgeo.mechanism.slider_crank import SliderCrank
 from camgeo.stability import loops
 from camgeo.stability.cam_case import CamSpec
 from camgeo.stability.linkage import exact_linkage
 from camgeo.stability.series import Series
 from tests.mechanism.loops import crank_slider_jet, four_bar_jet
 
-NAMES = [each.name for each in loops.specs()]
+NAMES = [each.name for each in loops.specs() if not isinstance(each.linkage, SliderCrank)]
 
 ROUNDED = 4.0 * 2.0**-53
 """The loops give their 50 digits rounded to doubles, some after a factorial."""

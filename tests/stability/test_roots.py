@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import math
 
-from mpmath import mpf
+import pytest
+from mpmath import mp, mpf
 
-from camgeo.stability.roots import Roots
+from camgeo.errors import GeometryError
+from camgeo.stability.roots import Roots, newton
 
 
 def test_the_first_root_of_a_guess_is_kept() -> None:
@@ -24,3 +26,11 @@ def test_half_an_ulp_is_no_other_guess_but_another_decimal_is() -> None:
     assert roots.near(mpf(1.2345678) + mpf(math.ulp(1.2)) / 2) == 2
     other = mpf(1.2345679)
     assert roots.near(other) is other
+
+
+def test_newton_settles_or_says_that_it_does_not() -> None:
+    with mp.workdps(50):
+        root = newton(lambda x: (x * x - 2, 2 * x), mpf("1.4"), 20)
+        assert abs(root - mp.sqrt(2)) < mpf(10) ** -40
+        with pytest.raises(GeometryError, match=r"no root near 1\.4"):
+            newton(lambda x: (x * x + 2, 2 * x), mpf("1.4"), 20)

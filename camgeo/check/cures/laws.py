@@ -16,8 +16,8 @@ from camgeo.check.cures.moves import (
     rests_beside,
     undercut_segments,
 )
-from camgeo.motion.laws import FAMILIES, characteristic, law_of
-from camgeo.motion.laws.characteristic import acceleration_jumps
+from camgeo.motion.laws import FAMILIES, law_of
+from camgeo.motion.laws.characteristic import acceleration_jumps, characteristic
 from camgeo.motion.laws.law import Law
 from camgeo.motion.plan import MotionPlan, Move
 from camgeo.outline.cusps import CUSP

@@ -1,4 +1,4 @@
-"""Motion laws by name, one module a family: its name in `REGISTERED` is all that names it here."""
+"""Motion laws by name: that of a family in `REGISTERED` is all that names it here."""
 
 from __future__ import annotations
 
@@ -8,24 +8,10 @@ from importlib import import_module
 from typing import Final
 
 from camgeo.errors import GeometryError
-from camgeo.motion.laws.characteristic import Characteristic, characteristic
+from camgeo.motion.laws import fixed_pulses, polynomials
 from camgeo.motion.laws.family import Family, Option
 from camgeo.motion.laws.law import Law
 from camgeo.numeric import checked
-
-__all__ = [
-    "ALIASES",
-    "BALANCES",
-    "FAMILIES",
-    "LARGEST",
-    "LAWS",
-    "OPTIONS",
-    "Characteristic",
-    "characteristic",
-    "find_family",
-    "law_of",
-    "make_law",
-]
 
 REGISTERED: Final = (
     "straight-line",
@@ -44,10 +30,14 @@ REGISTERED: Final = (
     "polynomial-7",
     "polynomial",
 )
-"""Names of the families; each has the module of its name, whose `FAMILY` it is."""
+"""Names of the families. Each has the module of its name, whose `FAMILY` it is, or stands in a
+table of families that differ by a few numbers."""
+
+TABLED: Final = {family.name: family for family in (*fixed_pulses.FAMILIES, *polynomials.FAMILIES)}
 
 FAMILIES: Final[dict[str, Family]] = {
-    name: import_module(f"{__name__}.{name.replace('-', '_')}").FAMILY for name in REGISTERED
+    name: TABLED.get(name) or import_module(f"{__name__}.{name.replace('-', '_')}").FAMILY
+    for name in REGISTERED
 }
 
 ALIASES: Final[dict[str, str]] = {

@@ -8,15 +8,13 @@ from dataclasses import dataclass
 from typing import Final
 
 from camgeo.errors import GeometryError
-from camgeo.motion.laws import (
-    FAMILIES,
-    LARGEST,
+from camgeo.motion.laws import FAMILIES, LARGEST, find_family, law_of
+from camgeo.motion.laws.characteristic import (
+    ROUNDING,
     Characteristic,
+    acceleration_jumps,
     characteristic,
-    find_family,
-    law_of,
 )
-from camgeo.motion.laws.characteristic import ROUNDING, acceleration_jumps
 from camgeo.motion.laws.law import Law
 from camgeo.motion.task import TASKS, ends_of
 from camgeo.numeric import checked

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from camgeo.errors import GeometryError
-from camgeo.motion.laws import FAMILIES, characteristic, law_of
+from camgeo.motion.laws import FAMILIES, law_of
 from camgeo.motion.laws.balance import equal_accelerations
-from camgeo.motion.laws.characteristic import Characteristic, acceleration_jumps
+from camgeo.motion.laws.characteristic import Characteristic, acceleration_jumps, characteristic
 from camgeo.motion.laws.law import Law
 
 DEFAULT: Mapping[str, float] = {"acceleration": 1.0}

@@ -16,8 +16,8 @@ from camgeo.motion.laws import FAMILIES, make_law
 from camgeo.motion.laws.balance import equal_accelerations
 from camgeo.motion.laws.characteristic import acceleration_jumps
 from camgeo.motion.laws.law import Law
-from camgeo.motion.planning import CRITERIA
 from camgeo.motion.planning.auto import best_law
+from camgeo.motion.planning.request import CRITERIA
 from tests.motion.planning.wishes import laws, move, move_of, planned, rest
 from tests.strategies import attack
 

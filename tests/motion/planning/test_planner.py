@@ -16,7 +16,7 @@ from camgeo.errors import GeometryError
 from camgeo.motion.joints import Joint, joints
 from camgeo.motion.laws import LAWS
 from camgeo.motion.plan import Course, Dwell, MotionPlan, Move
-from camgeo.motion.planning import MoveRequest, PointsRequest, Request, TableRequest
+from camgeo.motion.planning.request import MoveRequest, PointsRequest, Request, TableRequest
 from camgeo.motion.planning.tasks import FREE
 from camgeo.numeric.arrays import FloatArray
 from tests.motion.planning.wishes import move, planned, rest, straight, through, wishes

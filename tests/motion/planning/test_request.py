@@ -15,14 +15,8 @@ import pytest
 
 from camgeo.errors import GeometryError
 from camgeo.motion.plan import Dwell
-from camgeo.motion.planning import (
-    MoveRequest,
-    PointsRequest,
-    Request,
-    TableRequest,
-    Unit,
-    plan_motion,
-)
+from camgeo.motion.planning.planner import plan_motion
+from camgeo.motion.planning.request import MoveRequest, PointsRequest, Request, TableRequest, Unit
 
 ROW = np.array([0.25, 0.5])
 SPAN = Decimal(60)

@@ -11,7 +11,8 @@ import pytest
 
 from camgeo.errors import GeometryError
 from camgeo.motion.laws import FAMILIES
-from camgeo.motion.planning import Request, Unit, plan_motion
+from camgeo.motion.planning.planner import plan_motion
+from camgeo.motion.planning.request import Request, Unit
 from camgeo.motion.task import TASKS
 from tests.motion.planning.wishes import laws, move, planned, rest, table, through
 

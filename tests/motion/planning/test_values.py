@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from camgeo.motion.joints import Joint, joints
 from camgeo.motion.laws import make_law
 from camgeo.motion.plan import MotionPlan
-from camgeo.motion.planning import Request
+from camgeo.motion.planning.request import Request
 from tests.motion.planning.wishes import data_of, laws, move, move_of, planned, rest, through
 from tests.strategies import attack
 

@@ -11,13 +11,13 @@ from hypothesis import strategies as st
 
 from camgeo.motion.boundary import Boundary
 from camgeo.motion.plan import Course, Dwell, MotionPlan, Move
-from camgeo.motion.planning import (
+from camgeo.motion.planning.planner import plan_motion
+from camgeo.motion.planning.request import (
     CRITERIA,
     MoveRequest,
     PointsRequest,
     Request,
     TableRequest,
-    plan_motion,
 )
 from camgeo.numeric.arrays import FloatArray
 
