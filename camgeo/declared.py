@@ -7,9 +7,12 @@ import pathlib
 from typing import Any
 
 
-def schema_beside(file: str) -> dict[str, Any]:
-    """The JSON Schema beside the module `file`: of its stem, beside a package schema.json."""
+def schema_beside(file: str, name: str = "") -> dict[str, Any]:
+    """The JSON Schema `name` beside the module `file`.
+
+    Without a name that of its stem, beside a package schema.json.
+    """
     path = pathlib.Path(file)
-    name = "schema.json" if path.stem == "__init__" else f"{path.stem}.json"
-    found: dict[str, Any] = json.loads(path.with_name(name).read_bytes())
+    stem = name or ("schema" if path.stem == "__init__" else path.stem)
+    found: dict[str, Any] = json.loads(path.with_name(f"{stem}.json").read_bytes())
     return found

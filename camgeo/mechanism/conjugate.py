@@ -18,7 +18,16 @@ from typing import Final
 from camgeo.errors import GeometryError
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.mechanism.translating_roller import TranslatingRoller
-from camgeo.mechanism.values import angle, coordinate, length, radius
+from camgeo.mechanism.values import (
+    Angle,
+    Coordinate,
+    Length,
+    Radius,
+    angle,
+    coordinate,
+    length,
+    radius,
+)
 from camgeo.numeric.checked import instance
 from camgeo.units import TURN
 
@@ -29,9 +38,9 @@ its disc cannot drive it; nearer to them the geometry has lost six of its sixtee
 
 def return_on_carriage(
     main: TranslatingRoller,
-    spacing: float,
-    offset: float | None = None,
-    roller_radius: float | None = None,
+    spacing: Length,
+    offset: Coordinate | None = None,
+    roller_radius: Radius | None = None,
 ) -> TranslatingRoller:
     """The return roller on the carriage of `main`.
 
@@ -75,9 +84,9 @@ def return_on_carriage(
 
 def return_on_lever(
     main: OscillatingRoller,
-    arm_angle: float,
-    arm: float | None = None,
-    roller_radius: float | None = None,
+    arm_angle: Angle,
+    arm: Length | None = None,
+    roller_radius: Radius | None = None,
 ) -> OscillatingRoller:
     """The return roller on the lever of `main`.
 

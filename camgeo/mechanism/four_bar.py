@@ -19,7 +19,7 @@ from camgeo.errors import GeometryError
 from camgeo.mechanism.sketch import MechanismSketch
 from camgeo.mechanism.triangle import ROUNDING, SLACK, dot, drawn, half_angle, in_line, turning
 from camgeo.mechanism.turns import cosine_range, within
-from camgeo.mechanism.values import Angle, Length, Place, Sense
+from camgeo.mechanism.values import Angle, Branch, Length, Place, Sense
 from camgeo.motion.motion import FULL_ORDER, Jet
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.numeric.checked import check_fields
@@ -60,7 +60,7 @@ class FourBar:
     shaft: Place
     lever_angle: Angle
     lever_sense: Sense
-    branch: Sense
+    branch: Branch
 
     def __post_init__(self) -> None:
         check_fields(self, "linkage.")

@@ -17,7 +17,7 @@ import numpy as np
 from camgeo.errors import GeometryError
 from camgeo.mechanism.sketch import Guide, MechanismSketch
 from camgeo.mechanism.triangle import ROUNDING, drawn, half_angle, turning
-from camgeo.mechanism.values import AcuteAngle, Length, Sense, Truth
+from camgeo.mechanism.values import AcuteAngle, Branch, Length, Sense, Truth
 from camgeo.motion.motion import FULL_ORDER, Jet
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.numeric.checked import check_fields
@@ -62,7 +62,7 @@ class SliderCrank:
     leans_away: Annotated[Truth, "crank_leans"]
     slider_side: Sense
     stroke_direction: Sense
-    branch: Sense
+    branch: Branch
     mirrored: Truth = False
 
     def __post_init__(self) -> None:

@@ -8,15 +8,31 @@ from __future__ import annotations
 
 import math
 import sys
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from functools import partial
 from numbers import Real
-from typing import Annotated, Any, Final
+from typing import Annotated, Any, Final, TypeVar
 
 from camgeo.errors import GeometryError
-from camgeo.numeric.checked import SMALLEST, instance, number, one_of, point, shown
+from camgeo.numeric.checked import (
+    SMALLEST,
+    Check,
+    checks_of,
+    instance,
+    number,
+    one_of,
+    point,
+    shown,
+)
 from camgeo.units import TURN
 
+Built = TypeVar("Built")
+
 RADIANS: Final = "radians"
+
+SIGNS: Final = {"ccw": 1, "cw": -1, "outward": 1, "inward": -1, "left": 1, "right": -1}
+"""The engine's signs for the words of a table."""
 
 
 def length(key: str, value: Any) -> float:
@@ -70,6 +86,25 @@ def truth(key: str, value: Any) -> bool:
     return instance(key, value, bool, "true or false")
 
 
+def branch(key: str, value: Any) -> int:
+    """+1 or -1, for the side on which a crank's tip lies: +1 is clockwise seen from its shaft."""
+    return sense(key, value)
+
+
+def of_table(check: Check, value: Any, mm: float) -> Any:
+    """A value of a scene's table as the field that `check` guards takes it; `mm` a unit."""
+    check = getattr(check, "func", check)  # of a range of angles
+    if isinstance(value, str):
+        return -SIGNS[value] if check is branch else SIGNS.get(value)
+    if check is place:
+        return mm * complex(*value)
+    if check is angle:
+        return math.radians(value)
+    if isinstance(value, list):
+        return tuple(mm * each for each in value)
+    return mm * value if check in (length, radius, coordinate) else value
+
+
 def able(key: str, value: Any, method: str, what: str) -> None:
     """GeometryError unless `value` has the `method` that makes it `what`."""
     if isinstance(value, type) or not hasattr(value, method):
@@ -86,4 +121,43 @@ Angle = Annotated[float, angle]
 AcuteAngle = Annotated[float, partial(angle, low=-0.5 * math.pi, high=0.5 * math.pi)]
 RightAngle = Annotated[float, right_angle]
 Sense = Annotated[int, sense]
+Branch = Annotated[int, branch]
 Truth = Annotated[bool, truth]
+
+
+@dataclass(frozen=True, slots=True)
+class Values:
+    """A table whose values are of the right types and in range, in the units of the scene.
+
+    Attributes
+    ----------
+    table : the values by their keys.
+    mm : millimetres a unit of length.
+    linked : whether a linkage drives the follower.
+    """
+
+    table: Mapping[str, Any]
+    mm: float
+    linked: bool = False
+
+    def build(self, make: Callable[..., Built], *first: Any, **others: Any) -> Built:
+        """What `make`, a class or a function, makes of the values that its annotations name.
+
+        In mm and rad, as the annotations of `camgeo.mechanism.values` say. `first` and `others` go
+        before the values and in place of them.
+        """
+        own = {
+            name: of_table(check, self.table[key], self.mm)
+            for name, (check, key, _) in checks_of(make).items()
+            if key in self.table
+        }
+        return make(*first, **(own | others))
+
+    def sign(self, key: str, default: str) -> int:
+        """+1 or -1 for the word at `key`."""
+        return SIGNS[self.table.get(key, default)]
+
+    @property
+    def own_direction(self) -> dict[str, None]:
+        """The direction of a rocker behind a linkage, which gives its own angle: None."""
+        return {"direction": None} if self.linked else {}

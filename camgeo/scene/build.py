@@ -14,8 +14,8 @@ from camgeo.check.limits import Limits
 from camgeo.errors import Fault, GeometryError
 from camgeo.formats.format import Options
 from camgeo.mechanism.declared.registry import FOLLOWERS, LINKAGES
-from camgeo.mechanism.kind import SIGNS, Values
 from camgeo.mechanism.linkage import LinkedMotion
+from camgeo.mechanism.values import SIGNS, Values
 from camgeo.motion.plan import Dwell, MotionPlan
 from camgeo.motion.planning.planner import plan_motion
 from camgeo.part.spec import Keyway, PartSpec

@@ -19,25 +19,20 @@ from dataclasses import dataclass
 from typing import Any
 
 from camgeo.mechanism.translating_roller import TranslatingRoller
-from camgeo.mechanism.values import angle, length
-from camgeo.numeric.checked import hold
+from camgeo.mechanism.values import Angle, Length
+from camgeo.numeric.checked import check_fields, hold
 
 
 @dataclass(frozen=True)
 class Mushroom:
     """The centre of its head moves as that of a roller as large, on a guide through the axis."""
 
-    base_radius: float
-    head_radius: float
-    guide_angle: float = math.pi / 2.0
+    base_radius: Length
+    head_radius: Length
+    guide_angle: Angle = math.pi / 2.0
 
     def __post_init__(self) -> None:
-        hold(
-            self,
-            base_radius=length("follower.base_radius", self.base_radius),
-            head_radius=length("follower.head_radius", self.head_radius),
-            guide_angle=angle("follower.guide_angle", self.guide_angle),
-        )
+        check_fields(self, "follower.")
         roller = TranslatingRoller(self.base_radius, self.head_radius, 0.0, self.guide_angle)
         hold(self, _centre=roller)
 
@@ -60,13 +55,13 @@ class Mushroom:
 DECLARED_FOLLOWER = '''"""The mushroom follower, declared."""
 
 from camgeo.declared import schema_beside
-from camgeo.mechanism.kind import FollowerKind, Values
+from camgeo.mechanism.kind import FollowerKind
 
 
-def build(values: Values):
+def build(values):
     from camgeo.mechanism.mushroom import Mushroom
 
-    return Mushroom(**values.lengths("base_radius", "head_radius"), **values.angles("guide_angle"))
+    return values.build(Mushroom)
 
 
 def head_is_a_cap(table):
@@ -130,7 +125,7 @@ from camgeo.mechanism.kind import LinkageKind
 def build(values, unit):
     from camgeo.mechanism.slider_crank import SliderCrank
 
-    arm = values.lengths("arm")["arm"]
+    arm = values.mm * values.table["arm"]
     return SliderCrank(arm, arm, math.radians(30.0), False, 1, 1, 1)
 
 
@@ -190,9 +185,9 @@ def tree(tmp_path_factory: pytest.TempPathFactory) -> Path:
     template.write_text(TEMPLATE, encoding="utf-8")
     replaced(
         declared / "registry.py",
-        ("import (\n", "import (\n    mushroom,\n    toggle,\n"),
-        ("oscillating_flat)\n", "oscillating_flat, mushroom)\n"),
-        ("four_bar)\n", "four_bar, toggle)\n"),
+        ("\nif TYPE", "from camgeo.mechanism.declared import mushroom, toggle\n\nif TYPE"),
+        ("FOLLOWERS: Final = {\n", "FOLLOWERS: Final = {\n    'mushroom': mushroom.KIND} | {\n"),
+        ("LINKAGES: Final = {\n", "LINKAGES: Final = {\n    'toggle': toggle.KIND} | {\n"),
     )
     (tree / "linked.toml").write_text(LINKED, encoding="utf-8")
     return tree

@@ -1,24 +1,175 @@
-"""The kinds of followers and linkages, by the names that they have in scenes."""
+"""The kinds of followers and linkages, by the names that they have in scenes.
+
+What a kind builds is imported when it is built; its schema is the file of its name beside this one.
+"""
 
 from __future__ import annotations
 
-from typing import Final
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, Any, Final
 
-from camgeo.mechanism.declared import (
-    four_bar,
-    oscillating_flat,
-    oscillating_roller,
-    slider_crank,
-    translating_flat,
-    translating_roller,
-)
+from camgeo.declared import schema_beside
 from camgeo.mechanism.kind import FollowerKind, LinkageKind
 
-FOLLOWERS: Final[dict[str, FollowerKind]] = {
-    module.KIND.name: module.KIND
-    for module in (translating_roller, oscillating_roller, translating_flat, oscillating_flat)
+if TYPE_CHECKING:
+    from camgeo.mechanism.follower import Follower
+    from camgeo.mechanism.kind import Unit
+    from camgeo.mechanism.linkage_protocol import Linkage
+    from camgeo.mechanism.values import Values
+
+
+def _translating_roller(values: Values) -> Follower:
+    from camgeo.mechanism.translating_roller import TranslatingRoller
+
+    return values.build(TranslatingRoller)
+
+
+def _return_on_carriage(main: Follower, values: Values) -> Follower:
+    from camgeo.mechanism.conjugate import return_on_carriage
+
+    return values.build(return_on_carriage, main)
+
+
+def _oscillating_roller(values: Values) -> Follower:
+    from camgeo.mechanism.oscillating_roller import OscillatingRoller
+
+    return values.build(OscillatingRoller, **values.own_direction)
+
+
+def _return_on_lever(main: Follower, values: Values) -> Follower:
+    from camgeo.mechanism.conjugate import return_on_lever
+
+    return values.build(return_on_lever, main)
+
+
+def _translating_flat(values: Values) -> Follower:
+    from camgeo.mechanism.translating_flat import TranslatingFlat
+
+    return values.build(TranslatingFlat)
+
+
+def _oscillating_flat(values: Values) -> Follower:
+    from camgeo.mechanism.oscillating_flat import OscillatingFlat
+
+    return values.build(OscillatingFlat, **values.own_direction)
+
+
+def _face_has_a_length(table: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
+    """A face ends behind its beginning."""
+    face = table.get("face")
+    if face is not None and not face[0] < face[1]:
+        yield "face", "must end beyond where it begins, [from, to]"
+
+
+def _slider_crank(values: Values, unit: Unit) -> Linkage:
+    """Its slider drives a rocker, or a guided follower is its slider."""
+    from camgeo.mechanism.slider_crank import SliderCrank
+
+    slider_crank = values.build(
+        SliderCrank,
+        leans_away=values.table["crank_leans"] == "away",
+        slider_side=values.sign("slider_side", "left"),
+    )
+    if unit == "rad":
+        return slider_crank
+    from camgeo.mechanism.crank_slider import CrankSlider  # few scenes have one
+
+    return CrankSlider(slider_crank)
+
+
+def _four_bar(values: Values, _: Unit) -> Linkage:
+    """It turns rockers only."""
+    from camgeo.mechanism.four_bar import FourBar
+
+    return values.build(FourBar, lever_sense=values.sign("lever_sense", "ccw"))
+
+
+FOLLOWERS: Final = {
+    kind.name: kind
+    for kind in (
+        FollowerKind(
+            name="translating-roller",
+            told="the roller moves along a straight guide.",
+            unit="mm",
+            touching="roller",
+            schema=schema_beside(__file__, "translating_roller"),
+            build=_translating_roller,
+            sizes=(
+                "base_radius",
+                "roller_radius",
+                "offset",
+                "return.spacing",
+                "return.offset",
+                "return.roller_radius",
+            ),
+            build_return=_return_on_carriage,
+        ),
+        FollowerKind(
+            name="oscillating-roller",
+            told="the roller sits on a rocker.",
+            unit="rad",
+            touching="roller",
+            schema=schema_beside(__file__, "oscillating_roller"),
+            build=_oscillating_roller,
+            sizes=(
+                "pivot",
+                "arm",
+                "base_radius",
+                "roller_radius",
+                "return.arm",
+                "return.roller_radius",
+            ),
+            build_return=_return_on_lever,
+        ),
+        FollowerKind(
+            name="translating-flat",
+            told="a flat face square across a straight guide.",
+            unit="mm",
+            touching="face",
+            schema=schema_beside(__file__, "translating_flat"),
+            build=_translating_flat,
+            sizes=("base_radius",),
+            rules=(_face_has_a_length,),
+        ),
+        FollowerKind(
+            name="oscillating-flat",
+            told="a flat face on a rocker.",
+            unit="rad",
+            touching="face",
+            schema=schema_beside(__file__, "oscillating_flat"),
+            build=_oscillating_flat,
+            sizes=("pivot", "base_radius", "face_offset"),
+            rules=(_face_has_a_length,),
+        ),
+    )
 }
 
-LINKAGES: Final[dict[str, LinkageKind]] = {
-    module.KIND.name: module.KIND for module in (slider_crank, four_bar)
+LINKAGES: Final = {
+    kind.name: kind
+    for kind in (
+        LinkageKind(
+            name="slider-crank",
+            told=(
+                "with an oscillating follower the motion is the stroke of a slider; coupler and"
+                " crank turn the rocker shaft. With a translating follower it is the angle of the"
+                " crank [degrees], from its place at stroke 0, counter-clockwise; the slider"
+                " carries the roller."
+            ),
+            members={"rad": "slider", "mm": "crank"},
+            schema=schema_beside(__file__, "slider_crank"),
+            build=_slider_crank,
+            templates=("slider-crank", "crank-slider"),
+        ),
+        LinkageKind(
+            name="four-bar",
+            told=(
+                "the motion is the angle of a lever [degrees]; coupler and crank turn the rocker"
+                " shaft."
+            ),
+            members={"rad": "lever"},
+            schema=schema_beside(__file__, "four_bar"),
+            build=_four_bar,
+            templates=("four-bar",),
+        ),
+    )
 }
