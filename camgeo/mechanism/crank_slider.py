@@ -16,8 +16,18 @@ import numpy as np
 from camgeo.errors import GeometryError
 from camgeo.mechanism.sketch import MechanismSketch
 from camgeo.mechanism.slider_crank import SliderCrank
-from camgeo.mechanism.triangle import ROUNDING, SLACK, dot, in_line, turning
-from camgeo.mechanism.turns import cosine_range, within
+from camgeo.mechanism.triangle import (
+    ROUNDING,
+    SLACK,
+    cosine_range,
+    dot,
+    in_line,
+    level,
+    passed_at_rest,
+    turning,
+    where_bounded,
+    within,
+)
 from camgeo.motion.motion import FULL_ORDER, Jet
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.numeric.checked import instance
@@ -213,16 +223,11 @@ class CrankSlider:
         drop = self._drop(angle)
         along = self._along(drop)
         rod = along + 1j * drop
-        below = along
-        if not np.all(along):
-            resting = np.all(jet[1:] == 0.0, axis=0)
-            if np.any((along == 0.0) & ~resting):
-                raise GeometryError(
-                    "dead centre: the coupler stands across the guide while the crank moves, the"
-                    " slider's velocity is infinite",
-                    key="linkage",
-                )
-            below = np.where(resting, 1.0, along)
+        below = passed_at_rest(
+            along,
+            jet,
+            "the coupler stands across the guide while the crank moves, the slider's velocity is",
+        )
         out = np.empty((order + 1, jet.shape[1]))
         out[0] = self._way(angle, drop, along)
         turn1 = self._sense * jet[1]
@@ -259,9 +264,7 @@ class CrankSlider:
             p2 = (coupler * tip2 + (p1 + tip1) ** 2) / along
             p3 = (coupler * tip3 + 3.0 * (p1 + tip1) * (p2 + tip2)) / along
             way = coupler * crank * reach / along
-        out = np.stack((way, p1, p2, p3))
-        resting = np.all(bounds == 0.0, axis=0)
-        return np.where(resting, 0.0, np.where(np.isnan(out), np.inf, out))
+        return where_bounded((way, p1, p2, p3), bounds)
 
     def turning_positions(self, low: float, high: float) -> tuple[float, ...]:
         """See `Linkage.turning_positions`: where the crank stands across the guide."""
@@ -301,7 +304,4 @@ class CrankSlider:
 
 def _rising(height: float, length: float) -> list[float]:
     """Directions [rad] of a `length` [mm] of any sign that ends `height` [mm] above its start."""
-    square = (length - height) * (length + height)
-    if square < 0.0:
-        return []
-    return [math.atan2(height, x) for x in (math.sqrt(square), -math.sqrt(square))]
+    return [math.atan2(height, x) for x in level(height, length)]

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import cmath
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, ClassVar, Literal
 
@@ -17,8 +17,19 @@ import numpy as np
 
 from camgeo.errors import GeometryError
 from camgeo.mechanism.sketch import MechanismSketch
-from camgeo.mechanism.triangle import ROUNDING, SLACK, dot, drawn, half_angle, in_line, turning
-from camgeo.mechanism.turns import cosine_range, within
+from camgeo.mechanism.triangle import (
+    ROUNDING,
+    SLACK,
+    RockerCrank,
+    cosine_range,
+    dot,
+    drawn,
+    in_line,
+    passed_at_rest,
+    turning,
+    where_bounded,
+    within,
+)
 from camgeo.mechanism.values import Angle, Branch, Length, Place, Sense
 from camgeo.motion.motion import FULL_ORDER, Jet
 from camgeo.numeric.arrays import ComplexArray, FloatArray
@@ -29,7 +40,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class FourBar:
+class FourBar(RockerCrank):
     """Crank on the rocker shaft, coupler, and output lever on a second fixed shaft.
 
     Attributes
@@ -54,8 +65,6 @@ class FourBar:
     member: ClassVar[Literal["lever"]] = "lever"
     unit: ClassVar[Literal["rad"]] = "rad"
 
-    crank: Length
-    coupler: Length
     lever: Length
     shaft: Place
     lever_angle: Angle
@@ -75,11 +84,6 @@ class FourBar:
             )
 
     @cached_property
-    def start_angle(self) -> float:
-        """theta at motion 0 [rad]."""
-        return float(self.crank_angle(np.zeros(1))[0])
-
-    @cached_property
     def _start_bend(self) -> float:
         """beta at motion 0 [rad]: the lever's direction from that of the second shaft."""
         return self.lever_angle - cmath.phase(self.shaft)
@@ -87,16 +91,11 @@ class FourBar:
     def _bend(self, motion: FloatArray) -> FloatArray:
         return self._start_bend + self.lever_sense * motion
 
-    def _distance(self, bend: FloatArray) -> FloatArray:
-        """d = |P| (n,) [mm] at beta (n,) [rad], without cancellation."""
+    def _distance(self, motion: FloatArray) -> FloatArray:
+        """d = |P| (n,) [mm] at `motion` (n,) [rad], without cancellation."""
         distance, lever = abs(self.shaft), self.lever
-        near = 2.0 * math.sqrt(lever * distance) * np.cos(0.5 * bend)
+        near = 2.0 * math.sqrt(lever * distance) * np.cos(0.5 * self._bend(motion))
         return np.hypot(lever - distance, near)
-
-    def missing_length(self, motion: FloatArray) -> FloatArray:
-        """(n,) [mm] by how much crank and coupler miss the pin; <= 0 where they reach it."""
-        d = self._distance(self._bend(motion))
-        return np.maximum(d - (self.crank + self.coupler), abs(self.crank - self.coupler) - d)
 
     @cached_property
     def _start_gaps(self) -> tuple[float, float]:
@@ -104,19 +103,19 @@ class FourBar:
 
         A dead centre at the start is one however its lengths are rounded.
         """
-        d = float(self._distance(np.array([self._start_bend]))[0])
+        d = float(self._distance(np.zeros(1))[0])
         total, difference = self.crank + self.coupler, abs(self.crank - self.coupler)
         outer, inner = total - d, d - difference
         least = ROUNDING * total
         outer, inner = (gap if gap > least else 0.0 for gap in (outer, inner))
         return outer * (total + d), inner * (d + difference)
 
-    def _half_angle(self, motion: FloatArray, d: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """See `camgeo.mechanism.triangle.half_angle`; the growth of d^2 as a product."""
+    def _growth(self, motion: FloatArray) -> FloatArray:
+        """d^2 less its value at motion 0 [mm^2], as a product."""
         half = 0.5 * self.lever_sense * motion
         growth = np.sin(self._start_bend + half) * np.sin(half)
         growth *= -4.0 * self.lever * abs(self.shaft)
-        return half_angle(self.crank, self.coupler, self._start_gaps, growth, d)
+        return np.asarray(growth)
 
     def _pin_angle(self, motion: FloatArray) -> FloatArray:
         """arg P (n,) [rad], continuous over any motion: of the longer of D_0 and l_c, which P turns
@@ -128,12 +127,6 @@ class FourBar:
             return np.asarray(cmath.phase(self.shaft) + np.angle(about))
         about = 1.0 + (distance / self.lever) * np.exp(-1j * bend)
         return np.asarray(self.lever_angle + self.lever_sense * motion + np.angle(about))
-
-    def crank_angle(self, motion: FloatArray) -> FloatArray:
-        """theta (n,) [rad] at `motion` (n,) [rad], continuous, any number of turns."""
-        d = self._distance(self._bend(motion))
-        sine, cosine = self._half_angle(motion, d)
-        return self._pin_angle(motion) - self.branch * 2.0 * np.arctan2(sine, cosine)
 
     def joints(self, motion: FloatArray) -> tuple[ComplexArray, ComplexArray]:
         """P and T (n,) [mm]: lever's pin and crank's tip at `motion` (n,) [rad]."""
@@ -168,7 +161,7 @@ class FourBar:
         GeometryError
             With key "linkage", where coupler and lever lie on one line, but for rounding.
         """
-        sine, cosine = self._half_angle(motion, self._distance(self._bend(motion)))
+        sine, cosine = self.half_angle_at(motion)
         across = self._across_lever(motion)
         if np.any(np.abs(across) <= ROUNDING * self.lever * (self.lever + self.coupler)):
             raise GeometryError(
@@ -215,20 +208,14 @@ class FourBar:
             With key "linkage", at a dead centre that is not passed at rest: psi'' is infinite.
         """
         motion = jet[0]
-        d = self._distance(self._bend(motion))
-        sine, cosine = self._half_angle(motion, d)
+        sine, cosine = self.half_angle_at(motion)
         theta = self._pin_angle(motion) - self.branch * 2.0 * np.arctan2(sine, cosine)
-        product = sine * cosine
-        leverage = (0.5 * self.branch) * product
-        if not np.all(product):
-            resting = np.all(jet[1:] == 0.0, axis=0)
-            if np.any((product == 0.0) & ~resting):
-                raise GeometryError(
-                    "dead centre: crank and coupler lie on one line while the lever starts to"
-                    " move, the rocker's acceleration is infinite",
-                    key="linkage",
-                )
-            leverage = np.where(resting, 1.0, leverage)
+        leverage = passed_at_rest(
+            0.5 * self.branch * (sine * cosine),
+            jet,
+            "crank and coupler lie on one line while the lever starts to move, the rocker's"
+            " acceleration is",
+        )
         arm = self.lever * np.exp(1j * (self.lever_angle + self.lever_sense * motion))
         tip = self.crank * np.exp(1j * theta)
         rod = self.shaft + arm - tip
@@ -263,18 +250,10 @@ class FourBar:
         distance = abs(self.shaft)
         foot, spread = (self.lever - distance) ** 2, 2.0 * self.lever * distance
         start = float(np.cos(self._start_bend))
-        ends = [
-            np.multiply(
-                *half_angle(
-                    self.crank,
-                    self.coupler,
-                    self._start_gaps,
-                    spread * (cosine - start),
-                    np.sqrt(foot + spread * (1.0 + cosine)),
-                )
-            )
-            for cosine in cosine_range(bend - reach, bend + reach)
-        ]
+        ends = []
+        for cosine in cosine_range(bend - reach, bend + reach):
+            d = np.sqrt(foot + spread * (1.0 + cosine))
+            ends.append(np.multiply(*self.half_angle(spread * (cosine - start), d)))
         leverage = 0.5 * np.minimum(*ends)
         crank, coupler, lever = self.crank, self.coupler, self.lever
         pin1 = lever * bounds[1]
@@ -288,9 +267,7 @@ class FourBar:
             in3 = pin3 + crank * theta1 * (3.0 * theta2 + theta1**2)
             theta3 = (coupler * in3 + 3.0 * rod1 * (in2 + crank * theta2)) / leverage
             swing = coupler * lever * reach / leverage
-        out = np.stack((swing, theta1, theta2, theta3))
-        resting = np.all(bounds == 0.0, axis=0)
-        return np.where(resting, 0.0, np.where(np.isnan(out), np.inf, out))
+        return where_bounded((swing, theta1, theta2, theta3), bounds)
 
     def turning_positions(self, low: float, high: float) -> tuple[float, ...]:
         """See `Linkage.turning_positions`: where the lever lies on the line of the shafts."""
@@ -326,11 +303,7 @@ class FourBar:
     def size_limits(self, size: Size, low: float, high: float) -> tuple[float, ...]:
         """See `Linkage.size_limits`: |l_a - l_b| <= d <= l_a + l_b, d from least to most."""
         positions = np.array([low, high, *self.turning_positions(low, high)])
-        d = self._distance(self._bend(positions))
+        d = self._distance(positions)
         least, most = float(np.min(d)), float(np.max(d))
         other = self.crank if size == "coupler" else self.coupler
         return most - other, other - least, other + least
-
-    def resized(self, size: Size, length: float) -> FourBar:
-        """See `Linkage.resized`."""
-        return replace(self, crank=length) if size == "crank" else replace(self, coupler=length)

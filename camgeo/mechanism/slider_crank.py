@@ -8,7 +8,8 @@ X = s_0 + eps_s s, positive X to the left; the crank tip is T = l_sk exp(i theta
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from collections.abc import Iterator
+from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
 
@@ -16,8 +17,16 @@ import numpy as np
 
 from camgeo.errors import GeometryError
 from camgeo.mechanism.sketch import Guide, MechanismSketch
-from camgeo.mechanism.triangle import ROUNDING, drawn, half_angle, turning
-from camgeo.mechanism.values import AcuteAngle, Branch, Length, Sense, Truth
+from camgeo.mechanism.triangle import (
+    ROUNDING,
+    RockerCrank,
+    drawn,
+    level,
+    passed_at_rest,
+    turning,
+    where_bounded,
+)
+from camgeo.mechanism.values import AcuteAngle, Branch, Sense, Truth
 from camgeo.motion.motion import FULL_ORDER, Jet
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.numeric.checked import check_fields
@@ -27,7 +36,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class SliderCrank:
+class SliderCrank(RockerCrank):
     """Slider-crank on the rocker shaft (Wirsig section 3.3.1, corrected as docs/sources.md says).
 
     Attributes
@@ -56,8 +65,6 @@ class SliderCrank:
     member: ClassVar[Literal["slider"]] = "slider"
     unit: ClassVar[Literal["mm"]] = "mm"
 
-    crank: Length
-    coupler: Length
     deflection: Annotated[AcuteAngle, "crank_deflection"]
     leans_away: Annotated[Truth, "crank_leans"]
     slider_side: Sense
@@ -87,11 +94,6 @@ class SliderCrank:
         return self.slider_side * distance
 
     @cached_property
-    def start_angle(self) -> float:
-        """theta_0, crank angle at stroke 0 [rad]."""
-        return float(self.crank_angle(np.zeros(1))[0])
-
-    @cached_property
     def coupler_angle(self) -> float:
         """Angle of the coupler, tip to pin, at stroke 0 [rad]; 0 or pi if parallel to the guide.
 
@@ -105,15 +107,10 @@ class SliderCrank:
     @cached_property
     def dead_strokes(self) -> tuple[float, ...]:
         """The strokes [mm] at which crank and coupler lie on one line."""
-        squares = [
-            (reach - self.guide_height) * (reach + self.guide_height)
-            for reach in (self.crank + self.coupler, abs(self.crank - self.coupler))
-        ]
-        distances = [math.sqrt(square) for square in squares if square >= 0.0]
         return tuple(
             self.stroke_direction * (x - self.start_position)
-            for distance in distances
-            for x in (distance, -distance)
+            for reach in (self.crank + self.coupler, abs(self.crank - self.coupler))
+            for x in level(self.guide_height, reach)
         )
 
     def dead_positions(self, low: float, high: float) -> tuple[float, ...]:
@@ -125,25 +122,18 @@ class SliderCrank:
         passing = -self.stroke_direction * self.start_position
         return (passing,) if low <= passing <= high else ()
 
-    def size_limits(self, size: Size, low: float, high: float) -> tuple[float, ...]:
-        """See `Linkage.size_limits`."""
-        from camgeo.mechanism.slider_crank_sizes import size_limits  # what closes needs none
-
-        return size_limits(self, size, (low, high))
-
-    def resized(self, size: Size, length: float) -> SliderCrank:
-        """See `Linkage.resized`."""
-        return replace(self, crank=length) if size == "crank" else replace(self, coupler=length)
-
     def pin(self, stroke: FloatArray) -> tuple[FloatArray, FloatArray]:
         """X (n,) and d = |P| (n,) [mm] at `stroke` (n,) [mm]."""
         x = self.start_position + self.stroke_direction * stroke
         return x, np.sqrt(x * x + self.guide_height**2)
 
-    def missing_length(self, stroke: FloatArray) -> FloatArray:
-        """(n,) [mm] by how much crank and coupler miss the pin; <= 0 where they reach it."""
-        _, d = self.pin(stroke)
-        return np.maximum(d - (self.crank + self.coupler), abs(self.crank - self.coupler) - d)
+    def _distance(self, stroke: FloatArray) -> FloatArray:
+        """d (n,) [mm], from the shaft to the pin."""
+        return self.pin(stroke)[1]
+
+    def _pin_angle(self, stroke: FloatArray) -> FloatArray:
+        """Direction (n,) [rad] from the shaft to the pin, in (0, pi)."""
+        return np.arctan2(self.guide_height, -self.pin(stroke)[0])
 
     @cached_property
     def _start_gaps(self) -> tuple[float, float]:
@@ -154,20 +144,9 @@ class SliderCrank:
         product = 4.0 * self.crank * self.coupler
         return product * outer * outer, product * inner * inner
 
-    def _half_angle(self, growth: FloatArray, d: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """See `camgeo.mechanism.triangle.half_angle`."""
-        return half_angle(self.crank, self.coupler, self._start_gaps, growth, d)
-
     def _growth(self, stroke: FloatArray) -> FloatArray:
         """d^2 less its value at stroke 0 [mm^2]."""
         return np.asarray(stroke * (2.0 * self.stroke_direction * self.start_position + stroke))
-
-    def crank_angle(self, stroke: FloatArray) -> FloatArray:
-        """theta (n,) [rad] in (-2 pi, 2 pi) at `stroke` (n,) [mm]: Wirsig eq. 3.10, no poles."""
-        x, d = self.pin(stroke)
-        sine, cosine = self._half_angle(self._growth(stroke), d)
-        pin_angle = np.arctan2(self.guide_height, -x)
-        return pin_angle - self.branch * 2.0 * np.arctan2(sine, cosine)
 
     def transform(self, jet: Jet, order: int = FULL_ORDER) -> Jet:
         """(order + 1, n) rocker angle psi and derivatives [rad/rad^k] for strokes `jet`.
@@ -183,7 +162,7 @@ class SliderCrank:
         """
         x, d = self.pin(jet[0])
         crank, coupler = self.crank, self.coupler
-        half_sine, half_cosine = self._half_angle(self._growth(jet[0]), d)
+        half_sine, half_cosine = self.half_angle(self._growth(jet[0]), d)
         theta = np.arctan2(self.guide_height, -x)
         theta -= self.branch * 2.0 * np.arctan2(half_sine, half_cosine)
         # exp(i theta) without another sine: the pin's direction turned by the triangle's angle.
@@ -200,17 +179,13 @@ class SliderCrank:
         cos_v = (-1.0 / coupler) * x - (crank / coupler) * cosine
         # cos(v - theta) by the law of cosines, sin(v - theta) from the triangle's area.
         cos_between = cos_v * cosine + (height / coupler - (crank / coupler) * sine) * sine
-        leverage = (self.branch / (2.0 * crank * coupler)) * product
+        leverage = passed_at_rest(
+            (self.branch / (2.0 * crank * coupler)) * product,
+            jet,
+            "crank and coupler lie on one line while the slider starts to move, the rocker's"
+            " acceleration is",
+        )
         p1 = jet[1]
-        if not np.all(product):
-            resting = np.all(jet[1:] == 0.0, axis=0)
-            if np.any((leverage == 0.0) & ~resting):
-                raise GeometryError(
-                    "dead centre: crank and coupler lie on one line while the slider starts to"
-                    " move, the rocker's acceleration is infinite",
-                    key="linkage",
-                )
-            leverage = np.where(resting, 1.0, leverage)
         of_crank = 1.0 / (crank * leverage)
         direction = -float(self.stroke_direction)
         per_crank = direction * cos_v  # theta' for p' = 1, the sign of p included
@@ -251,31 +226,20 @@ class SliderCrank:
         nearest = np.maximum(np.abs(x) - bounds[0], 0.0)
         farthest = np.abs(x) + bounds[0]
         crank, coupler = self.crank, self.coupler
-        ends = [
-            np.multiply(
-                *self._half_angle(
-                    (reach - self.start_position) * (reach + self.start_position),
-                    np.hypot(reach, self.guide_height),
-                )
-            )
-            for reach in (nearest, farthest)
-        ]
+        ends = []
+        for reach in (nearest, farthest):
+            growth = (reach - self.start_position) * (reach + self.start_position)
+            ends.append(np.multiply(*self.half_angle(growth, np.hypot(reach, self.guide_height))))
         leverage = np.minimum(*ends) / (2.0 * crank * coupler)
         with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
             theta1 = bounds[1] / (crank * leverage)
             v1 = bounds[1] / (coupler * leverage)
             theta2 = (bounds[2] + crank * theta1**2 + coupler * v1**2) / (crank * leverage)
             v2 = (bounds[2] + crank * theta1**2 + coupler * v1**2) / (coupler * leverage)
-            theta3 = (
-                bounds[3]
-                + 3.0 * crank * theta1 * theta2
-                + crank * theta1**3
-                + 3.0 * coupler * v1 * v2
-            ) / (crank * leverage)
+            third = bounds[3] + 3.0 * crank * theta1 * theta2 + crank * theta1**3
+            theta3 = (third + 3.0 * coupler * v1 * v2) / (crank * leverage)
             swing = bounds[0] / (crank * leverage)
-        out = np.stack((swing, theta1, theta2, theta3))
-        resting = np.all(bounds == 0.0, axis=0)
-        return np.where(resting, 0.0, np.where(np.isnan(out), np.inf, out))
+        return where_bounded((swing, theta1, theta2, theta3), bounds)
 
     @property
     def slider_sense(self) -> int:
@@ -316,17 +280,10 @@ class SliderCrank:
         return (self.slider_sense * demanded).astype(np.complex128), turning(tip, own)
 
     def per_follower(self, stroke: FloatArray) -> FloatArray:
-        """(n,) ds/dpsi [mm/rad], see `per_swing`."""
-        slide: FloatArray = self.per_swing(stroke)[0]
-        return slide
+        """(n,) ds/dpsi [mm/rad] at `stroke` (n,) [mm], see `Linkage.per_follower`.
 
-    def per_swing(self, stroke: FloatArray) -> FloatArray:
-        """(2, n) ds/dpsi [mm/rad] and dv/dpsi at `stroke` (n,) [mm], v the angle of the coupler.
-
-        psi and v count counter-clockwise in the drawing. From the derivative of
-        P - T = l_4 exp(i v) with dT/dpsi = i T and P moving along the guide:
-        dv/dpsi = -Re T / (l_4 cos v), ds/dpsi = -+ l_sk sin(v - theta) / cos v, the reciprocal of
-        `transform`; 0 at a dead centre.
+        From the derivative of P - T = l_4 exp(i v) with dT/dpsi = i T and P moving along the guide:
+        ds/dpsi = -+ l_sk sin(v - theta) / cos v, the reciprocal of `transform`; 0 at a dead centre.
 
         Raises
         ------
@@ -334,23 +291,17 @@ class SliderCrank:
             With key "linkage", where the coupler stands across the guide, cos v = 0 but for
             rounding, see `locked_positions`.
         """
-        x, d = self.pin(stroke)
-        theta = self.crank_angle(stroke)
-        cosine = np.cos(theta)
-        across = -x - self.crank * cosine  # l_4 cos v
+        x, _ = self.pin(stroke)
+        across = -x - self.crank * np.cos(self.crank_angle(stroke))  # l_4 cos v
         if np.any(np.abs(across) <= self._rounding):
             raise GeometryError(
                 "the coupler stands across the guide: the rocker cannot move the slider",
                 key="linkage",
             )
-        product = np.multiply(*self._half_angle(self._growth(stroke), d))
-        out = np.empty((2, len(across)))
         # 2 l_sk l_4 sin(v - theta) is the product, its sign the branch's.
-        np.divide(-0.5 * self.stroke_direction * self.branch * product, across, out=out[0])
-        np.divide(-self.crank * cosine, across, out=out[1])
-        if self.mirrored:
-            np.negative(out[0], out=out[0])
-        return out
+        product = np.multiply(*self.half_angle_at(stroke))
+        slide = -0.5 * self.stroke_direction * self.branch * product / across
+        return np.asarray(-slide if self.mirrored else slide)
 
     def locked_positions(self, low: float, high: float) -> tuple[float, ...]:
         """See `Linkage.locked_positions`: the strokes [mm] with the coupler across the guide.
@@ -368,15 +319,56 @@ class SliderCrank:
 
     def _across_strokes(self) -> list[float]:
         """The strokes [mm] at which, on this branch, the coupler stands across the guide."""
-        found = []
-        for down in (self.coupler, -self.coupler):
-            height = self.guide_height - down
-            square = (self.crank - height) * (self.crank + height)
-            if square < 0.0:
-                continue
-            for x in (math.sqrt(square), -math.sqrt(square)):
-                # The tip (-x, height) is clockwise of the pin (-x, e_sk) where x and `down` have
-                # opposite signs.
-                if x * down * self.branch <= 0.0:
-                    found.append(self.stroke_direction * (x - self.start_position))
-        return found
+        # The tip (-x, e_sk - down) is clockwise of the pin (-x, e_sk) where x and `down` have
+        # opposite signs.
+        return [
+            self.stroke_direction * (x - self.start_position)
+            for down in (self.coupler, -self.coupler)
+            for x in level(self.guide_height - down, self.crank)
+            if x * down * self.branch <= 0.0
+        ]
+
+    def size_limits(self, size: Size, low: float, high: float) -> tuple[float, ...]:
+        """See `Linkage.size_limits`.
+
+        With X = a (l_4 - b l_sk sin alpha) + eps_s s, a the side of the slider, b = +1 if the crank
+        leans away, and d^2 = X^2 + (l_sk cos alpha)^2, the condition d = l_sk + l_4 as well as
+        d = |l_sk - l_4| is linear in each of the two lengths: their squares cancel. Between the
+        ends of the stroke d is least where X = 0, at the height of the guide.
+        """
+        limits = _of_coupler if size == "coupler" else _of_crank
+        found = limits(self, (low, high))
+        return tuple(top / bottom for top, bottom in found if bottom != 0.0)
+
+
+def _of_coupler(
+    linkage: SliderCrank, strokes: tuple[float, float]
+) -> Iterator[tuple[float, float]]:
+    """Numerators and denominators for l_4."""
+    crank, height, side = linkage.crank, linkage.guide_height, linkage.slider_side
+    lean = crank * math.sin(linkage.deflection)
+    lean = lean if linkage.leans_away else -lean
+    yield crank + height, 1.0
+    yield crank - height, 1.0
+    for stroke in strokes:
+        rest = linkage.stroke_direction * stroke - side * lean  # X = a l_4 + rest
+        # l_sk^2 - e_sk^2 is the square of the lean
+        top = (lean - rest) * (lean + rest)
+        yield top, 2.0 * (side * rest - crank)
+        yield top, 2.0 * (side * rest + crank)
+        yield -side * rest, 1.0
+
+
+def _of_crank(linkage: SliderCrank, strokes: tuple[float, float]) -> Iterator[tuple[float, float]]:
+    """Numerators and denominators for l_sk."""
+    coupler, side = linkage.coupler, linkage.slider_side
+    sine, cosine = math.sin(linkage.deflection), math.cos(linkage.deflection)
+    sine = sine if linkage.leans_away else -sine
+    yield coupler, 1.0 + cosine
+    yield coupler, 1.0 - cosine
+    for stroke in strokes:
+        rest = side * linkage.stroke_direction * stroke + coupler  # a X = rest - b l_sk sin alpha
+        top = (rest - coupler) * (rest + coupler)
+        yield top, 2.0 * (coupler + rest * sine)
+        yield -top, 2.0 * (coupler - rest * sine)
+        yield rest, sine

@@ -2,10 +2,24 @@
 
 from __future__ import annotations
 
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, Self
+
 import numpy as np
 
+from camgeo.errors import GeometryError
 from camgeo.mechanism.sketch import MechanismSketch
-from camgeo.numeric.arrays import ComplexArray, FloatArray
+from camgeo.mechanism.values import Length
+from camgeo.motion.motion import Jet
+from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray
+from camgeo.units import TURN
+
+if TYPE_CHECKING:
+    from camgeo.mechanism.linkage_protocol import Size
 
 ROUNDING = 8.0 * 2.0**-52
 """A difference of lengths of this share of crank and coupler is zero, rounded."""
@@ -18,34 +32,113 @@ IN_LINE = 1e-6
 on the other branch of the linkage they are far from it."""
 
 
-def half_angle(
-    crank: float,
-    coupler: float,
-    start_gaps: tuple[float, float],
-    growth: FloatArray,
-    d: FloatArray,
-) -> tuple[FloatArray, FloatArray]:
-    """Sine and cosine, times a common factor, of half the angle pin - shaft - tip, in (0, pi).
+@dataclass(frozen=True)
+class RockerCrank(ABC):
+    """What linkages have in common whose crank turns the rocker: the triangle shaft, pin and tip.
 
-    `d` (n,) is the distance shaft - pin [mm], `growth` (n,) its square less the one at the start
-    [mm^2], `start_gaps` are (crank + coupler)^2 - d^2 and d^2 - (crank - coupler)^2 [mm^2] there: a
-    dead centre at the start keeps the digits of the motion, which d has no longer.
-
-    The squares add up to 4 l_sk d; the product is D/2, twice the area of the triangle shaft, pin,
-    tip, zero at a dead centre (D as in the robust form of Wirsig eq. 3.10).
+    Attributes
+    ----------
+    crank : from the rocker's shaft to the tip [mm].
+    coupler : from the tip to the pin, on which the far end moves [mm].
     """
-    outer, inner = start_gaps
-    difference = crank - coupler
-    reach = d + abs(difference)
-    near = (inner + growth) / reach  # d - |l_sk - l_4|
-    cancels = inner + np.abs(growth) > reach * reach  # the pin has come near to the shaft
-    near = np.where(cancels, d - abs(difference), near)
-    short, long = (near, reach) if difference > 0.0 else (reach, near)
-    total = d + (crank + coupler)
-    first = (outer - growth) / total * short
-    second = long * total
-    # At a dead centre the radicand may round to a tiny negative number.
-    return np.sqrt(np.maximum(first, 0.0)), np.sqrt(np.maximum(second, 0.0))
+
+    crank: Length
+    coupler: Length
+
+    if TYPE_CHECKING:  # fields of each
+
+        @property
+        def branch(self) -> int: ...
+
+    @abstractmethod
+    def _distance(self, position: FloatArray) -> FloatArray:
+        """d (n,) [mm], from the shaft to the pin."""
+
+    @abstractmethod
+    def _pin_angle(self, position: FloatArray) -> FloatArray:
+        """Direction (n,) [rad] from the shaft to the pin."""
+
+    @abstractmethod
+    def _growth(self, position: FloatArray) -> FloatArray:
+        """(n,) d^2 less its value at position 0 [mm^2]."""
+
+    @property
+    @abstractmethod
+    def _start_gaps(self) -> tuple[float, float]:
+        """(crank + coupler)^2 - d^2 and d^2 - (crank - coupler)^2 [mm^2] at position 0."""
+
+    def missing_length(self, position: FloatArray) -> FloatArray:
+        """(n,) [mm] by how much crank and coupler miss the pin; <= 0 where they reach it."""
+        d = self._distance(position)
+        return np.maximum(d - (self.crank + self.coupler), abs(self.crank - self.coupler) - d)
+
+    def half_angle(self, growth: FloatArray, d: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Sine and cosine, times a common factor, of half the angle pin - shaft - tip, in (0, pi).
+
+        `d` (n,) is the distance shaft - pin [mm], `growth` (n,) its square less the one at the
+        start [mm^2]: with `_start_gaps` a dead centre at the start keeps the digits of the motion,
+        which d has no longer.
+
+        The squares add up to 4 l_sk d; the product is D/2, twice the area of the triangle shaft,
+        pin, tip, zero at a dead centre (D as in the robust form of Wirsig eq. 3.10).
+        """
+        outer, inner = self._start_gaps
+        difference = self.crank - self.coupler
+        reach = d + abs(difference)
+        near = (inner + growth) / reach  # d - |l_sk - l_4|
+        cancels = inner + np.abs(growth) > reach * reach  # the pin has come near to the shaft
+        near = np.where(cancels, d - abs(difference), near)
+        short, long = (near, reach) if difference > 0.0 else (reach, near)
+        total = d + (self.crank + self.coupler)
+        first = (outer - growth) / total * short
+        second = long * total
+        # At a dead centre the radicand may round to a tiny negative number.
+        return np.sqrt(np.maximum(first, 0.0)), np.sqrt(np.maximum(second, 0.0))
+
+    def half_angle_at(self, position: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """`half_angle` at `position` (n,)."""
+        return self.half_angle(self._growth(position), self._distance(position))
+
+    def crank_angle(self, position: FloatArray) -> FloatArray:
+        """theta (n,) [rad] at `position` (n,): Wirsig eq. 3.10, no poles."""
+        sine, cosine = self.half_angle_at(position)
+        return self._pin_angle(position) - self.branch * 2.0 * np.arctan2(sine, cosine)
+
+    @cached_property
+    def start_angle(self) -> float:
+        """theta at position 0 [rad]."""
+        return float(self.crank_angle(np.zeros(1))[0])
+
+    def resized(self, size: Size, length: float) -> Self:
+        """See `Linkage.resized`."""
+        changes: dict[str, Any] = {size: length}
+        return replace(self, **changes)
+
+
+def passed_at_rest(divisor: FloatArray, jet: Jet, what: str) -> FloatArray:
+    """`divisor` (n,), 1 in its place where it is 0 and the motion `jet` rests: a dead centre.
+
+    GeometryError with key "linkage", which says `what`, if the motion does not rest there.
+    """
+    if np.all(divisor):
+        return divisor
+    resting = np.all(jet[1:] == 0.0, axis=0)
+    if np.any((divisor == 0.0) & ~resting):
+        raise GeometryError(f"dead centre: {what} infinite", key="linkage")
+    return np.where(resting, 1.0, divisor)
+
+
+def where_bounded(rows: tuple[FloatArray, ...], bounds: Jet) -> Jet:
+    """(4, n) bounds of a linkage's motion of their `rows`, 0 in a rest, infinite where unknown."""
+    out = np.stack(rows)
+    resting = np.all(bounds == 0.0, axis=0)
+    return np.where(resting, 0.0, np.where(np.isnan(out), np.inf, out))
+
+
+def level(height: float, length: float) -> tuple[float, ...]:
+    """How far aside [mm] a `length` of any sign ends that ends `height` above its start, if any."""
+    square = (length - height) * (length + height)
+    return (math.sqrt(square), -math.sqrt(square)) if square >= 0.0 else ()
 
 
 def in_line(places: tuple[float, ...], areas: FloatArray, full: float) -> tuple[float, ...]:
@@ -77,3 +170,26 @@ def drawn(shaft: complex, joints: tuple[ComplexArray, ComplexArray]) -> Mechanis
     """Crank and coupler of a linkage on the rocker's `shaft` [mm], its `joints` seen from there."""
     pin, tip = (shaft + complex(joint[0]) for joint in joints)
     return MechanismSketch(links=((shaft, tip), (tip, pin)), joints=(tip, pin), shafts=(shaft,))
+
+
+def within(angles: Iterable[float], low: float, high: float) -> tuple[float, ...]:
+    """Those in [low, high] [rad] of `angles` and all that lie whole turns from them, ascending."""
+    found = {
+        angle + TURN * turns
+        for angle in angles
+        for turns in range(math.ceil((low - angle) / TURN), math.floor((high - angle) / TURN) + 1)
+    }
+    return tuple(sorted(found))
+
+
+def cosine_range(low: FloatArray, high: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """(n,) least and largest cosine over each range [low, high] of angles (n,) [rad]."""
+    at_ends = np.cos(low), np.cos(high)
+    least = np.where(_passes(low, high, math.pi), -1.0, np.minimum(*at_ends))
+    most = np.where(_passes(low, high, 0.0), 1.0, np.maximum(*at_ends))
+    return least, most
+
+
+def _passes(low: FloatArray, high: FloatArray, angle: float) -> BoolArray:
+    passed: BoolArray = np.floor((high - angle) / TURN) >= np.ceil((low - angle) / TURN)
+    return passed

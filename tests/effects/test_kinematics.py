@@ -112,7 +112,7 @@ def test_the_rocker_moves_as_its_linkage_says() -> None:
     linkage = made.cam.drive.linkage
     assert isinstance(linkage, SliderCrank)
     stroke = made.cam.drive.plan.jet(PHI)[0]
-    slide = linkage.per_swing(stroke)[0]
+    slide = linkage.per_follower(stroke)
     expected = np.degrees(found["velocity"].values(PHI, "right") / slide)
     assert found["rocker velocity"].values(PHI, "right") == pytest.approx(
         expected, abs=1e-12 * np.max(np.abs(expected))

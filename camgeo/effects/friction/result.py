@@ -152,7 +152,7 @@ def _of_slider(
 
     def coefficients(phi: FloatArray, side: Side) -> FloatArray:
         stroke = plan.jet(phi, side, 1)
-        slide = linkage.per_swing(stroke[0])[0]
+        slide = linkage.per_follower(stroke[0])
         out = np.zeros((4, len(phi)))
         out[0] = -spec.slider * strokes(phi, side) * slide
         out[1] = -spec.guide_viscous * stroke[1] * slide

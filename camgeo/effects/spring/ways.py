@@ -72,7 +72,7 @@ class Along:
 
     def __call__(self, phi: FloatArray, side: Side) -> tuple[FloatArray, FloatArray]:
         place = self.motion.jet(phi, side, 1)[0]
-        rate = np.ones(len(phi)) if self.linkage is None else self.linkage.per_swing(place)[0]
+        rate = np.ones(len(phi)) if self.linkage is None else self.linkage.per_follower(place)
         return self.sense * (place - self.start), self.sense * rate
 
 
@@ -172,7 +172,7 @@ def along_slider(subject: Subject, linkage: SliderCrank) -> Along:
         )
     outwards = 1.0 if found.highest.value > 0.0 else -1.0
     low = np.concatenate((np.zeros(1), subject.cam.drive.smooth_angles))
-    slopes = linkage.per_swing(plan.jet(low, "right", 1)[0])[0]
+    slopes = linkage.per_follower(plan.jet(low, "right", 1)[0])
     slope = float(slopes[np.argmax(np.abs(slopes))])
     sense = closing_sense(subject) * outwards * float(np.sign(slope))
     return Along(plan, _start(plan), sense, linkage)
