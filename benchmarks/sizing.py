@@ -19,6 +19,7 @@ the two differ are counted.
 from __future__ import annotations
 
 import argparse
+import math
 import platform
 import time
 from collections.abc import Callable
@@ -32,7 +33,7 @@ from camgeo.check.judge import transmission_angle_limit
 from camgeo.check.sizing.exchange import smallest_place
 from camgeo.check.sizing.region import row_limits
 from camgeo.check.sizing.smallest import size
-from camgeo.check.sizing.task import Task, tangent_of
+from camgeo.check.sizing.task import Task, task_of
 from camgeo.errors import GeometryError
 from camgeo.numeric.arrays import BoolArray, FloatArray
 
@@ -59,9 +60,9 @@ def main() -> None:
 def measure(name: str, rounds: int, angles: int) -> None:
     """Print the row of a scene."""
     design = camgeo.load(SCENES / f"{name}.toml")
-    task, limits = Task(design.cam), design.scene.limits
+    task, limits = task_of(design.cam), design.scene.limits
     angle, ratio = transmission_angle_limit(task.cam, limits), limits.radius_ratio
-    tangent = tangent_of(angle)
+    tangent = math.tan(angle)
     alone = best(lambda: smallest_place(task, tangent), rounds)
     both = best(lambda: size(task, angle, ratio), rounds)
     found = size(task, angle, ratio).answer

@@ -11,7 +11,7 @@ import camgeo
 from camgeo.check.judge import transmission_angle_limit
 from camgeo.check.sizing.arm import size_with_arm
 from camgeo.check.sizing.smallest import Rating, Sizing, rate, size
-from camgeo.check.sizing.task import Task
+from camgeo.check.sizing.task import Task, task_of
 from camgeo.design import Design
 
 HERE: Final = Path(__file__).parent
@@ -104,7 +104,7 @@ best arm of {low:g} to {high:g} mm for the scene above with other rollers.
 def sized() -> tuple[Design, Task, Sizing]:
     """The scene of the page and its answer."""
     design = camgeo.load(HERE.parent / SCENE)
-    task, limits = Task(design.cam), design.scene.limits
+    task, limits = task_of(design.cam), design.scene.limits
     return design, task, size(task, transmission_angle_limit(task.cam, limits), limits.radius_ratio)
 
 
@@ -147,7 +147,7 @@ def _row(name: str, rating: Rating | None) -> str:
 
 def _arms(task: Task, sizing: Sizing, share: float) -> str:
     roller = share * task.follower.roller_radius
-    other = Task(task.cam.sized(roller_radius=roller))
+    other = task_of(task.cam.sized(roller_radius=roller))
     best, found = size_with_arm(other, sizing.angle, sizing.ratio, *ARMS)
     ends = [size_with_arm(other, sizing.angle, sizing.ratio, arm, arm)[1] for arm in ARMS]
     arm = best.follower.arm

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Final
 from camgeo.check.judge import transmission_angle_limit
 from camgeo.check.sizing.arm import size_with_arm
 from camgeo.check.sizing.smallest import Sizing, rate, size
-from camgeo.check.sizing.task import Task
+from camgeo.check.sizing.task import Task, task_of
 from camgeo.cli.command import (
     BROKEN,
     FINE,
@@ -89,7 +89,7 @@ def run(parser: argparse.ArgumentParser, arguments: argparse.Namespace) -> int:
     design = Design(load_scene(arguments.scene))
     tell_main_disc(design, "sizes")
     angle, ratio = _required(design, arguments)
-    task = Task(design.cam)
+    task = task_of(design.cam)
     present = rate(task, task.present)
     if arguments.arm is not None:
         low, high = (MM_PER[design.scene.unit] * arm for arm in arguments.arm)
@@ -147,11 +147,11 @@ def _scene(
     kept = size(task, sizing.angle + MARGIN, sizing.ratio * (1.0 - MARGIN))
     if kept.answer is None:
         raise GeometryError("the requirement can only just be met: no scene keeps it surely")
-    lengths = {"base_radius": kept.answer.base_radius, **task.places.moved(kept.answer.place)}
+    lengths = {"base_radius": kept.answer.base_radius, **task.moved(kept.answer.place)}
     if arguments.arm is not None:
         lengths["arm"] = task.follower.arm
     written = resized(design.scene, lengths)
-    again = Task(Design(written).cam)
+    again = task_of(Design(written).cam)
     rating = rate(again, again.present)
     if (
         rating is None

@@ -19,7 +19,7 @@ CELL = 15
 
 def lines(design: Design, task: Task, sizing: Sizing, present: Rating | None) -> list[str]:
     """What is printed; lengths in the unit of the scene, angles in degrees."""
-    second = task.places.second
+    second = task.second
     head = (f"r_G [{design.scene.unit}]", f"{second} [{design.scene.unit}]", "mu [deg]", "at [deg]")
     required = (
         f"required: transmission angle at least {math.degrees(sizing.angle):g} deg,"
@@ -93,7 +93,7 @@ def _row(design: Design, name: str, task: Task, rating: Rating | None) -> str:
     unit = MM_PER[design.scene.unit]
     mu, at = rating.transmission_angle
     ratio, where = rating.radius_ratio
-    second = task.places.second_of(rating.place) / unit + 0.0
+    second = task.second_of(rating.place) / unit + 0.0
     cells = (
         f"{rating.base_radius / unit:.4f}", f"{second:.4f}",
         f"{math.degrees(mu):.4f}", f"{math.degrees(at):.3f}",
@@ -142,7 +142,7 @@ def _record(task: Task, rating: Rating | None) -> dict[str, Any] | None:
     if rating is None:
         return None
     record: dict[str, Any] = {"base_radius_mm": rating.base_radius}
-    record |= task.places.record(rating.place)
+    record |= task.record(rating.place)
     mu, at = rating.transmission_angle
     ratio, where = rating.radius_ratio
     record["transmission_angle_deg"] = {

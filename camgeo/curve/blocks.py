@@ -4,30 +4,31 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import TypeVar
+from functools import wraps
+from typing import Any, TypeVar, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
+from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray
 
-Scalar = TypeVar("Scalar", bound=np.generic)
+Method = TypeVar("Method", bound=Callable[..., NDArray[Any]])
 
 BLOCK = 8192
 """Points a block: a dozen real arrays of that length fit into a second-level cache of 1 MB, and the
 overhead of numpy's calls is spread over many points (benchmarks/evaluate.py shows both)."""
 
 
-def in_blocks(
-    function: Callable[[FloatArray], NDArray[Scalar]], phi: FloatArray
-) -> NDArray[Scalar]:
-    """`function(phi)` for a function (n,) -> (..., n), computed block by block."""
-    if len(phi) <= BLOCK:
-        return function(phi)
-    size = math.ceil(len(phi) / math.ceil(len(phi) / BLOCK))  # no small rest at the end
-    first = function(phi[:size])
-    out = np.empty((*first.shape[:-1], len(phi)), dtype=first.dtype)
-    out[..., :size] = first
-    for start in range(size, len(phi), size):
-        out[..., start : start + size] = function(phi[start : start + size])
-    return out
+def in_blocks(method: Method) -> Method:
+    """`method(self, phi, side)`, (n,) -> (..., n), computed block by block; a number is (1,)."""
+
+    @wraps(method)
+    def whole(owner: Any, phi: FloatArray, side: Side = "right") -> NDArray[Any]:
+        phi = np.atleast_1d(phi)
+        if len(phi) <= BLOCK:
+            return method(owner, phi, side)
+        blocks = np.array_split(phi, math.ceil(len(phi) / BLOCK))
+        return np.concatenate([method(owner, block, side) for block in blocks], axis=-1)
+
+    return cast("Method", whole)

@@ -70,26 +70,20 @@ class PitchCurve:
         jet = self.motion.jet(phi, side, min(order + self.follower.ahead, FULL_ORDER))
         return self.follower.relative_jet(jet, self.rotation, order)
 
+    @in_blocks
     def jet(self, phi: FloatArray, side: Side = "right") -> ComplexArray:
         """(4, n) complex [mm/rad^k]: Z, Z', Z'', Z''' at the cam angles `phi` (n,) [rad].
 
         (3, n) of a flat face, which has no Z'''.
         """
+        relative = self.relative_jet(phi, side)
+        return self.in_cam(relative, phi, relative.along, relative.across)
 
-        def block(angles: FloatArray) -> ComplexArray:
-            relative = self.relative_jet(angles, side)
-            return self.in_cam(relative, angles, relative.along, relative.across)
-
-        return in_blocks(block, np.atleast_1d(phi))
-
+    @in_blocks
     def point(self, phi: FloatArray, side: Side = "right") -> ComplexArray:
         """(n,) complex [mm]: Z at the cam angles `phi` (n,) [rad]."""
-
-        def block(angles: FloatArray) -> ComplexArray:
-            relative = self.relative_jet(angles, side, order=1)
-            return self.in_cam(relative, angles, relative.along[0], relative.across[0])
-
-        return in_blocks(block, np.atleast_1d(phi))
+        relative = self.relative_jet(phi, side, order=1)
+        return self.in_cam(relative, phi, relative.along[0], relative.across[0])
 
     def in_cam(
         self, relative: RelativeJet, phi: FloatArray, along: FloatArray, across: FloatArray
@@ -102,6 +96,7 @@ class PitchCurve:
         np.add(along * sine, across * cosine, out=out.imag)
         return out
 
+    @in_blocks
     def curvature(self, phi: FloatArray, side: Side = "right") -> FloatArray:
         """(n,) [1/mm] signed curvature, positive where the curve is convex; an inflection is 0.
 
@@ -113,47 +108,35 @@ class PitchCurve:
         GeometryError
             Where the roller centre stands still in the cam, Z' = 0: a cusp of the pitch curve.
         """
+        relative = self.relative_jet(phi, side, order=2 - self.follower.ahead)
+        return self.follower.curvature(relative, self.speed(relative), self.rotation)
 
-        def block(angles: FloatArray) -> FloatArray:
-            relative = self.relative_jet(angles, side, order=2 - self.follower.ahead)
-            return self.follower.curvature(relative, self.speed(relative), self.rotation)
-
-        return in_blocks(block, np.atleast_1d(phi))
-
+    @in_blocks
     def curvature_slope(self, phi: FloatArray, side: Side = "right") -> FloatArray:
         """(n,) dkappa/dphi [1/(mm rad)] at `phi` (n,) [rad], by the chain rule."""
+        motion = self.motion.jet(phi, side)
+        self.speed(self.follower.relative_jet(motion, self.rotation, 1))
+        return curvature_slope(self.follower.tangent_jet(motion, self.rotation), self.rotation)
 
-        def block(angles: FloatArray) -> FloatArray:
-            motion = self.motion.jet(angles, side)
-            self.speed(self.follower.relative_jet(motion, self.rotation, 1))
-            return curvature_slope(self.follower.tangent_jet(motion, self.rotation), self.rotation)
-
-        return in_blocks(block, np.atleast_1d(phi))
-
+    @in_blocks
     def transmission_angle(self, phi: FloatArray, side: Side = "right") -> FloatArray:
         """(n,) [rad] in [0, pi/2]: acute angle between rocker, or guide normal, and curve normal.
 
         mu = atan2(|u|, |v|) (Wirsig section 3.3.4, corrected). Raises GeometryError where Z' = 0:
         there is no normal.
         """
+        relative = self.relative_jet(phi, side, order=1)
+        self.speed(relative)
+        return np.arctan2(np.abs(relative.u), np.abs(relative.v))
 
-        def block(angles: FloatArray) -> FloatArray:
-            relative = self.relative_jet(angles, side, order=1)
-            self.speed(relative)
-            return transmission_angle(relative)
-
-        return in_blocks(block, np.atleast_1d(phi))
-
+    @in_blocks
     def pressure_angle(self, phi: FloatArray, side: Side = "right") -> FloatArray:
         """(n,) [rad] in [0, pi/2]: pi/2 - mu, to its own last digits where it is tiny."""
+        relative = self.relative_jet(phi, side, order=1)
+        self.speed(relative)
+        return np.arctan2(np.abs(relative.v), np.abs(relative.u))
 
-        def block(angles: FloatArray) -> FloatArray:
-            relative = self.relative_jet(angles, side, order=1)
-            self.speed(relative)
-            return np.arctan2(np.abs(relative.v), np.abs(relative.u))
-
-        return in_blocks(block, np.atleast_1d(phi))
-
+    @in_blocks
     def leverage(self, phi: FloatArray, side: Side = "right") -> FloatArray:
         """(n,) [1 or mm/rad] dn/dq: way of the roller centre along the outward normal of the pitch
         curve a unit of lift q, at `phi` (n,) [rad].
@@ -164,13 +147,9 @@ class PitchCurve:
         rocks the lever of the contact about the pivot; it is positive where a positive lift moves
         the follower outwards. Raises GeometryError where Z' = 0.
         """
-
-        def block(angles: FloatArray) -> FloatArray:
-            relative = self.relative_jet(angles, side, order=1)
-            along: FloatArray = relative.reach * relative.u / self.speed(relative)
-            return along
-
-        return in_blocks(block, np.atleast_1d(phi))
+        relative = self.relative_jet(phi, side, order=1)
+        along: FloatArray = relative.reach * relative.u / self.speed(relative)
+        return along
 
     def speed(self, relative: RelativeJet) -> FloatArray:
         """|Z'| (n,) [mm/rad], never zero.
@@ -202,11 +181,6 @@ class PitchCurve:
         jet = self.in_cam(relative, 0.5 * (low + high), relative.along, relative.across)
         half = 0.5 * (high - low)
         return jet, self.follower.speed_bounds(middle, bounds, half, self.rotation)
-
-
-def transmission_angle(relative: RelativeJet) -> FloatArray:
-    """mu (n,) [rad], see `PitchCurve.transmission_angle`."""
-    return np.arctan2(np.abs(relative.u), np.abs(relative.v))
 
 
 def curvature_slope(tangent: TangentJet, rotation: int) -> FloatArray:

@@ -59,17 +59,14 @@ class WorkingCurve:
         """Rests: arcs of a circle about the cam axis."""
         return self.pitch.dwells
 
+    @in_blocks
     def point(self, phi: FloatArray, side: Side = "right") -> ComplexArray:
         """(n,) complex [mm] points at the cam angles `phi` (n,) [rad]."""
         if self.distance == 0.0:
             return self.pitch.point(phi, side)
-
-        def block(angles: FloatArray) -> ComplexArray:
-            relative = self.pitch.relative_jet(angles, side, order=1)
-            along, across = self.offset_parts(relative, self.pitch.speed(relative))
-            return self.pitch.in_cam(relative, angles, along, across)
-
-        return in_blocks(block, np.atleast_1d(phi))
+        relative = self.pitch.relative_jet(phi, side, order=1)
+        along, across = self.offset_parts(relative, self.pitch.speed(relative))
+        return self.pitch.in_cam(relative, phi, along, across)
 
     def offset_parts(
         self, relative: RelativeJet, speed: FloatArray
@@ -80,19 +77,16 @@ class WorkingCurve:
         across = relative.across[0] + scale * relative.along[1]
         return along, across
 
+    @in_blocks
     def tangent(self, phi: FloatArray, side: Side = "right") -> ComplexArray:
         """(n,) complex unit tangents in the direction of growing cam angle, of the pitch curve.
 
         Those of the curve itself wherever it is regular; in undercut it runs against them.
         """
-
-        def block(angles: FloatArray) -> ComplexArray:
-            relative = self.pitch.relative_jet(angles, side, order=1)
-            speed = self.pitch.speed(relative)
-            along, across = relative.along[1] / speed, relative.across[1] / speed
-            return self.pitch.in_cam(relative, angles, along, across)
-
-        return in_blocks(block, np.atleast_1d(phi))
+        relative = self.pitch.relative_jet(phi, side, order=1)
+        speed = self.pitch.speed(relative)
+        along, across = relative.along[1] / speed, relative.across[1] / speed
+        return self.pitch.in_cam(relative, phi, along, across)
 
     def regularity(self, phi: FloatArray, side: Side = "right") -> FloatArray:
         """(n,) 1 + d kappa: positive where regular, 0 at a cusp, negative in undercut."""

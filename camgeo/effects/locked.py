@@ -32,7 +32,7 @@ def refuse_locked(subject: Subject, burden: str) -> None:
     linkage = subject.cam.drive.linkage
     if linkage is None:
         return
-    from camgeo.mechanism.locking import locked_at
+    from camgeo.mechanism.positions import locked_at
 
     locked = locked_at(linkage, subject.cam.drive.plan)
     if locked is None:

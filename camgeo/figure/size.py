@@ -11,7 +11,7 @@ import numpy as np
 
 from camgeo.check.sizing.region import flocke_limits, ratio_map, row_limits
 from camgeo.check.sizing.smallest import Sizing
-from camgeo.check.sizing.task import Task, tangent_of
+from camgeo.check.sizing.task import Task
 from camgeo.figure.layout import grid
 from camgeo.figure.marks import Band, Circle, Field, Fill, Line, Mark, Rule, Style, over
 from camgeo.figure.model import Axis, Figure, Legend, Panel, entries
@@ -52,7 +52,7 @@ def figure(name: str, task: Task, sizing: Sizing) -> Figure:
 
 def seen(task: Task, real: FloatArray, imag: FloatArray) -> tuple[FloatArray, FloatArray]:
     """x, y of the picture [mm] from real and imaginary part of places, see `Task`."""
-    across, up = task.places.seen
+    across, up = task.seen
     return across * real, up * imag
 
 
@@ -60,8 +60,8 @@ def window(task: Task, sizing: Sizing) -> tuple[FloatArray, FloatArray]:
     """Columns (2,) and rows (2,) of the places that are shown, as wide as high [mm]."""
     rated = (sizing.flocke, sizing.for_angle, sizing.answer)
     places = [task.present, task.start, *(each.place for each in rated if each is not None)]
-    if task.places.held is not None:
-        places.append(task.places.held)
+    if task.held is not None:
+        places.append(task.held)
     real, imag = np.array([p.real for p in places]), np.array([p.imag for p in places])
     room = 1.4 * task.follower.roller_radius
     low = float(np.min(imag)) * 1.45
@@ -73,7 +73,7 @@ def window(task: Task, sizing: Sizing) -> tuple[FloatArray, FloatArray]:
 def _regions(task: Task, sizing: Sizing, columns: FloatArray, rows: FloatArray) -> list[Mark]:
     depths = np.linspace(rows[0], 0.0, ROWS)
     angle = f"μ ≥ {np.degrees(sizing.angle):g}°"
-    low, high = row_limits(task, tangent_of(sizing.angle), depths)
+    low, high = row_limits(task, np.tan(sizing.angle), depths)
     exact = _band(task, depths, low, high, columns, REGION, f"{angle}, exact")
     low, high = flocke_limits(sizing.construction, depths)
     marks: list[Mark] = [exact]
@@ -112,7 +112,7 @@ def _follower(task: Task) -> list[Mark]:
     """The roller, and its rocker or guide."""
     start = task.start
     roller = Circle((start.real, 0.0), task.follower.roller_radius, Fill(edge="black"))
-    if task.places.held is not None:
+    if task.held is not None:
         pivot = Style("black", marker="o", face="white", edge="black")
         arm = Line(over([0.0, start.real], [0.0, 0.0]), Style("black", 2.0))
         return [roller, arm, Line(over([0.0], [0.0]), pivot)]

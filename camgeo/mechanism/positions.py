@@ -77,6 +77,18 @@ def course_of(motion: Motion) -> Course:
     return Course(motion, ends, np.asarray(motion.jet(ends)[0]))
 
 
+def locked_at(linkage: Linkage, demanded: Motion) -> tuple[float, float] | None:
+    """First cam angle [rad] and position [mm or rad] at which the follower cannot move the far end.
+
+    There dx/dq of `Linkage.per_follower` is infinite: a mass or a load at the far end needs an
+    infinite force of the follower. None if the motion that is `demanded` of the far end keeps clear
+    of all such positions.
+    """
+    course = course_of(demanded)
+    found = linkage.locked_positions(*course.range)
+    return min(((course.first_angle(each), each) for each in found), default=None)
+
+
 def position_told(linkage: Linkage, position: float) -> str:
     """In words, a position of the demanded motion [mm or rad]."""
     if linkage.unit == "mm":

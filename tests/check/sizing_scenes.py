@@ -6,7 +6,7 @@ from pathlib import Path
 
 import camgeo
 from camgeo.check.judge import transmission_angle_limit
-from camgeo.check.sizing.task import Task
+from camgeo.check.sizing.task import Task, task_of
 
 SCENES = Path(__file__).parents[2] / "fixtures" / "scenes"
 EASY = ["plate_translating", "setzhub", "ring", "querhub", "straight_moves"]
@@ -18,4 +18,4 @@ def required(name: str) -> tuple[Task, float, float]:
     design = camgeo.load(SCENES / f"{name}.toml")
     limits = design.scene.limits
     angle = transmission_angle_limit(design.cam, limits)
-    return Task(design.cam), angle, limits.radius_ratio
+    return task_of(design.cam), angle, limits.radius_ratio

@@ -9,7 +9,7 @@ import pytest
 
 from camgeo.check.sizing.arm import size_with_arm, with_arm
 from camgeo.check.sizing.smallest import size
-from camgeo.check.sizing.task import Task
+from camgeo.check.sizing.task import task_of
 from camgeo.errors import GeometryError
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from tests.check.sizing_scenes import required
@@ -17,7 +17,7 @@ from tests.check.sizing_scenes import required
 
 def test_for_the_angle_alone_all_scales_and_the_shortest_arm_is_best() -> None:
     task, angle, _ = required("setzhub")
-    small = Task(task.cam.sized(roller_radius=1e-3))
+    small = task_of(task.cam.sized(roller_radius=1e-3))
     found = [size(with_arm(small, arm), angle, 1.0).answer for arm in (30.0, 60.0)]
     assert found[0] is not None
     assert found[1] is not None
@@ -31,7 +31,7 @@ def test_for_the_angle_alone_all_scales_and_the_shortest_arm_is_best() -> None:
 @pytest.mark.parametrize("contact", ["inner", "outer"])
 def test_no_other_arm_of_the_range_is_better(contact: str) -> None:
     task, angle, ratio = required("schnitt")
-    task = Task(replace(task.cam, contact=contact))  # type: ignore[arg-type]
+    task = task_of(replace(task.cam, contact=contact))  # type: ignore[arg-type]
     low, high = 12.0, 60.0
     sized, sizing = size_with_arm(task, angle, ratio, low, high)
     assert isinstance(sized.follower, OscillatingRoller)

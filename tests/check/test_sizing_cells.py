@@ -11,7 +11,7 @@ import pytest
 from camgeo.check.sizing.cells import GAP, excluded, nearest_cells, within
 from camgeo.check.sizing.conditions import Conditions, conditions, samples_of
 from camgeo.check.sizing.smallest import size
-from camgeo.check.sizing.task import Task, tangent_of
+from camgeo.check.sizing.task import Task
 from tests.check.sizing_scenes import BENT, required
 
 
@@ -20,7 +20,7 @@ def asked(name: str) -> tuple[Task, Conditions, float]:
     task, angle, ratio = required(name)
     answer = size(task, angle, ratio).answer
     assert answer is not None
-    return task, conditions(task, tangent_of(angle), ratio, samples_of(task)), answer.base_radius
+    return task, conditions(task, math.tan(angle), ratio, samples_of(task)), answer.base_radius
 
 
 @pytest.mark.parametrize("name", BENT)

@@ -10,7 +10,7 @@ import pytest
 
 from camgeo.check.sizing.flocke import flocke
 from camgeo.check.sizing.smallest import Sizing, rate, size
-from camgeo.check.sizing.task import Task
+from camgeo.check.sizing.task import Task, task_of
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.motion.plan import Dwell, MotionPlan, Move
@@ -38,7 +38,7 @@ FLOCKE_OSCILLATING = {
 """Base radius [mm] and true smallest transmission angle [deg] as printed in its table."""
 
 
-def task_of(name: str) -> Task:
+def reference_task(name: str) -> Task:
     given = CASES[name]["args"]
     rise, back = given["phi_HP"], given["phi_HN"]
     stroke = float(given["s_H"]) if "s_H" in given else math.radians(given["psi_H"])
@@ -58,11 +58,11 @@ def task_of(name: str) -> Task:
     else:
         arm = float(given["l_3"])
         follower = OscillatingRoller(100 + 0j, arm, 90.0, ROLLER, 1, given["kappa_ccw"])
-    return Task(cam_of(plan, follower, given["sigma"]))
+    return task_of(cam_of(plan, follower, given["sigma"]))
 
 
 def sized(name: str) -> Sizing:
-    return size(task_of(name), math.radians(CASES[name]["args"]["mu_min"]), 1.0)
+    return size(reference_task(name), math.radians(CASES[name]["args"]["mu_min"]), 1.0)
 
 
 def rise_and_return(name: str) -> tuple[float, float, float, float]:
@@ -90,7 +90,7 @@ def test_every_key_is_compared() -> None:
 @pytest.mark.parametrize("name", TRANSLATING)
 def test_bounds_of_the_region_are_the_reference(name: str) -> None:
     """s_G + T e >= m1 and s_G - T e >= m2, the largest bounds over the turn."""
-    case, task = CASES[name], task_of(name)
+    case, task = CASES[name], reference_task(name)
     tangent = math.tan(math.radians(case["args"]["mu_min"]))
     for key, t in (("m1", tangent), ("m2", -tangent)):
         assert -task.slack(0j, t).smallest()[0] == pytest.approx(float(case[key]), rel=1e-12)
@@ -126,7 +126,7 @@ def test_translating_is_decided_where_the_reference_says(name: str) -> None:
 
 @pytest.mark.parametrize("name", TRANSLATING)
 def test_flocke_is_the_reference(name: str) -> None:
-    case, task = CASES[name]["flocke"], task_of(name)
+    case, task = CASES[name]["flocke"], reference_task(name)
     place = flocke(task, math.tan(math.radians(CASES[name]["args"]["mu_min"]))).place
     assert place is not None
     assert place.real == pytest.approx(float(case["e"]), abs=1e-12)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 
@@ -9,7 +11,7 @@ from camgeo.check.sizing.flocke import flocke
 from camgeo.check.sizing.half_planes import nearest_point
 from camgeo.check.sizing.region import flocke_limits, ratio_map, row_limits
 from camgeo.check.sizing.smallest import size
-from camgeo.check.sizing.task import Task, tangent_of
+from camgeo.check.sizing.task import Task
 from camgeo.check.transmission_angle import transmission_angle_extremes
 from camgeo.curve.curvature import curvature_extremes
 from camgeo.numeric.arrays import BoolArray, FloatArray
@@ -31,7 +33,7 @@ def _brute_map(
 @pytest.mark.parametrize("name", ["plate_translating", "setzhub", "schnitt"])
 def test_the_map_is_that_of_brute_force(name: str) -> None:
     task, angle, _ = required(name)
-    tangent = tangent_of(angle)
+    tangent = math.tan(angle)
     found = size(task, angle, 1.0)
     assert found.for_angle is not None
     place, radius = found.for_angle.place, found.for_angle.base_radius
@@ -53,7 +55,7 @@ def test_the_map_is_that_of_brute_force(name: str) -> None:
 def test_row_ends_are_at_the_limit() -> None:
     for name in ("plate_translating", "setzhub"):
         task, angle, _ = required(name)
-        tangent = tangent_of(angle)
+        tangent = math.tan(angle)
         place = task.present
         rows = place.imag * np.array([1.0, 1.3, 1.9])
         low, high = row_limits(task, tangent, rows)
@@ -68,7 +70,7 @@ def test_row_ends_are_at_the_limit() -> None:
 @pytest.mark.parametrize("name", [*EASY, *BENT])
 def test_flockes_region_lies_in_the_exact_one(name: str) -> None:
     task, angle, _ = required(name)
-    tangent = tangent_of(angle)
+    tangent = math.tan(angle)
     rows = task.present.imag * np.linspace(0.3, 3.0, 40)
     low, high = row_limits(task, tangent, rows)
     inner_low, inner_high = flocke_limits(flocke(task, tangent), rows)

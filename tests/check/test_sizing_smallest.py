@@ -11,7 +11,7 @@ import camgeo
 from camgeo.check.sizing import bends
 from camgeo.check.sizing.conditions import conditions
 from camgeo.check.sizing.smallest import active_conditions, rate, size
-from camgeo.check.sizing.task import Task, tangent_of
+from camgeo.check.sizing.task import task_of
 from camgeo.cli.size_told import reason
 from camgeo.errors import GeometryError
 from tests.check.sizing_scenes import BENT, EASY, SCENES, required
@@ -53,7 +53,7 @@ def test_no_smaller_circle_is_seen_anywhere(name: str) -> None:
     found = size(task, angle, ratio)
     assert found.answer is not None
     phi = np.linspace(0.0, 2.0 * math.pi, 721)
-    now = conditions(task, tangent_of(angle), ratio, phi)
+    now = conditions(task, math.tan(angle), ratio, phi)
     theta = np.linspace(-math.pi, 0.0, 400)
     for share in np.linspace(0.7, 0.9995, 8):
         places = task.start + share * found.answer.base_radius * np.exp(1j * theta)
@@ -83,7 +83,7 @@ def test_however_large_the_roller_a_large_cam_takes_it() -> None:
         assert found.answer is not None
         assert found.answer.radius_ratio[0] <= 1e-3 * (1.0 + 1e-9)
         assert found.answer.base_radius == pytest.approx(roller / 1e-3, rel=0.1)
-    huge = Task(task.cam.sized(roller_radius=500.0))
+    huge = task_of(task.cam.sized(roller_radius=500.0))
     answer = size(huge, angle, 0.7).answer
     assert answer is not None
     assert {each.name for each in active_conditions(huge, answer, angle, 0.7)} == {

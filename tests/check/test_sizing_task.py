@@ -9,7 +9,7 @@ from decimal import Decimal
 import numpy as np
 import pytest
 
-from camgeo.check.sizing.task import Task
+from camgeo.check.sizing.task import Task, task_of
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.mechanism.translating_roller import TranslatingRoller
@@ -66,7 +66,7 @@ def test_every_arrangement_has_the_terms_of_its_pitch_curve(
             Dwell(Decimal(100)),
         )
     )
-    agrees(Task(cam_of(plan, follower, rotation)))
+    agrees(task_of(cam_of(plan, follower, rotation)))
 
 
 @pytest.mark.parametrize("tangent", [1.7, -0.8])

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from camgeo.curve.blocks import BLOCK, in_blocks
+from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray
 from camgeo.units import TURN
 from tests.reference import inner_of, mechanisms, pitch_curve_of
@@ -13,12 +14,14 @@ from tests.reference import inner_of, mechanisms, pitch_curve_of
 def test_blocks_cover_all_points_once_in_order(count: int) -> None:
     sizes = []
 
-    def function(x: FloatArray) -> FloatArray:
+    @in_blocks
+    def function(_: None, x: FloatArray, side: Side) -> FloatArray:
+        assert side == "left"
         sizes.append(len(x))
         return np.stack((x, 2.0 * x))
 
     x = np.arange(float(count))
-    assert np.array_equal(in_blocks(function, x), np.stack((x, 2.0 * x)))
+    assert np.array_equal(function(None, x, "left"), np.stack((x, 2.0 * x)))
     assert max(sizes) <= BLOCK
     assert sum(sizes) == count
 

@@ -17,8 +17,8 @@ from camgeo.effects.friction.spec import parse
 from camgeo.effects.friction.statics import Statics
 from camgeo.effects.results import Results
 from camgeo.errors import EffectError, GeometryError
-from camgeo.mechanism.locking import locked_at
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
+from camgeo.mechanism.positions import locked_at
 from camgeo.mechanism.slider_crank import SliderCrank
 from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.motion.motion import Side

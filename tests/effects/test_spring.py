@@ -15,7 +15,7 @@ from camgeo.design import Design
 from camgeo.effects.spring.spec import parse
 from camgeo.effects.spring.ways import BetweenPoints, along_slider
 from camgeo.errors import GeometryError
-from camgeo.mechanism.locking import locked_at
+from camgeo.mechanism.positions import locked_at
 from camgeo.mechanism.slider_crank import SliderCrank
 from camgeo.numeric.arrays import FloatArray
 from camgeo.units import TURN

@@ -19,7 +19,7 @@ from matplotlib.figure import Figure as Page
 
 import camgeo
 from camgeo.check.sizing.smallest import size as sized
-from camgeo.check.sizing.task import Task
+from camgeo.check.sizing.task import task_of
 from camgeo.cli.plot import RENDERERS
 from camgeo.figure import accuracy, crank_slide, laws, plots, replay, size, stability
 from camgeo.figure.layout import grid, limits, log_limits, rooms, round_ticks
@@ -52,7 +52,7 @@ FIXTURES = Path(__file__).parents[2] / "fixtures"
 
 def of_size() -> Figure:
     design = camgeo.load(FIXTURES / "scenes" / "schnitt.toml")
-    task = Task(design.cam)
+    task = task_of(design.cam)
     return size.figure(design.name, task, sized(task, np.radians(45.0), 0.5))
 
 

@@ -11,7 +11,7 @@ import pytest
 import camgeo
 from camgeo.check.judge import transmission_angle_limit
 from camgeo.check.sizing.smallest import Sizing, size
-from camgeo.check.sizing.task import Task
+from camgeo.check.sizing.task import Task, task_of
 from camgeo.figure.marks import Line
 from camgeo.figure.model import Panel
 from camgeo.figure.size import figure, seen, window
@@ -22,7 +22,7 @@ SCENES = Path(__file__).parents[2] / "fixtures" / "scenes"
 
 def sized(name: str, angle: float | None = None) -> tuple[Task, Sizing]:
     design = camgeo.load(SCENES / f"{name}.toml")
-    task = Task(design.cam)
+    task = task_of(design.cam)
     required = transmission_angle_limit(design.cam, design.scene.limits) if angle is None else angle
     return task, size(task, required, design.scene.limits.radius_ratio)
 

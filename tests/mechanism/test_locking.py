@@ -15,7 +15,7 @@ from camgeo.errors import GeometryError
 from camgeo.mechanism.crank_slider import CrankSlider
 from camgeo.mechanism.four_bar import FourBar
 from camgeo.mechanism.linkage_protocol import Linkage
-from camgeo.mechanism.locking import locked_at
+from camgeo.mechanism.positions import locked_at
 from camgeo.mechanism.slider_crank import SliderCrank
 from camgeo.motion.laws import make_law
 from camgeo.motion.plan import Dwell, MotionPlan, Move

@@ -12,7 +12,7 @@ from mpmath import mp, mpf
 
 from camgeo.errors import GeometryError
 from camgeo.mechanism.linkage import LinkedMotion
-from camgeo.mechanism.locking import locked_at
+from camgeo.mechanism.positions import locked_at
 from camgeo.mechanism.slider_crank import SliderCrank
 from camgeo.motion.laws import make_law
 from camgeo.motion.plan import Dwell, MotionPlan, Move

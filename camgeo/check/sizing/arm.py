@@ -14,7 +14,7 @@ import math
 import numpy as np
 
 from camgeo.check.sizing.smallest import Sizing, size
-from camgeo.check.sizing.task import Task
+from camgeo.check.sizing.task import Task, task_of
 from camgeo.errors import GeometryError
 
 ARMS = 7
@@ -34,7 +34,7 @@ def with_arm(task: Task, arm: float) -> Task:
     follower = task.follower
     scale = arm / follower.arm
     pivot, base_radius = follower.pivot * scale, follower.base_radius * scale
-    return Task(task.cam.sized(arm=arm, pivot=pivot, base_radius=base_radius))
+    return task_of(task.cam.sized(arm=arm, pivot=pivot, base_radius=base_radius))
 
 
 def size_with_arm(
@@ -53,7 +53,7 @@ def size_with_arm(
         With key "follower.kind" for a follower without an arm, "arm" if the range is none or lets
         the roller reach the pivot; and as `size` does.
     """
-    if task.places.held is None:
+    if task.held is None:
         raise GeometryError(
             "an arm is looked for where there is one: with an oscillating roller follower",
             key="follower.kind",

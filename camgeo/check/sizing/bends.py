@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from camgeo.check.sizing.cells import Start, nearest_cells, within
-from camgeo.check.sizing.conditions import Conditions, conditions, samples_of, signs_of
+from camgeo.check.sizing.conditions import Conditions, conditions, samples_of
 from camgeo.check.sizing.task import Task
 from camgeo.curve.curvature import curvature_extremes
 from camgeo.errors import GeometryError
@@ -52,7 +52,7 @@ def worst_ratio(task: Task, place: complex) -> tuple[float, float]:
     Raises GeometryError if the roller centre stands still in the cam.
     """
     bends = curvature_extremes(task.pitch_curve_at(place))
-    found = [(sign, bends.largest() if sign > 0.0 else bends.smallest()) for sign in signs_of(task)]
+    found = [(sign, bends.largest() if sign > 0.0 else bends.smallest()) for sign in task.signs]
     sign, (kappa, phi) = max(found, key=lambda each: each[0] * each[1][0])
     return max(task.follower.roller_radius * sign * kappa, 0.0), phi
 
@@ -130,7 +130,7 @@ def _extreme_angles(
         angles.append(found.phi)
     bends = curvature_extremes(task.pitch_curve_at(place))
     angles.append(bends.phi)
-    for sign in signs_of(task):
+    for sign in task.signs:
         worst = float(np.max(sign * bends.values)) * task.follower.roller_radius
         broken = broken or worst > ratio * (1.0 + CLOSE)
     return np.concatenate(angles), broken

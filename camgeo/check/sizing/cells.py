@@ -22,7 +22,7 @@ from dataclasses import dataclass, fields, replace
 import numpy as np
 
 from camgeo.check.sizing.conditions import Conditions
-from camgeo.check.sizing.places import Terms
+from camgeo.check.sizing.task import Terms
 from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray
 
 DIRECTIONS = 32

@@ -6,8 +6,7 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from camgeo.check.sizing.places import Terms
-from camgeo.check.sizing.task import Task
+from camgeo.check.sizing.task import Task, Terms
 from camgeo.curve.pieces import smooth_pieces
 from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray
 
@@ -48,11 +47,6 @@ class Conditions:
         return np.asarray(self.roller * np.max(worst, axis=0))
 
 
-def signs_of(task: Task) -> tuple[float, ...]:
-    """Signs of the curvature that matter: +1 convex for an inner flank, -1 concave for an outer."""
-    return tuple(-float(flank.sign) for flank in task.cam.contact.flanks)
-
-
 def samples_of(task: Task) -> FloatArray:
     """(n,) cam angles [rad] inside all pieces, the ends of each among them but for rounding."""
     share = np.linspace(0.0, 1.0, SAMPLES)
@@ -75,4 +69,4 @@ def conditions(task: Task, tangent: float, ratio: float, phi: FloatArray) -> Con
             for each in fields(Terms)
         )
     )
-    return Conditions(terms, tangent, task.follower.roller_radius, ratio, signs_of(task))
+    return Conditions(terms, tangent, task.follower.roller_radius, ratio, task.signs)

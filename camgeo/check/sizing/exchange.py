@@ -9,11 +9,13 @@ Newton's method.
 from __future__ import annotations
 
 import math
+from typing import Final
 
 import numpy as np
 
 from camgeo.check.sizing.half_planes import nearest_point
-from camgeo.check.sizing.task import Task, tangent_of
+from camgeo.check.sizing.task import Task
+from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 
 CLOSE = 2e-14
@@ -23,6 +25,8 @@ MOST = 80
 """Rounds; a dozen is usual."""
 
 BISECTIONS = 26
+
+SIDES: Final[tuple[Side, ...]] = ("right", "left")
 
 
 def smallest_place(task: Task, tangent: float) -> complex | None:
@@ -42,9 +46,10 @@ def smallest_place(task: Task, tangent: float) -> complex | None:
             worst = found.values < -CLOSE * size
             if np.any(worst) or not len(bounds):
                 broken = broken or bool(np.any(worst))
-                more = task.half_planes(found.phi[worst], t)
-                normals = np.concatenate((normals, more[0]))
-                bounds = np.concatenate((bounds, more[1]))
+                for side in SIDES:
+                    more = task.terms(found.phi[worst], side).half_planes(t)
+                    normals = np.concatenate((normals, more[0]))
+                    bounds = np.concatenate((bounds, more[1]))
         if not broken:
             return place
         normals, bounds = _different(normals, bounds)
@@ -62,7 +67,7 @@ def largest_angle(task: Task) -> float:
     low, high = 0.0, math.radians(89.0)
     for _ in range(BISECTIONS):
         middle = 0.5 * (low + high)
-        if smallest_place(task, tangent_of(middle)) is None:
+        if smallest_place(task, math.tan(middle)) is None:
             high = middle
         else:
             low = middle

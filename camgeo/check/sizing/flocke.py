@@ -38,13 +38,10 @@ def flocke(task: Task, tangent: float) -> Flocke:
     """The construction for a transmission angle of atan(`tangent`)."""
     lifts = np.repeat(lift_range(task.motion), 2)
     rates = np.tile(_velocity_range(task), 2)
-    terms = task.places.terms(np.stack((lifts, rates, np.zeros_like(lifts))), task.cam.rotation)
-    normals, bounds = [], []
-    for t in (tangent, -tangent):
-        normals.append(np.conj((t + 1j) * terms.turn))
-        bounds.append(t * terms.q - terms.p)
-    every, limits = np.concatenate(normals), np.concatenate(bounds)
-    return Flocke(every, limits, nearest_point(every, limits, task.start))
+    terms = task.terms_of(np.stack((lifts, rates, np.zeros_like(lifts))))
+    sides = zip(terms.half_planes(tangent), terms.half_planes(-tangent), strict=True)
+    normals, bounds = (np.concatenate(each) for each in sides)
+    return Flocke(normals, bounds, nearest_point(normals, bounds, task.start))
 
 
 def _velocity_range(task: Task) -> tuple[float, float]:

@@ -8,10 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from camgeo.check.sizing.bends import smallest_with_bends, worst_ratio
-from camgeo.check.sizing.conditions import signs_of
 from camgeo.check.sizing.exchange import largest_angle, smallest_place
 from camgeo.check.sizing.flocke import Flocke, flocke
-from camgeo.check.sizing.task import Task, tangent_of
+from camgeo.check.sizing.task import Task
 from camgeo.check.transmission_angle import transmission_angle_extremes
 from camgeo.curve.curvature import curvature_extremes
 from camgeo.errors import GeometryError
@@ -111,7 +110,7 @@ def size(task: Task, angle: float, ratio: float) -> Sizing:
         raise GeometryError("must be above 0 and at most 1", key="radius_ratio", value=f"{ratio:g}")
     if task.cam.clearance > 0.0:  # beyond it, the flanks of a groove with play come to a cusp
         ratio = min(ratio, task.follower.roller_radius / task.cam.disc.flank_distance)
-    tangent = tangent_of(angle)
+    tangent = math.tan(angle)
     construction = flocke(task, tangent)
     proposal = None if construction.place is None else rate(task, construction.place)
     place = smallest_place(task, tangent)
@@ -164,7 +163,7 @@ def active_conditions(task: Task, rating: Rating, angle: float, ratio: float) ->
         for phi in angles.phi[np.abs(angles.values - angle) <= ACTIVE]
     ]
     bends = curvature_extremes(curve)
-    for sign in signs_of(task):
+    for sign in task.signs:
         near = np.abs(sign * task.follower.roller_radius * bends.values - ratio) <= ACTIVE
         found += [Active("radius-ratio", float(phi) % TURN) for phi in bends.phi[near]]
     kept: list[Active] = []

@@ -14,40 +14,109 @@ at least mu is u >= T v and u >= -T v, T = tan mu: two half-planes at each cam a
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass
-from typing import Any, Final
+import cmath
+from abc import ABC, abstractmethod
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 import numpy as np
 
 from camgeo.cam.cam import Cam
-from camgeo.check.sizing.places import Places, Terms, at_place, places_of
 from camgeo.curve.extremes import Extremes, extremes
 from camgeo.curve.pitch_curve import PitchCurve
-from camgeo.motion.motion import Motion, Side
+from camgeo.errors import GeometryError
+from camgeo.mechanism.follower import Follower
+from camgeo.mechanism.oscillating_roller import OscillatingRoller
+from camgeo.mechanism.translating_roller import TranslatingRoller
+from camgeo.motion.motion import Jet, Motion, Side
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 
-SIDES: Final[tuple[Side, ...]] = ("right", "left")
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Terms:
+    """What u, v and the curvature are made of at n cam angles, see the module.
+
+    Attributes
+    ----------
+    p, q : (n,) [mm/rad].
+    turn : (n,) complex r, of magnitude 1.
+    alpha, beta : (n,) [mm/rad^2]; |Z'|^3 kappa = |Z'|^2 - alpha u + beta v.
+    p1, q1, turning : (n,) dp/dphi, dq/dphi, and d(-arg r)/dphi.
+    """
+
+    p: FloatArray
+    q: FloatArray
+    turn: ComplexArray
+    alpha: FloatArray
+    beta: FloatArray
+    p1: FloatArray
+    q1: FloatArray
+    turning: FloatArray
+
+    def across_and_along(self, place: complex | ComplexArray) -> tuple[FloatArray, FloatArray]:
+        """u, v [mm/rad] for one place, or (k, n) for places (k, 1)."""
+        seen = self.turn * place
+        return self.p - seen.imag, self.q - seen.real
+
+    def curvature(self, place: complex | ComplexArray) -> FloatArray:
+        """kappa [1/mm], shape as of `across_and_along`; Z' must not vanish."""
+        u, v = self.across_and_along(place)
+        square = u * u + v * v
+        kappa: FloatArray = (square - self.alpha * u + self.beta * v) / (square * np.sqrt(square))
+        return kappa
+
+    def half_planes(self, tangent: float) -> tuple[ComplexArray, FloatArray]:
+        """Normals n (n,) and c (n,) of u >= `tangent` v, which is Re(conj(n) P) >= c."""
+        return np.conj((tangent + 1j) * self.turn), tangent * self.q - self.p
 
 
 @dataclass(frozen=True, slots=True)
-class Task:
-    """A cam whose axis is to be placed.
+class Task(ABC):
+    """A cam whose axis is to be placed beside its follower, see `task_of`.
 
     Attributes
     ----------
     cam : the present design; the follower's arm, roller radius and directions are kept.
-
-    Raises
-    ------
-    GeometryError
-        With the key of its kind, if the follower has no roller.
+    second : what tells a place besides the base radius.
+    held : the pivot [mm]; None on a guide.
+    start : roller centre at cam angle 0 [mm].
+    present : place of the cam axis in the present design [mm].
+    seen : sense of x and of y of a picture, by the real and the imaginary part of a place.
     """
 
     cam: Cam
 
-    def __post_init__(self) -> None:
-        places_of(self.cam.follower)
+    second: ClassVar[str]
+    held: ClassVar[complex | None]
+
+    if TYPE_CHECKING:  # of each kind
+
+        @property
+        def start(self) -> complex: ...
+
+        @property
+        def seen(self) -> tuple[int, int]: ...
+
+    @property
+    @abstractmethod
+    def present(self) -> complex:
+        """See the class."""
+
+    @abstractmethod
+    def second_of(self, place: complex) -> float:
+        """That length [mm] of `place`."""
+
+    @abstractmethod
+    def moved(self, place: complex) -> dict[str, float | complex]:
+        """Values [mm] of the follower, by its scene's keys, with the cam axis at `place`."""
+
+    @abstractmethod
+    def record(self, place: complex) -> dict[str, Any]:
+        """The same with its names for JSON."""
+
+    @abstractmethod
+    def terms_of(self, lift: Jet) -> Terms:
+        """What the conditions are made of for lifts (3, n), which need not belong together."""
 
     @property
     def motion(self) -> Motion:
@@ -60,23 +129,16 @@ class Task:
         return self.cam.follower
 
     @property
-    def places(self) -> Places:
-        """Where the cam axis may be placed beside it."""
-        return places_of(self.cam.follower)
-
-    @property
-    def start(self) -> complex:
-        """Roller centre at cam angle 0 [mm]."""
-        return self.places.start
-
-    @property
-    def present(self) -> complex:
-        """Place of the cam axis in the present design [mm]."""
-        return self.places.present
+    def signs(self) -> tuple[float, ...]:
+        """Sign of the curvature that counts for each flank in use: an inner flank runs inside."""
+        return tuple(-float(flank.sign) for flank in self.cam.contact.flanks)
 
     def follower_at(self, place: complex) -> Any:
-        """The follower with the cam axis at `place` [mm], see `at_place`."""
-        return at_place(self.cam.follower, self.places, place)
+        """The follower with the cam axis at `place` [mm]; a rocker keeps the way to its pivot.
+
+        GeometryError if there is no such mechanism.
+        """
+        return replace(self.follower, base_radius=abs(place - self.start), **self.moved(place))
 
     def pitch_curve_at(self, place: complex) -> PitchCurve:
         """The pitch curve with the cam axis at `place` [mm]."""
@@ -84,7 +146,7 @@ class Task:
 
     def terms(self, phi: FloatArray, side: Side = "right") -> Terms:
         """What the conditions are made of at `phi` (n,) [rad]."""
-        return self.places.terms(self.motion.jet(phi, side, 2), self.cam.rotation)
+        return self.terms_of(self.motion.jet(phi, side, 2))
 
     def slack(self, place: complex, tangent: float) -> Extremes:
         """Local extremes of u - `tangent` v [mm/rad] over the turn, by the roots of its slope."""
@@ -102,19 +164,112 @@ class Task:
 
         return extremes(self.motion, value, slope)
 
-    def half_planes(self, phi: FloatArray, tangent: float) -> tuple[ComplexArray, FloatArray]:
-        """Normals n (k,) and c (k,) of u >= `tangent` v, which is Re(conj(n) P) >= c.
 
-        Of both sides of each of the cam angles `phi` (k / 2,) [rad].
-        """
-        normals, bounds = [], []
-        for side in SIDES:
-            terms = self.terms(phi, side)
-            normals.append(np.conj((tangent + 1j) * terms.turn))
-            bounds.append(tangent * terms.q - terms.p)
-        return np.concatenate(normals), np.concatenate(bounds)
+class OnGuide(Task):
+    """A guide upwards, beside which the axis lies anywhere below."""
+
+    __slots__ = ()
+
+    second = "offset"
+    held = None
+    start = 0j
+    seen = (-1, 1)
+
+    @property
+    def present(self) -> complex:
+        """See `Task`."""
+        return complex(self.follower.offset, -self.follower.start_height)
+
+    def second_of(self, place: complex) -> float:
+        """See `Task`: the offset."""
+        return place.real
+
+    def moved(self, place: complex) -> dict[str, float | complex]:
+        """See `Task`."""
+        return {"offset": place.real}
+
+    def record(self, place: complex) -> dict[str, Any]:
+        """See `Task`."""
+        return {"offset_mm": place.real}
+
+    def terms_of(self, lift: Jet) -> Terms:
+        """See `Task`."""
+        one, none = np.ones(lift.shape[1], dtype=np.complex128), np.zeros(lift.shape[1])
+        height, rate, bend = self.follower.direction * lift[:3]
+        q = self.cam.rotation * rate
+        return Terms(height, q, one, bend, q, rate, self.cam.rotation * bend, none)
 
 
-def tangent_of(angle: float) -> float:
-    """T = tan mu of a transmission angle [rad] in (0, pi/2)."""
-    return math.tan(angle)
+class OnRocker(Task):
+    """A rocker, about whose pivot the axis lies anywhere in the direction that the pivot has."""
+
+    __slots__ = ()
+
+    second = "pivot at"
+    held = 0j
+
+    @property
+    def start(self) -> complex:
+        """See `Task`."""
+        return complex(self.follower.arm)
+
+    @property
+    def present(self) -> complex:
+        """See `Task`."""
+        return cmath.rect(self.follower.centre_distance, -self.follower.start_angle)
+
+    @property
+    def seen(self) -> tuple[int, int]:
+        """See `Task`."""
+        return 1, self.follower.arm_side
+
+    def second_of(self, place: complex) -> float:
+        """See `Task`: the distance of the pivot from the cam axis."""
+        return abs(place)
+
+    def moved(self, place: complex) -> dict[str, float | complex]:
+        """See `Task`."""
+        away = self.follower.pivot / self.follower.centre_distance
+        return {"pivot": away * abs(place)}
+
+    def record(self, place: complex) -> dict[str, Any]:
+        """See `Task`."""
+        pivot = self.moved(place)["pivot"]
+        return {
+            "arm_mm": self.follower.arm,
+            "pivot_mm": [pivot.real, pivot.imag],
+            "pivot_distance_mm": abs(place),
+        }
+
+    def terms_of(self, lift: Jet) -> Terms:
+        """See `Task`."""
+        none, arm = np.zeros(lift.shape[1]), self.follower.arm
+        sense = self.follower.arm_side * self.follower.swing_sense
+        turning = self.follower.arm_side * self.cam.rotation
+        angle, rate, bend = sense * lift[:3]
+        along = turning * rate
+        q = arm * (1.0 - along)
+        return Terms(
+            none, q, np.exp(-1j * angle), arm * bend, -along * q,
+            none, -arm * turning * bend, rate,
+        )  # fmt: skip
+
+
+TASKS: Final[dict[type[Follower], type[Task]]] = {
+    TranslatingRoller: OnGuide,
+    OscillatingRoller: OnRocker,
+}
+"""By the class of the follower."""
+
+
+def task_of(cam: Cam) -> Task:
+    """The task to place the axis of `cam`.
+
+    GeometryError with key "follower.kind" if its follower has no roller.
+    """
+    kind = TASKS.get(type(cam.follower))
+    if kind is None:
+        name = cam.follower.kind
+        message = f'what is asked for is for roller followers, and this one is "{name}"'
+        raise GeometryError(message, key="follower.kind", value=name)
+    return kind(cam)

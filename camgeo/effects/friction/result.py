@@ -18,7 +18,7 @@ from camgeo.effects.friction.spec import Spec
 from camgeo.effects.friction.statics import Statics
 from camgeo.effects.results import Friction as Asked
 from camgeo.errors import EffectError, GeometryError
-from camgeo.mechanism.locking import locked_at
+from camgeo.mechanism.positions import locked_at
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray, merged
 from camgeo.numeric.peaks import grid_of

@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from camgeo.errors import GeometryError
-from camgeo.mechanism.locking import locked_at
+from camgeo.mechanism.positions import locked_at
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray
 from camgeo.numeric.peaks import piecewise_extremes
