@@ -18,11 +18,12 @@ from camgeo.mechanism.linkage import LinkedMotion
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.mechanism.slider_crank import SliderCrank
 from camgeo.mechanism.translating_roller import TranslatingRoller
-from camgeo.motion.laws import LAWS, make_law
+from camgeo.motion.laws import make_law
 from camgeo.motion.laws.law import Law
 from camgeo.motion.motion import Motion
 from camgeo.motion.plan import Dwell, MotionPlan, Move
 from camgeo.numeric.arrays import ComplexArray, FloatArray
+from tests.laws import LAWS
 
 FOLDER = Path(__file__).parents[1] / "fixtures" / "reference"
 

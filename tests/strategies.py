@@ -19,9 +19,10 @@ from camgeo.mechanism.linkage import LinkedMotion
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.mechanism.slider_crank import SliderCrank
 from camgeo.mechanism.translating_roller import TranslatingRoller
-from camgeo.motion.laws import FAMILIES, LAWS, make_law
+from camgeo.motion.laws import FAMILIES, make_law
 from camgeo.motion.laws.law import Law
 from camgeo.motion.plan import Dwell, MotionPlan, Move
+from tests.laws import LAWS
 from tests.reference import shift
 
 attack = settings(

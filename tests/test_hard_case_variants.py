@@ -34,7 +34,6 @@ from camgeo.mechanism.linkage import LinkedMotion
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.mechanism.slider_crank import SliderCrank
 from camgeo.mechanism.translating_roller import TranslatingRoller
-from camgeo.motion.laws import LAWS
 from camgeo.motion.motion import Side
 from camgeo.motion.plan import Dwell, MotionPlan, Move
 from camgeo.numeric.arrays import FloatArray
@@ -43,6 +42,7 @@ from camgeo.outline.crossings import find_crossings
 from camgeo.outline.cusps import undercut_ranges
 from camgeo.scene.load import parse_scene
 from camgeo.units import TURN
+from tests.laws import LAWS
 from tests.reference import POLYNOMIAL, inner_of, shift
 from tests.strategies import attack, signs
 

@@ -14,9 +14,9 @@ from hypothesis import strategies as st
 import camgeo
 from camgeo.accuracy.tables import interpolation_error, table_rows
 from camgeo.files.value_table import cam_angles
-from camgeo.motion.laws import LAWS
 from camgeo.motion.plan import Dwell, MotionPlan, Move
 from camgeo.numeric.arrays import FloatArray
+from tests.laws import LAWS
 from tests.strategies import laws
 
 SCENES = Path(__file__).parents[2] / "fixtures" / "scenes"

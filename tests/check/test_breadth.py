@@ -12,9 +12,9 @@ from hypothesis import strategies as st
 
 from camgeo.cam.breadth import Breadth
 from camgeo.check.breadth import check_breadth
-from camgeo.motion.laws import LAWS
 from camgeo.motion.plan import Dwell, MotionPlan, Move
 from camgeo.units import TURN
+from tests.laws import LAWS
 from tests.reference import shift
 from tests.strategies import BENT, attack, plans, signs
 

@@ -15,8 +15,8 @@ from camgeo.check.finding import Finding
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.mechanism.oscillating_flat import OscillatingFlat
 from camgeo.mechanism.translating_flat import TranslatingFlat
-from camgeo.motion.laws import LAWS
 from camgeo.motion.plan import Dwell, MotionPlan, Move
+from tests.laws import LAWS
 from tests.reference import plan_of
 
 STROKE = 12.0

@@ -30,10 +30,11 @@ from camgeo.errors import GeometryError
 from camgeo.mechanism.linkage import LinkedMotion
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.mechanism.translating_roller import TranslatingRoller
-from camgeo.motion.laws import LAWS, make_law
+from camgeo.motion.laws import make_law
 from camgeo.motion.plan import Dwell, MotionPlan, Move
 from camgeo.outline.crossings import find_crossings
 from tests.cams import cam_of
+from tests.laws import LAWS
 from tests.reference import hard_case, pitch_curve_of, stroke_of, thesis_params
 from tests.strategies import SMOOTH, attack, pitch_curves
 

@@ -22,10 +22,10 @@ from camgeo.curve.working_curve import WorkingCurve
 from camgeo.mechanism.kind import Unit
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.mechanism.translating_roller import TranslatingRoller
-from camgeo.motion.laws import LAWS
 from camgeo.motion.plan import Dwell, MotionPlan, Move
 from camgeo.outline.cusps import undercut_ranges
 from camgeo.units import RPM
+from tests.laws import LAWS
 from tests.reference import (
     hard_case,
     inner_of,

@@ -27,12 +27,12 @@ from camgeo.contour.proof.deviation import deviation
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
-from camgeo.motion.laws import LAWS
 from camgeo.motion.plan import Dwell, MotionPlan, Move
 from camgeo.outline.path import Path, whole
 from tests.contour.cams import FLANKS, TURN, curves, dense_flank, flank, move, outline, polyline
 from tests.contour.cams import translating as cam
 from tests.contour.paths import break_count
+from tests.laws import LAWS
 
 Fitter = Callable[[Path, float], Fit]
 

@@ -10,9 +10,10 @@ from hypothesis import given
 from camgeo.curve.closure import joints
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.mechanism.translating_roller import TranslatingRoller
-from camgeo.motion.laws import LAWS, make_law
+from camgeo.motion.laws import make_law
 from camgeo.motion.laws.law import Law
 from camgeo.motion.plan import Dwell, MotionPlan, Move
+from tests.laws import LAWS
 from tests.strategies import SMOOTH, attack, pitch_curves
 
 RIGHT = Decimal(90)

@@ -11,11 +11,11 @@ from camgeo.check.transmission_angle import transmission_angle_extremes
 from camgeo.curve.curvature import curvature_extremes
 from camgeo.curve.extremes import Extremes, extremes
 from camgeo.curve.pitch_curve import PitchCurve
-from camgeo.motion.laws import LAWS
 from camgeo.motion.motion import Side
 from camgeo.motion.plan import Dwell, MotionPlan, Move
 from camgeo.numeric.arrays import FloatArray
 from camgeo.units import TURN
+from tests.laws import LAWS
 from tests.strategies import BENT, attack, pitch_curves
 
 STEPS = np.concatenate(

@@ -17,12 +17,12 @@ from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.errors import GeometryError
 from camgeo.mechanism.oscillating_flat import OscillatingFlat
 from camgeo.mechanism.translating_flat import TranslatingFlat
-from camgeo.motion.laws import LAWS
 from camgeo.motion.plan import MotionPlan
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.outline.convex import touch
 from camgeo.units import TURN
 from tests.integrals import cells, integrals
+from tests.laws import LAWS
 from tests.mechanism.flat_faces import convex_curves, flat_curves
 from tests.mechanism.test_followers import backwards
 from tests.reference import plan_of

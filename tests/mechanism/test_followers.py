@@ -16,11 +16,11 @@ from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.mechanism.translating_roller import TranslatingRoller
-from camgeo.motion.laws import LAWS
 from camgeo.motion.plan import Dwell, MotionPlan, Move
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.units import TURN
 from tests.integrals import cells, integrals
+from tests.laws import LAWS
 from tests.reference import shift
 from tests.strategies import BENT, SMOOTH, attack, pitch_curves
 

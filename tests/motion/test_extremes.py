@@ -7,12 +7,12 @@ import pytest
 from hypothesis import given
 
 from camgeo.motion.extremes import lift_range, pieces
-from camgeo.motion.laws import LAWS
 from camgeo.motion.motion import Dwell as DwellSpan
 from camgeo.motion.motion import Jet, Side
 from camgeo.motion.plan import Dwell, MotionPlan, Move
 from camgeo.numeric.arrays import FloatArray
 from camgeo.units import TURN
+from tests.laws import LAWS
 from tests.strategies import attack, plans
 
 

@@ -8,8 +8,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from camgeo.motion.laws import FAMILIES, LAWS, make_law
+from camgeo.motion.laws import FAMILIES, make_law
 from camgeo.numeric.oscillator.spectrum import shock_of, shock_spectrum
+from tests.laws import LAWS
 from tests.strategies import attack
 
 RATIOS = np.array(

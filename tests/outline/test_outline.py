@@ -19,7 +19,6 @@ from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import GeometryError, UndercutError
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.mechanism.translating_roller import TranslatingRoller
-from camgeo.motion.laws import LAWS
 from camgeo.motion.plan import Dwell, MotionPlan, Move
 from camgeo.numeric.arrays import FloatArray
 from camgeo.outline.area import area
@@ -29,6 +28,7 @@ from camgeo.outline.envelope import KINK
 from camgeo.outline.outline import Outline, real_outline
 from camgeo.outline.path import Path, Pivot, Stretch
 from camgeo.units import TURN
+from tests.laws import LAWS
 from tests.measuring import polygon
 from tests.outline.clearing import corners, dense, distances
 from tests.reference import hard_case, inner_of, number, pitch_curve_of, plan_of

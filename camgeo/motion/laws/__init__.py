@@ -110,11 +110,3 @@ def make_law(name: str, task: str = "R-R", /, **parameters: float) -> Law:
         is not possible; it tells which there are, and which values would do.
     """
     return law_of(name, task, parameters)
-
-
-LAWS: Final[dict[str, Law]] = {
-    name: law_of(name, "R-R", {})
-    for name, family in FAMILIES.items()
-    if "R-R" in family.tasks and "inflection" in family.parameters["R-R"]
-}
-"""The symmetric laws from rest to rest that have an inflection point to be shifted."""

@@ -17,7 +17,6 @@ from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import GeometryError, ToleranceError, UndercutError
 from camgeo.mechanism.translating_roller import TranslatingRoller
-from camgeo.motion.laws import LAWS
 from camgeo.motion.plan import MotionPlan, Move
 from camgeo.outline.path import whole
 from tests.contour.cams import (
@@ -34,6 +33,7 @@ from tests.contour.cams import (
 from tests.contour.paths import PATHS, break_count, measured
 from tests.contour.paths import SAGITTA as PATH_SAGITTA
 from tests.contour.tangents import PLACE, check_shared_ends, check_tangent
+from tests.laws import LAWS
 
 NOWHERE = np.empty(0, dtype=np.complex128)
 

@@ -14,11 +14,11 @@ from hypothesis import strategies as st
 
 from camgeo.errors import GeometryError
 from camgeo.motion.joints import Joint, joints
-from camgeo.motion.laws import LAWS
 from camgeo.motion.plan import Course, Dwell, MotionPlan, Move
 from camgeo.motion.planning.request import MoveRequest, PointsRequest, Request, TableRequest
 from camgeo.motion.planning.tasks import FREE
 from camgeo.numeric.arrays import FloatArray
+from tests.laws import LAWS
 from tests.motion.planning.wishes import move, planned, rest, straight, through, wishes
 from tests.strategies import attack
 
