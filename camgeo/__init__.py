@@ -29,9 +29,6 @@ from camgeo.errors import (
     UndercutError,
 )
 from camgeo.mechanism.linkage import LinkedMotion
-from camgeo.mechanism.oscillating_roller import OscillatingRoller
-from camgeo.mechanism.slider_crank import SliderCrank
-from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.motion.plan import Dwell, MotionPlan, Move
 
 if TYPE_CHECKING:
@@ -40,22 +37,28 @@ if TYPE_CHECKING:
     from camgeo.mechanism.crank_slider import CrankSlider
     from camgeo.mechanism.four_bar import FourBar
     from camgeo.mechanism.oscillating_flat import OscillatingFlat
+    from camgeo.mechanism.oscillating_roller import OscillatingRoller
+    from camgeo.mechanism.slider_crank import SliderCrank
     from camgeo.mechanism.translating_flat import TranslatingFlat
+    from camgeo.mechanism.translating_roller import TranslatingRoller
     from camgeo.scene.scene import Scene
 
-FEW_NEED: Final = {
+WHEN_ASKED: Final = {
     "CrankSlider": "camgeo.mechanism.crank_slider",
     "FourBar": "camgeo.mechanism.four_bar",
     "OscillatingFlat": "camgeo.mechanism.oscillating_flat",
+    "OscillatingRoller": "camgeo.mechanism.oscillating_roller",
     "Scene": "camgeo.scene.scene",
+    "SliderCrank": "camgeo.mechanism.slider_crank",
     "TranslatingFlat": "camgeo.mechanism.translating_flat",
+    "TranslatingRoller": "camgeo.mechanism.translating_roller",
 }
-"""Public names that are imported when they are first asked for, and their modules."""
+"""Public names of which a run needs a few, imported when they are first asked for, by module."""
 
 
 def __getattr__(name: str) -> Any:
-    if name in FEW_NEED:
-        return getattr(import_module(FEW_NEED[name]), name)
+    if name in WHEN_ASKED:
+        return getattr(import_module(WHEN_ASKED[name]), name)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 
