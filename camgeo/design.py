@@ -27,10 +27,10 @@ if TYPE_CHECKING:
     from camgeo.files.drawn import DrawnDisc
     from camgeo.files.milled import MilledDisc
     from camgeo.files.pictured import PicturedCam
+    from camgeo.files.product import Product
     from camgeo.files.tabulated import TabulatedCam
     from camgeo.files.write import Report
     from camgeo.scene.scene import Scene
-    from camgeo.workpiece import Workpiece
 
 
 @dataclass(frozen=True)
@@ -145,20 +145,20 @@ class Design(Pickled):
     # Files ------------------------------------------------------------------------------------
 
     @built
-    def discs(self) -> tuple[Workpiece, ...]:
+    def discs(self) -> tuple[Product, ...]:
         """The discs as they are made, the main one first."""
-        from camgeo.workpiece import Workpiece  # a check makes none
+        from camgeo.files.product import Product  # a check makes none
 
-        pieces: list[Workpiece] = []
+        pieces: list[Product] = []
         for cam in reversed(self.cams):  # the main one knows the other
             others = tuple(pieces)
             columns = self._columns if cam is self.cam else tuple
-            piece = Workpiece(self.scene, cam, self.judgement, others, columns, cam.ledger)
+            piece = Product(self.scene, cam, self.judgement, others, columns, cam.ledger)
             pieces.insert(0, piece)
         return tuple(pieces)
 
     @property
-    def disc(self) -> Workpiece:
+    def disc(self) -> Product:
         """The disc as it is made; of a conjugate pair the main one."""
         return self.discs[0]
 

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from camgeo.cam.disc import Disc
     from camgeo.check.cures import Cure
     from camgeo.check.cures.cure import Value
-    from camgeo.workpiece import Workpiece
+    from camgeo.files.product import Product
 
 
 def register(subparsers: Subparsers[argparse.ArgumentParser]) -> None:
@@ -85,7 +85,7 @@ def print_cures(cures: tuple[Cure, ...]) -> None:
         print(f"  {cure.sentence}" if cure.works else f"  no cure: {cure.sentence}")
 
 
-def outline_records(piece: Workpiece) -> dict[str, Any]:
+def outline_records(piece: Product) -> dict[str, Any]:
     """What is left of each flank in use of a disc, for JSON."""
     disc = piece.cam.disc
     return {name: outline_record(disc, name) for name, _ in disc.flanks}

@@ -53,7 +53,6 @@ def register(subparsers: Subparsers[argparse.ArgumentParser]) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Write the picture."""
     from camgeo.figure import motion, plots
-    from camgeo.files.moving import Moving, PicturedMotion
 
     names = plots.names()
     for name in arguments.what:
@@ -73,8 +72,8 @@ def run(arguments: argparse.Namespace) -> int:
             [Fault("-o", str(target), f"the name must end in one of {', '.join(SUFFIXES)}")]
         )
     if wanted == possible == [MOTION]:
-        pictured = PicturedMotion(design.drive, design.scene.lift_unit)
-        figure = motion.figure(Moving(design.name, design.scene.unit, pictured))
+        scene = design.scene
+        figure = motion.of_drive(design.name, scene.unit, design.drive, scene.lift_unit)
     else:
         figure = plots.stacked(design.disc, wanted)
     write_picture(figure, target, ", ".join(wanted), force=arguments.force)

@@ -28,7 +28,7 @@ from camgeo.cli.replay_told import Scale, closing_lines, closing_of, lines_of, r
 from camgeo.contour.contour import Contour
 from camgeo.design import Design
 from camgeo.errors import Fault, SceneError
-from camgeo.files.product import disc_of
+from camgeo.files.product import Product, disc_of
 from camgeo.files.table import Table
 from camgeo.files.value_table import cam_angles
 from camgeo.mechanism.kinds import require_roller
@@ -38,7 +38,6 @@ from camgeo.outline.replay import CORNER, replay_contour, replay_outline
 from camgeo.outline.replay_result import Replay
 from camgeo.scene.load import load_scene
 from camgeo.units import MM_PER, LengthUnit
-from camgeo.workpiece import Workpiece
 
 READERS: Final = "camgeo.readers"
 """Entry points that read contours from files, by what the file's name ends in without the dot."""
@@ -154,14 +153,14 @@ def run(parser: argparse.ArgumentParser, arguments: argparse.Namespace) -> int:
 class _Replayed:
     """A disc, what its roller was replayed on, and what came of it."""
 
-    disc: Workpiece
+    disc: Product
     source: str
     replay: Replay
 
 
 def _discs(
     parser: argparse.ArgumentParser, design: Design, flank: Flank, files: list[str]
-) -> list[tuple[Workpiece, str | None]]:
+) -> list[tuple[Product, str | None]]:
     """The discs to replay, the main one first, each with its file or None for its real outline."""
     discs = design.discs
     if len(files) > len(discs):
@@ -183,7 +182,7 @@ def _discs(
 
 
 def _replayed(
-    disc: Workpiece, file: str | None, flank: Flank, step: float, arguments: argparse.Namespace
+    disc: Product, file: str | None, flank: Flank, step: float, arguments: argparse.Namespace
 ) -> _Replayed:
     """The roller of a disc on its outline, or on the contour of a file; `step` in degrees."""
     angle = math.radians(step)
@@ -203,7 +202,7 @@ def _scale(design: Design) -> Scale:
     return Scale(design.scene.unit, 1.0 / MM_PER[design.scene.unit])
 
 
-def _contour(disc: Workpiece, flank: Flank, file: Path, arguments: argparse.Namespace) -> Contour:
+def _contour(disc: Product, flank: Flank, file: Path, arguments: argparse.Namespace) -> Contour:
     """The contour of the file whose area is nearest to that of the flank."""
     from importlib.metadata import entry_points
 
@@ -241,7 +240,7 @@ def _contour(disc: Workpiece, flank: Flank, file: Path, arguments: argparse.Name
 
 
 def _write(
-    disc: Workpiece,
+    disc: Product,
     replay: Replay,
     scale: Scale,
     step: Decimal,

@@ -54,29 +54,26 @@ def figure(product: Product, size: Size = SIZE) -> Figure:
     marks, lines = (
         flanks.whole(product, found, scale)
         if part is None
-        else disc.whole(part, scale, SAGITTA * product.drawn.base_radius)
+        else disc.whole(part, scale, SAGITTA * product.cam.follower.base_radius)
     )
-    for disc_beside in product.discs[1:]:
-        other, return_lines = _return_disc(disc_beside, scale)
+    for beside in product.others:
+        other, return_lines = _return_disc(beside, scale)
         marks, lines = [*marks, *other], [*lines, *return_lines]
-    columns = product.pictured.curve("pitch", cam_angles()) * scale
-    pitch = columns[:, 0] + 1j * columns[:, 1]
-    if product.pictured.has_pitch_curve:
+    pitch = product.cam.disc.pitch_curve.point(cam_angles()) * scale
+    if product.cam.follower.has_pitch_curve:
         marks.append(Line(plane(pitch), PITCH_STYLE))
-    base = product.drawn.base_radius * scale
+    base = product.cam.follower.base_radius * scale
     circle = base * np.exp(1j * cam_angles())
     marks.append(Line(plane(circle), BASE_STYLE))
     if found:
         marks += cut_off.marks(found, scale)
     roller = complex(pitch[0])
-    draw = _follower if product.pictured.has_pitch_curve else _flat
+    draw = _follower if product.cam.follower.has_pitch_curve else _flat
     follower, end = draw(product, roller, scale)
     arrow = 0.45 * base * np.exp(1j * ARROW)
     cross = 0.1 * base * np.array([-1.0, 1.0, 0.0, 1j, -1j])
     marks += follower
-    marks.append(
-        Arrow(plane(arrow[:: product.pictured.rotation]), Style("black", 1.0), 12.0, layer=4.0)
-    )
+    marks.append(Arrow(plane(arrow[:: product.cam.rotation]), Style("black", 1.0), 12.0, layer=4.0))
     marks += [Line(plane(each), Style(AUXILIARY, 0.8)) for each in (cross[:2], cross[:2:-1])]
     rim = roller + _size(product) * scale * np.exp(1j * cam_angles())
     ends = [point * scale for point in product.pictured.follower_sketch.face or ()]
@@ -115,21 +112,20 @@ def _part(product: Product) -> Part | None:
         return None
 
 
-def _return_disc(disc: Product, scale: float) -> tuple[list[Mark], list[ComplexArray]]:
+def _return_disc(beside: Product, scale: float) -> tuple[list[Mark], list[ComplexArray]]:
     """Flank of the return disc, its roller at cam angle 0 and what holds that; and the lines.
 
     The flank is drawn as it runs, whole: its own picture shows what is cut off from it.
     """
+    curves = beside.cam.disc
     try:
-        flank = disc.pictured.curve("inner", cam_angles())
+        flank = curves.inner_curve.point(cam_angles()) * scale
     except GeometryError:  # the roller centre stands still in the cam, which the findings tell
-        flank = np.empty((0, 2))
-    columns = np.concatenate([flank, disc.pictured.curve("pitch", np.zeros(1))]) * scale
-    points = columns[:, 0] + 1j * columns[:, 1]
-    roller = complex(points[-1])
-    rim = roller + disc.pictured.roller_radius * scale * np.exp(1j * cam_angles())
-    sketch = disc.pictured.follower_sketch
-    lines = [points[:-1], rim]
+        flank = np.empty(0, dtype=np.complex128)
+    roller = complex(curves.pitch_curve.point(np.zeros(1))[0] * scale)
+    rim = roller + beside.cam.follower.roller_radius * scale * np.exp(1j * cam_angles())
+    sketch = beside.pictured.follower_sketch
+    lines = [flank, rim]
     if sketch.kind == "pivot":
         lines.append(np.array([roller, sketch.end * scale]))
     marks: list[Mark] = [Line(plane(line), RETURN_STYLE, layer=2.8) for line in lines]
@@ -146,15 +142,15 @@ def _legend(product: Product, part: Part | None, height: float) -> Legend:
     else:
         edges = Entry("edges of the disc", disc.EDGE)
         marked = cut_off.names("cut off") if product.pictured.cut_off else []
-    if product.discs[1:]:
+    if product.others:
         edges = Entry("edges of the main disc", edges.style)
         marked = [Entry("return disc and its roller", RETURN_STYLE), *marked]
     base = Entry("base circle", BASE_STYLE)
-    if not product.pictured.has_pitch_curve:
+    if not product.cam.follower.has_pitch_curve:
         found = [edges, base, Entry("face at φ = 0", FACE), *marked]
     else:
         name, marker = (
-            ("roller", "o") if product.pictured.roller_radius > 0.0 else ("knife edge", "+")
+            ("roller", "o") if product.cam.follower.roller_radius > 0.0 else ("knife edge", "+")
         )
         style = Style("black", 0.0, marker=marker, size=9.0, face="white")
         roller = Entry(f"{name} at φ = 0", style)
@@ -170,7 +166,7 @@ def _height(size: Size, frame: Frame, x: cut_off.Limits, y: cut_off.Limits) -> f
 
 def _size(product: Product) -> float:
     """Radius [mm] of the roller, or the size by which a knife edge is drawn."""
-    return product.pictured.roller_radius or KNIFE * product.drawn.base_radius
+    return product.cam.follower.roller_radius or KNIFE * product.cam.follower.base_radius
 
 
 def _follower(product: Product, roller: complex, scale: float) -> tuple[list[Mark], complex]:
@@ -187,7 +183,7 @@ def _follower(product: Product, roller: complex, scale: float) -> tuple[list[Mar
             bar = (end + (side - 1.5) * radius * along, end + side * radius * along)
             marks.append(Line(plane(bar), GUIDE, layer=3.0))
     marks.append(Line(plane([roller, end]), ROD, layer=3.0))
-    if product.pictured.roller_radius > 0.0:
+    if product.cam.follower.roller_radius > 0.0:
         rim = Fill("white", "black", 1.2)
         marks.append(Circle((roller.real, roller.imag), radius, rim, layer=4.0))
     return [*marks, *_held(product, roller, end)], end

@@ -12,7 +12,7 @@ import numpy as np
 
 from camgeo.figure.marks import Line, Mark, Style, plane
 from camgeo.figure.model import Axis, Entry, Inset, Panel
-from camgeo.files.sketch import CutOff
+from camgeo.files.pictured import CutOff
 from camgeo.numeric.arrays import BoolArray, ComplexArray
 
 CUT: Final = "#c05a00"

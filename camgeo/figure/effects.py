@@ -23,6 +23,7 @@ from camgeo.figure.style import (
     turn_axis,
 )
 from camgeo.files.product import Product
+from camgeo.motion.joints import breaks
 from camgeo.numeric.arrays import FloatArray, merged
 from camgeo.units import MM_PER, TURN, LengthUnit
 
@@ -65,7 +66,7 @@ def figure(product: Product, size: Size | None = None) -> Figure:
     Where an effect jumps, the curve does: both sides of the joints of the motion and of the
     effect's own borders are drawn.
     """
-    groups = panels(product.pictured.effect_columns)
+    groups = panels(product.columns())
     count = max(1, len(groups))
     size = size or (WIDTH, TOP + count * PANEL + (count - 1) * GAP + BOTTOM)
     frames = grid(size, MARGINS, count, gaps=(GAP / PANEL, 0.0))
@@ -75,9 +76,9 @@ def figure(product: Product, size: Size | None = None) -> Figure:
         whole = Axis((0.0, 1.0))
         text = Text(words, (0.5, 0.5), 9.0, across="center")
         return Figure(size, (Panel(frames[0], whole, whole, (text,), title, bare=True),))
-    breaks = np.array([joint.cam_angle for joint in product.pictured.plan_sketch.breaks])
+    places = np.array([joint.cam_angle for joint in breaks(product.cam.drive.plan)])
     first, *others = (
-        _panel(product, frame, group, breaks, last=group is groups[-1])
+        _panel(product, frame, group, places, last=group is groups[-1])
         for frame, group in zip(frames, groups, strict=True)
     )
     return Figure(size, (replace(first, title=title), *others))
@@ -95,13 +96,13 @@ def panels(columns: Sequence[Column]) -> list[list[Column]]:
 
 
 def _panel(
-    product: Product, frame: Frame, group: Sequence[Column], breaks: FloatArray, *, last: bool
+    product: Product, frame: Frame, group: Sequence[Column], places: FloatArray, *, last: bool
 ) -> Panel:
     told, scale = shown_unit(group[0].unit, product.unit)
     marks: list[Mark] = [ZERO]
     drawn: list[FloatArray] = []
     for column, style in zip(group, CURVES, strict=False):
-        phi, values = course(column, breaks)
+        phi, values = course(column, places)
         drawn.append(values * scale)
         marks.append(Line(over(np.degrees(phi), drawn[-1]), style, column.name))
     named = {each.limit: each.name for each in group if each.limit is not None}
@@ -120,7 +121,7 @@ def _panel(
             powers=PLAIN,
             label_place=NAME_PLACE,  # aligned down the page, whatever the width of their numbers
         ),
-        (*marks, *joint_marks(product.pictured.joints)),
+        (*marks, *joint_marks(product.cam.drive.joints)),
         legend=Legend(found, "upper right", None, min(len(found), ABREAST), 7.5, pad=0.3),
     )
 
@@ -135,14 +136,14 @@ def shown_unit(unit: str, length: LengthUnit) -> tuple[str, float]:
     return unit, scale
 
 
-def course(column: Column, breaks: FloatArray) -> tuple[FloatArray, FloatArray]:
+def course(column: Column, places: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Cam angles [rad] over one turn, ascending, and values (n,), (n,) of `column`.
 
-    Each of `breaks` and of the column's own borders is there twice: with the left-hand value, then
-    with the right-hand one. So is the start of the turn, with the value of its end.
+    Each of `places` [rad] and of the column's own borders is there twice: with the left-hand value,
+    then with the right-hand one. So is the start of the turn, with the value of its end.
     """
     ends = np.array([0.0, TURN])
-    borders = np.concatenate((breaks, column.borders))
+    borders = np.concatenate((places, column.borders))
     borders = merged(np.concatenate((ends, borders[(borders > 0.0) & (borders < TURN)])))
     samples = cam_angles()
     inside = merged(np.concatenate((samples, borders)))[:-1]

@@ -9,9 +9,10 @@ from camgeo.figure import cut_off
 from camgeo.figure.marks import Line, Mark, Style, Text, plane
 from camgeo.figure.model import Entry
 from camgeo.figure.style import LIMIT, LINE, SAMPLES
+from camgeo.files.pictured import CutOff
 from camgeo.files.product import Product
-from camgeo.files.sketch import CutOff
 from camgeo.numeric.arrays import ComplexArray, FloatArray
+from camgeo.outline.flank import Flank
 from camgeo.units import TURN
 
 FLANK = Style(LINE, 1.0)
@@ -33,12 +34,10 @@ def whole(
 ) -> tuple[list[Mark], list[ComplexArray]]:
     """The flanks in use with their cusps and loops: there is no disc, but the reason shows."""
     lines = []
-    for what in ("inner", "outer"):
-        if product.pictured.contact not in (what, "groove"):
-            continue
-        for start, end in _left(found, what):
+    for flank in product.cam.contact.flanks:
+        for start, end in _left(found, flank):
             try:
-                lines.append(_points(product, what, np.linspace(start, end, SAMPLES)) * scale)
+                lines.append(_points(product, flank, np.linspace(start, end, SAMPLES)) * scale)
             except GeometryError:  # the roller centre stands still in the cam
                 continue
     marks: list[Mark] = [Line(plane(points), FLANK) for points in lines]
@@ -57,11 +56,11 @@ def near(product: Product, found: tuple[CutOff, ...], middle: complex, width: fl
     shares = np.linspace(0.0, 1.0, RANGE)
     reach = BESIDE * max(each.end - each.start for each in found)
     marks: list[Mark] = []
-    for what in {each.flank: None for each in found}:
-        for start, end in _left(found, what):
+    for flank in {each.flank: None for each in found}:
+        for start, end in _left(found, flank):
             length = min(reach, end - start)
             for phi in (start + length * shares, end - length * shares):
-                line = cut_off.near(_points(product, what, phi), middle, width)
+                line = cut_off.near(_points(product, flank, phi), middle, width)
                 marks.append(Line(plane(line), FLANK))
     return marks
 
@@ -112,7 +111,5 @@ def _cusps(product: Product) -> list[tuple[str, float]]:
     ]
 
 
-def _points(product: Product, what: str, phi: FloatArray) -> ComplexArray:
-    columns = product.pictured.curve(what, phi)
-    points: ComplexArray = columns[:, 0] + 1j * columns[:, 1]
-    return points
+def _points(product: Product, flank: str, phi: FloatArray) -> ComplexArray:
+    return product.cam.disc.curve(Flank(flank)).point(phi)

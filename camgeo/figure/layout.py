@@ -8,8 +8,8 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
-from camgeo.figure.marks import Line
-from camgeo.figure.model import Frame
+from camgeo.figure.marks import Line, Mark
+from camgeo.figure.model import Axis, Frame, Panel
 from camgeo.numeric.arrays import FloatArray
 
 Size = tuple[float, float]
@@ -53,6 +53,35 @@ def grid(
 def box(left: float, bottom: float, width: float, height: float) -> Frame:
     """The frame of that width and height, all as shares of the figure."""
     return left, bottom, left + width, bottom + height
+
+
+class Strips:
+    """Frames from the top of a figure downwards, between two margins [inch]."""
+
+    def __init__(self, size: Size, left: float, right: float) -> None:
+        self.width, self.height = size
+        self.left = left
+        self.across = self.width - left - right
+        self.left_over = self.height
+
+    def skip(self, height: float) -> None:
+        """Leave `height` [inch] free."""
+        self.left_over -= height
+
+    def frame(self, height: float) -> Frame:
+        """The next frame, `height` [inch] high."""
+        self.left_over -= height
+        return box(
+            self.left / self.width,
+            self.left_over / self.height,
+            self.across / self.width,
+            height / self.height,
+        )
+
+    def words(self, height: float, marks: list[Mark]) -> Panel:
+        """A strip without axes, over one turn in degrees, its height 1."""
+        x, y = Axis((0.0, 360.0)), Axis((0.0, 1.0))
+        return Panel(self.frame(height), x, y, tuple(marks), bare=True)
 
 
 def heights(lines: Iterable[Line]) -> list[FloatArray]:

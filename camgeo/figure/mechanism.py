@@ -54,19 +54,19 @@ def figure(product: Product, size: Size | None = None) -> Figure:
     """The mechanism twice, both to one scale; the panes as high as what is in them."""
     parts = _parts(product)
     sketches = [
-        (phi, product.pictured.mechanism_sketch(phi)) for phi in (0.0, product.pictured.far_angle)
+        (phi, product.pictured.mechanism_sketch(phi)) for phi in (0.0, product.cam.drive.far_angle)
     ]
-    low, high = _window(product.drawn.base_radius, parts, [sketch for _, sketch in sketches])
+    low, high = _window(product.cam.follower.base_radius, parts, [sketch for _, sketch in sketches])
     across, up = (high - low).real, (high - low).imag
     if size is None:
         pane = 0.5 * (WIDTH - 3.0 * EDGE)
         size = WIDTH, min(max(pane * up / across, HEIGHTS[0]), HEIGHTS[1]) + HEAD + EDGE
     joint = JOINT * math.sqrt(across * up)
-    sagitta = SAGITTA * product.drawn.base_radius
+    sagitta = SAGITTA * product.cam.follower.base_radius
     panels = []
     frames = grid(size, (EDGE, EDGE, HEAD, EDGE), 1, 2, (0.0, 0.02))
     for frame, (phi, sketch) in zip(frames, sketches, strict=True):
-        turn = cmath.exp(1j * product.pictured.rotation * phi)
+        turn = cmath.exp(1j * product.cam.rotation * phi)
         marks: list[Mark] = []
         for part in parts[:1]:
             marks += disc.whole(part, turn, sagitta)[0]

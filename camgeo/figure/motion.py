@@ -11,18 +11,16 @@ import math
 from dataclasses import replace
 from typing import Final
 
+from camgeo.cam.drive import Drive, LiftUnit
 from camgeo.figure import motion_diagram as diagram
 from camgeo.figure import motion_plan as plan
-from camgeo.figure.layout import Size
+from camgeo.figure.layout import Size, Strips
 from camgeo.figure.marks import Text
 from camgeo.figure.model import Entry, Figure, Legend
 from camgeo.figure.motion_diagram import Unit
-from camgeo.figure.strips import Strips
 from camgeo.figure.style import LEFT, RIGHT
-from camgeo.files.moving import Moving
 from camgeo.files.product import Product
-from camgeo.files.sketch import PlanSketch
-from camgeo.units import MM_PER, RPM
+from camgeo.units import MM_PER, RPM, LengthUnit
 
 SIZE = (7.0, 10.0)
 
@@ -35,23 +33,55 @@ SECOND_SCALE: Final = 0.75
 ANGLES: Final = {"lever": "χ", "crank": "θ"}
 """Symbols of demanded angles that are not the follower's own."""
 
+NAMES: Final = (
+    (plan.REST, "dwell"),
+    (plan.MOVE, "move, made by its law"),
+    (plan.DATA, "motion by data"),
+)
 
-def figure(product: Product | Moving, size: Size = SIZE) -> Figure:
+
+def figure(product: Product, size: Size = SIZE) -> Figure:
     """The motion plan above s, s', s'', s''' of the follower."""
-    sketch = product.pictured.plan_sketch
-    strips = Strips(size, LEFT, RIGHT if sketch.speed is None else SECOND_SCALE)
-    unit = _unit(product, sketch.unit)
-    if sketch.of in ANGLES:
-        unit = replace(unit, symbol=ANGLES[sketch.of])
+    return of_drive(product.name, product.unit, product.cam.drive, product.cam.lift_unit, size)
+
+
+def of_drive(
+    name: str, length: LengthUnit, drive: Drive, lift_unit: LiftUnit, size: Size = SIZE
+) -> Figure:
+    """The same of the design `name` without any cam.
+
+    Parameters
+    ----------
+    length : unit of the scene.
+    lift_unit : of the follower's own motion.
+    """
+    speed = drive.speed if drive.speed_curve is None else None
+    sketch = plan.plan_sketch(drive.plan)
+    strips = Strips(size, LEFT, RIGHT if speed is None else SECOND_SCALE)
+    unit = _unit(drive.unit, length)
+    if drive.demanded_of in ANGLES:
+        unit = replace(unit, symbol=ANGLES[drive.demanded_of])
     strips.skip(TOP)
     panels = plan.panels(strips, sketch, unit, HEADING + diagram.HEIGHT + BOTTOM)
+    what = "lift s" if lift_unit == "mm" else "swing ψ"
+    behind = "" if drive.linkage is None else " behind the linkage"
+    right = "" if speed is None else f" (right: at {speed / RPM:.4g} rev/min)"
+    below = f"motion diagram: {what} of the follower{behind}{right}"
     titles = (
-        _title(strips, f"{product.name}: motion plan of the {sketch.of}", 0.14),
-        _title(strips, _diagram_title(product, sketch), size[1] - strips.left_over + 0.2),
+        _title(strips, f"{name}: motion plan of the {drive.demanded_of}", 0.14),
+        _title(strips, below, size[1] - strips.left_over + 0.2),
     )
     strips.skip(HEADING)
-    panels += diagram.panels(strips, product, sketch, _unit(product, product.pictured.lift_unit))
-    return Figure(size, tuple(panels), titles, _legend(strips, sketch))
+    panels += diagram.panels(strips, drive, _unit(lift_unit, length), speed)
+    drawn = {segment.style for segment in sketch.segments}
+    entries = [Entry(name, style) for style, name in NAMES if style in drawn]
+    entries.append(Entry("joint", plan.JOINT))
+    if diagram.infinite_at(drive, 3):
+        text = f"infinite: {'shock or ' if diagram.infinite_at(drive, 2) else ''}jerk"
+        entries.append(Entry(text, diagram.INFINITE))
+    anchor = _middle(strips), 0.05 / strips.height
+    legend = Legend(tuple(entries), "lower center", anchor, len(entries))
+    return Figure(size, tuple(panels), titles, legend)
 
 
 def _title(strips: Strips, text: str, below_top: float) -> Text:
@@ -64,31 +94,7 @@ def _middle(strips: Strips) -> float:
     return (strips.left + 0.5 * strips.across) / strips.width
 
 
-def _unit(product: Product | Moving, unit: str) -> Unit:
+def _unit(unit: LiftUnit, length: LengthUnit) -> Unit:
     if unit == "mm":
-        return Unit(product.unit, "s", 1.0 / MM_PER[product.unit])
+        return Unit(length, "s", 1.0 / MM_PER[length])
     return Unit("°", "ψ", math.degrees(1.0))
-
-
-def _diagram_title(product: Product | Moving, sketch: PlanSketch) -> str:
-    what = "lift s" if product.pictured.lift_unit == "mm" else "swing ψ"
-    behind = "" if sketch.of == "follower" else " behind the linkage"
-    speed = "" if sketch.speed is None else f" (right: at {sketch.speed / RPM:.4g} rev/min)"
-    return f"motion diagram: {what} of the follower{behind}{speed}"
-
-
-def _legend(strips: Strips, sketch: PlanSketch) -> Legend:
-    segments = sketch.segments
-    found = []
-    if any(segment.is_dwell for segment in segments):
-        found.append(Entry("dwell", plan.REST))
-    if any(segment.course is None and not segment.is_dwell for segment in segments):
-        found.append(Entry("move, made by its law", plan.MOVE))
-    if any(segment.course is not None for segment in segments):
-        found.append(Entry("motion by data", plan.DATA))
-    found.append(Entry("joint", plan.JOINT))
-    if diagram.infinite_at(sketch, 3):
-        text = f"infinite: {'shock or ' if diagram.infinite_at(sketch, 2) else ''}jerk"
-        found.append(Entry(text, diagram.INFINITE))
-    anchor = _middle(strips), 0.05 / strips.height
-    return Legend(tuple(found), "lower center", anchor, len(found))

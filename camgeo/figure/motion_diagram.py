@@ -9,17 +9,15 @@ from typing import Final
 
 import numpy as np
 
-from camgeo.figure.layout import limits
+from camgeo.cam.drive import Drive
+from camgeo.figure.layout import Strips, limits
 from camgeo.figure.marks import Box, Line, Mark, Style, Text, over
 from camgeo.figure.model import Axis, Panel
-from camgeo.figure.strips import Strips
 from camgeo.figure.style import CURVE, LIMIT, ZERO, diagram_angles, joint_marks, turn_axis
-from camgeo.files.moving import Moving
-from camgeo.files.product import Product
-from camgeo.files.sketch import PlanSketch
+from camgeo.motion.joints import breaks, joints
 from camgeo.numeric.arrays import FloatArray
 
-MARKS: Final = {"s": "", "s1": "′", "s2": "″", "s3": "‴"}
+MARKS: Final = ("", "′", "″", "‴")
 RATES: Final = {"s": ("", "v", "a", "jerk"), "ψ": ("", "dψ/dt", "d²ψ/dt²", "d³ψ/dt³")}
 RAISED: Final = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
 OVER_ANGLE: Final = ("", "/rad", "/rad²", "/rad³")
@@ -63,27 +61,26 @@ class Unit:
     scale: float
 
 
-def panels(
-    strips: Strips, product: Product | Moving, sketch: PlanSketch, unit: Unit
-) -> list[Panel]:
-    """A panel for the lift and each derivative."""
-    joints = tuple(joint.cam_angle for joint in sketch.joints)
-    phi = diagram_angles(tuple(joint.cam_angle for joint in sketch.breaks))
+def panels(strips: Strips, drive: Drive, unit: Unit, speed: float | None) -> list[Panel]:
+    """A panel for the lift and each derivative; with a constant `speed` [rad/s] also over time."""
+    places = tuple(joint.cam_angle for joint in joints(drive.plan))
+    phi = diagram_angles(tuple(joint.cam_angle for joint in breaks(drive.plan)))
     found = []
-    for order, (what, mark) in enumerate(MARKS.items()):
+    for order, mark in enumerate(MARKS):
         if order:
             strips.skip(GAP)
 
-        def course(angles: FloatArray, what: str = what) -> FloatArray:
-            return product.pictured.quantity(what, angles) * unit.scale
+        def course(angles: FloatArray, order: int = order) -> FloatArray:
+            values: FloatArray = drive.motion.jet(angles)[order] * unit.scale
+            return values
 
         values = course(phi)
         low, high = limits([values, 0.0])
         shown = low, high + HEADROOM * (high - low)
         # From the value at the end of the turn: a jump at cam angle 0 is one like the others.
         curve = over([0.0, *np.degrees(phi)], [values[-1], *values])
-        infinite = [math.degrees(angle) for angle in infinite_at(sketch, order)]
-        marks: list[Mark] = [ZERO, Line(curve, CURVE), *joint_marks(joints)]
+        infinite = [math.degrees(angle) for angle in infinite_at(drive, order)]
+        marks: list[Mark] = [ZERO, Line(curve, CURVE), *joint_marks(places)]
         marks.append(_extremes(course, phi))
         if infinite:
             zeros = np.zeros(len(infinite))
@@ -92,21 +89,21 @@ def panels(
         found.append(
             Panel(
                 strips.frame(PANEL),
-                turn_axis(numbered=what == "s3"),
+                turn_axis(numbered=order == 3),
                 # aligned down the page, whatever the width of their numbers
                 Axis(shown, label, label_place=NAME_PLACE),
                 tuple(marks),
                 right=None
-                if sketch.speed is None or not order
-                else _second_scale(shown, unit, order, sketch.speed, strips.across),
+                if speed is None or not order
+                else _second_scale(shown, unit, order, speed, strips.across),
             )
         )
     return found
 
 
-def infinite_at(sketch: PlanSketch, order: int) -> list[float]:
+def infinite_at(drive: Drive, order: int) -> list[float]:
     """Cam angles [rad] at which the derivative is infinite for a lower one jumps."""
-    return [joint.cam_angle for joint in sketch.breaks if joint.order + 1 < order]
+    return [joint.cam_angle for joint in breaks(drive.plan) if joint.order + 1 < order]
 
 
 def number(value: float) -> str:

@@ -8,13 +8,14 @@ from typing import Final
 
 import numpy as np
 
+from camgeo.figure.layout import Strips
 from camgeo.figure.marks import Box, Line, Mark, Style, Text, over
 from camgeo.figure.model import Axis, Panel
 from camgeo.figure.motion_diagram import NAME_PLACE, SMALL, Unit, number
-from camgeo.figure.strips import Strips
 from camgeo.figure.style import AUXILIARY, LINE, joint_marks, turn_axis
-from camgeo.files.sketch import PlanSketch
-from camgeo.numeric.arrays import FloatArray
+from camgeo.motion.joints import Joint, joints
+from camgeo.motion.plan import Dwell, MotionPlan, Move, Segment
+from camgeo.numeric.arrays import FloatArray, frozen
 from camgeo.units import TURN
 
 NUMBERS, CLASSES = 0.26, 0.36
@@ -40,6 +41,59 @@ MOVE: Final = Style(LINE, 1.0, (5.0, 3.0))
 DATA: Final = Style(LINE, 1.0)
 JOINT: Final = Style("black", 0.0, marker="o", size=4.0)
 LEADER: Final = Style(AUXILIARY, 0.6)
+
+SAMPLES: Final = 721
+"""Points of a motion by data: half a degree, finer than a printed line."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PlanSegment:
+    """A segment of the motion plan, of any length but 0.
+
+    Attributes
+    ----------
+    start, end : cam angles [rad] in [0, 2 pi].
+    label : name of its motion law; "dwell", or "data" for a motion by data.
+    style : how it is drawn: REST, MOVE or DATA.
+    course : (n, 2) cam angles [rad] and positions [unit of the plan] of a motion by data, which is
+        asked for as a whole; None for the others.
+    """
+
+    start: float
+    end: float
+    label: str
+    style: Style
+    course: FloatArray | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PlanSketch:
+    """What a picture shows of a motion plan.
+
+    Attributes
+    ----------
+    joints : of the plan, as many as segments: joint k is where segment k begins.
+    segments : by ascending cam angle, without those of no length.
+    """
+
+    joints: tuple[Joint, ...]
+    segments: tuple[PlanSegment, ...]
+
+
+def plan_sketch(plan: MotionPlan) -> PlanSketch:
+    """What a picture shows of `plan`."""
+    return PlanSketch(joints(plan), tuple(_segment(plan, *each) for each in plan.stretches))
+
+
+def _segment(plan: MotionPlan, segment: Segment, start: float, end: float) -> PlanSegment:
+    if isinstance(segment, Dwell):
+        return PlanSegment(start, end, "dwell", REST)
+    if isinstance(segment, Move):
+        return PlanSegment(start, end, segment.law.name, MOVE)
+    phi = np.linspace(start, end, SAMPLES)
+    positions = np.append(plan.jet(phi[:-1])[0], segment.to)
+    course = frozen(np.column_stack((phi, positions)), np.float64)
+    return PlanSegment(start, end, "data", DATA, course)
 
 
 def panels(strips: Strips, sketch: PlanSketch, unit: Unit, below: float) -> list[Panel]:
@@ -161,13 +215,12 @@ def _plan(strips: Strips, sketch: PlanSketch, unit: Unit, height: float) -> Pane
     marks: list[Mark] = []
     for index, segment in enumerate(sketch.segments):
         ends = slice(index, index + 2)
+        points = over(angles[ends], positions[ends])
         if segment.course is not None:
             course = segment.course[:, 1] * unit.scale
             extent.append(course)
-            marks.append(Line(over(np.degrees(segment.course[:, 0]), course), DATA))
-        else:
-            style = REST if segment.is_dwell else MOVE
-            marks.append(Line(over(angles[ends], positions[ends]), style))
+            points = over(np.degrees(segment.course[:, 0]), course)
+        marks.append(Line(points, segment.style))
     marks.append(Line(over(angles, positions), JOINT, layer=3.0, clipped=False))
     low, high = (float(limit(np.concatenate(extent))) for limit in (np.min, np.max))
     room = 0.15 * (high - low) or 1.0

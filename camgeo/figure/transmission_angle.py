@@ -18,9 +18,9 @@ SIZE = (7.0, 3.6)
 
 def figure(product: Product, size: Size = SIZE) -> Figure:
     """The transmission angle with the limit that the design is held to."""
-    seen = product.pictured
-    phi = diagram_angles(seen.joints)
-    angle = np.degrees(seen.quantity("transmission_angle", phi))
+    joints = product.cam.drive.joints
+    phi = diagram_angles(joints)
+    angle = np.degrees(product.cam.disc.pitch_curve.transmission_angle(phi))
     marks: list[Mark] = [Line(over(np.degrees(phi), angle), CURVE, "transmission angle")]
     limit = next((item.limit for item in product.findings if item.name == FINDING), None)
     if limit is not None:
@@ -28,4 +28,4 @@ def figure(product: Product, size: Size = SIZE) -> Figure:
     low = min(float(angle.min()), limit if limit is not None else 90.0)
     floor = max(0.0, 10.0 * float(np.floor(low / 10.0)) - 5.0)
     shown = Axis((floor, 95.0), "transmission angle μ [°]")
-    return diagram(size, f"{product.name}: transmission angle", shown, marks, seen.joints)
+    return diagram(size, f"{product.name}: transmission angle", shown, marks, joints)

@@ -1,75 +1,88 @@
-"""A cam as pictures show it."""
+"""A cam as pictures show it: the mechanism's skeleton, and where a flank is cut off."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from camgeo.cam.contact import Contact
+from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import GeometryError
-from camgeo.files.moving import LIFT, PicturedMotion
-from camgeo.files.skeleton import face_ends, skeleton
-from camgeo.files.sketch import CutOff, FollowerSketch, cut_off_sketches
+from camgeo.mechanism.drawn import traced_point
+from camgeo.mechanism.follower import Follower
 from camgeo.mechanism.sketch import MechanismSketch
-from camgeo.numeric.arrays import FloatArray
+from camgeo.motion.extremes import lift_range
+from camgeo.numeric.arrays import ComplexArray, FloatArray, frozen
+from camgeo.outline.envelope import Envelope
+from camgeo.outline.flank import Flank
+from camgeo.outline.outline import Outline
+from camgeo.outline.path import Pivot
+from camgeo.pickled import Pickled
+from camgeo.units import TURN
 
 if TYPE_CHECKING:
     from camgeo.cam.cam import Cam
     from camgeo.effects.effect import Column
 
+SAMPLES = 721
+"""Points of what is cut off from a flank: finer than a printed line."""
+
+
+@dataclass(frozen=True, slots=True)
+class FollowerSketch:
+    """What a picture shows of the follower at cam angle 0.
+
+    Attributes
+    ----------
+    kind : "guide" for a translating follower, "pivot" for an oscillating one.
+    end : complex [mm], the pivot, or any point of the guide further out than the roller centre.
+    face : complex [mm], the two ends of a flat face; None for a roller.
+    """
+
+    kind: Literal["guide", "pivot"]
+    end: complex
+    face: tuple[complex, complex] | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CutOff:
+    """What a picture shows of a flank where the disc has a corner.
+
+    Attributes
+    ----------
+    flank : that is cut off.
+    start, end : cam angles [rad] of the flank at the corner, start in [0, 2 pi), end above it.
+    course : (n,) complex [mm], the flank between them, which is not on the disc; it begins and ends
+        in the corner.
+    """
+
+    flank: Flank
+    start: float
+    end: float
+    course: ComplexArray
+
+    @property
+    def corner(self) -> complex:
+        """The corner [mm]."""
+        return complex(self.course[0])
+
 
 @dataclass(frozen=True)
-class PicturedCam(PicturedMotion):
-    """What pictures show of a cam.
+class PicturedCam(Pickled):
+    """What pictures show of a cam, besides its own quantities.
 
     Attributes
     ----------
     cam : the cam.
-    returning : the return cam of a conjugate pair, of the same mechanism; None if there is none.
+    returning : the follower on the return disc of a conjugate pair; None if there is none.
     columns : gives the effects over the cam angle.
     """
 
     cam: Cam
-    returning: Cam | None
+    returning: Follower | None
     columns: Callable[[], tuple[Column, ...]]
-
-    @property
-    def contact(self) -> Contact:
-        """The flank on which the follower runs."""
-        return self.cam.contact
-
-    @property
-    def rotation(self) -> int:
-        """Sense in which the disc turns: +1 counter-clockwise, -1 clockwise."""
-        return self.cam.rotation
-
-    @property
-    def roller_radius(self) -> float:
-        """r_R [mm]; 0 for a knife edge and for a flat face."""
-        return self.cam.follower.roller_radius
-
-    @property
-    def flank_distance(self) -> float:
-        """Distance of either flank from the pitch curve [mm]: r_R, or half the groove's width."""
-        return self.cam.disc.flank_distance
-
-    @property
-    def has_pitch_curve(self) -> bool:
-        """False of a flat face, whose contact runs on the outline itself."""
-        return self.cam.follower.has_pitch_curve
-
-    @property
-    def joints(self) -> tuple[float, ...]:
-        """Cam angles [rad] at which the segments of the motion plan begin, from 0 upwards."""
-        return self.cam.drive.joints
-
-    @property
-    def far_angle(self) -> float:
-        """The first cam angle [rad] at which the demanded motion is farthest from its start."""
-        return self.cam.drive.far_angle
 
     @property
     def effect_columns(self) -> tuple[Column, ...]:
@@ -81,34 +94,77 @@ class PicturedCam(PicturedMotion):
         points = getattr(self.cam.disc, f"{what}_curve").point(phi)
         return np.column_stack((points.real, points.imag))
 
-    def quantity(self, what: str, phi: FloatArray) -> FloatArray:
-        """(n,) values at `phi` (n,) [rad]: those of a motion, "transmission_angle" [rad], and
-        "curvature" [1/mm].
-        """
-        if what in LIFT:
-            return super().quantity(what, phi)
-        curve = self.cam.disc.pitch_curve
-        of = {"transmission_angle": curve.transmission_angle, "curvature": curve.curvature}
-        return of[what](phi)
-
     @property
     def follower_sketch(self) -> FollowerSketch:
         """Where the follower is held."""
-        return FollowerSketch(*self.cam.follower.held(face_ends(self.cam.disc.pitch_curve)))
+        return FollowerSketch(*self.cam.follower.held(self._face_ends))
 
     def mechanism_sketch(self, phi: float) -> MechanismSketch:
-        """The mechanism at the cam angle `phi` [rad]."""
-        other = None if self.returning is None else self.returning.follower
-        return skeleton(self.cam, other, phi)
+        """The mechanism at the cam angle `phi` [rad]: its links and joints."""
+        cam, follower, linkage = self.cam, self.cam.follower, self.cam.drive.linkage
+        motion, ends = cam.drive.motion, self._face_ends
+        lift = float(motion.jet(np.array([phi]))[0, 0])
+        lifts = lift_range(motion)
+        farthest = max(lifts, key=lambda each: follower.reach * each)
+        found = follower.sketch(lift, farthest, ends)
+        if self.returning is not None:
+            both = (follower, self.returning)
+            reach = max(abs(traced_point(each, at)) for each in both for at in lifts)
+            found += self.returning.beside(traced_point(follower, lift), lift, reach)
+        if cam.yoke_breadth > 0.0:
+            found += follower.far_side(lift, ends, cam.yoke_breadth)
+        if linkage is None:
+            return found
+        position = float(cam.drive.plan.jet(np.array([phi]))[0, 0])
+        return found + linkage.sketch(*follower.linked_at(farthest), position)
 
     @property
     def cut_off(self) -> tuple[CutOff, ...]:
         """Where the flanks in use are cut off; empty also if it cannot be told what is left."""
         found: list[CutOff] = []
-        for name, curve in self.cam.disc.flanks:
+        for flank in self.cam.contact.flanks:
             try:
-                outline = self.cam.disc.outline(name)
+                outline = self.cam.disc.outline(flank)
             except GeometryError:  # which the findings tell
                 continue
-            found += cut_off_sketches(curve, outline, name)
+            found += _cut_off(self.cam.disc.curve(flank), outline, flank)
         return tuple(found)
+
+    @property
+    def _face_ends(self) -> tuple[float, float]:
+        """Where a flat face begins and ends [mm]: as the scene says, else as the contact needs it.
+
+        Zeros for a roller, which has no face.
+        """
+        curve = self.cam.disc.pitch_curve
+        if curve.follower.face is not None:
+            return curve.follower.face
+        from camgeo.outline.convex import contact_extremes  # few cams have a flat face
+
+        places = contact_extremes(curve)
+        return places.smallest()[0], places.largest()[0]
+
+
+def _cut_off(curve: WorkingCurve, outline: Outline, flank: Flank) -> list[CutOff]:
+    """What is cut off at the corners of `outline`, the real one of the flank `curve`.
+
+    Nothing for a knife edge: the corners of its flank are those of the pitch curve, none is cut.
+    """
+    if curve.distance == 0.0:
+        return []
+    envelope, pivots = Envelope(curve), outline.path.pivots
+    return [_cut_at(envelope, each, flank) for each in pivots if each.distance == 0.0]
+
+
+def _cut_at(envelope: Envelope, corner: Pivot, flank: Flank) -> CutOff:
+    start = corner.before % TURN
+    first, last = envelope.place_before(start), envelope.place_of(corner.after % TURN)
+    last += envelope.total if last < first else 0.0
+    # Both sides of the roller's turns, so that the ends of their arcs are drawn.
+    turns = [*envelope.starts, *(envelope.starts + envelope.total)]
+    inside = [place for place in turns if first < place < last]
+    places = np.unique(np.append(np.linspace(first, last, SAMPLES)[1:-1], inside))
+    points = envelope.course(places).points
+    course = np.concatenate(([corner.centre], points, [corner.centre]))
+    end = start + (corner.after - corner.before) % TURN
+    return CutOff(flank, start, end, frozen(course, np.complex128))

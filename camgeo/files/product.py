@@ -1,4 +1,4 @@
-"""What a writer gets to see of a design, and what a writer is.
+"""A disc as it is made, which is what its writers see of a design, and what a writer is.
 
 Writers register as entry points of the group ``camgeo.writers``; the entry point's name is the
 format's name on the command line and in the scene, and it loads an object that is a `Writer`.
@@ -6,85 +6,132 @@ format's name on the command line and in the scene, and it loads an object that 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Protocol, TypeVar
+from typing import TYPE_CHECKING, Any, Protocol
 
-from camgeo.check.finding import Finding
+from camgeo._version import __version__
+from camgeo.check.judge import RETURN, Judgement
 from camgeo.formats.format import Format, Options, Values
-from camgeo.lazy import Ledger
+from camgeo.lazy import Ledger, built
+from camgeo.pickled import Pickled
 from camgeo.units import LengthUnit
 
-if TYPE_CHECKING:  # a writer is computed the views that it reads, and no other
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from camgeo.cam.cam import Cam
+    from camgeo.check.finding import Finding
+    from camgeo.effects.effect import Column
     from camgeo.files.drawn import DrawnDisc
     from camgeo.files.milled import MilledDisc
     from camgeo.files.pictured import PicturedCam
     from camgeo.files.tabulated import TabulatedCam
+    from camgeo.scene.scene import Scene
 
 
-class Product(Protocol):
-    """A disc as its writers see it: what all of them share, and a view for each reader.
+@dataclass(frozen=True)
+class Product(Pickled):
+    """One disc as its files show it: what all of them share, and a view for each reader.
 
-    `camgeo.workpiece.Workpiece` is one.
+    A writer is computed the views that it reads, and no other.
+
+    Attributes
+    ----------
+    scene : what is asked for.
+    cam : the cam whose disc it is.
+    judgement : what is found of it, and whether there is such a disc.
+    others : the discs that turn with it: of a conjugate pair's main disc the return disc.
+    columns : gives the effects over the cam angle.
+    ledger : where it is entered what was computed, and how long it took.
     """
+
+    scene: Scene
+    cam: Cam
+    judgement: Judgement
+    others: tuple[Product, ...]
+    columns: Callable[[], tuple[Column, ...]]
+    ledger: Ledger = field(default_factory=Ledger, repr=False, compare=False)
 
     @property
     def name(self) -> str:
-        """Name of the disc; the stem of its files."""
+        """Name of the disc, the stem of its files."""
+        is_main = self.judgement.cams[0] is self.cam
+        return self.scene.name if is_main else f"{self.scene.name}-{RETURN}"
 
     @property
     def unit(self) -> LengthUnit:
         """Unit of length of the scene; drawings, programs and tables are written in it."""
+        return self.scene.unit
 
     @property
     def scene_hash(self) -> str:
-        """SHA-256 of all that the scene says of files, hexadecimal."""
+        """SHA-256 of what the scene says of files, see `camgeo.scene.scene.Scene.made`."""
+        return self.scene.made
 
     @property
     def scene_files(self) -> dict[str, str]:
-        """SHA-256 of the files that the scene reads, by their names."""
+        """SHA-256 of the files that the scene reads, hexadecimal, by their names."""
+        return dict(self.scene.files)
 
     @property
     def version(self) -> str:
         """Version of camgeo."""
+        return __version__
 
     @property
     def options(self) -> Options:
         """What the scene says of the formats."""
+        return self.scene.output.options
 
     @property
     def values(self) -> Values:
         """The scene's values, by which it is seen in which formats it can be written."""
+        return self.scene.stated
 
     @property
     def findings(self) -> tuple[Finding, ...]:
         """What the checks find of all discs."""
+        return self.judgement.findings
 
     @property
-    def discs(self) -> Sequence[Product]:
-        """The discs of the mechanism, this one first; for pictures of all."""
+    def discs(self) -> tuple[Product, ...]:
+        """The disc, and behind it those that turn with it; for pictures of all."""
+        return (self, *self.others)
 
-    @property
-    def ledger(self) -> Ledger:
-        """What was computed of it, and how long it took."""
+    @built
+    def drawn(self) -> DrawnDisc:
+        """The disc as drawings and solids show it."""
+        from camgeo.files.drawn import DrawnDisc
 
-    @property
-    def drawn(self) -> DrawnDisc: ...
+        scene = self.scene
+        return DrawnDisc(self.cam, scene.part, scene.output.fit, self.judgement, self.ledger)
 
-    @property
-    def milled(self) -> MilledDisc: ...
+    @built
+    def milled(self) -> MilledDisc:
+        """The disc as milling programs make it."""
+        from camgeo.files.milled import MilledDisc
 
-    @property
-    def tabulated(self) -> TabulatedCam: ...
+        return MilledDisc(self.drawn, self.options, self.values, self.ledger)
 
-    @property
-    def pictured(self) -> PicturedCam: ...
+    @built
+    def tabulated(self) -> TabulatedCam:
+        """The cam as value tables tell it."""
+        from camgeo.files.tabulated import TabulatedCam
+        from camgeo.formats.csv import FORMAT
+
+        drive, lift_unit, spec = self.cam.drive, self.cam.lift_unit, self.options[FORMAT]
+        return TabulatedCam(drive, lift_unit, self.cam, self.unit, spec, self.columns, self.ledger)
+
+    @built
+    def pictured(self) -> PicturedCam:
+        """The cam as pictures show it."""
+        from camgeo.files.pictured import PicturedCam
+
+        returning = self.others[0].cam.follower if self.others else None
+        return PicturedCam(self.cam, returning, self.columns)
 
 
-Disc = TypeVar("Disc", bound=Product)
-
-
-def disc_of(discs: Sequence[Disc], stem: str) -> Disc:
+def disc_of(discs: Sequence[Product], stem: str) -> Product:
     """The disc of which a file named `stem` without its ending is.
 
     A name that ends as that of a further disc does is that of such a disc, whatever comes before.

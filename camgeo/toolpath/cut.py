@@ -11,7 +11,7 @@ import numpy as np
 from camgeo.errors import GeometryError
 from camgeo.numeric.checked import array, hold, instance, number, positive, shown
 from camgeo.part.part import Boundary, require_boundary
-from camgeo.toolpath.tool import Tool
+from camgeo.toolpath.spec import Tool
 
 MOST_PASSES: Final = 10_000
 """Of one cut; a thinner chip than a ten-thousandth of a part is a slip of the pen."""
@@ -24,7 +24,7 @@ class Cut:
     Attributes
     ----------
     name : its identity, unique in the program and named in the file.
-    strategy : how it is cut, a name in `camgeo.toolpath.strategies.registry.STRATEGIES`.
+    strategy : how it is cut, a name in `camgeo.toolpath.strategies.STRATEGIES`.
     tool : with which it is cut.
     centre : the exact closed path of the cutter's centre. Where it is a hole, as inside of a bore,
         it is run counter-clockwise, else clockwise: so the cutter climbs (spindle clockwise).

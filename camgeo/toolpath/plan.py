@@ -12,7 +12,7 @@ from camgeo.toolpath.cut import Cut
 from camgeo.toolpath.machine import ArcLimits
 from camgeo.toolpath.machining_time import arc_sweep
 from camgeo.toolpath.moves import ArcFeed, Move, Operation, Toolpath
-from camgeo.toolpath.strategies.registry import STRATEGIES
+from camgeo.toolpath.strategies import STRATEGIES
 
 ROUNDED = 1e-12
 """An arc that exceeds the largest one by this share of it is one of it, rounded."""

@@ -9,8 +9,7 @@ from camgeo.outline.path import Path
 from camgeo.part.boundaries import CurveBoundary, ExactBoundary
 from camgeo.part.part import Part, Wall
 from camgeo.toolpath.cut import Cut, passes
-from camgeo.toolpath.strategies import profile, slot
-from camgeo.toolpath.tool import Tool
+from camgeo.toolpath.spec import Tool
 
 SAME = 2.0**-48
 """Radii that differ by less, as a share of them, are one: what a sum of two lengths rounds to."""
@@ -33,10 +32,21 @@ def cuts_of(part: Part, tool: Tool, pass_depth: float | None) -> tuple[Cut, ...]
     if "bore" in walls:
         cuts.append(_bore(walls["bore"], tool, pass_depth))
     if "outline" in walls:
-        cuts.append(profile.cut(walls["outline"], tool, pass_depth, tool.radius))
+        cuts.append(_profile(walls["outline"], tool, pass_depth, tool.radius))
     else:
         cuts += _groove(walls["inner flank"], walls["outer flank"], tool, pass_depth)
     return tuple(cuts)
+
+
+def _profile(wall: Wall, tool: Tool, pass_depth: float | None, room: float, note: str = "") -> Cut:
+    """Round a wall from its upper edge to its lower one, the material on the right."""
+    boundary = wall.boundary
+    depths = passes(wall.z1, wall.z0, pass_depth)
+    path = boundary.beside(tool.radius)
+    name = boundary.name
+    return Cut(
+        name, "profile", tool, path, right=name, left="", depths=depths, room=room, note=note
+    )
 
 
 def _bore(wall: Wall, tool: Tool, pass_depth: float | None) -> Cut:
@@ -51,7 +61,7 @@ def _bore(wall: Wall, tool: Tool, pass_depth: float | None) -> Cut:
             value=f"{tool.diameter:g}",
         )
     note = "the keyway is left to be broached" if bore.core is not None else ""
-    return profile.cut(wall, tool, pass_depth, room / 2.0, note)
+    return _profile(wall, tool, pass_depth, room / 2.0, note)
 
 
 def _groove(inner: Wall, outer: Wall, tool: Tool, pass_depth: float | None) -> list[Cut]:
@@ -71,7 +81,7 @@ def _groove(inner: Wall, outer: Wall, tool: Tool, pass_depth: float | None) -> l
         centre = CurveBoundary("path of the cutter along the groove", hole=True, path=path)
         depths = passes(outer.z1, outer.z0, pass_depth)
         names = outer.boundary.name, inner.boundary.name
-        return [Cut("groove", slot.NAME, tool, centre, *names, depths)]
+        return [Cut("groove", "slot", tool, centre, *names, depths)]
     if side < 0.0 or tool.diameter < half:
         raise GeometryError(
             f"the cutter of a groove must not be larger than {like}, and at least half as large,"
@@ -86,4 +96,4 @@ def _groove(inner: Wall, outer: Wall, tool: Tool, pass_depth: float | None) -> l
             key="output.gcode.tool_diameter",
             value=f"{tool.diameter:g}",
         )
-    return [profile.cut(wall, tool, pass_depth, side / 2.0) for wall in (outer, inner)]
+    return [_profile(wall, tool, pass_depth, side / 2.0) for wall in (outer, inner)]

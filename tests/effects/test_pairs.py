@@ -14,12 +14,12 @@ import pytest
 
 from camgeo.design import Design
 from camgeo.errors import EffectError, GeometryError, SceneError
+from camgeo.files.product import Product
 from camgeo.mechanism.kinds import require_roller
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray
 from camgeo.units import TURN
-from camgeo.workpiece import Workpiece
 from tests.effects.scenes import design
 from tests.effects.test_physics import (
     DIFFERENCE,
@@ -174,7 +174,7 @@ def test_each_disc_has_the_pressure_of_its_own_roller_and_flank() -> None:
     discs = zip(made.discs, ("main", "return"), strict=True)
     for (disc, name), force in zip(discs, both(made, phi), strict=True):
 
-        def point(x: FloatArray, disc: Workpiece = disc) -> Any:
+        def point(x: FloatArray, disc: Product = disc) -> Any:
             return disc.cam.disc.inner_curve.point(x)
 
         first = slope(point, phi)

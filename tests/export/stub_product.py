@@ -7,39 +7,40 @@ that a writer which spends more than its share is found out.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
-from typing import Literal, Self, cast
+from decimal import Decimal
+from typing import Any, cast
 
 import numpy as np
 
-from camgeo.cam.contact import Contact
+from camgeo.cam.cam import Cam
+from camgeo.cam.drive import Drive
 from camgeo.check.finding import Finding
+from camgeo.check.judge import Judgement
 from camgeo.contour.contour import Contour
 from camgeo.contour.fit import Effort, Fit
 from camgeo.contour.spline import Arc, SplineContour, SplineFit
 from camgeo.effects.effect import Column
 from camgeo.files.drawn import DrawnDisc
 from camgeo.files.milled import MilledDisc
-from camgeo.files.pictured import PicturedCam
-from camgeo.files.sketch import CutOff, FollowerSketch, PlanSegment, PlanSketch
+from camgeo.files.product import Product
 from camgeo.files.table import Table
 from camgeo.files.tabulated import TabulatedCam
 from camgeo.formats.dxf import DxfSpec
 from camgeo.formats.format import Options, Values
-from camgeo.lazy import Ledger
-from camgeo.mechanism.sketch import Guide, MechanismSketch
-from camgeo.motion.joints import Joint
-from camgeo.numeric.arrays import FloatArray
+from camgeo.mechanism.translating_roller import TranslatingRoller
+from camgeo.motion import plan
+from camgeo.motion.laws import make_law
 from camgeo.part.part import Layer, Part
 from camgeo.scene.document import document
+from camgeo.scene.scene import Scene
 from camgeo.scene.sound import SoundValues
 from camgeo.toolpath import machine
 from camgeo.toolpath.cut import Cut
 from camgeo.toolpath.moves import ArcFeed, Feed, Move, Operation, Rapid, Toolpath
 from camgeo.toolpath.plan import divided
-from camgeo.toolpath.spec import GcodeSpec
-from camgeo.toolpath.tool import Tool
+from camgeo.toolpath.spec import GcodeSpec, Tool
 from camgeo.units import MM_PER, LengthUnit
 from camgeo_export.chain import chain
 
@@ -49,8 +50,6 @@ SPEND = 0.99
 PIECES = 12
 
 PROBES = np.linspace(0.0, 1.0, 33)
-
-QUANTITIES = ("s", "s1", "s2", "s3")
 
 
 def bulged(radius: float, centre: complex, tolerance: float) -> Contour:
@@ -103,10 +102,29 @@ class CircleBoundary:
         return replace(self, radius=self.radius + (-distance if self.hole else distance))
 
 
-@dataclass(frozen=True, slots=True)
-class StubProduct:
+def there_and_back(stroke: float) -> plan.MotionPlan:
+    """By `stroke` [mm or rad] in half a turn, and back in the other half."""
+    law = make_law("simple-sine")
+    return plan.MotionPlan(tuple(plan.Move(Decimal(180), to, law) for to in (stroke, 0.0)))
+
+
+NO_SCENE: Any = None
+
+CAM = Cam(
+    Drive(there_and_back(10.0)), TranslatingRoller(base_radius=35.0, roller_radius=8.0), rotation=-1
+)
+"""Of what pictures show besides the disc."""
+
+
+@dataclass(frozen=True)
+class StubProduct(Product):
     """An eccentric disc; with `groove`, a groove of eccentric flanks in a round blank."""
 
+    scene: Scene = NO_SCENE
+    cam: Cam = CAM
+    judgement: Judgement = NO_SCENE
+    others: tuple[Product, ...] = ()
+    columns: Callable[[], tuple[Column, ...]] = tuple
     name: str = "eccentric"
     unit: LengthUnit = "mm"
     effort: Effort = "fewest"
@@ -116,19 +134,15 @@ class StubProduct:
     thickness: float | None = 8.0
     scale: float = 1.0
     scene_hash: str = "0123456789abcdef" * 4
-    scene_files: dict[str, str] = field(default_factory=dict)
     version: str = "0.0.test"
-    rotation: int = -1
-    joints: tuple[float, ...] = (0.0, math.pi)
-    lift_unit: Literal["mm", "rad"] = "mm"
-    contact: Contact = Contact.INNER
-    cut_off: tuple[CutOff, ...] = ()
-    effect_columns: tuple[Column, ...] = ()
     second_tool: Tool | None = None
-    ledger: Ledger = field(default_factory=Ledger, compare=False)
     findings: tuple[Finding, ...] = field(
         default=(Finding("transmission-angle", "ok", "fine", 70.0, 60.0, "deg"),)
     )
+
+    @property
+    def scene_files(self) -> dict[str, str]:
+        return {}
 
     @property
     def options(self) -> Options:
@@ -145,10 +159,6 @@ class StubProduct:
         return SoundValues(document(text.encode()))
 
     @property
-    def discs(self) -> tuple[Self, ...]:
-        return (self,)
-
-    @property
     def drawn(self) -> DrawnDisc:
         return cast("DrawnDisc", self)
 
@@ -159,10 +169,6 @@ class StubProduct:
     @property
     def tabulated(self) -> TabulatedCam:
         return cast("TabulatedCam", self)
-
-    @property
-    def pictured(self) -> PicturedCam:
-        return cast("PicturedCam", self)
 
     @property
     def has_pitch_curve(self) -> bool:
@@ -177,47 +183,12 @@ class StubProduct:
         return 40.0 * self.scale
 
     @property
-    def flank_distance(self) -> float:
-        return self.roller_radius
-
-    @property
     def roller_radius(self) -> float:
         return 8.0 * self.scale
 
     @property
     def base_radius(self) -> float:
         return 35.0 * self.scale
-
-    @property
-    def follower_sketch(self) -> FollowerSketch:
-        return FollowerSketch("guide", 60j * self.scale)
-
-    def mechanism_sketch(self, phi: float) -> MechanismSketch:
-        """A rod in a guide, with the roller on the base circle all the time."""
-        roller = 1j * self.base_radius
-        return MechanismSketch(
-            links=((roller, 2.0 * roller),),
-            guides=(Guide(1.8 * roller, 1j, block=False),),
-            rollers=((roller, self.roller_radius),),
-        )
-
-    @property
-    def far_angle(self) -> float:
-        return self.joints[-1]
-
-    @property
-    def plan_sketch(self) -> PlanSketch:
-        """From joint to joint by a harmonic, turn to turn."""
-        found = []
-        for angle in self.joints:
-            jet = np.array([self.quantity(what, np.array([angle]))[0] for what in QUANTITIES])
-            found.append(Joint(angle, float(jet[0]), "U", "U", 3, jet, jet))
-        ends = (*self.joints[1:], 2.0 * math.pi)
-        segments = tuple(
-            PlanSegment(start, end, "simple-sine")
-            for start, end in zip(self.joints, ends, strict=True)
-        )
-        return PlanSketch("follower", self.lift_unit, tuple(found), tuple(found), segments)
 
     @property
     def part(self) -> Part:
@@ -273,26 +244,14 @@ class StubProduct:
             operations.append(Operation(cut, tuple(divided(moves, largest))))
         return Toolpath(self.gcode.safe_height, tuple(operations))
 
-    def curve(self, what: str, phi: FloatArray) -> FloatArray:
-        offset = {"pitch": 0.0, "inner": -self.roller_radius, "outer": self.roller_radius}[what]
-        points = self.centre + (self.pitch_radius + offset) * np.exp(1j * (phi + 0.5 * math.pi))
-        return np.column_stack((points.real, points.imag))
-
-    def quantity(self, what: str, phi: FloatArray) -> FloatArray:
-        if what == "curvature":
-            return np.full_like(phi, 1.0 / self.pitch_radius)
-        if what == "transmission_angle":
-            return np.radians(80.0 - 10.0 * np.cos(phi))
-        order = {"s": 0, "s1": 1, "s2": 2, "s3": 3}[what]
-        mean = 5.0 * self.scale if order == 0 else 0.0
-        return mean - 5.0 * self.scale * np.cos(phi + 0.5 * math.pi * order)
-
     def table(self) -> Table:
         phi = np.linspace(0.0, 2.0 * math.pi, 73)
-        points = self.curve("inner", phi) / MM_PER[self.unit]
-        lift = self.quantity("s", phi) / MM_PER[self.unit]
+        radius = self.pitch_radius - self.roller_radius
+        points = self.centre + radius * np.exp(1j * (phi + 0.5 * math.pi))
+        lift = 5.0 * self.scale * (1.0 - np.cos(phi))
+        lengths = np.column_stack((lift, points.real, points.imag)) / MM_PER[self.unit]
         names = ("phi [deg]", *(f"{what} [{self.unit}]" for what in ("s", "inner x", "inner y")))
-        return Table(names, np.column_stack((np.degrees(phi), lift, points)))
+        return Table(names, np.column_stack((np.degrees(phi), lengths)))
 
 
 DEPTHS = (-4.0, -8.0)

@@ -14,11 +14,11 @@ import camgeo
 from camgeo.cli.main import main
 from camgeo.design import Design
 from camgeo.errors import SceneError
+from camgeo.files.product import Product
 from camgeo.files.write import make_files
 from camgeo.numeric.arrays import FloatArray
 from camgeo.scene.load import parse_scene
 from camgeo.scene.ocv import import_project
-from camgeo.workpiece import Workpiece
 from camgeo_export.asc.writer import COLUMNS, POINTS, SECOND, WRITER, AscWriter
 from camgeo_export.errors import FileError
 from tests.reference import pitch_curve_of, reference, thesis_params
@@ -30,7 +30,7 @@ EXAMPLES = {"querhub": "T4_querhub_ASSUMED", "schnitt": "T5_schnitt", "setzhub":
 
 
 @cache
-def design(name: str) -> Workpiece:
+def design(name: str) -> Product:
     """The cam of a project."""
     data = (FIXTURES / "reference" / "ocv" / f"{name}.ocv").read_bytes()
     return Design(parse_scene(import_project(data, name))).disc

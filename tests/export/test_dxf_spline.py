@@ -33,7 +33,7 @@ Drawing = Callable[[Modelspace], object]
 TOLERANCE = 1e-3
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class FlankProduct(StubProduct):
     """A real flank with dwells and a round bore, drawn by splines."""
 

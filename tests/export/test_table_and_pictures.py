@@ -2,20 +2,30 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+import math
 
 import matplotlib as mpl
 import pytest
 
+from camgeo.cam.cam import Cam
+from camgeo.cam.drive import Drive
 from camgeo.figure.plots import OWN, find, stacked
-from camgeo.files.sketch import FollowerSketch
 from camgeo.files.table import Table
+from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.units import LengthUnit
 from camgeo_export.errors import FileError
 from camgeo_export.picture.writer import PNG, SVG, PictureWriter
 from camgeo_export.plots.render import render
 from camgeo_export.table.writer import WRITER as CSV
-from tests.export.stub_product import StubProduct
+from tests.export.stub_product import StubProduct, there_and_back
+
+ROCKER = StubProduct(
+    name="rocker",
+    cam=Cam(
+        Drive(there_and_back(math.radians(10.0)), unit="rad"),
+        OscillatingRoller(70.0 + 20.0j, 60.0, 35.0, 8.0),
+    ),
+)
 
 
 @pytest.mark.parametrize("unit", ["mm", "inch"])
@@ -71,19 +81,15 @@ def test_pictures_are_the_same_each_time(writer: PictureWriter) -> None:
 
 @pytest.mark.parametrize("name", OWN)
 def test_every_plot_draws(name: str) -> None:
-    pivot = replace(StubProduct(lift_unit="rad", rotation=1), name="rocker")
-    assert render(stacked(pivot, [name]), ".svg").startswith(b"<?xml")
+    assert render(stacked(ROCKER, [name]), ".svg").startswith(b"<?xml")
 
 
 def test_a_pivot_is_drawn() -> None:
-    class Rocker(StubProduct):
-        @property
-        def follower_sketch(self) -> FollowerSketch:
-            return FollowerSketch("pivot", 70.0 + 20.0j)
-
-    assert render(stacked(Rocker(), ["cam"]), ".svg") != render(
-        stacked(StubProduct(), ["cam"]), ".svg"
+    assert ROCKER.pictured.follower_sketch.kind == "pivot"
+    rocker, guided = (
+        render(stacked(product, ["cam"]), ".svg") for product in (ROCKER, StubProduct())
     )
+    assert rocker != guided
 
 
 def test_plots_stack_and_leave_no_state() -> None:

@@ -46,7 +46,7 @@ def drawn(product: Product) -> Figure:
 def test_neighbours_of_one_unit_share_a_panel() -> None:
     columns = (STEP, WAVE, LENGTH, RATE, WAVE)
     assert effects.panels(columns) == [[STEP, WAVE], [LENGTH], [RATE], [WAVE]]
-    figure = drawn(StubProduct(effect_columns=columns))
+    figure = drawn(StubProduct(columns=lambda: columns))
     assert [axes.get_ylabel() for axes in figure.axes] == ["[N]", "[mm]", "[mm/s²]", "[N]"]
     legends = [axes.get_legend() for axes in figure.axes]
     told = [[text.get_text() for text in legend.get_texts()] for legend in legends if legend]
@@ -54,7 +54,7 @@ def test_neighbours_of_one_unit_share_a_panel() -> None:
 
 
 def test_the_names_stand_above_the_curves() -> None:
-    figure = drawn(StubProduct(effect_columns=(STEP, WAVE) * 2))
+    figure = drawn(StubProduct(columns=lambda: (STEP, WAVE) * 2))
     [axes] = figure.axes
     legend = axes.get_legend()
     assert legend is not None
@@ -71,17 +71,17 @@ def test_a_panel_takes_as_many_curves_as_it_can_tell() -> None:
 
 
 def test_the_figure_grows_with_its_panels() -> None:
-    sizes = [
-        effects.figure(StubProduct(effect_columns=(LENGTH, WAVE) * count)).size
-        for count in (1, 2, 3)
-    ]
+    def product(count: int) -> Product:
+        return StubProduct(columns=lambda: (LENGTH, WAVE) * count)
+
+    sizes = [effects.figure(product(count)).size for count in (1, 2, 3)]
     assert {width for width, _ in sizes} == {7.0}
     step = 2.0 * (effects.PANEL + effects.GAP)
     assert np.diff([height for _, height in sizes]) == pytest.approx([step, step])
     heights = {
         round(axes.get_position().height * figure.get_figheight(), 6)
         for count in (1, 3)
-        for figure in [drawn(StubProduct(effect_columns=(LENGTH, WAVE) * count))]
+        for figure in [drawn(product(count))]
         for axes in figure.axes
     }
     # all panels are as high as they should, whatever their number: the margins are fixed
@@ -90,7 +90,7 @@ def test_the_figure_grows_with_its_panels() -> None:
 
 
 def test_a_limit_is_dashed_in_its_colour() -> None:
-    [axes] = drawn(StubProduct(effect_columns=(WAVE,))).axes
+    [axes] = drawn(StubProduct(columns=lambda: (WAVE,))).axes
     [line] = [line for line in axes.lines if line.get_color() == LIMIT]
     assert line.get_linestyle() == "--"
     assert set(np.asarray(line.get_ydata()).tolist()) == {1.5}
@@ -118,7 +118,7 @@ def test_lengths_are_in_the_unit_of_the_scene() -> None:
     assert effects.shown_unit("mm/s^3", "inch") == ("inch/s³", 1.0 / 25.4)
     assert effects.shown_unit("N/mm^2", "inch") == ("N/mm²", 1.0)
     assert effects.shown_unit("N", "inch") == ("N", 1.0)
-    [axes] = drawn(StubProduct(unit="inch", effect_columns=(LENGTH,))).axes
+    [axes] = drawn(StubProduct(unit="inch", columns=lambda: (LENGTH,))).axes
     line = max(axes.lines, key=lambda each: len(np.asarray(each.get_xdata())))
     assert np.max(np.asarray(line.get_ydata())) == pytest.approx(1.0 / 25.4)
 

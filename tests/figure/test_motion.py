@@ -16,15 +16,16 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import camgeo
+from camgeo.cam.drive import Drive
 from camgeo.figure import motion
-from camgeo.figure.motion_plan import spread
+from camgeo.figure.motion_plan import plan_sketch, spread
 from camgeo.files.product import Product
-from camgeo.files.sketch import PlanSketch, plan_sketch
+from camgeo.motion.joints import breaks
 from camgeo.motion.laws import make_law
 from camgeo.motion.plan import Dwell, MotionPlan, Move
 from camgeo.numeric.arrays import FloatArray
 from camgeo_export.plots.render import render
-from tests.export.stub_product import QUANTITIES, StubProduct
+from tests.export.stub_product import CAM, StubProduct
 from tests.figure import drawing
 
 SCENES = sorted((Path(__file__).parents[2] / "fixtures" / "scenes").glob("*.toml"))
@@ -47,8 +48,9 @@ HARSH = MotionPlan(
 """Shocks at 60 and 150 degrees, jerks at 180, 210 and 240, all by their laws."""
 
 
-def sketch_of(plan: MotionPlan, speed: float | None = None) -> PlanSketch:
-    return plan_sketch(plan, of="follower", unit="mm", speed=speed)
+def planned(speed: float | None = None) -> Product:
+    """The stub with this plan, as a follower that translates."""
+    return StubProduct(cam=replace(CAM, drive=Drive(HARSH, speed=speed)))
 
 
 def drawn(product: Product) -> Figure:
@@ -64,23 +66,8 @@ def panel(figure: Figure, label: str) -> Axes:
     return axes
 
 
-class Planned(StubProduct):
-    """The stub with a motion plan of our choice, as a follower that translates."""
-
-    plan: MotionPlan = HARSH
-    speed: float | None = None
-
-    @property
-    def plan_sketch(self) -> PlanSketch:
-        return sketch_of(self.plan, self.speed)
-
-    def quantity(self, what: str, phi: FloatArray) -> FloatArray:
-        values: FloatArray = self.plan.jet(phi)[QUANTITIES.index(what)]
-        return values
-
-
 def test_the_sketch_of_a_plan() -> None:
-    sketch = sketch_of(HARSH)
+    sketch = plan_sketch(HARSH)
     labels = [segment.label for segment in sketch.segments]
     assert labels == ["dwell", "straight-line", "dwell", "quadratic-parabola", "inclined-sine"]
     # A segment of no length has neither a name nor a joint of its own.
@@ -88,12 +75,12 @@ def test_the_sketch_of_a_plan() -> None:
     assert starts == [joint.cam_angle for joint in sketch.joints]
     assert starts == [math.radians(angle) for angle in (0, 60, 150, 180, 240)]
     assert [segment.end for segment in sketch.segments] == [*starts[1:], math.radians(360)]
-    breaks = [joint.cam_angle for joint in sketch.breaks]
-    assert breaks == pytest.approx([*starts[:4], math.radians(210), starts[4]])
+    found = [joint.cam_angle for joint in breaks(HARSH)]
+    assert found == pytest.approx([*starts[:4], math.radians(210), starts[4]])
 
 
 def test_joints_are_numbered_and_their_tasks_told() -> None:
-    names, numbers, plan, classes, *_ = drawn(Planned()).axes
+    names, numbers, plan, classes, *_ = drawn(planned()).axes
     assert texts(numbers) == ["1", "2", "3", "4", "5", "1"]
     # From rest into a straight line the velocity jumps, R to G; a parabola starts as a turn.
     letters = [text for text in texts(classes) if "°" not in text]
@@ -115,7 +102,7 @@ def test_jumps_are_drawn_upright_with_both_values() -> None:
     1e-6 of its largest value, as its slope is at most 2 pi/(pi/3) of it per radian.
     """
     plan = HARSH
-    figure = drawn(Planned())
+    figure = drawn(planned())
     for order, label in enumerate(["s [", "s′", "s″", "s‴"]):
         curve = max(panel_curves(figure, label), key=len)
         size = max(1.0, np.abs(curve[:, 1]).max())
@@ -133,7 +120,7 @@ def panel_curves(figure: Figure, label: str) -> list[FloatArray]:
 
 
 def test_infinite_accelerations_and_jerks_are_marked() -> None:
-    figure = drawn(Planned())
+    figure = drawn(planned())
     marked = {}
     for label in ("s′", "s″", "s‴"):
         lines = [line for line in panel(figure, label).lines if line.get_marker() == "^"]
@@ -145,18 +132,16 @@ def test_infinite_accelerations_and_jerks_are_marked() -> None:
 
 def test_extremes_are_told() -> None:
     """The fastest is the straight line up, the fastest down the middle of the parabola."""
-    (told,) = texts(panel(drawn(Planned()), "s′"))
+    (told,) = texts(panel(drawn(planned()), "s′"))
     fastest = 10.0 / math.radians(90)
     slowest = -2.0 * 6.0 / math.radians(60)
     assert told == f"max {fastest:.4g} at 60.0°,  min −{-slowest:.4g} at 210.0°"
 
 
 def test_a_second_scale_tells_values_over_time() -> None:
-    product = Planned()
     speed = 20.0
-    fast = type("Fast", (Planned,), {"speed": speed})()
-    assert not [axes for axes in drawn(product).axes if axes.get_ylabel().startswith("v ")]
-    figure = drawn(fast)
+    assert not [axes for axes in drawn(planned()).axes if axes.get_ylabel().startswith("v ")]
+    figure = drawn(planned(speed))
     for order, (left, right, power) in enumerate(
         [("s′", "v [mm/s]", 0), ("s″", "a [10³ mm/s²]", 3), ("s‴", "jerk [10³ mm/s³]", 3)], start=1
     ):
@@ -194,10 +179,10 @@ def test_names_of_laws_do_not_lie_on_each_other(scene: Path) -> None:
 
 @pytest.mark.parametrize("suffix", [".svg", ".png", ".pdf"])
 def test_the_same_bytes_each_time(suffix: str) -> None:
-    planned, other = (render(motion.figure(Planned()), suffix) for _ in range(2))
-    assert planned == other
-    rocker = replace(StubProduct(lift_unit="rad"), name="rocker")
-    assert render(motion.figure(rocker), suffix) != render(motion.figure(StubProduct()), suffix)
+    one, other, stub = (
+        render(motion.figure(product), suffix) for product in (planned(), planned(), StubProduct())
+    )
+    assert one == other != stub
 
 
 PLACES = st.lists(st.floats(0.0, 360.0), min_size=1, max_size=30).map(sorted)
@@ -225,7 +210,7 @@ def test_what_has_room_stays(places: list[float], share: float) -> None:
 
 def test_a_motion_by_data_is_drawn_as_it_is_asked_for() -> None:
     design = camgeo.load(next(path for path in SCENES if path.stem == "points"))
-    (segment,) = [s for s in design.pictured.plan_sketch.segments if s.course is not None]
+    (segment,) = [s for s in plan_sketch(design.drive.plan).segments if s.course is not None]
     assert segment.label == "data"
     assert segment.course is not None
     inside = segment.course[1:-1]

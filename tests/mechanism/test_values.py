@@ -45,8 +45,7 @@ from camgeo.part.spec import Keyway, PartSpec
 from camgeo.toolpath.cut import Cut
 from camgeo.toolpath.machine import load
 from camgeo.toolpath.moves import ArcFeed, Feed, Operation, Rapid, Toolpath
-from camgeo.toolpath.spec import GcodeSpec
-from camgeo.toolpath.tool import Tool
+from camgeo.toolpath.spec import GcodeSpec, Tool
 from tests.reference import POLYNOMIAL
 
 ROOMS = ("mechanism", "curve")

@@ -22,7 +22,7 @@ from camgeo.toolpath.machining_time import (
     traverse_time,
 )
 from camgeo.toolpath.moves import ArcFeed, Feed, Move, Operation, Rapid, Toolpath
-from camgeo.toolpath.tool import Tool
+from camgeo.toolpath.spec import Tool
 
 MACHINE = Dynamics(acceleration=500.0, rapid_feed=6000.0)
 """v = 100 mm/s after 0.2 s and 10 mm."""

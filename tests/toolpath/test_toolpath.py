@@ -28,7 +28,7 @@ from camgeo.toolpath.moves import ArcFeed, Feed, Move, Operation, Rapid, Toolpat
 from camgeo.toolpath.plan import plan_toolpath
 from camgeo.toolpath.sequence import cuts_of
 from camgeo.toolpath.spec import GcodeSpec
-from camgeo.toolpath.strategies.registry import STRATEGIES
+from camgeo.toolpath.strategies import STRATEGIES
 from tests.contour.cams import dense, dwell, move
 from tests.measuring import DensePath, Outline
 

@@ -10,7 +10,7 @@ from camgeo.formats.gcode import FORMAT
 from camgeo.toolpath.machine import KEY, CommentStyle, Machine, load
 from camgeo.toolpath.machining_time import toolpath_time
 from camgeo.toolpath.moves import Toolpath
-from camgeo.toolpath.tool import Tool
+from camgeo.toolpath.spec import Tool
 from camgeo.units import MM_PER
 from camgeo_export.gcode.blocks import Grid, Speller, number
 from camgeo_export.gcode.budget import Budget, budget

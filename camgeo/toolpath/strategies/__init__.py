@@ -1,1 +1,0 @@
-"""Strategies of milling: each makes the moves of a cut, and is registered in `registry`."""
