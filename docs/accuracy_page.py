@@ -12,9 +12,8 @@ from pathlib import Path
 from typing import Final
 
 import camgeo
-from camgeo.accuracy.advice import advice
 from camgeo.accuracy.contours import contour_rows
-from camgeo.accuracy.knee import drawing_knee
+from camgeo.accuracy.knee import advice, drawing_knee
 from camgeo.accuracy.rows import EFFORTS, FORMS, ContourRow, Form
 from camgeo.accuracy.survey import Survey, survey
 from camgeo.contour.fit import Effort

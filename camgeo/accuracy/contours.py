@@ -14,8 +14,7 @@ from camgeo.contour.least_pieces import forced_pieces, least_arcs, least_chords,
 from camgeo.contour.spline import SplineFit
 from camgeo.design import Design
 from camgeo.errors import EffectError, GeometryError, ToleranceError
-from camgeo.files.product import Product
-from camgeo.files.writers import find_writer
+from camgeo.files.product import Product, find_writer
 from camgeo.formats import gcode
 from camgeo.outline.flank import Flank
 from camgeo.outline.path import Path

@@ -7,15 +7,18 @@ from dataclasses import dataclass
 from decimal import Decimal
 from typing import Final
 
-from camgeo.accuracy.contours import Tell, contour_rows
+from camgeo.accuracy.contours import Tell, contour_rows, file_cost, reason
 from camgeo.accuracy.knee import Knee, knee_of
 from camgeo.accuracy.rows import ContourRow, EffectRow, SolidRow, TableRow
-from camgeo.accuracy.solids import solid_rows
 from camgeo.accuracy.tables import STEPS, table_rows
 from camgeo.design import Design
+from camgeo.errors import GeometryError, ToleranceError
 
 TOLERANCES: Final = (1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7)
 """Tolerances that are looked at if none are named [mm]."""
+
+SOLIDS: Final = ("stl", "3mf")
+"""Names of the writers of solids."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,9 +64,24 @@ def survey(
         If the part cannot be.
     """
     contours = contour_rows(design, tolerances, ripple=ripple, tell=tell)
-    bodies = solid_rows(design, tolerances, tell=tell) if solids else ()
+    bodies = _solids(design, tolerances, tell) if solids else ()
     tables = table_rows(design, steps, tell=tell)
     return Survey(contours, bodies, tables, knee_of(contours), _effects(design, tell))
+
+
+def _solids(design: Design, tolerances: Sequence[float], tell: Tell) -> tuple[SolidRow, ...]:
+    """A row for each format and tolerance [mm]; none if the part has no thickness."""
+    if not design.drawn.part.thickness:
+        return ()
+    rows = []
+    for name in SOLIDS:
+        for tolerance in tolerances:
+            tell(f"{name}, {tolerance:g} mm")
+            try:
+                rows.append(SolidRow(name, tolerance, file_cost(design.disc, name, tolerance)))
+            except (ToleranceError, GeometryError) as error:
+                rows.append(SolidRow(name, tolerance, fault=reason(error)))
+    return tuple(rows)
 
 
 def _effects(design: Design, tell: Tell) -> tuple[EffectRow, ...]:

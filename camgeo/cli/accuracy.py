@@ -130,7 +130,7 @@ def _tolerances(parser: argparse.ArgumentParser, text: str) -> tuple[float, ...]
 
 
 def _print_tables(design: Design, found: Survey, *, ripple: bool) -> None:
-    from camgeo.accuracy.advice import advice
+    from camgeo.accuracy.knee import advice
 
     print(f"{design.name}: what accuracy costs, in mm, bytes and seconds")
     print()
@@ -224,7 +224,7 @@ def _lift_unit(design: Design) -> tuple[str, float]:
 
 
 def _document(design: Design, found: Survey) -> dict[str, Any]:
-    from camgeo.accuracy.advice import advice
+    from camgeo.accuracy.knee import advice
 
     unit, factor = _lift_unit(design)
     knee = found.knee

@@ -163,6 +163,6 @@ def _write(driven: DrivenSlide, table: SlideTable | None, arguments: argparse.Na
 def _csv(table: SlideTable, *, printed: bool) -> str:
     if printed:
         return "".join(",".join(row) + "\n" for row in (NAMES, *table.printed()))
-    from camgeo.files.table import Table
+    from camgeo.files.value_table import Table
 
     return Table(NAMES, table.values).csv()

@@ -29,8 +29,7 @@ from camgeo.contour.contour import Contour
 from camgeo.design import Design
 from camgeo.errors import Fault, SceneError
 from camgeo.files.product import Product, disc_of
-from camgeo.files.table import Table
-from camgeo.files.value_table import cam_angles
+from camgeo.files.value_table import Table, cam_angles
 from camgeo.mechanism.kinds import require_roller
 from camgeo.numeric.arrays import FloatArray
 from camgeo.outline.flank import Flank

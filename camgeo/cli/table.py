@@ -23,7 +23,7 @@ from camgeo.cli.command import (
 )
 from camgeo.cli.law_options import add_law_options, given_options, law_from
 from camgeo.design import Design
-from camgeo.files.table import Table
+from camgeo.files.value_table import Table
 from camgeo.formats.csv import LARGEST_STEP, SMALLEST_STEP
 from camgeo.motion.value_table import NAMES, PRINTED_STEP, law_table
 from camgeo.scene.load import load_scene

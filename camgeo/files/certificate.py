@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Self
 
 from camgeo.files.write import CERTIFICATE
 
@@ -19,41 +19,15 @@ class Certificate:
     scene : SHA-256 of what the scene says of files; one of before says that of its text.
     scene_files : SHA-256 of the files that the scene reads, by their names.
     tolerances : [mm] of each file, by its name.
-    hashes : SHA-256 of each file, by its name.
+    hashes : SHA-256 of each file, by its name, in their order.
     damage : why it cannot be read, or empty.
     """
 
     scene: str = ""
-    scene_files: tuple[tuple[str, str], ...] = ()
-    tolerances: tuple[tuple[str, float], ...] = ()
-    hashes: tuple[tuple[str, str], ...] = ()
+    scene_files: Mapping[str, str] = field(default_factory=dict)
+    tolerances: Mapping[str, float] = field(default_factory=dict)
+    hashes: Mapping[str, str] = field(default_factory=dict)
     damage: str = ""
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """Names of the files, in their order."""
-        return tuple(name for name, _ in self.hashes)
-
-    def sha256(self, name: str) -> str:
-        """SHA-256 of the file, or empty if it is not named."""
-        return dict(self.hashes).get(name, "")
-
-    def tolerance(self, name: str) -> float | None:
-        """Tolerance of the file [mm], or None if it is not named."""
-        return dict(self.tolerances).get(name)
-
-    @classmethod
-    def of(cls, document: Any) -> Self:
-        """From the JSON document; raises KeyError or TypeError if it is none of ours."""
-        scene = document["scene"]
-        files = {str(name): str(sha256) for name, sha256 in scene.get("files", {}).items()}
-        records = document["files"]
-        return cls(
-            str(scene["sha256"]),
-            tuple(files.items()),
-            tuple((str(file["file"]), float(file["tolerance_mm"])) for file in records),
-            tuple((str(file["file"]), str(file["sha256"])) for file in records),
-        )
 
 
 def certificate_in(folder: Path) -> Certificate | None:
@@ -65,6 +39,13 @@ def certificate_in(folder: Path) -> Certificate | None:
     except OSError as error:
         return Certificate(damage=f"cannot be read: {error.strerror or error}")
     try:
-        return Certificate.of(json.loads(data))
+        document = json.loads(data)
+        scene, files = document["scene"], document["files"]
+        return Certificate(
+            str(scene["sha256"]),
+            {str(name): str(sha256) for name, sha256 in scene.get("files", {}).items()},
+            {str(file["file"]): float(file["tolerance_mm"]) for file in files},
+            {str(file["file"]): str(file["sha256"]) for file in files},
+        )
     except (ValueError, KeyError, TypeError, AttributeError) as error:
         return Certificate(damage=f"is no certificate of camgeo: {type(error).__name__}: {error}")

@@ -11,7 +11,9 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from camgeo._version import __version__
 from camgeo.check.judge import RETURN, Judgement
+from camgeo.errors import Fault, SceneError, meant
 from camgeo.formats.format import Format, Options, Values
+from camgeo.formats.registry import format_of, writer_entries
 from camgeo.lazy import Ledger, built
 from camgeo.pickled import Pickled
 from camgeo.units import LengthUnit
@@ -178,3 +180,25 @@ class Writer(Protocol):
 
     def measure(self, product: Product, data: bytes) -> float | None:
         """Read `data` back and return the proved deviation [mm]; None for pictures."""
+
+
+def writer_names() -> tuple[str, ...]:
+    """Names of all formats that can be written, sorted."""
+    return tuple(sorted(writer_entries()))
+
+
+def with_companions(writer: Writer) -> tuple[Writer, ...]:
+    """The writers of all files of a format, `writer` the first; their suffixes differ."""
+    further: tuple[Writer, ...] = getattr(writer, "companions", ())
+    return (writer, *further)
+
+
+def find_writer(name: str) -> Writer:
+    """Load the writer of format `name`; SceneError if there is none."""
+    entry = writer_entries().get(name)
+    if entry is None:
+        names = writer_names()
+        message = f"no writer for this format; there are {', '.join(names)}"
+        raise SceneError([Fault("format", name, message, meant(name, names, '"'))])
+    writer: Writer = format_of(entry)[0]
+    return writer

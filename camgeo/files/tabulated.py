@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from camgeo.cam.cam import Cam
     from camgeo.cam.drive import Drive, LiftUnit
     from camgeo.effects.effect import Column
-    from camgeo.files.table import Table
+    from camgeo.files.value_table import Table
 
 
 @dataclass(frozen=True)

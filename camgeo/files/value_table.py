@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import csv
+import io
 import math
 from collections.abc import Iterable
+from dataclasses import dataclass
 from decimal import Decimal
 from typing import TYPE_CHECKING
 
@@ -12,10 +15,9 @@ import numpy as np
 from camgeo.cam.cam import Cam
 from camgeo.cam.drive import Demanded, Drive, LiftUnit
 from camgeo.curve.curvature import radius_of_curvature
-from camgeo.files.table import Table
 from camgeo.motion.motion import Jet
 from camgeo.motion.time_course import in_time
-from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.arrays import FloatArray, frozen
 from camgeo.outline.convex import touch
 from camgeo.units import MM_PER, LengthUnit
 
@@ -37,6 +39,34 @@ Columns = list[tuple[str, FloatArray]]
 
 SWING = ("omega", "alpha", "j")
 """How the names of angular velocity, acceleration and jerk begin."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Table:
+    """Named columns of equal length.
+
+    Attributes
+    ----------
+    names : of the columns, with their unit in brackets, e.g. "phi [deg]".
+    values : (n, k), one column a name; NaN-free.
+    """
+
+    names: tuple[str, ...]
+    values: FloatArray
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "values", frozen(self.values, np.float64))
+
+    def csv(self) -> str:
+        """The table as CSV: one header line, numbers in the shortest form that reads back the same.
+
+        No number is written as -0.0.
+        """
+        stream = io.StringIO()
+        rows = csv.writer(stream, lineterminator="\n")
+        rows.writerow(self.names)
+        rows.writerows([repr(value) for value in row] for row in (self.values + 0.0).tolist())
+        return stream.getvalue()
 
 
 def cam_angles(step: Decimal) -> FloatArray:

@@ -90,7 +90,7 @@ def files_in(folder: Path) -> tuple[Path, ...]:
     known = endings()
     found = {path for path in folder.iterdir() if path.suffix.lower() in known and path.is_file()}
     certificate = certificate_in(folder)
-    named = certificate.names if certificate is not None else ()
+    named = certificate.hashes if certificate is not None else {}
     return tuple(sorted(found | {folder / name for name in named if Path(name).name == name}))
 
 
@@ -125,7 +125,7 @@ def _verdict(
     scenes: Scenes,
     wanted: Wanted,
 ) -> Verdict:
-    certified = certificate is not None and certificate.sha256(path.name) != ""
+    certified = certificate is not None and path.name in certificate.hashes
     if verifier is None and not certified:
         allowed = ", ".join(endings())
         message = f"the name must end in one of {allowed}, or {CERTIFICATE} beside it name the file"
@@ -161,7 +161,7 @@ def _verdict(
     checks += _scene(product, present, origin, certificate)
     tolerance = _tolerance(path.name, wanted, origin, certificate, against)
     if origin.tolerance is not None and certificate is not None:
-        certain = certificate.tolerance(path.name)
+        certain = certificate.tolerances.get(path.name)
         if certain is not None:
             note = f"the file names another tolerance than {CERTIFICATE}"
             checks.append(equal("tolerance", origin.tolerance, certain, note=note))
@@ -181,7 +181,7 @@ def _bytes(name: str, sha256: str, certificate: Certificate | None) -> Check:
         return told("sha256", sha256[:SHORT], note=note)
     if certificate.damage:
         return failed("sha256", f"{CERTIFICATE} {certificate.damage}")
-    certain = certificate.sha256(name)
+    certain = certificate.hashes.get(name)
     if not certain:
         note = f"{CERTIFICATE} does not name the file: only what it draws is judged"
         return told("sha256", sha256[:SHORT], note=note)
@@ -211,7 +211,7 @@ def _scene(
     if certificate.scene != present:
         note = f"{CERTIFICATE} is of another scene, or of another state of it"
         checks.append(failed("scene", note, "certificate"))
-    if dict(certificate.scene_files) != product.scene_files:
+    if certificate.scene_files != product.scene_files:
         note = f"a file that the scene reads is not the one that {CERTIFICATE} names"
         checks.append(failed("scene", note, "data"))
     return checks
@@ -225,7 +225,7 @@ def _tolerance(
     against: Against,
 ) -> tuple[float, str]:
     """The tolerance to hold the file to [mm], and who says it."""
-    certain = None if certificate is None else certificate.tolerance(name)
+    certain = None if certificate is None else certificate.tolerances.get(name)
     said = (
         (wanted.tolerance, "--tolerance"),
         (origin.tolerance, "the file"),
@@ -283,7 +283,7 @@ def scene_file(
     """
     if sha256:
         certificate = certificate_in(folders[0])
-        known = {} if certificate is None else dict(certificate.scene_files)
+        known = {} if certificate is None else certificate.scene_files
         for folder in dict.fromkeys(folder.resolve() for folder in folders):
             for path in sorted(folder.glob("*.toml")):
                 try:

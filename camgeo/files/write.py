@@ -12,9 +12,8 @@ from typing import Any
 
 from camgeo.check.finding import forbidding
 from camgeo.errors import Fault, SceneError, ToleranceError, UndercutError
-from camgeo.files.product import Product, Writer, Written
+from camgeo.files.product import Product, Writer, Written, find_writer, with_companions
 from camgeo.files.transaction import write_set
-from camgeo.files.writers import find_writer, with_companions
 from camgeo.formats.format import LARGEST_TOLERANCE, SMALLEST_TOLERANCE
 
 CERTIFICATE = "certificate.json"

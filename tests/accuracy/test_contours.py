@@ -18,7 +18,7 @@ from camgeo.contour.fit import Fit
 from camgeo.contour.least_pieces import forced_pieces
 from camgeo.design import Design
 from camgeo.errors import ToleranceError
-from camgeo.files.writers import find_writer
+from camgeo.files.product import find_writer
 from camgeo.formats.dxf import FORMAT
 from camgeo.outline.replay import replay_contour
 

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from camgeo.accuracy.advice import advice
-from camgeo.accuracy.knee import DOUBLE, SLACK, End, knee_of
+from camgeo.accuracy.knee import DOUBLE, SLACK, End, advice, knee_of
 from camgeo.accuracy.rows import ContourRow
 from tests.accuracy.rows import missing, row
 

@@ -13,7 +13,7 @@ import pytest
 from camgeo.contour.contour import Contour
 from camgeo.formats.dxf import DxfSpec
 from camgeo_export.chain import chain
-from camgeo_export.dxf.reader import read
+from camgeo_export.dxf.reader import drawing_of
 from camgeo_export.dxf.writer import WRITER
 from camgeo_export.errors import FileError
 from tests.export.stub_product import StubProduct
@@ -65,8 +65,9 @@ def test_ezdxf_finds_nothing_to_mend(product: StubProduct) -> None:
 
 def test_entities_layers_and_units() -> None:
     product = StubProduct()
-    drawing = read(WRITER.write(product, 0.01).data)
-    kinds = [(entity.layer, entity.kind) for entity in drawing.entities]
+    data = WRITER.write(product, 0.01).data
+    drawing = drawing_of(data)
+    kinds = [(item.layer, item.kind) for item in drawing.items]
     assert kinds == [
         ("CUT", "LWPOLYLINE"),
         ("CUT", "LWPOLYLINE"),
@@ -75,11 +76,12 @@ def test_entities_layers_and_units() -> None:
         ("CENTRE", "LINE"),
         ("CENTRE", "LINE"),
     ]
-    assert drawing.header["$ACADVER"] == "AC1024"
-    assert (drawing.header["$INSUNITS"], drawing.header["$MEASUREMENT"]) == ("4", "1")
-    inch = read(WRITER.write(replace(product, unit="inch"), 0.01).data)
-    assert (inch.header["$INSUNITS"], inch.header["$MEASUREMENT"]) == ("1", "0")
-    assert drawing.properties == {
+    assert drawing.value("$ACADVER") == "AC1024"
+    assert (drawing.value("$INSUNITS"), drawing.value("$MEASUREMENT")) == ("4", "1")
+    inch = drawing_of(WRITER.write(replace(product, unit="inch"), 0.01).data)
+    assert (inch.value("$INSUNITS"), inch.value("$MEASUREMENT")) == ("1", "0")
+    document = ezdxf.read(io.StringIO(data.decode()))  # type: ignore[attr-defined]
+    assert dict(document.header.custom_vars) == {
         "camgeo": product.version,
         "scene": product.scene_hash,
         "tolerance mm": "0.01",
@@ -87,18 +89,19 @@ def test_entities_layers_and_units() -> None:
 
 
 def test_without_auxiliary_geometry_only_the_cut_is_drawn() -> None:
-    drawing = read(WRITER.write(PRODUCTS["cut only"], 0.01).data)
-    assert {entity.layer for entity in drawing.entities} == {"CUT"}
+    drawing = drawing_of(WRITER.write(PRODUCTS["cut only"], 0.01).data)
+    assert {item.layer for item in drawing.items} == {"CUT"}
 
 
 def test_areas_are_those_of_the_part() -> None:
-    outline, bore = read(WRITER.write(StubProduct(), 1e-5).data).contours("CUT")
+    outline, bore = drawing_of(WRITER.write(StubProduct(), 1e-5).data).contours("CUT")
     assert outline.area == pytest.approx(math.pi * 32.0**2, rel=1e-6)
     assert bore.area == pytest.approx(math.pi * 10.0**2, rel=1e-6)
 
 
 def test_no_arc_exceeds_half_a_turn() -> None:
-    for contour in read(WRITER.write(StubProduct(), 0.01).data).contours("CUT"):
+    for contour in drawing_of(WRITER.write(StubProduct(), 0.01).data).contours("CUT"):
+        assert isinstance(contour, Contour)
         assert abs(contour.sweeps).max() <= math.pi
 
 
@@ -139,8 +142,8 @@ def test_a_foreign_scale_is_measured() -> None:
         (b"$INSUNITS\n 70\n4", b"$INSUNITS\n 70\n1", "INSUNITS"),
         (b"$INSUNITS\n 70\n4", b"$INSUNITS\n 70\n6", "INSUNITS"),
         (b"$MEASUREMENT\n 70\n1", b"$MEASUREMENT\n 70\n0", "MEASUREMENT"),
-        (b"\n 70\n1\n 10\n", b"\n 70\n0\n 10\n", "open polyline"),
-        (b"\n 10\n32.0\n", b"\n 10\nnan\n", "not finite"),
+        (b"\n 70\n1\n 10\n", b"\n 70\n0\n 10\n", "LWPOLYLINE ends free"),
+        (b"\n 10\n32.0\n", b"\n 10\nnan\n", "no finite number"),
         (b"\n 10\n32.0\n", b"\n 11\n32.0\n", "vertices"),
         (b"\n  8\nCUT", b"\n  8\nSCRAP", "SCRAP"),
         (b"CIRCLE\n", b"TEXT\n", "TEXT"),

@@ -14,7 +14,7 @@ from ezdxf.layouts.layout import Modelspace
 from camgeo.contour.contour import Contour
 from camgeo.units import LengthUnit
 from camgeo_export.contour_csv.reader import READER as CSV
-from camgeo_export.dxf.foreign import READER as DXF
+from camgeo_export.dxf.reader import READER as DXF
 from camgeo_export.dxf.writer import WRITER
 from camgeo_export.errors import FileError
 from tests.export.stub_product import StubProduct

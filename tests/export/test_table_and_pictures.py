@@ -10,7 +10,7 @@ import pytest
 from camgeo.cam.cam import Cam
 from camgeo.cam.drive import Drive
 from camgeo.figure.plots import OWN, find, stacked
-from camgeo.files.table import Table
+from camgeo.files.value_table import Table
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.units import LengthUnit
 from camgeo_export.errors import FileError

@@ -14,9 +14,8 @@ import pytest
 import camgeo
 from camgeo.errors import SceneError, ToleranceError
 from camgeo.files import write as write_module
-from camgeo.files.product import Product, Written
+from camgeo.files.product import Product, Written, find_writer, writer_names
 from camgeo.files.write import write_files
-from camgeo.files.writers import find_writer, writer_names
 from camgeo.formats.format import Format, no_options
 
 SCENES = Path(__file__).parents[2] / "fixtures" / "scenes"

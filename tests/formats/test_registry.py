@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from camgeo.errors import CamgeoError
-from camgeo.files.writers import find_writer, with_companions
+from camgeo.files.product import find_writer, with_companions
 from camgeo.formats import registry
 from camgeo.formats.format import Format, Options, no_options
 from camgeo.formats.registry import FORMATS, find_format, foreign_names

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from itertools import pairwise
 
 import numpy as np
 
@@ -33,11 +32,6 @@ def arc_of(centre: complex, radius: float, first: float, last: float) -> Arc:
 
 def _unit(degrees: float) -> complex:
     return complex(math.cos(math.radians(degrees)), math.sin(math.radians(degrees)))
-
-
-def line_of(start: complex, end: complex) -> Arc:
-    """The LINE between two points."""
-    return Arc(start, end, 0.0, 0j)
 
 
 def spline_of(tags: Sequence[tuple[int, float]], scale: float) -> CubicSpline:
@@ -99,40 +93,3 @@ def closed(strands: Sequence[Strand]) -> Curve:
             for strand, start, end in zip(strands, starts, ends, strict=True)
         )
     )
-
-
-def in_order(strands: Sequence[Strand], gap: float, layer: str) -> list[Curve]:
-    """The closed contours of strands that follow each other as they are drawn, ends within `gap`.
-
-    An arc may be drawn against the way of its contour; its neighbours tell. Raises FileError if one
-    is left open.
-    """
-    contours: list[Curve] = []
-    run: list[Strand] = []
-    for strand, after in pairwise((*strands, None)):
-        assert strand is not None
-        if not run:
-            run = [strand if after is None or _meets(strand, after, gap) else strand.reversed()]
-        elif abs(run[-1].end - strand.start) <= gap:
-            run.append(strand)
-        else:
-            run.append(strand.reversed())
-        if len(run) > 1 and abs(run[-2].end - run[-1].start) > gap:
-            raise FileError(f"open contour on layer {layer}: {_place(run[-2].end)} ends free")
-        if abs(run[-1].end - run[0].start) <= gap:
-            contours.append(closed(run))
-            run = []
-    if run:
-        raise FileError(f"open contour on layer {layer}: {_place(run[-1].end)} ends free")
-    return contours
-
-
-def _meets(strand: Strand, after: Strand, gap: float) -> bool:
-    """Whether `strand` ends where `after` begins or ends; one that closes alone stays as it is."""
-    if abs(strand.end - strand.start) <= gap:
-        return True
-    return min(abs(strand.end - after.start), abs(strand.end - after.end)) <= gap
-
-
-def _place(point: complex) -> str:
-    return f"({point.real:.6g}, {point.imag:.6g}) mm"

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from camgeo.contour.contour import Contour
 from camgeo.files.product import Product
 from camgeo.formats.dxf import FORMAT
 from camgeo.units import MM_PER
-from camgeo_export.dxf.reader import DxfFile, read
+from camgeo_export.dxf.reader import Drawing, drawing_of
 from camgeo_export.errors import FileError
 from camgeo_export.matching import deviation
 
@@ -28,32 +29,35 @@ def measure(product: Product, data: bytes) -> float:
 
     Raises FileError if the drawing is incomplete, foreign or in the wrong unit.
     """
-    drawing = read(data)
+    drawing = drawing_of(data)
     _check(drawing, product)
-    cut = deviation(drawing.curves("CUT"), product.drawn.part.boundaries)
+    largest = deviation(drawing.contours("CUT"), product.drawn.part.boundaries)
     if not product.options[FORMAT].auxiliary:
-        return cut
-    pitch = drawing.contours("PITCH_CURVE")
-    circles = drawing.circles("BASE_CIRCLE")
-    if len(pitch) != (1 if product.drawn.has_pitch_curve else 0) or len(circles) != 1:
-        raise FileError("the drawing lacks its pitch curve or its base circle")
-    centre, radius = circles[0]
-    return max(
-        cut,
-        abs(centre) + abs(radius - product.drawn.base_radius),
-        *(product.drawn.pitch_deviation(each.counter_clockwise()) for each in pitch),
-    )
+        return largest
+    scale = drawing.scale()
+    circles = [item for item in drawing.items if item.layer == "BASE_CIRCLE"]
+    pitch = drawing.contours("PITCH_CURVE") if product.drawn.has_pitch_curve else ()
+    if len(pitch) > 1 or len(circles) != 1:
+        raise FileError("the drawing must have one base circle, and one pitch curve at most")
+    x, y, radius = (circles[0].number(code) * scale for code in (10, 20, 40))
+    largest = max(largest, abs(complex(x, y)) + abs(radius - product.drawn.base_radius))
+    for contour in pitch:
+        assert isinstance(contour, Contour)  # a polyline, as the check of what is drawn has it
+        largest = max(largest, product.drawn.pitch_deviation(contour))
+    return largest
 
 
-def _check(drawing: DxfFile, product: Product) -> None:
+def _check(drawing: Drawing, product: Product) -> None:
     options = product.options[FORMAT]
     kinds = dict(KINDS) if options.auxiliary else {"CUT": KINDS["CUT"]}
     if options.entity == "spline":
         kinds["CUT"] = SPLINE_KINDS
-    for entity in drawing.entities:
-        if entity.kind not in kinds.get(entity.layer, ()):
-            raise FileError(f"{entity.kind} on layer {entity.layer} is not part of the drawing")
-    if drawing.mm_per_unit != MM_PER[product.unit]:
+    if not product.drawn.has_pitch_curve:
+        kinds.pop("PITCH_CURVE", None)
+    for item in drawing.items:
+        if item.kind not in kinds.get(item.layer, ()):
+            raise FileError(f"{item.kind} on layer {item.layer} is not part of the drawing")
+    if drawing.scale() != MM_PER[product.unit]:
         raise FileError(f"$INSUNITS does not say {product.unit}")
-    if drawing.header.get("$MEASUREMENT") != MEASUREMENT[product.unit]:
+    if drawing.value("$MEASUREMENT") != MEASUREMENT[product.unit]:
         raise FileError(f"$MEASUREMENT does not say {product.unit}")

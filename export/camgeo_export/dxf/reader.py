@@ -1,30 +1,44 @@
-"""Reader of our DXF drawings: group codes, closed polylines and circles, and what closes to
-contours of splines, arcs and lines. Nothing else.
+"""Reader of closed contours from any DXF drawing, by whatever program it was written, ours too.
+
+Lines, arcs, circles, polylines with bulges and, for those who take curves, polynomial splines of
+degree 1 to 3 count; pieces that lie open are chained at their end points. What has no exact form in
+these is refused rather than approximated.
 """
 
 from __future__ import annotations
 
 import math
+from collections import defaultdict
+from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 
 from camgeo.contour.contour import Contour
-from camgeo_export.chain import chain
-from camgeo_export.dxf.curves import Curve, Strand, arc_of, in_order, line_of, spline_of
+from camgeo.contour.spline import Arc, CubicSpline
+from camgeo.units import MM_PER, LengthUnit
+from camgeo_export.dxf.curves import Curve, Strand, arc_of, closed, spline_of
+from camgeo_export.dxf.items import Item, Tag, number_of, read_items
 from camgeo_export.errors import FileError
 
-Tag = tuple[int, str]
+MM_PER_INSUNIT = {1: 25.4, 2: 304.8, 4: 1.0, 5: 10.0, 6: 1000.0}
+"""Millimetres of the units that $INSUNITS names: inch, foot, mm, cm, m."""
 
-MM_PER_INSUNIT = {1: 25.4, 4: 1.0}
-"""Millimetres of the units that $INSUNITS names."""
+CUT = "CUT"
+"""Layer that is taken if no other is asked for and it is there."""
+
+LINES_AND_ARCS = ("LINE", "ARC", "CIRCLE", "LWPOLYLINE", "POLYLINE")
+CURVES = (*LINES_AND_ARCS, "SPLINE")
+
+REFUSED = ("SPLINE", "ELLIPSE", "INSERT", "HELIX", "MLINE", "REGION", "3DFACE", "SOLID", "HATCH")
+"""Entities that may be part of an outline but are no lines and arcs."""
 
 CLOSED = 1
-"""Bit of group 70 of a closed LWPOLYLINE."""
+"""Bit of group 70 of a closed polyline."""
 
-STRANDS = ("SPLINE", "ARC", "LINE")
-"""Entities that follow each other round a contour."""
+NOT_FLAT = 2 | 4 | 8 | 16 | 64
+"""Bits of group 70 of a POLYLINE that is fitted by a curve, or is a polygon mesh or in space."""
+
 
 JOINED = 1e-12
 """Ends that are nearer than this share of the drawing's reach are the same, written as an angle and
@@ -32,152 +46,240 @@ as a point."""
 
 
 @dataclass(frozen=True, slots=True)
-class Entity:
-    """One entity of the drawing: its type, layer and group codes."""
+class Run:
+    """Pieces of the drawing from end to end; `item` is the entity that the first is of."""
 
-    kind: str
-    layer: str
-    tags: tuple[Tag, ...]
+    item: Item
+    pieces: Sequence[Strand]
 
-    def number(self, code: int) -> float:
-        """The first value of group `code`; 0 where it is absent, as DXF has it."""
-        return next((float(value) for group, value in self.tags if group == code), 0.0)
+    @property
+    def closed(self) -> bool:
+        """True if its last piece leads back to where the first begins."""
+        return self.pieces[-1].end == self.pieces[0].start
+
+    def reversed(self) -> Run:
+        """The same, run the other way."""
+        return Run(self.item, [piece.reversed() for piece in self.pieces[::-1]])
 
 
 @dataclass(frozen=True, slots=True)
-class DxfFile:
-    """A drawing.
+class Drawing:
+    """A drawing that was read.
 
     Attributes
     ----------
+    name : of the file, for messages.
     header : the header variables, each with its first value.
-    properties : the custom document properties.
-    entities : of the model space, in the order of the file.
+    items : the entities of the model space, in the order of the file.
     """
 
-    header: dict[str, str]
-    properties: dict[str, str]
-    entities: tuple[Entity, ...]
+    name: str
+    header: dict[str, Tag]
+    items: tuple[Item, ...]
 
-    @property
-    def mm_per_unit(self) -> float:
-        """Millimetres of one drawing unit, by $INSUNITS."""
-        code = int(self.header.get("$INSUNITS", "0"))
+    def value(self, variable: str) -> str:
+        """The value of a header variable; empty if there is none."""
+        return self.header[variable].value if variable in self.header else ""
+
+    def scale(self, unit: LengthUnit | None = None) -> float:
+        """Millimetres of a drawing unit; `unit` is needed if the drawing does not say it.
+
+        Raises FileError if it is unknown, or not what the drawing says.
+        """
+        name, tag = self.name, self.header.get("$INSUNITS")
+        code = 0 if tag is None else int(number_of(tag, name))
+        if code == 0:
+            if unit is None:
+                message = "does not say its unit ($INSUNITS); say mm or inch (--unit)"
+                raise FileError(f"{name}: {message}")
+            return MM_PER[unit]
         if code not in MM_PER_INSUNIT:
-            raise FileError(f"$INSUNITS is {code}, neither mm (4) nor inch (1)")
+            raise FileError(f"{name}: $INSUNITS is {code}; read are inch, foot, mm, cm and m")
+        if unit is not None and MM_PER[unit] != MM_PER_INSUNIT[code]:
+            raise FileError(f"{name}: $INSUNITS is {code}, which is not {unit}")
         return MM_PER_INSUNIT[code]
 
-    def contours(self, layer: str) -> list[Contour]:
-        """The closed polylines of `layer` [mm]; raises FileError if one is open."""
-        return [
-            _contour(entity, self.mm_per_unit)
-            for entity in self.entities
-            if entity.kind == "LWPOLYLINE" and entity.layer == layer
-        ]
+    def contours(
+        self,
+        layer: str | None,
+        unit: LengthUnit | None = None,
+        gap: float | None = None,
+        kinds: tuple[str, ...] = CURVES,
+    ) -> tuple[Curve, ...]:
+        """The closed contours [mm], counter-clockwise, the largest first.
 
-    def curves(self, layer: str) -> list[Curve]:
-        """The closed contours of `layer` [mm]: polylines, and splines with arcs and lines between.
+        One without splines is of lines and arcs. Where two ends lie apart one is moved to the
+        other: that of an arc or line to that of a spline.
 
-        Raises FileError if one is open.
+        Parameters
+        ----------
+        layer : whose entities are read; None for layer CUT if there is one, else for all.
+        unit : of the drawing, needed if the drawing does not say it.
+        gap : end points up to this far apart [mm] are joined; None for what rounding leaves.
+        kinds : of entities that count.
+
+        Raises
+        ------
+        FileError
+            With name and line, if the unit is unknown, an entity is of no such kind, or pieces do
+            not close to contours.
         """
-        scale = self.mm_per_unit
-        chosen = [e for e in self.entities if e.kind in STRANDS and e.layer == layer]
-        strands = [_strand(entity, scale) for entity in chosen]
-        reach = max((abs(strand.start) for strand in strands), default=0.0)
-        return [*self.contours(layer), *in_order(strands, JOINED * reach, layer)]
+        scale = self.scale(unit)
+        runs = [run for item in self._on(layer, kinds) if (run := _run(item, scale)).pieces]
+        if gap is None:
+            gap = JOINED * max((abs(run.pieces[0].start) for run in runs), default=0.0)
+        found = [run for run in runs if run.closed]
+        found += _chained([run for run in runs if not run.closed], gap)
+        if not found:
+            raise FileError(f"{self.name}: no contour found; read are {', '.join(kinds)}")
+        return tuple(sorted(map(_contour, found), key=lambda contour: -contour.area))
 
-    def circles(self, layer: str) -> list[tuple[complex, float]]:
-        """Centres and radii [mm] of the circles of `layer`."""
-        scale = self.mm_per_unit
-        return [
-            (complex(entity.number(10), entity.number(20)) * scale, entity.number(40) * scale)
-            for entity in self.entities
-            if entity.kind == "CIRCLE" and entity.layer == layer
-        ]
-
-
-def read(data: bytes) -> DxfFile:
-    """Read a DXF file; raises FileError if it is none, or is cut short."""
-    tags = _tags(data)
-    if not tags or tags[-1] != (0, "EOF"):
-        raise FileError("not a whole DXF file: no EOF at its end")
-    sections: dict[str, list[Tag]] = {}
-    name = ""
-    for index, (code, value) in enumerate(tags):
-        if (code, value) == (0, "SECTION"):
-            name = tags[index + 1][1]
-            sections[name] = []
-        elif name:
-            sections[name].append((code, value))
-    header, properties = _header(sections.get("HEADER", []))
-    return DxfFile(header, properties, _entities(sections.get("ENTITIES", [])))
+    def _on(self, layer: str | None, kinds: tuple[str, ...]) -> list[Item]:
+        """The entities of a layer."""
+        layers = sorted({item.layer for item in self.items})
+        if layer is not None and layer not in layers:
+            raise FileError(f"{self.name}: has no layer {layer!r}; there are {', '.join(layers)}")
+        wanted = layer if layer is not None else CUT if CUT in layers else None
+        chosen = [item for item in self.items if wanted is None or item.layer == wanted]
+        for item in chosen:
+            if item.kind in REFUSED and item.kind not in kinds:
+                raise item.fault(f"is no line or arc; read are {', '.join(kinds)}")
+        return [item for item in chosen if item.kind in kinds]
 
 
-def _tags(data: bytes) -> list[Tag]:
-    lines = data.decode("cp1252", errors="replace").split("\n")
+def drawing_of(data: bytes, name: str = "the drawing") -> Drawing:
+    """The drawing in the file `name`; FileError if it is no DXF, or is cut short."""
+    header, items = read_items(data, name)
+    return Drawing(name, header, tuple(items))
+
+
+class DxfReader:
+    """Reads closed contours of lines and arcs from a DXF drawing."""
+
+    def read(
+        self, data: bytes, name: str, *, layer: str | None, unit: LengthUnit | None, gap: float
+    ) -> tuple[Contour, ...]:
+        """See `Drawing.contours`."""
+        found = drawing_of(data, name).contours(layer, unit, gap, LINES_AND_ARCS)
+        return tuple(contour for contour in found if isinstance(contour, Contour))  # all of them
+
+
+def _run(item: Item, scale: float) -> Run:
+    """The pieces of an entity [mm]; there may be none."""
+    if item.kind == "LINE":
+        start, end = (complex(item.number(x), item.number(x + 10)) * scale for x in (10, 11))
+        return Run(item, [Arc(start, end, 0.0, 0j)] if start != end else [])
+    if item.kind == "SPLINE":
+        return Run(item, [_spline(item, scale)])
+    pieces = _arcs(item, scale) if item.kind in ("ARC", "CIRCLE") else _polyline(item, scale)
+    if item.mirrored:
+        pieces = [_mirrored(arc) for arc in pieces]
+    return Run(item, pieces)
+
+
+def _mirrored(arc: Arc) -> Arc:
+    start, end, centre = (-each.conjugate() for each in (arc.start, arc.end, arc.centre))
+    return Arc(start, end, -arc.sweep, centre)
+
+
+def _arcs(item: Item, scale: float) -> list[Arc]:
+    """An ARC or CIRCLE; a whole circle in two halves."""
+    centre = complex(item.number(10), item.number(20)) * scale
+    radius = item.number(40) * scale
+    if radius <= 0.0:
+        raise item.fault("has no radius above 0")
+    if item.kind == "ARC":
+        arc = arc_of(centre, radius, item.number(50), item.number(51))
+        if arc.sweep < 2.0 * math.pi:
+            return [arc]
+    ends = (centre + radius, centre - radius)
+    return [Arc(start, end, math.pi, centre) for start, end in (ends, ends[::-1])]
+
+
+def _spline(item: Item, scale: float) -> CubicSpline:
+    numbers = [(tag.code, number_of(tag, item.name)) for tag in item.tags if 10 <= tag.code < 80]
     try:
-        return [
-            (int(code), value.strip())
-            for code, value in zip(lines[0::2], lines[1::2], strict=False)
-        ]
-    except ValueError as error:
-        raise FileError(f"not a DXF file: {error}") from None
+        return spline_of(numbers, scale)
+    except FileError as error:
+        raise item.fault(str(error)) from None
 
 
-def _header(tags: list[Tag]) -> tuple[dict[str, str], dict[str, str]]:
-    header: dict[str, str] = {}
-    properties: dict[str, str] = {}
-    label = ""
-    for (code, value), (_, content) in pairwise(tags):
-        if code != 9:
-            continue
-        if value == "$CUSTOMPROPERTYTAG":
-            label = content
-        elif value == "$CUSTOMPROPERTY":
-            properties[label] = content
-        else:
-            header[value] = content
-    return header, properties
-
-
-def _entities(tags: list[Tag]) -> tuple[Entity, ...]:
-    starts = [index for index, (code, _) in enumerate(tags) if code == 0]
-    entities = []
-    for start, end in pairwise(starts):
-        body = tuple(tags[start + 1 : end])
-        layer = next((value for code, value in body if code == 8), "0")
-        entities.append(Entity(tags[start][1], layer, body))
-    return tuple(entities)
-
-
-def _strand(entity: Entity, scale: float) -> Strand:
-    if not all(math.isfinite(float(value)) for code, value in entity.tags if 10 <= code < 60):
-        raise FileError(f"{entity.kind} with a value that is not finite on layer {entity.layer}")
-    if entity.kind == "SPLINE":
-        numbers = [(code, float(value)) for code, value in entity.tags if 10 <= code < 80]
-        try:
-            return spline_of(numbers, scale)
-        except FileError as error:
-            raise FileError(f"SPLINE on layer {entity.layer} {error}") from None
-    first = complex(entity.number(10), entity.number(20)) * scale
-    if entity.kind == "LINE":
-        return line_of(first, complex(entity.number(11), entity.number(21)) * scale)
-    return arc_of(first, entity.number(40) * scale, entity.number(50), entity.number(51))
-
-
-def _contour(entity: Entity, scale: float) -> Contour:
-    if not int(entity.number(70)) & CLOSED:
-        raise FileError(f"open polyline on layer {entity.layer}")
+def _polyline(item: Item, scale: float) -> list[Arc]:
+    """Its pieces, without those of no length."""
+    flags = int(item.number(70, 0.0))
     rows: list[list[float]] = []
-    for code, value in entity.tags:
-        if code == 10:
-            rows.append([float(value), 0.0, 0.0])
-        elif code in (20, 42) and rows:
-            rows[-1][1 if code == 20 else 2] = float(value)
-    if len(rows) != int(entity.number(90)) or len(rows) < 2:
-        raise FileError(f"polyline with {len(rows)} vertices on layer {entity.layer}")
-    x, y, bulge = np.array(rows).T
-    if not all(math.isfinite(value) for row in rows for value in row):
-        raise FileError(f"polyline with a value that is not finite on layer {entity.layer}")
-    vertices = (x + 1j * y) * scale
-    return chain(vertices, 4.0 * np.arctan(bulge))
+    if item.kind == "POLYLINE":
+        if flags & NOT_FLAT:
+            raise item.fault("is fitted by a curve or not flat; explode it into lines and arcs")
+        for vertex in item.vertices:
+            rows.append([vertex.number(10), vertex.number(20), vertex.number(42, 0.0)])
+    else:
+        for tag in item.tags:
+            if tag.code == 10:
+                rows.append([number_of(tag, item.name), 0.0, 0.0])
+            elif tag.code in (20, 42) and rows:
+                rows[-1][1 if tag.code == 20 else 2] = number_of(tag, item.name)
+        if len(rows) != item.number(90, len(rows)):
+            raise item.fault(f"has {len(rows)} vertices, not as many as it states")
+    points = [complex(x, y) * scale for x, y, _ in rows]
+    sweeps = (4.0 * np.arctan([bulge for _, _, bulge in rows])).tolist()
+    following = [*points[1:], *points[:1]] if flags & CLOSED else points[1:]
+    pieces = zip(points, following, sweeps, strict=False)
+    return [Arc(start, end, sweep, 0j) for start, end, sweep in pieces if start != end]
+
+
+def _chained(runs: list[Run], gap: float) -> list[Run]:
+    """Open runs joined at their ends to closed ones."""
+    partner = _partners(runs, gap)
+    left = set(range(len(runs)))
+    found = []
+    while left:
+        start = min(left)
+        pieces: list[Strand] = []
+        end = 2 * start  # where the next run is entered
+        while end // 2 in left:
+            left.remove(end // 2)
+            run = runs[end // 2]
+            pieces += run.pieces if end % 2 == 0 else run.reversed().pieces
+            end = partner[end ^ 1]
+        found.append(Run(runs[start].item, pieces))
+    return found
+
+
+def _partners(runs: list[Run], gap: float) -> list[int]:
+    """The other end at the same place of each end, 2 k and 2 k + 1 of run k."""
+    ends = [end for run in runs for end in (run.pieces[0].start, run.pieces[-1].end)]
+    cells: dict[tuple[int, int], list[int]] = defaultdict(list)
+    size = 2.0 * gap if gap > 0.0 else 1.0
+    for number, point in enumerate(ends):
+        cells[math.floor(point.real / size), math.floor(point.imag / size)].append(number)
+    partner = []
+    for number, point in enumerate(ends):
+        x, y = math.floor(point.real / size), math.floor(point.imag / size)
+        near = [
+            other
+            for i in (-1, 0, 1)
+            for j in (-1, 0, 1)
+            for other in cells.get((x + i, y + j), ())
+            if other != number and abs(ends[other] - point) <= gap
+        ]
+        if len(near) != 1:
+            what = "ends free" if not near else "meets more than one other piece"
+            raise runs[number // 2].item.fault(
+                f"{what} at ({point.real:.6g}, {point.imag:.6g}) mm; pieces must close to contours,"
+                f" with gaps of at most {gap:g} mm"
+            )
+        partner.append(near[0])
+    return partner
+
+
+def _contour(run: Run) -> Curve:
+    if len(run.pieces) < 2 and isinstance(run.pieces[0], Arc):
+        raise run.item.fault("encloses nothing")
+    contour = closed(run.pieces)
+    if contour.area == 0.0:
+        raise run.item.fault("encloses no area")
+    return contour.counter_clockwise()
+
+
+READER = DxfReader()

@@ -10,8 +10,8 @@ from camgeo.errors import CamgeoError, GeometryError
 from camgeo.files.product import Product
 from camgeo.files.verification import Check, Origin, Reading, at_most, equal, failed, told
 from camgeo.formats.dxf import FORMAT
-from camgeo_export.dxf.foreign import READER
-from camgeo_export.dxf.reader import DxfFile, read
+from camgeo_export.dxf.measure import MEASUREMENT
+from camgeo_export.dxf.reader import Drawing, drawing_of
 from camgeo_export.errors import FileError
 from camgeo_export.matching import AnyContour
 from camgeo_export.verify.length import length_of
@@ -27,7 +27,8 @@ OURS = ("CUT", "PITCH_CURVE", "BASE_CIRCLE", "CENTRE")
 CURVES = ("LWPOLYLINE", "LINE", "ARC", "CIRCLE", "SPLINE")
 """Entities of our drawings."""
 
-MM_NAMES = {1.0: "mm", 25.4: "inch", 304.8: "foot", 10.0: "cm", 1000.0: "m"}
+NAMES = {"4": "mm", "1": "inch"}
+"""Of the units that $INSUNITS tells."""
 
 GAPS = (0.0, 1e-9, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1)
 """Gaps [mm] with which the pieces of a drawing are tried to be joined, up to the tolerance."""
@@ -66,7 +67,7 @@ class DxfVerifier:
     ) -> tuple[Check, ...]:
         """Unit, contents, and each closed contour against its boundary."""
         try:
-            drawing = read(data)
+            drawing = drawing_of(data, reading.name)
         except FileError as error:
             return (failed("file", str(error)),)
         checks = [_unit(drawing, product, reading)]
@@ -74,7 +75,7 @@ class DxfVerifier:
             checks.append(_contents(drawing, product))
         layer = "CUT" if reading.ours else reading.layer
         try:
-            contours, gap = _contours(data, reading, layer, tolerance)
+            contours, gap = _contours(drawing, reading, layer, tolerance)
         except CamgeoError as error:
             return (*checks, failed("closure", str(error)))
         checks.append(at_most("closure", gap, tolerance, "mm", note="largest gap between pieces"))
@@ -86,17 +87,16 @@ class DxfVerifier:
         for shape, contour in pairs:
             checks += contour_checks(shape, contour, tolerance, extra=gap, rounded=rounded)
         if reading.ours and product.options[FORMAT].auxiliary:
-            checks += _auxiliary(product, data, reading, tolerance, rounded)
+            checks += _auxiliary(product, drawing, reading, tolerance, rounded)
             checks.append(_centre(drawing, tolerance))
         return tuple(checks)
 
 
-def _unit(drawing: DxfFile, product: Product, reading: Reading) -> Check:
+def _unit(drawing: Drawing, product: Product, reading: Reading) -> Check:
     """The unit that the drawing says; of ours it must be the scene's."""
-    said = drawing.header.get("$INSUNITS", "0")
-    try:
-        name = MM_NAMES[drawing.mm_per_unit]
-    except (FileError, ValueError):
+    said = drawing.value("$INSUNITS") or "0"
+    name = NAMES.get(said)
+    if name is None:
         if reading.unit is not None and said == "0":
             return told("unit", reading.unit, note="by --unit; the drawing does not say it")
         return (
@@ -106,57 +106,52 @@ def _unit(drawing: DxfFile, product: Product, reading: Reading) -> Check:
         )
     if not reading.ours:
         return told("unit", name)
-    measurement = {"mm": "1", "inch": "0"}[product.unit]
-    if drawing.header.get("$MEASUREMENT") != measurement:
+    if drawing.value("$MEASUREMENT") != MEASUREMENT[product.unit]:
         return failed("unit", f"$MEASUREMENT does not say {product.unit}")
     return equal("unit", name, product.unit, note=f"the scene is in {product.unit}")
 
 
-def _contents(drawing: DxfFile, product: Product) -> Check:
+def _contents(drawing: Drawing, product: Product) -> Check:
     """Nothing but what our writer draws, and all of its layers."""
     allowed: tuple[str, ...] = OURS if product.options[FORMAT].auxiliary else OURS[:1]
     if not product.drawn.has_pitch_curve:
         allowed = tuple(name for name in allowed if name != "PITCH_CURVE")
-    for entity in drawing.entities:
-        if entity.layer not in allowed or entity.kind not in CURVES:
-            note = f"{entity.kind} on layer {entity.layer} is not part of the drawing"
+    for item in drawing.items:
+        if item.layer not in allowed or item.kind not in CURVES:
+            note = f"{item.kind} on layer {item.layer} is not part of the drawing"
             return failed("contents", note)
-    missing = [name for name in allowed if all(each.layer != name for each in drawing.entities)]
+    missing = [name for name in allowed if all(each.layer != name for each in drawing.items)]
     if missing:
         return failed("contents", f"nothing on layer {', '.join(missing)}")
-    return Check("contents", "", f"{len(drawing.entities)} entities", ok=True)
+    return Check("contents", "", f"{len(drawing.items)} entities", ok=True)
 
 
 def _contours(
-    data: bytes, reading: Reading, layer: str | None, tolerance: float
+    drawing: Drawing, reading: Reading, layer: str | None, tolerance: float
 ) -> tuple[tuple[AnyContour, ...], float]:
     """The closed contours of `layer` [mm], and an upper bound of the gaps that were joined [mm]."""
     gaps = [*(gap for gap in GAPS if gap < tolerance), tolerance]
     for gap in gaps[:-1]:
         try:
-            return _read(data, reading, layer, gap), gap
+            return drawing.contours(layer, reading.unit, gap), gap
         except FileError:
             continue
-    return _read(data, reading, layer, gaps[-1]), gaps[-1]
-
-
-def _read(data: bytes, reading: Reading, layer: str | None, gap: float) -> tuple[AnyContour, ...]:
-    return READER.read_curves(data, reading.name, layer=layer, unit=reading.unit, gap=gap)
+    return drawing.contours(layer, reading.unit, gaps[-1]), gaps[-1]
 
 
 def _auxiliary(
-    product: Product, data: bytes, reading: Reading, tolerance: float, rounded: float | None
+    product: Product, drawing: Drawing, reading: Reading, tolerance: float, rounded: float | None
 ) -> list[Check]:
     """The pitch curve, if there is one, and the base circle of our drawings."""
     checks = []
     if product.drawn.has_pitch_curve:
         try:
-            (pitch,) = _contours(data, reading, "PITCH_CURVE", tolerance)[0]
+            (pitch,) = _contours(drawing, reading, "PITCH_CURVE", tolerance)[0]
             checks += contour_checks(_pitch(product), pitch, tolerance, rounded=rounded)
         except (CamgeoError, ValueError) as error:
             checks.append(failed("deviation", str(error), "pitch curve"))
     try:
-        (circle,) = _contours(data, reading, "BASE_CIRCLE", tolerance)[0]
+        (circle,) = _contours(drawing, reading, "BASE_CIRCLE", tolerance)[0]
         assert isinstance(circle, Contour)  # it is drawn as a circle
         exact = Contour.circle(product.drawn.base_radius)
         value = distance_between(exact, circle)
@@ -166,15 +161,15 @@ def _auxiliary(
     return checks
 
 
-def _centre(drawing: DxfFile, tolerance: float) -> Check:
+def _centre(drawing: Drawing, tolerance: float) -> Check:
     """The mark of the cam axis: lines whose middles lie on it."""
-    lines = [each for each in drawing.entities if each.layer == "CENTRE" and each.kind == "LINE"]
+    lines = [each for each in drawing.items if each.layer == "CENTRE" and each.kind == "LINE"]
     try:
         middles = [
             complex(each.number(10) + each.number(11), each.number(20) + each.number(21))
             for each in lines
         ]
-        half = 0.5 * drawing.mm_per_unit
+        half = 0.5 * drawing.scale()
     except (FileError, ValueError) as error:
         return failed("deviation", str(error), "centre mark")
     off = max((abs(middle) for middle in middles), default=math.inf)
