@@ -64,12 +64,12 @@ def survey(
         If the part cannot be.
     """
     contours = contour_rows(design, tolerances, ripple=ripple, tell=tell)
-    bodies = _solids(design, tolerances, tell) if solids else ()
+    bodies = solid_rows(design, tolerances, tell=tell) if solids else ()
     tables = table_rows(design, steps, tell=tell)
     return Survey(contours, bodies, tables, knee_of(contours), _effects(design, tell))
 
 
-def _solids(design: Design, tolerances: Sequence[float], tell: Tell) -> tuple[SolidRow, ...]:
+def solid_rows(design: Design, tolerances: Sequence[float], *, tell: Tell) -> tuple[SolidRow, ...]:
     """A row for each format and tolerance [mm]; none if the part has no thickness."""
     if not design.drawn.part.thickness:
         return ()

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import cmath
+import math
 from typing import Final
+
+import numpy as np
 
 from camgeo.cam.contact import Contact
 from camgeo.contour.contour import Contour
 from camgeo.errors import GeometryError
 from camgeo.lazy import Ledger
+from camgeo.numeric.checked import positive
 from camgeo.outline.path import Path
-from camgeo.part.bore import bore_boundary, bore_reach
 from camgeo.part.boundaries import (
     CurveBoundary,
     ExactBoundary,
@@ -17,7 +21,7 @@ from camgeo.part.boundaries import (
     smallest_radius,
 )
 from camgeo.part.part import Boundary, Layer, Part
-from camgeo.part.spec import PartSpec
+from camgeo.part.spec import Keyway, PartSpec
 
 
 def build_part(
@@ -104,7 +108,7 @@ def _bore_fits(spec: PartSpec, flank: CurveBoundary, tolerance: float) -> None:
         return
     fit = flank.arcs(tolerance, "fast")
     room = smallest_radius(fit.contour) - fit.deviation
-    reach = bore_reach(spec.bore, spec.keyway)
+    reach = largest_radius(bore_outline(spec.bore, spec.keyway))
     if reach >= room:
         raise GeometryError(
             f"the bore reaches {reach:.6g} mm from the cam axis, but the {flank.name} comes as near"
@@ -112,3 +116,40 @@ def _bore_fits(spec: PartSpec, flank: CurveBoundary, tolerance: float) -> None:
             key="part.bore",
             value=f"{spec.bore:g}",
         )
+
+
+def bore_boundary(diameter: float, keyway: Keyway | None) -> ExactBoundary:
+    """The bore as boundary; raises as `bore_outline`."""
+    core = None if keyway is None else Contour.circle(diameter / 2.0)
+    return ExactBoundary("bore", hole=True, exact=bore_outline(diameter, keyway), core=core)
+
+
+def bore_outline(diameter: float, keyway: Keyway | None) -> Contour:
+    """The bore about the cam axis [mm], counter-clockwise: two half circles, or circle and slot.
+
+    Raises
+    ------
+    GeometryError
+        With key "part.keyway.width", if the slot is not narrower than the bore; with "part.bore",
+        if the diameter is not above 0.
+    """
+    radius = positive("part.bore", diameter, "mm") / 2.0
+    if keyway is None:
+        return Contour.circle(radius)
+    half = keyway.width / 2.0
+    if half >= radius:
+        raise GeometryError(
+            f"the keyway must be narrower than the bore, {diameter:g} mm",
+            key="part.keyway.width",
+            value=f"{keyway.width:g}",
+        )
+    # In axes turned into the keyway's middle line: up the slot, across its bottom, down again.
+    reach = math.sqrt(radius * radius - half * half)
+    bottom = radius + keyway.depth
+    corners = np.array(
+        [reach - 1j * half, bottom - 1j * half, bottom + 1j * half, reach + 1j * half]
+    )
+    opening = 2.0 * math.asin(half / radius)
+    vertices = corners * cmath.exp(1j * keyway.angle)
+    sweeps = np.array([0.0, 0.0, 0.0, 2.0 * math.pi - opening])
+    return Contour(vertices, sweeps, np.zeros(4, dtype=np.complex128))

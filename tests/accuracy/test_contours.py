@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 import camgeo
-from camgeo.accuracy import clock, solids
+from camgeo.accuracy import clock, survey
 from camgeo.accuracy import contours as measuring
 from camgeo.accuracy.contours import contour_rows, drawn_as, flanks_of, has_program, milling_of
 from camgeo.accuracy.rows import EFFORTS, FORMS, ContourRow
@@ -181,9 +181,9 @@ def test_rings_and_grooves_are_replayed_on_their_flanks() -> None:
 
 
 def test_solids_and_what_single_precision_cannot_hold(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(solids, "SOLIDS", ("stl",))
+    monkeypatch.setattr(survey, "SOLIDS", ("stl",))
     told: list[str] = []
-    coarse, fine = solids.solid_rows(load("setzhub"), (1e-2, 1e-7), tell=told.append)
+    coarse, fine = survey.solid_rows(load("setzhub"), (1e-2, 1e-7), tell=told.append)
     assert (coarse.format, coarse.tolerance) == ("stl", 1e-2)
     assert coarse.file is not None
     assert coarse.file.size == 84 + 50 * int(coarse.file.facts["triangles"])

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from camgeo.contour.contour import Contour
 from camgeo.contour.exact import ROUNDING, chords_of, distance_between, fewest_chords_of
 from camgeo.errors import GeometryError, ToleranceError
-from camgeo.part.bore import bore_outline
+from camgeo.part.build import bore_outline
 from camgeo.part.spec import Keyway
 from tests.contour.cams import outline
 

@@ -19,9 +19,8 @@ from camgeo.errors import GeometryError, UndercutError
 from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.motion.plan import MotionPlan
 from camgeo.outline.path import Path, whole
-from camgeo.part.bore import bore_outline, bore_reach
 from camgeo.part.boundaries import ExactBoundary, largest_radius, smallest_radius
-from camgeo.part.build import build_part
+from camgeo.part.build import bore_outline, build_part
 from camgeo.part.part import Layer, Part
 from camgeo.part.spec import Keyway, PartSpec
 from tests.contour.cams import dwell, flank, move, outline
@@ -60,12 +59,12 @@ def test_bore_with_keyway(diameter: float, share: float, depth: float, angle: fl
     assert sorted(along.real)[2:] == pytest.approx([radius + depth] * 2, rel=1e-12)
     assert np.sum(np.isclose(np.abs(along), radius, rtol=1e-12)) == 2
     far = np.max(np.abs(outline(contour).dense(4_000)))
-    assert bore_reach(diameter, keyway) == pytest.approx(far, rel=1e-12)
+    assert largest_radius(bore_outline(diameter, keyway)) == pytest.approx(far, rel=1e-12)
 
 
 def test_plain_bore() -> None:
     assert bore_outline(20.0, None).area == pytest.approx(100.0 * math.pi, rel=1e-15)
-    assert bore_reach(20.0, None) == 10.0
+    assert largest_radius(bore_outline(20.0, None)) == 10.0
 
 
 @pytest.mark.parametrize("width", [20.0, 25.0])

@@ -17,7 +17,7 @@ from camgeo.formats.asc import FORMAT
 from camgeo.formats.format import Format
 from camgeo.numeric.arrays import FloatArray
 from camgeo.units import MM_PER
-from camgeo_export.errors import FileError
+from camgeo_export.table.measure import difference
 
 POINTS: Final = ("x_i_vers", "y_i_vers", "x_B_vers", "y_B_vers", "x_a_vers", "y_a_vers")
 """Inner working curve, pitch curve and outer working curve, seen from the cam axis [mm]."""
@@ -101,19 +101,8 @@ class AscWriter:
         columns = point_columns(product)
         expected = np.column_stack([columns[name] for name in self.columns])
         rows = [line.split(",") for line in data.decode("ascii", "replace").splitlines()]
-        if len(rows) != len(expected) or {len(row) for row in rows} != {len(self.columns)}:
-            raise FileError("the file has other columns or rows than this scene's")
-        try:
-            found = np.array([[float(cell) for cell in row] for row in rows])
-        except ValueError as error:
-            raise FileError(f"the file holds something that is not a number: {error}") from None
         lengths = np.array([name in LENGTHS for name in self.columns])
-        if not np.array_equal(found[:, ~lengths], expected[:, ~lengths]):
-            raise FileError("the file's angles, ratios or radii differ from this scene's")
-        difference = abs(found[:, lengths] - expected[:, lengths])
-        if not np.all(np.isfinite(difference)):
-            raise FileError("the file holds a length that is no finite number")
-        return float(difference.max(initial=0.0))
+        return difference(rows, expected, lengths, "the file")
 
 
 SECOND = AscWriter(replace(FORMAT, suffix="2.asc"), POINTS)

@@ -11,6 +11,7 @@ from camgeo.files.product import Product, Written
 from camgeo.formats.csv import FORMAT
 from camgeo.units import MM_PER
 from camgeo_export.errors import FileError
+from camgeo_export.table.measure import difference
 
 
 class CsvWriter:
@@ -35,17 +36,10 @@ class CsvWriter:
         table = product.tabulated.table()
         rows = list(csv.reader(io.StringIO(data.decode("utf-8", "replace"), newline="")))
         header = tuple(rows.pop(0)) if rows else ()
-        if header != table.names or len(rows) != len(table.values):
+        if header != table.names:
             raise FileError("the table has other columns or rows than this scene's")
-        try:
-            values = np.array(rows, dtype=np.float64)
-        except ValueError as error:
-            raise FileError(f"the table holds something that is not a number: {error}") from None
-        difference = abs(values - table.values).max(axis=0)
         lengths = np.array([f"[{product.unit}]" in name for name in table.names])
-        if difference[~lengths].any():
-            raise FileError("the table's angles or ratios differ from this scene's")
-        return float(difference[lengths].max(initial=0.0)) * MM_PER[product.unit]
+        return difference(rows, table.values, lengths, "the table") * MM_PER[product.unit]
 
 
 WRITER = CsvWriter()
