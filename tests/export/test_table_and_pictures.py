@@ -54,7 +54,7 @@ def test_a_changed_length_is_measured_in_mm() -> None:
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
-        (b"\n5.0,", b"\n5.1,", "angles or ratios differ"),
+        (b"\n5.0,", b"\n5.1,", "angles, ratios or radii differ"),
         (b"phi [deg]", b"phi [rad]", "other columns"),
         (b"\n5.0,", b"\nfive,", "not a number"),
     ],
