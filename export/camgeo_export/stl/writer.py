@@ -7,10 +7,14 @@ import numpy as np
 from camgeo.files.product import Product, Written
 from camgeo.formats.stl import FORMAT
 from camgeo.numeric.arrays import FloatArray
+from camgeo_export.errors import FileError
+from camgeo_export.solid.measure import measure
 from camgeo_export.solid.prism import body
-from camgeo_export.stl.measure import measure
 
 HEADER_BYTES = 80
+
+PREFIX = HEADER_BYTES + 4
+"""Bytes before the facets: header and number of facets."""
 
 FACET = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 
@@ -31,8 +35,16 @@ class StlWriter:
         return Written(data, {"triangles": len(facets), "volume_mm3": solid.volume})
 
     def measure(self, product: Product, data: bytes) -> float:
-        """Read the mesh back with trimesh and measure it against the exact boundaries [mm]."""
-        return measure(product, data)
+        """Read the mesh back and measure it against the exact boundaries [mm].
+
+        Raises FileError if the file is cut or no closed body.
+        """
+        count = int.from_bytes(data[HEADER_BYTES:PREFIX], "little")
+        if len(data) != PREFIX + FACET.itemsize * count or b" unit mm " not in data[:PREFIX]:
+            raise FileError("not a whole binary STL in mm of ours")
+        vertices = np.frombuffer(data, FACET, offset=PREFIX)["corners"].reshape(-1, 3)
+        triangles = np.arange(len(vertices)).reshape(-1, 3)
+        return measure(product, vertices.astype(np.float64), triangles)
 
 
 def _single(values: FloatArray) -> FloatArray:

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import io
 import math
+from typing import Literal
 
 import numpy as np
+import trimesh
 
 from camgeo.contour.contour import Contour
 from camgeo.errors import CamgeoError, GeometryError
@@ -15,6 +18,18 @@ from camgeo.part.part import Boundary, Part
 from camgeo_export.verify.mesh import border_loops, merged, polygon, solid_checks, upright, volume
 from camgeo_export.verify.plane import contour_checks, matched
 from camgeo_export.verify.shapes import Shape, shapes_of
+
+
+def mesh_checks(
+    product: Product, data: bytes, kind: Literal["stl", "3mf"], scale: float, tolerance: float
+) -> list[Check]:
+    """All that is looked at of the body in a file of that `kind`; `scale` [mm] is its unit."""
+    try:
+        mesh = trimesh.load_mesh(io.BytesIO(data), file_type=kind, process=False)
+        vertices, triangles = np.array(mesh.vertices), np.array(mesh.faces)
+    except Exception as error:  # what trimesh raises at damaged files is not said anywhere
+        return [failed("file", f"no mesh: {error}")]
+    return body_checks(product, vertices * scale, triangles, tolerance)
 
 
 def body_checks(

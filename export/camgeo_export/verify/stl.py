@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-import io
 import re
 
-import numpy as np
-import trimesh
-
 from camgeo.files.product import Product
-from camgeo.files.verification import Check, Origin, Reading, equal, failed, told
+from camgeo.files.verification import Check, Origin, Reading, equal, told
 from camgeo.units import MM_PER, LengthUnit
-from camgeo_export.stl.measure import FACET_BYTES, PREFIX
-from camgeo_export.verify.body import body_checks
+from camgeo_export.stl.writer import FACET, PREFIX
+from camgeo_export.verify.body import mesh_checks
 
 OURS = re.compile(rb"camgeo \S+ unit (\w+) scene ([0-9a-f]*)")
 
@@ -33,18 +29,13 @@ class StlVerifier:
     ) -> tuple[Check, ...]:
         """Unit, and the body against the part."""
         unit, check = _unit(data, reading)
-        try:
-            mesh = trimesh.load_mesh(io.BytesIO(data), file_type="stl", process=False)
-            vertices, triangles = np.array(mesh.vertices), np.array(mesh.faces)
-        except Exception as error:  # what trimesh raises at damaged files is not said anywhere
-            return (check, failed("file", f"no STL: {error}"))
-        return (check, *body_checks(product, vertices * MM_PER[unit], triangles, tolerance))
+        return (check, *mesh_checks(product, data, "stl", MM_PER[unit], tolerance))
 
 
 def _damage(data: bytes) -> str:
     """Whether the file is cut short: a text has a last word, a binary tells its facets."""
     count = int.from_bytes(data[PREFIX - 4 : PREFIX], "little")
-    expected = PREFIX + FACET_BYTES * count
+    expected = PREFIX + FACET.itemsize * count
     if len(data) == expected and len(data) > PREFIX:
         return ""
     if data.lstrip().startswith(b"solid") and b"facet" in data[:1000]:
