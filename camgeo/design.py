@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from camgeo.files.milled import MilledDisc
     from camgeo.files.pictured import PicturedCam
     from camgeo.files.product import Product
-    from camgeo.files.tabulated import TabulatedCam
+    from camgeo.files.value_table import TabulatedCam
     from camgeo.files.write import Report
     from camgeo.scene.scene import Scene
 
@@ -177,7 +177,7 @@ class Design(Pickled):
         """The cam as value tables tell it; of a scene without follower its motion alone."""
         if self.scene.follower is not None:
             return self.disc.tabulated
-        from camgeo.files.tabulated import TabulatedCam
+        from camgeo.files.value_table import TabulatedCam
         from camgeo.formats.csv import FORMAT
 
         scene, spec = self.scene, self.scene.output.options[FORMAT]

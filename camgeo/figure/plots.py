@@ -23,8 +23,15 @@ class Builder(Protocol):
     def __call__(self, product: Product, size: Size = ..., /) -> Figure: ...
 
 
-OWN = ("motion", "cam", "mechanism", "curvature", "transmission-angle", "effects")
-"""Each a module of this package with a builder `figure`."""
+OWN = {
+    "motion": "motion:figure",
+    "cam": "cam:figure",
+    "mechanism": "mechanism:figure",
+    "curvature": "diagrams:curvature",
+    "transmission-angle": "diagrams:transmission_angle",
+    "effects": "effects:figure",
+}
+"""Each with its module in this package and its builder there."""
 
 
 def names() -> list[str]:
@@ -35,8 +42,9 @@ def names() -> list[str]:
 def find(name: str) -> Builder:
     """The plot of that name; raises KeyError with the names there are."""
     if name in OWN:
-        build: Builder = import_module(f"camgeo.figure.{name.replace('-', '_')}").figure
-        return build
+        module, _, builder = OWN[name].partition(":")
+        own: Builder = getattr(import_module(f"camgeo.figure.{module}"), builder)
+        return own
     for entry in entry_points(group=GROUP, name=name):
         other: Builder = entry.load()
         return other

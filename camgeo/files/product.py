@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from camgeo.files.drawn import DrawnDisc
     from camgeo.files.milled import MilledDisc
     from camgeo.files.pictured import PicturedCam
-    from camgeo.files.tabulated import TabulatedCam
+    from camgeo.files.value_table import TabulatedCam
     from camgeo.scene.scene import Scene
 
 
@@ -118,7 +118,7 @@ class Product(Pickled):
     @built
     def tabulated(self) -> TabulatedCam:
         """The cam as value tables tell it."""
-        from camgeo.files.tabulated import TabulatedCam
+        from camgeo.files.value_table import TabulatedCam
         from camgeo.formats.csv import FORMAT
 
         drive, lift_unit, spec = self.cam.drive, self.cam.lift_unit, self.options[FORMAT]

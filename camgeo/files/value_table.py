@@ -5,8 +5,8 @@ from __future__ import annotations
 import csv
 import io
 import math
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, field
 from decimal import Decimal
 from typing import TYPE_CHECKING
 
@@ -15,10 +15,13 @@ import numpy as np
 from camgeo.cam.cam import Cam
 from camgeo.cam.drive import Demanded, Drive, LiftUnit
 from camgeo.curve.curvature import radius_of_curvature
+from camgeo.formats.csv import CsvSpec
+from camgeo.lazy import Ledger
 from camgeo.motion.motion import Jet
 from camgeo.motion.time_course import in_time
 from camgeo.numeric.arrays import FloatArray, frozen
 from camgeo.outline.convex import touch
+from camgeo.pickled import Pickled
 from camgeo.units import MM_PER, LengthUnit
 
 if TYPE_CHECKING:  # few scenes name an effect
@@ -79,31 +82,51 @@ def cam_angles(step: Decimal) -> FloatArray:
     return np.array([float(step * k) for k in range(count)])
 
 
-def value_table(
-    drive: Drive,
-    lift_unit: LiftUnit,
-    cam: Cam | None,
-    unit: LengthUnit,
-    effects: Iterable[Column],
-    step: Decimal,
-) -> Table:
-    """One row for every `step` degrees of cam angle; right-hand values at the joints.
+@dataclass(frozen=True)
+class TabulatedCam(Pickled):
+    """What tables tell of a cam.
 
-    With a speed also the time, and velocity, acceleration and jerk in time; then what the cam has,
-    if there is one, and `effects`. Lengths are in `unit`.
+    Attributes
+    ----------
+    drive : what moves the follower.
+    lift_unit : of the follower's own motion.
+    cam : the cam; None if there is no follower.
+    unit : of lengths in the table.
+    spec : the step of the table.
+    columns : gives the effects over the cam angle.
+    ledger : where it is entered what was computed.
     """
-    degrees = cam_angles(step)
-    phi = np.radians(degrees)
-    columns: Columns = [("phi [deg]", degrees)]
-    motions = _motions(drive, lift_unit, phi)
-    for name, motion in motions:
-        columns += _angle(name, motion) if name else _length(unit, motion)
-    columns += _in_time(drive, motions, unit, phi)
-    if cam is not None:
-        columns += _of_cam(cam, unit, phi)
-    columns += [_of_effect(unit, column, phi) for column in effects]
-    names = tuple(name for name, _ in columns)
-    return Table(names, np.column_stack([values for _, values in columns]))
+
+    drive: Drive
+    lift_unit: LiftUnit
+    cam: Cam | None
+    unit: LengthUnit
+    spec: CsvSpec
+    columns: Callable[[], tuple[Column, ...]]
+    ledger: Ledger = field(default_factory=Ledger, repr=False, compare=False)
+
+    def table(self, step: Decimal | None = None) -> Table:
+        """One row for every `step` degrees of cam angle, or at the scene's; right-hand values at
+        the joints.
+
+        With a speed also the time, and velocity, acceleration and jerk in time; then what the cam
+        has, if there is one, and the effects. In the scene's unit and degrees.
+        """
+        spec = self.spec if step is None else CsvSpec(step)
+        return self.ledger.run("table", lambda: self._table(cam_angles(spec.step)))
+
+    def _table(self, degrees: FloatArray) -> Table:
+        phi = np.radians(degrees)
+        columns: Columns = [("phi [deg]", degrees)]
+        motions = _motions(self.drive, self.lift_unit, phi)
+        for name, motion in motions:
+            columns += _angle(name, motion) if name else _length(self.unit, motion)
+        columns += _in_time(self.drive, motions, self.unit, phi)
+        if self.cam is not None:
+            columns += _of_cam(self.cam, self.unit, phi)
+        columns += [_of_effect(self.unit, column, phi) for column in self.columns()]
+        names = tuple(name for name, _ in columns)
+        return Table(names, np.column_stack([values for _, values in columns]))
 
 
 def _of_cam(cam: Cam, unit: LengthUnit, phi: FloatArray) -> Columns:

@@ -25,8 +25,7 @@ from camgeo.effects.effect import Column
 from camgeo.files.drawn import DrawnDisc
 from camgeo.files.milled import MilledDisc
 from camgeo.files.product import Product
-from camgeo.files.tabulated import TabulatedCam
-from camgeo.files.value_table import Table
+from camgeo.files.value_table import Table, TabulatedCam
 from camgeo.formats.dxf import DxfSpec
 from camgeo.formats.format import Options, Values
 from camgeo.mechanism.translating_roller import TranslatingRoller

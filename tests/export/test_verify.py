@@ -21,7 +21,7 @@ from camgeo.contour.contour import Contour
 from camgeo.contour.spline import Arc, CubicSpline, SplineContour
 from camgeo.design import Design
 from camgeo.files.product import Product
-from camgeo.files.verification import Check, Origin, Reading, Verifier
+from camgeo.files.verification import Check, Origin, Reading, Verifier, length_of
 from camgeo_export.gcode.writer import WRITER as GCODE
 from camgeo_export.stl.writer import WRITER as STL
 from camgeo_export.threemf.writer import WRITER as THREEMF
@@ -29,7 +29,6 @@ from camgeo_export.verify.dxf import VERIFIER as DXF_VERIFIER
 from camgeo_export.verify.farthest import farthest
 from camgeo_export.verify.gcode import VERIFIER as GCODE_VERIFIER
 from camgeo_export.verify.joints import joints_of
-from camgeo_export.verify.length import length_of
 from camgeo_export.verify.mesh import merged, solid_checks, volume
 from camgeo_export.verify.stl import VERIFIER as STL_VERIFIER
 from camgeo_export.verify.threemf import VERIFIER as THREEMF_VERIFIER

@@ -17,7 +17,7 @@ from camgeo.formats.asc import FORMAT
 from camgeo.formats.format import Format
 from camgeo.numeric.arrays import FloatArray
 from camgeo.units import MM_PER
-from camgeo_export.table.measure import difference
+from camgeo_export.table.writer import difference
 
 POINTS: Final = ("x_i_vers", "y_i_vers", "x_B_vers", "y_B_vers", "x_a_vers", "y_a_vers")
 """Inner working curve, pitch curve and outer working curve, seen from the cam axis [mm]."""

@@ -24,8 +24,6 @@ FEWEST = 2
 class ContourCsvReader:
     """Reads a contour from CSV."""
 
-    suffixes = (".csv",)
-
     def read(
         self, data: bytes, name: str, *, layer: str | None, unit: LengthUnit | None, gap: float
     ) -> tuple[Contour, ...]:

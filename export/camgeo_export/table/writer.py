@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import csv
 import io
+from collections.abc import Sequence
 
 import numpy as np
 
 from camgeo.files.product import Product, Written
 from camgeo.formats.csv import FORMAT
+from camgeo.numeric.arrays import BoolArray, FloatArray
 from camgeo.units import MM_PER
 from camgeo_export.errors import FileError
-from camgeo_export.table.measure import difference
 
 
 class CsvWriter:
@@ -40,6 +41,27 @@ class CsvWriter:
             raise FileError("the table has other columns or rows than this scene's")
         lengths = np.array([f"[{product.unit}]" in name for name in table.names])
         return difference(rows, table.values, lengths, "the table") * MM_PER[product.unit]
+
+
+def difference(
+    rows: Sequence[Sequence[str]], expected: FloatArray, lengths: BoolArray, what: str
+) -> float:
+    """Largest difference of the columns that are `lengths` (k,) from `expected` (n, k).
+
+    Raises FileError if `what` was read has other rows, or anything else in it differs.
+    """
+    if len(rows) != len(expected) or {len(row) for row in rows} != {len(lengths)}:
+        raise FileError(f"{what} has other columns or rows than this scene's")
+    try:
+        found = np.array(rows, dtype=np.float64)
+    except ValueError as error:
+        raise FileError(f"{what} holds something that is not a number: {error}") from None
+    if not np.array_equal(found[:, ~lengths], expected[:, ~lengths]):
+        raise FileError(f"{what}'s angles, ratios or radii differ from this scene's")
+    away = abs(found[:, lengths] - expected[:, lengths])
+    if not np.all(np.isfinite(away)):
+        raise FileError(f"{what} holds a length that is no finite number")
+    return float(away.max(initial=0.0))
 
 
 WRITER = CsvWriter()

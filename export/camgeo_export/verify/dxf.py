@@ -8,13 +8,21 @@ from camgeo.contour.contour import Contour
 from camgeo.contour.exact import distance_between
 from camgeo.errors import CamgeoError, GeometryError
 from camgeo.files.product import Product
-from camgeo.files.verification import Check, Origin, Reading, at_most, equal, failed, told
+from camgeo.files.verification import (
+    Check,
+    Origin,
+    Reading,
+    at_most,
+    equal,
+    failed,
+    length_of,
+    told,
+)
 from camgeo.formats.dxf import FORMAT
 from camgeo_export.dxf.measure import MEASUREMENT
 from camgeo_export.dxf.reader import Drawing, drawing_of
 from camgeo_export.errors import FileError
 from camgeo_export.matching import AnyContour
-from camgeo_export.verify.length import length_of
 from camgeo_export.verify.plane import contour_checks, matched
 from camgeo_export.verify.shapes import Shape, corners_of_contour, shapes_of
 

@@ -4,18 +4,26 @@ from __future__ import annotations
 
 import math
 import re
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from camgeo.contour.contour import Contour
 from camgeo.files.product import Product
-from camgeo.files.verification import Check, Origin, Reading, at_most, equal, failed, told
+from camgeo.files.verification import (
+    Check,
+    Origin,
+    Reading,
+    at_most,
+    equal,
+    failed,
+    length_of,
+    told,
+)
 from camgeo.formats.gcode import FORMAT
 from camgeo.toolpath.cut import Cut
 from camgeo.toolpath.machine import load
 from camgeo_export.errors import FileError
 from camgeo_export.gcode.reader import Loop, Program, read
 from camgeo_export.verify.leads import lead_checks
-from camgeo_export.verify.length import length_of
 from camgeo_export.verify.plane import contour_checks
 from camgeo_export.verify.shapes import Shape, shapes_of
 
@@ -100,43 +108,25 @@ def _paths(product: Product, program: Program, tolerance: float, extra: float) -
     for cut in product.milled.cuts:
         own = [loop for name, loop in loops if name == cut.name]
         checks.append(_passes(cut, own, max(program.step, tolerance)))
-        depths: dict[bytes, _Pass] = {}
+        same: dict[bytes, list[Loop]] = {}
         for loop in own:
-            key = _key(loop.contour)
-            if key not in depths:
-                depths[key] = _Pass(loop.contour, [], 0.0)
-            depths[key].heights.append(loop.z)
-            depths[key].mismatch = max(depths[key].mismatch, loop.mismatch)
-        for each in depths.values():
-            where = f"Z {', '.join(f'{z:g}' for z in sorted(each.heights, reverse=True))}"
-            if len(each.heights) == len(own):
-                where = ""
+            same.setdefault(_key(loop.contour), []).append(loop)
+        for alike in same.values():
+            heights = sorted((loop.z for loop in alike), reverse=True)
+            where = "" if len(heights) == len(own) else f"Z {', '.join(f'{z:g}' for z in heights)}"
+            contour = alike[0].contour
+            mismatch = extra + max(loop.mismatch for loop in alike)
             checks += contour_checks(
-                shapes[cut.name],
-                each.contour,
-                tolerance,
-                extra=extra + each.mismatch,
-                where=where,
+                shapes[cut.name], contour, tolerance, extra=mismatch, where=where
             )
             if all(loop.operation == cut.name for loop in own):  # it is one of ours
                 wanted = cut.room > 0.0
-                checks += lead_checks(
-                    program, cut.name, each.contour, each.heights, tolerance, wanted=wanted
-                )
+                checks += lead_checks(program, cut.name, contour, heights, tolerance, wanted=wanted)
     for name, loop in loops:
         if name not in shapes:
             note = f"a closed path at Z {loop.z:g} mm belongs to no operation of the part"
             checks.append(failed("operations", note, name))
     return checks
-
-
-@dataclass(slots=True)
-class _Pass:
-    """A closed path that is cut at several depths."""
-
-    contour: Contour
-    heights: list[float]
-    mismatch: float
 
 
 def _key(contour: Contour) -> bytes:

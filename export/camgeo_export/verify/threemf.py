@@ -8,9 +8,8 @@ import zlib
 from xml.etree import ElementTree as ET
 
 from camgeo.files.product import Product
-from camgeo.files.verification import Check, Origin, Reading, equal, failed, told
+from camgeo.files.verification import Check, Origin, Reading, equal, failed, length_of, told
 from camgeo_export.verify.body import mesh_checks
-from camgeo_export.verify.length import length_of
 
 MM_PER_UNIT = {
     "micron": 1e-3,
