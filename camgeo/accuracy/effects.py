@@ -8,8 +8,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from camgeo.accuracy.clock import timed
-from camgeo.accuracy.contours import Tell, reason
+from camgeo.accuracy.contours import Tell, reason, timed
 from camgeo.accuracy.rows import EffectRow
 from camgeo.design import Design
 from camgeo.effects.effect import Column, Result

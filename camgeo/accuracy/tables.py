@@ -12,8 +12,7 @@ from typing import Final
 
 import numpy as np
 
-from camgeo.accuracy.clock import timed
-from camgeo.accuracy.contours import Tell
+from camgeo.accuracy.contours import Tell, timed
 from camgeo.accuracy.rows import TableRow
 from camgeo.design import Design
 from camgeo.files.value_table import cam_angles

@@ -44,13 +44,7 @@ class Check:
 
     def record(self) -> dict[str, Any]:
         """As data; what is empty is left out."""
-        fields = {
-            "of": self.of,
-            "value": self.value,
-            "expected": self.expected,
-            "limit": self.limit,
-            "unit": self.unit,
-        }
+        fields = {key: getattr(self, key) for key in ("of", "value", "expected", "limit", "unit")}
         kept = {key: value for key, value in fields.items() if value not in ("", None)}
         end = {"note": self.note} if self.note else {}
         return {"name": self.name, **kept, "ok": self.ok, **end}
@@ -82,6 +76,15 @@ def equal(
 def told(name: str, value: float | str, unit: str = "", of: str = "", note: str = "") -> Check:
     """A figure that nothing is asked of."""
     return Check(name, of, value, None, None, unit, None, note)
+
+
+def unit_check(unit: str, reading: Reading, ours: str, note: str) -> Check:
+    """The unit of a file, which is to be `ours` if camgeo wrote it, else that of the person."""
+    if reading.ours:
+        return equal("unit", unit, ours, note=note)
+    if reading.unit is not None:
+        return equal("unit", unit, reading.unit, note="the file is not in the unit of --unit")
+    return told("unit", unit)
 
 
 def failed(name: str, note: str, of: str = "") -> Check:

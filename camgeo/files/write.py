@@ -164,13 +164,7 @@ def _certificate(
             for report in reports
         ],
         "findings": [
-            {
-                "name": finding.name,
-                "severity": finding.severity,
-                "value": finding.value,
-                "limit": finding.limit,
-                "unit": finding.unit,
-            }
+            {key: getattr(finding, key) for key in ("name", "severity", "value", "limit", "unit")}
             for finding in product.findings
         ],
     }

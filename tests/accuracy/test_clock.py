@@ -6,7 +6,7 @@ import time
 
 import pytest
 
-from camgeo.accuracy.clock import PATIENCE, RUNS, timed
+from camgeo.accuracy.contours import PATIENCE, RUNS, timed
 
 
 @pytest.mark.parametrize(

@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 
 import camgeo
-from camgeo.accuracy import clock, survey
 from camgeo.accuracy import contours as measuring
+from camgeo.accuracy import survey
 from camgeo.accuracy.contours import contour_rows, drawn_as, flanks_of, has_program, milling_of
 from camgeo.accuracy.rows import EFFORTS, FORMS, ContourRow
 from camgeo.contour.contour import Contour
@@ -36,7 +36,7 @@ def load(name: str) -> Design:
 @cache
 def rows() -> tuple[ContourRow, ...]:
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(clock, "RUNS", 1)  # how long it takes is not looked at
+        patch.setattr(measuring, "RUNS", 1)  # how long it takes is not looked at
         return contour_rows(load("setzhub"), TOLERANCES, ripple=True, tell=lambda _: None)
 
 

@@ -8,16 +8,7 @@ from dataclasses import replace
 
 from camgeo.contour.contour import Contour
 from camgeo.files.product import Product
-from camgeo.files.verification import (
-    Check,
-    Origin,
-    Reading,
-    at_most,
-    equal,
-    failed,
-    length_of,
-    told,
-)
+from camgeo.files.verification import Check, Origin, Reading, at_most, failed, length_of, unit_check
 from camgeo.formats.gcode import FORMAT
 from camgeo.toolpath.cut import Cut
 from camgeo.toolpath.machine import load
@@ -63,7 +54,8 @@ class GcodeVerifier:
         except FileError as error:
             hint = "" if reading.ours else "; only the words that our programs use are run"
             return (failed("program", f"{error}{hint}"),)
-        checks = [_unit(program, product, reading)]
+        unit = NAMES.get(program.mm_per_unit, "unknown")
+        checks = [unit_check(unit, reading, product.unit, f"the scene is in {product.unit}")]
         spec = product.options[FORMAT]
         machine = load(spec.machine)
         limits = machine.arcs
@@ -83,15 +75,6 @@ class GcodeVerifier:
         arcs = any(move.kind == "arc" for move in program.moves)
         extra = blending + (limits.interpolation if arcs else 0.0)
         return (*checks, *_paths(product, program, tolerance, extra))
-
-
-def _unit(program: Program, product: Product, reading: Reading) -> Check:
-    name = NAMES.get(program.mm_per_unit, "unknown")
-    if reading.ours:
-        return equal("unit", name, product.unit, note=f"the scene is in {product.unit}")
-    if reading.unit is not None:
-        return equal("unit", name, reading.unit, note="the program is not in the unit of --unit")
-    return told("unit", name)
 
 
 def _paths(product: Product, program: Program, tolerance: float, extra: float) -> list[Check]:

@@ -8,7 +8,7 @@ import zlib
 from xml.etree import ElementTree as ET
 
 from camgeo.files.product import Product
-from camgeo.files.verification import Check, Origin, Reading, equal, failed, length_of, told
+from camgeo.files.verification import Check, Origin, Reading, failed, length_of, unit_check
 from camgeo_export.verify.body import mesh_checks
 
 MM_PER_UNIT = {
@@ -49,11 +49,7 @@ class ThreeMfVerifier:
         """Unit, and the body against the part."""
         unit, _ = _head(data)
         name = SHORT.get(unit, unit)
-        check = told("unit", name)
-        if reading.ours:
-            check = equal("unit", name, "mm", note="our 3MF files are in millimetres")
-        elif reading.unit is not None:
-            check = equal("unit", name, reading.unit, note="the file is not in the unit of --unit")
+        check = unit_check(name, reading, "mm", "our 3MF files are in millimetres")
         scale = MM_PER_UNIT.get(unit)
         if scale is None:
             return (check, failed("unit", f"{unit!r} is no unit of 3MF"))
