@@ -22,7 +22,6 @@ from camgeo.numeric.arrays import FloatArray
 if TYPE_CHECKING:  # an effect imports what it computes with itself
     from camgeo.cam.cam import Cam
     from camgeo.cam.drive import Drive, LiftUnit
-    from camgeo.effects.results import Results
     from camgeo.mechanism.slider_crank import SliderCrank
     from camgeo.motion.time_course import TimeCourse
     from camgeo.part.part import Part
@@ -104,6 +103,31 @@ def machine_of(subject: Subject) -> Machine:
         paired=subject.returning is not None,
         yoked=subject.cam.yoke is not None,
     )
+
+
+Answer = TypeVar("Answer")
+Answer_co = TypeVar("Answer_co", covariant=True)
+
+
+class Key(str, Generic[Answer_co]):
+    """The name of an effect, and the type of its result."""
+
+    __slots__ = ()
+
+
+class Results:
+    """The results that an effect is given: of what it needs, and of what it uses that is named."""
+
+    def __init__(self, by_name: Mapping[str, Any]) -> None:
+        self._by_name = by_name
+
+    def __getitem__(self, key: Key[Answer]) -> Answer:
+        found: Answer = self._by_name[key]
+        return found
+
+    def get(self, key: Key[Answer]) -> Answer | None:
+        """The result of the effect `key`; None if it is only used, and the scene names none."""
+        return self._by_name.get(key)
 
 
 Spec = TypeVar("Spec")

@@ -7,9 +7,8 @@ from collections.abc import Callable, Mapping
 from typing import Any, Final, overload
 
 from camgeo.check.finding import Finding
-from camgeo.effects.effect import Effect, Request, Subject, machine_of
+from camgeo.effects.effect import Answer, Effect, Key, Request, Results, Subject, machine_of
 from camgeo.effects.registry import find_effect
-from camgeo.effects.results import Answer, Key, Results
 from camgeo.effects.rules import Table
 from camgeo.errors import CycleError, EffectError, GeometryError
 from camgeo.lazy import Ledger

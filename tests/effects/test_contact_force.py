@@ -10,10 +10,10 @@ import pytest
 
 from camgeo.design import Design
 from camgeo.effects.contact_force import EFFECT
-from camgeo.effects.contact_force.result import ContactForce, compute
-from camgeo.effects.effect import Request
+from camgeo.effects.contact_force.result import compute
+from camgeo.effects.effect import Request, Results
 from camgeo.effects.force import Force
-from camgeo.effects.results import Results
+from camgeo.effects.results import ContactForce
 from camgeo.errors import EffectError, SceneError
 from camgeo.motion.motion import Side
 from camgeo.motion.time_course import in_time
@@ -87,9 +87,7 @@ def constant(value: float) -> Any:
 
 def computed(subject: Design, results: dict[str, Any], limit: float | None = None) -> ContactForce:
     table = {} if limit is None else {"limit": limit}
-    found = compute(Request(subject.effects.subject, EFFECT.parse(table), Results(results), 1e-6))
-    assert isinstance(found, ContactForce)
-    return found
+    return compute(Request(subject.effects.subject, EFFECT.parse(table), Results(results), 1e-6))
 
 
 def turned(subject: Design, phi: FloatArray) -> Any:
@@ -176,7 +174,7 @@ def test_a_force_at_every_speed_is_the_force_of_the_scene_at_that_speed() -> Non
     slow = design("plate_translating", TRANSLATING)
     fast = design("plate_translating", TRANSLATING, ("speed = 60", "speed = 300"))
     omega = np.full(len(PHI), 10.0 * math.pi)
-    found = slow.effect("contact-force").normal_at(PHI, "right", omega, 0.0 * omega)
+    found = slow.effect("contact-force").normal_at(PHI, "right", np.stack((omega, 0.0 * omega)))
     expected = fast.effect("contact-force").normal(PHI, "right")
     assert found == pytest.approx(expected, rel=1e-12, abs=1e-12 * np.max(expected))
 

@@ -28,9 +28,8 @@ from camgeo.effects.contact_pressure.hertz import (
 from camgeo.effects.contact_pressure.life import EXPONENT, spin
 from camgeo.effects.contact_pressure.result import ContactPressure, compute
 from camgeo.effects.contact_pressure.spec import Body, Spec, contact_modulus, parse
-from camgeo.effects.effect import Request
+from camgeo.effects.effect import Request, Results
 from camgeo.effects.materials import find_material
-from camgeo.effects.results import Results
 from camgeo.errors import EffectError, GeometryError
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray

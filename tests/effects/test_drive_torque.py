@@ -11,12 +11,11 @@ import pytest
 from camgeo.check.finding import Finding
 from camgeo.design import Design
 from camgeo.effects.drive_torque import EFFECT
-from camgeo.effects.drive_torque.flywheel import moment_of_inertia, stored_energy
 from camgeo.effects.drive_torque.result import compute
-from camgeo.effects.drive_torque.torque import DriveTorque
-from camgeo.effects.effect import Request
+from camgeo.effects.drive_torque.summary import moment_of_inertia, stored_energy
+from camgeo.effects.effect import Request, Results
 from camgeo.effects.force import Force, at_rates, total
-from camgeo.effects.results import Results
+from camgeo.effects.results import DriveTorque
 from camgeo.errors import EffectError, GeometryError
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray, merged
@@ -69,10 +68,8 @@ class Contact:
     def required(self, phi: FloatArray, side: Side) -> FloatArray:
         return -total(self.forces, phi, side)
 
-    def normal_at(
-        self, phi: FloatArray, side: Side, omega: FloatArray, alpha: FloatArray
-    ) -> FloatArray:
-        force = at_rates(self.required(phi, side), np.stack((omega, alpha)))
+    def normal_at(self, phi: FloatArray, side: Side, rates: FloatArray) -> FloatArray:
+        force = at_rates(self.required(phi, side), rates)
         leverage = self.subject.cam.disc.pitch_curve.leverage(phi, side)
         if self.friction is None:
             return force / leverage
@@ -84,9 +81,8 @@ class Contact:
 
     def normal(self, phi: FloatArray, side: Side) -> FloatArray:
         course = self.subject.drive.time_course
-        zero = np.zeros(len(phi))
-        omega, alpha = (zero, zero) if course is None else course.rates(phi)[:2]
-        return self.normal_at(phi, side, omega, alpha)
+        rates = np.zeros((2, len(phi))) if course is None else course.rates(phi)
+        return self.normal_at(phi, side, rates)
 
 
 def inertia(subject: Design, mass: float) -> Force:
@@ -119,9 +115,7 @@ def drive(
     subject: Design, contact: Contact, tolerance: float = 1e-9, **table: float
 ) -> DriveTorque:
     given = Results({"contact-force": contact})
-    found = compute(Request(subject.effects.subject, EFFECT.parse(table), given, tolerance))
-    assert isinstance(found, DriveTorque)
-    return found
+    return compute(Request(subject.effects.subject, EFFECT.parse(table), given, tolerance))
 
 
 def finding(result: Any, name: str) -> Finding:
@@ -220,11 +214,14 @@ def test_static_and_dynamic_parts() -> None:
     static, dynamic = (60.0 + 4.0 * s) * s1, 2e-3 * TURN**2 * s2 * s1  # 60 rev/min
     scale = np.max(np.abs(static))
     assert np.max(np.abs(result.static(phi, "right") - static)) <= 10.0 * EPS * scale
-    assert np.max(np.abs(result.dynamic(phi, "right") - dynamic)) <= 10.0 * EPS * scale
+    assert (
+        np.max(np.abs(result.torque(phi, "right") - result.static(phi, "right") - dynamic))
+        <= 10.0 * EPS * scale
+    )
     total_torque, slow, fast = (each.values(phi, "right") for each in result.columns)
     assert np.allclose(total_torque, slow + fast, rtol=0.0, atol=10.0 * EPS * scale)
     alpha = np.full(len(phi), 3.0)
-    at = result.law.at(phi, "right", 2.0 * TURN + 0.0 * phi, alpha)
+    at = result.at(phi, "right", 2.0 * TURN + 0.0 * phi, alpha)
     assert np.max(np.abs(at - static - 4.0 * dynamic - 6e-3 * s1**2)) <= 20.0 * EPS * scale
 
 

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 from camgeo.design import Design
+from camgeo.effects.force import at_rates
 from camgeo.errors import EffectError
 from camgeo.mechanism.kinds import require_roller
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
@@ -177,7 +178,8 @@ def test_the_cam_gives_what_the_members_cut_free_ask_for(scene: str) -> None:
     made = made_of(scene)
     phi = moving(made)
     contact = made.effect("contact-force")
-    found = contact.balance.demand(phi, "right", contact.balance.rates(phi))
+    rates = np.stack((np.full(len(phi), omega(made)), np.zeros(len(phi))))
+    found = at_rates(contact.required(phi, "right"), rates)
     expected = statics(made, phi)
     # The way by differences is divided by a twentieth of the largest velocity at least.
     assert np.max(np.abs(found - expected)) <= 20.0 * DIFFERENCE * np.max(np.abs(expected))

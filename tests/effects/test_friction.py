@@ -11,11 +11,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from camgeo.design import Design
-from camgeo.effects.effect import Request
-from camgeo.effects.friction.result import Friction, compute
+from camgeo.effects.effect import Request, Results
+from camgeo.effects.friction.result import compute, statics_of
 from camgeo.effects.friction.spec import parse
 from camgeo.effects.friction.statics import Statics
-from camgeo.effects.results import Results
+from camgeo.effects.results import Friction
 from camgeo.errors import EffectError, GeometryError
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.mechanism.positions import locked_at
@@ -51,9 +51,11 @@ LARGE: Final = {
 
 
 def friction(made: Any, **table: float) -> Friction:
-    found = compute(Request(made.effects.subject, parse(table), Results({}), 1e-6))
-    assert isinstance(found, Friction)
-    return found
+    return compute(Request(made.effects.subject, parse(table), Results({}), 1e-6))
+
+
+def statics(made: Any, **table: float) -> Statics:
+    return statics_of(made.effects.subject, parse(table))
 
 
 def angles(made: Design) -> FloatArray:
@@ -168,7 +170,9 @@ def test_a_mirrored_design_has_the_same_friction(scene: str) -> None:
     for sense in (1, -1):
         here, there = (each.per_normal(phi, "right", sense) for each in (first, second))
         assert here == pytest.approx(there, abs=1e-12 * float(np.max(np.abs(here))))
-        one, other = (each.statics.margin(phi, "right", sense) for each in (first, second))
+        one, other = (
+            statics(each, **table).margin(phi, "right", sense) for each in (made, mirrored)
+        )
         assert one == pytest.approx(other, abs=1e-12)
 
 
@@ -181,14 +185,15 @@ def test_guide_friction_by_the_largest_pressure_angle(overhang: float) -> None:
     """
     made = design("plate_translating", "")
     length, coefficient = 45.0, 0.17
-    found = friction(made, guide=coefficient, guide_length=length, guide_overhang=overhang)
+    table = {"guide": coefficient, "guide_length": length, "guide_overhang": overhang}
+    found = friction(made, **table)
     phi = angles(made)
     lift, slope = made.cam.drive.motion.jet(phi)[:2]
     a = overhang - lift
     lever = np.where(a >= 0.0, (2.0 * a + length) / length, 1.0)
     largest = np.arctan2(1.0, coefficient * lever)
     wanted = largest - made.cam.disc.pitch_curve.pressure_angle(phi)
-    assert found.statics.margin(phi, "right", 1) == pytest.approx(wanted, abs=1e-12)
+    assert statics(made, **table).margin(phi, "right", 1) == pytest.approx(wanted, abs=1e-12)
     force, torque = found.per_normal(phi, "right", 1)
     side = np.sin(made.cam.disc.pitch_curve.pressure_angle(phi))
     assert force == pytest.approx(-np.sign(slope) * coefficient * lever * side, abs=1e-13)
@@ -200,9 +205,9 @@ def test_guide_friction_by_the_largest_pressure_angle(overhang: float) -> None:
 def test_a_roller_centre_beyond_the_far_end_of_the_guide() -> None:
     """b = 5 mm: at the top the guide lies 10 to 15 mm on this side of the roller's centre."""
     made = design("plate_translating", "")
-    found = friction(made, guide=0.1, guide_length=5.0, guide_overhang=5.0)
+    found = statics(made, guide=0.1, guide_length=5.0, guide_overhang=5.0)
     phi = np.radians([150.0])
-    force = found.statics.drag(found.statics.state(phi, "right", 1))
+    force = found.drag(found.state(phi, "right", 1))
     side = np.sin(made.cam.disc.pitch_curve.pressure_angle(phi))
     assert force == pytest.approx(0.1 * side * (15.0 + 10.0) / 5.0, rel=1e-12)
 
@@ -230,7 +235,8 @@ def test_the_coefficient_at_which_the_follower_jams(share: float, severity: str)
     largest = 1.0 / (lever * np.tan(made.cam.disc.pitch_curve.pressure_angle(phi)))
     worst = int(np.argmin(largest))
     coefficient = float(largest[worst]) * share
-    found = friction(made, guide=coefficient, guide_length=length, guide_overhang=overhang)
+    table = {"guide": coefficient, "guide_length": length, "guide_overhang": overhang}
+    found = friction(made, **table)
     (margin,) = found.findings
     assert margin.name == "jamming-margin"
     assert margin.severity == severity
@@ -280,7 +286,7 @@ def test_no_margin_is_where_no_normal_force_moves_the_follower(
         driven = sense * leverage * slope > 0.0
         force = found.per_normal(phi, "right", sense)[0]
         left = (sense * leverage + force) * np.sign(slope) / reach
-        margin = found.statics.margin(phi, "right", sense)
+        margin = statics(made, **table).margin(phi, "right", sense)
         clear = driven & (np.abs(left) > 1e-9)
         assert np.all((margin[clear] > 0.0) == (left[clear] > 0.0))
 
@@ -299,7 +305,7 @@ def test_the_margin_ends_at_the_coefficient_that_takes_all(scene: str, sense: in
     made = MADE[scene, False]
     key = "pivot" if isinstance(made.cam.follower, OscillatingRoller) else "guide"
     table = {**SCENES[scene][1], **ROLLER, key: 0.0}
-    without = friction(made, **table).statics
+    without = statics(made, **table)
 
     def with_coefficient(value: float) -> Statics:
         return replace(without, spec=parse({**table, key: value}))
@@ -324,10 +330,10 @@ def test_the_margin_ends_at_the_coefficient_that_takes_all(scene: str, sense: in
 def test_pivot_friction_by_its_circle() -> None:
     """The follower jams where the normal passes the pivot within mu d / 2."""
     made = design("shuttle", "")
-    found = friction(made, pivot=0.2, pivot_diameter=40.0)
+    found = statics(made, pivot=0.2, pivot_diameter=40.0)
     phi = angles(made)
     wanted = made.cam.disc.pitch_curve.transmission_angle(phi) - math.asin(0.2 * 20.0 / 90.0)
-    assert found.statics.margin(phi, "right", 1) == pytest.approx(wanted, abs=1e-12)
+    assert found.margin(phi, "right", 1) == pytest.approx(wanted, abs=1e-12)
     force = found.per_normal(phi, "right", 1)[0]
     assert force == pytest.approx(-4.0 * np.sign(made.cam.drive.motion.jet(phi)[1]), rel=1e-15)
 
@@ -349,7 +355,7 @@ def test_no_friction_adds_nothing() -> None:
         assert np.all(found.per_normal(phi, "right", sense) == 0.0)
     assert np.all(found.force.coefficients(phi, "right") == 0.0)
     transmission = made.cam.disc.pitch_curve.transmission_angle(phi)
-    assert found.statics.margin(phi, "right", 1) == pytest.approx(transmission, abs=1e-15)
+    assert statics(made).margin(phi, "right", 1) == pytest.approx(transmission, abs=1e-15)
     (column,) = found.columns
     assert column.values(phi, "right") == pytest.approx(np.degrees(transmission))
 
@@ -410,9 +416,9 @@ def test_the_values_are_smooth_between_the_borders() -> None:
     """Neighbours on a fine grid differ by little unless a border lies between them."""
     made = design("plate_translating", "")
     found = friction(made, **GUIDE, **ROLLER)
-    edges = np.sort(np.concatenate((made.drive.smooth_angles, found.borders)))
-    assert np.all((found.borders >= 0.0) & (found.borders < TURN))
-    assert len(found.borders) > 0
+    edges = np.sort(np.concatenate((made.drive.smooth_angles, found.force.borders)))
+    assert np.all((found.force.borders >= 0.0) & (found.force.borders < TURN))
+    assert len(found.force.borders) > 0
     phi = np.linspace(0.0, TURN, 40_001)
     for sense in (1, -1):
         force = found.per_normal(phi, "right", sense)[0]

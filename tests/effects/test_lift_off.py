@@ -67,7 +67,8 @@ def lowest(subject: Design, factor: float) -> float:
     def force(phi: FloatArray, side: Side) -> FloatArray:
         omega, alpha = course.rates(phi)[:2]
         return np.asarray(
-            sense * contact.normal_at(phi, side, factor * omega, factor * factor * alpha)
+            sense
+            * contact.normal_at(phi, side, np.stack((factor * omega, factor * factor * alpha)))
         )
 
     found = piecewise_extremes(force, contact.edges)
@@ -206,10 +207,10 @@ def test_the_speed_is_that_at_which_the_force_first_touches_its_margin(
     here = np.array([found.speed.place])
     omega, alpha = subject.drive.time_course.rates(here)[:2]  # type: ignore[union-attr]
     forces = [
-        contact.normal_at(here, side, factor * omega, factor * factor * alpha)[0]
+        contact.normal_at(here, side, np.stack((factor * omega, factor * factor * alpha)))[0]
         for side in ("left", "right")
     ]
-    scale = contact.balance.normal(here, "right", np.stack((0.0 * omega, alpha)))[0] + margin
+    scale = contact.normal_at(here, "right", np.stack((0.0 * omega, alpha)))[0] + margin
     assert min(abs(force - margin) for force in forces) <= ROUNDING * abs(scale)
     if margin == 0.0:
         assert abs(lowest(subject, factor)) <= ROUNDING

@@ -638,8 +638,8 @@ def test_a_heavy_flywheel_runs_at_the_speed_whose_mean_torque_is_the_motors() ->
         turn, drive = made.effect("speed-fluctuation"), made.effect("drive-torque")
         phi = inside(made)
         constant = np.full(len(phi), turn.mean_speed)
-        own = drive.law.at(phi, "right", turn.omega(phi), turn.alpha(phi))
-        held = drive.law.at(phi, "right", constant, np.zeros(len(phi)))
+        own = drive.at(phi, "right", turn.omega(phi), turn.alpha(phi))
+        held = drive.at(phi, "right", constant, np.zeros(len(phi)))
         off.append(float(np.max(np.abs(own - held))))
         rev = turn.mean_speed / RPM
         steady = design("plate_translating", effects, speed_of("plate_translating", rev))

@@ -10,7 +10,7 @@ import pytest
 
 from camgeo.effects.contact_force.result import compute as contact_force
 from camgeo.effects.drive_torque.result import compute as drive_torque
-from camgeo.effects.effect import Request
+from camgeo.effects.effect import Key, Request, Results
 from camgeo.effects.friction.result import compute as friction
 from camgeo.effects.gravity.result import compute as gravity
 from camgeo.effects.inertia.result import compute as inertia
@@ -25,8 +25,6 @@ from camgeo.effects.results import (
     LOAD,
     SPRING,
     Friction,
-    Key,
-    Results,
 )
 from camgeo.effects.spring.result import compute as spring
 

@@ -12,9 +12,8 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from camgeo.design import Design
-from camgeo.effects.effect import DataFile, Request
+from camgeo.effects.effect import DataFile, Request, Results
 from camgeo.effects.force import Force
-from camgeo.effects.results import Results
 from camgeo.effects.speed_fluctuation.motor import Motor, parse_motor
 from camgeo.effects.speed_fluctuation.result import SpeedFluctuation, compute
 from camgeo.effects.speed_fluctuation.spec import parse
@@ -51,7 +50,7 @@ class Law:
     def contact(self) -> Any:
         return SimpleNamespace(forces=(), normal_at=lambda phi, *_: np.ones(len(phi)))
 
-    def coefficients(self, phi: FloatArray, side: Side) -> FloatArray:
+    def law(self, phi: FloatArray, side: Side) -> FloatArray:
         return np.stack([row + np.zeros(len(phi)) for row in self.rows(phi)])
 
 
@@ -83,7 +82,7 @@ def driven(subject: Design, mass: float = 2e-3, share: float = 0.1) -> Any:
 
 
 def test_a_constant_load_is_met_on_the_motor_line(plate: Design) -> None:
-    torque = SimpleNamespace(law=Law(lambda phi: (600.0, 0.0, 0.0, 0.0, 1.0, 1.0)))
+    torque = Law(lambda phi: (600.0, 0.0, 0.0, 0.0, 1.0, 1.0))
     result = steady(plate, torque, 50.0, 2000.0)
     expected = NO_LOAD * (1.0 - 600.0 / 2000.0)
     phi = np.linspace(-1.0, 9.0, 333)
@@ -102,7 +101,7 @@ def test_a_stiff_motor_keeps_the_speed(plate: Design, stall: float) -> None:
     torque = driven(plate)
     result = steady(plate, torque, 50.0, stall, 1e-12)
     phi = np.linspace(0.0, TURN, 500)
-    cam = torque.law.at(phi, "right", np.full(500, NO_LOAD), np.zeros(500))
+    cam = torque.at(phi, "right", np.full(500, NO_LOAD), np.zeros(500))
     slip = cam / stall
     # To first order; the second is the slip's change, (J omega slip') / (slope) by the slip:
     # 50 * 12 * (20 / rad) * 12 / stall of it.
@@ -151,7 +150,7 @@ def test_equation_of_motion_and_power_balance(plate: Design, share: float, prelo
     phi = np.linspace(0.0, TURN, 999)
     omega, alpha = result.omega(phi), result.alpha(phi)
     motor = stall * (1.0 - omega / NO_LOAD)
-    cam = torque.law.at(phi, "right", omega, alpha)
+    cam = torque.at(phi, "right", omega, alpha)
     scale = np.max(np.abs(cam)) + stall
     assert np.max(np.abs(moment * alpha - motor + cam)) <= 50.0 * EPS * scale
     # alpha is the slope of omega^2 / 2: their integral over parts of the turn.
@@ -165,7 +164,7 @@ def test_equation_of_motion_and_power_balance(plate: Design, share: float, prelo
 
     def balance(x: FloatArray) -> FloatArray:
         speed = result.omega(x)
-        taken = torque.law.at(x, "right", speed, result.alpha(x))
+        taken = torque.at(x, "right", speed, result.alpha(x))
         return np.asarray(stall * (1.0 - speed / NO_LOAD) - taken)
 
     # The cells end at the kinks of friction, which the edges do not know.
@@ -190,7 +189,7 @@ def test_against_a_general_integrator(plate: Design, moment: float) -> None:
         motor = stall * (1.0 - omega / NO_LOAD)
         # The spring keeps the roller on its flank, where T is linear in alpha.
         two = np.array([0.0, 1.0])
-        at_rest, at_one = torque.law.at(at + 0.0 * two, "right", omega + 0.0 * two, two)
+        at_rest, at_one = torque.at(at + 0.0 * two, "right", omega + 0.0 * two, two)
         return [(motor - at_rest) / (moment + at_one - at_rest)]
 
     edges = plate.drive.smooth_angles
@@ -292,7 +291,7 @@ def test_no_steady_state_with_shocks_or_a_follower_that_jams(plate: Design) -> N
         return 5.0, 0.0, 0.0, 0.0, np.where(phi > 3.0, np.nan, 1.0), 1.0
 
     with pytest.raises(EffectError) as caught:
-        steady(plate, SimpleNamespace(law=Law(rows)), 50.0, 9000.0)
+        steady(plate, Law(rows), 50.0, 9000.0)
     assert caught.value.finding == "jamming"
     assert caught.value.cam_angle is not None
     assert caught.value.cam_angle > 3.0
@@ -393,7 +392,7 @@ tolerance = 1e-8
     phi = np.linspace(0.0, TURN, 500)
     omega, alpha = result.omega(phi), result.alpha(phi)
     motor = 20e3 * (1.0 - omega / (80.0 * RPM))
-    left = 50.0 * alpha - motor + torque.law.at(phi, "right", omega, alpha)
+    left = 50.0 * alpha - motor + torque.at(phi, "right", omega, alpha)
     assert np.max(np.abs(left)) <= 50.0 * EPS * 20e3
     assert 70.0 < value(result, "mean-speed") < 80.0
 

@@ -11,8 +11,7 @@ import pytest
 
 from camgeo.check.finding import Finding
 from camgeo.design import Design
-from camgeo.effects.effect import Request
-from camgeo.effects.results import Results
+from camgeo.effects.effect import Request, Results
 from camgeo.effects.vibration import EFFECT
 from camgeo.effects.vibration.result import Vibration, compute
 from camgeo.errors import EffectError, GeometryError, SceneError

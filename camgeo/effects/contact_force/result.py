@@ -2,74 +2,26 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
+from camgeo.check.finding import Finding, Severity, held
+from camgeo.effects.carrier import INNER, OUTER, holds_both_ways, sides_of
 from camgeo.effects.contact_force import FORCES, Spec
-from camgeo.effects.contact_force.balance import Balance
-from camgeo.effects.contact_force.findings import force_findings, shock_findings
-from camgeo.effects.contact_force.places import refuse_jamming, smooth_edges
-from camgeo.effects.effect import Column, Quantity, Request, Result, Subject
+from camgeo.effects.contact_force.balance import Balance, refuse_jamming, smooth_edges
+from camgeo.effects.effect import Column, Quantity, Request, Subject, toucher
 from camgeo.effects.face import require_convex
-from camgeo.effects.force import Force, all_borders
-from camgeo.effects.results import FRICTION, Friction
-from camgeo.effects.results import ContactForce as Asked
+from camgeo.effects.force import all_borders, total
+from camgeo.effects.results import FRICTION, INERTIA, ContactForce
+from camgeo.effects.shocks import shocks
+from camgeo.effects.told import at, placed
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray
-from camgeo.numeric.extremes import Extremes
+from camgeo.numeric.extremes import Extreme, Extremes
 from camgeo.numeric.peaks import piecewise_extremes
+from camgeo.units import TURN
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class ContactForce(Result):
-    """The normal force on the follower, positive where the inner flank carries.
-
-    Of a conjugate pair it is positive where the main disc carries, negative where the return disc
-    does; the other one carries nothing then.
-
-    Attributes
-    ----------
-    balance : the forces on the follower.
-    edges : (k,) cam angles [rad] from 0 to 2 pi between which the force is smooth and keeps its
-        sign.
-    extremes : smallest and largest force [N] of the turn, signed.
-    """
-
-    balance: Balance
-    edges: FloatArray
-    extremes: Extremes
-
-    @property
-    def forces(self) -> tuple[Force, ...]:
-        """All forces on the follower but that of the contact."""
-        return self.balance.forces
-
-    @property
-    def friction(self) -> Friction | None:
-        """The result of the effect `friction`, None if the scene does not name it."""
-        return self.balance.friction
-
-    def required(self, phi: FloatArray, side: Side) -> FloatArray:
-        """(4, n) coefficients of the generalised force R that the contact has to give."""
-        return self.balance.required(phi, side)
-
-    def bracket(self, phi: FloatArray, side: Side, sense: int) -> FloatArray:
-        """(n,) [1 or mm/rad] R per unit of |N| on the side `sense`, see `carrier`."""
-        return self.balance.bracket(phi, side, sense)
-
-    def normal(self, phi: FloatArray, side: Side) -> FloatArray:
-        """(n,) N [N] at the scene's speed, or at rest if it has none."""
-        return self.balance.normal(phi, side, self.balance.rates(phi))
-
-    def normal_at(
-        self, phi: FloatArray, side: Side, omega: FloatArray, alpha: FloatArray
-    ) -> FloatArray:
-        """(n,) N [N] at the speeds `omega` [rad/s] and accelerations `alpha` [rad/s^2], (n,)."""
-        return self.balance.normal(phi, side, np.stack((omega, alpha)))
-
-
-def compute(request: Request[Spec]) -> Asked:
+def compute(request: Request[Spec]) -> ContactForce:
     """The contact force.
 
     Raises
@@ -90,15 +42,23 @@ def compute(request: Request[Spec]) -> Asked:
     def normal(phi: FloatArray, side: Side) -> FloatArray:
         return balance.normal(phi, side, balance.rates(phi))
 
+    def required(phi: FloatArray, side: Side) -> FloatArray:
+        return -total(forces, phi, side)
+
     limit = request.spec.limit
     extremes = piecewise_extremes(normal, edges)
     found = force_findings(extremes, subject, limit)
     return ContactForce(
         findings=(*found, *shock_findings(request)),
         columns=_columns(subject, normal, limit, all_borders(forces)),
-        balance=balance,
+        forces=balance.forces,
+        friction=friction,
         edges=edges,
         extremes=extremes,
+        required=required,
+        normal=normal,
+        normal_at=balance.normal,
+        bracket=balance.bracket,
     )
 
 
@@ -120,3 +80,64 @@ def _columns(
         Column("main contact force", "N", on_main, limit, borders),
         Column("return contact force", "N", on_return, limit, borders),
     )
+
+
+def force_findings(extremes: Extremes, subject: Subject, limit: float | None) -> list[Finding]:
+    """Largest and smallest force of the flank that has to carry, or the largest of each side.
+
+    That is of each flank of a groove, or of each disc of a conjugate pair.
+    """
+    names, noun = sides_of(subject)
+    low, high = extremes.lowest, extremes.highest
+    mirrored = Extreme(-low.value, low.place)
+    if not holds_both_ways(subject):
+        inner = subject.cam.contact.runs_inside
+        where = f"the {subject.cam.contact} flank"
+        smallest = low if inner else Extreme(-high.value, high.place)
+        largest = _largest(high if inner else mirrored, where, limit)
+        return [largest, _smallest(smallest, where, toucher(subject))]
+    both = sorted(((high, INNER), (mirrored, OUTER)), key=lambda each: -each[0].value)
+    found = [_largest(both[0][0], f"the {names[both[0][1]]} {noun}", limit)]
+    for extreme, sense in both:
+        if extreme.value > 0.0:
+            found.append(_on_side(extreme, names[sense], noun))
+    return found
+
+
+def _largest(extreme: Extreme, where: str, limit: float | None) -> Finding:
+    told = f"largest contact force {_told(extreme, where)}"
+    return held("largest-contact-force", told, extreme.value, limit, "N", extreme.place % TURN)
+
+
+def _smallest(extreme: Extreme, where: str, what: str) -> Finding:
+    lost = extreme.value < 0.0
+    tail = f": the {what} is not held to its flank there" if lost else ""
+    sentence = f"smallest contact force {_told(extreme, where)}{tail}"
+    severity: Severity = "warning" if lost else "ok"
+    return placed("smallest-contact-force", sentence, extreme, "N", severity=severity)
+
+
+def _on_side(extreme: Extreme, name: str, noun: str) -> Finding:
+    sentence = f"largest contact force {_told(extreme, f'the {name} {noun}')}"
+    return placed(f"largest-contact-force-{name}", sentence, extreme, "N")
+
+
+def _told(extreme: Extreme, where: str) -> str:
+    return f"on {where} {extreme.value:.6g} N {at(extreme.place)}"
+
+
+def shock_findings(request: Request[Spec]) -> list[Finding]:
+    """Where the velocity jumps: with a mass the force is infinite there, and not in the values."""
+    inertia = request.results.get(INERTIA)
+    return [
+        Finding(
+            name="shock",
+            severity="broken",
+            sentence=(
+                f"the velocity jumps {at(angle)}: the contact force of the masses is infinite for"
+                " a moment, which is in none of the values"
+            ),
+            cam_angle=angle,
+        )
+        for angle in shocks(request.subject, inertia)
+    ]

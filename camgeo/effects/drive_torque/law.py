@@ -22,11 +22,13 @@ import numpy as np
 
 from camgeo.effects.carrier import INNER, OUTER, carrier, leverage_of
 from camgeo.effects.effect import Subject
-from camgeo.effects.force import at_rates
+from camgeo.effects.force import all_borders, at_rates
 from camgeo.effects.results import ContactForce
 from camgeo.errors import EffectError
 from camgeo.motion.motion import Side
-from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.arrays import FloatArray, merged
+from camgeo.numeric.peaks import grid_of
+from camgeo.numeric.roots import roots_on_grid
 
 ROWS: Final = 6
 """Rows of the law: c0 to c3 of R, and the torque per R where R is positive and where it is not."""
@@ -86,6 +88,32 @@ class TorqueLaw:
         if np.any(jammed):
             raise self.jamming(float(phi[int(np.argmax(jammed))]))
         return torque
+
+    def torque(self, phi: FloatArray, side: Side) -> FloatArray:
+        """(n,) [N mm] with the cam turning as the scene says; very slowly if it gives no speed."""
+        course = self.subject.cam.drive.time_course
+        omega, alpha = (0.0, 0.0) if course is None else course.rates(phi)[:2]
+        return self.at(phi, side, omega, alpha)
+
+    def static(self, phi: FloatArray, side: Side) -> FloatArray:
+        """(n,) [N mm] with the cam turning very slowly: without inertia and viscous friction."""
+        return self.at(phi, side, 0.0, 0.0)
+
+    def dynamic(self, phi: FloatArray, side: Side) -> FloatArray:
+        """(n,) [N mm] what the speed adds to the static part."""
+        return self.torque(phi, side) - self.static(phi, side)
+
+    def static_edges(self) -> FloatArray:
+        """(k,) where the formula of the static part changes; with friction also where R does its
+        sign.
+        """
+        base = merged(
+            np.concatenate((self.subject.cam.drive.smooth_angles, all_borders(self.contact.forces)))
+        )
+        if self.contact.friction is None:
+            return base
+        roots = roots_on_grid(lambda phi: self.contact.required(phi, "right")[0], grid_of(base))
+        return merged(np.concatenate((base, roots)))
 
     def jamming(self, phi: float) -> EffectError:
         """The error of a follower that jams at the cam angle `phi` [rad]."""

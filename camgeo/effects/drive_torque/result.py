@@ -8,30 +8,32 @@ rotation, negative where the follower drives it.
 
 from __future__ import annotations
 
-from dataclasses import replace
-from typing import Any, Final
+from typing import Final
 
-import numpy as np
-
+from camgeo.check.finding import Finding, Severity
 from camgeo.effects.drive_torque import Spec
-from camgeo.effects.drive_torque.findings import findings
 from camgeo.effects.drive_torque.law import TorqueLaw
-from camgeo.effects.drive_torque.summary import summary
-from camgeo.effects.drive_torque.torque import DriveTorque
-from camgeo.effects.effect import Column, Request, Subject
+from camgeo.effects.drive_torque.summary import Summary, moment_of_inertia, summary
+from camgeo.effects.effect import Column, Quantity, Request
 from camgeo.effects.force import all_borders
-from camgeo.effects.results import CONTACT_FORCE
-from camgeo.effects.results import DriveTorque as Asked
+from camgeo.effects.results import CONTACT_FORCE, DriveTorque
+from camgeo.effects.shocks import torque_shocks
+from camgeo.effects.told import at, degrees, loss_of_contact, placed
 from camgeo.errors import GeometryError
-from camgeo.numeric.arrays import FloatArray, frozen, merged
-from camgeo.numeric.peaks import grid_of
-from camgeo.numeric.roots import roots_on_grid
+from camgeo.numeric.extremes import Extreme
+from camgeo.units import RPM, TURN
 
 N_M: Final = 1e-3
 """N m in an N mm."""
 
+KG_M2: Final = 1e-3
+"""kg m^2 in a t mm^2."""
 
-def compute(request: Request[Spec]) -> Asked:
+WATT: Final = 1e-3
+"""W in an N mm/s."""
+
+
+def compute(request: Request[Spec]) -> DriveTorque:
     """Torque, its integrals over a turn to the tolerance, and the flywheel if one is sought.
 
     Raises
@@ -51,40 +53,129 @@ def compute(request: Request[Spec]) -> Asked:
         )
     contact = request.results[CONTACT_FORCE]
     law = TorqueLaw(subject, contact)
-    bare = DriveTorque(law, course, frozen(contact.edges, np.float64), _static_edges(law))
-    found = summary(bare, spec.fluctuation, request.tolerance)
-    return replace(
-        bare,
-        findings=findings(bare, found, spec.limit, spec.fluctuation),
-        columns=_columns(bare, subject, spec.limit),
+    found = summary(law, spec.fluctuation, request.tolerance)
+    return DriveTorque(
+        findings=findings(law, found, spec),
+        columns=_columns(law, spec.limit),
         error=found.error,
+        contact=contact,
+        law=law.coefficients,
+        at=law.at,
+        torque=law.torque,
+        static=law.static,
+        edges=contact.edges,
     )
 
 
-def _static_edges(law: TorqueLaw) -> FloatArray:
-    """Where the formula of the static part changes; with friction also where its R changes sign."""
-    contact = law.contact
-    base = merged(
-        np.concatenate((law.subject.cam.drive.smooth_angles, all_borders(contact.forces)))
-    )
-    if contact.friction is None:
-        return frozen(base, np.float64)
-    roots = roots_on_grid(lambda phi: contact.required(phi, "right")[0], grid_of(base))
-    return frozen(merged(np.concatenate((base, roots))), np.float64)
-
-
-def _columns(result: DriveTorque, subject: Subject, limit: float | None) -> tuple[Column, ...]:
-    borders = all_borders(result.law.contact.forces)
+def _columns(law: TorqueLaw, limit: float | None) -> tuple[Column, ...]:
+    borders = all_borders(law.contact.forces)
     most = None if limit is None else N_M * limit
 
-    def column(name: str, values: Any, limit: float | None = None) -> Column:
+    def column(name: str, values: Quantity, limit: float | None = None) -> Column:
         return Column(name, "N m", lambda phi, side: N_M * values(phi, side), limit, borders)
 
-    total = column("drive torque", result.torque, most)
-    if subject.cam.drive.time_course is None:
+    total = column("drive torque", law.torque, most)
+    if law.subject.cam.drive.time_course is None:
         return (total,)
     return (
         total,
-        column("static drive torque", result.static),
-        column("dynamic drive torque", result.dynamic),
+        column("static drive torque", law.static),
+        column("dynamic drive torque", law.dynamic),
     )
+
+
+def findings(law: TorqueLaw, found: Summary, spec: Spec) -> tuple[Finding, ...]:
+    """All findings."""
+    subject, contact = law.subject, law.contact
+    turning = subject.cam.drive.time_course is not None
+    peaks, static = found.peaks, found.static_peaks
+    out = [
+        _peak("largest-torque", "largest drive torque", peaks.highest, spec.limit, 1.0),
+        _peak("smallest-torque", "smallest drive torque", peaks.lowest, spec.limit, -1.0),
+    ]
+    if turning:
+        out += [
+            _peak("largest-static-torque", "largest static drive torque", static.highest),
+            _peak("smallest-static-torque", "smallest static drive torque", static.lowest),
+        ]
+    out += [
+        _value("rms-torque", "root mean square of the drive torque", N_M * found.rms, "N m"),
+        _value("mean-torque", "mean drive torque", N_M * found.mean, "N m"),
+        _value("work-per-turn", "work of the drive over a turn", N_M * TURN * found.mean, "J"),
+    ]
+    if turning:
+        power = WATT * found.mean * found.speed
+        out.append(_value("mean-power", "mean power of the drive", power, "W"))
+    out += _flywheel(found, spec.fluctuation)
+    if turning:
+        out += _shock(law)
+    lost = loss_of_contact(
+        "torque-without-contact", "drive torque", subject, contact.normal, contact.edges
+    )
+    return (*out, *lost)
+
+
+def _value(name: str, words: str, value: float, unit: str) -> Finding:
+    return Finding(name, "ok", f"{words} {value:.5g} {unit}", value, unit=unit)
+
+
+def _peak(
+    name: str, words: str, peak: Extreme, limit: float | None = None, sense: float = 1.0
+) -> Finding:
+    """A peak held to the limit, which is one for both directions: -limit for the smallest."""
+    value, bound = N_M * peak.value, None if limit is None else sense * N_M * limit
+    severity: Severity = "ok"
+    verdict = ""
+    if bound is not None:
+        broken = sense * value > sense * bound
+        severity = "broken" if broken else "ok"
+        verdict = f", {'beyond' if broken else 'within'} {bound:g} N m"
+    sentence = f"{words} {value:.5g} N m {at(peak.place)}{verdict}"
+    return placed(name, sentence, Extreme(value, peak.place), "N m", bound, severity)
+
+
+def _flywheel(found: Summary, fluctuation: float | None) -> list[Finding]:
+    stored = found.stored
+    if stored is None or fluctuation is None:
+        return []
+    low, high = stored.extremes.lowest, stored.extremes.highest
+    moment = KG_M2 * moment_of_inertia(stored.span, fluctuation, found.speed)
+    return [
+        Finding(
+            "energy-fluctuation",
+            "ok",
+            f"a drive of constant torque stores {N_M * stored.span:.5g} J in what turns with the"
+            f" cam, between cam angles {degrees(low.place)} (slowest) and {degrees(high.place)}"
+            " (fastest)",
+            N_M * stored.span,
+            unit="J",
+        ),
+        Finding(
+            "flywheel",
+            "ok",
+            f"for a speed fluctuation of {fluctuation:g} at {found.speed / RPM:.5g} rev/min all"
+            f" that turns with the cam needs a moment of inertia of {moment:.5g} kg m^2",
+            moment,
+            unit="kg m^2",
+        ),
+    ]
+
+
+def _shock(law: TorqueLaw) -> list[Finding]:
+    """Where a mass changes its velocity in no time; none if there is no mass."""
+    contact = law.contact
+    places = torque_shocks(
+        law.subject, lambda phi, side: contact.required(phi, side)[3], contact.edges
+    )
+    if not len(places):
+        return []
+    first = float(places[0])
+    return [
+        Finding(
+            "shock",
+            "broken",
+            f"the velocity jumps at {len(places)} cam angles, first at {degrees(first)}: the torque"
+            " is infinite there, and its impulses are in none of these figures",
+            cam_angle=first,
+        )
+    ]

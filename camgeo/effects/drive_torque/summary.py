@@ -1,24 +1,54 @@
-"""Figures of a torque over a turn: extremes, mean, root mean square, work, stored energy."""
+"""Figures of a torque over a turn: extremes, mean, root mean square, work, and the flywheel.
+
+A drive that gives the mean torque T_m all the time stores E(phi), the integral of T_m - T, in what
+turns with the cam. E is extreme where T passes T_m. With omega the mean speed and delta the allowed
+fluctuation, largest less smallest speed by the mean, it takes the moment of inertia
+
+    J = (E_max - E_min) / (delta omega^2)
+
+(Norton, Design of Machinery, chapter on dynamic force analysis, section on controlling the input
+torque by flywheels; Khurmi and Gupta, Theory of Machines, chapter 16 on turning moment diagrams).
+"""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
-from camgeo.effects.drive_torque.flywheel import StoredEnergy, stored_energy
-from camgeo.effects.drive_torque.torque import DriveTorque
+from camgeo.effects.drive_torque.law import TorqueLaw
 from camgeo.errors import EffectError
-from camgeo.numeric.arrays import FloatArray
-from camgeo.numeric.extremes import Extremes
-from camgeo.numeric.peaks import piecewise_extremes
-from camgeo.numeric.quadrature import piecewise_integral
+from camgeo.numeric.arrays import FloatArray, merged
+from camgeo.numeric.extremes import Extremes, extremes_of
+from camgeo.numeric.peaks import grid_of, piecewise_extremes
+from camgeo.numeric.quadrature import piecewise_integral, piecewise_integrals
+from camgeo.numeric.roots import roots_on_grid
 from camgeo.units import TURN
 
 ROUNDING: Final = 1e-14
 """An error or a mean below this share of the largest torque is rounding."""
+
+
+@dataclass(frozen=True, slots=True)
+class StoredEnergy:
+    """E over a turn, 0 at cam angle 0.
+
+    Attributes
+    ----------
+    extremes : smallest and largest E [N mm], with their cam angles [rad].
+    error : estimate of the error of either [N mm].
+    """
+
+    extremes: Extremes
+    error: float
+
+    @property
+    def span(self) -> float:
+        """E_max - E_min [N mm]."""
+        return self.extremes.highest.value - self.extremes.lowest.value
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,8 +75,8 @@ class Summary:
     error: float
 
 
-def summary(torque: DriveTorque, fluctuation: float | None, tolerance: float) -> Summary:
-    """The figures of `torque`, the integrals among them to `tolerance`.
+def summary(law: TorqueLaw, fluctuation: float | None, tolerance: float) -> Summary:
+    """The figures of the torque by `law`, the integrals among them to `tolerance`.
 
     The mean square over time is the integral of T^2 dt over the turn by its duration, with
     dt = dphi / omega; at constant speed, or without one, that is the mean over the cam angle.
@@ -56,10 +86,10 @@ def summary(torque: DriveTorque, fluctuation: float | None, tolerance: float) ->
     EffectError
         If the tolerance cannot be reached.
     """
-    edges, course = torque.edges, torque.course
+    edges, course = law.contact.edges, law.subject.cam.drive.time_course
 
     def values(phi: FloatArray) -> FloatArray:
-        return torque.torque(phi, "right")
+        return law.torque(phi, "right")
 
     def squares(phi: FloatArray) -> FloatArray:
         slowness = 1.0 if course is None else 1.0 / course.rates(phi)[0]
@@ -69,8 +99,8 @@ def summary(torque: DriveTorque, fluctuation: float | None, tolerance: float) ->
     if course is not None:
         start, end = course.time(np.array([0.0, TURN]))
         duration = float(end - start)
-    peaks = piecewise_extremes(torque.torque, edges)
-    static_peaks = piecewise_extremes(torque.static, torque.static_edges)
+    peaks = piecewise_extremes(law.torque, edges)
+    static_peaks = piecewise_extremes(law.static, law.static_edges())
     largest = peaks.magnitude
     work = piecewise_integral(values, edges, tolerance)
     mean = work.value / TURN
@@ -99,3 +129,31 @@ def summary(torque: DriveTorque, fluctuation: float | None, tolerance: float) ->
         )
     speed = 0.0 if course is None else TURN / duration
     return Summary(peaks, static_peaks, mean, rms, speed, stored, error)
+
+
+def stored_energy(
+    torque: Callable[[FloatArray], FloatArray], mean: float, edges: FloatArray, tolerance: float
+) -> StoredEnergy:
+    """What has to be stored if the drive gives the mean torque.
+
+    Parameters
+    ----------
+    torque : (n,) cam angles [rad] -> (n,) [N mm], smooth between neighbouring edges.
+    mean : of the torque over the turn [N mm].
+    edges : (m + 1,) [rad] from 0 to 2 pi, ascending.
+    tolerance : of the integrals, as a share of the integral of the magnitude.
+    """
+
+    def surplus(phi: FloatArray) -> FloatArray:
+        return mean - torque(phi)
+
+    passing = roots_on_grid(surplus, grid_of(edges))
+    places = merged(np.concatenate((edges, passing)))
+    stretches, error = piecewise_integrals(surplus, places, tolerance)
+    energy = np.concatenate(([0.0], np.cumsum(stretches)))
+    return StoredEnergy(extremes_of(places, energy), error)
+
+
+def moment_of_inertia(energy: float, fluctuation: float, speed: float) -> float:
+    """J [t mm^2] for the span of energy [N mm], delta, and the mean speed [rad/s]."""
+    return energy / (fluctuation * speed * speed)

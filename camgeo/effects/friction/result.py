@@ -3,20 +3,19 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from camgeo.effects.carrier import INNER, OUTER
-from camgeo.effects.effect import Request, Result, Subject, driving_slider, toucher
+from camgeo.effects.effect import Request, Subject, driving_slider, toucher
 from camgeo.effects.face import require_convex
 from camgeo.effects.force import Coefficients, Force
 from camgeo.effects.friction.jamming import column, jamming_margin
 from camgeo.effects.friction.senses import senses_of
 from camgeo.effects.friction.spec import Spec
 from camgeo.effects.friction.statics import Statics
-from camgeo.effects.results import Friction as Asked
+from camgeo.effects.results import Friction
 from camgeo.errors import EffectError, GeometryError
 from camgeo.mechanism.positions import locked_at
 from camgeo.motion.motion import Side
@@ -26,38 +25,10 @@ from camgeo.numeric.roots import roots_on_grid
 from camgeo.units import TURN
 
 if TYPE_CHECKING:
-    from camgeo.effects.friction.senses import Senses
     from camgeo.mechanism.slider_crank import SliderCrank
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Friction(Result):
-    """Friction of the follower.
-
-    Attributes
-    ----------
-    force : what does not depend on the normal force: viscous friction, and that of a slider.
-    statics : what does.
-    borders : (k,) cam angles [rad] in [0, 2 pi), besides those of the motion, where `per_normal`
-        has a kink or jump.
-    """
-
-    force: Force
-    statics: Statics
-    borders: FloatArray
-
-    def per_normal(self, phi: FloatArray, side: Side, sense: int) -> FloatArray:
-        """(2, n) what friction adds per unit of |N| on the side `sense`, see `carrier`.
-
-        [0] generalised force on q [1 or mm/rad]; [1] torque on the cam [mm], that is N mm per N,
-        positive where the cam has to be driven more. Coulomb's friction of guide and pivot is in
-        [0] alone, and none in a rest; the roller turns, and a face slides, in a rest too.
-        GeometryError at a cusp.
-        """
-        return self.statics.per_normal(phi, side, sense)
-
-
-def compute(request: Request[Spec]) -> Asked:
+def compute(request: Request[Spec]) -> Friction:
     """Friction.
 
     Raises
@@ -71,11 +42,7 @@ def compute(request: Request[Spec]) -> Asked:
     subject, spec = request.subject, request.spec
     require_convex(subject, "friction of the face")
     edges = subject.cam.drive.smooth_angles
-    senses = senses_of(subject.cam.drive.motion, edges)
-    start = float(subject.cam.drive.motion.jet(np.zeros(1), "right", 1)[0, 0])
-    back = subject.returning
-    other = None if back is None else Statics(back, spec, senses, start)
-    statics = Statics(subject, spec, senses, start, other)
+    statics = statics_of(subject, spec)
     try:
         borders = _borders(statics, edges)
         findings = jamming_margin(statics, merged(np.concatenate((edges, borders))))
@@ -86,10 +53,19 @@ def compute(request: Request[Spec]) -> Asked:
     return Friction(
         findings=findings,
         columns=(column(statics, borders),),
-        force=Force("friction", _coefficients(subject, spec, senses), borders=borders),
-        statics=statics,
-        borders=borders,
+        force=Force("friction", _coefficients(subject, spec), borders=borders),
+        per_normal=statics.per_normal,
     )
+
+
+def statics_of(subject: Subject, spec: Spec) -> Statics:
+    """The friction that grows with the normal force."""
+    motion = subject.cam.drive.motion
+    senses = senses_of(motion, subject.cam.drive.smooth_angles)
+    start = float(motion.jet(np.zeros(1), "right", 1)[0, 0])
+    back = subject.returning
+    other = None if back is None else Statics(back, spec, senses, start)
+    return Statics(subject, spec, senses, start, other)
 
 
 def _borders(statics: Statics, edges: FloatArray) -> FloatArray:
@@ -115,7 +91,7 @@ def _borders(statics: Statics, edges: FloatArray) -> FloatArray:
     return np.mod(merged(np.concatenate(found[1:])), TURN)
 
 
-def _coefficients(subject: Subject, spec: Spec, senses: Senses) -> Coefficients:
+def _coefficients(subject: Subject, spec: Spec) -> Coefficients:
     """Of the friction that the normal force has no part in.
 
     Viscous: Q = -c ds/dt ds/dq along the guide, with dq/dt alone for the follower's own; Coulomb's
@@ -123,7 +99,7 @@ def _coefficients(subject: Subject, spec: Spec, senses: Senses) -> Coefficients:
     """
     linkage = driving_slider(subject)
     if linkage is not None and (spec.slider or spec.guide_viscous):
-        return _of_slider(subject, spec, linkage, senses.edges)
+        return _of_slider(subject, spec, linkage)
     viscous = spec.pivot_viscous + spec.guide_viscous  # a follower has one of the two
 
     def coefficients(phi: FloatArray, side: Side) -> FloatArray:
@@ -135,9 +111,7 @@ def _coefficients(subject: Subject, spec: Spec, senses: Senses) -> Coefficients:
     return coefficients
 
 
-def _of_slider(
-    subject: Subject, spec: Spec, linkage: SliderCrank, edges: FloatArray
-) -> Coefficients:
+def _of_slider(subject: Subject, spec: Spec, linkage: SliderCrank) -> Coefficients:
     """Of slider and pivot."""
     plan = subject.cam.drive.plan
     locked = locked_at(linkage, plan)
@@ -148,7 +122,7 @@ def _of_slider(
             " across the guide",
             cam_angle=locked[0] % TURN,
         )
-    strokes = senses_of(plan, edges)
+    strokes = senses_of(plan, subject.cam.drive.smooth_angles)
 
     def coefficients(phi: FloatArray, side: Side) -> FloatArray:
         stroke = plan.jet(phi, side, 1)

@@ -8,13 +8,12 @@ frame does not turn.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
 from camgeo.check.finding import Finding
-from camgeo.effects.effect import Column, Request, Result
+from camgeo.effects.effect import Column, Request
 from camgeo.effects.force import Force, unmoved
 from camgeo.effects.gravity import STANDARD_GRAVITY, GravitySpec
 from camgeo.effects.results import INERTIA, Acting
@@ -27,21 +26,8 @@ N_M: Final = 1e-3
 """N m a N mm."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Gravity(Result):
-    """What `compute` gives.
-
-    Attributes
-    ----------
-    force : the generalised force of all weights on the follower [N or N mm], c0 alone, and its
-        potential energy [N mm], which is 0 at cam angle 0.
-    """
-
-    force: Force
-
-
 def compute(request: Request[GravitySpec]) -> Acting:
-    """The weights of the masses of ``[effects.inertia]``."""
+    """The weights of the masses of ``[effects.inertia]``: c0 alone, with its potential."""
     masses = request.results[INERTIA].masses
     pull = request.spec.pull
     subject = request.subject
@@ -67,7 +53,7 @@ def compute(request: Request[GravitySpec]) -> Acting:
 
     weight = STANDARD_GRAVITY * sum(each.mass for each in masses)
     extremes = piecewise_extremes(told, subject.cam.drive.smooth_angles)
-    return Gravity(
+    return Acting(
         force=Force("gravity", unmoved(on_follower), potential),
         findings=(
             Finding("weight", "ok", f"weight of all masses {weight:.6g} N", weight, unit="N"),

@@ -9,52 +9,22 @@ the chapters on dynamics and cam dynamics) say the same for the single mass.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING
 
-from camgeo.effects.effect import Result
 from camgeo.effects.force import Force
-from camgeo.effects.inertia.masses import Mass, masses_of
-from camgeo.effects.inertia.rates import Train, at_follower, inertia_force, reduced, train_of
+from camgeo.effects.inertia.masses import masses_of
+from camgeo.effects.inertia.rates import at_follower, inertia_force, reduced, train_of
 from camgeo.effects.inertia.told import TERMS, Told, lacking
 from camgeo.effects.locked import refuse_locked
-from camgeo.effects.results import Inertia as Asked
-from camgeo.motion.motion import Side
-from camgeo.numeric.arrays import FloatArray
+from camgeo.effects.results import Inertia
 
 if TYPE_CHECKING:
     from camgeo.effects.effect import Request, Subject
     from camgeo.effects.inertia.spec import InertiaSpec
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Inertia(Result):
-    """What `compute` gives.
-
-    Attributes
-    ----------
-    force : the generalised inertia force on the follower [N or N mm]: c2 and c3.
-    train : the coordinates in which masses move.
-    masses : those with a weight, and their places; 0 is left out.
-    moved : what moves with the demanded motion [t, or t mm^2 if it turns].
-    """
-
-    force: Force
-    train: Train
-    masses: tuple[Mass, ...]
-    moved: float
-
-    def to_follower(self, phi: FloatArray, side: Side = "right") -> FloatArray:
-        """M(q) (n,) [t, or t mm^2 for a rocker] at n cam angles: T = M (dq/dt)^2 / 2.
-
-        The sum of m (dx/dq)^2 over all coordinates: equal kinetic energy (Volmer,
-        "Getriebetechnik", on reduced masses; Norton, "Cam Design and Manufacturing Handbook", on
-        effective masses in dynamic models of cam systems).
-        """
-        return reduced(self.train, phi, side)
-
-
-def compute(request: Request[InertiaSpec]) -> Asked:
+def compute(request: Request[InertiaSpec]) -> Inertia:
     """The inertia of what `request.spec` names.
 
     Raises
@@ -69,16 +39,12 @@ def compute(request: Request[InertiaSpec]) -> Asked:
     if spec.beyond(subject.cam.drive.linkage):
         refuse_locked(subject, "'s mass")
 
-    def coefficients(phi: FloatArray, side: Side) -> FloatArray:
-        return inertia_force(train, phi, side)
-
-    force = Force("inertia", coefficients)
     told = Told(subject, request.course, train, TERMS[subject.cam.lift_unit])
     return Inertia(
-        force=force,
-        train=train,
+        force=Force("inertia", partial(inertia_force, train)),
         masses=masses_of(subject, spec),
         moved=_moved(subject, spec),
+        to_follower=partial(reduced, train),
         findings=(*told.findings(), *lacking(subject, spec)),
         columns=told.columns(),
     )

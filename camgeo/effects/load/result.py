@@ -8,12 +8,11 @@ torque against its positive angle.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
-from camgeo.effects.effect import Column, Request, Result, Subject
+from camgeo.effects.effect import Column, Request, Subject
 from camgeo.effects.force import Force, unmoved
 from camgeo.effects.load.course import Constant, Course, Steps
 from camgeo.effects.load.spec import LoadSpec
@@ -30,21 +29,10 @@ N_MM: Final = 1e3
 """N mm a N m."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Load(Result):
-    """What `compute` gives.
-
-    Attributes
-    ----------
-    force : the generalised force on the follower [N or N mm], c0 alone. A constant load has a
-        potential energy F s [N mm]; others do work over a turn and have none.
-    """
-
-    force: Force
-
-
 def compute(request: Request[LoadSpec]) -> Acting:
-    """The load of `request.spec`.
+    """The load of `request.spec`, c0 alone.
+
+    A constant load has a potential energy F s; others do work over a turn and have none.
 
     Raises
     ------
@@ -74,7 +62,7 @@ def compute(request: Request[LoadSpec]) -> Acting:
     potential = work if isinstance(course, Constant) else None
     edges = merged(np.concatenate((subject.cam.drive.smooth_angles, course.borders)))
     extremes = piecewise_extremes(course.values, edges)
-    return Load(
+    return Acting(
         force=Force("load", unmoved(on_follower), potential, course.borders),
         findings=tuple(
             extreme_findings("load", "load", extremes, unit, ", positive against a positive motion")

@@ -70,8 +70,8 @@ def compute(request: Request[Spec]) -> SpeedFluctuation:
         be reached.
     """
     subject, spec = request.subject, request.spec
-    drive = request.results[DRIVE_TORQUE].law
-    law, contact = drive.coefficients, drive.contact
+    drive = request.results[DRIVE_TORQUE]
+    law, contact = drive.law, drive.contact
     edges = merged(np.concatenate((subject.cam.drive.smooth_angles, all_borders(contact.forces))))
     refuse_shocks(subject, law)
     shaft = Shaft(spec.moment_of_inertia, spec.motor)
@@ -85,7 +85,7 @@ def compute(request: Request[Spec]) -> SpeedFluctuation:
 
     def normal(phi: FloatArray, side: Side) -> FloatArray:
         alpha = _alpha(turn, shaft, law, phi, side)
-        return contact.normal_at(phi, side, turn.omega(phi), alpha)
+        return contact.normal_at(phi, side, np.stack((turn.omega(phi), alpha)))
 
     speeds = piecewise_extremes(omega, edges)
     motor_torque = shaft.motor.torque(np.sqrt(2.0 * (turn.state.base + turn.state.nodes)))[0]

@@ -1,15 +1,14 @@
-"""Effect `spring`: a linear spring that closes the contact."""
+"""Effect `spring`: a linear spring, see `camgeo.effects.spring.ways` for its formulas."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
-from camgeo.effects.effect import Column, Request, Result, Subject, driving_slider
+from camgeo.effects.effect import Column, Request, Subject, driving_slider
 from camgeo.effects.force import Force, unmoved
-from camgeo.effects.results import Spring as Asked
+from camgeo.effects.results import Spring
 from camgeo.effects.spring.findings import deflection, force_findings, opening
 from camgeo.effects.spring.spec import Spec
 from camgeo.effects.spring.ways import (
@@ -27,37 +26,7 @@ NEWTON_METRE: Final = 1e3
 """N mm, and N mm/rad."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Spring(Result):
-    """A linear spring on the follower, see `camgeo.effects.spring.ways` for its formulas.
-
-    Attributes
-    ----------
-    force : its generalised force, with its potential.
-    way : how it relaxes.
-    preload, stiffness : P [N] and k [N/mm]; of a torsion spring [N mm] and [N mm/rad].
-    unit_of_preload, unit_of_stiffness : in which to show the two; "N" and "N/mm", or "N m" and
-        "N m/rad", of which one is 1000 of those inside.
-    """
-
-    force: Force
-    way: Way
-    preload: float
-    stiffness: float
-    unit_of_preload: str
-    unit_of_stiffness: str
-
-    def per_preload(self, phi: FloatArray, side: Side) -> FloatArray:
-        """(n,) dx/dq: generalised force per unit of preload."""
-        return self.way(phi, side)[1]
-
-    def per_stiffness(self, phi: FloatArray, side: Side) -> FloatArray:
-        """(n,) -x dx/dq: generalised force per unit of stiffness."""
-        x, rate = self.way(phi, side)
-        return -x * rate
-
-
-def compute(request: Request[Spec]) -> Asked:
+def compute(request: Request[Spec]) -> Spring:
     """The spring.
 
     Raises
