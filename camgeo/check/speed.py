@@ -7,15 +7,9 @@ from typing import Literal
 
 from camgeo.check.finding import Finding
 from camgeo.motion.joints import breaks
-from camgeo.motion.law_extremes import extremes_at_turns
+from camgeo.motion.law_extremes import plan_extremes
 from camgeo.motion.plan import MotionPlan
-from camgeo.motion.time_course import (
-    ConstantSpeed,
-    LiftUnit,
-    TimeCourse,
-    TimeExtremes,
-    time_extremes,
-)
+from camgeo.motion.time_course import ConstantSpeed, TimeCourse
 from camgeo.numeric.extremes import Extremes
 
 Unit = Literal["mm", "deg"]
@@ -34,7 +28,7 @@ def check_speed(plan: MotionPlan, course: TimeCourse | None, unit: Unit) -> tupl
     plan : in mm, or in rad with the `unit` "deg".
     course : how the cam turns; None tells the derivatives over the cam angle, and no torque.
     """
-    extremes = _extremes(plan, course or OVER_ANGLE, "mm" if unit == "mm" else "rad")
+    extremes = plan_extremes(plan, course or OVER_ANGLE, "mm" if unit == "mm" else "rad")
     scale = 1.0 if unit == "mm" else math.degrees(1.0)
     base = "rad" if course is None else "s"
     order = min(joint.order for joint in breaks(plan))
@@ -49,14 +43,6 @@ def check_speed(plan: MotionPlan, course: TimeCourse | None, unit: Unit) -> tupl
         per = "N m/kg" if unit == "mm" else "N m/(kg m^2)"
         found.append(_finding("inertia-torque", extremes.torque, 1.0, per, bounded=order >= 1))
     return tuple(found)
-
-
-def _extremes(plan: MotionPlan, course: TimeCourse, unit: LiftUnit) -> TimeExtremes:
-    if isinstance(course, ConstantSpeed):
-        found = extremes_at_turns(plan, course, unit)
-        if found is not None:
-            return found
-    return time_extremes(plan, course, unit)
 
 
 def _finding(name: str, values: Extremes, scale: float, unit: str, *, bounded: bool) -> Finding:

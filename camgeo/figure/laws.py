@@ -149,8 +149,7 @@ def _marks(entry: Compared, law: Law) -> list[list[Mark]]:
 def _piece(law: Law, index: int) -> tuple[FloatArray, tuple[FloatArray, ...]]:
     """z and f', f'', f''', f' f'' of a region, from inside at both ends: jumps stay jumps."""
     region = law.regions[index]
-    inside = [z for z in region.turns() if region.start < z < region.end]
-    z = np.unique(np.concatenate((np.linspace(region.start, region.end, SAMPLES), inside)))
+    z = np.unique(np.append(np.linspace(region.start, region.end, SAMPLES), region.places))
     _, f1, f2, f3 = region.formula(z, 1.0 - z)
     return z, (f1, f2, f3, f1 * f2)
 

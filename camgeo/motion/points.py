@@ -29,10 +29,9 @@ import numpy as np
 
 from camgeo.errors import GeometryError
 from camgeo.motion.boundary import FREE, Boundary, boundaries_of, boundary_of
-from camgeo.motion.interpolation import interpolate
 from camgeo.motion.smoothing import HIGHEST, Smoothing, from_stress
 from camgeo.motion.spline import Spline
-from camgeo.motion.spline_energy import hermite
+from camgeo.motion.spline_energy import hermite, interpolate
 from camgeo.numeric import checked
 from camgeo.numeric.arrays import BoolArray, FloatArray
 
@@ -136,9 +135,7 @@ def smooth_periodic_spline(
     x: FloatArray,
     y: FloatArray,
     period: float,
-    *,
-    largest_deviation: float | None = None,
-    length: float | None = None,
+    largest_deviation: float,
     gap: float = 0.0,
 ) -> tuple[Spline, FitReport]:
     """Smooth with s(x + period) = s(x); C4 everywhere, the seam included.
@@ -146,13 +143,9 @@ def smooth_periodic_spline(
     Parameters
     ----------
     x, y, period, gap : as for `periodic_spline`.
-    largest_deviation : allowed |s(x_i) - y_i|, in the unit of y, > 0. The cut-off length is then
-        the longest found whose spline keeps it. Of all splines that keep it, others can have a
+    largest_deviation : allowed |s(x_i) - y_i|, in the unit of y, > 0. The cut-off length is the
+        longest found whose spline keeps it. Of all splines that keep it, others can have a
         smaller integral of s''' squared: this one also keeps the sum of squares small.
-    length : or this cut-off length itself, in the unit of x, > 0: lambda = length^6 / mean
-        distance, so that a wave sin(x / length) in evenly spaced data comes out with half its
-        height, a longer wave with more (1 / (1 + (length * angular frequency)^6)). Up to the
-        period, and to 10,000 mean distances of the points.
 
     Returns
     -------
@@ -161,16 +154,12 @@ def smooth_periodic_spline(
     Raises
     ------
     GeometryError
-        As for `periodic_spline`; and unless exactly one of the last two is given.
+        As for `periodic_spline`; and if no spline keeps the deviation.
     """
     x, y = _ring(*_checked(x, y), period, 0.0, gap)
     knots = np.append(x, x[0] + period)
-    step = np.diff(knots)
-    _check_spacing(step)
-    problem = Smoothing(step, *_prescribed(y, {}), ring=True)
-    found, stress, length = problem.search(largest_deviation, length)
-    taylor = from_stress(step, found, stress)
-    return Spline(knots, taylor, True), _report(x, taylor[:, 0] - y, length)
+    _check_spacing(np.diff(knots))
+    return _smoothed(x, knots, *_prescribed(y, {}), largest_deviation, ring=True)
 
 
 def smooth_clamped_spline(
@@ -179,8 +168,7 @@ def smooth_clamped_spline(
     start: Boundary = FREE,
     end: Boundary = FREE,
     *,
-    largest_deviation: float | None = None,
-    length: float | None = None,
+    largest_deviation: float,
 ) -> tuple[Spline, FitReport]:
     """Smooth between the first and the last point, which are kept, with s' and s'' there.
 
@@ -192,11 +180,22 @@ def smooth_clamped_spline(
         raise GeometryError(f"{len(x)} points are too few to smooth; at least 3 are allowed", "x")
     nodes, fixed = _prescribed(y, _boundaries(len(x), start, end, {}))
     fixed[[0, -1], 0] = True
-    step = np.diff(x)
-    problem = Smoothing(step, nodes, fixed, ring=False)
-    found, stress, length = problem.search(largest_deviation, length)
-    taylor = from_stress(step, found[:-1], stress)
-    return Spline(x, taylor), _report(x, found[:, 0] - y, length)
+    return _smoothed(x, x, nodes, fixed, largest_deviation, ring=False)
+
+
+def _smoothed(
+    x: FloatArray,
+    knots: FloatArray,
+    nodes: FloatArray,
+    fixed: BoolArray,
+    largest_deviation: float,
+    *,
+    ring: bool,
+) -> tuple[Spline, FitReport]:
+    step = np.diff(knots)
+    found, stress, length = Smoothing(step, nodes, fixed, ring).within(largest_deviation)
+    spline = Spline(knots, from_stress(step, found[: len(step)], stress), ring)
+    return spline, _report(x, found[:, 0] - nodes[:, 0], length)
 
 
 def smoothest_values(

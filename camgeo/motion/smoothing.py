@@ -40,6 +40,9 @@ TINY: Final = 1e-300
 class Smoothing:
     """The smoothing problem of one set of points, solved for any cut-off length.
 
+    With lambda = length^6 / mean distance a wave sin(x / length) in evenly spaced data comes out
+    with half its height, a longer wave with more (1 / (1 + (length * angular frequency)^6)).
+
     The moments of s''' are unknowns beside the nodal values: the matrix then has the condition of a
     least squares problem and not its square, and the moments come out as exactly as the values.
     """
@@ -93,30 +96,14 @@ class Smoothing:
         found = np.where(self.fixed, self.nodes, solution[self.of_node] / unit)
         return found, solution[self.of_piece] / weight[:, np.newaxis]
 
-    def search(
-        self, largest_deviation: float | None, length: float | None
-    ) -> tuple[FloatArray, FloatArray, float]:
-        """Nodal values, moments and the cut-off length used."""
-        limit = min(LONGEST * self.mean, float(np.sum(self.step)))
-        if (largest_deviation is None) == (length is None):
-            raise GeometryError(
-                "smoothing takes a largest deviation or a length, and not both", key="length"
-            )
-        if length is not None:
-            length = checked.number("length", length, above=0.0, most=limit)
-            return (*self.solve(length), length)
-        return self._within(
-            checked.number("largest_deviation", largest_deviation, above=0.0, largest=HIGHEST),
-            limit,
-        )
-
-    def _within(self, allowed: float, limit: float) -> tuple[FloatArray, FloatArray, float]:
-        """The longest cut-off length found that keeps the deviation.
+    def within(self, largest_deviation: float) -> tuple[FloatArray, FloatArray, float]:
+        """Nodal values, moments and the longest cut-off length found that keeps the deviation.
 
         The largest deviation need not grow with the length, so lengths are halved from the longest
         one on; then false position, on logarithms, between the first that keeps it and the next.
         """
-        length, above = limit, 0.0
+        allowed = checked.number("largest_deviation", largest_deviation, above=0.0, largest=HIGHEST)
+        length, above = min(LONGEST * self.mean, float(np.sum(self.step))), 0.0
         while True:
             nodes, moments = self.solve(length)
             deviation = float(np.max(np.abs(nodes[:, 0] - self.nodes[:, 0])))

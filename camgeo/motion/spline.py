@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
+from numpy.polynomial.polynomial import polyval
 
 from camgeo.errors import GeometryError
 from camgeo.motion.motion import FULL_ORDER, Side
@@ -144,7 +145,7 @@ class Spline(Pickled):
             place += [edges[:, 1:-1].ravel(), inner.ravel()]
             piece += [np.repeat(bent, edges.shape[1] - 2), np.repeat(bent, inner.shape[1])]
         pieces, places = np.concatenate(piece), np.concatenate(place)
-        values = _horner(local[pieces], places) / length[pieces] ** order
+        values = _each(local[pieces], places) / length[pieces] ** order
         x = np.clip(self.knots[pieces] + places * length[pieces], self.knots[0], self.knots[-1])
         return extremes_of(x, values)
 
@@ -218,13 +219,9 @@ def _taylor(rows: FloatArray, t: FloatArray, order: int) -> FloatArray:
     return out
 
 
-def _horner(rows: FloatArray, t: FloatArray) -> FloatArray:
+def _each(rows: FloatArray, t: FloatArray) -> FloatArray:
     """Each polynomial of `rows` (n, d + 1) at its own `t` (n,)."""
-    out = rows[:, -1].copy()
-    for k in range(rows.shape[1] - 2, -1, -1):
-        out *= t
-        out += rows[:, k]
-    return out
+    return np.asarray(polyval(t, rows.T, tensor=False), np.float64)
 
 
 def _derivative(rows: FloatArray, order: int) -> FloatArray:
@@ -264,7 +261,7 @@ def _monotone_edges(rows: FloatArray) -> FloatArray:
 def _sign_changes(rows: FloatArray, edges: FloatArray) -> FloatArray:
     """(m, k) the root of each polynomial in each of its k brackets; without one the left end."""
     count = edges.shape[1]
-    at_edges = np.stack([_horner(rows, edges[:, k]) for k in range(count)], axis=1)
+    at_edges = np.stack([_each(rows, edges[:, k]) for k in range(count)], axis=1)
     found = edges[:, :-1].copy()
     row, cell = np.nonzero(at_edges[:, :-1] * np.sign(at_edges[:, 1:]) < 0.0)
     found[row, cell] = _roots(rows[row], edges[row, cell], edges[row, cell + 1])
@@ -279,19 +276,19 @@ def _roots(rows: FloatArray, low: FloatArray, high: FloatArray) -> FloatArray:
     """
     slope = _derivative(rows, 1)
     low, high = low.copy(), high.copy()
-    rising = _horner(rows, high) >= _horner(rows, low)
+    rising = _each(rows, high) >= _each(rows, low)
     t = 0.5 * (low + high)
     active = np.arange(len(t))
     for step in range(MAX_STEPS):
         if not len(active):
             break
         here = t[active]
-        value = _horner(rows[active], here)
+        value = _each(rows[active], here)
         above = (value > 0.0) == rising[active]
         high[active] = np.where(above, here, high[active])
         low[active] = np.where(above, low[active], here)
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-            newton = here - value / _horner(slope[active], here)
+            newton = here - value / _each(slope[active], here)
         inside = (newton >= low[active]) & (newton <= high[active]) & (step % 3 != 2)
         following = np.where(inside, newton, 0.5 * (low[active] + high[active]))
         following = np.where(value == 0.0, here, following)

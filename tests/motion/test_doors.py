@@ -18,7 +18,7 @@ import pytest
 
 from camgeo.errors import GeometryError
 from camgeo.motion.joints import breaks
-from camgeo.motion.law_extremes import extremes_at_turns
+from camgeo.motion.law_extremes import plan_extremes
 from camgeo.motion.laws import FAMILIES, make_law
 from camgeo.motion.laws.balance import balanced
 from camgeo.motion.laws.characteristic import characteristic
@@ -55,9 +55,9 @@ def used(plan: MotionPlan) -> None:
     breaks(plan)
     for found in (
         time_extremes(plan, ConstantSpeed(9.0)),
-        extremes_at_turns(plan, ConstantSpeed(9)),
+        plan_extremes(plan, ConstantSpeed(9)),
     ):
-        assert found is None or math.isfinite(found.jerk.magnitude)
+        assert math.isfinite(found.jerk.magnitude)
 
 
 def finite(spline: Spline) -> None:
@@ -129,7 +129,6 @@ DOORS: dict[str, Callable[[Any], object]] = {
     "points.rise": lambda v: finite(periodic_spline(np.array(X), np.array(Y), 4.0, v)),
     "points.gap": lambda v: finite(periodic_spline(np.array(X), np.array(Y), 4.0, gap=v)),
     "smoothing": lambda v: smooth_clamped_spline(np.array(X), np.array(Y), largest_deviation=v),
-    "smoothing.length": lambda v: smooth_clamped_spline(np.array(X), np.array(Y), length=v),
     "lift file": lambda v: read_lift_table(v, "a.csv"),
     "lift file.span": lambda v: read_lift_table("0;0\n3;1\n", "a.csv", v),
     "speed file": lambda v: read_speed_table(v, "a.csv"),

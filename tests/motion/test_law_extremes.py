@@ -7,11 +7,17 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from camgeo.motion.law_extremes import extremes_at_turns
+from camgeo.motion.law_extremes import plan_extremes
 from camgeo.motion.plan import MotionPlan
 from camgeo.motion.planning.planner import plan_motion
 from camgeo.motion.planning.request import MoveRequest, TableRequest
-from camgeo.motion.time_course import ConstantSpeed, in_time, inertia_torque, time_extremes
+from camgeo.motion.time_course import (
+    ConstantSpeed,
+    SpeedCurve,
+    in_time,
+    inertia_torque,
+    time_extremes,
+)
 from tests.strategies import BENT, attack, plans
 
 QUANTITIES = ("velocity", "acceleration", "jerk", "torque")
@@ -21,8 +27,7 @@ QUANTITIES = ("velocity", "acceleration", "jerk", "torque")
 @given(plan=plans(BENT), speed=st.floats(0.1, 100.0))
 def test_nothing_is_larger_and_the_search_finds_the_same(plan: MotionPlan, speed: float) -> None:
     course = ConstantSpeed(speed)
-    found = extremes_at_turns(plan, course)
-    assert found is not None
+    found = plan_extremes(plan, course)
     phi = np.linspace(0.0, 2.0 * np.pi, 20_001)
     timed = in_time(plan.jet(phi), course, phi)
     rows = (*timed[1:], inertia_torque(timed, course.rates(phi)[0]))
@@ -43,8 +48,7 @@ def test_the_place_has_the_value() -> None:
         [MoveRequest(Decimal(160), 12.0, "auto"), MoveRequest(Decimal(200), 0.0, "auto")]
     )
     course = ConstantSpeed(5.0)
-    found = extremes_at_turns(plan, course)
-    assert found is not None
+    found = plan_extremes(plan, course)
     for end in (found.velocity.highest, found.velocity.lowest):
         at = in_time(plan.jet(np.array([end.place])), course, np.array([end.place]))
         assert at[1, 0] == pytest.approx(end.value, rel=1e-14)
@@ -55,4 +59,14 @@ def test_motion_by_data_is_left_to_the_search() -> None:
     lifts = 1.0 - np.cos(2.0 * np.pi * shares)
     lifts[-1] = 0.0
     plan = plan_motion([TableRequest(Decimal(360), shares, lifts)])
-    assert extremes_at_turns(plan, ConstantSpeed(1.0)) is None
+    course = ConstantSpeed(1.0)
+    assert plan_extremes(plan, course) == time_extremes(plan, course)
+
+
+def test_a_disc_that_turns_unevenly_is_left_to_the_search() -> None:
+    plan = plan_motion(
+        [MoveRequest(Decimal(160), 12.0, "auto"), MoveRequest(Decimal(200), 0.0, "auto")]
+    )
+    angles = np.linspace(0.0, 2.0 * np.pi, 13)
+    course = SpeedCurve(angles + 0.1 * np.sin(angles), angles)
+    assert plan_extremes(plan, course) == time_extremes(plan, course)

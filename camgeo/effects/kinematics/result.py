@@ -14,10 +14,9 @@ import numpy as np
 from camgeo.check.finding import Finding
 from camgeo.effects.effect import Column, Request, Result
 from camgeo.motion.joints import breaks
-from camgeo.motion.law_extremes import extremes_at_turns
+from camgeo.motion.law_extremes import plan_extremes
 from camgeo.motion.motion import Side
 from camgeo.motion.time_course import (
-    ConstantSpeed,
     LiftUnit,
     TimeCourse,
     TimeExtremes,
@@ -127,11 +126,7 @@ def _motions(subject: Subject, course: TimeCourse) -> list[_Moving]:
     plan = subject.drive.plan
     order = min(joint.order for joint in breaks(plan))
     unit: LiftUnit = subject.drive.unit
-    demanded = None
-    if isinstance(course, ConstantSpeed):
-        demanded = extremes_at_turns(plan, course, unit)
-    demanded = demanded or time_extremes(plan, course, unit)
-    found = [_Moving("", plan, unit, order, demanded)]
+    found = [_Moving("", plan, unit, order, plan_extremes(plan, course, unit))]
     if subject.drive.linkage is not None:
         # A linkage that closes is smooth: it takes shocks and jerks over, and adds none.
         motion = subject.drive.motion

@@ -125,7 +125,7 @@ _Pick = Callable[[FloatArray, FloatArray, BoolArray], Extreme]
 
 def _values(region: Region) -> tuple[FloatArray, ...]:
     """z, f, f', f'', f''' at the ends of a region and at its turns, ascending in z."""
-    z = np.array(sorted({region.start, *region.turns(), region.end}))
+    z = region.places
     near, f1, f2, f3 = region.formula(z, 1.0 - z)
     return z, 1.0 - near if region.from_end else near, f1, f2, f3
 

@@ -60,17 +60,9 @@ def _turns() -> tuple[float, ...]:
     return tuple(2.0 / math.pi * math.asin(math.sqrt(square)) for square in squares)
 
 
-def _turns_before() -> tuple[float, ...]:
-    return tuple(z for z in _turns() if z <= 0.5)
-
-
-def _turns_behind() -> tuple[float, ...]:
-    return tuple(z for z in _turns() if z > 0.5)
-
-
 HALVES: tuple[Region, ...] = (
-    Region(0.0, 0.5, _from_start, _complement, JERK, from_end=False, turns=_turns_before),
-    Region(0.5, 1.0, _from_end, _lift, JERK, from_end=True, turns=_turns_behind),
+    Region(0.0, 0.5, _from_start, _complement, JERK, from_end=False, turns=_turns),
+    Region(0.5, 1.0, _from_end, _lift, JERK, from_end=True, turns=_turns),
 )
 TURN = Boundary(acceleration=-(math.pi**2))
 

@@ -36,7 +36,7 @@ class Region:
     jerk_bound : at least |f'''| everywhere in the region.
     from_end : which of the two the near value is.
     turns : gives all z inside the region at which one of f, f', f'', f''' and f' f'' may have an
-        extremum; others may be among them.
+        extremum; others may be among them, in the region or beside it.
     """
 
     start: float
@@ -46,6 +46,12 @@ class Region:
     jerk_bound: float
     from_end: bool
     turns: Turns = tuple
+
+    @property
+    def places(self) -> FloatArray:
+        """All z, ascending, at which an extremum may be: the turns inside, and both ends."""
+        inside = (z for z in self.turns() if self.start < z < self.end)
+        return np.array(sorted({self.start, *inside, self.end}))
 
 
 @dataclass(frozen=True, slots=True)

@@ -50,7 +50,7 @@ class Stretch:
     back : r (n,) -> q (n,).
     jerk : largest |a'|.
     turns : b, s -> all x inside at which b + s v or one of its integral, a, a' and (b + s v) a may
-        have an extremum.
+        have an extremum; others may be among them.
     continues : whether the function of the stretch before goes on in it.
     """
 
@@ -277,16 +277,10 @@ def _cosine_stretches(shares: _Shares) -> tuple[Stretch, Stretch]:
         sines = (*_quadratic(-2.0 * s, -b, s), *_quadratic(0.0, s, b))  # and f' = b + s sin t
         return tuple(float(start) + math.asin(sine) / rate for sine in sines if 0.0 < sine < 1.0)
 
-    def turns_before(base: float, scale: float) -> tuple[float, ...]:
-        return tuple(x for x in turns(base, scale) if x <= float(middle))
-
-    def turns_behind(base: float, scale: float) -> tuple[float, ...]:
-        return tuple(x for x in turns(base, scale) if x > float(middle))
-
     one_sine = not shares.constant and shares.sine == shares.cosine
     return (
-        Stretch(start, middle, from_start, False, back, rate, turns_before, continues=one_sine),
-        Stretch(middle, end, from_end, True, back, rate, turns_behind, continues=True),
+        Stretch(start, middle, from_start, False, back, rate, turns, continues=one_sine),
+        Stretch(middle, end, from_end, True, back, rate, turns, continues=True),
     )
 
 
@@ -328,11 +322,13 @@ def polynomial_pulse(acceleration: tuple[int, ...]) -> Pulse:
     _, v, a, j = by_x
 
     @functools.cache
-    def turns() -> list[float]:
+    def found() -> tuple[float, ...]:
         slopes = (j, derivative(j), derivative(product(v, a)))
-        return [
-            float(x) for x in ascending(np.concatenate([roots_inside(c, 0.0, 1.0) for c in slopes]))
-        ]
+        roots = np.concatenate([roots_inside(c, 0.0, 1.0) for c in slopes])
+        return tuple(float(x) for x in ascending(roots))
+
+    def turns(_base: float, _scale: float) -> tuple[float, ...]:
+        return found()
 
     def from_start(u: FloatArray) -> Motion:
         p, v, a, j = (horner(coefficients, u) for coefficients in by_x)
@@ -348,15 +344,8 @@ def polynomial_pulse(acceleration: tuple[int, ...]) -> Pulse:
     middle, largest = Decimal("0.7"), largest_magnitude(j, 0.0, 1.0)  # both forms keep digits there
     return Pulse(
         stretches=(
-            Stretch(
-                Decimal(0), middle, from_start, False, back, largest,
-                lambda _b, _s: tuple(x for x in turns() if x <= float(middle)),
-            ),
-            Stretch(
-                middle, Decimal(1), from_end, True, back, largest,
-                lambda _b, _s: tuple(x for x in turns() if x > float(middle)),
-                continues=True,
-            ),
+            Stretch(Decimal(0), middle, from_start, False, back, largest, turns),
+            Stretch(middle, Decimal(1), from_end, True, back, largest, turns, continues=True),
         ),
         velocity=velocity,
         position=position,
@@ -364,7 +353,7 @@ def polynomial_pulse(acceleration: tuple[int, ...]) -> Pulse:
         end=0.0,
         jerk=j[0],
         peak=largest_magnitude(a, 0.0, 1.0),
-    )  # fmt: skip
+    )
 
 
 def _quadratic(a: float, b: float, c: float) -> tuple[float, ...]:

@@ -197,9 +197,6 @@ def _region(shape: _Shape, *, from_end: bool) -> Region:
         f1, f2, f3 = (value(form, z, w) for form in shape.derivatives)
         return value(near, z, w), f1, f2, f3
 
-    def turns() -> tuple[float, ...]:
-        return tuple(z for z in shape.turns() if half[0] <= z <= half[1])
-
     return Region(
         start=half[0],
         end=half[1],
@@ -207,5 +204,5 @@ def _region(shape: _Shape, *, from_end: bool) -> Region:
         far=lambda z, w: value(far, z, w),
         jerk_bound=largest_magnitude(third, *half),
         from_end=from_end,
-        turns=turns,
+        turns=lambda: tuple(shape.turns()),
     )
