@@ -27,32 +27,21 @@ def check_closure(curve: PitchCurve, severity: Severity = "fatal") -> tuple[Find
     limit = POINT_LIMIT * (
         curve.follower.base_radius + float(np.max(np.abs(curve.point(join.phi))))
     )
-    gap, turn = int(np.argmax(join.gaps)), int(np.argmax(join.turns))
-    open_point = join.gaps[gap] > limit
-    open_tangent = join.turns[turn] > TANGENT_LIMIT
-    shock = ", a shock: the velocity of the follower jumps" if open_tangent else ""
-    found = [
-        Finding(
-            name="closure",
-            severity="fatal" if open_point else "ok",
-            sentence=f"largest gap of the pitch curve at a joint {join.gaps[gap]:.2g} mm",
-            value=float(join.gaps[gap]),
-            limit=limit,
-            unit="mm",
-            cam_angle=float(join.phi[gap]),
-        ),
-        Finding(
-            name="tangent-closure",
-            severity=severity if open_tangent else "ok",
-            sentence=(
-                "largest angle between the tangents at a joint"
-                f" {math.degrees(join.turns[turn]):.2g} deg at cam angle"
-                f" {math.degrees(join.phi[turn]):.6g} deg{shock}"
-            ),
-            value=math.degrees(join.turns[turn]),
-            limit=math.degrees(TANGENT_LIMIT),
-            unit="deg",
-            cam_angle=float(join.phi[turn]),
-        ),
-    ]
-    return tuple(found)
+    at_gap, at_turn = int(np.argmax(join.gaps)), int(np.argmax(join.turns))
+    gap, turn = float(join.gaps[at_gap]), math.degrees(join.turns[at_turn])
+    place = float(join.phi[at_turn])
+    told = f"largest gap of the pitch curve at a joint {gap:.2g} mm"
+    turned = (
+        f"largest angle between the tangents at a joint {turn:.2g} deg at cam angle"
+        f" {math.degrees(place):.6g} deg"
+    )
+    corner: Severity = "ok"
+    if join.turns[at_turn] > TANGENT_LIMIT:
+        corner = severity
+        turned += ", a shock: the velocity of the follower jumps"
+    closed: Severity = "fatal" if gap > limit else "ok"
+    most = math.degrees(TANGENT_LIMIT)
+    return (
+        Finding("closure", closed, told, gap, limit, "mm", float(join.phi[at_gap])),
+        Finding("tangent-closure", corner, turned, turn, most, "deg", place),
+    )

@@ -67,23 +67,18 @@ def _check_form_closure(main: PitchCurve, other: PitchCurve) -> Finding:
         return np.asarray(one + first * leverage_slope(other, phi, side))
 
     value, phi = extremes(main, product, slope).largest()
-    broken = value >= -VANISHING
     place = f"at cam angle {math.degrees(phi):.4f} deg"
     told = f"product of the leverages as sines of the transmission angles {value + 0.0:.4f} {place}"
-    return Finding(
-        name="form-closure",
-        severity="broken" if broken else "ok",
-        sentence=(
+    if value >= -VANISHING:
+        sentence = (
             f"the two discs do not hold the follower between them: {told}, where they do not push"
             " it in opposite senses"
-            if broken
-            else f"the two discs push the follower in opposite senses over the whole turn; largest"
-            f" {told}"
-        ),
-        value=value + 0.0,
-        limit=0.0,
-        cam_angle=phi,
+        )
+        return Finding("form-closure", "broken", sentence, value + 0.0, 0.0, cam_angle=phi)
+    sentence = (
+        f"the two discs push the follower in opposite senses over the whole turn; largest {told}"
     )
+    return Finding("form-closure", "ok", sentence, value, 0.0, cam_angle=phi)
 
 
 def _check_closing_error(

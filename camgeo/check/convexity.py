@@ -30,18 +30,12 @@ def check_convexity(curve: PitchCurve) -> tuple[Finding, ...]:
 
 def _turns_back(found: Convexity) -> Finding:
     turn, phi = found.turn
-    return Finding(
-        name="convexity",
-        severity="fatal",
-        sentence=(
-            f"the face turns back in the cam at cam angle {degrees(phi)} deg: the rocker turns"
-            f" with the cam and {1.0 - turn:.4g} times as fast, and no convex cam makes a flat face"
-            " do that; give the move a larger span or a smaller swing"
-        ),
-        value=turn,
-        limit=0.0,
-        cam_angle=phi,
+    sentence = (
+        f"the face turns back in the cam at cam angle {degrees(phi)} deg: the rocker turns with"
+        f" the cam and {1.0 - turn:.4g} times as fast, and no convex cam makes a flat face do that;"
+        " give the move a larger span or a smaller swing"
     )
+    return Finding("convexity", "fatal", sentence, turn, 0.0, cam_angle=phi)
 
 
 def _radius(found: Convexity, sizes: tuple[str, ...]) -> Finding:
@@ -50,25 +44,19 @@ def _radius(found: Convexity, sizes: tuple[str, ...]) -> Finding:
     place = f"at cam angle {degrees(phi)} deg"
     if radius > least:
         sentence = f"smallest radius of curvature {radius:.6g} mm {place}: the cam is convex"
-    else:
-        what = (
-            f"the outline has a cusp {place}: its radius of curvature is 0 there"
-            if radius >= -least
-            else f"undercut, the radius of curvature falls to {radius:.6g} mm {place}: a flat face"
-            " touches only what is convex"
+        return Finding("convexity", "ok", sentence, radius, 0.0, "mm", phi)
+    keys = " and ".join(sizes) + (" both" if len(sizes) > 1 else "")
+    if radius >= -least:
+        sentence = (
+            f"the outline has a cusp {place}: its radius of curvature is 0 there; make {keys}"
+            " larger a little"
         )
-        keys = " and ".join(sizes) + (" both" if len(sizes) > 1 else "")
-        missing = f"by more than {max(-radius, 0.0):.6g} mm" if radius < -least else "a little"
-        sentence = f"{what}; make {keys} larger {missing}"
-    return Finding(
-        name="convexity",
-        severity="ok" if radius > least else "fatal",
-        sentence=sentence,
-        value=radius,
-        limit=0.0,
-        unit="mm",
-        cam_angle=phi,
-    )
+    else:
+        sentence = (
+            f"undercut, the radius of curvature falls to {radius:.6g} mm {place}: a flat face"
+            f" touches only what is convex; make {keys} larger by more than {-radius:.6g} mm"
+        )
+    return Finding("convexity", "fatal", sentence, radius, 0.0, "mm", phi)
 
 
 def _jump(found: Convexity) -> Finding:
@@ -79,36 +67,21 @@ def _jump(found: Convexity) -> Finding:
         if length < 0.0
         else "ahead, over a straight stretch that would be flush with it"
     )
-    return Finding(
-        name="contact-jump",
-        severity="fatal",
-        sentence=(
-            f"the velocity of the follower jumps at cam angle {degrees(phi)} deg, and the contact"
-            f" by {abs(length):.6g} mm along the face, {which}{others}; a flat face needs a motion"
-            " without shocks"
-        ),
-        value=length,
-        limit=0.0,
-        unit="mm",
-        cam_angle=phi,
+    sentence = (
+        f"the velocity of the follower jumps at cam angle {degrees(phi)} deg, and the contact by"
+        f" {abs(length):.6g} mm along the face, {which}{others}; a flat face needs a motion without"
+        " shocks"
     )
+    return Finding("contact-jump", "fatal", sentence, length, 0.0, "mm", phi)
 
 
 def _over_axis(found: Convexity) -> Finding:
     lowest, phi = found.clearance
-    return Finding(
-        name="face-over-axis",
-        severity="fatal",
-        sentence=(
-            f"the face comes as near as {lowest:.6g} mm to the cam axis at cam angle"
-            f" {degrees(phi)} deg: the cam does not go round its axis; make follower.base_radius"
-            " larger"
-        ),
-        value=lowest,
-        limit=0.0,
-        unit="mm",
-        cam_angle=phi,
+    sentence = (
+        f"the face comes as near as {lowest:.6g} mm to the cam axis at cam angle {degrees(phi)}"
+        " deg: the cam does not go round its axis; make follower.base_radius larger"
     )
+    return Finding("face-over-axis", "fatal", sentence, lowest, 0.0, "mm", phi)
 
 
 def degrees(angle: float) -> str:

@@ -56,30 +56,14 @@ def check_undercut(
     kappa, phi = _tightest(flank, bends)
     margin = 1.0 + flank.distance * kappa
     if margin > CUSP:
-        return (
-            Finding(
-                name=f"undercut-{name}",
-                severity="ok",
-                sentence=f"{name} flank: no cusp and no local undercut",
-                value=margin,
-                limit=0.0,
-                cam_angle=phi,
-            ),
-        )
+        told = f"{name} flank: no cusp and no local undercut"
+        return (Finding(f"undercut-{name}", "ok", told, margin, 0.0, cam_angle=phi),)
     if margin >= -CUSP:
-        return (
-            Finding(
-                name=f"cusp-{name}",
-                severity=severity,
-                sentence=(
-                    f"{name} flank: cusp at cam angle {math.degrees(phi):.6f} deg, {_what(flank)}"
-                    f" equals the pitch curve's radius of curvature, {1 / abs(kappa):.6g} mm"
-                ),
-                value=margin,
-                limit=0.0,
-                cam_angle=phi,
-            ),
+        told = (
+            f"{name} flank: cusp at cam angle {math.degrees(phi):.6f} deg, {_what(flank)}"
+            f" equals the pitch curve's radius of curvature, {1 / abs(kappa):.6g} mm"
         )
+        return (Finding(f"cusp-{name}", severity, told, margin, 0.0, cam_angle=phi),)
     return tuple(
         _undercut(flank, name, bends, span, severity) for span in undercut_ranges(flank, bends)
     )
@@ -99,18 +83,14 @@ def _undercut(
     inside = np.flatnonzero((bends.phi - start + INSIDE) % TURN <= span + 2.0 * INSIDE)
     margins = 1.0 + flank.distance * bends.values[inside]
     worst = int(np.argmin(margins))
+    told = (
+        f"{name} flank: undercut from cam angle {math.degrees(start):.6f} to"
+        f" {math.degrees(end):.6f} deg, the roller is larger than the radius of curvature of the"
+        " pitch curve; the follower would not make its motion"
+    )
+    value, place = float(margins[worst]), float(bends.phi[inside[worst]]) % TURN
     return Finding(
-        name=f"undercut-{name}",
-        severity=severity,
-        sentence=(
-            f"{name} flank: undercut from cam angle {math.degrees(start):.6f} to"
-            f" {math.degrees(end):.6f} deg, the roller is larger than the radius of"
-            " curvature of the pitch curve; the follower would not make its motion"
-        ),
-        value=float(margins[worst]),
-        limit=0.0,
-        cam_angle=float(bends.phi[inside[worst]]) % TURN,
-        cam_range=(start, end),
+        f"undercut-{name}", severity, told, value, 0.0, cam_angle=place, cam_range=(start, end)
     )
 
 

@@ -20,40 +20,22 @@ def check_follower(
     which is wider than the roller by `clearance` [mm].
     """
     found = []
+    base = follower.base_radius
     half = follower.roller_radius + 0.5 * clearance
-    if runs_on_inner and half >= follower.base_radius:
+    if runs_on_inner and half >= base:
         what = "the roller" if clearance == 0.0 else "half the groove's width"
-        found.append(
-            Finding(
-                name="roller-over-axis",
-                severity="wrong",
-                sentence=(
-                    f"{what} ({half:g} mm) is not smaller than the base"
-                    f" circle ({follower.base_radius:g} mm): it covers the cam axis, and its inner"
-                    " working curve lies on the other side; make follower.roller_radius smaller or"
-                    " follower.base_radius larger"
-                ),
-                value=half,
-                limit=follower.base_radius,
-                unit="mm",
-            )
+        told = (
+            f"{what} ({half:g} mm) is not smaller than the base circle ({base:g} mm): it covers the"
+            " cam axis, and its inner working curve lies on the other side; make"
+            " follower.roller_radius smaller or follower.base_radius larger"
         )
+        found.append(Finding("roller-over-axis", "wrong", told, half, base, "mm"))
     beside = abs(follower.offset)
-    height = math.sqrt((follower.base_radius - beside) * (follower.base_radius + beside))
-    if height <= LOCKED * follower.base_radius:
-        found.append(
-            Finding(
-                name="self-locking",
-                severity="wrong",
-                sentence=(
-                    f"the offset equals the base radius ({follower.base_radius:g} mm): the guide"
-                    " touches the base circle, the transmission angle is 0 at cam angle 0 and the"
-                    " follower locks; make follower.offset smaller"
-                ),
-                value=beside,
-                limit=follower.base_radius,
-                unit="mm",
-                cam_angle=0.0,
-            )
+    if math.sqrt((base - beside) * (base + beside)) <= LOCKED * base:
+        told = (
+            f"the offset equals the base radius ({base:g} mm): the guide touches the base circle,"
+            " the transmission angle is 0 at cam angle 0 and the follower locks; make"
+            " follower.offset smaller"
         )
+        found.append(Finding("self-locking", "wrong", told, beside, base, "mm", cam_angle=0.0))
     return tuple(found)

@@ -57,41 +57,29 @@ def _to_dead_centre(motion: LinkedMotion, course: Course) -> Finding:
     phi = course.first_angle(position)
     what, infinite = LINES[linkage.member]
     place = f"at {position_told(linkage, position)}, cam angle {math.degrees(phi):.6g} deg"
+    phi = math.fmod(phi, TURN)
     if spare > limit:
         sentence = f"the linkage keeps {spare:.6g} mm from a dead centre, nearest {place}"
-    else:
-        from camgeo.mechanism.closing import clear_range, kept_between  # few linkages reach one
+        return Finding("dead-centre", "ok", sentence, spare, limit, "mm", phi)
+    from camgeo.mechanism.closing import clear_range, kept_between  # few linkages reach one
 
-        sentence = f"{what} {place}: a dead centre, {infinite} becomes infinite there"
-        # Where the motion starts in one, it cannot keep clear of it.
-        kept = [] if 0.0 in clear_range(linkage) else kept_between(linkage)
-        sentence += f"; {kept[0]} there is none" if kept else ""
-    return Finding(
-        name="dead-centre",
-        severity="ok" if spare > limit else "fatal",
-        sentence=sentence,
-        value=spare,
-        limit=limit,
-        unit="mm",
-        cam_angle=math.fmod(phi, TURN),
-    )
+    sentence = f"{what} {place}: a dead centre, {infinite} becomes infinite there"
+    # Where the motion starts in one, it cannot keep clear of it.
+    kept = [] if 0.0 in clear_range(linkage) else kept_between(linkage)
+    sentence += f"; {kept[0]} there is none" if kept else ""
+    return Finding("dead-centre", "fatal", sentence, spare, limit, "mm", phi)
 
 
 def _transmission_angle(motion: LinkedMotion, course: Course) -> Finding:
     """The smallest acute angle between coupler and crank."""
     value, place = _smallest_sine(motion, course)
     angle = math.degrees(math.asin(min(1.0, value)))
-    return Finding(
-        name="linkage-transmission-angle",
-        severity="ok",
-        sentence=(
-            f"smallest angle between coupler and crank {angle:.3f} deg at cam angle"
-            f" {math.degrees(place):.3f} deg"
-        ),
-        value=angle,
-        unit="deg",
-        cam_angle=math.fmod(place, TURN),
+    told = (
+        f"smallest angle between coupler and crank {angle:.3f} deg at cam angle"
+        f" {math.degrees(place):.3f} deg"
     )
+    place = math.fmod(place, TURN)
+    return Finding("linkage-transmission-angle", "ok", told, angle, unit="deg", cam_angle=place)
 
 
 def _smallest_sine(motion: LinkedMotion, course: Course) -> tuple[float, float]:
@@ -132,21 +120,11 @@ def _sine(linkage: Linkage, positions: FloatArray) -> FloatArray:
 
 def _branch(linkage: Linkage) -> tuple[Finding, ...]:
     """A warning if the dimensions of a slider-crank are meant for the other branch."""
-    tilt = linkage.coupler_tilt
-    if tilt <= PARALLEL:
+    tilt, limit = math.degrees(linkage.coupler_tilt), math.degrees(PARALLEL)
+    if linkage.coupler_tilt <= PARALLEL:
         return ()
-    return (
-        Finding(
-            name="linkage-branch",
-            severity="warning",
-            sentence=(
-                f"at stroke 0 the coupler is {math.degrees(tilt):.3f} deg off the guide's"
-                " direction, though the dimensions are defined by a parallel one: the other"
-                " `branch` may be meant"
-            ),
-            value=math.degrees(tilt),
-            limit=math.degrees(PARALLEL),
-            unit="deg",
-            cam_angle=0.0,
-        ),
+    told = (
+        f"at stroke 0 the coupler is {tilt:.3f} deg off the guide's direction, though the"
+        " dimensions are defined by a parallel one: the other `branch` may be meant"
     )
+    return (Finding("linkage-branch", "warning", told, tilt, limit, "deg", cam_angle=0.0),)

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from itertools import pairwise
 from typing import Literal
 
 from camgeo.check.finding import Finding
@@ -48,21 +50,17 @@ def check_motion(plan: MotionPlan, unit: Unit) -> tuple[Finding, ...]:
 
 def _laws(plan: MotionPlan) -> Finding:
     """What each move is made of, with what was chosen or worked out for it."""
-    told = []
-    for segment, start, end in zip(
-        plan.segments, plan.joints_deg[:-1], plan.joints_deg[1:], strict=True
-    ):
-        if isinstance(segment, Dwell) or not segment.span:
-            continue
-        made = _made_of(segment)
-        told.append(f"{float(start):g} to {float(end):g} deg {made}")
-    more = f" and {len(told) - LISTED} more" if len(told) > LISTED else ""
-    return Finding(
-        name="laws",
-        severity="ok",
-        sentence="; ".join(told[:LISTED]) + more if told else "the follower rests",
-        value=float(len(told)),
-    )
+    told = [
+        f"{float(start):g} to {float(end):g} deg {_made_of(segment)}"
+        for segment, (start, end) in zip(plan.segments, pairwise(plan.joints_deg), strict=True)
+        if segment.span and not isinstance(segment, Dwell)
+    ]
+    sentence = "; ".join(told[:LISTED]) + _more(told) if told else "the follower rests"
+    return Finding("laws", "ok", sentence, float(len(told)))
+
+
+def _more(listed: Sequence[object]) -> str:
+    return f" and {len(listed) - LISTED} more" if len(listed) > LISTED else ""
 
 
 def _made_of(segment: Move | Course) -> str:
@@ -77,18 +75,9 @@ def _continuity(plan: MotionPlan) -> Finding:
     """The classes at all joints, and up to which derivative the motion is continuous there."""
     met = joints(plan)
     worst = min(joint.order for joint in met)
-    listed = ", ".join(
-        f"{_angle(joint)}: {joint.before if joint.before == joint.after else _both(joint)}"
-        f" C{joint.order}"
-        for joint in met[:LISTED]
-    )
-    more = f" and {len(met) - LISTED} more" if len(met) > LISTED else ""
-    return Finding(
-        name="joints",
-        severity="ok",
-        sentence=f"the motion is at least C{worst} at its joints ({listed}{more})",
-        value=float(worst),
-    )
+    listed = ", ".join(f"{_angle(joint)}: {_both(joint)} C{joint.order}" for joint in met[:LISTED])
+    sentence = f"the motion is at least C{worst} at its joints ({listed}{_more(met)})"
+    return Finding("joints", "ok", sentence, float(worst))
 
 
 LISTED = 12
@@ -96,7 +85,8 @@ LISTED = 12
 
 
 def _both(joint: Joint) -> str:
-    return f"{joint.before}|{joint.after}"
+    before, after = joint.before, joint.after
+    return f"{before}" if before == after else f"{before}|{after}"
 
 
 def _angle(joint: Joint) -> str:
@@ -105,20 +95,16 @@ def _angle(joint: Joint) -> str:
 
 def _jump(joint: Joint, order: int, scale: float, unit: Unit) -> Finding:
     jump = scale * float(joint.right[order] - joint.left[order])
-    per = "rad" if order == 1 else "rad^2"
-    what = "velocity" if order == 1 else "acceleration"
-    shock = ", a shock: the acceleration is infinite" if order == 1 else ""
-    return Finding(
-        name="shock" if order == 1 else "jerk",
-        severity="broken" if order == 1 else "warning",
-        sentence=(
-            f"the {what} jumps by {jump:.6g} {unit}/{per} at cam angle {_angle(joint)}{shock}"
-        ),
-        value=jump,
-        limit=0.0,
-        unit=f"{unit}/{per}",
-        cam_angle=joint.cam_angle,
-    )
+    place = f"at cam angle {_angle(joint)}"
+    if order == 1:
+        per = f"{unit}/rad"
+        told = (
+            f"the velocity jumps by {jump:.6g} {per} {place}, a shock: the acceleration is infinite"
+        )
+        return Finding("shock", "broken", told, jump, 0.0, per, joint.cam_angle)
+    per = f"{unit}/rad^2"
+    told = f"the acceleration jumps by {jump:.6g} {per} {place}"
+    return Finding("jerk", "warning", told, jump, 0.0, per, joint.cam_angle)
 
 
 def _overshoot(
@@ -137,21 +123,13 @@ def _overshoot(
         if excess > OVERSHOOT:
             angle = start + extreme.place * float(move.span)
             beyond = scale * excess * abs(stroke)
-            found.append(
-                Finding(
-                    name="overshoot",
-                    severity="warning",
-                    sentence=(
-                        f"the move by {move.law.name} goes {beyond:.6g} {unit} beyond its {what},"
-                        f" to {scale * (position + stroke * extreme.value):.6g} {unit}"
-                        f" at cam angle {angle:.6g} deg"
-                    ),
-                    value=beyond,
-                    limit=0.0,
-                    unit=unit,
-                    cam_angle=math.radians(angle),
-                )
+            told = (
+                f"the move by {move.law.name} goes {beyond:.6g} {unit} beyond its {what}, to"
+                f" {scale * (position + stroke * extreme.value):.6g} {unit} at cam angle"
+                f" {angle:.6g} deg"
             )
+            place = math.radians(angle)
+            found.append(Finding("overshoot", "warning", told, beyond, 0.0, unit, place))
     return found
 
 
@@ -160,15 +138,8 @@ def _deviation(course: Course, start: float, length: float, scale: float, unit: 
     assert report is not None  # asked for those only
     angle = start + report.place * length
     largest = scale * report.largest_deviation
-    return Finding(
-        name="lift-table",
-        severity="ok",
-        sentence=(
-            f"the motion is at most {largest:.3g} {unit} off the rows of its lift table, at cam"
-            f" angle {math.degrees(angle):.6g} deg (root of the mean square"
-            f" {scale * report.rms:.3g} {unit})"
-        ),
-        value=largest,
-        unit=unit,
-        cam_angle=angle,
+    told = (
+        f"the motion is at most {largest:.3g} {unit} off the rows of its lift table, at cam angle"
+        f" {math.degrees(angle):.6g} deg (root of the mean square {scale * report.rms:.3g} {unit})"
     )
+    return Finding("lift-table", "ok", told, largest, unit=unit, cam_angle=angle)

@@ -32,52 +32,27 @@ def check_outline(
     severity : of a flank that is cut off: "fatal" if no disc is made of it, else "broken".
     kinks : cam angles [rad] at which the velocity jumps, which `check_closure` tells.
     """
-    found = []
+    found, crossing = [], f"global-undercut-{name}"
     told = [*(start for start, _ in undercut), *kinks]
     for start, end in outline.dropped:
         if any((place - start) % TURN <= end - start for place in told):
             continue
-        found.append(
-            Finding(
-                name=f"global-undercut-{name}",
-                severity=severity,
-                sentence=(
-                    f"{name} flank: cut off from cam angle {_degrees(start)} to {_degrees(end)} deg"
-                    " though its radius of curvature holds: two of its sides are closer than the"
-                    " roller is wide (global undercut)"
-                ),
-                value=math.degrees(end - start),
-                limit=0.0,
-                unit="deg",
-                cam_angle=start,
-                cam_range=(start, end % TURN),
-            )
+        width, where = math.degrees(end - start), (start, end % TURN)
+        sentence = (
+            f"{name} flank: cut off from cam angle {_degrees(start)} to {_degrees(end)} deg though"
+            " its radius of curvature holds: two of its sides are closer than the roller is wide"
+            " (global undercut)"
         )
+        found.append(Finding(crossing, severity, sentence, width, 0.0, "deg", start, where))
     for lobe in outline.lobes:
         from camgeo.outline.area import area  # few cams have lobes to be measured
 
         size = abs(area(lobe))
-        found.append(
-            Finding(
-                name=f"lobe-{name}",
-                severity=severity,
-                sentence=f"{name} flank: a lobe of {size:.6g} mm^2 is cut off and falls away",
-                value=size,
-                limit=0.0,
-                unit="mm^2",
-            )
-        )
+        sentence = f"{name} flank: a lobe of {size:.6g} mm^2 is cut off and falls away"
+        found.append(Finding(f"lobe-{name}", severity, sentence, size, 0.0, "mm^2"))
     if not outline.is_trimmed:
-        found.append(
-            Finding(
-                name=f"global-undercut-{name}",
-                severity="ok",
-                sentence=f"{name} flank: it does not cross itself",
-                value=0.0,
-                limit=0.0,
-                unit="deg",
-            )
-        )
+        sentence = f"{name} flank: it does not cross itself"
+        found.append(Finding(crossing, "ok", sentence, 0.0, 0.0, "deg"))
     return tuple(found)
 
 
@@ -89,25 +64,19 @@ def check_lost_stroke(
     `unit` is that of the lift.
     """
     loss = replay.largest_loss
-    value, told = (loss.value, "mm") if unit == "mm" else (math.degrees(loss.value), "deg")
+    value, shown = (loss.value, "mm") if unit == "mm" else (math.degrees(loss.value), "deg")
     jumps = []
     if len(replay.shocks):
         jumps.append(f"{len(replay.shocks)} shocks")
     if len(replay.drops):
         jumps.append(f"{len(replay.drops)} drops off an edge")
-    return Finding(
-        name=f"lost-stroke-{name}",
-        severity=severity,
-        sentence=(
-            f"{name} flank: on the real disc the follower loses up to {value:.4g} {told} of its"
-            f" lift, at cam angle {_degrees(loss.place)} deg"
-            + (f", with {' and '.join(jumps)}" if jumps else "")
-        ),
-        value=value,
-        limit=0.0,
-        unit=told,
-        cam_angle=loss.place,
+    told = (
+        f"{name} flank: on the real disc the follower loses up to {value:.4g} {shown} of its lift,"
+        f" at cam angle {_degrees(loss.place)} deg"
     )
+    if jumps:
+        told += f", with {' and '.join(jumps)}"
+    return Finding(f"lost-stroke-{name}", severity, told, value, 0.0, shown, loss.place)
 
 
 def no_outline(name: str, reason: str) -> Finding:

@@ -46,11 +46,4 @@ def check_side_clearance(curve: PitchCurve, clearance: float) -> Finding:
         sentence = f"{head} any amount {place}, where the transmission angle is 0"
     else:
         sentence = f"{head} up to ±{value:.4g} {unit}, {place}"
-    return Finding(
-        name="side-clearance",
-        severity="ok",
-        sentence=sentence,
-        value=value,
-        unit=unit,
-        cam_angle=phi,
-    )
+    return Finding("side-clearance", "ok", sentence, value, unit=unit, cam_angle=phi)

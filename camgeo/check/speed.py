@@ -55,11 +55,6 @@ def _finding(name: str, values: Extremes, scale: float, unit: str, *, bounded: b
     if not bounded:
         jumps = "a shock" if name != "jerk" else "a shock or a jerk"
         sentence = f"infinite at {jumps}; elsewhere {sentence}"
-    return Finding(
-        name=f"largest-{name}",
-        severity="ok",
-        sentence=sentence,
-        value=scale * worst.value if bounded else None,
-        unit=unit,
-        cam_angle=worst.place if bounded else None,
-    )
+        return Finding(f"largest-{name}", "ok", sentence, unit=unit)
+    value = scale * worst.value
+    return Finding(f"largest-{name}", "ok", sentence, value, unit=unit, cam_angle=worst.place)

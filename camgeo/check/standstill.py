@@ -36,18 +36,9 @@ def check_standstill(curve: PitchCurve) -> tuple[Finding, ...]:
     speed = math.sqrt(smallest)
     if speed > limit:
         return ()
-    return (
-        Finding(
-            name="standstill",
-            severity="fatal",
-            sentence=(
-                f"the roller centre stands still in the turning cam at cam angle"
-                f" {math.degrees(phi):.6f} deg (Z' = 0): the pitch curve has a cusp and no normal;"
-                " the rocker lies on the line of centres and l_3 (1 - sigma psi') = l_1"
-            ),
-            value=speed,
-            limit=limit,
-            unit="mm/rad",
-            cam_angle=phi,
-        ),
+    told = (
+        f"the roller centre stands still in the turning cam at cam angle {math.degrees(phi):.6f}"
+        " deg (Z' = 0): the pitch curve has a cusp and no normal; the rocker lies on the line of"
+        " centres and l_3 (1 - sigma psi') = l_1"
     )
+    return (Finding("standstill", "fatal", told, speed, limit, "mm/rad", phi),)

@@ -7,7 +7,7 @@ from typing import Final
 
 import numpy as np
 
-from camgeo.check.finding import Finding
+from camgeo.check.finding import Finding, held
 from camgeo.curve.extremes import Extremes, Quantity, extremes
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.motion.motion import Side
@@ -56,16 +56,5 @@ def check_transmission_angle(curve: PitchCurve, limit: float) -> Finding:
     """Hold the smallest transmission angle to `limit` [rad]."""
     smallest, phi = transmission_angle_extremes(curve).smallest()
     value, bound = math.degrees(smallest), math.degrees(limit)
-    broken = smallest < limit
-    return Finding(
-        name="transmission-angle",
-        severity="broken" if broken else "ok",
-        sentence=(
-            f"smallest transmission angle {value:.4f} deg at cam angle {math.degrees(phi):.4f} deg,"
-            f" {'below' if broken else 'at least'} {bound:g} deg"
-        ),
-        value=value,
-        limit=bound,
-        unit="deg",
-        cam_angle=phi,
-    )
+    told = f"smallest transmission angle {value:.4f} deg at cam angle {math.degrees(phi):.4f} deg"
+    return held("transmission-angle", told, value, bound, "deg", phi, least=True)

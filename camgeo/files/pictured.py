@@ -10,7 +10,6 @@ import numpy as np
 
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import GeometryError
-from camgeo.mechanism.drawn import traced_point
 from camgeo.mechanism.follower import Follower
 from camgeo.mechanism.sketch import MechanismSketch
 from camgeo.motion.extremes import lift_range
@@ -109,8 +108,8 @@ class PicturedCam(Pickled):
         found = follower.sketch(lift, farthest, ends)
         if self.returning is not None:
             both = (follower, self.returning)
-            reach = max(abs(traced_point(each, at)) for each in both for at in lifts)
-            found += self.returning.beside(traced_point(follower, lift), lift, reach)
+            reach = max(abs(each.traced_point(at)) for each in both for at in lifts)
+            found += self.returning.beside(follower.traced_point(lift), lift, reach)
         if cam.yoke_breadth > 0.0:
             found += follower.far_side(lift, ends, cam.yoke_breadth)
         if linkage is None:

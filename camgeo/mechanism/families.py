@@ -11,11 +11,19 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from camgeo.mechanism.drawn import carriage
 from camgeo.mechanism.follower import Follower, RelativeJet, bend_of_path
-from camgeo.mechanism.sketch import MechanismSketch
+from camgeo.mechanism.sketch import Guide, MechanismSketch
 from camgeo.motion.motion import Jet
 from camgeo.numeric.arrays import FloatArray
+
+GUIDE = 0.8
+"""Way from a carriage at its farthest to its guide, in base radii."""
+
+ROD = 0.3
+"""By so much the rod of a carriage stands out of its guide at lift 0, in base radii."""
+
+BRACKET = 1.2
+"""Way round the discs from the one roller of a carriage to the other, in their largest radii."""
 
 
 class Guided(Follower):
@@ -65,8 +73,21 @@ class Guided(Follower):
 
     def linked_at(self, farthest: float) -> tuple[complex, complex]:
         """See `Follower.linked_at`: the end of its rod."""
-        _, rod = carriage(self, self.outward, 0.0, farthest)
-        return rod.links[0][-1], self.way
+        return self.rod(0.0, farthest).links[0][-1], self.way
+
+    def rod(self, lift: float, farthest: float) -> MechanismSketch:
+        """Its rod at `lift` [mm], from where it touches the cam, in its guide."""
+        held, start, here = (self.traced_point(at) for at in (farthest, 0.0, lift))
+        middle = held + GUIDE * self.base_radius * self.outward
+        end = middle + here - start + ROD * self.base_radius * self.outward
+        guide = Guide(middle, self.outward, block=False)
+        return MechanismSketch(links=((here, end),), guides=(guide,))
+
+    def across(self, lift: float, breadth: float) -> tuple[complex, MechanismSketch]:
+        """The far side of its yoke at `lift` [mm], and what joins both."""
+        here = self.traced_point(lift)
+        there = here - breadth * here / abs(here)
+        return there, MechanismSketch(links=(bracket(here, there, 0.6 * breadth),))
 
 
 class Rocking(Follower):
@@ -155,3 +176,9 @@ class WithRoller(Follower):
     def sliding(self, jet: Jet, _: int) -> FloatArray:
         """See `Follower.sliding`: a roller rolls."""
         return np.zeros(jet.shape[1])
+
+
+def bracket(first: complex, second: complex, reach: float) -> tuple[complex, ...]:
+    """From one side of the cam to the other, clear of a disc of the radius `reach`."""
+    aside = 1j * (first - second) / abs(first - second) * BRACKET * reach
+    return first, first + aside, second + aside, second

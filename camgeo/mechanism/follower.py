@@ -20,9 +20,12 @@ The R_k are kept as two real arrays: a third of the cost of complex ones, as mos
 
 from __future__ import annotations
 
+import cmath
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar, Literal
+
+import numpy as np
 
 from camgeo.mechanism.kind import Mover, Touching, Unit
 from camgeo.mechanism.sketch import MechanismSketch
@@ -173,6 +176,11 @@ class Follower(ABC):
         As far as there are any: `ahead` rows more of the lift are needed, up to the third.
         `rotation` is sigma, +1 for a cam that turns counter-clockwise, -1 clockwise.
         """
+
+    def traced_point(self, lift: float) -> complex:
+        """The roller centre, or the contact of a flat face that rests, in the fixed frame [mm]."""
+        at = self.relative_jet(np.array([[lift], [0.0], [0.0], [0.0]]), 1, 1)
+        return complex(at.along[0, 0], at.across[0, 0]) * cmath.exp(1j * at.axis)
 
     @abstractmethod
     def tangent_jet(self, jet: Jet, rotation: int) -> TangentJet:

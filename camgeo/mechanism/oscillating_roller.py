@@ -10,7 +10,6 @@ from typing import ClassVar, Literal
 import numpy as np
 
 from camgeo.errors import GeometryError
-from camgeo.mechanism.drawn import traced_point
 from camgeo.mechanism.families import Rocking, WithRoller
 from camgeo.mechanism.follower import RelativeJet, TangentJet
 from camgeo.mechanism.sketch import MechanismSketch
@@ -173,5 +172,5 @@ class OscillatingRoller(Rocking, WithRoller):
 
     def beside(self, _: complex, lift: float, __: float) -> MechanismSketch:
         """See `Follower.beside`: both arms are on the pivot."""
-        here = traced_point(self, lift)
+        here = self.traced_point(lift)
         return MechanismSketch(links=((self.pivot, here),), rollers=((here, self.roller_radius),))

@@ -9,7 +9,6 @@ from typing import ClassVar, Literal
 
 import numpy as np
 
-from camgeo.mechanism.drawn import across, carriage, traced_point
 from camgeo.mechanism.face import HIGHEST, FaceEnds, FlatFollower, Touch, face_line, spread
 from camgeo.mechanism.families import Guided
 from camgeo.mechanism.follower import RelativeJet, TangentJet
@@ -120,13 +119,14 @@ class TranslatingFlat(Guided, FlatFollower):
 
     def _face(self, lift: float) -> tuple[complex, complex]:
         """The foot of the cam axis on the face [mm], and the way in which places count."""
-        foot = traced_point(self, lift)  # at rest the contact lies there
+        foot = self.traced_point(lift)  # at rest the contact lies there
         return foot, -1j * foot / abs(foot)
 
     def sketch(self, lift: float, farthest: float, ends: tuple[float, float]) -> MechanismSketch:
         """See `Follower.sketch`."""
-        _, rod = carriage(self, self.outward, lift, farthest)
-        return rod + MechanismSketch(faces=(face_line(*self._face(lift), ends),))
+        return self.rod(lift, farthest) + MechanismSketch(
+            faces=(face_line(*self._face(lift), ends),)
+        )
 
     def held(
         self, ends: tuple[float, float]
@@ -136,6 +136,6 @@ class TranslatingFlat(Guided, FlatFollower):
 
     def far_side(self, lift: float, ends: tuple[float, float], breadth: float) -> MechanismSketch:
         """See `Follower.far_side`: the same face, half a turn on."""
-        here, along = self._face(lift)
-        there, joined = across(here, breadth)
+        _, along = self._face(lift)
+        there, joined = self.across(lift, breadth)
         return joined + MechanismSketch(faces=(face_line(there, -along, ends),))

@@ -10,8 +10,7 @@ from typing import ClassVar, Literal
 import numpy as np
 
 from camgeo.errors import GeometryError
-from camgeo.mechanism.drawn import across, bracket, carriage, traced_point
-from camgeo.mechanism.families import Guided, WithRoller
+from camgeo.mechanism.families import Guided, WithRoller, bracket
 from camgeo.mechanism.follower import RelativeJet, TangentJet
 from camgeo.mechanism.sketch import MechanismSketch
 from camgeo.mechanism.values import Angle, Coordinate, Length, Radius, Sense
@@ -124,8 +123,8 @@ class TranslatingRoller(Guided, WithRoller):
 
     def sketch(self, lift: float, farthest: float, _: tuple[float, float]) -> MechanismSketch:
         """See `Follower.sketch`."""
-        here, rod = carriage(self, self.outward, lift, farthest)
-        return rod + MechanismSketch(rollers=((here, self.roller_radius),))
+        roller = MechanismSketch(rollers=((self.traced_point(lift), self.roller_radius),))
+        return self.rod(lift, farthest) + roller
 
     def held(self, _: tuple[float, float]) -> tuple[Literal["guide"], complex, None]:
         """See `Follower.held`."""
@@ -134,11 +133,11 @@ class TranslatingRoller(Guided, WithRoller):
 
     def far_side(self, lift: float, _: tuple[float, float], breadth: float) -> MechanismSketch:
         """See `Follower.far_side`."""
-        there, joined = across(traced_point(self, lift), breadth)
+        there, joined = self.across(lift, breadth)
         return joined + MechanismSketch(rollers=((there, self.roller_radius),))
 
     def beside(self, first: complex, lift: float, reach: float) -> MechanismSketch:
         """See `Follower.beside`: joined by a bracket."""
-        here = traced_point(self, lift)
-        roller = MechanismSketch(rollers=((here, self.roller_radius),))
-        return roller + MechanismSketch(links=(bracket(first, here, reach),))
+        here = self.traced_point(lift)
+        roller = here, self.roller_radius
+        return MechanismSketch(links=(bracket(first, here, reach),), rollers=(roller,))

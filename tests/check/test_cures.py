@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 from decimal import Decimal
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import mpmath
@@ -19,13 +21,14 @@ from camgeo.cam.cam import Cam
 from camgeo.check.cures import Change, Cure, cures, margin
 from camgeo.check.cures.cure import digits_for, told_beyond
 from camgeo.check.cures.laws import offers_for
-from camgeo.check.cures.margin import Flanks, Pairs, flanks_of, is_sound
+from camgeo.check.cures.margin import flanks_of, is_sound
 from camgeo.check.cures.search import NARROW
 from camgeo.check.cures.spans import STEP, longer_plan
 from camgeo.check.curvature import check_undercut
 from camgeo.check.standstill import check_standstill
 from camgeo.curve.curvature import curvature_extremes
 from camgeo.curve.pitch_curve import PitchCurve
+from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import GeometryError
 from camgeo.mechanism.linkage import LinkedMotion
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
@@ -323,24 +326,28 @@ def test_no_mechanism_has_no_cure() -> None:
         CASES["translating"].sized(offset=26.0)
 
 
-def test_a_limit_that_is_no_root_is_enclosed() -> None:
-    """Crossings as an outside predicate tells them: the roller is too large beyond 7.123 mm."""
+def pretend(monkeypatch: pytest.MonkeyPatch, crossed: Callable[[WorkingCurve], bool]) -> None:
+    """Let a flank cross itself where `crossed` says so."""
 
-    def crossed(flanks: Flanks) -> Pairs:
-        return ((1.0, 2.0),) if abs(flanks[0].distance) > 7.123 else ()
+    def found(flank: WorkingCurve) -> tuple[SimpleNamespace, ...]:
+        return (SimpleNamespace(first=1.0, second=2.0),) if crossed(flank) else ()
 
+    monkeypatch.setattr("camgeo.outline.crossings.find_crossings", found)
+
+
+def test_a_limit_that_is_no_root_is_enclosed(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Crossings that an outside predicate tells: the roller is too large beyond 7.123 mm."""
+    pretend(monkeypatch, lambda flank: abs(flank.distance) > 7.123)
     cam = hard("HC20b", r_R=10)
-    cure = by_knob(cures(cam, crossed))["roller radius"]
+    cure = by_knob(cures(cam))["roller radius"]
     assert isinstance(cure.value_to, float)
     assert 7.123 - NARROW * 10.0 <= cure.value_to <= 7.123
-    assert not cures(cam.sized(roller_radius=7.0), crossed)
+    assert not cures(cam.sized(roller_radius=7.0))
 
 
-def test_what_cannot_be_cured_says_so() -> None:
-    def crossed(_: Flanks) -> Pairs:
-        return ((1.0, 2.0),)
-
-    found = cures(hard("HC20b", r_R=10), crossed)
+def test_what_cannot_be_cured_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
+    pretend(monkeypatch, lambda _: True)
+    found = cures(hard("HC20b", r_R=10))
     assert [cure.works for cure in found] == [False] * 5
     said = {cure.knob: cure.sentence for cure in found}
     assert "up to 100 times" in said["base radius"]
@@ -350,15 +357,16 @@ def test_what_cannot_be_cured_says_so() -> None:
     assert "no other motion[2].law" in said["other law"]
 
 
-def test_what_cannot_be_decided_is_told() -> None:
-    def crossed(_: Flanks) -> Pairs:
+def test_what_cannot_be_decided_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    def undecided(_: WorkingCurve) -> bool:
         raise GeometryError("lies on itself")
 
+    pretend(monkeypatch, undecided)
     with pytest.raises(GeometryError, match="lies on itself"):
-        cures(hard("HC20b", r_R=10), crossed)
+        cures(hard("HC20b", r_R=10))
     # Where curvature alone is at fault nothing is asked; what is not sure to cure is no cure.
-    assert not any(cure.works for cure in cures(hard("HC21c"), crossed))
-    assert not is_sound(hard("HC20b", r_R=10), crossed)
+    assert not any(cure.works for cure in cures(hard("HC21c")))
+    assert not is_sound(hard("HC20b", r_R=10))
 
 
 def test_a_move_without_dwells_beside_it_cannot_grow() -> None:

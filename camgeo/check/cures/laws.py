@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 from camgeo.cam.cam import Cam
 from camgeo.check.cures.cure import Change, Cure, no_cure, told_share
-from camgeo.check.cures.margin import Crossed, Pairs, bends_of, is_sound, margin_within
+from camgeo.check.cures.margin import Pairs, bends_of, is_sound, margin_within
 from camgeo.check.cures.moves import (
     angles_of,
     dwells_beside,
@@ -40,7 +40,7 @@ class Offer:
     growth: float
 
 
-def other_law(cam: Cam, pairs: Pairs, crossed: Crossed) -> Cure:
+def other_law(cam: Cam, pairs: Pairs) -> Cure:
     """Another family for the moves from rest to rest that have undercut, with default parameters.
 
     Of those that leave none the one whose acceleration grows least; one whose acceleration jumps
@@ -58,10 +58,10 @@ def other_law(cam: Cam, pairs: Pairs, crossed: Crossed) -> Cure:
     fitting = {number: _fitting(cam, number) for number in places}
     if all(fitting.values()):
         first = {number: offers[0] for number, offers in fitting.items()}
-        if is_sound(_with(cam, first), crossed):
+        if is_sound(_with(cam, first)):
             return _cure(plan, first)
         for same in _same_for_all(fitting):
-            if same != first and is_sound(_with(cam, same), crossed):
+            if same != first and is_sound(_with(cam, same)):
                 return _cure(plan, same)
     number = next((each for each, offers in fitting.items() if not offers), places[0])
     move = plan.segments[number]

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 
 from camgeo.cam.cam import Cam
@@ -22,9 +20,6 @@ Flanks = tuple[WorkingCurve, ...]
 
 Pairs = tuple[tuple[float, float], ...]
 """Crossings of the flanks in use, each by the two cam angles [rad] in [0, 2 pi)."""
-
-Crossed = Callable[[Flanks], Pairs]
-"""Finds the crossings of the flanks in use; asked only where these are regular."""
 
 
 def flanks_of(cam: Cam) -> Flanks:
@@ -70,7 +65,7 @@ def margin_within(cam: Cam, bends: Extremes, start: float, end: float) -> float:
     return float(np.min(margins(cam, bends)[max(first, 0) : last + 1]))
 
 
-def crossings_of(cam: Cam, crossed: Crossed) -> Pairs | None:
+def crossings_of(cam: Cam) -> Pairs | None:
     """The crossings of the flanks in use: none of a sound cam.
 
     None if there is worse: no mechanism, cusp, local undercut, standstill, or crossings that
@@ -83,14 +78,14 @@ def crossings_of(cam: Cam, crossed: Crossed) -> Pairs | None:
     if check_standstill(flanks[0].pitch):
         return None
     try:
-        return crossed(flanks)
+        return crossings(flanks)
     except GeometryError:
         return None
 
 
-def is_sound(cam: Cam, crossed: Crossed) -> bool:
+def is_sound(cam: Cam) -> bool:
     """True if the cam exists without cusp, undercut, crossing or standstill, and that is sure."""
-    return crossings_of(cam, crossed) == ()
+    return crossings_of(cam) == ()
 
 
 def crossings(flanks: Flanks) -> Pairs:

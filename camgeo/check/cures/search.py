@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from camgeo.cam.cam import Cam
-from camgeo.check.cures.margin import Crossed, Pairs, crossings_of, margin
+from camgeo.check.cures.margin import Pairs, crossings_of, margin
 from camgeo.check.cures.neck import Neck, followed, narrowest
 from camgeo.errors import GeometryError
 from camgeo.numeric.arrays import FloatArray
@@ -32,9 +32,7 @@ Make = Callable[[float], Cam]
 """The cam at a value of the knob; GeometryError where there is none."""
 
 
-def nearest_cure(
-    make: Make, start: float, end: float, scale: float, crossed: Crossed
-) -> float | None:
+def nearest_cure(make: Make, start: float, end: float, scale: float) -> float | None:
     """The limit nearest to `start` on the way to `end` beyond which the cam is sound.
 
     Of local undercut it is the root of the margin; of global undercut that of the neck's clearance,
@@ -43,7 +41,7 @@ def nearest_cure(
     """
     away = 1.0 if end > start else -1.0
     before, regular, neck = start, False, None
-    pairs = _pairs(make, start, crossed)
+    pairs = _pairs(make, start)
     if pairs:
         regular, neck = True, narrowest(make(start), pairs)
     for value in steps(start, end, scale):
@@ -54,7 +52,7 @@ def nearest_cure(
         if not regular:
             limit = root(lambda x: _margin(make, x), before, value)
             before = limit + away * min(BEYOND * scale, abs(value - limit))
-            pairs = _pairs(make, before, crossed)
+            pairs = _pairs(make, before)
             if pairs == ():
                 return limit
             regular, neck = True, narrowest(make(before), pairs) if pairs else None
@@ -62,16 +60,14 @@ def nearest_cure(
         if following is not None and following.clearance <= 0.0:
             before, neck = value, following  # it crosses, no need to look
             continue
-        pairs = _pairs(make, value, crossed)
+        pairs = _pairs(make, value)
         if pairs == ():
-            return _last_crossing(make, before, value, scale, neck, crossed)
+            return _last_crossing(make, before, value, scale, neck)
         before, neck = value, narrowest(make(value), pairs) if pairs else None
     return None
 
 
-def _last_crossing(
-    make: Make, bad: float, good: float, scale: float, neck: Neck | None, crossed: Crossed
-) -> float:
+def _last_crossing(make: Make, bad: float, good: float, scale: float, neck: Neck | None) -> float:
     """The limit of global undercut between a value that has it and a sound one."""
 
     def clearance(value: float) -> float:
@@ -79,7 +75,7 @@ def _last_crossing(
         return -1.0 if here is None else here.clearance
 
     def sound(value: float) -> bool:
-        return _pairs(make, value, crossed) == ()
+        return _pairs(make, value) == ()
 
     if neck is not None and clearance(bad) < 0.0 < clearance(good):
         limit = root(clearance, bad, good)
@@ -124,9 +120,9 @@ def _margin(make: Make, value: float) -> float:
     return -1.0 if least is None else least
 
 
-def _pairs(make: Make, value: float, crossed: Crossed) -> Pairs | None:
+def _pairs(make: Make, value: float) -> Pairs | None:
     """See `crossings_of`; None also where there is no mechanism."""
     try:
-        return crossings_of(make(value), crossed)
+        return crossings_of(make(value))
     except GeometryError:
         return None

@@ -8,7 +8,7 @@ from decimal import ROUND_FLOOR, Decimal, localcontext
 
 from camgeo.cam.cam import Cam
 from camgeo.check.cures.cure import Change, Cure, no_cure, told_share
-from camgeo.check.cures.margin import Crossed, Pairs, bends_of, is_sound, margin_within
+from camgeo.check.cures.margin import Pairs, bends_of, is_sound, margin_within
 from camgeo.check.cures.moves import (
     angles_of,
     degrees,
@@ -34,7 +34,7 @@ EXACT = 400
 """Digits in which spans are added and taken apart, as in `camgeo.motion.plan`."""
 
 
-def longer_segment(cam: Cam, pairs: Pairs, crossed: Crossed) -> Cure:
+def longer_segment(cam: Cam, pairs: Pairs) -> Cure:
     """Longer spans of the moves in which undercut lies, at the cost of the dwells beside them.
 
     The curvature over a move depends on its own span and on no other, so that against local
@@ -57,8 +57,8 @@ def longer_segment(cam: Cam, pairs: Pairs, crossed: Crossed) -> Cure:
     longer = longer_plan(plan, spans)
     if longer is None:
         return _too_short(plan, places[0])
-    if not is_sound(cam.moved(longer), crossed):
-        grown = _grown(cam, spans, crossed)
+    if not is_sound(cam.moved(longer)):
+        grown = _grown(cam, spans)
         if grown is None:
             return _too_short(plan, places[0])
         spans = grown
@@ -136,7 +136,7 @@ def _local_limit(cam: Cam, number: int) -> Decimal | None:
     return None
 
 
-def _grown(cam: Cam, spans: dict[int, Decimal], crossed: Crossed) -> dict[int, Decimal] | None:
+def _grown(cam: Cam, spans: dict[int, Decimal]) -> dict[int, Decimal] | None:
     """The spans times the least factor that leaves no crossing; None if the dwells are short."""
 
     def plan(growth: float) -> MotionPlan | None:
@@ -156,12 +156,12 @@ def _grown(cam: Cam, spans: dict[int, Decimal], crossed: Crossed) -> dict[int, D
     while too_much - most > MOST:
         middle = 0.5 * (most + too_much)
         most, too_much = (most, middle) if plan(middle) is None else (middle, too_much)
-    limit = nearest_cure(make, 0.0, most, 1.0, crossed)
+    limit = nearest_cure(make, 0.0, most, 1.0)
     if limit is None:
         return None
     grown = {number: _rounded_up(float(span) * (1.0 + limit)) for number, span in spans.items()}
     longer = longer_plan(cam.drive.plan, grown)
-    return grown if longer is not None and is_sound(cam.moved(longer), crossed) else None
+    return grown if longer is not None and is_sound(cam.moved(longer)) else None
 
 
 def _rounded_up(span: float) -> Decimal:
