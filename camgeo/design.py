@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     import pathlib
     from collections.abc import Sequence
 
-    from camgeo.check.cures import Cure
+    from camgeo.check.cures.cure import Cure
     from camgeo.effects.effect import Column
     from camgeo.effects.graph import Effects
     from camgeo.files.drawn import DrawnDisc

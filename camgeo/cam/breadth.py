@@ -17,8 +17,10 @@ from functools import cached_property
 import numpy as np
 
 from camgeo.curve.extremes import extremes
+from camgeo.mechanism.values import Length
 from camgeo.motion.motion import Dwell, Motion, Side
 from camgeo.numeric.arrays import FloatArray, merged
+from camgeo.numeric.checked import check_fields
 from camgeo.units import TURN
 
 HALF = 0.5 * TURN
@@ -74,3 +76,24 @@ class Breadth:
         """Breadth of the yoke [mm] whose largest error is least."""
         (least, _), (most, _) = self.range
         return 0.5 * (least + most)
+
+
+@dataclass(frozen=True, slots=True)
+class Yoke:
+    """What a scene says of a yoke.
+
+    Attributes
+    ----------
+    breadth : distance of its two faces, or of its two roller centres [mm]; None for the one with
+        the least closing error.
+
+    Raises
+    ------
+    GeometryError
+        With key "follower.yoke.breadth", if that is no length above 0.
+    """
+
+    breadth: Length | None = None
+
+    def __post_init__(self) -> None:
+        check_fields(self, "follower.yoke.")

@@ -13,10 +13,9 @@ from camgeo.numeric.checked import hold
 from camgeo.pickled import Pickled
 
 if TYPE_CHECKING:
-    from camgeo.cam.breadth import Breadth
+    from camgeo.cam.breadth import Breadth, Yoke
     from camgeo.cam.drive import Drive, LiftUnit
     from camgeo.mechanism.follower import Follower
-    from camgeo.mechanism.yoke import Yoke
 
 
 @dataclass(frozen=True)
@@ -70,7 +69,7 @@ class Cam(Pickled):
 
     @property
     def yoke_breadth(self) -> float:
-        """Distance of the two sides of the yoke [mm], see `camgeo.mechanism.yoke`; 0 without."""
+        """Distance of the two sides of the yoke [mm], see `Yoke`; 0 without."""
         if self.yoke is None or self.breadth is None:
             return 0.0
         return self.breadth.best if self.yoke.breadth is None else self.yoke.breadth

@@ -1,15 +1,95 @@
-"""Check of a flat face: how long it has to be, and whether the contact keeps its lever."""
+"""Check that a flat face can touch the cam: convex all round, and the cam axis inside."""
 
 from __future__ import annotations
 
-from camgeo.check.convexity import degrees
+import math
+
 from camgeo.check.finding import Finding, Severity
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.mechanism.face import flat_follower
-from camgeo.outline.convex import contact_extremes
+from camgeo.outline.convex import SMALLEST, Convexity, contact_extremes, convexity
 
 ROUNDING = 1e-12
 """Rounding of the contact's place, as a share of the base radius."""
+
+
+def check_convexity(curve: PitchCurve) -> tuple[Finding, ...]:
+    """Findings of a flat follower's cam; with a fatal one among them there is no such cam.
+
+    The smallest radius of curvature is told in any case. An outline whose face lies D farther from
+    the cam axis throughout is the parallel of this one, and has radii larger by D: so much more
+    base radius, and for a rocker as much more face offset, mends what is missing, exactly.
+    """
+    found = convexity(curve)
+    if found.turn[0] <= 0.0:
+        return (_turns_back(found),)
+    findings = [_radius(found, flat_follower(curve.follower).raised_by)]
+    if found.jumps:
+        findings.append(_jump(found))
+    if found.lowest <= SMALLEST * found.size:
+        findings.append(_over_axis(found))
+    return tuple(findings)
+
+
+def _turns_back(found: Convexity) -> Finding:
+    turn, phi = found.turn
+    sentence = (
+        f"the face turns back in the cam at cam angle {degrees(phi)} deg: the rocker turns with"
+        f" the cam and {1.0 - turn:.4g} times as fast, and no convex cam makes a flat face do that;"
+        " give the move a larger span or a smaller swing"
+    )
+    return Finding("convexity", "fatal", sentence, turn, 0.0, cam_angle=phi)
+
+
+def _radius(found: Convexity, sizes: tuple[str, ...]) -> Finding:
+    radius, phi = found.radius
+    least = SMALLEST * found.size
+    place = f"at cam angle {degrees(phi)} deg"
+    if radius > least:
+        sentence = f"smallest radius of curvature {radius:.6g} mm {place}: the cam is convex"
+        return Finding("convexity", "ok", sentence, radius, 0.0, "mm", phi)
+    keys = " and ".join(sizes) + (" both" if len(sizes) > 1 else "")
+    if radius >= -least:
+        sentence = (
+            f"the outline has a cusp {place}: its radius of curvature is 0 there; make {keys}"
+            " larger a little"
+        )
+    else:
+        sentence = (
+            f"undercut, the radius of curvature falls to {radius:.6g} mm {place}: a flat face"
+            f" touches only what is convex; make {keys} larger by more than {-radius:.6g} mm"
+        )
+    return Finding("convexity", "fatal", sentence, radius, 0.0, "mm", phi)
+
+
+def _jump(found: Convexity) -> Finding:
+    length, phi = found.jump
+    others = f", the worst of {found.jumps} jumps" if found.jumps > 1 else ""
+    which = (
+        "back, against the way in which it runs along the outline"
+        if length < 0.0
+        else "ahead, over a straight stretch that would be flush with it"
+    )
+    sentence = (
+        f"the velocity of the follower jumps at cam angle {degrees(phi)} deg, and the contact by"
+        f" {abs(length):.6g} mm along the face, {which}{others}; a flat face needs a motion without"
+        " shocks"
+    )
+    return Finding("contact-jump", "fatal", sentence, length, 0.0, "mm", phi)
+
+
+def _over_axis(found: Convexity) -> Finding:
+    lowest, phi = found.clearance
+    sentence = (
+        f"the face comes as near as {lowest:.6g} mm to the cam axis at cam angle {degrees(phi)}"
+        " deg: the cam does not go round its axis; make follower.base_radius larger"
+    )
+    return Finding("face-over-axis", "fatal", sentence, lowest, 0.0, "mm", phi)
+
+
+def degrees(angle: float) -> str:
+    """A cam angle [rad] in words."""
+    return f"{math.degrees(angle):.4f}"
 
 
 def check_face(curve: PitchCurve) -> tuple[Finding, ...]:

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Final, Literal
+
+from camgeo.motion.time_course import LiftUnit
 
 Severity = Literal["ok", "warning", "broken", "fatal", "wrong"]
 """ok: within its limit. warning: worth knowing. broken: beyond its limit, the disc can be made all
@@ -13,6 +16,13 @@ is no cam mechanism; a command treats it as a fault of the scene."""
 
 NO_OUTLINE: Final = ("wrong", "fatal")
 """Severities with which no outline is made."""
+
+
+TOLD: Final[dict[LiftUnit, tuple[float, str]]] = {
+    "mm": (1.0, "mm"),
+    "rad": (math.degrees(1.0), "deg"),
+}
+"""Factor and unit with which lifts are told, by their own unit."""
 
 
 @dataclass(frozen=True, slots=True)

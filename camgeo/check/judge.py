@@ -11,8 +11,7 @@ from camgeo.check.finding import Finding, Severity, forbidding
 from camgeo.check.follower import check_follower
 from camgeo.check.limits import Limits, default_transmission_angle
 from camgeo.check.linkage import check_linkage
-from camgeo.check.motion import Unit, check_motion
-from camgeo.check.speed import check_speed
+from camgeo.check.motion import check_motion, check_speed
 from camgeo.check.standstill import check_standstill
 from camgeo.check.transmission_angle import check_transmission_angle
 from camgeo.errors import GeometryError, UndercutError
@@ -23,7 +22,7 @@ from camgeo.pickled import Pickled
 if TYPE_CHECKING:
     from camgeo.cam.cam import Cam
     from camgeo.cam.drive import Drive
-    from camgeo.check.cures import Cure
+    from camgeo.check.cures.cure import Cure
     from camgeo.curve.working_curve import WorkingCurve
 
 WORST_FIRST: Final = ("wrong", "fatal", "broken", "warning", "ok")
@@ -76,7 +75,7 @@ class Judgement(Pickled):
         """What is found of the return disc and of both discs together; nothing of one."""
         if len(self.cams) < 2:
             return []
-        from camgeo.check.conjugate import check_pair  # few cams are pairs
+        from camgeo.check.form_closure import check_pair  # few cams are pairs
 
         main, other = self.cams
         # The linkage, which both discs share, is told once.
@@ -117,7 +116,7 @@ class Judgement(Pickled):
         """
         if not any(f.name.startswith(UNDERCUT) and f.severity != "ok" for f in self.findings):
             return ()
-        from camgeo.check.cures import cures  # a search, and few cams need one
+        from camgeo.check.cures.smallest import cures  # a search, and few cams need one
 
         return cures(self.cams[0])
 
@@ -131,11 +130,8 @@ def transmission_angle_limit(cam: Cam, limits: Limits) -> float:
 
 def motion_findings(drive: Drive) -> tuple[Finding, ...]:
     """What the checks find of the motion and of the speed, without any disc."""
-    unit: Unit = "mm" if drive.unit == "mm" else "deg"
-    return (
-        *check_motion(drive.plan, unit),
-        *check_speed(drive.plan, drive.time_course, unit),
-    )
+    speed = check_speed(drive.plan, drive.time_course, drive.unit)
+    return (*check_motion(drive.plan, drive.unit), *speed)
 
 
 def disc_findings(cam: Cam, limits: Limits) -> tuple[Finding, ...]:
@@ -162,15 +158,14 @@ def _of_yoke(cam: Cam, limits: Limits) -> list[Finding]:
     """Whether both sides of a yoke touch all through the turn; nothing without one."""
     if cam.breadth is None:
         return []
-    from camgeo.check.breadth import check_breadth
+    from camgeo.check.form_closure import check_breadth
 
     return [check_breadth(cam.breadth, cam.yoke_breadth, limits.closing_error)]
 
 
 def _of_face(cam: Cam, limits: Limits, _: list[Finding]) -> list[Finding]:
     """Whether there is a cam for a flat face, and how the face is used."""
-    from camgeo.check.convexity import check_convexity  # few cams have a flat face
-    from camgeo.check.face import check_face
+    from camgeo.check.face import check_convexity, check_face  # few cams have a flat face
 
     curve = cam.disc.pitch_curve
     found = [*check_convexity(curve)]

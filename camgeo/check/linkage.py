@@ -10,10 +10,9 @@ import numpy as np
 from camgeo.check.finding import Finding
 from camgeo.mechanism.linkage import LinkedMotion
 from camgeo.mechanism.positions import Course, course_of, position_told
-from camgeo.mechanism.triangle import dot
 from camgeo.motion.extremes import turning_angles
 from camgeo.motion.motion import Side
-from camgeo.numeric.arrays import FloatArray, merged
+from camgeo.numeric.arrays import FloatArray, dot, merged
 from camgeo.units import TURN
 
 if TYPE_CHECKING:

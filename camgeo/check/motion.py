@@ -1,18 +1,21 @@
-"""Checks of the motion plan: how it joins, whether it overshoots, how near it is to its data."""
+"""Checks of the motion plan: how it joins, whether it overshoots, how near it is to its data.
+
+And its extremes, in time once the cam has a speed; there is no limit to hold them to.
+"""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
 from itertools import pairwise
-from typing import Literal
 
-from camgeo.check.finding import Finding
+from camgeo.check.finding import TOLD, Finding
 from camgeo.motion.joints import Joint, breaks, joints
+from camgeo.motion.law_extremes import plan_extremes
 from camgeo.motion.laws.characteristic import characteristic
 from camgeo.motion.plan import Course, Dwell, MotionPlan, Move
-
-Unit = Literal["mm", "deg"]
+from camgeo.motion.time_course import ConstantSpeed, LiftUnit, TimeCourse
+from camgeo.numeric.extremes import Extremes
 
 OVERSHOOT = 1e-9
 """Part of the stroke beyond which a move overshoots; rounding stays a million times below."""
@@ -21,28 +24,34 @@ SHOCK, JERK = 0, 1
 """Orders up to which the motion is continuous where it has a shock, and where it has a jerk."""
 
 
-def check_motion(plan: MotionPlan, unit: Unit) -> tuple[Finding, ...]:
+NAMES = ("velocity", "acceleration", "jerk")
+
+OVER_ANGLE = ConstantSpeed(1.0)
+"""At 1 rad/s derivatives over time are those over the cam angle."""
+
+
+def check_motion(plan: MotionPlan, unit: LiftUnit) -> tuple[Finding, ...]:
     """Shocks (jumps of s'), jerks (jumps of s''), overshoots, and deviations from lift tables.
 
     Parameters
     ----------
     plan : in mm or rad.
-    unit : of the findings, "deg" for a plan in rad.
+    unit : which of them; findings have degrees for rad.
     """
-    scale = 1.0 if unit == "mm" else math.degrees(1.0)
     found = [_laws(plan), _continuity(plan)]
+    scale, told = TOLD[unit]
     for joint in breaks(plan):
         if joint.order == SHOCK:
-            found.append(_jump(joint, 1, scale, unit))
+            found.append(_jump(joint, 1, scale, told))
         if joint.order in (SHOCK, JERK) and joint.left[2] != joint.right[2]:
-            found.append(_jump(joint, 2, scale, unit))
+            found.append(_jump(joint, 2, scale, told))
     position = 0.0
     for segment, start in zip(plan.segments, plan.joints_deg, strict=False):
         angle = math.radians(float(segment.span))
         if isinstance(segment, Move) and segment.scale is None:
-            found += _overshoot(segment, position, float(start), scale, unit)
+            found += _overshoot(segment, position, float(start), scale, told)
         if isinstance(segment, Course) and segment.report is not None:
-            found.append(_deviation(segment, math.radians(float(start)), angle, scale, unit))
+            found.append(_deviation(segment, math.radians(float(start)), angle, scale, told))
         if isinstance(segment, Move | Course):
             position = segment.to
     return tuple(found)
@@ -93,7 +102,7 @@ def _angle(joint: Joint) -> str:
     return f"{math.degrees(joint.cam_angle):.6g} deg"
 
 
-def _jump(joint: Joint, order: int, scale: float, unit: Unit) -> Finding:
+def _jump(joint: Joint, order: int, scale: float, unit: str) -> Finding:
     jump = scale * float(joint.right[order] - joint.left[order])
     place = f"at cam angle {_angle(joint)}"
     if order == 1:
@@ -107,9 +116,7 @@ def _jump(joint: Joint, order: int, scale: float, unit: Unit) -> Finding:
     return Finding("jerk", "warning", told, jump, 0.0, per, joint.cam_angle)
 
 
-def _overshoot(
-    move: Move, position: float, start: float, scale: float, unit: Unit
-) -> list[Finding]:
+def _overshoot(move: Move, position: float, start: float, scale: float, unit: str) -> list[Finding]:
     """How far a move leaves the positions between its start and its end."""
     stroke = move.to - position
     if stroke == 0.0:
@@ -133,7 +140,7 @@ def _overshoot(
     return found
 
 
-def _deviation(course: Course, start: float, length: float, scale: float, unit: Unit) -> Finding:
+def _deviation(course: Course, start: float, length: float, scale: float, unit: str) -> Finding:
     report = course.report
     assert report is not None  # asked for those only
     angle = start + report.place * length
@@ -143,3 +150,43 @@ def _deviation(course: Course, start: float, length: float, scale: float, unit: 
         f" {math.degrees(angle):.6g} deg (root of the mean square {scale * report.rms:.3g} {unit})"
     )
     return Finding("lift-table", "ok", told, largest, unit=unit, cam_angle=angle)
+
+
+def check_speed(plan: MotionPlan, course: TimeCourse | None, unit: LiftUnit) -> tuple[Finding, ...]:
+    """Smallest and largest velocity, acceleration and jerk, and the torque that a mass asks for.
+
+    Parameters
+    ----------
+    plan : in mm, or in rad with the `unit` "deg".
+    course : how the cam turns; None tells the derivatives over the cam angle, and no torque.
+    """
+    extremes = plan_extremes(plan, course or OVER_ANGLE, unit)
+    scale, told = TOLD[unit]
+    base = "rad" if course is None else "s"
+    order = min(joint.order for joint in breaks(plan))
+    found = []
+    for power, (name, values) in enumerate(
+        zip(NAMES, (extremes.velocity, extremes.acceleration, extremes.jerk), strict=True), start=1
+    ):
+        per = f"{told}/{base}" if power == 1 else f"{told}/{base}^{power}"
+        # Where a derivative jumps the next one is infinite.
+        found.append(_finding(name, values, scale, per, bounded=order >= power - 1))
+    if course is not None:
+        per = "N m/kg" if unit == "mm" else "N m/(kg m^2)"
+        found.append(_finding("inertia-torque", extremes.torque, 1.0, per, bounded=order >= 1))
+    return tuple(found)
+
+
+def _finding(name: str, values: Extremes, scale: float, unit: str, *, bounded: bool) -> Finding:
+    low, high = values.lowest, values.highest
+    worst = max(low, high, key=lambda end: abs(end.value))
+    sentence = (
+        f"from {scale * low.value:.6g} to {scale * high.value:.6g} {unit}, at cam angles"
+        f" {math.degrees(low.place):.6g} and {math.degrees(high.place):.6g} deg"
+    )
+    if not bounded:
+        jumps = "a shock" if name != "jerk" else "a shock or a jerk"
+        sentence = f"infinite at {jumps}; elsewhere {sentence}"
+        return Finding(f"largest-{name}", "ok", sentence, unit=unit)
+    value = scale * worst.value
+    return Finding(f"largest-{name}", "ok", sentence, value, unit=unit, cam_angle=worst.place)

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
-from camgeo.check.finding import Finding, Severity
+from camgeo.check.finding import TOLD, Finding, Severity
+from camgeo.motion.time_course import LiftUnit
 from camgeo.outline.outline import Outline
 from camgeo.units import TURN
 
@@ -56,15 +57,14 @@ def check_outline(
     return tuple(found)
 
 
-def check_lost_stroke(
-    replay: Replay, name: str, unit: Literal["mm", "rad"], severity: Severity
-) -> Finding:
+def check_lost_stroke(replay: Replay, name: str, unit: LiftUnit, severity: Severity) -> Finding:
     """How much of its lift the follower loses on the real disc, and what that does to it.
 
     `unit` is that of the lift.
     """
     loss = replay.largest_loss
-    value, shown = (loss.value, "mm") if unit == "mm" else (math.degrees(loss.value), "deg")
+    scale, shown = TOLD[unit]
+    value = scale * loss.value
     jumps = []
     if len(replay.shocks):
         jumps.append(f"{len(replay.shocks)} shocks")

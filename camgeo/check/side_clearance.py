@@ -3,19 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
-from typing import Final
 
-from camgeo.check.finding import Finding
+from camgeo.check.finding import TOLD, Finding
 from camgeo.check.transmission_angle import transmission_angle_extremes
 from camgeo.curve.pitch_curve import PitchCurve
-from camgeo.mechanism.kind import Unit
-
-TOLD: Final[Mapping[Unit, tuple[Callable[[float], float], str]]] = {
-    "mm": (float, "mm"),
-    "rad": (math.degrees, "deg"),
-}
-"""How lifts are told, by their unit."""
 
 
 def largest_deviation(curve: PitchCurve, clearance: float) -> tuple[float, float]:
@@ -37,11 +28,11 @@ def check_side_clearance(curve: PitchCurve, clearance: float) -> Finding:
     Nothing is held to a limit: how much play is good is not a matter of geometry.
     """
     deviation, phi = largest_deviation(curve, clearance)
-    told, unit = TOLD[curve.follower.lift_unit]
+    scale, unit = TOLD[curve.follower.lift_unit]
     who = curve.follower.mover
     place = f"at cam angle {math.degrees(phi):.4f} deg"
     head = f"side clearance {clearance:g} mm: the play lets the {who} deviate from its motion by"
-    value = None if math.isinf(deviation) else told(deviation)
+    value = None if math.isinf(deviation) else scale * deviation
     if value is None:
         sentence = f"{head} any amount {place}, where the transmission angle is 0"
     else:

@@ -24,8 +24,7 @@ from camgeo.scene.load import load_scene
 
 if TYPE_CHECKING:
     from camgeo.cam.disc import Disc
-    from camgeo.check.cures import Cure
-    from camgeo.check.cures.cure import Value
+    from camgeo.check.cures.cure import Cure, Value
     from camgeo.files.product import Product
 
 

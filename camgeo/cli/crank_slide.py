@@ -22,12 +22,13 @@ from camgeo.cli.crank_slide_told import document, lines
 from camgeo.cli.plot import add_picture, check_picture, drawn
 from camgeo.errors import GeometryError
 from camgeo.mechanism.crank_slide import CrankSlide
-from camgeo.mechanism.crank_slide_drive import DrivenSlide, crank_for_swing
-from camgeo.mechanism.crank_slide_table import (
+from camgeo.mechanism.crank_slide_drive import (
     FULL_TURN,
     NAMES,
     PRINTED_STEP,
+    DrivenSlide,
     SlideTable,
+    crank_for_swing,
     slide_table,
 )
 from camgeo.units import RPM

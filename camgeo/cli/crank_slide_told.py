@@ -8,8 +8,14 @@ from typing import Any, Final
 
 from camgeo._version import __version__
 from camgeo.mechanism.crank_slide import CrankSlide
-from camgeo.mechanism.crank_slide_drive import DrivenSlide, Quantity, SlideExtreme, Stroke
-from camgeo.mechanism.crank_slide_table import NAMES, SlideTable
+from camgeo.mechanism.crank_slide_drive import (
+    NAMES,
+    DrivenSlide,
+    Quantity,
+    SlideExtreme,
+    SlideTable,
+    Stroke,
+)
 from camgeo.units import RPM
 
 QUANTITIES: Final[Mapping[Quantity, tuple[str, str]]] = {

@@ -38,7 +38,7 @@ def require_convex(subject: Subject, what: str) -> None:
     """Raise EffectError that there is no `what`, if a flat face cannot touch the cam all round."""
     if subject.cam.follower.has_pitch_curve:
         return
-    from camgeo.check.convexity import check_convexity  # few cams have a flat face
+    from camgeo.check.face import check_convexity  # few cams have a flat face
 
     for found in check_convexity(subject.cam.disc.pitch_curve):
         if found.severity == "fatal":

@@ -20,7 +20,6 @@ from camgeo.mechanism.triangle import (
     ROUNDING,
     SLACK,
     cosine_range,
-    dot,
     in_line,
     level,
     passed_at_rest,
@@ -29,7 +28,7 @@ from camgeo.mechanism.triangle import (
     within,
 )
 from camgeo.motion.motion import FULL_ORDER, Jet
-from camgeo.numeric.arrays import ComplexArray, FloatArray
+from camgeo.numeric.arrays import ComplexArray, FloatArray, dot
 from camgeo.numeric.checked import instance
 
 if TYPE_CHECKING:

@@ -44,12 +44,8 @@ class Guided(Follower):
     swing_sense = 0
 
     if TYPE_CHECKING:  # fields of every kind
-
-        @property
-        def guide_angle(self) -> float: ...
-
-        @property
-        def direction(self) -> int: ...
+        guide_angle: float
+        direction: int
 
     @property
     def outward(self) -> complex:
@@ -111,15 +107,9 @@ class Rocking(Follower):
     way = 0j
 
     if TYPE_CHECKING:  # fields of every kind
-
-        @property
-        def pivot(self) -> complex: ...
-
-        @property
-        def arm_side(self) -> int: ...
-
-        @property
-        def direction(self) -> int | None: ...
+        pivot: complex
+        arm_side: int
+        direction: int | None
 
     @property
     def centre_distance(self) -> float:

@@ -128,21 +128,11 @@ class Follower(ABC):
     ahead: ClassVar[int]
 
     if TYPE_CHECKING:  # fields of the kinds that have them, which would take these for defaults
-
-        @property
-        def base_radius(self) -> float: ...
-
-        @property
-        def roller_radius(self) -> float: ...
-
-        @property
-        def pivot(self) -> complex | None: ...
-
-        @property
-        def offset(self) -> float: ...
-
-        @property
-        def face(self) -> tuple[float, float] | None: ...
+        base_radius: float
+        roller_radius: float
+        pivot: complex | None
+        offset: float
+        face: tuple[float, float] | None
 
         @property
         def farthest(self) -> float: ...

@@ -24,7 +24,7 @@ from camgeo.errors import GeometryError
 from camgeo.mechanism.follower import Follower
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.mechanism.translating_roller import TranslatingRoller
-from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, IntArray
+from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, IntArray, dot
 from camgeo.units import TURN
 
 ROUNDING = 1e-9
@@ -99,11 +99,11 @@ class Bows:
         """What the parameter of a point solves that lies on a partner: square, linear, constant."""
         apart = others.points - self.points
         turned = others.normals - others.curvatures * apart
-        value = 0.5 * others.curvatures * _square(apart) - _dot(others.normals, apart)
+        value = 0.5 * others.curvatures * _square(apart) - dot(others.normals, apart)
         kappa = self.curvatures
-        square = 0.5 * (others.curvatures - kappa * _dot(turned, self.normals))
+        square = 0.5 * (others.curvatures - kappa * dot(turned, self.normals))
         square += 0.25 * value * kappa * kappa
-        return square, _dot(turned, 1j * self.normals), value
+        return square, dot(turned, 1j * self.normals), value
 
     def at_distance(self, radius: float, shift: float = 0.0) -> FloatArray:
         """(2, n) parameters at which the parallel at -`shift` is `radius` from the cam axis [mm].
@@ -115,7 +115,7 @@ class Bows:
         b = 1j * (self.normals - 0.5 * kappa * (self.points + shift * self.normals))
         return _roots(
             _square(b) - (0.5 * radius * kappa) ** 2,
-            2.0 * _dot(a, b),
+            2.0 * dot(a, b),
             (np.abs(a) - radius) * (np.abs(a) + radius),
         )
 
@@ -344,19 +344,14 @@ def lift_jet(path: FollowerPath, phi: FloatArray, q: FloatArray, bows: Bows) -> 
     along, bend = path.along(phi, q)
     normal = bows.normal_at(point)
     turn = -1j * path.rotation
-    steep = _dot(normal, along)
+    steep = dot(normal, along)
     if np.any(steep == 0.0):
         raise GeometryError("the contour runs along the follower's own path: it has no velocity")
-    first = -_dot(normal, turn * point) / steep
+    first = -dot(normal, turn * point) / steep
     speed = turn * point + along * first
     rest = -point + 2.0 * turn * along * first + bend * first * first
-    second = -(bows.curvatures * _square(speed) + _dot(normal, rest)) / steep
+    second = -(bows.curvatures * _square(speed) + dot(normal, rest)) / steep
     return path.outward * np.stack((q - path.start, first, second))
-
-
-def _dot(a: ComplexArray, b: ComplexArray) -> FloatArray:
-    """(n,) scalar products of plane vectors."""
-    return a.real * b.real + a.imag * b.imag
 
 
 def _square(a: ComplexArray) -> FloatArray:

@@ -22,7 +22,6 @@ from camgeo.mechanism.triangle import (
     SLACK,
     RockerCrank,
     cosine_range,
-    dot,
     drawn,
     in_line,
     passed_at_rest,
@@ -32,7 +31,7 @@ from camgeo.mechanism.triangle import (
 )
 from camgeo.mechanism.values import Angle, Branch, Length, Place, Sense
 from camgeo.motion.motion import FULL_ORDER, Jet
-from camgeo.numeric.arrays import ComplexArray, FloatArray
+from camgeo.numeric.arrays import ComplexArray, FloatArray, dot
 from camgeo.numeric.checked import check_fields
 
 if TYPE_CHECKING:

@@ -151,12 +151,6 @@ def in_line(places: tuple[float, ...], areas: FloatArray, full: float) -> tuple[
     return tuple(each for each, sine in zip(places, sines, strict=True) if sine <= IN_LINE)
 
 
-def dot(a: ComplexArray, b: ComplexArray) -> FloatArray:
-    """(n,) scalar products of plane vectors."""
-    found: FloatArray = a.real * b.real + a.imag * b.imag
-    return found
-
-
 def turning(joint: ComplexArray, rates: FloatArray) -> ComplexArray:
     """(2, n) first and second derivative of `joint` (n,), which turns about 0 with `rates` (2, n).
 

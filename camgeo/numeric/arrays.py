@@ -20,6 +20,12 @@ def frozen(values: Any, dtype: DTypeLike) -> NDArray[Any]:
     return array
 
 
+def dot(a: ComplexArray, b: ComplexArray | complex) -> FloatArray:
+    """(n,) scalar products of plane vectors."""
+    found: FloatArray = a.real * b.real + a.imag * b.imag
+    return found
+
+
 def ascending(values: FloatArray) -> FloatArray:
     """The distinct `values` (n,), ascending.
 

@@ -29,9 +29,9 @@ from camgeo.scene.sound import SoundValues
 from camgeo.units import RPM, TURN
 
 if TYPE_CHECKING:
+    from camgeo.cam.breadth import Yoke
     from camgeo.mechanism.follower import Follower
     from camgeo.mechanism.linkage_protocol import Linkage
-    from camgeo.mechanism.yoke import Yoke
     from camgeo.motion.time_course import SpeedCurve
 
 Built = TypeVar("Built")
@@ -127,7 +127,7 @@ class Builder:
         table: dict[str, Any] | None = self.values.get("follower", "yoke")
         if table is None:
             return None
-        from camgeo.mechanism.yoke import Yoke  # few scenes have one
+        from camgeo.cam.breadth import Yoke  # few scenes have one
 
         return Yoke(**_given(table, {"breadth": self._mm}))
 

@@ -16,12 +16,12 @@ from camgeo.scene.source import Source
 from camgeo.scene.tree import Tree, edited, read_only
 
 if TYPE_CHECKING:
+    from camgeo.cam.breadth import Yoke
     from camgeo.cam.contact import Contact
     from camgeo.check.limits import Limits
     from camgeo.mechanism.follower import Follower
     from camgeo.mechanism.kind import Unit
     from camgeo.mechanism.linkage_protocol import Linkage
-    from camgeo.mechanism.yoke import Yoke
     from camgeo.motion.plan import MotionPlan
     from camgeo.motion.time_course import SpeedCurve
     from camgeo.part.spec import PartSpec

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from camgeo.cam.breadth import Breadth
-from camgeo.check.breadth import check_breadth
+from camgeo.check.form_closure import check_breadth
 from camgeo.motion.plan import Dwell, MotionPlan, Move
 from camgeo.units import TURN
 from tests.laws import LAWS

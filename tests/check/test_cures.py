@@ -18,11 +18,11 @@ from hypothesis import strategies as st
 
 import camgeo
 from camgeo.cam.cam import Cam
-from camgeo.check.cures import Change, Cure, cures, margin
-from camgeo.check.cures.cure import digits_for, told_beyond
+from camgeo.check.cures.cure import Change, Cure, digits_for, told_beyond
 from camgeo.check.cures.laws import offers_for
-from camgeo.check.cures.margin import flanks_of, is_sound
+from camgeo.check.cures.margin import flanks_of, is_sound, margin
 from camgeo.check.cures.search import NARROW
+from camgeo.check.cures.smallest import cures
 from camgeo.check.cures.spans import STEP, longer_plan
 from camgeo.check.curvature import check_undercut
 from camgeo.check.standstill import check_standstill

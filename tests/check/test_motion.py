@@ -10,8 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from camgeo.check.finding import Finding
-from camgeo.check.motion import check_motion
-from camgeo.check.speed import check_speed
+from camgeo.check.motion import check_motion, check_speed
 from camgeo.motion.laws import make_law
 from camgeo.motion.laws.characteristic import characteristic
 from camgeo.motion.plan import Dwell, MotionPlan, Move
@@ -103,7 +102,7 @@ def test_angles_are_told_in_degrees() -> None:
         move(90, 0.0, "polynomial-345"),
     ]
     plan = plan_motion(requests)
-    shocks = [found for found in check_motion(plan, "deg") if found.name == "shock"]
+    shocks = [found for found in check_motion(plan, "rad") if found.name == "shock"]
     assert [found.value for found in shocks] == pytest.approx([20.0 / math.pi, -20.0 / math.pi])
     assert {found.unit for found in shocks} == {"deg/rad"}
 

@@ -19,8 +19,7 @@ import pytest
 from camgeo.cli.main import COMMANDS, main
 from camgeo.errors import GeometryError
 from camgeo.mechanism.crank_slide import CrankSlide
-from camgeo.mechanism.crank_slide_drive import DrivenSlide, crank_for_swing
-from camgeo.mechanism.crank_slide_table import NAMES
+from camgeo.mechanism.crank_slide_drive import NAMES, DrivenSlide, crank_for_swing
 from tests.reference import hard_case
 
 FIXTURES = Path(__file__).parents[2] / "fixtures" / "tables"

@@ -19,6 +19,7 @@ import numpy as np
 import pytest
 
 import camgeo
+from camgeo.cam.breadth import Yoke
 from camgeo.check.limits import Limits
 from camgeo.contour.contour import Contour
 from camgeo.curve.pitch_curve import PitchCurve
@@ -36,7 +37,6 @@ from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.mechanism.slider_crank import SliderCrank
 from camgeo.mechanism.translating_flat import TranslatingFlat
 from camgeo.mechanism.translating_roller import TranslatingRoller
-from camgeo.mechanism.yoke import Yoke
 from camgeo.motion.plan import MotionPlan, Move
 from camgeo.outline.path import whole
 from camgeo.part.boundaries import CurveBoundary, ExactBoundary

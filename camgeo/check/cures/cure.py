@@ -72,28 +72,24 @@ class Cure:
 
 
 def length_cure(
-    knob: str, key: str, old: float, limit: float, scale: float, *, upward: bool
+    knob: str, old: float, limit: float | None, scale: float, none: str, *, upward: bool = True
 ) -> Cure:
-    """The cure by a length: the values next to `limit` [mm], above it if `upward`, else below.
+    """The cure by the follower's length `knob` [mm]: above `limit` if `upward`, else below.
 
-    The cost is the change as a share of `scale` [mm].
+    The cost is the change as a share of `scale` [mm]. Without a limit it is none, and says `none`.
     """
+    key = f"follower.{knob.replace(' ', '_')}"
+    if limit is None:
+        return no_cure(knob, key, old, "mm", none)
     near = "just " if knob in ("offset", "arm") else ""
     digits = digits_for(old, limit)
     told, present = told_beyond(limit, digits, upward=upward), f"{old:.{digits}g}"
     cost = abs(limit - old) / scale
-    return Cure(
-        knob=knob,
-        key=key,
-        value_from=old,
-        value_to=limit,
-        unit="mm",
-        cost=cost,
-        sentence=(
-            f"{knob} {near}{'above' if upward else 'below'} {told} mm instead of {present} mm"
-            f" ({key}, a change by {told_share(cost)})"
-        ),
+    sentence = (
+        f"{knob} {near}{'above' if upward else 'below'} {told} mm instead of {present} mm"
+        f" ({key}, a change by {told_share(cost)})"
     )
+    return Cure(knob, key, old, limit, "mm", cost, sentence)
 
 
 def no_cure(knob: str, key: str, old: Value, unit: str, reason: str) -> Cure:

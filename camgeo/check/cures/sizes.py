@@ -6,9 +6,9 @@ from functools import singledispatch
 from typing import Any
 
 from camgeo.cam.cam import Cam
-from camgeo.check.cures.cure import Cure, length_cure, no_cure
+from camgeo.check.cures.cure import Cure, length_cure
 from camgeo.check.cures.margin import Pairs, bends_of, is_sound
-from camgeo.check.cures.search import BEYOND, Make, nearest_cure
+from camgeo.check.cures.search import BEYOND, nearest_cure
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.mechanism.translating_roller import TranslatingRoller
 
@@ -22,16 +22,14 @@ mechanism locks or lies stretched out."""
 
 def base_radius(cam: Cam, _: Pairs) -> Cure:
     """A larger base circle; an oscillating follower keeps pivot and arm."""
-    key, old = "follower.base_radius", cam.follower.base_radius
+    old = cam.follower.base_radius
     end, why = MOST * old, f"up to {MOST:g} times the present one"
     stretched = cam.follower.farthest
     if stretched * (1.0 - INSIDE) < end:
         end = max(stretched * (1.0 - INSIDE), old)
         why = f"up to {stretched:g} mm, where the rocker lies stretched out,"
     limit = nearest_cure(lambda r: cam.sized(base_radius=r), old, end, old)
-    if limit is None:
-        return no_cure("base radius", key, old, "mm", f"no larger base radius {why} cures it")
-    return length_cure("base radius", key, old, limit, old, upward=True)
+    return length_cure("base radius", old, limit, old, f"no larger base radius {why} cures it")
 
 
 def roller_radius(cam: Cam, _: Pairs) -> Cure:
@@ -40,22 +38,24 @@ def roller_radius(cam: Cam, _: Pairs) -> Cure:
     In a groove with side clearance c at most r_K - c/2; the clearance is kept. Smaller still, by
     bisection, where the flank of that roller crosses itself.
     """
-    key, old = "follower.roller_radius", cam.follower.roller_radius
+    knob, old, none = (
+        "roller radius",
+        cam.follower.roller_radius,
+        "no smaller roller radius cures it",
+    )
     bends = bends_of(cam)
     assert bends is not None  # there is something to cure
     extremes = bends.smallest()[0], bends.largest()[0]
     kappa = max(-flank.sign * each for flank in cam.contact.flanks for each in extremes)
     regular = min(old, 1.0 / kappa - 0.5 * cam.clearance) if kappa > 0.0 else old
     if regular <= BEYOND * old:
-        reason = "the play of the groove alone exceeds the radius of curvature"
-        return no_cure("roller radius", key, old, "mm", reason)
+        none = "the play of the groove alone exceeds the radius of curvature"
+        return length_cure(knob, old, None, old, none)
     limit: float | None = regular
     near = regular * (1.0 - BEYOND)
     if not is_sound(cam.sized(roller_radius=near)):
         limit = nearest_cure(lambda r: cam.sized(roller_radius=r), near, BEYOND * old, old)
-    if limit is None:
-        return no_cure("roller radius", key, old, "mm", "no smaller roller radius cures it")
-    return length_cure("roller radius", key, old, limit, old, upward=False)
+    return length_cure(knob, old, limit, old, none, upward=False)
 
 
 def offset_or_arm(cam: Cam, _: Pairs) -> Cure:
@@ -64,17 +64,17 @@ def offset_or_arm(cam: Cam, _: Pairs) -> Cure:
     The nearer one of the two directions in which it can be changed.
     """
     knob, old, low, high, scale = _knob(cam.follower)
-    key = f"follower.{knob}"
+    none = f"no other {knob} between {low:g} and {high:g} mm cures it"
 
     def made(value: float) -> Cam:
         return cam.sized(**{knob: value})
 
-    found = _either_way(made, old, low, high, scale)
-    if found is None:
-        reason = f"no other {knob} between {low:g} and {high:g} mm cures it"
-        return no_cure(knob, key, old, "mm", reason)
-    limit, upward = found
-    return length_cure(knob, key, old, limit, scale, upward=upward)
+    up = nearest_cure(made, old, max(high, old), scale)
+    if up is not None:
+        low = max(low, old - (up - old))
+    down = nearest_cure(made, old, min(low, old), scale)
+    limit = up if down is None else down
+    return length_cure(knob, old, limit, scale, none, upward=down is None)
 
 
 @singledispatch
@@ -94,16 +94,3 @@ def _(follower: OscillatingRoller) -> tuple[str, float, float, float, float]:
     distance, base = follower.centre_distance, follower.base_radius
     low, high = abs(distance - base) + INSIDE * base, (distance + base) - INSIDE * base
     return "arm", follower.arm, low, high, follower.arm
-
-
-def _either_way(
-    make: Make, old: float, low: float, high: float, scale: float
-) -> tuple[float, bool] | None:
-    """The nearer of the limits in both directions within [low, high]; True if it is above."""
-    up = nearest_cure(make, old, max(high, old), scale)
-    if up is not None:
-        low = max(low, old - (up - old))
-    down = nearest_cure(make, old, min(low, old), scale)
-    if down is not None:
-        return down, False
-    return None if up is None else (up, True)

@@ -98,12 +98,9 @@ def nearest_cells(now: Conditions, start: complex, least: float, reach: float) -
 
 def excluded(now: Conditions, places: ComplexArray, half: FloatArray) -> BoolArray:
     """(k,) whether all places within `half` (k,) [mm] of `places` (k,) break a condition."""
-    block = max(1, BLOCK // max(len(now.terms.q), 1))
-    out = np.empty(len(places), dtype=np.bool_)
-    for i in range(0, len(places), block):
-        part = slice(i, i + block)
-        out[part] = _excluded(now, places[part, np.newaxis], half[part, np.newaxis])
-    return out
+    count = 1 + len(places) * len(now.terms.q) // BLOCK
+    parts = zip(np.array_split(places, count), np.array_split(half, count), strict=True)
+    return np.concatenate([_excluded(now, each[:, None], reach[:, None]) for each, reach in parts])
 
 
 def _excluded(now: Conditions, places: ComplexArray, half: FloatArray) -> BoolArray:

@@ -29,9 +29,8 @@ class Conditions:
 
     def met(self, places: ComplexArray) -> BoolArray:
         """(k,) whether the places (k,) keep all of them."""
-        block = max(1, BLOCK // max(len(self.terms.q), 1))
-        parts = [self._met(places[i : i + block]) for i in range(0, len(places), block)]
-        return np.concatenate(parts) if parts else np.empty(0, dtype=np.bool_)
+        parts = np.array_split(places, 1 + len(places) * len(self.terms.q) // BLOCK)
+        return np.concatenate([self._met(part) for part in parts])
 
     def _met(self, places: ComplexArray) -> BoolArray:
         u, v = self.terms.across_and_along(places[:, np.newaxis])

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from camgeo.numeric.arrays import ComplexArray, FloatArray
+from camgeo.numeric.arrays import ComplexArray, FloatArray, dot
 
 ROUNDING = 1e-13
 """A point outside a half-plane by this share of the size of all of them lies on its border."""
@@ -25,7 +25,7 @@ def nearest_point(normals: ComplexArray, bounds: FloatArray, start: complex) -> 
     """
     length = np.abs(normals)
     normals, bounds = normals / length, bounds / length
-    feet = start + normals * (bounds - _dot(normals, np.array([start])))
+    feet = start + normals * (bounds - dot(normals, start))
     first, second = np.triu_indices(len(normals), 1)
     n1, n2, c1, c2 = normals[first], normals[second], bounds[first], bounds[second]
     area = n1.real * n2.imag - n1.imag * n2.real
@@ -36,13 +36,8 @@ def nearest_point(normals: ComplexArray, bounds: FloatArray, start: complex) -> 
     size = np.abs(points) + np.max(np.abs(bounds), initial=0.0)
     inside = np.ones(len(points), dtype=np.bool_)
     for normal, bound in zip(normals, bounds, strict=True):
-        inside &= _dot(np.array([normal]), points) >= bound - ROUNDING * size
+        inside &= dot(points, normal) >= bound - ROUNDING * size
     if not np.any(inside):
         return None
     found = points[inside]
     return complex(found[np.argmin(np.abs(found - start))])
-
-
-def _dot(first: ComplexArray, second: ComplexArray) -> FloatArray:
-    product: FloatArray = first.real * second.real + first.imag * second.imag
-    return product

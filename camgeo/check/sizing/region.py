@@ -31,12 +31,10 @@ def row_limits(task: Task, tangent: float, rows: FloatArray) -> tuple[FloatArray
         for each in smooth_pieces(task.motion)
     ]
     phi = np.concatenate(pieces)
-    edge = np.concatenate([np.arange(len(each)) for each in pieces])
-    last = np.concatenate([np.full(len(each), len(each) - 1) for each in pieces])
+    left = np.concatenate([np.append(each[:1], each[:-1]) for each in pieces])
+    right = np.concatenate([np.append(each[1:], each[-1:]) for each in pieces])
     low = np.full(len(rows), -np.inf)
     high = np.full(len(rows), np.inf)
-    left = phi[np.maximum(np.arange(len(phi)) - (edge > 0), 0)]
-    right = phi[np.minimum(np.arange(len(phi)) + (edge < last), len(phi) - 1)]
     for t in (tangent, -tangent):
         for upper in (False, True):
             values = _bound(task, t, phi[np.newaxis, :], rows[:, np.newaxis], upper=upper)

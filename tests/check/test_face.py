@@ -9,8 +9,7 @@ from decimal import Decimal
 import pytest
 
 from camgeo.check.closure import check_closure
-from camgeo.check.convexity import check_convexity
-from camgeo.check.face import check_face
+from camgeo.check.face import check_convexity, check_face
 from camgeo.check.finding import Finding
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.mechanism.oscillating_flat import OscillatingFlat

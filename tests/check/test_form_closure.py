@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, settings
 
 import camgeo
-from camgeo.check.conjugate import check_pair, leverage_slope
+from camgeo.check.form_closure import check_pair, leverage_slope
 from camgeo.contour.arcs.fast import fit_arcs
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.curve.working_curve import WorkingCurve

@@ -1,4 +1,4 @@
-"""Checks of a conjugate pair: whether the two discs hold the follower between them, and how well.
+"""Checks of what holds a follower both ways: the two discs of a conjugate pair, or a yoke.
 
 A normal force N of a disc on its roller does the work N dn on the follower, n counted outward and
 dn/dq the leverage (`camgeo.curve.pitch_curve.PitchCurve.leverage`). Discs only push. So the pair
@@ -13,6 +13,7 @@ from typing import Final
 
 import numpy as np
 
+from camgeo.cam.breadth import Breadth
 from camgeo.check.finding import Finding, held
 from camgeo.curve.extremes import extremes
 from camgeo.curve.pitch_curve import PitchCurve
@@ -104,3 +105,17 @@ def _check_closing_error(
         f" play or squeeze, as way of the main roller, at cam angle {math.degrees(phi):.4f} deg"
     )
     return held("closing-error", told, value, limit, "mm", phi)
+
+
+def check_breadth(cam: Breadth, breadth: float, limit: float) -> Finding:
+    """Hold the difference of the width of `cam` from the `breadth` [mm] of a yoke to `limit` [mm].
+
+    Where the cam is wider the yoke is squeezed, where it is narrower the yoke has play.
+    """
+    (least, narrow), (most, wide) = cam.range
+    error, phi = max((most - breadth, wide), (breadth - least, narrow))
+    told = (
+        f"yoke of breadth {breadth:.6g} mm: the cam is {least:.6g} to {most:.6g} mm wide, off"
+        f" by up to {error + 0.0:.3g} mm at cam angle {math.degrees(phi):.4f} deg"
+    )
+    return held("closing-error", told, error, limit, "mm", phi)
