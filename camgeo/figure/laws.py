@@ -150,7 +150,7 @@ def _piece(law: Law, index: int) -> tuple[FloatArray, tuple[FloatArray, ...]]:
     """z and f', f'', f''', f' f'' of a region, from inside at both ends: jumps stay jumps."""
     region = law.regions[index]
     z = np.unique(np.append(np.linspace(region.start, region.end, SAMPLES), region.places))
-    _, f1, f2, f3 = region.formula(z, 1.0 - z)
+    _, f1, f2, f3 = region.values(z)
     return z, (f1, f2, f3, f1 * f2)
 
 

@@ -1,18 +1,39 @@
-"""A piece of a motion plan: a stretch of the turn with one formula, and how it is evaluated."""
+"""The pieces of a motion plan: stretches of the turn with one formula, and how they are evaluated.
+
+A plan may have thousands of pieces, and is asked at a dozen cam angles or at thousands. Pieces with
+equal formulas are evaluated in one call, each angle with the numbers of its piece; where there are
+many more angles than pieces each piece has a call of its own, with nothing to look up.
+"""
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
 from camgeo.motion.laws.law import Formula, Values
-from camgeo.motion.motion import Jet
-from camgeo.numeric.arrays import FloatArray
+from camgeo.motion.motion import Jet, Side
+from camgeo.numeric.arrays import FloatArray, IntArray
+from camgeo.units import TURN
 
 if TYPE_CHECKING:  # only a motion by data needs splines
     from camgeo.motion.spline import Spline
+
+BLOCK: Final = 8192
+"""Angles worked on at a time."""
+
+MANY: Final = 64
+"""Angles to a piece, in the mean, from which on pieces are evaluated one by one."""
+
+SNAP: Final = 4.0 * math.ulp(TURN)
+"""Two cam angles [rad] closer than this are the same angle, rounded differently on the way from
+degrees; the angle counts as the joint itself. A millionth of a degree is 5 million times wider."""
+
+REST: Final = -1
+"""Stands for the formula of a piece that rests."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,8 +49,9 @@ class Piece:
     origin: float
     lift: float = 0.0
     formula: Formula | None = None
+    numbers: tuple[float, ...] = ()
     segment_start: float = 0.0
-    segment_end: float = 0.0
+    segment_end: float = 1.0
     jerk_bound: float = 0.0
     from_end: bool = False
     spline: Spline | None = None
@@ -43,23 +65,6 @@ class Piece:
     def length(self) -> float:
         """Cam angle of the whole segment [rad]."""
         return self.segment_end - self.segment_start
-
-    def jet(self, phi: FloatArray, out: Jet) -> None:
-        """Write lift and derivatives at `phi` (n,) [rad] inside the piece into `out` (4, n)."""
-        if self.formula is None:
-            out[0] = self.origin
-            out[1:] = 0.0
-            return
-        span = self.length
-        rate = 1.0 / span
-        near, f1, f2, f3 = self.formula(
-            (phi - self.segment_start) * rate, (self.segment_end - phi) * rate
-        )
-        np.multiply(near, -self.lift if self.from_end else self.lift, out=out[0])
-        out[0] += self.origin
-        np.multiply(f1, self.lift / span, out=out[1])
-        np.multiply(f2, self.lift / span**2, out=out[2])
-        np.multiply(f3, self.lift / span**3, out=out[3])
 
     @property
     def knots(self) -> FloatArray:
@@ -77,22 +82,118 @@ class Piece:
         bounds = self.spline.cell_bounds(*shares)
         return bounds / self.length ** np.arange(4.0)[:, np.newaxis]
 
-    @property
-    def jerk_limit(self) -> float:
-        """Bound of |s'''| over the piece."""
-        if self.formula is None:
-            return 0.0
-        return abs(self.lift) / self.length**3 * self.jerk_bound
-
 
 def spline_piece(spline: Spline, position: float, start: float, end: float) -> Piece:
     """The piece of a motion by data: `spline` over z in [0, 1], from `position`."""
 
-    def formula(z: FloatArray, _w: FloatArray) -> Values:
+    def formula(z: FloatArray, _w: FloatArray, _: Any) -> Values:
         s, s1, s2, s3 = spline.values(np.clip(z, 0.0, 1.0))
         return s, s1, s2, s3
 
     return Piece(
-        start, end, position, 1.0, formula, start, end,
+        start, end, position, 1.0, formula, (), start, end,
         jerk_bound=float(np.max(spline.bounds(3))), spline=spline,
     )  # fmt: skip
+
+
+class Pieces:
+    """The pieces of a turn as columns.
+
+    Attributes
+    ----------
+    starts : (m,) cam angles [rad].
+    jerk_limits : (m,) bounds of |s'''|.
+    """
+
+    def __init__(self, pieces: Sequence[Piece]) -> None:
+        self.starts = np.array([piece.start for piece in pieces])
+        self._start = np.array([piece.segment_start for piece in pieces])
+        self._end = np.array([piece.segment_end for piece in pieces])
+        self._origin = np.array([piece.origin for piece in pieces])
+        lift, length = np.array([piece.lift for piece in pieces]), self._end - self._start
+        near = np.where([piece.from_end for piece in pieces], -lift, lift)
+        self._rate = 1.0 / length
+        # Python's power and numpy's differ in the last bit.
+        squares, cubes = ([float(span) ** order for span in length] for order in (2, 3))
+        self._scale = np.stack((near, lift / length, lift / squares, lift / cubes))
+        bounds = np.array([piece.jerk_bound for piece in pieces])
+        self.jerk_limits = np.abs(lift) / cubes * bounds
+        formulas: dict[Formula, int] = {}
+        numbers: list[list[tuple[float, ...]]] = []
+        self._group = np.full(len(pieces), REST)
+        self._row = np.zeros(len(pieces), dtype=np.intp)
+        for place, piece in enumerate(pieces):
+            if piece.formula is not None:
+                group = formulas.setdefault(piece.formula, len(formulas))
+                if group == len(numbers):
+                    numbers.append([])
+                self._group[place], self._row[place] = group, len(numbers[group])
+                numbers[group].append(piece.numbers)
+        self._formulas = tuple(formulas)
+        self._numbers = [np.array(rows).T for rows in numbers]
+
+    def jet(self, phi: FloatArray, side: Side) -> Jet:
+        """(4, n) lift and derivatives at `phi` (n,) in [0, 2 pi] [rad]."""
+        out = np.empty((4, len(phi)))
+        if len(phi) > MANY * len(self.starts):
+            for piece, places in self._parts(phi, side):
+                for part in _blocks(places):
+                    self._write(int(self._group[piece]), piece, phi[part], out, part)
+            return out
+        pieces = self.at(phi, side)
+        for group, places in places_of(self._group[pieces]):
+            for part in _blocks(places):
+                self._write(group, pieces[part], phi[part], out, part)
+        return out
+
+    def at(self, phi: FloatArray, side: Side) -> IntArray:
+        """(n,) the number of the piece in which each of `phi` (n,) lies."""
+        nudge = SNAP if side == "right" else -SNAP
+        return np.maximum(np.searchsorted(self.starts, phi + nudge, side=side) - 1, 0)
+
+    def _parts(self, phi: FloatArray, side: Side) -> list[tuple[int, slice | IntArray]]:
+        """Each piece in which some of `phi` (n,) lie, with where they stand there."""
+        if not np.all(phi[1:] >= phi[:-1]):
+            return [*places_of(self.at(phi, side))]
+        nudge = SNAP if side == "right" else -SNAP
+        inner = self.starts[1:] - nudge
+        ends = np.searchsorted(phi, inner, side="left" if nudge > 0.0 else "right").tolist()
+        found = enumerate(zip([0, *ends], [*ends, len(phi)], strict=True))
+        return [(piece, slice(*bounds)) for piece, bounds in found if bounds[0] < bounds[1]]
+
+    def _write(
+        self,
+        group: int,
+        rows: int | IntArray,
+        phi: FloatArray,
+        out: Jet,
+        part: slice | IntArray,
+    ) -> None:
+        """Write to a part of `out` what one formula gives for a piece, or for each angle's own."""
+        if group == REST:
+            out[0, part], out[1:, part] = self._origin[rows], 0.0
+            return
+        rate = self._rate[rows]
+        z, w = (phi - self._start[rows]) * rate, (self._end[rows] - phi) * rate
+        values = self._formulas[group](z, w, self._numbers[group][:, self._row[rows]])
+        for row, value, scale in zip(out, values, self._scale[:, rows], strict=True):
+            value *= scale
+            row[part] = value
+        out[0, part] += self._origin[rows]
+
+
+def places_of(keys: IntArray) -> list[tuple[int, IntArray]]:
+    """Each distinct one of `keys` (n,), ascending, with the places at which it stands."""
+    order = np.argsort(keys, kind="stable")
+    ends = np.flatnonzero(np.diff(keys[order])) + 1
+    return [(int(keys[places[0]]), places) for places in np.split(order, ends) if len(places)]
+
+
+def _blocks(places: slice | IntArray) -> Iterator[slice | IntArray]:
+    """`places` in blocks of so many that intermediate results stay in the processor's cache."""
+    if isinstance(places, slice):
+        for first in range(places.start, places.stop, BLOCK):
+            yield slice(first, min(first + BLOCK, places.stop))
+    else:
+        for first in range(0, len(places), BLOCK):
+            yield places[first : first + BLOCK]

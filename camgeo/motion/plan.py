@@ -20,23 +20,16 @@ from camgeo.errors import GeometryError
 from camgeo.motion.laws.law import Law
 from camgeo.motion.motion import FULL_ORDER, Jet, Side
 from camgeo.motion.motion import Dwell as DwellSpan
-from camgeo.motion.piece import Piece, spline_piece
+from camgeo.motion.piece import SNAP, Piece, Pieces, places_of, spline_piece
 from camgeo.motion.spans import SHORTEST_SPAN, MovingSpan, Span, joints_of, span_of
 from camgeo.numeric import checked
-from camgeo.numeric.arrays import FloatArray, IntArray, ascending, frozen
+from camgeo.numeric.arrays import FloatArray, ascending, frozen
 from camgeo.pickled import Pickled
 from camgeo.units import TURN
 
 if TYPE_CHECKING:  # only a motion by data needs splines
     from camgeo.motion.points import FitReport
     from camgeo.motion.spline import Spline
-
-BLOCK = 8192
-"""Points worked on at a time, so that intermediate results stay in the processor's cache."""
-
-SNAP = 4.0 * math.ulp(TURN)
-"""Two cam angles [rad] closer than this are the same angle, rounded differently on the way from
-degrees; the angle counts as the joint itself. A millionth of a degree is 5 million times wider."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -169,6 +162,7 @@ class MotionPlan(Pickled):
                     origin=segment.to if region.from_end else position,
                     lift=segment.to - position if segment.scale is None else segment.scale,
                     formula=region.formula,
+                    numbers=region.numbers,
                     segment_start=start,
                     segment_end=end,
                     jerk_bound=region.jerk_bound,
@@ -180,16 +174,14 @@ class MotionPlan(Pickled):
         return tuple(pieces)
 
     @cached_property
-    def _starts(self) -> FloatArray:
-        return frozen([piece.start for piece in self._pieces], np.float64)
+    def _columns(self) -> Pieces:
+        return Pieces(self._pieces)
 
     @cached_property
     def borders(self) -> FloatArray:
         """(k,) cam angles [rad] at which the formula changes, ascending from 0."""
-        knots = [piece.knots for piece in self._pieces]
-        if not any(map(len, knots)):
-            return self._starts
-        return frozen(ascending(np.concatenate([self._starts, *knots])), np.float64)
+        knots = [piece.knots for piece in self._pieces if piece.spline is not None]
+        return frozen(ascending(np.concatenate([self._columns.starts, *knots])), np.float64)
 
     @cached_property
     def breaks(self) -> FloatArray:
@@ -236,27 +228,11 @@ class MotionPlan(Pickled):
         if last is not None and np.array_equal(last[0], phi):
             return last[1]
         phi = np.array(phi, dtype=np.float64)  # of our own, before it is evaluated
-        found = self._evaluated(phi, side)
+        found = self._columns.jet(in_turn(phi, side), side)
         found.flags.writeable = False
         if found.shape[1] <= MOST_KEPT:
             self._last[side] = phi, found
         return found
-
-    def _evaluated(self, phi: FloatArray, side: Side) -> Jet:
-        angle = in_turn(phi, side)
-        out = np.empty((4, len(angle)))
-        for piece, index in self._by_piece(angle, side):
-            if isinstance(index, slice):
-                for first in range(index.start, index.stop, BLOCK):
-                    part = slice(first, min(first + BLOCK, index.stop))
-                    piece.jet(angle[part], out[:, part])
-            else:
-                for first in range(0, len(index), BLOCK):
-                    places = index[first : first + BLOCK]
-                    values = np.empty((4, len(places)))
-                    piece.jet(angle[places], values)
-                    out[:, places] = values
-        return out
 
     def jet_and_bounds(self, low: FloatArray, high: FloatArray) -> tuple[Jet, Jet]:
         """The lift (4, n) in the middle of the cells [low, high] [rad], and bounds over them.
@@ -269,39 +245,21 @@ class MotionPlan(Pickled):
         half = 0.5 * (high - low)
         values = self.jet(middle)
         out = np.abs(values)
+        piece = self._columns.at(middle, "right")
         jerk = out[3]
-        splines = []
-        for piece, index in self._by_piece(middle, "right"):
-            jerk[index] = piece.jerk_limit
-            if piece.spline is not None:
-                splines.append((piece, index))
+        jerk[:] = self._columns.jerk_limits[piece]
         out[0] = half * (out[1] + half * (out[2] / 2.0 + half * jerk / 6.0))
         out[1] += half * (out[2] + half * jerk / 2.0)
         out[2] += half * jerk
-        for piece, index in splines:
-            out[:, index] = piece.spline_bounds(low[index], high[index])
+        if self._by_data:
+            for number, index in places_of(piece):
+                if self._pieces[number].spline is not None:
+                    out[:, index] = self._pieces[number].spline_bounds(low[index], high[index])
         return values, out
 
-    def _by_piece(self, angle: FloatArray, side: Side) -> list[tuple[Piece, slice | IntArray]]:
-        """Each piece with the places in `angle` that lie in it; a slice where they are in order."""
-        starts, pieces = self._starts, self._pieces
-        nudge = SNAP if side == "right" else -SNAP
-        if len(angle) > 1 and np.all(angle[1:] >= angle[:-1]):
-            ends = np.searchsorted(angle, starts[1:] - nudge, side="left" if nudge > 0 else "right")
-            bounds = np.concatenate(([0], ends, [len(angle)]))
-            return [
-                (piece, slice(first, last))
-                for piece, first, last in zip(pieces, bounds[:-1], bounds[1:], strict=True)
-                if last > first
-            ]
-        number = np.clip(np.searchsorted(starts, angle + nudge, side=side) - 1, 0, None)
-        order = np.argsort(number, kind="stable")
-        bounds = np.searchsorted(number[order], np.arange(len(pieces) + 1))
-        return [
-            (piece, order[first:last])
-            for piece, first, last in zip(pieces, bounds[:-1], bounds[1:], strict=True)
-            if last > first
-        ]
+    @cached_property
+    def _by_data(self) -> bool:
+        return any(piece.spline is not None for piece in self._pieces)
 
 
 def in_turn(phi: FloatArray, side: Side = "right") -> FloatArray:

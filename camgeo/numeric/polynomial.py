@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from decimal import Decimal
 from fractions import Fraction
 
@@ -23,13 +22,19 @@ ROUNDING = 1e-12
 """More than what is lost in evaluating a polynomial of the degrees used here near its maximum."""
 
 
-def horner(coefficients: Sequence[float], x: FloatArray) -> FloatArray:
-    """The polynomial at `x` (n,)."""
-    value = np.full_like(x, coefficients[-1])
-    for coefficient in coefficients[-2::-1]:
+def horner(coefficients: Sequence[float] | FloatArray, x: FloatArray) -> FloatArray:
+    """The polynomial at `x` (n,).
+
+    With (k, n) coefficients each x has its own; with (k, m, 1) the values (m, n) are those of m
+    polynomials.
+    """
+    if len(coefficients) == 1:
+        return np.full_like(x, coefficients[0])
+    value = coefficients[-1] * x
+    for coefficient in coefficients[-2:0:-1]:
+        value += coefficient
         value *= x
-        if coefficient:
-            value += coefficient
+    value += coefficients[0]
     return value
 
 
@@ -69,42 +74,21 @@ def largest_magnitude(coefficients: Sequence[float], low: float, high: float) ->
     return float(np.max(np.abs(horner(coefficients, places)))) * (1.0 + ROUNDING)
 
 
-@dataclass(frozen=True, slots=True)
-class Bernstein:
-    """A polynomial over [0, 1] as a sum of c_i z^i w^(n - i) with w = 1 - z.
+def bernstein(powers: Sequence[Decimal] | Sequence[Fraction]) -> tuple[float, ...]:
+    """(n + 1,) c_i, each rounded once, of the sum of c_i z^i w^(n - i) with w = 1 - z.
 
-    Its terms cancel less than those of any other form; where all c_i have one sign, not at all.
-
-    Attributes
-    ----------
-    coefficients : (n + 1,) c_i, binomials included.
+    From exact coefficients in ascending powers of z. The terms cancel less than those of any other
+    form over [0, 1]; where all c_i have one sign, not at all.
     """
-
-    coefficients: tuple[float, ...]
-
-    @staticmethod
-    def of(powers: Sequence[Decimal] | Sequence[Fraction]) -> Bernstein:
-        """From exact coefficients in ascending powers of z; each c_i is rounded once."""
-        exact = [Fraction(c) for c in powers]
-        n = len(exact) - 1
-        return Bernstein(
-            tuple(
-                float(sum(math.comb(n - k, i - k) * exact[k] for k in range(i + 1)))
-                for i in range(n + 1)
-            )
-        )
-
-    def lower(self, z: FloatArray, w: FloatArray) -> FloatArray:
-        """Values at `z` (n,) <= 1/2, with w = 1 - z."""
-        return _scaled_horner(self.coefficients, z, w)
-
-    def upper(self, z: FloatArray, w: FloatArray) -> FloatArray:
-        """Values at `z` (n,) >= 1/2, with w = 1 - z exact to its own last digits."""
-        return _scaled_horner(self.coefficients[::-1], w, z)
+    exact = [Fraction(c) for c in powers]
+    n = len(exact) - 1
+    return tuple(
+        float(sum(math.comb(n - k, i - k) * exact[k] for k in range(i + 1))) for i in range(n + 1)
+    )
 
 
-def _scaled_horner(
-    coefficients: Sequence[float], small: FloatArray, large: FloatArray
+def scaled_horner(
+    coefficients: Sequence[float] | FloatArray, small: FloatArray, large: FloatArray
 ) -> FloatArray:
     """The sum of c_i small^i large^(n - i) = large^n times a polynomial in small/large."""
     value = horner(coefficients, small / large)

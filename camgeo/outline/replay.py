@@ -18,7 +18,7 @@ from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.errors import GeometryError
 from camgeo.mechanism.follower_path import FollowerPath, path_of
 from camgeo.motion.motion import Motion, Side
-from camgeo.motion.plan import SNAP
+from camgeo.motion.piece import SNAP
 from camgeo.numeric.arrays import FloatArray, IntArray, ascending
 from camgeo.numeric.extremes import Extreme
 from camgeo.outline.flank import Flank

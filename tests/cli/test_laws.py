@@ -334,7 +334,7 @@ def test_every_law_has_its_row_with_all_one_sided_values() -> None:
     jerk = max(lines_in(drawn.panels[4 * straight + 2]), key=lambda line: len(line.points))
     for region in law.regions:
         z = np.array([region.start, region.end])
-        for place, value in zip(z, region.formula(z, 1.0 - z)[3], strict=True):
+        for place, value in zip(z, region.values(z)[3], strict=True):
             assert [place, value] in jerk.points.tolist()
     # What cannot be drawn is told below.
     assert any("simple-sine: not possible" in text.text for text in drawn.texts)

@@ -228,7 +228,7 @@ def test_one_sided_values_at_the_borders(case: dict[str, Any]) -> None:
         ):
             if z[0] == place:
                 continue
-            near, f1, f2, f3 = (value[0] for value in region.formula(z, 1.0 - z))
+            near, f1, f2, f3 = (value[0] for value in region.values(z))
             key = "g" if region.from_end else "f"
             steep = 0.5 * math.pi / (region.end - region.start) * sizes[4]
             for value, name, unit, size, slope in (
@@ -563,9 +563,9 @@ def test_each_value_is_the_integral_of_its_derivative(name: str, data: st.DataOb
     low, high = (region.start + end * (region.end - region.start) for end in ends)
     nodes, weights = np.polynomial.legendre.leggauss(24)
     z = 0.5 * (low + high) + 0.5 * (high - low) * nodes
-    inner = region.formula(z, 1.0 - z)
+    inner = region.values(z)
     corners = np.array([low, high])
-    outer = region.formula(corners, 1.0 - corners)
+    outer = region.values(corners)
     sizes = scales(pieces_of(law))
     for order in range(3):
         sign = -1.0 if region.from_end and order == 0 else 1.0
@@ -588,7 +588,7 @@ def test_the_jerk_bound_bounds_f3_in_each_region(name: str, data: st.DataObject)
     for region in law.regions:
         for share in (steps, 1.0 - steps):
             z = region.start + share * (region.end - region.start)
-            f3 = region.formula(z, 1.0 - z)[3]
+            f3 = region.values(z)[3]
             assert np.max(np.abs(f3)) <= region.jerk_bound * (1.0 + LIMIT * EPS)
 
 
@@ -639,7 +639,7 @@ def test_formulas_agree_at_borders(name: str, data: st.DataObject) -> None:
 
 def both(region: Region, z: FloatArray) -> tuple[float, ...]:
     """f, 1 - f, f', f'', f''' of one region."""
-    near, f1, f2, f3 = (value[0] for value in region.formula(z, 1.0 - z))
+    near, f1, f2, f3 = (value[0] for value in region.values(z))
     far = region.far(z, 1.0 - z)[0]
     f, g = (far, near) if region.from_end else (near, far)
     return f, g, f1, f2, f3
@@ -695,7 +695,7 @@ def mesh(law: Law) -> tuple[FloatArray, FloatArray, FloatArray]:
     parts = []
     for region in law.regions:
         z = region.start + shares * (region.end - region.start)
-        parts.append(region.formula(z, 1.0 - z)[1:])
+        parts.append(region.values(z)[1:])
     velocity, acceleration, jerk = (np.concatenate(part) for part in zip(*parts, strict=True))
     return velocity, acceleration, jerk
 
@@ -864,8 +864,8 @@ def spoiled(law: Law, spoil: Callable[[FloatArray, Values], Values]) -> Law:
     """`law` with another formula in all regions."""
 
     def changed(region: Region) -> Region:
-        def formula(z: FloatArray, w: FloatArray) -> Values:
-            return spoil(w if region.from_end else z, region.formula(z, w))
+        def formula(z: FloatArray, w: FloatArray, numbers: Any) -> Values:
+            return spoil(w if region.from_end else z, region.formula(z, w, numbers))
 
         return replace(region, formula=formula)
 

@@ -224,9 +224,8 @@ def test_both_sides_of_a_joint(law: Law) -> None:
     """A rest on the left and the start of the move on the right; at its end the other way."""
     right, span = Decimal(90), math.radians(90.0)
     plan = MotionPlan((Dwell(right), Move(right, 6.0, law), Dwell(right), Move(right, 0.0, law)))
-    zero, one = np.zeros(1), np.ones(1)
-    start = law.regions[0].formula(zero, one)
-    end = law.regions[-1].formula(one, zero)
+    start = law.regions[0].values(np.zeros(1))
+    end = law.regions[-1].values(np.ones(1))
     sides: tuple[tuple[float, float, Side, Side, Values], ...] = (
         (span, 0.0, "left", "right", start),
         (2.0 * span, 6.0, "right", "left", end),

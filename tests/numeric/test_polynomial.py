@@ -9,12 +9,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from camgeo.numeric.polynomial import (
-    Bernstein,
+    bernstein,
     derivative,
     horner,
     largest_magnitude,
     product,
     roots_inside,
+    scaled_horner,
 )
 
 EPS = 2.0**-52
@@ -34,21 +35,32 @@ def test_horner_and_bernstein_give_the_value(powers: list[float], x: float) -> N
     size = sum(abs(c) * x**k for k, c in enumerate(powers))
     degree = len(powers) - 1
     assert horner(powers, place)[0] == pytest.approx(true, abs=2 * degree * EPS * size + 1e-300)
-    form = Bernstein.of([Fraction(c) for c in powers])
-    terms = sum(abs(c) * x**i * (1.0 - x) ** (degree - i) for i, c in enumerate(form.coefficients))
-    evaluate = form.lower if x <= 0.5 else form.upper
+    form = bernstein([Fraction(c) for c in powers])
+    terms = sum(abs(c) * x**i * (1.0 - x) ** (degree - i) for i, c in enumerate(form))
+    ends = (place, 1.0 - place)
+    found = scaled_horner(form, *ends) if x <= 0.5 else scaled_horner(form[::-1], *ends[::-1])
     limit = (3 * degree + 3) * EPS * terms + 1e-300
-    assert evaluate(place, 1.0 - place)[0] == pytest.approx(true, abs=limit)
+    assert found[0] == pytest.approx(true, abs=limit)
 
 
 def test_bernstein_keeps_the_digits_where_powers_cancel() -> None:
     """(1 - z)^7 near z = 1, whose powers leave nothing of it."""
     powers = [(-1) ** k * math.comb(7, k) for k in range(8)]
-    form = Bernstein.of([Fraction(c) for c in powers])
+    form = bernstein([Fraction(c) for c in powers])
     w = np.array([1e-3])
     z = 1.0 - w
-    assert form.upper(z, w)[0] == pytest.approx(1e-21, rel=16 * EPS)
+    assert scaled_horner(form[::-1], w, z)[0] == pytest.approx(1e-21, rel=16 * EPS)
     assert abs(horner([float(c) for c in powers], z)[0] - 1e-21) > 1e-19
+
+
+def test_many_polynomials_at_once_are_each_by_itself() -> None:
+    rng = np.random.default_rng(4)
+    x, powers = rng.uniform(0.0, 1.0, 7), rng.uniform(-1.0, 1.0, (6, 7))
+    of_each = horner(powers, x)
+    together = horner(powers[:, :, np.newaxis], x)
+    for number, own in enumerate(powers.T):
+        assert of_each[number] == horner(own.tolist(), x)[number]
+        assert np.array_equal(together[number], horner(own.tolist(), x))
 
 
 @given(powers=coefficients)

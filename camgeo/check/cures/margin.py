@@ -11,7 +11,7 @@ from camgeo.curve.curvature import curvature_extremes
 from camgeo.curve.extremes import Extremes
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import GeometryError
-from camgeo.motion.plan import SNAP
+from camgeo.motion.piece import SNAP
 from camgeo.numeric.arrays import FloatArray
 from camgeo.outline.cusps import CUSP
 from camgeo.units import TURN

@@ -9,7 +9,8 @@ import numpy as np
 
 from camgeo.effects.effect import DataFile
 from camgeo.motion.motion import Side
-from camgeo.motion.plan import SNAP, in_turn
+from camgeo.motion.piece import SNAP
+from camgeo.motion.plan import in_turn
 from camgeo.motion.two_columns import ANGLE, Column, read_two_columns, turn_of
 from camgeo.numeric.arrays import FloatArray, frozen
 

@@ -108,8 +108,7 @@ def acceleration_jumps(law: Law) -> tuple[float, ...]:
     """The z inside the law at which f'' jumps: jerks in the sense of the guideline."""
     ends = []
     for region in law.regions:
-        z = np.array([region.start, region.end])
-        ends.append(region.formula(z, 1.0 - z)[2])
+        ends.append(region.values(np.array([region.start, region.end]))[2])
     scale = float(np.max(np.abs(ends)))
     found = []
     for (before, left), (after, right) in itertools.pairwise(zip(law.regions, ends, strict=True)):
@@ -126,7 +125,7 @@ _Pick = Callable[[FloatArray, FloatArray, BoolArray], Extreme]
 def _values(region: Region) -> tuple[FloatArray, ...]:
     """z, f, f', f'', f''' at the ends of a region and at its turns, ascending in z."""
     z = region.places
-    near, f1, f2, f3 = region.formula(z, 1.0 - z)
+    near, f1, f2, f3 = region.values(z)
     return z, 1.0 - near if region.from_end else near, f1, f2, f3
 
 

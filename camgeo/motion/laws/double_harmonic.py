@@ -8,11 +8,12 @@ from __future__ import annotations
 
 import math
 from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 
 from camgeo.motion.laws.family import Family, Given
-from camgeo.motion.laws.law import Boundary, Law, Region, Values, mirrored_region
+from camgeo.motion.laws.law import Boundary, Law, Region, Values
 from camgeo.numeric.arrays import FloatArray
 
 JERK = 4.0 * math.pi**3
@@ -29,24 +30,24 @@ def _derivatives(sine: FloatArray, cosine: FloatArray) -> tuple[FloatArray, Floa
     )
 
 
-def _from_start(z: FloatArray, _w: FloatArray) -> Values:
+def _from_start(z: FloatArray, _w: FloatArray, _: Any) -> Values:
     half = 0.5 * math.pi * z
     sine = np.sin(half)
     return sine**4, *_derivatives(sine, np.cos(half))
 
 
-def _from_end(_z: FloatArray, w: FloatArray) -> Values:
+def _from_end(_z: FloatArray, w: FloatArray, _: Any) -> Values:
     half = 0.5 * math.pi * w
     cosine, sine = np.sin(half), np.cos(half)
     return cosine * cosine * (1.0 + sine * sine), *_derivatives(sine, cosine)
 
 
 def _complement(_z: FloatArray, w: FloatArray) -> FloatArray:
-    return _from_end(_z, w)[0]
+    return _from_end(_z, w, ())[0]
 
 
 def _lift(z: FloatArray, w: FloatArray) -> FloatArray:
-    return _from_start(z, w)[0]
+    return _from_start(z, w, ())[0]
 
 
 def _turns() -> tuple[float, ...]:
@@ -64,6 +65,30 @@ HALVES: tuple[Region, ...] = (
     Region(0.0, 0.5, _from_start, _complement, JERK, from_end=False, turns=_turns),
     Region(0.5, 1.0, _from_end, _lift, JERK, from_end=True, turns=_turns),
 )
+
+
+def _mirrored(region: Region) -> Region:
+    """The region of the mirror image F(z) = 1 - f(1 - z).
+
+    F' = f'(1 - z), F'' = -f''(1 - z), F''' = f'''(1 - z).
+    """
+
+    def formula(z: FloatArray, w: FloatArray, numbers: Any) -> Values:
+        near, f1, f2, f3 = region.formula(w, z, numbers)
+        return near, f1, -f2, f3
+
+    return Region(
+        start=1.0 - region.end,
+        end=1.0 - region.start,
+        formula=formula,
+        far=lambda z, w: region.far(w, z),
+        jerk_bound=region.jerk_bound,
+        from_end=not region.from_end,
+        turns=lambda: tuple(1.0 - z for z in region.turns()),
+    )
+
+
+MIRRORED = tuple(_mirrored(region) for region in reversed(HALVES))
 TURN = Boundary(acceleration=-(math.pi**2))
 
 
@@ -71,8 +96,7 @@ def _make(task: str, _given: Given) -> Law:
     if task == "R-U":
         regions, start, end = HALVES, Boundary(), TURN
     else:
-        regions = tuple(mirrored_region(region) for region in reversed(HALVES))
-        start, end = Boundary(acceleration=math.pi**2), Boundary()
+        regions, start, end = MIRRORED, Boundary(acceleration=math.pi**2), Boundary()
     return Law("double-harmonic", task, regions, (), start, end, parameters=MappingProxyType({}))
 
 

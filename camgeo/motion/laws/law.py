@@ -17,7 +17,8 @@ import numpy as np
 from camgeo.numeric.arrays import FloatArray
 
 Values = tuple[FloatArray, FloatArray, FloatArray, FloatArray]
-Formula = Callable[[FloatArray, FloatArray], Values]
+Formula = Callable[[FloatArray, FloatArray, Any], Values]
+"""z (n,), w = 1 - z (n,), k numbers, each one or (n,) -> near value, f', f'', f''' each (n,)."""
 Complement = Callable[[FloatArray, FloatArray], FloatArray]
 Turns = Callable[[], tuple[float, ...]]
 Recipe = tuple[Callable[..., "Law"], tuple[Any, ...]]
@@ -30,8 +31,10 @@ class Region:
     Attributes
     ----------
     start, end : in z.
-    formula : z (n,), w = 1 - z (n,) -> near value, f', f'', f''' each (n,). The near value is f,
-        or, if `from_end`, g = 1 - f; derivatives are with respect to z in both cases.
+    formula : what gives the values. Regions that differ by `numbers` alone have equal ones, by
+        which a plan evaluates all of them at once. The near value is f, or, if `from_end`, g =
+        1 - f; derivatives are with respect to z in both cases.
+    numbers : (k,) what the formula takes beside z and w.
     far : z, w -> the other one of f and g.
     jerk_bound : at least |f'''| everywhere in the region.
     from_end : which of the two the near value is.
@@ -45,7 +48,12 @@ class Region:
     far: Complement
     jerk_bound: float
     from_end: bool
+    numbers: tuple[float, ...] = ()
     turns: Turns = tuple
+
+    def values(self, z: FloatArray) -> Values:
+        """Near value, f', f'', f''' at `z` (n,) in the region, its ends included."""
+        return self.formula(z, 1.0 - z, self.numbers)
 
     @property
     def places(self) -> FloatArray:
@@ -114,29 +122,7 @@ class Law:
         index = np.clip(np.searchsorted(starts, z, side="right") - 1, 0, len(starts) - 1)
         for number, region in enumerate(self.regions):
             here = index == number
-            forward, backward = z[here], 1.0 - z[here]
-            out[:, here] = region.formula(forward, backward)
+            out[:, here] = region.values(z[here])
             if region.from_end != complement:
-                out[0, here] = region.far(forward, backward)
+                out[0, here] = region.far(z[here], 1.0 - z[here])
         return out[0], out[1], out[2], out[3]
-
-
-def mirrored_region(region: Region) -> Region:
-    """The region of the mirror image F(z) = 1 - f(1 - z).
-
-    F' = f'(1 - z), F'' = -f''(1 - z), F''' = f'''(1 - z).
-    """
-
-    def formula(z: FloatArray, w: FloatArray) -> Values:
-        near, f1, f2, f3 = region.formula(w, z)
-        return near, f1, -f2, f3
-
-    return Region(
-        start=1.0 - region.end,
-        end=1.0 - region.start,
-        formula=formula,
-        far=lambda z, w: region.far(w, z),
-        jerk_bound=region.jerk_bound,
-        from_end=not region.from_end,
-        turns=lambda: tuple(1.0 - z for z in region.turns()),
-    )

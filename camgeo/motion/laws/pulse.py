@@ -11,6 +11,7 @@ integral backwards from the inflection point, r = 1 - x.
 from __future__ import annotations
 
 import functools
+import itertools
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -37,9 +38,9 @@ DIGITS: Final = Context(prec=50)
 """Constants and amplitudes are worked out with so many digits and rounded once."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Stretch:
-    """A part of a pulse with one formula.
+    """A part of a pulse with one formula; laws of one pulse share it.
 
     Attributes
     ----------
@@ -92,6 +93,7 @@ class Pulse:
         return self.stretches[-1].jerk == 0.0 and self.end == 0.0
 
 
+@functools.lru_cache(maxsize=256)
 def sine_pulse(sine: Decimal, constant: Decimal, cosine: Decimal) -> Pulse:
     """The SCCA pulse: a quarter of a sine, a constant, a quarter of a cosine, and then nothing.
 
@@ -317,6 +319,7 @@ def polynomial_pulse(acceleration: tuple[int, ...]) -> Pulse:
         exact = (p_exact, v_exact, a_exact, _derivative(a_exact))
         by_x = [[float(c) for c in coefficients] for coefficients in exact]
         by_r = [[float(c) for c in _reflected(coefficients)] for coefficients in exact]
+        columns_of_x, columns_of_r = _columns(by_x), _columns(by_r)
         backwards = [float(c) for c in _integral(_integral(_reflected(a_exact)))]
         velocity, position = sum(v_exact, Decimal(0)), sum(p_exact, Decimal(0))
     _, v, a, j = by_x
@@ -331,11 +334,11 @@ def polynomial_pulse(acceleration: tuple[int, ...]) -> Pulse:
         return found()
 
     def from_start(u: FloatArray) -> Motion:
-        p, v, a, j = (horner(coefficients, u) for coefficients in by_x)
+        p, v, a, j = horner(columns_of_x, u)
         return p, v, a, j
 
     def from_end(u: FloatArray) -> Motion:
-        p, v, a, j = (horner(coefficients, u) for coefficients in by_r)
+        p, v, a, j = horner(columns_of_r, u)
         return p, v, a, j
 
     def back(r: FloatArray) -> FloatArray:
@@ -354,6 +357,11 @@ def polynomial_pulse(acceleration: tuple[int, ...]) -> Pulse:
         jerk=j[0],
         peak=largest_magnitude(a, 0.0, 1.0),
     )
+
+
+def _columns(polynomials: list[list[float]]) -> FloatArray:
+    """(k, m, 1) the coefficients of m polynomials, for `horner`."""
+    return np.array([*itertools.zip_longest(*polynomials, fillvalue=0.0)])[:, :, np.newaxis]
 
 
 def _quadratic(a: float, b: float, c: float) -> tuple[float, ...]:

@@ -6,6 +6,7 @@ As a segment between others it sets the velocity of its neighbours' ends.
 from __future__ import annotations
 
 from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 
@@ -14,13 +15,13 @@ from camgeo.motion.laws.law import Boundary, Law, Region, Values
 from camgeo.numeric.arrays import FloatArray
 
 
-def _from_start(z: FloatArray, _w: FloatArray) -> Values:
+def _from_start(z: FloatArray, _w: FloatArray, _: Any) -> Values:
     zero = np.zeros_like(z)
     return z.copy(), np.ones_like(z), zero, zero
 
 
-def _from_end(z: FloatArray, w: FloatArray) -> Values:
-    return _from_start(w, z)
+def _from_end(z: FloatArray, w: FloatArray, _: Any) -> Values:
+    return _from_start(w, z, _)
 
 
 def _make(task: str, given: Given) -> Law:

@@ -9,11 +9,12 @@ Bernstein's form, whose coefficients are rounded once.
 from __future__ import annotations
 
 import functools
+import itertools
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -21,11 +22,12 @@ from camgeo.errors import GeometryError
 from camgeo.motion.laws.law import Boundary, Law, Region, Values
 from camgeo.numeric.arrays import FloatArray, ascending
 from camgeo.numeric.polynomial import (
-    Bernstein,
+    bernstein,
     derivative,
     largest_magnitude,
     product,
     roots_inside,
+    scaled_horner,
 )
 
 if TYPE_CHECKING:
@@ -59,9 +61,17 @@ def law_of_boundary_values(
     start, end = (
         {ORDERS[key[0]]: value for key, value in values.items() if key[1] == side} for side in "01"
     )
+    from fractions import Fraction
+
     powers = _coefficients(start, end, rise)
+    slopes = [powers]
+    for _ in range(3):
+        slopes.append([k * c for k, c in enumerate(slopes[-1])][1:] or [powers[0] * 0])
+    rest = [-c for c in powers]
+    rest[0] += Fraction(rise)
     try:
-        shape = _Shape.of(powers, rise)
+        lift, left, *derivatives = (bernstein(each) for each in (powers, rest, *slopes[1:]))
+        regions = _regions(tuple(float(c) for c in powers), lift, left, derivatives)
     except OverflowError:
         raise GeometryError(
             "the boundary values are too large for a polynomial", key="law"
@@ -69,50 +79,13 @@ def law_of_boundary_values(
     return Law(
         name=name,
         task=task,
-        regions=(_region(shape, from_end=False), _region(shape, from_end=True)),
+        regions=regions,
         borders=(),
-        start=_boundary(shape, 0.0),
-        end=_boundary(shape, 1.0),
+        start=Boundary(*(form[0] for form in derivatives)),
+        end=Boundary(*(form[-1] for form in derivatives)),
         parameters=MappingProxyType(dict(parameters)),
         recipe=(law_of_boundary_values, (name, task, dict(values), dict(parameters), rise)),
     )
-
-
-@dataclass(frozen=True, slots=True)
-class _Shape:
-    """A polynomial in the forms that are needed.
-
-    Attributes
-    ----------
-    lift, rest, derivatives : f, 1 - f, and f', f'', f''' as Bernstein polynomials.
-    powers : coefficients of f in powers of z.
-    turns : gives all z in [0, 1] at which f, f', f'', f''' or f' f'' may have an extremum.
-    """
-
-    lift: Bernstein
-    rest: Bernstein
-    derivatives: tuple[Bernstein, Bernstein, Bernstein]
-    powers: tuple[float, ...]
-    turns: Callable[[], FloatArray]
-
-    @staticmethod
-    def of(powers: list[Fraction], rise: float) -> _Shape:
-        from fractions import Fraction
-
-        rest = [Fraction(rise) - powers[0], *(-c for c in powers[1:])]
-        orders, derived = [], powers
-        for _ in range(3):
-            derived = [k * c for k, c in enumerate(derived)][1:] or [Fraction(0)]
-            orders.append(Bernstein.of(derived))
-        first, second, third = orders
-        coefficients = tuple(float(c) for c in powers)
-        return _Shape(
-            lift=Bernstein.of(powers),
-            rest=Bernstein.of(rest),
-            derivatives=(first, second, third),
-            powers=coefficients,
-            turns=functools.cache(lambda: _turns(coefficients)),
-        )
 
 
 def _turns(powers: tuple[float, ...]) -> FloatArray:
@@ -121,15 +94,6 @@ def _turns(powers: tuple[float, ...]) -> FloatArray:
     third = derivative(second)
     slopes = [first, second, third, derivative(third), derivative(product(first, second))]
     return ascending(np.concatenate([roots_inside(slope, 0.0, 1.0) for slope in slopes]))
-
-
-def _boundary(shape: _Shape, z: float) -> Boundary:
-    place = np.array([z])
-    values = (
-        float((form.upper if z else form.lower)(place, 1.0 - place)[0])
-        for form in shape.derivatives
-    )
-    return Boundary(*values)
 
 
 def _coefficients(
@@ -184,25 +148,62 @@ def _undetermined() -> GeometryError:
     )
 
 
-def _region(shape: _Shape, *, from_end: bool) -> Region:
-    """Half of the range."""
-    third = derivative(derivative(derivative(shape.powers)))
-    half = (0.5, 1.0) if from_end else (0.0, 0.5)
-    near, far = (shape.rest, shape.lift) if from_end else (shape.lift, shape.rest)
+@dataclass(frozen=True, slots=True)
+class _Half:
+    """A half of the range, from the end it belongs to.
 
-    def value(form: Bernstein, z: FloatArray, w: FloatArray) -> FloatArray:
-        return form.upper(z, w) if from_end else form.lower(z, w)
+    Attributes
+    ----------
+    size : coefficients of the near value; each derivative has one less, and one at least.
+    """
 
-    def formula(z: FloatArray, w: FloatArray) -> Values:
-        f1, f2, f3 = (value(form, z, w) for form in shape.derivatives)
-        return value(near, z, w), f1, f2, f3
+    size: int
 
-    return Region(
-        start=half[0],
-        end=half[1],
-        formula=formula,
-        far=lambda z, w: value(far, z, w),
-        jerk_bound=largest_magnitude(third, *half),
-        from_end=from_end,
-        turns=lambda: tuple(shape.turns()),
+    def __call__(self, z: FloatArray, w: FloatArray, numbers: Any) -> Values:
+        from_end, *coefficients = numbers
+        small, large = np.where(from_end, w, z), np.where(from_end, z, w)
+        values = []
+        for order in range(4):
+            size = max(self.size - order, 1)
+            values.append(scaled_horner(coefficients[:size], small, large))
+            coefficients = coefficients[size:]
+        near, f1, f2, f3 = values
+        return near, f1, f2, f3
+
+
+def _regions(
+    powers: tuple[float, ...],
+    lift: tuple[float, ...],
+    left: tuple[float, ...],
+    derivatives: list[tuple[float, ...]],
+) -> tuple[Region, Region]:
+    """Both halves, from the coefficients of f in powers of z, and of all in Bernstein's form."""
+    third = derivative(derivative(derivative(powers)))
+    formula = _Half(len(powers))
+
+    @functools.cache
+    def turns() -> tuple[float, ...]:
+        return tuple(_turns(powers))
+
+    return (
+        Region(
+            start=0.0,
+            end=0.5,
+            formula=formula,
+            far=lambda z, w: scaled_horner(left, z, w),
+            jerk_bound=largest_magnitude(third, 0.0, 0.5),
+            from_end=False,
+            numbers=(0.0, *itertools.chain(lift, *derivatives)),
+            turns=turns,
+        ),
+        Region(
+            start=0.5,
+            end=1.0,
+            formula=formula,
+            far=lambda z, w: scaled_horner(lift[::-1], w, z),
+            jerk_bound=largest_magnitude(third, 0.5, 1.0),
+            from_end=True,
+            numbers=(1.0, *itertools.chain.from_iterable(c[::-1] for c in (left, *derivatives))),
+            turns=turns,
+        ),
     )

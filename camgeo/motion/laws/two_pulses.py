@@ -13,10 +13,11 @@ pulse ends at zero there.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from decimal import Decimal, localcontext
 from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 
@@ -26,6 +27,9 @@ from camgeo.motion.laws.pulse import DIGITS, Pulse, Stretch
 from camgeo.numeric.arrays import FloatArray
 
 HALF = Decimal("0.5")
+
+STILL = 9
+"""Numbers that a part needs of which the border is at rest; those of its velocity come behind."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -242,59 +246,43 @@ class _Part:
             y = x * self.lengths[0]
             return float(1 - y if from_end else y)
 
-    def _counted(self, stretch: Stretch) -> Callable[[FloatArray, FloatArray], FloatArray]:
-        """y and the other one -> u of the stretch, exact to the last digits of y near its zero."""
+    def _count(self, stretch: Stretch) -> tuple[float, float, float, float]:
+        """The numbers of `_place_in` for the u of a stretch, exact to the last digits at its zero.
+
+        Whether it is counted along the other way, from where, with what that leaves of 50 digits,
+        and the length that is 1, negative where u falls along that way.
+        """
         length, other = (float(value) for value in self.lengths)
         if stretch.from_end and stretch.end == 1:
-            if self.kept:
-                return lambda y, _rest: (length - y) / length
-            return lambda _y, rest: (rest - other) / length
-        if not stretch.from_end and stretch.start == 0:
-            return lambda y, _rest: y / length
+            return (0.0, length, 0.0, -length) if self.kept else (1.0, other, 0.0, length)
         with localcontext(DIGITS):
             zero = (stretch.end if stretch.from_end else stretch.start) * self.lengths[0]
             high = float(zero)
             low = float(zero - Decimal(high))
-        if stretch.from_end:
-            return lambda y, _rest: ((high - y) + low) / length
-        return lambda y, _rest: ((y - high) - low) / length
+        return 0.0, high, low, -length if stretch.from_end else length
 
     def _region(self, stretch: Stretch, start: float, end: float, *, from_end: bool) -> Region:
         length, other = (float(value) for value in self.lengths)
-        base, kept = self.base, self.kept
+        base = self.base
         to_speed = self.amplitude * length
         to_lift = to_speed * length
-        to_acceleration = -self.amplitude if from_end else self.amplitude
         to_jerk = self.amplitude / length
-        near_at, far_at = self.reached
-        counted = self._counted(stretch)
+        far_at = self.reached[1]
         # Where base and acceleration work against each other, the lift is counted from the
         # inflection point: the two sums would cancel there.
         from_middle = stretch.from_end and base * self.amplitude < 0.0
+        formula = _Run(stretch, moves=base != 0.0, from_middle=from_middle)
+        back = (0.0, length, 0.0, -length) if self.kept else (1.0, other, 0.0, length)
+        numbers = (
+            *(float(from_end), -self.amplitude if from_end else self.amplitude),
+            *(to_lift, to_speed, to_jerk, *self._count(stretch)),
+            *(base, self.reached[0], length, self.speed, *back),
+        )
 
-        def to_inflection(y: FloatArray, rest: FloatArray) -> tuple[FloatArray, FloatArray]:
-            """r, and the way from there to the inflection point."""
-            r = (length - y) / length if kept else (rest - other) / length
-            return r, length * r * self.speed - to_lift * stretch.back(r)
-
-        def near_and_rest(y: FloatArray, rest: FloatArray) -> Values:
-            p, v, a, j = stretch.formula(counted(y, rest))
-            v *= to_speed
-            a *= to_acceleration
-            j *= to_jerk
-            if from_middle:
-                p = near_at - to_inflection(y, rest)[1]
-            else:
-                p *= to_lift
-                if base:
-                    p += base * y
-            if base:
-                v += base
-            return p, v, a, j
-
-        def far(y: FloatArray, rest: FloatArray) -> FloatArray:
-            near = near_and_rest(y, rest)[0]
-            return np.where(near < 0.5, 1.0 - near, far_at + to_inflection(y, rest)[1])
+        def far(z: FloatArray, w: FloatArray) -> FloatArray:
+            near = formula(z, w, numbers)[0]
+            way = formula.to_inflection(*((w, z) if from_end else (z, w)), numbers)
+            return np.where(near < 0.5, 1.0 - near, far_at + way)
 
         def turns() -> tuple[float, ...]:
             ys = (length * x for x in stretch.turns(base, to_speed))
@@ -303,12 +291,68 @@ class _Part:
         return Region(
             start=start,
             end=end,
-            formula=(lambda z, w: near_and_rest(w, z)) if from_end else near_and_rest,
-            far=(lambda z, w: far(w, z)) if from_end else far,
+            formula=formula,
+            far=far,
             jerk_bound=abs(to_jerk) * stretch.jerk,
             from_end=from_end,
+            numbers=numbers if base else numbers[:STILL],
             turns=turns,
         )
+
+
+@dataclass(frozen=True, slots=True)
+class _Run:
+    """How a stretch of a pulse runs in a law, the numbers of which tell where and how fast.
+
+    Attributes
+    ----------
+    moves : whether the law has a velocity at the border.
+    from_middle : whether the lift is counted from the inflection point.
+    """
+
+    stretch: Stretch
+    moves: bool
+    from_middle: bool
+
+    def __call__(self, z: FloatArray, w: FloatArray, numbers: Any) -> Values:
+        from_end, to_acceleration, to_lift, to_speed, to_jerk = numbers[:5]
+        y, rest = np.where(from_end, w, z), np.where(from_end, z, w)
+        p, v, a, j = self.stretch.formula(_place_in(y, rest, *numbers[5:9]))
+        v *= to_speed
+        a *= to_acceleration
+        j *= to_jerk
+        if self.from_middle:
+            p = numbers[10] - self.to_inflection(y, rest, numbers)
+        else:
+            p *= to_lift
+            if self.moves:
+                p += numbers[9] * y
+        if self.moves:
+            v += numbers[9]
+        return p, v, a, j
+
+    def to_inflection(self, y: FloatArray, rest: FloatArray, numbers: Any) -> FloatArray:
+        """The way (n,) from y to the inflection point."""
+        length, speed = numbers[11:13]
+        r = _place_in(y, rest, *numbers[13:])
+        way: FloatArray = length * r * speed - numbers[2] * self.stretch.back(r)
+        return way
+
+
+def _place_in(
+    y: FloatArray,
+    rest: FloatArray,
+    other: FloatArray,
+    high: FloatArray,
+    low: FloatArray,
+    length: FloatArray,
+) -> FloatArray:
+    """(n,) the part of a pulse's length from `high` + `low` on; `rest` counts if `other` is not 0.
+
+    Not -0, which a negative length would make of 0.
+    """
+    place: FloatArray = ((np.where(other, rest, y) - high) - low) / length + 0.0
+    return place
 
 
 def _inside(a: Decimal, b: Decimal, c: Decimal) -> list[Decimal]:
