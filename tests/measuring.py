@@ -11,10 +11,13 @@ from typing import Any, Self
 import numpy as np
 import shapely
 
-from camgeo.numeric.arrays import ComplexArray, FloatArray
+from camgeo.numeric.arrays import ComplexArray, FloatArray, IntArray
 
-CHUNK = 2_000_000
-"""Point-piece pairs looked at together."""
+SLACK = 1e-9
+"""What boxes are wider than they must be, relative and [mm]: more than all rounding."""
+
+RUN = 8
+"""Chords of a dense path in one element of its tree: it is built ten times as fast as with one."""
 
 
 @dataclass(frozen=True)
@@ -55,26 +58,51 @@ class Outline:
         return np.where(self.sweeps[:, None] != 0.0, arcs, lines).ravel()
 
     def distances(self, points: ComplexArray) -> FloatArray:
-        """(n,) exact distance of each point from the nearest piece."""
-        step = max(1, CHUNK // len(self.starts))
-        parts = [self._nearest(points[k : k + step]) for k in range(0, len(points), step)]
-        return np.concatenate(parts)
+        """(n,) exact distance of each point from the nearest piece.
 
-    def _nearest(self, points: ComplexArray) -> FloatArray:
-        p = points[:, None]
-        at_ends = np.minimum(np.abs(p - self.starts), np.abs(p - self.ends))
-        chord = self.ends - self.starts
+        Only pieces whose box is no farther than the nearest of the starts are measured.
+        """
+        targets = shapely.points(points.real, points.imag)
+        starts = shapely.STRtree(shapely.points(self.starts.real, self.starts.imag))
+        _, nearest = starts.query_nearest(targets, return_distance=True, all_matches=False)
+        found = self._boxes.query(_boxes(points, nearest * (1.0 + SLACK) + SLACK))
+        distances: FloatArray = np.full(len(points), np.inf)
+        np.minimum.at(distances, found[0], self.apart(points[found[0]], found[1]))
+        return distances
+
+    @property
+    def _boxes(self) -> shapely.STRtree:
+        """A box about each piece: about the circle over its chord, or about one twice as large as
+        the arc's own where that turns by more than half a turn.
+        """
+        half = 0.5 * np.abs(self.ends - self.starts)
+        around = 2.0 * np.abs(self.starts - self.centres)
+        reach = np.where(np.abs(self.sweeps) > np.pi, around, half)
+        return shapely.STRtree(_boxes(0.5 * (self.starts + self.ends), reach))
+
+    def apart(self, p: ComplexArray, piece: IntArray) -> FloatArray:
+        """Exact distance of each point from the piece named beside it."""
+        starts, ends = self.starts[piece], self.ends[piece]
+        sweeps, centres = self.sweeps[piece], self.centres[piece]
+        at_ends = np.minimum(np.abs(p - starts), np.abs(p - ends))
+        chord = ends - starts
         size = np.where(chord == 0.0, 1.0, np.abs(chord))
-        local = (p - self.starts) * np.conj(chord / size)
+        local = (p - starts) * np.conj(chord / size)
         beside = (local.real >= 0.0) & (local.real <= size)
         from_line = np.where(beside, np.abs(local.imag), at_ends)
-        arm = p - self.centres
-        first = np.where(self.sweeps != 0.0, self.starts - self.centres, 1.0)
-        turned = np.angle(arm * np.conj(first)) * np.sign(self.sweeps)
-        beside = np.mod(turned, 2.0 * np.pi) <= np.abs(self.sweeps)
+        arm = p - centres
+        first = np.where(sweeps != 0.0, starts - centres, 1.0)
+        turned = np.angle(arm * np.conj(first)) * np.sign(sweeps)
+        beside = np.mod(turned, 2.0 * np.pi) <= np.abs(sweeps)
         from_arc = np.where(beside, np.abs(np.abs(arm) - np.abs(first)), at_ends)
-        nearest: FloatArray = np.where(self.sweeps != 0.0, from_arc, from_line).min(axis=1)
-        return nearest
+        found: FloatArray = np.where(sweeps != 0.0, from_arc, from_line)
+        return found
+
+
+def _boxes(middles: ComplexArray, reach: FloatArray) -> Any:
+    """Squares about `middles`, from `reach` to the left to `reach` to the right."""
+    x, y = middles.real, middles.imag
+    return shapely.box(x - reach, y - reach, x + reach, y + reach)
 
 
 class DensePath:
@@ -84,18 +112,20 @@ class DensePath:
     """
 
     def __init__(self, points: ComplexArray) -> None:
-        ends = np.roll(points, -1)
-        keep = points != ends
-        rows = np.stack((points[keep], ends[keep]), axis=1)
-        coordinates = np.stack((rows.real, rows.imag), axis=2)
-        chords: Any = shapely.linestrings(coordinates)
+        kept = points[points != np.roll(points, -1)]
+        first = np.arange(0, len(kept), RUN)
+        # Runs of chords share a point with the next; the last one closes the curve.
+        rows = (first[:, None] + np.arange(RUN + 1)).ravel()
+        row = np.repeat(np.arange(len(first)), RUN + 1)[rows <= len(kept)]
+        corners = kept[rows[rows <= len(kept)] % len(kept)]
+        chords: Any = shapely.linestrings(corners.real, corners.imag, indices=row)
         self._tree = shapely.STRtree(chords)
 
     def distances(self, points: ComplexArray) -> FloatArray:
         """(n,) distance of each point from the path."""
         targets = shapely.points(points.real, points.imag)
         found, distances = self._tree.query_nearest(targets, return_distance=True)
-        # A point that is as near to two chords is told twice.
+        # A point that is as near to two runs is told twice.
         nearest: FloatArray = np.full(len(points), np.inf)
         np.minimum.at(nearest, found[0], distances)
         return nearest

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from tests.measuring import DensePath, Outline, polygon
 
@@ -51,3 +53,34 @@ def test_dense_path() -> None:
     path = DensePath(STADIUM.dense(20_000))
     points = np.array([0j, 5 + 0j, 3 + 1j])
     assert path.distances(points) == pytest.approx(STADIUM.distances(points), abs=1e-7)
+
+
+@given(st.integers(1, 40), st.floats(0.1, 6.2), st.floats(0.0, 3.0), st.integers(0, 2**32 - 1))
+def test_the_nearest_piece_is_never_passed_over(
+    count: int, most: float, away: float, seed: int
+) -> None:
+    """The least of all distances of all pieces, straight and turned by up to a whole turn."""
+    random = np.random.default_rng(seed)
+    starts = random.normal(size=count + 1) + 1j * random.normal(size=count + 1)
+    sweeps = random.uniform(-most, most, count) * random.integers(0, 2, count)
+    pieces = Outline.through(starts, sweeps, closed=False)
+    points = away * (random.normal(size=60) + 1j * random.normal(size=60))
+    number = np.arange(count)
+    each = [float(np.min(pieces.apart(np.full(count, point), number))) for point in points]
+    assert np.array_equal(pieces.distances(points), each)
+
+
+def test_a_full_circle_is_one_piece() -> None:
+    circle = Outline(
+        np.ones(1, complex), np.ones(1, complex), np.full(1, 2 * np.pi), np.zeros(1, complex)
+    )
+    assert circle.distances(np.array([-3 + 0j, 0.5j])) == pytest.approx([2.0, 0.5], abs=1e-15)
+
+
+@pytest.mark.parametrize("count", [3, 8, 9, 17])
+def test_all_chords_of_a_dense_path_count(count: int) -> None:
+    corners = np.exp(2j * np.pi * np.arange(count) / count)
+    middles = 0.5 * (corners + np.roll(corners, -1))
+    path = DensePath(corners)
+    assert path.distances(middles) == pytest.approx(np.zeros(count), abs=1e-15)
+    assert path.distances(2.0 * middles) == pytest.approx(np.abs(middles), abs=1e-15)
