@@ -10,6 +10,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import trimesh
+from ezdxf.document import Drawing
+from ezdxf.filemanagement import readfile
 
 from camgeo.design import Design
 from camgeo.formats import gcode
@@ -72,6 +75,21 @@ class Built:
     @property
     def gcode(self) -> GcodeSpec:
         return self.design.disc.options[gcode.FORMAT]
+
+    @cached_property
+    def drawing(self) -> Drawing:
+        """The DXF, read once by ezdxf."""
+        return readfile(self.file(".dxf"))
+
+    @cached_property
+    def meshes(self) -> dict[str, trimesh.Trimesh]:
+        """The solids by their suffixes, each read once."""
+        found = {}
+        for suffix in (".stl", ".3mf"):
+            mesh: Any = trimesh.load_mesh(str(self.file(suffix)))
+            assert isinstance(mesh, trimesh.Trimesh)
+            found[suffix] = mesh
+        return found
 
     @cached_property
     def certificate(self) -> dict[str, Any]:
@@ -141,7 +159,7 @@ class Built:
         flank = self.flank(name)
         return Exact(name, flank.dense(DENSE), flank.area, flank.length, flank.corners)
 
-    @property
+    @cached_property
     def volume(self) -> float:
         """Exact volume [mm^3]."""
         body = self.through[0].area - sum(hole.area for hole in self.through[1:])
@@ -149,7 +167,7 @@ class Built:
         sunk = self.groove[1].area - self.groove[0].area if self.groove else 0.0
         return body * self.thickness - sunk * depth
 
-    @property
+    @cached_property
     def length(self) -> float:
         """Length of all boundaries [mm]."""
         return sum(boundary.length for boundary in self.through + self.groove)

@@ -117,7 +117,7 @@ class Flank:
             found.append((phi.ravel(), (half[:, None] * weights).ravel()))
         return np.concatenate([phi for phi, _ in found]), np.concatenate([w for _, w in found])
 
-    @property
+    @cached_property
     def area(self) -> float:
         """Enclosed area [mm^2], by Green's theorem."""
         phi, weights = self._integral_nodes()
@@ -128,7 +128,7 @@ class Flank:
             twice += abs(first) ** 2 * sweep + float((np.conj(hinge) * chord).imag)
         return abs(0.5 * twice)
 
-    @property
+    @cached_property
     def length(self) -> float:
         """Length [mm]."""
         phi, weights = self._integral_nodes()

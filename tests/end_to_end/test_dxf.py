@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from ezdxf.entities.lwpolyline import LWPolyline
-from ezdxf.filemanagement import readfile
 
 from tests.end_to_end.built import CHORDS, DENSE, Built
 from tests.end_to_end.exact import half_width
@@ -28,7 +27,7 @@ def _outlines(built: Built, layer: str) -> list[Outline]:
     """Closed polylines of `layer` in mm, largest first."""
     scale = UNITS[built.design.scene.unit][2]
     found = []
-    for entity in readfile(built.file(".dxf")).modelspace().query(f'*[layer=="{layer}"]'):
+    for entity in built.drawing.modelspace().query(f'*[layer=="{layer}"]'):
         assert isinstance(entity, LWPolyline)
         assert entity.closed
         rows = np.array(entity.get_points("xyb"))
@@ -47,7 +46,7 @@ def _turns(outline: Outline) -> np.ndarray:
 
 
 def test_document(built: Built) -> None:
-    document = readfile(built.file(".dxf"))
+    document = built.drawing
     assert not document.audit().errors
     insunits, measurement, _ = UNITS[built.design.scene.unit]
     assert document.dxfversion == "AC1024"  # R2010
@@ -117,7 +116,7 @@ def test_pitch_curve_and_base_circle(built: Built) -> None:
         assert np.max(pitch.distances(points[::3])) <= built.tolerance
         assert np.max(DensePath(points).distances(pitch.dense(POINTS))) <= built.tolerance + CHORDS
     scale = UNITS[built.design.scene.unit][2]
-    (circle,) = readfile(built.file(".dxf")).modelspace().query("CIRCLE")
+    (circle,) = built.drawing.modelspace().query("CIRCLE")
     assert circle.dxf.radius * scale == pytest.approx(
         built.design.cam.follower.base_radius, rel=1e-15
     )

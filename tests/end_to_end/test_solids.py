@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import zipfile
-from typing import Any
 from xml.etree import ElementTree as ET
 
 import numpy as np
@@ -22,12 +21,6 @@ SINGLE = 2.0**-23
 
 SECTION = 1e-7
 """trimesh merges points of a section that agree to 8 digits of it [mm]."""
-
-
-def _mesh(built: Built, suffix: str) -> trimesh.Trimesh:
-    mesh: Any = trimesh.load_mesh(str(built.file(suffix)))
-    assert isinstance(mesh, trimesh.Trimesh)
-    return mesh
 
 
 def _section(mesh: trimesh.Trimesh, height: float) -> list[Outline]:
@@ -55,7 +48,7 @@ def _worst(found: list[Outline], wanted: list[Exact]) -> float:
 
 @pytest.mark.parametrize("suffix", SUFFIXES)
 def test_body_is_closed_and_has_its_volume(built: Built, suffix: str) -> None:
-    mesh = _mesh(built, suffix)
+    mesh = built.meshes[suffix]
     assert mesh.is_watertight
     assert mesh.is_winding_consistent
     assert mesh.body_count == 1
@@ -66,7 +59,7 @@ def test_body_is_closed_and_has_its_volume(built: Built, suffix: str) -> None:
 
 @pytest.mark.parametrize("suffix", SUFFIXES)
 def test_sections_lie_on_the_curves(built: Built, suffix: str) -> None:
-    mesh = _mesh(built, suffix)
+    mesh = built.meshes[suffix]
     depth = built.spec.groove_depth or 0.0
     worst = _worst(_section(mesh, 0.5 * (built.thickness - depth)), built.through)
     if built.groove:
@@ -79,7 +72,7 @@ def test_sections_lie_on_the_curves(built: Built, suffix: str) -> None:
 @pytest.mark.parametrize("suffix", SUFFIXES)
 def test_each_corner_is_an_edge(built: Built, suffix: str) -> None:
     """From face to face there are vertices at the corner, to the rounding of single precision."""
-    vertices = np.asarray(_mesh(built, suffix).vertices)
+    vertices = np.asarray(built.meshes[suffix].vertices)
     points = vertices[:, 0] + 1j * vertices[:, 1]
     for exact in built.through:
         for corner in exact.corners:
