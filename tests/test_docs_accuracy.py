@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from camgeo.accuracy import clock
+from camgeo.accuracy import contours
 from camgeo.accuracy.rows import FORMS, ORDER
 from camgeo.contour.least_pieces import ARC, CHORD, CUBIC
 from tests.pages import page_maker
@@ -64,7 +64,7 @@ def test_a_cam_has_its_tolerances_and_its_advice(name: str) -> None:
 
 @pytest.mark.parametrize("name", AGAIN)
 def test_what_is_measured_again_is_what_is_told(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(clock, "RUNS", 1)  # no second of it is on the page
+    monkeypatch.setattr(contours, "RUNS", 1)  # no second of it is on the page
     found = maker().by_key(maker().rows_of(name, COARSE))
     for tolerance in COARSE:
         made = maker().line(found, tolerance)

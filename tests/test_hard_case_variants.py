@@ -1173,9 +1173,14 @@ def test_a_wild_scene_is_refused_or_all_its_numbers_are_finite(text: str) -> Non
         return
     design = Design(parsed)
     pictured = design.pictured
-    curves = [partial(pictured.curve, name) for name in ("pitch", "inner", "outer")]
-    names = ("s", "s1", "s2", "s3", "curvature", "transmission_angle")
-    for values in (*curves, *(partial(pictured.quantity, name) for name in names)):
+    pitch = design.cam.disc.pitch_curve
+    asked: list[Callable[[FloatArray], FloatArray]] = [
+        *(partial(pictured.curve, name) for name in ("pitch", "inner", "outer")),
+        design.drive.motion.jet,
+        pitch.curvature,
+        pitch.transmission_angle,
+    ]
+    for values in asked:
         finite_or_refused(partial(values, spread(200)))
     try:
         findings = design.findings

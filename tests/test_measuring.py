@@ -64,7 +64,7 @@ def test_the_nearest_piece_is_never_passed_over(
     starts = random.normal(size=count + 1) + 1j * random.normal(size=count + 1)
     sweeps = random.uniform(-most, most, count) * random.integers(0, 2, count)
     pieces = Outline.through(starts, sweeps, closed=False)
-    points = away * (random.normal(size=60) + 1j * random.normal(size=60))
+    points = away * np.asarray(random.normal(size=60) + 1j * random.normal(size=60), np.complex128)
     number = np.arange(count)
     each = [float(np.min(pieces.apart(np.full(count, point), number))) for point in points]
     assert np.array_equal(pieces.distances(points), each)

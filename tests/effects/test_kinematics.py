@@ -73,7 +73,7 @@ def test_each_column_is_the_derivative_of_the_one_before(scene: str) -> None:
             scale = np.max(np.abs(first.values(PHI, "right")))
             # Gauss's rule over an eighth of a piece; rounding of values in the cells.
             assert over_time(second) == pytest.approx(change, abs=1e-11 * scale)
-    way = 1.0 if made.pictured.lift_unit == "mm" or scene == "setzhub" else math.degrees(1.0)
+    way = 1.0 if made.cam.lift_unit == "mm" or scene == "setzhub" else math.degrees(1.0)
     lift = way * (
         made.cam.drive.plan.jet(high, "left")[0] - made.cam.drive.plan.jet(low, "right")[0]
     )

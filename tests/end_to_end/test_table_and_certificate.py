@@ -73,8 +73,8 @@ def test_table_holds_the_values_of_the_design(built: Built) -> None:
                 else design.drive.motion.jet(phi)
             )
             assert np.array_equal(columns[f"s{mark} [{unit}{rate}]"], motion[order] / mm)
-    assert ("psi [deg]" in columns) == (design.pictured.lift_unit == "rad")
-    if design.pictured.lift_unit == "rad":
+    assert ("psi [deg]" in columns) == (design.cam.lift_unit == "rad")
+    if design.cam.lift_unit == "rad":
         assert np.array_equal(columns["psi [deg]"], np.degrees(design.drive.motion.jet(phi)[0]))
 
 

@@ -114,8 +114,8 @@ def test_lengths_and_angles_are_converted() -> None:
     assert follower == TranslatingFlat(1.5 * 25.4, math.radians(60.0), 1, (-0.75 * 25.4, 25.4))
     rocker = parse_scene(ROCKER).follower
     assert rocker == OscillatingFlat(-96.0 + 30.0j, 45.0, 6.0, 1, 1, (65.0, 125.0))
-    assert Design(parse_scene(ROCKER)).pictured.lift_unit == "rad"
-    assert Design(parse_scene(TAPPET)).pictured.lift_unit == "mm"
+    assert Design(parse_scene(ROCKER)).cam.lift_unit == "rad"
+    assert Design(parse_scene(TAPPET)).cam.lift_unit == "mm"
 
 
 def test_a_linkage_drives_a_flat_rocker() -> None:

@@ -49,7 +49,7 @@ def test_the_keys_of_a_four_bar() -> None:
 def test_the_follower_decides_which_member_of_a_slider_crank_moves_as_demanded() -> None:
     made = loaded(CRANK_SLIDER)
     assert isinstance(made.cam.drive.linkage, CrankSlider)
-    assert (made.drive.unit, made.drive.demanded_of, made.pictured.lift_unit) == (
+    assert (made.drive.unit, made.drive.demanded_of, made.cam.lift_unit) == (
         "rad",
         "crank",
         "mm",
@@ -134,7 +134,7 @@ def test_the_table_has_both_motions(text: str, angle: str) -> None:
     assert len(columns) == len(table.names)
     phi = np.radians(columns["phi [deg]"])
     assert columns[f"{angle} [deg]"] == pytest.approx(np.degrees(made.drive.plan.jet(phi)[0]))
-    own = "psi' [1]" if made.pictured.lift_unit == "rad" else "s' [mm/rad]"
+    own = "psi' [1]" if made.cam.lift_unit == "rad" else "s' [mm/rad]"
     assert columns[own] == pytest.approx(made.drive.motion.jet(phi)[1])
     speed = made.scene.speed
     assert speed is not None
@@ -189,12 +189,12 @@ def test_effects_at_the_follower_itself_work(text: str, tables: str, prefix: str
     own = names[f"{prefix} velocity"].values(phi, "right")
     speed = made.scene.speed
     assert speed is not None
-    scale = math.degrees(1.0) if made.pictured.lift_unit == "rad" else 1.0
+    scale = math.degrees(1.0) if made.cam.lift_unit == "rad" else 1.0
     assert own == pytest.approx(scale * speed * made.drive.motion.jet(phi)[1], abs=1e-9)
     # Kinetic energy of what moves with the follower: its own, whatever the linkage.
     inertia = made.effect("inertia")
-    mass = 1e3 * 0.01 + 1e-4 * 80.0**2 if made.pictured.lift_unit == "rad" else 1.1e-3
-    assert inertia.to_follower(phi) == pytest.approx(np.full(len(phi), mass))
+    mass = 1e3 * 0.01 + 1e-4 * 80.0**2 if made.cam.lift_unit == "rad" else 1.1e-3
+    assert inertia.to_follower(phi, "right") == pytest.approx(np.full(len(phi), mass))
 
 
 def test_data_of_another_linkage_are_refused_from_outside_too() -> None:
