@@ -64,7 +64,6 @@ from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.design import Design
 from camgeo.errors import ToleranceError
-from camgeo.mechanism.kinds import require_roller
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.mechanism.slider_crank import SliderCrank
 from camgeo.mechanism.translating_roller import TranslatingRoller
@@ -141,12 +140,13 @@ def all_cams() -> list[Cam]:
         linkage = scene.linkage
         if linkage is not None and not isinstance(linkage, SliderCrank):
             continue  # there are no exact values of the others
+        follower: Any = design.cam.follower
         for flank, curve in design.cam.disc.flanks:
             title = name if len(design.cam.disc.flanks) == 1 else f"{name} {flank}"
             found.append(
                 Cam(
                     title, scene.plan, design.cam.drive.motion, linkage,
-                    require_roller(design.cam.follower), scene.rotation, curve.distance,
+                    follower, scene.rotation, curve.distance,
                 )
             )  # fmt: skip
     cases = json.loads((FIXTURES / "reference" / "hard_cases.json").read_text("utf-8"))

@@ -200,12 +200,10 @@ KIND_WORDS = {
 }  # fmt: skip
 """What followers, linkages, contacts and their parts are called."""
 
-KIND_FUNCTIONS = {"require_roller"}
-
 NO_KIND = {"LinkedMotion"}
 """Classes of `mechanism` that are no kind: whether there is a linkage at all."""
 
-MOST_KIND_QUESTIONS = 17
+MOST_KIND_QUESTIONS = 16
 """Places outside `mechanism` that ask what kind of follower, linkage or contact it is."""
 
 
@@ -249,8 +247,6 @@ def asks_kind(node: ast.AST, classes: set[str]) -> bool:
             return name in KIND_FLAGS
         case ast.Call(func=ast.Name("isinstance" | "issubclass" | "cast")):
             return any(names_in(each) & classes for each in node.args)
-        case ast.Call(func=ast.Name(name)):
-            return name in KIND_FUNCTIONS
         case ast.MatchClass(cls=ast.Name(name)):
             return name in classes
         case ast.MatchValue(value=value):
@@ -451,7 +447,6 @@ def test_each_rule_finds_its_breach(tmp_path: Path, name: str, text: str, expect
         "return isinstance(follower, TranslatingRoller)",
         "return isinstance(follower, int | TranslatingRoller)",
         "return cast('TranslatingRoller', follower)",
-        "return require_roller(follower)",
         "return contact == 'inner'",
         "return contact in ('outer', 'groove')",
         "return 'groove' != contact",

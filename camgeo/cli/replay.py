@@ -30,7 +30,7 @@ from camgeo.design import Design
 from camgeo.errors import Fault, SceneError
 from camgeo.files.product import Product, disc_of
 from camgeo.files.value_table import Table, cam_angles
-from camgeo.mechanism.kinds import require_roller
+from camgeo.mechanism.follower_path import path_of
 from camgeo.numeric.arrays import FloatArray
 from camgeo.outline.flank import Flank
 from camgeo.outline.replay import CORNER, replay_contour, replay_outline
@@ -117,7 +117,7 @@ def run(parser: argparse.ArgumentParser, arguments: argparse.Namespace) -> int:
             parser.error(f"argument --{option}: must be a number from 0 on")
     check_picture(parser, arguments.output, (".csv", *SUFFIXES))
     design = Design(load_scene(arguments.scene))
-    require_roller(design.cam.follower)
+    path_of(design.cam.follower, design.cam.rotation)  # of rollers alone
     flank = Flank(arguments.flank or design.cam.contact.main)
     found = [
         _replayed(disc, file, flank, float(step), arguments)

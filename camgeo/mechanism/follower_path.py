@@ -183,7 +183,8 @@ def path_of(follower: Follower, rotation: int) -> FollowerPath:
     Raises GeometryError if none is registered for its class.
     """
     del rotation  # of those that are registered
-    raise GeometryError(f"the path of a {follower.kind} is not known", key="follower.kind")
+    message = f'what is asked for is for roller followers, and this one is "{follower.kind}"'
+    raise GeometryError(message, key="follower.kind", value=follower.kind)
 
 
 @dataclass(frozen=True, slots=True)

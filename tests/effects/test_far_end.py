@@ -15,7 +15,6 @@ import pytest
 from camgeo.design import Design
 from camgeo.effects.force import at_rates
 from camgeo.errors import EffectError
-from camgeo.mechanism.kinds import require_roller
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from tests.effects.scenes import assert_refused, design
@@ -153,7 +152,7 @@ def statics(made: Design, phi: FloatArray) -> FloatArray:
     own = OWN["four_bar" if rocks else "crank_slider"]
     centre_of_roller = Bodies(made.cam, phi, phi).centre(phi)
     if rocks:
-        follower = require_roller(made.cam.follower)
+        follower: Any = made.cam.follower
         assert isinstance(follower, OscillatingRoller)
         own = own + ROLLER * follower.arm**2
         moments = cross(tip, on_follower)
@@ -198,7 +197,7 @@ def test_power_of_the_drive_goes_into_energies_and_the_load(scene: str) -> None:
     def kinetic(x: FloatArray) -> FloatArray:
         rod = np.subtract(*joints(made, x))
         turn = np.imag(slope(lambda y: np.subtract(*joints(made, y)), x) / rod)
-        own = OWN[scene] + ROLLER * (require_roller(made.cam.follower).arm ** 2 if rocks else 1.0)  # type: ignore[union-attr]
+        own = OWN[scene] + ROLLER * (abs(made.cam.follower.start_arm) ** 2 if rocks else 1.0)
         energy = own * slope(lambda y: lift(made, y), x) ** 2
         energy = energy + OUTPUT * slope(lambda y: stroke(made, y), x) ** 2
         energy = energy + COUPLER * np.abs(slope(lambda y: coupler_centre(made, y), x)) ** 2
