@@ -12,8 +12,7 @@ from pathlib import Path
 
 from camgeo.figure.stability import figure
 from camgeo.stability import suite
-from camgeo.stability.case import Case
-from camgeo.stability.measure import Reading
+from camgeo.stability.measure import Case, Reading
 from camgeo.stability.suite import Row
 from camgeo_export.plots.render import render
 

@@ -11,10 +11,9 @@ from itertools import pairwise
 
 from camgeo.check.finding import TOLD, Finding
 from camgeo.motion.joints import Joint, breaks, joints
-from camgeo.motion.law_extremes import plan_extremes
 from camgeo.motion.laws.characteristic import characteristic
 from camgeo.motion.plan import Course, Dwell, MotionPlan, Move
-from camgeo.motion.time_course import ConstantSpeed, LiftUnit, TimeCourse
+from camgeo.motion.time_course import ConstantSpeed, LiftUnit, TimeCourse, plan_extremes
 from camgeo.numeric.extremes import Extremes
 
 OVERSHOOT = 1e-9

@@ -8,7 +8,7 @@ many more angles than pieces each piece has a call of its own, with nothing to l
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:  # only a motion by data needs splines
     from camgeo.motion.spline import Spline
 
 BLOCK: Final = 8192
-"""Angles worked on at a time."""
+"""Angles worked on at a time, so that intermediate results stay in the processor's cache."""
 
 MANY: Final = 64
 """Angles to a piece, in the mean, from which on pieces are evaluated one by one."""
@@ -135,15 +135,16 @@ class Pieces:
     def jet(self, phi: FloatArray, side: Side) -> Jet:
         """(4, n) lift and derivatives at `phi` (n,) in [0, 2 pi] [rad]."""
         out = np.empty((4, len(phi)))
-        if len(phi) > MANY * len(self.starts):
-            for piece, places in self._parts(phi, side):
-                for part in _blocks(places):
-                    self._write(int(self._group[piece]), piece, phi[part], out, part)
-            return out
-        pieces = self.at(phi, side)
-        for group, places in places_of(self._group[pieces]):
-            for part in _blocks(places):
-                self._write(group, pieces[part], phi[part], out, part)
+        for first in range(0, len(phi), BLOCK):
+            block = slice(first, first + BLOCK)
+            here, there = phi[block], out[:, block]
+            if len(here) > MANY * len(self.starts):
+                for piece, places in self._parts(here, side):
+                    self._write(int(self._group[piece]), piece, here, there, places)
+            else:
+                pieces = self.at(here, side)
+                for group, places in places_of(self._group[pieces]):
+                    self._write(group, pieces[places], here, there, places)
         return out
 
     def at(self, phi: FloatArray, side: Side) -> IntArray:
@@ -167,19 +168,19 @@ class Pieces:
         rows: int | IntArray,
         phi: FloatArray,
         out: Jet,
-        part: slice | IntArray,
+        places: slice | IntArray,
     ) -> None:
-        """Write to a part of `out` what one formula gives for a piece, or for each angle's own."""
+        """Write to some places what one formula gives there, for a piece or for each its own."""
         if group == REST:
-            out[0, part], out[1:, part] = self._origin[rows], 0.0
+            out[0, places], out[1:, places] = self._origin[rows], 0.0
             return
-        rate = self._rate[rows]
+        phi, rate = phi[places], self._rate[rows]
         z, w = (phi - self._start[rows]) * rate, (self._end[rows] - phi) * rate
         values = self._formulas[group](z, w, self._numbers[group][:, self._row[rows]])
         for row, value, scale in zip(out, values, self._scale[:, rows], strict=True):
             value *= scale
-            row[part] = value
-        out[0, part] += self._origin[rows]
+            row[places] = value
+        out[0, places] += self._origin[rows]
 
 
 def places_of(keys: IntArray) -> list[tuple[int, IntArray]]:
@@ -187,13 +188,3 @@ def places_of(keys: IntArray) -> list[tuple[int, IntArray]]:
     order = np.argsort(keys, kind="stable")
     ends = np.flatnonzero(np.diff(keys[order])) + 1
     return [(int(keys[places[0]]), places) for places in np.split(order, ends) if len(places)]
-
-
-def _blocks(places: slice | IntArray) -> Iterator[slice | IntArray]:
-    """`places` in blocks of so many that intermediate results stay in the processor's cache."""
-    if isinstance(places, slice):
-        for first in range(places.start, places.stop, BLOCK):
-            yield slice(first, min(first + BLOCK, places.stop))
-    else:
-        for first in range(0, len(places), BLOCK):
-            yield places[first : first + BLOCK]

@@ -18,9 +18,9 @@ from camgeo.mechanism.linkage import LinkedMotion
 from camgeo.motion.laws import make_law
 from camgeo.motion.plan import Dwell, MotionPlan, Move
 from camgeo.numeric.arrays import ComplexArray, FloatArray
-from camgeo.stability.case import Case, Exact, Found
 from camgeo.stability.exact_cam import AnyFollower, AnyLinkage, Stage
 from camgeo.stability.high_precision import Number, multiprecision
+from camgeo.stability.measure import Case, Exact, Found
 
 CAMS: Final = "cams"
 

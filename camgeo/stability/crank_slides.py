@@ -11,8 +11,8 @@ import numpy as np
 from camgeo.mechanism.crank_slide import CrankSlide
 from camgeo.numeric.arrays import FloatArray
 from camgeo.numeric.extremes import Extreme
-from camgeo.stability.case import Case
 from camgeo.stability.high_precision import Number, multiprecision
+from camgeo.stability.measure import Case
 from camgeo.stability.roots import newton
 from camgeo.stability.series import Series, direction, logarithm, variable
 from camgeo.units import TURN

@@ -18,9 +18,9 @@ from camgeo.numeric.arrays import FloatArray
 from camgeo.outline.cusps import undercut_ranges
 from camgeo.stability import cams, loops
 from camgeo.stability.cam_case import CamSpec
-from camgeo.stability.case import Case
 from camgeo.stability.exact_cam import CamJet
 from camgeo.stability.high_precision import Number
+from camgeo.stability.measure import Case
 from camgeo.stability.roots import Roots, newton
 
 GROUP: Final = "extremes"

@@ -10,9 +10,9 @@ from camgeo.mechanism.oscillating_flat import OscillatingFlat
 from camgeo.mechanism.translating_flat import TranslatingFlat
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.stability.cam_case import EVEN, LIFTS, MIDDLE, SHARES, STEEP, WIDE, CamSpec, of_moves
-from camgeo.stability.case import Case
 from camgeo.stability.exact_face import face_jet
 from camgeo.stability.high_precision import Number, multiprecision
+from camgeo.stability.measure import Case
 from camgeo.stability.series import Series
 
 GROUP: Final = "flat faces"

@@ -7,7 +7,6 @@ from typing import Final
 from camgeo.motion.laws import make_law
 from camgeo.motion.laws.law import Law
 from camgeo.numeric.arrays import FloatArray
-from camgeo.stability.case import Case, Exact
 from camgeo.stability.high_precision import Number
 from camgeo.stability.lifts import (
     HALVES,
@@ -17,6 +16,7 @@ from camgeo.stability.lifts import (
     scca_lift,
     septic_lift,
 )
+from camgeo.stability.measure import Case, Exact
 from camgeo.stability.series import Series, variable
 
 GROUP: Final = "laws"

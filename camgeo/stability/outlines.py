@@ -20,9 +20,9 @@ from camgeo.outline.outline import real_outline
 from camgeo.outline.replay import replay_outline
 from camgeo.outline.replay_result import Replay
 from camgeo.stability.cam_case import STEEP, CamSpec
-from camgeo.stability.case import Case
 from camgeo.stability.exact_outline import ExactOutline
 from camgeo.stability.high_precision import Number
+from camgeo.stability.measure import Case
 from camgeo.stability.roots import Roots
 
 GROUP: Final = "outlines"

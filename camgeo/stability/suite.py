@@ -18,8 +18,7 @@ from camgeo.stability import (
     tables,
 )
 from camgeo.stability.cam_case import CAMS, LINKAGES, CamSpec, cases_of
-from camgeo.stability.case import Case
-from camgeo.stability.measure import Reading, measure
+from camgeo.stability.measure import Case, Reading, measure
 
 GROUPS: Final[Mapping[str, Callable[[], tuple[Case, ...]]]] = {
     laws.GROUP: laws.cases,

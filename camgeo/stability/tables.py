@@ -15,8 +15,8 @@ import numpy as np
 from camgeo.motion.boundary import FREE
 from camgeo.motion.points import clamped_spline, periodic_spline
 from camgeo.numeric.arrays import FloatArray
-from camgeo.stability.case import Case
 from camgeo.stability.high_precision import Number, multiprecision
+from camgeo.stability.measure import Case
 from camgeo.stability.series import polynomial, variable
 
 GROUP: Final = "tables"

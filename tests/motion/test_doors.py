@@ -18,7 +18,6 @@ import pytest
 
 from camgeo.errors import GeometryError
 from camgeo.motion.joints import breaks
-from camgeo.motion.law_extremes import plan_extremes
 from camgeo.motion.laws import FAMILIES, make_law
 from camgeo.motion.laws.balance import balanced
 from camgeo.motion.laws.characteristic import characteristic
@@ -30,7 +29,7 @@ from camgeo.motion.planning.request import MoveRequest, PointsRequest, TableRequ
 from camgeo.motion.points import clamped_spline, periodic_spline, smooth_clamped_spline
 from camgeo.motion.speed_table import read_speed_table
 from camgeo.motion.spline import Spline
-from camgeo.motion.time_course import ConstantSpeed, SpeedCurve, time_extremes
+from camgeo.motion.time_course import ConstantSpeed, SpeedCurve, plan_extremes, time_extremes
 from camgeo.motion.value_table import law_table
 from camgeo.units import TURN
 

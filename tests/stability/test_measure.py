@@ -12,8 +12,7 @@ import pytest
 from camgeo.errors import CamgeoError, GeometryError
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.stability import high_precision
-from camgeo.stability.case import Case
-from camgeo.stability.measure import Reading, measure
+from camgeo.stability.measure import Case, Reading, measure
 
 Found = Callable[[FloatArray], FloatArray | ComplexArray]
 

@@ -21,8 +21,7 @@ from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.outline.outline import real_outline
 from camgeo.stability import cams, crank_slides, faces, loops, outlines
 from camgeo.stability.cam_case import CamSpec, cases_of
-from camgeo.stability.case import Case, Found
-from camgeo.stability.measure import Reading, measure
+from camgeo.stability.measure import Case, Found, Reading, measure
 from camgeo.stability.suite import (
     GROUPS,
     LIMIT,

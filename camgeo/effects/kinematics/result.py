@@ -14,13 +14,13 @@ import numpy as np
 from camgeo.check.finding import Finding
 from camgeo.effects.effect import Column, Request, Result
 from camgeo.motion.joints import breaks
-from camgeo.motion.law_extremes import plan_extremes
 from camgeo.motion.motion import Side
 from camgeo.motion.time_course import (
     LiftUnit,
     TimeCourse,
     TimeExtremes,
     in_time,
+    plan_extremes,
     time_extremes,
 )
 from camgeo.numeric.arrays import FloatArray

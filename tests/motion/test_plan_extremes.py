@@ -7,7 +7,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from camgeo.motion.law_extremes import plan_extremes
 from camgeo.motion.plan import MotionPlan
 from camgeo.motion.planning.planner import plan_motion
 from camgeo.motion.planning.request import MoveRequest, TableRequest
@@ -16,6 +15,7 @@ from camgeo.motion.time_course import (
     SpeedCurve,
     in_time,
     inertia_torque,
+    plan_extremes,
     time_extremes,
 )
 from tests.strategies import BENT, attack, plans
