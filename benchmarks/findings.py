@@ -1,0 +1,161 @@
+"""CPU time of all findings of a scene, warm, here and as of another revision, in turns.
+
+Two processes, one with the camgeo of this tree and one with that of the revision, have loaded all
+scenes. They are asked in turns, scene by scene, the first one first in every other round:
+
+- "again": the findings of a fresh `Design` of a scene that was judged before;
+- "varied": the same after an edit by `with_values`, which makes the base circle or the roller a
+  little larger each time, as a designer does who looks at the findings meanwhile. The edit counts.
+
+Told is the median of the rounds, and the median of the ratios of the rounds; below the table their
+geometric mean. What the findings say is compared too: by how much any value differs at most, as a
+part of its size, and any cam angle, as a part of a turn.
+
+    python benchmarks/findings.py --against REV [--rounds 15] [SCENE ...]
+"""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import json
+import math
+import os
+import platform
+import statistics
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+
+from camgeo.units import TURN
+
+ROOT: Final = Path(__file__).resolve().parents[1]
+
+SCENES: Final = sorted(
+    path for room in ("scenes", "effects") for path in (ROOT / "fixtures" / room).glob("*.toml")
+)
+
+WAYS: Final = ("again", "varied")
+
+WORKER: Final = """
+import json, sys, time
+import camgeo
+
+scenes, edits = {}, {}
+
+def edited(scene, number):
+    follower = scene.values["follower"]
+    key = next(k for k in ("base_radius", "roller_radius", "arm") if k in follower)
+    return scene.with_values({f"follower.{key}": float(follower[key]) * (1.0 + 1e-6 * number)})
+
+for line in sys.stdin:
+    path, way = json.loads(line)
+    if path not in scenes:
+        scenes[path] = camgeo.load(path).scene
+        camgeo.Design(scenes[path]).findings
+    scene = scenes[path]
+    began = time.process_time()
+    if way == "varied":
+        edits[path] = edits.get(path, 0) + 1
+        scene = edited(scene, edits[path])
+    found = camgeo.Design(scene).findings
+    took = time.process_time() - began
+    told = [(each.name, each.value, each.cam_angle) for each in found]
+    print(json.dumps([took, told]), flush=True)
+"""
+"""Judges the scenes that it is asked for, line by line; tells CPU time [s] and findings."""
+
+Told = list[tuple[str, float | None, float | None]]
+
+
+class Worker:
+    """A process with the camgeo of one tree."""
+
+    def __init__(self, root: Path) -> None:
+        environment = {**os.environ, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
+        environment["PYTHONPATH"] = os.pathsep.join((str(root), str(root / "export")))
+        self._process = subprocess.Popen(
+            [sys.executable, "-c", WORKER],
+            cwd=root, env=environment, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
+        )  # fmt: skip
+
+    def ask(self, path: Path, way: str) -> tuple[float, Told]:
+        """CPU time [s] of the findings of a scene, and what they say."""
+        assert self._process.stdin is not None
+        assert self._process.stdout is not None
+        self._process.stdin.write(json.dumps([str(path), way]) + "\n")
+        self._process.stdin.flush()
+        answer: Any = json.loads(self._process.stdout.readline())
+        return answer[0], answer[1]
+
+    def close(self) -> None:
+        """End it."""
+        self._process.communicate()
+
+
+def measure(workers: dict[str, Worker], path: Path, rounds: int) -> dict[str, float]:
+    """Print the row of one scene; the ratio of each way."""
+    cells, ratios, differs = "", {}, 0.0
+    for way in WAYS:
+        times: dict[str, list[float]] = {name: [] for name in workers}
+        for number in range(rounds + 1):
+            told = {}
+            for name in sorted(workers, reverse=bool(number % 2)):
+                took, told[name] = workers[name].ask(path, way)
+                if number:  # the first round loads
+                    times[name].append(took)
+            differs = max(differs, difference(*told.values()))
+        here, before = (statistics.median(times[name]) for name in ("here", "before"))
+        pairs = zip(times["here"], times["before"], strict=True)
+        ratios[way] = statistics.median(a / b for a, b in pairs)
+        cells += f"{1e3 * here:10.2f}{1e3 * before:10.2f}{ratios[way]:8.3f}"
+    print(f"{path.stem:<22}{cells}{differs:12.1e}", flush=True)
+    return ratios
+
+
+def difference(one: Told, other: Told) -> float:
+    """By how much values differ at most, as a part of their size; cam angles of a turn."""
+    if [name for name, *_ in one] != [name for name, *_ in other]:
+        return math.inf
+    largest = 0.0
+    for (_, value, place), (_, value_then, place_then) in zip(one, other, strict=True):
+        for now, then, size in ((value, value_then, 0.0), (place, place_then, TURN)):
+            if (now is None) != (then is None):
+                return math.inf
+            if now is None or then is None or now == then:
+                continue
+            largest = max(largest, abs(now - then) / max(size, abs(now), abs(then)))
+    return largest
+
+
+def main() -> None:
+    """Measure and print."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("scenes", nargs="*", type=Path, default=SCENES)
+    parser.add_argument("--rounds", type=int, default=15)
+    parser.add_argument("--against", metavar="REV", required=True)
+    arguments = parser.parse_args()
+    print(
+        f"Python {platform.python_version()}, numpy {np.__version__}, {platform.machine()};"
+        f" CPU ms here and at {arguments.against}, median of {arguments.rounds} rounds"
+    )
+    print(f"{'':<22}" + "".join(f"{way:>10}{'before':>10}{'ratio':>8}" for way in WAYS), end="")
+    print(f"{'differs':>12}")
+    with tempfile.TemporaryDirectory() as folder, contextlib.ExitStack() as stack:
+        before = Path(folder) / "before"
+        subprocess.run(["git", "clone", "-q", str(ROOT), str(before)], check=True)
+        subprocess.run(["git", "checkout", "-q", arguments.against], cwd=before, check=True)
+        workers = {"here": Worker(ROOT), "before": Worker(before)}
+        for worker in workers.values():
+            stack.callback(worker.close)
+        found = [measure(workers, path.resolve(), arguments.rounds) for path in arguments.scenes]
+    means = [statistics.geometric_mean(ratios[way] for ratios in found) for way in WAYS]
+    print(f"{'geometric mean':<22}" + "".join(f"{mean:28.3f}" for mean in means))
+
+
+if __name__ == "__main__":
+    main()
