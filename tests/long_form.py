@@ -1,0 +1,13 @@
+"""The usual form of the tests, and the long one: `CAMGEO_LONG=1` draws and sweeps all there is."""
+
+from __future__ import annotations
+
+import os
+from typing import Final
+
+LONG: Final = os.environ.get("CAMGEO_LONG", "0") != "0"
+
+
+def examples(usual: int, long: int) -> int:
+    """How many examples hypothesis draws of a property."""
+    return long if LONG else usual
