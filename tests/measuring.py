@@ -63,7 +63,7 @@ class Outline:
         Only pieces whose box is no farther than the nearest of the starts are measured.
         """
         targets = shapely.points(points.real, points.imag)
-        starts = shapely.STRtree(list(shapely.points(self.starts.real, self.starts.imag)))
+        starts = shapely.STRtree([*map(shapely.Point, self.starts.real, self.starts.imag)])
         _, nearest = starts.query_nearest(targets, return_distance=True, all_matches=False)
         found = self._boxes.query(_boxes(points, nearest * (1.0 + SLACK) + SLACK))
         distances: FloatArray = np.full(len(points), np.inf)
