@@ -34,22 +34,22 @@ from camgeo.motion.plan import Dwell, MotionPlan, Move
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from camgeo.mechanism.crank_slider import CrankSlider
     from camgeo.mechanism.four_bar import FourBar
     from camgeo.mechanism.oscillating_flat import OscillatingFlat
     from camgeo.mechanism.oscillating_roller import OscillatingRoller
     from camgeo.mechanism.slider_crank import SliderCrank
+    from camgeo.mechanism.slider_driven_crank import SliderDrivenCrank
     from camgeo.mechanism.translating_flat import TranslatingFlat
     from camgeo.mechanism.translating_roller import TranslatingRoller
     from camgeo.scene.scene import Scene
 
 WHEN_ASKED: Final = {
-    "CrankSlider": "camgeo.mechanism.crank_slider",
     "FourBar": "camgeo.mechanism.four_bar",
     "OscillatingFlat": "camgeo.mechanism.oscillating_flat",
     "OscillatingRoller": "camgeo.mechanism.oscillating_roller",
     "Scene": "camgeo.scene.scene",
     "SliderCrank": "camgeo.mechanism.slider_crank",
+    "SliderDrivenCrank": "camgeo.mechanism.slider_driven_crank",
     "TranslatingFlat": "camgeo.mechanism.translating_flat",
     "TranslatingRoller": "camgeo.mechanism.translating_roller",
 }
@@ -90,7 +90,6 @@ def loads(text: str, *, folder: str | Path | None = None) -> Design:
 
 __all__ = [
     "CamgeoError",
-    "CrankSlider",
     "Design",
     "Dwell",
     "Fault",
@@ -108,6 +107,7 @@ __all__ = [
     "Scene",
     "SceneError",
     "SliderCrank",
+    "SliderDrivenCrank",
     "ToleranceError",
     "TranslatingFlat",
     "TranslatingRoller",

@@ -28,10 +28,10 @@ from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import GeometryError
 from camgeo.files.value_table import cam_angles
-from camgeo.mechanism.crank_slide import CrankSlide
 from camgeo.mechanism.linkage import LinkedMotion
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.mechanism.slider_crank import SliderCrank
+from camgeo.mechanism.slotted_lever import SlottedLever
 from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.motion.laws.characteristic import characteristic
 from camgeo.motion.plan import MotionPlan, Move
@@ -158,19 +158,19 @@ def fatal(found: Sequence[Finding]) -> list[str]:
     return [f.sentence for f in found if f.severity in ("fatal", "wrong")]
 
 
-# The crank-slide ------------------------------------------------------------------------------
+# The slotted lever ------------------------------------------------------------------------------
 
 
-def _crank_slide(params: Values) -> tuple[CrankSlide, float]:
-    """A crank-slide by lengths that are whole numbers, and its speed [rad/s]."""
+def _slotted_lever(params: Values) -> tuple[SlottedLever, float]:
+    """A slotted lever by lengths that are whole numbers, and its speed [rad/s]."""
     beta = Decimal(str(params["beta"]))
     crank = Decimal(10) ** max(-int(beta.as_tuple().exponent), 0)
-    return CrankSlide(float(crank), float(beta * crank)), TURN * float(params.get("n", 1.0))
+    return SlottedLever(float(crank), float(beta * crank)), TURN * float(params.get("n", 1.0))
 
 
 def _hc01(params: Values, expected: Values) -> list[Measured]:
-    slide, speed = _crank_slide(params)
-    phi, omega, acceleration = slide.in_time(angles("1e-8"), speed)[:, 0]
+    lever, speed = _slotted_lever(params)
+    phi, omega, acceleration = lever.in_time(angles("1e-8"), speed)[:, 0]
     return [
         share(
             "phi at theta = 1e-8 deg, omega_2",
@@ -182,13 +182,13 @@ def _hc01(params: Values, expected: Values) -> list[Measured]:
 
 
 def _hc01_words(params: Values) -> list[str]:
-    return [refusal(lambda: _crank_slide(params)[0].angle(angles(0)))]
+    return [refusal(lambda: _slotted_lever(params)[0].angle(angles(0)))]
 
 
 def _hc02(params: Values, expected: Values) -> list[Measured]:
-    slide, speed = _crank_slide(params)
-    largest, swing = slide.largest_acceleration, slide.largest_angle
-    _, omega, _ = slide.in_time(angles(0, 180), speed)
+    lever, speed = _slotted_lever(params)
+    largest, swing = lever.largest_acceleration, lever.largest_angle
+    _, omega, _ = lever.in_time(angles(0, 180), speed)
     return [
         share(
             "largest eps_2, and where",
@@ -209,12 +209,12 @@ def _hc02(params: Values, expected: Values) -> list[Measured]:
 
 
 def _hc03(params: Values, expected: Values) -> list[Measured]:
-    slide, speed = _crank_slide(params)
+    lever, speed = _slotted_lever(params)
     table = expected["phi_deg_unwrapped"]
-    phi = np.degrees(slide.angle(angles(*table)))
-    start, end = np.degrees(slide.angle(np.array([0.0, TURN])))
-    _, omega, _ = slide.in_time(angles(0, 180), speed)
-    largest = slide.largest_acceleration
+    phi = np.degrees(lever.angle(angles(*table)))
+    start, end = np.degrees(lever.angle(np.array([0.0, TURN])))
+    _, omega, _ = lever.in_time(angles(0, 180), speed)
+    largest = lever.largest_acceleration
     return [
         share(
             "phi, and its change over a turn",
@@ -235,12 +235,12 @@ def _hc03(params: Values, expected: Values) -> list[Measured]:
 
 
 def _hc03_words(params: Values) -> list[str]:
-    return [refusal(lambda: _crank_slide(params)[0].largest_angle)]
+    return [refusal(lambda: _slotted_lever(params)[0].largest_angle)]
 
 
 def _hc04(params: Values, expected: Values) -> list[Measured]:
-    slide, _ = _crank_slide(params)
-    phi = np.degrees(slide.angle(angles(90, 1)))
+    lever, _ = _slotted_lever(params)
+    phi = np.degrees(lever.angle(angles(90, 1)))
     return [
         share(
             "phi at 90 and 1 deg",
@@ -249,7 +249,7 @@ def _hc04(params: Values, expected: Values) -> list[Measured]:
         ),
         share(
             "omega_2 at 60 deg",
-            (slide.velocity(angles(60))[0], expected["omega2_over_omega0_at_60"]),
+            (lever.velocity(angles(60))[0], expected["omega2_over_omega0_at_60"]),
         ),
     ]
 

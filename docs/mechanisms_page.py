@@ -40,7 +40,7 @@ MECHANISMS: Final = {
     "conjugate-lever": "conjugate_lever",
     "constant-breadth": "constant_breadth",
     "slider-crank": "setzhub",
-    "crank-slider": "crank_slider",
+    "slider-driven-crank": "crank_slider",
     "four-bar": "four_bar",
 }
 """Scene of each mechanism, by the name that `camgeo new` has for it."""
@@ -64,12 +64,12 @@ FINDINGS: Final = {
     "conjugate-lever": PAIR,
     "constant-breadth": (*FLAT, "closing-error"),
     "slider-crank": (*ROLLER, *LINKAGE),
-    "crank-slider": (*ROLLER, *LINKAGE),
+    "slider-driven-crank": (*ROLLER, *LINKAGE),
     "four-bar": (*ROLLER, *LINKAGE),
 }
 """Findings of each that the page shows."""
 
-LATER: Final = ("crank-slide",)
+LATER: Final = ("slotted-lever",)
 """Texts after those of the mechanisms."""
 
 TABLES: Final = re.compile(r"^\[(?:follower|linkage)[^\]]*\]\n(?:(?!\[).*\n)*", re.MULTILINE)

@@ -59,7 +59,7 @@ face it is what the face's lines envelop, each crossed with the next one by Cram
 linkage closes by the law of cosines, or by Pythagoras for a slider on its guide. Extremes, cusps
 and crossings are roots by Newton's method: a crossing solves W(x) = W(y) on the exact
 flank. The area of a disc is Green's integral by Gauss-Legendre quadrature, the roller on a
-corner is Pythagoras or the law of cosines, the slide's angle is that of a complex number, a
+corner is Pythagoras or the law of cosines, the lever's angle is that of a complex number, a
 spline solves the equations that define it. `tests/stability` compares these with the hard cases
 and with formulas written elsewhere.
 """

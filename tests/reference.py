@@ -73,12 +73,12 @@ def hard_case(name: str) -> tuple[dict[str, Any], dict[str, Any]]:
 
 def mechanisms() -> dict[str, dict[str, Any]]:
     """The cams of `mechanism_values.json` by name."""
-    return {name: case for name, case in _cases().items() if not _is_crank_slide(case)}
+    return {name: case for name, case in _cases().items() if not _is_slotted_lever(case)}
 
 
-def crank_slides() -> dict[str, dict[str, Any]]:
-    """The crank-slides of `mechanism_values.json` by name."""
-    return {name: case for name, case in _cases().items() if _is_crank_slide(case)}
+def slotted_levers() -> dict[str, dict[str, Any]]:
+    """The slotted levers of `mechanism_values.json` by name."""
+    return {name: case for name, case in _cases().items() if _is_slotted_lever(case)}
 
 
 @cache
@@ -87,7 +87,7 @@ def _cases() -> dict[str, dict[str, Any]]:
     return cases
 
 
-def _is_crank_slide(case: dict[str, Any]) -> bool:
+def _is_slotted_lever(case: dict[str, Any]) -> bool:
     return bool(case["params"]["kind"] == "crank_slide")
 
 

@@ -13,11 +13,11 @@ from hypothesis import strategies as st
 
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.errors import GeometryError
-from camgeo.mechanism.crank_slider import CrankSlider
 from camgeo.mechanism.four_bar import FourBar
 from camgeo.mechanism.linkage import LinkedMotion
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.mechanism.slider_crank import SliderCrank
+from camgeo.mechanism.slider_driven_crank import SliderDrivenCrank
 from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.motion.laws import FAMILIES, make_law
 from camgeo.motion.laws.law import Law
@@ -302,10 +302,10 @@ def four_bars(draw: st.DrawFn, motion: float = 0.6) -> FourBar:
 
 
 @st.composite
-def crank_sliders(draw: st.DrawFn, motion: float = 0.6) -> CrankSlider:
+def slider_driven_cranks(draw: st.DrawFn, motion: float = 0.6) -> SliderDrivenCrank:
     """A slider-crank whose crank turns from 0 to `motion` [rad] with 2 mm to spare."""
     try:
-        linkage = CrankSlider(draw(slider_cranks(0.0)))
+        linkage = SliderDrivenCrank(draw(slider_cranks(0.0)))
     except GeometryError:
         reject()
     assume(np.max(linkage.missing_length(np.linspace(0.0, motion, 17))) < -2.0)

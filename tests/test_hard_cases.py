@@ -28,10 +28,10 @@ from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import GeometryError, SceneError
 from camgeo.files.value_table import cam_angles
-from camgeo.mechanism.crank_slide import CrankSlide
 from camgeo.mechanism.linkage import LinkedMotion
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.mechanism.slider_crank import SliderCrank
+from camgeo.mechanism.slotted_lever import SlottedLever
 from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.motion.laws.characteristic import characteristic
 from camgeo.motion.plan import Dwell, MotionPlan, Move
@@ -67,23 +67,23 @@ def crank_of(params: dict[str, Any], deflection: float, **changes: str) -> Slide
     )
 
 
-def crank_slide_of(params: dict[str, Any]) -> tuple[CrankSlide, float]:
-    """A crank-slide of the ratio beta, and its speed [rad/s].
+def slotted_lever_of(params: dict[str, Any]) -> tuple[SlottedLever, float]:
+    """A slotted lever of the ratio beta, and its speed [rad/s].
 
     The crank is of as many units as beta has places after the point, so that both lengths are whole
     numbers: beta = 1.000000001 as a double has lost half the digits of beta - 1.
     """
     beta = Decimal(str(params["beta"]))
     crank = Decimal(10) ** max(-int(beta.as_tuple().exponent), 0)
-    return CrankSlide(float(crank), float(beta * crank)), TURN * float(params.get("n", 1.0))
+    return SlottedLever(float(crank), float(beta * crank)), TURN * float(params.get("n", 1.0))
 
 
 def test_hc01_crank_as_long_as_the_distance() -> None:
     params, expected = hard_case("HC01")
-    slide, speed = crank_slide_of(params)
+    lever, speed = slotted_lever_of(params)
     # "phi = 90 deg - theta/2 for 0 < theta < 360"
     theta = np.radians(np.array([1e-8, 1e-3, 30.0, 90.0, 200.0, 359.0, 360.0 - 1e-8]))
-    phi, omega, acceleration = slide.in_time(theta, speed)
+    phi, omega, acceleration = lever.in_time(theta, speed)
     assert phi == exactly(0.5 * (math.pi - theta), rel=REL, abs=1e-15)
     tiny = math.degrees(phi[0])
     # 90 deg less 5e-9: the part that is lost by naive sums is met as such.
@@ -92,68 +92,68 @@ def test_hc01_crank_as_long_as_the_distance() -> None:
     assert omega == exactly(float(expected["omega2"]), rel=REL)
     assert np.all(acceleration == expected["eps2"])
     # "error or nan, never a silent 0"
-    for quantity in (slide.angle, slide.velocity, slide.acceleration):
+    for quantity in (lever.angle, lever.velocity, lever.acceleration):
         with pytest.raises(GeometryError, match="undefined"):
             quantity(angles(0.0))
 
 
 def test_hc02_crank_nearly_as_long_as_the_distance() -> None:
     params, expected = hard_case("HC02")
-    slide, speed = crank_slide_of(params)
-    assert slide.distance - slide.crank == 1.0  # mm, of 1e9
-    largest = slide.largest_acceleration
+    lever, speed = slotted_lever_of(params)
+    assert lever.distance - lever.crank == 1.0  # mm, of 1e9
+    largest = lever.largest_acceleration
     assert largest.place == exactly(float(expected["theta_of_max_eps_rad"]), rel=REL)
     found = abs(largest.value) * speed**2
     assert found == exactly(float(expected["max_abs_eps2"]), rel=REL)
-    at = abs(slide.in_time(np.array([largest.place]), speed)[2, 0])
+    at = abs(lever.in_time(np.array([largest.place]), speed)[2, 0])
     assert at == exactly(float(expected["max_abs_eps2"]), rel=REL)
     # "theta* ~ (beta - 1)/sqrt3, max |eps2| ~ 9/(8 sqrt3) omega0^2/(beta - 1)^2"
     gap = 1e-9
     assert largest.place == exactly(gap / math.sqrt(3.0), rel=2.0 * gap)
     limit = 9.0 / (8.0 * math.sqrt(3.0)) * (speed / gap) ** 2
     assert found == exactly(limit, rel=2.0 * gap)
-    swing = slide.largest_angle
+    swing = lever.largest_angle
     assert math.degrees(swing.value) == exactly(float(expected["phi_max_deg"]), rel=REL)
     assert swing.place == exactly(float(expected["theta_phi_max_rad"]), rel=REL)
-    _, omega, _ = slide.in_time(angles(0.0, 180.0), speed)
+    _, omega, _ = lever.in_time(angles(0.0, 180.0), speed)
     assert omega[0] == exactly(float(expected["omega2_at_0"]), rel=REL)
     assert omega[1] == exactly(float(expected["omega2_at_180"]), rel=REL)
 
 
 def test_hc03_rotating_slide() -> None:
     params, expected = hard_case("HC03")
-    slide, speed = crank_slide_of(params)
-    first, last = slide.angle(np.array([0.0, TURN]))
+    lever, speed = slotted_lever_of(params)
+    first, last = lever.angle(np.array([0.0, TURN]))
     total = math.degrees(last - first)
     assert total == exactly(expected["total_phi_over_one_turn_deg"], rel=REL)
     table = expected["phi_deg_unwrapped"]
-    phi = np.degrees(slide.angle(angles(*table)))
+    phi = np.degrees(lever.angle(angles(*table)))
     assert phi == exactly(np.array([float(value) for value in table.values()]), rel=REL)
     fine = np.linspace(0.0, TURN, 3601)
-    assert np.max(np.abs(np.diff(slide.angle(fine)))) < 0.01, "no jump at 60 or 300 deg"
-    _, omega, _ = slide.in_time(angles(0.0, 180.0), speed)
+    assert np.max(np.abs(np.diff(lever.angle(fine)))) < 0.01, "no jump at 60 or 300 deg"
+    _, omega, _ = lever.in_time(angles(0.0, 180.0), speed)
     assert omega[0] == exactly(float(expected["omega2_at_0"]), rel=REL)
     assert omega[1] == exactly(float(expected["omega2_at_180"]), rel=REL)
-    assert np.max(slide.velocity(fine)) < 0.0, "omega2_zero: never"
-    largest = slide.largest_acceleration
+    assert np.max(lever.velocity(fine)) < 0.0, "omega2_zero: never"
+    largest = lever.largest_acceleration
     assert abs(largest.value) * speed**2 == exactly(float(expected["max_abs_eps2"]), rel=REL)
     assert math.degrees(largest.place) == exactly(float(expected["theta_of_max_deg"]), rel=REL)
     with pytest.raises(GeometryError, match="no largest angle"):  # "arcsin(R/a) undefined"
-        _ = slide.largest_angle
-    # The identities that the case names, with the slide of the ratio 1/beta.
-    other = CrankSlide(slide.distance, slide.crank)
-    assert other.acceleration(fine) == exactly(-slide.acceleration(fine), rel=REL)
-    assert other.velocity(fine) == exactly(-1.0 - slide.velocity(fine), abs=REL)
-    assert other.angle(fine) == exactly(math.pi - fine - slide.angle(fine), abs=REL)
+        _ = lever.largest_angle
+    # The identities that the case names, with the lever of the ratio 1/beta.
+    other = SlottedLever(lever.distance, lever.crank)
+    assert other.acceleration(fine) == exactly(-lever.acceleration(fine), rel=REL)
+    assert other.velocity(fine) == exactly(-1.0 - lever.velocity(fine), abs=REL)
+    assert other.angle(fine) == exactly(math.pi - fine - lever.angle(fine), abs=REL)
 
 
 def test_hc04_distance_far_longer_than_the_crank() -> None:
     params, expected = hard_case("HC04")
-    slide, _ = crank_slide_of(params)
-    phi = np.degrees(slide.angle(angles(90.0, 1.0)))
+    lever, _ = slotted_lever_of(params)
+    phi = np.degrees(lever.angle(angles(90.0, 1.0)))
     assert phi[0] == exactly(float(expected["phi_deg_at_90"]), rel=REL)
     assert phi[1] == exactly(float(expected["phi_deg_at_1"]), rel=REL)
-    (omega,) = slide.velocity(angles(60.0))
+    (omega,) = lever.velocity(angles(60.0))
     assert omega == exactly(float(expected["omega2_over_omega0_at_60"]), rel=REL)
 
 

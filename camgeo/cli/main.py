@@ -10,6 +10,7 @@ from collections.abc import Sequence
 
 from camgeo._version import __version__
 from camgeo.cli.command import BROKEN, WRONG, tell
+from camgeo.cli.earlier import present_name
 from camgeo.errors import CamgeoError, GeometryError, UndercutError
 
 INTERRUPTED = 130
@@ -26,7 +27,7 @@ COMMANDS = (
     "plot",
     "replay",
     "laws",
-    "crank-slide",
+    "slotted-lever",
     "accuracy",
     "explain",
     "stability",
@@ -58,6 +59,7 @@ def parser(commands: Sequence[str] = COMMANDS) -> argparse.ArgumentParser:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command; 0 fine, 1 a limit is broken, 2 the scene or the call is wrong."""
     words = sys.argv[1:] if arguments is None else list(arguments)
+    words[:1] = [present_name(word) for word in words[:1]]
     named = words[:1] if words and words[0] in COMMANDS else COMMANDS
     parsed = parser(named).parse_args(words)
     try:

@@ -6,6 +6,7 @@ import argparse
 from pathlib import Path
 
 from camgeo.cli.command import FINE, Subparsers, add_output, new_parser, write_told
+from camgeo.cli.earlier import present_name
 from camgeo.scene.new import KINDS, template
 
 
@@ -18,7 +19,13 @@ def register(subparsers: Subparsers[argparse.ArgumentParser]) -> None:
         "camgeo new oscillating-roller -o my-cam.toml",
     )
     parser.add_argument(
-        "kind", metavar="KIND", nargs="?", default=KINDS[0], choices=KINDS, help=", ".join(KINDS)
+        "kind",
+        metavar="KIND",
+        nargs="?",
+        type=present_name,
+        default=KINDS[0],
+        choices=KINDS,
+        help=", ".join(KINDS),
     )
     add_output(parser, "file to write; else the terminal")
     parser.set_defaults(run=run)

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from camgeo._version import __version__
 from camgeo.cli.command import BROKEN, FINE, Subparsers, new_parser, print_json
+from camgeo.cli.earlier import present_name
 from camgeo.cli.plot import add_picture, check_picture, write_picture
 from camgeo.cli.progress import Progress
 from camgeo.errors import meant
@@ -48,8 +49,8 @@ def register(subparsers: Subparsers[argparse.ArgumentParser]) -> None:
         metavar="NAME",
         nargs="+",
         default=[],
-        help="groups (laws, tables, cams, linkages, crank-slides, extremes, outlines), quantities,"
-        " or beginnings of case names",
+        help="groups (laws, tables, cams, linkages, slotted-levers, extremes, outlines),"
+        " quantities, or beginnings of case names",
     )
     parser.add_argument("--quick", action="store_true", help="two places of each case only")
     parser.add_argument("--json", action="store_true", help="print JSON")
@@ -86,7 +87,7 @@ def _known(
 ) -> frozenset[str]:
     """The names that are asked for; one that is not known itself stands for all that begin so."""
     found: set[str] = set()
-    for name in asked:
+    for name in map(present_name, asked):
         these = [name] if name in known else [each for each in known if each.startswith(name)]
         if not these:
             told = f"argument --only: there is no {name!r}"
@@ -138,7 +139,7 @@ def _place(reading: Reading) -> str:
 def _coordinate(reading: Reading) -> tuple[str, float]:
     if reading.group == "laws":
         return "z", reading.place
-    if reading.group == "crank-slides":
+    if reading.group == "slotted-levers":
         return "crank_angle_deg", math.degrees(reading.place)
     return "cam_angle_deg", math.degrees(reading.place)
 

@@ -13,11 +13,11 @@ from operator import attrgetter
 from typing import Any, Final
 
 from camgeo.errors import GeometryError
-from camgeo.mechanism.crank_slider import CrankSlider
 from camgeo.mechanism.four_bar import FourBar
 from camgeo.mechanism.oscillating_flat import OscillatingFlat
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.mechanism.slider_crank import SliderCrank
+from camgeo.mechanism.slider_driven_crank import SliderDrivenCrank
 from camgeo.mechanism.translating_flat import TranslatingFlat
 from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.stability.high_precision import Number, multiprecision
@@ -30,7 +30,7 @@ TERMS = 4
 
 AnyFollower = TranslatingRoller | OscillatingRoller | TranslatingFlat | OscillatingFlat
 
-AnyLinkage = SliderCrank | FourBar | CrankSlider
+AnyLinkage = SliderCrank | FourBar | SliderDrivenCrank
 
 NUMBERS: Final[Mapping[type, tuple[str, ...]]] = {
     TranslatingRoller: ("offset", "guide_angle"),
@@ -39,7 +39,7 @@ NUMBERS: Final[Mapping[type, tuple[str, ...]]] = {
     OscillatingFlat: ("pivot.real", "pivot.imag", "face_offset"),
     SliderCrank: ("crank", "coupler", "deflection"),
     FourBar: ("crank", "coupler", "lever", "shaft.real", "shaft.imag", "lever_angle"),
-    CrankSlider: ("inner.crank", "inner.coupler", "inner.deflection"),
+    SliderDrivenCrank: ("inner.crank", "inner.coupler", "inner.deflection"),
 }
 """The attributes that are lengths and angles of each kind, in the order of its exact numbers."""
 

@@ -7,9 +7,9 @@ from functools import singledispatch
 from typing import Any
 
 from camgeo.errors import GeometryError
-from camgeo.mechanism.crank_slider import CrankSlider
 from camgeo.mechanism.four_bar import FourBar
 from camgeo.mechanism.slider_crank import SliderCrank
+from camgeo.mechanism.slider_driven_crank import SliderDrivenCrank
 from camgeo.stability.high_precision import Number, multiprecision
 from camgeo.stability.series import Series, direction, logarithm, root
 
@@ -93,7 +93,7 @@ def _(
 
 @exact_linkage.register
 def _(
-    linkage: CrankSlider, crank: Number, coupler: Number, deflection: Number
+    linkage: SliderDrivenCrank, crank: Number, coupler: Number, deflection: Number
 ) -> tuple[Transform, Transform]:
     mp = multiprecision()
     inner, height = linkage.inner, crank * mp.cos(deflection)

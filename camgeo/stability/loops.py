@@ -1,4 +1,4 @@
-"""Cases of cams behind a slider-crank, a four-bar and a crank-slider.
+"""Cases of cams behind a slider-crank, a four-bar and a slider-driven-crank.
 
 The thesis's examples, dead centres, A = C, next to nothing, all scales.
 """
@@ -9,10 +9,10 @@ import math
 from dataclasses import replace
 from typing import Final
 
-from camgeo.mechanism.crank_slider import CrankSlider
 from camgeo.mechanism.four_bar import FourBar
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.mechanism.slider_crank import SliderCrank
+from camgeo.mechanism.slider_driven_crank import SliderDrivenCrank
 from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.stability.cam_case import EVEN, SHARES, CamSpec
 
@@ -36,7 +36,7 @@ LEAN: Final = math.asin(0.8)
 
 def specs() -> tuple[CamSpec, ...]:
     """The cams."""
-    found = (*_four_bars(), *_crank_sliders())
+    found = (*_four_bars(), *_slider_driven_cranks())
     near = (replace(each, rise=PLACES) if each.rise == SHARES else each for each in found)
     return (*_slider_cranks(), *near)
 
@@ -47,9 +47,11 @@ def four_bar(scale: float = 1.0, branch: int = 1) -> FourBar:
     return FourBar(60.0 * scale, 90.0 * scale, 50.0 * scale, shaft, 2.0, 1, branch)
 
 
-def crank_slider(scale: float = 1.0, *, mirrored: bool = False) -> CrankSlider:
+def driven_crank(scale: float = 1.0, *, mirrored: bool = False) -> SliderDrivenCrank:
     """An ordinary one."""
-    return CrankSlider(SliderCrank(60.0 * scale, 120.0 * scale, 0.5, False, 1, -1, 1, mirrored))
+    return SliderDrivenCrank(
+        SliderCrank(60.0 * scale, 120.0 * scale, 0.5, False, 1, -1, 1, mirrored)
+    )
 
 
 def _rocker(scale: float = 1.0, arm_side: int = 1) -> OscillatingRoller:
@@ -90,7 +92,7 @@ def _slider_cranks() -> tuple[CamSpec, ...]:
     )  # fmt: skip
 
 
-def _to_dead_centre(linkage: FourBar | CrankSlider) -> float:
+def _to_dead_centre(linkage: FourBar | SliderDrivenCrank) -> float:
     return linkage.dead_positions(0.0, math.tau)[0]
 
 
@@ -124,31 +126,36 @@ def _four_bars() -> tuple[CamSpec, ...]:
     )  # fmt: skip
 
 
-def _crank_sliders() -> tuple[CamSpec, ...]:
-    plain, guided = crank_slider(), _guided()
-    closing = CrankSlider(SliderCrank(60.0, 50.0, 0.5, False, 1, -1, 1))
+def _slider_driven_cranks() -> tuple[CamSpec, ...]:
+    plain, guided = driven_crank(), _guided()
+    closing = SliderDrivenCrank(SliderCrank(60.0, 50.0, 0.5, False, 1, -1, 1))
     way = _to_dead_centre(closing)
     # A little less than a right angle, which the exact crank has on the other side.
-    on_line = CrankSlider(SliderCrank(40.0, 60.0, RIGHT - 2.0**-50, False, 1, -1, 1))
-    equal = CrankSlider(SliderCrank(50.0, 50.0 * (1.0 + 1e-9), 1.57, True, 1, 1, 1))
-    long = CrankSlider(SliderCrank(60.0, 1e6, 0.5, False, 1, -1, 1))
+    on_line = SliderDrivenCrank(SliderCrank(40.0, 60.0, RIGHT - 2.0**-50, False, 1, -1, 1))
+    equal = SliderDrivenCrank(SliderCrank(50.0, 50.0 * (1.0 + 1e-9), 1.57, True, 1, 1, 1))
+    long = SliderDrivenCrank(SliderCrank(60.0, 1e6, 0.5, False, 1, -1, 1))
     return (
-        CamSpec("crank-slider", EVEN, 0.5, guided, plain, back=PLACES),
-        CamSpec("crank-slider, mirrored", EVEN, 0.5, guided, crank_slider(mirrored=True), -1),
-        CamSpec("crank-slider, tiny motion", EVEN, 1e-8, guided, plain),
+        CamSpec("slider-driven-crank", EVEN, 0.5, guided, plain, back=PLACES),
         CamSpec(
-            "crank-slider, next to a dead centre", EVEN, way * (1.0 - SHORT), guided, closing,
-            rise=LATE,
+            "slider-driven-crank, mirrored", EVEN, 0.5, guided, driven_crank(mirrored=True), -1,
         ),
-        CamSpec("crank-slider, to a dead centre", EVEN, way, guided, closing, rise=LATE),
-        CamSpec("crank-slider, stretched", EVEN, 0.4, guided, on_line, rise=EARLY),
-        CamSpec("crank-slider, tiny motion, stretched", EVEN, 1e-6, guided, on_line, rise=EARLY),
-        CamSpec("crank-slider, A near C", EVEN, 0.4, guided, equal),
-        CamSpec("crank-slider, long coupler", EVEN, 0.4, guided, long),
-        CamSpec("crank-slider, crank turns round", EVEN, math.tau, guided, on_line),
+        CamSpec("slider-driven-crank, tiny motion", EVEN, 1e-8, guided, plain),
+        CamSpec(
+            "slider-driven-crank, next to a dead centre", EVEN, way * (1.0 - SHORT), guided,
+            closing, rise=LATE,
+        ),
+        CamSpec("slider-driven-crank, to a dead centre", EVEN, way, guided, closing, rise=LATE),
+        CamSpec("slider-driven-crank, stretched", EVEN, 0.4, guided, on_line, rise=EARLY),
+        CamSpec(
+            "slider-driven-crank, tiny motion, stretched", EVEN, 1e-6, guided, on_line, rise=EARLY,
+        ),
+        CamSpec("slider-driven-crank, A near C", EVEN, 0.4, guided, equal),
+        CamSpec("slider-driven-crank, long coupler", EVEN, 0.4, guided, long),
+        CamSpec("slider-driven-crank, crank turns round", EVEN, math.tau, guided, on_line),
         *(
             CamSpec(
-                f"crank-slider, scale {scale:g}", EVEN, 0.5, _guided(scale), crank_slider(scale)
+                f"slider-driven-crank, scale {scale:g}", EVEN, 0.5, _guided(scale),
+                driven_crank(scale),
             )
             for scale in (1e-6, 1e6)
         ),

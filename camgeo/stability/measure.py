@@ -54,7 +54,7 @@ class Reading:
     Attributes
     ----------
     quantity, group, case : what was computed, see `Case`.
-    place : the place, z or cam angle [rad], or crank angle [rad] of a crank-slide.
+    place : the place, z or cam angle [rad], or crank angle [rad] of a slotted lever.
     value : the exact value, rounded; the length of a vector.
     error : distance of camgeo's value from it [ulp]; infinite if camgeo gave none.
     conditioning : how far the exact value moves [ulp] if each input moves by half an ulp of its

@@ -9,12 +9,12 @@ from typing import Final
 
 from camgeo.stability import (
     cams,
-    crank_slides,
     extremes,
     faces,
     laws,
     loops,
     outlines,
+    slotted_levers,
     tables,
 )
 from camgeo.stability.cam_case import CAMS, LINKAGES, CamSpec, cases_of
@@ -26,7 +26,7 @@ GROUPS: Final[Mapping[str, Callable[[], tuple[Case, ...]]]] = {
     CAMS: lambda: _of_each(cams.specs(), cases_of),
     faces.GROUP: lambda: _of_each(faces.specs(), faces.cases_of),
     LINKAGES: lambda: _of_each(loops.specs(), cases_of),
-    crank_slides.GROUP: crank_slides.cases,
+    slotted_levers.GROUP: slotted_levers.cases,
     extremes.GROUP: extremes.cases,
     outlines.GROUP: outlines.cases,
 }

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from camgeo.check.linkage import DEAD_CENTRE, check_linkage
-from camgeo.mechanism.crank_slider import CrankSlider
 from camgeo.mechanism.four_bar import FourBar
 from camgeo.mechanism.linkage import LinkedMotion
 from camgeo.mechanism.slider_crank import SliderCrank
+from camgeo.mechanism.slider_driven_crank import SliderDrivenCrank
 from camgeo.motion.plan import Dwell, MotionPlan, Move
 from camgeo.units import TURN
 from tests.reference import POLYNOMIAL, hard_case, mechanisms, pitch_curve_of
@@ -109,9 +109,9 @@ def linked() -> list[LinkedMotion]:
     return [
         LinkedMotion(turning(math.radians(22.0)), bar),
         LinkedMotion(turning(math.radians(-45.0)), bar),
-        LinkedMotion(turning(math.radians(-40.0)), CrankSlider(slide)),
+        LinkedMotion(turning(math.radians(-40.0)), SliderDrivenCrank(slide)),
         # On its way coupler and crank come to lie on one line: the crank passes, the slider turns.
-        LinkedMotion(turning(math.radians(150.0)), CrankSlider(slide)),
+        LinkedMotion(turning(math.radians(150.0)), SliderDrivenCrank(slide)),
         LinkedMotion(turning(-30.0), slide),
     ]
 

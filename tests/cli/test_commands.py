@@ -28,7 +28,7 @@ SETZHUB = str(SCENES / "setzhub.toml")
 
 NAMES = (
     "new", "check", "build", "verify", "table", "plot", "replay", "accuracy", "laws",
-    "explain", "stability", "crank-slide", "import", "size",
+    "explain", "stability", "slotted-lever", "import", "size",
 )  # fmt: skip
 
 Capture = pytest.CaptureFixture[str]

@@ -21,7 +21,7 @@ import camgeo
 from camgeo.check.sizing.smallest import size as sized
 from camgeo.check.sizing.task import task_of
 from camgeo.cli.plot import RENDERERS
-from camgeo.figure import accuracy, crank_slide, laws, plots, replay, size, stability
+from camgeo.figure import accuracy, laws, plots, replay, size, slotted_lever, stability
 from camgeo.figure.layout import grid, limits, log_limits, rooms, round_ticks
 from camgeo.figure.marks import (
     Area,
@@ -38,8 +38,8 @@ from camgeo.figure.marks import (
     over,
 )
 from camgeo.figure.model import Axis, Entry, Figure, Inset, Legend, Panel, entries
-from camgeo.mechanism.crank_slide import CrankSlide
-from camgeo.mechanism.crank_slide_drive import DrivenSlide
+from camgeo.mechanism.slotted_lever import SlottedLever
+from camgeo.mechanism.slotted_lever_drive import DrivenLever
 from camgeo.motion.laws.comparison import compare
 from camgeo.outline.replay import replay_outline
 from camgeo.stability.measure import Reading
@@ -71,7 +71,7 @@ OF_DATA: dict[str, Callable[[], Figure]] = {
     "laws": lambda: laws.figure(compare("R-R", {})),
     "replay": of_replay,
     "size": of_size,
-    "crank-slide": lambda: crank_slide.figure(DrivenSlide(CrankSlide(60.0, 100.0), 20.0)),
+    "slotted-lever": lambda: slotted_lever.figure(DrivenLever(SlottedLever(60.0, 100.0), 20.0)),
     "stability": of_stability,
     "accuracy": lambda: accuracy.figure(made_up(), title="accuracy"),
 }
@@ -157,7 +157,7 @@ def test_what_stands_in_each_picture() -> None:
         "laws": {"f′ f″", "law", "modified-sine"},
         "replay": {"actual", "demanded", "ripple"},
         "size": {"by Flocke", "exact", "present design"},
-        "crank-slide": {"time t [s]", "slide angle φ", "rad/s² at"},
+        "slotted-lever": {"time t [s]", "lever angle φ", "rad/s² at"},
         "stability": {"limit, ratio 4", "curvature", "lift"},
         "accuracy": {"tolerance [mm]", "bytes", "advice"},
         "motion of scenes/setzhub": {"motion plan", "ψ‴", "dwell", "max"},

@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 from mpmath import mp, mpc, mpf
 
-from camgeo.mechanism.crank_slider import CrankSlider
 from camgeo.mechanism.four_bar import FourBar
+from camgeo.mechanism.slider_driven_crank import SliderDrivenCrank
 from camgeo.numeric.arrays import FloatArray
 
 DIGITS = 50
@@ -37,7 +37,7 @@ def four_bar_jet(linkage: FourBar, jet: FloatArray, near: float) -> FloatArray:
     return _solved(gap, jet, near)
 
 
-def crank_slider_jet(linkage: CrankSlider, jet: FloatArray, near: float) -> FloatArray:
+def slider_driven_crank_jet(linkage: SliderDrivenCrank, jet: FloatArray, near: float) -> FloatArray:
     """(4,) Re P and derivatives for a demanded `jet` (4,), the solution near `near` [mm].
 
     The crank's angle is counted from where it is at stroke 0, found from the loop too.

@@ -17,17 +17,17 @@ from camgeo.mechanism.closing import (
     openings,
     why_open,
 )
-from camgeo.mechanism.crank_slider import CrankSlider
 from camgeo.mechanism.four_bar import FourBar
 from camgeo.mechanism.linkage import LinkedMotion
 from camgeo.mechanism.linkage_protocol import Linkage
 from camgeo.mechanism.positions import course_of
 from camgeo.mechanism.slider_crank import SliderCrank
+from camgeo.mechanism.slider_driven_crank import SliderDrivenCrank
 from camgeo.motion.extremes import lift_range
 from camgeo.motion.plan import MotionPlan, Move
 from camgeo.units import TURN
 from tests.reference import POLYNOMIAL
-from tests.strategies import attack, crank_sliders, four_bars, slider_cranks
+from tests.strategies import attack, four_bars, slider_cranks, slider_driven_cranks
 
 
 def moving(*ends: float) -> MotionPlan:
@@ -43,7 +43,7 @@ def moving(*ends: float) -> MotionPlan:
 @st.composite
 def stretched(draw: st.DrawFn) -> tuple[Linkage, MotionPlan]:
     """A linkage and a motion that mostly goes farther than it closes."""
-    kinds = st.one_of(slider_cranks(0.0), four_bars(0.0), crank_sliders(0.0))
+    kinds = st.one_of(slider_cranks(0.0), four_bars(0.0), slider_driven_cranks(0.0))
     linkage: Linkage = draw(kinds)
     reach = 150.0 if linkage.unit == "mm" else 2.5
     ends = draw(st.lists(st.floats(-reach, reach), min_size=1, max_size=3))
@@ -151,7 +151,7 @@ def test_three_linkages_tell_their_cures() -> None:
     told = why_open(bar, moving(-math.radians(100.0)))
     assert "with a coupler of 100 to" in told
     assert "up to 10 mm are missing" in told
-    crank = CrankSlider(SliderCrank(50.0, 30.0, 0.0, True, 1, -1, 1))
+    crank = SliderDrivenCrank(SliderCrank(50.0, 30.0, 0.0, True, 1, -1, 1))
     # The crank upright, the guide at its tip: 50 (1 - cos x) <= 30.
     told = why_open(crank, moving(math.radians(90.0)))
     assert "up to 20 mm are missing" in told

@@ -15,7 +15,6 @@ from mpmath import mp, mpc, mpf
 
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.errors import GeometryError
-from camgeo.mechanism.crank_slider import CrankSlider
 from camgeo.mechanism.follower import Follower
 from camgeo.mechanism.four_bar import FourBar
 from camgeo.mechanism.linkage import LinkedMotion
@@ -23,6 +22,7 @@ from camgeo.mechanism.linkage_protocol import Linkage
 from camgeo.mechanism.oscillating_flat import OscillatingFlat
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.mechanism.slider_crank import SliderCrank
+from camgeo.mechanism.slider_driven_crank import SliderDrivenCrank
 from camgeo.mechanism.translating_flat import TranslatingFlat
 from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.motion.motion import Motion
@@ -51,7 +51,14 @@ from tests.reference import (
     pitch_curve_of,
     stroke_of,
 )
-from tests.strategies import SMOOTH, crank_sliders, four_bars, pitch_curves, signs, slider_cranks
+from tests.strategies import (
+    SMOOTH,
+    four_bars,
+    pitch_curves,
+    signs,
+    slider_cranks,
+    slider_driven_cranks,
+)
 
 EPS = 2.0**-52
 
@@ -95,7 +102,7 @@ def chain_of(curve: PitchCurve) -> Chain:
 
 def carriage_chain(guide: TranslatingChain, linkage: Linkage) -> CarriageChain:
     """A crank in front of `guide`: the slider-crank by its places, with another end driven."""
-    assert isinstance(linkage, CrankSlider)
+    assert isinstance(linkage, SliderDrivenCrank)
     inner = linkage.inner
     chain = linked_chain(Rocker(1j, 1.0, 1.0, 1), inner)  # of which only the linkage counts
     # Its tip is where the coupler is parallel to the guide, or mirrored at the line shaft to pin.
@@ -194,9 +201,9 @@ def test_rocker_behind_a_four_bar(
 
 
 @few
-@given(linkage=crank_sliders(), phi=some_angles(), rotation=signs(), direction=signs())
+@given(linkage=slider_driven_cranks(), phi=some_angles(), rotation=signs(), direction=signs())
 def test_carriage_behind_a_crank(
-    linkage: CrankSlider, phi: list[float], rotation: int, direction: int
+    linkage: SliderDrivenCrank, phi: list[float], rotation: int, direction: int
 ) -> None:
     # A crank of 150 mm moves its slider by 300 mm at most.
     guide = TranslatingRoller(400.0, 6.0, 30.0, 0.3, direction)

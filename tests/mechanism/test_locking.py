@@ -12,11 +12,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from camgeo.errors import GeometryError
-from camgeo.mechanism.crank_slider import CrankSlider
 from camgeo.mechanism.four_bar import FourBar
 from camgeo.mechanism.linkage_protocol import Linkage
 from camgeo.mechanism.positions import locked_at
 from camgeo.mechanism.slider_crank import SliderCrank
+from camgeo.mechanism.slider_driven_crank import SliderDrivenCrank
 from camgeo.motion.laws import make_law
 from camgeo.motion.plan import Dwell, MotionPlan, Move
 
@@ -27,9 +27,9 @@ LINKAGES: Final[dict[str, tuple[Linkage, float, float]]] = {
     "slider, mirrored": (SliderCrank(90.0, 140.0, 0.4, False, -1, 1, -1, True), -20.0, 90.0),
     "lever": (FourBar(70.0, 120.0, 85.0, 110 + 30j, 2.1, -1, -1), -0.7, 1.1),
     "lever, other branch": (FourBar(40.0, 100.0, 60.0, -90 + 70j, 0.4, 1, 1), -0.3, 0.5),
-    "crank": (CrankSlider(SLIDER), -0.9, 0.9),
+    "crank": (SliderDrivenCrank(SLIDER), -0.9, 0.9),
     "crank, mirrored": (
-        CrankSlider(SliderCrank(40.0, 110.0, 0.4, True, 1, -1, 1, True)),
+        SliderDrivenCrank(SliderCrank(40.0, 110.0, 0.4, True, 1, -1, 1, True)),
         -0.6,
         0.6,
     ),
@@ -76,8 +76,8 @@ def test_the_rates_are_those_of_the_joints(name: str) -> None:
 
 LOCKING: Final[dict[str, tuple[Linkage, float]]] = {
     "lever": (FourBar(70.0, 60.0, 85.0, 110 + 30j, math.radians(120.0), -1, -1), -math.pi / 3.0),
-    "crank": (CrankSlider(SliderCrank(60.0, 160.0, 0.3, False, -1, 1, 1)), 2.6),
-    "crank, many turns": (CrankSlider(SliderCrank(40.0, 110.0, 0.4, True, 1, -1, 1)), -9.0),
+    "crank": (SliderDrivenCrank(SliderCrank(60.0, 160.0, 0.3, False, -1, 1, 1)), 2.6),
+    "crank, many turns": (SliderDrivenCrank(SliderCrank(40.0, 110.0, 0.4, True, 1, -1, 1)), -9.0),
 }
 
 
@@ -118,7 +118,7 @@ def test_a_dead_centre_of_the_follower_stops_the_far_end() -> None:
     stretched = FourBar(30.0, 20.0, 30.0, 40 + 0j, 0.5 * math.pi, 1, 1)
     assert stretched.missing_length(np.zeros(1))[0] == pytest.approx(0.0, abs=1e-14)
     assert stretched.per_follower(np.zeros(1))[0] == pytest.approx(0.0, abs=1e-7)
-    linkage = CrankSlider(SliderCrank(50.0, 40.0, 0.0, True, 1, 1, 1))
+    linkage = SliderDrivenCrank(SliderCrank(50.0, 40.0, 0.0, True, 1, 1, 1))
     (dead, *_) = linkage.dead_positions(0.0, 3.0)
     assert linkage.per_follower(np.array([dead]))[0] == pytest.approx(0.0, abs=1e-7)
 
@@ -126,7 +126,7 @@ def test_a_dead_centre_of_the_follower_stops_the_far_end() -> None:
 def test_exactly_in_line_there_is_no_ratio() -> None:
     """Lever and coupler along y = 40 with a crank of 3-4-5; crank and coupler on the guide."""
     lever = FourBar(50.0, 20.0, 10.0, 40j, 0.0, 1, 1)
-    crank = CrankSlider(SliderCrank(40.0, 60.0, 0.5 * math.pi, False, 1, 1, 1))
+    crank = SliderDrivenCrank(SliderCrank(40.0, 60.0, 0.5 * math.pi, False, 1, 1, 1))
     for linkage in (lever, crank):
         with pytest.raises(GeometryError, match="lie on one line"):
             linkage.per_follower(np.array([0.1, 0.0]))

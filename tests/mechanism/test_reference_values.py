@@ -10,20 +10,20 @@ import pytest
 
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.errors import GeometryError
-from camgeo.mechanism.crank_slide import CrankSlide
 from camgeo.mechanism.linkage import LinkedMotion
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.mechanism.slider_crank import SliderCrank
+from camgeo.mechanism.slotted_lever import SlottedLever
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from tests.reference import (
     column,
     complex_column,
-    crank_slides,
     inner_of,
     mechanisms,
     outer_of,
     pitch_curve_of,
     reference,
+    slotted_levers,
     stroke_of,
 )
 
@@ -111,8 +111,8 @@ def deviations(curve: PitchCurve, name: str) -> dict[str, float]:
 
 def test_the_reference_is_whole() -> None:
     assert set(reference("mechanism_values.json")) == {"readme", "mechanisms"}
-    assert (len(mechanisms()), len(crank_slides())) == (18, 4)
-    for case in (*mechanisms().values(), *crank_slides().values()):
+    assert (len(mechanisms()), len(slotted_levers())) == (18, 4)
+    for case in (*mechanisms().values(), *slotted_levers().values()):
         assert set(case) == {"params", "derived", "rows"}
         assert len(case["rows"]) == 49
 
@@ -144,22 +144,22 @@ def test_what_is_derived(name: str) -> None:
     assert found == pytest.approx(true, rel=LIMIT, abs=0.0)
 
 
-@pytest.mark.parametrize("name", crank_slides())
-def test_every_crank_slide_at_every_angle(name: str) -> None:
-    case = crank_slides()[name]
+@pytest.mark.parametrize("name", slotted_levers())
+def test_every_slotted_lever_at_every_angle(name: str) -> None:
+    case = slotted_levers()[name]
     params, rows = case["params"], case["rows"]
     assert set(params) == {"kind", "beta", "n"}
     assert case["derived"] == {}
-    slide = CrankSlide(75.0, 75.0 * params["beta"])  # exact for all of these
+    lever = SlottedLever(75.0, 75.0 * params["beta"])  # exact for all of these
     speed = 2.0 * math.pi * params["n"]
-    if slide.crank == slide.distance:  # pin in the slide's axis, where the reference has nan
+    if lever.crank == lever.distance:  # pin in the lever's axis, where the reference has nan
         assert {rows[0][key] for key in ("phi_out_deg", "omega2", "eps2")} == {"nan"}
         for row in (rows[0], rows[-1]):
             with pytest.raises(GeometryError, match="undefined"):
-                slide.in_time(np.radians([row["phi_deg"]]), speed)
+                lever.in_time(np.radians([row["phi_deg"]]), speed)
         rows = rows[1:-1]
     theta = np.radians(column(rows, "phi_deg"))
-    phi, omega, eps = slide.in_time(theta, speed)
+    phi, omega, eps = lever.in_time(theta, speed)
     found = {"phi_out_deg": np.degrees(phi), "omega2": omega, "eps2": eps}
     for row in case["rows"]:
         assert set(row) - {"phi_deg"} == set(found)

@@ -27,14 +27,14 @@ from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import GeometryError
 from camgeo.formats.dxf import DxfSpec
 from camgeo.mechanism.conjugate import return_on_carriage, return_on_lever
-from camgeo.mechanism.crank_slide import CrankSlide
-from camgeo.mechanism.crank_slide_drive import DrivenSlide
-from camgeo.mechanism.crank_slider import CrankSlider
 from camgeo.mechanism.four_bar import FourBar
 from camgeo.mechanism.linkage import LinkedMotion
 from camgeo.mechanism.oscillating_flat import OscillatingFlat
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.mechanism.slider_crank import SliderCrank
+from camgeo.mechanism.slider_driven_crank import SliderDrivenCrank
+from camgeo.mechanism.slotted_lever import SlottedLever
+from camgeo.mechanism.slotted_lever_drive import DrivenLever
 from camgeo.mechanism.translating_flat import TranslatingFlat
 from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.motion.plan import MotionPlan, Move
@@ -50,7 +50,7 @@ from tests.reference import POLYNOMIAL
 
 ROOMS = ("mechanism", "curve")
 
-HOLDERS = {"SlideTable"}
+HOLDERS = {"LeverTable"}
 """Classes that hold what was computed."""
 
 RISE = MotionPlan((Move(Decimal(180), 5.0, POLYNOMIAL), Move(Decimal(180), 0.0, POLYNOMIAL)))
@@ -73,11 +73,11 @@ EXAMPLES: tuple[Any, ...] = (
     OscillatingFlat(100.0 + 0j, 60.0, 1.0, face=(10.0, 90.0)),
     Yoke(80.0),
     CRANK,
-    CrankSlider(CRANK),
+    SliderDrivenCrank(CRANK),
     FourBar(40.0, 90.0, 80.0, 100.0 + 0j, 2.0, 1, 1),
     LinkedMotion(RISE, CRANK),
-    CrankSlide(10.0, 20.0),
-    DrivenSlide(CrankSlide(10.0, 20.0), 5.0),
+    SlottedLever(10.0, 20.0),
+    DrivenLever(SlottedLever(10.0, 20.0), 5.0),
     PITCH,
     WorkingCurve(PITCH, -10.0),
     Keyway(6.0, 3.0, 0.5),
@@ -121,7 +121,7 @@ NOT_NEGATIVE = {
 
 ANGLES = {"guide_angle", "deflection", "lever_angle", "angle", "transmission_angle"}
 
-ANY_SIZE = {"CrankSlide", "DrivenSlide"}
+ANY_SIZE = {"SlottedLever", "DrivenLever"}
 """What is computed from ratios alone, of lengths as large or small as doubles are."""
 
 NEVER: tuple[Any, ...] = (
@@ -191,7 +191,7 @@ def bad_values(name: str, annotation: str, owner: str) -> list[Any]:
     values = [value for value in NEVER if not allowed(annotation, value)]
     if "None" not in annotation:
         values.append(None)
-    signed = name in SIGNED and not (name == "distance" and owner == "CrankSlide")
+    signed = name in SIGNED and not (name == "distance" and owner == "SlottedLever")
     if owner in ANY_SIZE:
         return [value for value in values if not (type(value) is float and 0.0 < value < math.inf)]
     if annotation.startswith("float") and not signed:

@@ -10,13 +10,13 @@ import pytest
 
 from camgeo.design import Design
 from camgeo.errors import GeometryError, SceneError
-from camgeo.mechanism.crank_slider import CrankSlider
 from camgeo.mechanism.four_bar import FourBar
+from camgeo.mechanism.slider_driven_crank import SliderDrivenCrank
 from camgeo.scene.load import parse_scene
 
 FIXTURES = Path(__file__).parents[2] / "fixtures" / "scenes"
 FOUR_BAR = (FIXTURES / "four_bar.toml").read_text(encoding="utf-8")
-CRANK_SLIDER = (FIXTURES / "crank_slider.toml").read_text(encoding="utf-8")
+SLIDER_DRIVEN = (FIXTURES / "crank_slider.toml").read_text(encoding="utf-8")
 
 INERTIA = "[effects.inertia]\n"
 
@@ -47,14 +47,14 @@ def test_the_keys_of_a_four_bar() -> None:
 
 
 def test_the_follower_decides_which_member_of_a_slider_crank_moves_as_demanded() -> None:
-    made = loaded(CRANK_SLIDER)
-    assert isinstance(made.cam.drive.linkage, CrankSlider)
+    made = loaded(SLIDER_DRIVEN)
+    assert isinstance(made.cam.drive.linkage, SliderDrivenCrank)
     assert (made.drive.unit, made.drive.demanded_of, made.cam.lift_unit) == (
         "rad",
         "crank",
         "mm",
     )
-    inward = loaded(CRANK_SLIDER, ('"outward"', '"inward"'))
+    inward = loaded(SLIDER_DRIVEN, ('"outward"', '"inward"'))
     at = np.radians([180.0])
     # A positive stroke of the slider moves the roller the way `direction` says.
     assert made.drive.motion.jet(at)[0][0] == inward.drive.motion.jet(at)[0][0] > 0.0
@@ -64,7 +64,7 @@ def test_the_follower_decides_which_member_of_a_slider_crank_moves_as_demanded()
     ]
     assert grown[0] > 0.0 > grown[1]
     # Without the linkage the same numbers are millimetres.
-    head, _, rest = CRANK_SLIDER.partition("[linkage]")
+    head, _, rest = SLIDER_DRIVEN.partition("[linkage]")
     plain = Design(parse_scene(head + rest[rest.index("[[motion]]") :].replace("-40", "20")))
     assert plain.drive.unit == "mm"
 
@@ -73,7 +73,7 @@ def test_the_follower_decides_which_member_of_a_slider_crank_moves_as_demanded()
     ("text", "changes", "words"),
     [
         (
-            CRANK_SLIDER,
+            SLIDER_DRIVEN,
             [('"slider-crank"', '"four-bar"')],
             'follower.kind = "translating-roller": a four-bar turns a rocker',
         ),
@@ -83,8 +83,12 @@ def test_the_follower_decides_which_member_of_a_slider_crank_moves_as_demanded()
         (FOUR_BAR, [("coupler = 120", "coupler = 12")], "does not close at motion 0"),
         (FOUR_BAR, [("to = 22", "to = 150")], "does not close between cam angles"),
         (FOUR_BAR, [('"csv", ', '"csv", "asc", ')], 'needs [linkage] kind = "slider-crank" and a'),
-        (CRANK_SLIDER, [('"csv", ', '"csv", "asc", ')], "and a rocker"),
-        (CRANK_SLIDER, [("coupler = 110", "coupler = 15")], "it closes with a coupler of at least"),
+        (SLIDER_DRIVEN, [('"csv", ', '"csv", "asc", ')], "and a rocker"),
+        (
+            SLIDER_DRIVEN,
+            [("coupler = 110", "coupler = 15")],
+            "it closes with a coupler of at least",
+        ),
         (
             FOUR_BAR,
             [("[part]", 'direction = "x"\n[part]')],
@@ -96,7 +100,7 @@ def test_the_follower_decides_which_member_of_a_slider_crank_moves_as_demanded()
                 (FOUR_BAR, f"{INERTIA}mass = 1"),
                 (FOUR_BAR, "[effects.friction]\nslider = 3"),
                 (FOUR_BAR, "[effects.friction]\nguide_viscous = 3"),
-                (CRANK_SLIDER, "[effects.friction]\nslider = 3"),
+                (SLIDER_DRIVEN, "[effects.friction]\nslider = 3"),
             )
         ),
     ],
@@ -109,7 +113,7 @@ def test_what_cannot_be_is_told(text: str, changes: list[tuple[str, str]], words
 
 def test_no_range_of_no_width_is_proposed() -> None:
     with pytest.raises(SceneError) as caught:
-        loaded(CRANK_SLIDER, ("coupler = 110", "coupler = 1e-9"))
+        loaded(SLIDER_DRIVEN, ("coupler = 110", "coupler = 1e-9"))
     (fault,) = caught.value.faults
     assert "does not close" in fault.message
     assert "kept between" not in fault.message
@@ -126,7 +130,7 @@ def _moves_outward(design: Design) -> bool:
     return bool(np.linalg.norm(at[1]) > np.linalg.norm(at[0]))
 
 
-@pytest.mark.parametrize(("text", "angle"), [(FOUR_BAR, "chi"), (CRANK_SLIDER, "theta")])
+@pytest.mark.parametrize(("text", "angle"), [(FOUR_BAR, "chi"), (SLIDER_DRIVEN, "theta")])
 def test_the_table_has_both_motions(text: str, angle: str) -> None:
     made = loaded(text)
     table = made.tabulated.table()
@@ -179,7 +183,7 @@ damping = 0.05
 
 @pytest.mark.parametrize(
     ("text", "tables", "prefix"),
-    [(FOUR_BAR, AT_ROCKER, "rocker"), (CRANK_SLIDER, AT_SLIDER, "follower")],
+    [(FOUR_BAR, AT_ROCKER, "rocker"), (SLIDER_DRIVEN, AT_SLIDER, "follower")],
 )
 def test_effects_at_the_follower_itself_work(text: str, tables: str, prefix: str) -> None:
     made = loaded(text, ("[part]", f"{tables}[part]"))

@@ -18,7 +18,7 @@ def test_template_loads(kind: str) -> None:
     assert isinstance(scene, Scene)
     assert scene.name == kind
     member = None if scene.linkage is None else scene.linkage.member
-    members = {"slider-crank": "slider", "crank-slider": "crank", "four-bar": "lever"}
+    members = {"slider-crank": "slider", "slider-driven-crank": "crank", "four-bar": "lever"}
     assert member == members.get(kind)
     assert (scene.contact == "groove") == (kind == "groove")
     assert (scene.returning is not None) == kind.startswith("conjugate-")

@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 from mpmath import mp, mpf
 
-from camgeo.mechanism.crank_slider import CrankSlider
 from camgeo.mechanism.four_bar import FourBar
 from camgeo.mechanism.slider_crank import SliderCrank
+from camgeo.mechanism.slider_driven_crank import SliderDrivenCrank
 from camgeo.stability import loops
 from camgeo.stability.cam_case import CamSpec
 from camgeo.stability.linkage import exact_linkage
 from camgeo.stability.series import Series
-from tests.mechanism.loops import crank_slider_jet, four_bar_jet
+from tests.mechanism.loops import four_bar_jet, slider_driven_crank_jet
 
 NAMES = [each.name for each in loops.specs() if not isinstance(each.linkage, SliderCrank)]
 
@@ -31,7 +31,7 @@ def spec(name: str) -> CamSpec:
 def test_motion_and_derivatives_are_those_of_the_loop(name: str) -> None:
     cam = spec(name)
     linkage = cam.linkage
-    assert isinstance(linkage, FourBar | CrankSlider)
+    assert isinstance(linkage, FourBar | SliderDrivenCrank)
     jet = np.array([0.37 * cam.stroke, 0.8, -0.5, 1.3])
     count = 6 if isinstance(linkage, FourBar) else 3
     numbers = cam.parameters(back=False)[-count:]
@@ -51,7 +51,7 @@ def test_motion_and_derivatives_are_those_of_the_loop(name: str) -> None:
             ends = []
             for each in (jet, np.zeros(4)):
                 near = sense * float(linkage.joints(each[:1])[0][0].real)
-                ends.append(-inner.stroke_direction * crank_slider_jet(linkage, each, near))
+                ends.append(-inner.stroke_direction * slider_driven_crank_jet(linkage, each, near))
             # Behind a long coupler the stroke is a difference of what has been rounded.
             size = max(abs(ends[0][0]), abs(ends[1][0]))
             assert abs(found[0] - (ends[0][0] - ends[1][0])) <= ROUNDED * size

@@ -7,9 +7,9 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from camgeo.errors import GeometryError
-from camgeo.mechanism.crank_slider import CrankSlider
 from camgeo.mechanism.four_bar import FourBar
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
+from camgeo.mechanism.slider_driven_crank import SliderDrivenCrank
 from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.motion.laws import make_law
 from camgeo.stability import faces
@@ -20,10 +20,10 @@ from camgeo.stability.suite import LIMIT
 from tests.mechanism.flat_faces import oscillating_flats, translating_flats
 from tests.strategies import (
     attack,
-    crank_sliders,
     four_bars,
     oscillating_rollers,
     signs,
+    slider_driven_cranks,
     translating_rollers,
 )
 
@@ -100,13 +100,13 @@ def test_random_flat_faces_are_as_good_as_doubles_allow(spec: CamSpec) -> None:
 
 @few
 @given(
-    linkage=st.one_of(four_bars(), crank_sliders()),
+    linkage=st.one_of(four_bars(), slider_driven_cranks()),
     share=st.floats(0.0, 8.0),
     rise=st.tuples(places(), places()),
     rotation=signs(),
 )
 def test_random_linkages_are_as_good_as_doubles_allow(
-    linkage: FourBar | CrankSlider, share: float, rise: tuple[float, float], rotation: int
+    linkage: FourBar | SliderDrivenCrank, share: float, rise: tuple[float, float], rotation: int
 ) -> None:
     """Behind a guide that is long enough, or a rocker."""
     turns = isinstance(linkage, FourBar)

@@ -14,12 +14,12 @@ import pytest
 
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.curve.working_curve import WorkingCurve
-from camgeo.mechanism.crank_slider import CrankSlider
 from camgeo.mechanism.follower import bend_of_path
 from camgeo.mechanism.oscillating_flat import OscillatingFlat
+from camgeo.mechanism.slider_driven_crank import SliderDrivenCrank
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.outline.outline import real_outline
-from camgeo.stability import cams, crank_slides, faces, loops, outlines
+from camgeo.stability import cams, faces, loops, outlines, slotted_levers
 from camgeo.stability.cam_case import CamSpec, cases_of
 from camgeo.stability.measure import Case, Found, Reading, measure
 from camgeo.stability.suite import (
@@ -194,7 +194,7 @@ def test_a_slide_by_the_ratio_of_its_lengths_is_seen() -> None:
     of the lengths changes their difference, a share of 1e-9 of them, by 1e-7 of it.
     """
     name = "HC02 beta 1 + 1e-9"
-    crank, distance = crank_slides.SLIDES[name]
+    crank, distance = slotted_levers.SLIDES[name]
     beta = distance / crank
 
     def printed(theta: FloatArray) -> tuple[FloatArray]:
@@ -210,10 +210,10 @@ def test_a_slide_by_the_ratio_of_its_lengths_is_seen() -> None:
 
 def test_the_stroke_of_a_long_coupler_as_a_difference_is_seen() -> None:
     """Of two places of the pin 1e6 mm away: 20 mm are known to 1e-10 mm."""
-    name = "crank-slider, long coupler"
+    name = "slider-driven-crank, long coupler"
     cam = next(each for each in loops.specs() if each.name == name)
     linkage = cam.linkage
-    assert isinstance(linkage, CrankSlider)
+    assert isinstance(linkage, SliderDrivenCrank)
 
     def difference(phi: FloatArray) -> tuple[FloatArray]:
         pins = [linkage.joints(each)[0].real for each in (cam.plan.jet(phi)[0], np.zeros(1))]

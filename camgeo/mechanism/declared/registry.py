@@ -72,9 +72,9 @@ def _slider_crank(values: Values, unit: Unit) -> Linkage:
     )
     if unit == "rad":
         return slider_crank
-    from camgeo.mechanism.crank_slider import CrankSlider  # few scenes have one
+    from camgeo.mechanism.slider_driven_crank import SliderDrivenCrank  # few scenes have one
 
-    return CrankSlider(slider_crank)
+    return SliderDrivenCrank(slider_crank)
 
 
 def _four_bar(values: Values, _: Unit) -> Linkage:
@@ -158,7 +158,7 @@ LINKAGES: Final = {
             members={"rad": "slider", "mm": "crank"},
             schema=schema_beside(__file__, "slider_crank"),
             build=_slider_crank,
-            templates=("slider-crank", "crank-slider"),
+            templates=("slider-crank", "slider-driven-crank"),
         ),
         LinkageKind(
             name="four-bar",

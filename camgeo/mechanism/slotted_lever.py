@@ -1,7 +1,9 @@
-"""Oscillating and rotating crank-slide: a crank's pin moves in a slide that turns about an axis.
+"""Crank and slotted lever: the crank's pin runs in the slot of a lever with an axis of its own.
 
-The crank of radius R turns about A_0, the slide about C at the distance a, beta = a/R. theta is the
-crank's angle from the direction A_0 -> C; phi is the slide's angle, that of the line C -> pin from
+The inversion of the slider-crank in which the guide turns: it swings in a shaper, and turns round
+in a Whitworth quick return. The crank of radius R turns about A_0, the lever about C at the
+distance a, beta = a/R. theta is the
+crank's angle from the direction A_0 -> C; phi is the lever's angle, that of the line C -> pin from
 the direction C -> A_0, counted the other way round: clockwise where theta is counter-clockwise.
 With s = sin(theta/2), shares p = R/(a + R), q = a/(a + R) and d = (a - R)/(a + R) = q - p
 
@@ -9,12 +11,12 @@ With s = sin(theta/2), shares p = R/(a + R), q = a/(a + R) and d = (a - R)/(a + 
     phi'  = p (q cos theta - p)/N,    N = d^2 + 4 p q s^2
     phi'' = -p q d sin theta/N^2,
 
-which are the equations (1) to (3) of the SAM exercise on the crank-slide divided by the crank's
+which are the equations (1) to (3) of the SAM exercise on the slotted lever divided by the crank's
 speed. Of two nearly equal lengths a - R is exact, and near theta = 0 so are the differences
 q cos theta - p = d - 2 q s^2 and q - p cos theta = d + 2 p s^2: nothing else is lost there.
 
-a > R: the slide swings. a < R: it turns with the crank. a = R: phi = pi/2 - theta/2, and at theta =
-0 the pin lies in the slide's axis, where phi has no value.
+a > R: the lever swings. a < R: it turns with the crank. a = R: phi = pi/2 - theta/2, and at theta =
+0 the pin lies in the lever's axis, where phi has no value.
 """
 
 from __future__ import annotations
@@ -36,13 +38,13 @@ no term is more than twice the result where a and R are nearly equal, or far apa
 
 
 @dataclass(frozen=True, slots=True)
-class CrankSlide:
-    """A crank-slide, seen from the crank at any number of turns.
+class SlottedLever:
+    """A crank with a slotted lever, seen from the crank at any number of turns.
 
     Attributes
     ----------
     crank : R, radius of the crank [mm].
-    distance : a, from the crank's axis A_0 to the slide's axis C [mm].
+    distance : a, from the crank's axis A_0 to the lever's axis C [mm].
 
     Raises
     ------
@@ -63,19 +65,19 @@ class CrankSlide:
 
     @property
     def swings(self) -> bool:
-        """True if the slide swings to and fro, a > R; False if it turns round, a <= R."""
+        """True if the lever swings to and fro, a > R; False if it turns round, a <= R."""
         return self.distance > self.crank
 
     def angle(self, theta: FloatArray) -> FloatArray:
         """phi (n,) [rad] at the crank angles `theta` (n,) [rad], without jumps over any turns.
 
-        In (-pi/2, pi/2) for a slide that swings. A slide that turns loses a turn with every one of
+        In (-pi/2, pi/2) for a lever that swings. A lever that turns loses a turn with every one of
         the crank, and half a turn if a = R; over the first it runs from pi (pi/2) to -pi (-pi/2).
 
         Raises
         ------
         GeometryError
-            Where the pin lies in the slide's axis (a = R, theta a multiple of 2 pi), or a crank
+            Where the pin lies in the lever's axis (a = R, theta a multiple of 2 pi), or a crank
             angle is no number.
         """
         theta, half = self._angles(theta)
@@ -89,7 +91,7 @@ class CrankSlide:
         along = np.where(cosine > NEAR, d + 2.0 * p * half * half, q - p * cosine)
         phi = np.arctan2(p * sine, along)
         if d < 0.0:
-            # pi - theta - phi is the angle of the slide with a and R exchanged, within +-pi/2.
+            # pi - theta - phi is the angle of the lever with a and R exchanged, within +-pi/2.
             phi += 2.0 * math.pi * np.rint((math.pi - theta - phi) / (2.0 * math.pi))
         return np.asarray(phi)
 
@@ -135,7 +137,7 @@ class CrankSlide:
         Raises
         ------
         GeometryError
-            If the slide turns round, a <= R.
+            If the lever turns round, a <= R.
         """
         self._must_swing("no largest angle")
         root = math.sqrt(self.distance - self.crank) * math.sqrt(self.distance + self.crank)
@@ -145,7 +147,7 @@ class CrankSlide:
     def velocity_extremes(self) -> Extremes:
         """Smallest and largest phi' [rad/rad]: at theta = pi -1/(beta + 1), at 0 1/(beta - 1).
 
-        The one at 0 is the smallest of all for a slide that turns. All alike for a = R.
+        The one at 0 is the smallest of all for a lever that turns. All alike for a = R.
         """
         difference = self.distance - self.crank
         far = Extreme(-self.crank / (self.distance + self.crank), math.pi)
@@ -158,7 +160,7 @@ class CrankSlide:
     def largest_acceleration(self) -> Extreme:
         """phi'' [rad/rad^2] of the largest magnitude, with theta in (0, pi] [rad].
 
-        Negative for a slide that swings, positive for one that turns; at -theta it has the other
+        Negative for a lever that swings, positive for one that turns; at -theta it has the other
         sign. 0 for a = R.
 
         cos theta is the root of 2 beta c^2 + (beta^2 + 1) c - 4 beta; written for s^2, the same
@@ -184,7 +186,7 @@ class CrankSlide:
         Raises
         ------
         GeometryError
-            If the slide turns round, a <= R: there are no strokes.
+            If the lever turns round, a <= R: there are no strokes.
         """
         self._must_swing("no strokes")
         quick = self.largest_angle.place
@@ -214,7 +216,7 @@ class CrankSlide:
         if self.distance == self.crank and np.any(np.abs(half) <= np.spacing(np.abs(theta))):
             raise GeometryError(
                 "the crank is as long as the distance of the axes, and at a crank angle of 0 its"
-                " pin lies in the axis of the slide: the slide's angle is undefined there",
+                " pin lies in the axis of the lever: the lever's angle is undefined there",
                 key="distance",
                 value=f"{self.distance:g}",
             )
@@ -223,7 +225,7 @@ class CrankSlide:
     def _must_swing(self, what: str) -> None:
         if not self.swings:
             raise GeometryError(
-                f"there is {what}: the slide turns round, for the distance of the axes,"
+                f"there is {what}: the lever turns round, for the distance of the axes,"
                 f" {self.distance:g} mm, does not exceed the crank, {self.crank:g} mm",
                 key="distance",
                 value=f"{self.distance:g}",

@@ -1,4 +1,4 @@
-"""The crank-slide against mpmath, its closed forms, and identities between two crank-slides."""
+"""The slotted lever against mpmath, its closed forms, and identities between two slotted levers."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from mpmath import mp, mpc, mpf
 
 from camgeo.errors import GeometryError
-from camgeo.mechanism.crank_slide import CrankSlide
+from camgeo.mechanism.slotted_lever import SlottedLever
 from camgeo.units import TURN
 from tests.strategies import attack
 
@@ -26,7 +26,7 @@ def near(exponents: tuple[float, float]) -> st.SearchStrategy[float]:
 
 
 @st.composite
-def crank_slides(draw: st.DrawFn) -> CrankSlide:
+def slotted_levers(draw: st.DrawFn) -> SlottedLever:
     """beta = a/R anywhere from 1e-8 to 1e8, also within 1e-9 and less of 1, at any scale."""
     scale = draw(st.sampled_from([1.0, 75.0, 1e-6, 1e6]))
     close = st.builds(
@@ -35,7 +35,7 @@ def crank_slides(draw: st.DrawFn) -> CrankSlide:
         near((-15.0, -1.0)),
     )
     beta = draw(st.one_of(st.floats(0.1, 10.0), close, near((-8.0, 8.0)), st.just(1.0)))
-    return CrankSlide(scale, scale * beta)
+    return SlottedLever(scale, scale * beta)
 
 
 def crank_angles() -> st.SearchStrategy[float]:
@@ -50,198 +50,200 @@ def crank_angles() -> st.SearchStrategy[float]:
     )
 
 
-def exact(slide: CrankSlide, theta: float) -> tuple[mpf, mpf, mpf]:
+def exact(lever: SlottedLever, theta: float) -> tuple[mpf, mpf, mpf]:
     """phi within (-pi, pi], phi', phi'' from phi = Im log(a - R e^{-i theta})."""
-    a, r = mpf(slide.distance), mpf(slide.crank)
+    a, r = mpf(lever.distance), mpf(lever.crank)
     arm = r * mp.expj(-mpf(theta))
     slot = mpc(a) - arm
     return mp.arg(slot), (1j * arm / slot).imag, (a * arm / slot**2).imag
 
 
-def undefined(slide: CrankSlide, theta: float) -> bool:
+def undefined(lever: SlottedLever, theta: float) -> bool:
     spread = 2.0 * np.spacing(abs(theta))
-    return slide.crank == slide.distance and abs(math.remainder(theta, TURN)) <= 2.0 * spread
+    return lever.crank == lever.distance and abs(math.remainder(theta, TURN)) <= 2.0 * spread
 
 
 @attack
-@given(slide=crank_slides(), theta=crank_angles())
+@given(lever=slotted_levers(), theta=crank_angles())
 def test_angle_velocity_and_acceleration_by_the_complex_logarithm(
-    slide: CrankSlide, theta: float
+    lever: SlottedLever, theta: float
 ) -> None:
-    if undefined(slide, theta):
+    if undefined(lever, theta):
         return
     place = np.array([theta])
     phi, velocity, acceleration = (
         float(values[0])
-        for values in (slide.angle(place), slide.velocity(place), slide.acceleration(place))
+        for values in (lever.angle(place), lever.velocity(place), lever.acceleration(place))
     )
     # The terms of phi' cancel to theta squared, 1e-120, where a = R.
     with mp.workdps(200):
-        true, true1, true2 = exact(slide, theta)
-        # Unwrapped, and for a = R the other way along the slide with every turn of the crank.
-        step = mp.pi if slide.crank == slide.distance else 2 * mp.pi
+        true, true1, true2 = exact(lever, theta)
+        # Unwrapped, and for a = R the other way along the lever with every turn of the crank.
+        step = mp.pi if lever.crank == lever.distance else 2 * mp.pi
         true += step * mp.nint((mpf(phi) - true) / step)
         assert abs(phi - true) <= LIMIT * abs(true)
-        share = mpf(slide.crank) / (mpf(slide.crank) + mpf(slide.distance))
+        share = mpf(lever.crank) / (mpf(lever.crank) + mpf(lever.distance))
         near_square = abs(true1 / share) if true1 else mpf(0)
-        if slide.crank != slide.distance:
+        if lever.crank != lever.distance:
             cosine, half = mp.cos(mpf(theta)), mp.sin(mpf(theta) / 2)
             q, d = 1 - share, 1 - 2 * share
             square = d**2 + 4 * share * q * half**2
             terms = min(abs(q * cosine) + share, abs(d) + 2 * q * half**2)
             near_square = terms / square
         assert abs(velocity - true1) <= LIMIT * share * near_square
-        if slide.crank == slide.distance:
+        if lever.crank == lever.distance:
             assert acceleration == 0.0
         else:
             assert abs(acceleration - true2) <= 2.0 * LIMIT * abs(true2)
 
 
 @attack
-@given(slide=crank_slides(), start=st.floats(-10.0, 10.0))
-def test_the_angle_has_no_jumps(slide: CrankSlide, start: float) -> None:
+@given(lever=slotted_levers(), start=st.floats(-10.0, 10.0))
+def test_the_angle_has_no_jumps(lever: SlottedLever, start: float) -> None:
     """Over three turns, with steps so fine near theta = 0 that phi moves by less than a right angle
-    in each, and the total is that of the kind of slide."""
-    gap = abs(slide.ratio - 1.0)
+    in each, and the total is that of the kind of lever."""
+    gap = abs(lever.ratio - 1.0)
     assume(gap == 0.0 or gap > 1e-11)  # a spacing of 6 pi is 4e-15
     fine = np.geomspace(max(gap, 1e-15) / 10.0, 1.0, 400)
     turn = np.concatenate((fine, np.linspace(1.0, TURN - 1.0, 50), TURN - fine[::-1]))
     theta = np.concatenate([turn + number * TURN for number in range(3)])
     theta = theta[np.abs(np.sin(0.5 * theta)) > 4.0 * np.spacing(theta)]
-    phi = slide.angle(theta)
+    phi = lever.angle(theta)
     assert np.max(np.abs(np.diff(phi))) < 0.5 * math.pi
-    turns = 0.0 if slide.swings else -0.5 if gap == 0.0 else -1.0
+    turns = 0.0 if lever.swings else -0.5 if gap == 0.0 else -1.0
     place = np.array([start, start + TURN])
-    if not any(undefined(slide, float(angle)) for angle in place):
-        one = float(np.diff(slide.angle(place))[0])
-        speed = float(np.max(np.abs(slide.velocity(place))))
+    if not any(undefined(lever, float(angle)) for angle in place):
+        one = float(np.diff(lever.angle(place))[0])
+        speed = float(np.max(np.abs(lever.velocity(place))))
         # start + 2 pi is rounded, and where the pin is near the axis phi runs fast.
         lost = np.spacing(abs(start) + TURN) * (1.0 + speed)
         assert one == pytest.approx(turns * TURN, abs=4.0 * lost + 1e-14)
 
 
 @attack
-@given(slide=crank_slides(), theta=crank_angles())
-def test_the_counterpart_with_crank_and_distance_exchanged(slide: CrankSlide, theta: float) -> None:
+@given(lever=slotted_levers(), theta=crank_angles())
+def test_the_counterpart_with_crank_and_distance_exchanged(
+    lever: SlottedLever, theta: float
+) -> None:
     """phi(1/beta) = pi - theta - phi(beta), phi'(1/beta) = -1 - phi'(beta), phi'' changes sign."""
-    if undefined(slide, theta):
+    if undefined(lever, theta):
         return
-    other, place = CrankSlide(slide.distance, slide.crank), np.array([theta])
-    total = slide.angle(place)[0] + other.angle(place)[0]
+    other, place = SlottedLever(lever.distance, lever.crank), np.array([theta])
+    total = lever.angle(place)[0] + other.angle(place)[0]
     assert total == pytest.approx(math.pi - theta, abs=LIMIT * (2.0 * math.pi + abs(theta)))
-    one, two = slide.velocity(place)[0], other.velocity(place)[0]
+    one, two = lever.velocity(place)[0], other.velocity(place)[0]
     assert one + two == pytest.approx(-1.0, abs=LIMIT * (1.0 + abs(one) + abs(two)))
-    assert slide.acceleration(place)[0] == pytest.approx(
+    assert lever.acceleration(place)[0] == pytest.approx(
         -other.acceleration(place)[0], rel=2.0 * LIMIT, abs=0.0
     )
 
 
 @attack
-@given(slide=crank_slides(), theta=crank_angles())
-def test_the_slide_points_at_the_pin(slide: CrankSlide, theta: float) -> None:
-    """In the fixed frame, A_0 at the origin: pin R e^{i theta}, slide -e^{-i phi} from C."""
-    if undefined(slide, theta):
+@given(lever=slotted_levers(), theta=crank_angles())
+def test_the_lever_points_at_the_pin(lever: SlottedLever, theta: float) -> None:
+    """In the fixed frame, A_0 at the origin: pin R e^{i theta}, lever -e^{-i phi} from C."""
+    if undefined(lever, theta):
         return
-    (phi,) = slide.angle(np.array([theta]))
-    arm = slide.crank * complex(math.cos(theta), math.sin(theta)) - slide.distance
+    (phi,) = lever.angle(np.array([theta]))
+    arm = lever.crank * complex(math.cos(theta), math.sin(theta)) - lever.distance
     along = -arm * complex(math.cos(phi), math.sin(phi))
-    reach = slide.crank + slide.distance
+    reach = lever.crank + lever.distance
     assert abs(along.imag) <= 4.0 * LIMIT * reach
     # a = R: the line keeps turning and the pin passes to its other side.
-    if slide.crank != slide.distance:
+    if lever.crank != lever.distance:
         assert along.real >= -4.0 * LIMIT * reach
 
 
 @attack
-@given(slide=crank_slides(), theta=crank_angles())
-def test_the_closed_extremes_are_exceeded_nowhere(slide: CrankSlide, theta: float) -> None:
-    if undefined(slide, theta):
+@given(lever=slotted_levers(), theta=crank_angles())
+def test_the_closed_extremes_are_exceeded_nowhere(lever: SlottedLever, theta: float) -> None:
+    if undefined(lever, theta):
         return
     place, above = np.array([theta]), 1.0 + 4.0 * LIMIT
-    speeds = slide.velocity_extremes
-    assert slide.velocity(place)[0] <= speeds.highest.value + 4.0 * LIMIT * speeds.magnitude
-    assert slide.velocity(place)[0] >= speeds.lowest.value - 4.0 * LIMIT * speeds.magnitude
-    largest = slide.largest_acceleration
-    assert abs(slide.acceleration(place)[0]) <= above * abs(largest.value)
-    if slide.swings:
-        assert abs(slide.angle(place)[0]) <= above * slide.largest_angle.value
+    speeds = lever.velocity_extremes
+    assert lever.velocity(place)[0] <= speeds.highest.value + 4.0 * LIMIT * speeds.magnitude
+    assert lever.velocity(place)[0] >= speeds.lowest.value - 4.0 * LIMIT * speeds.magnitude
+    largest = lever.largest_acceleration
+    assert abs(lever.acceleration(place)[0]) <= above * abs(largest.value)
+    if lever.swings:
+        assert abs(lever.angle(place)[0]) <= above * lever.largest_angle.value
 
 
 @attack
-@given(slide=crank_slides())
-def test_the_closed_extremes_are_taken_at_their_places(slide: CrankSlide) -> None:
-    at = np.array([slide.largest_acceleration.place])
+@given(lever=slotted_levers())
+def test_the_closed_extremes_are_taken_at_their_places(lever: SlottedLever) -> None:
+    at = np.array([lever.largest_acceleration.place])
     # A maximum is flat; the place itself is right to the last digits, also where it is 1e-10.
-    assert slide.acceleration(at)[0] == pytest.approx(
-        slide.largest_acceleration.value, rel=8.0 * LIMIT
+    assert lever.acceleration(at)[0] == pytest.approx(
+        lever.largest_acceleration.value, rel=8.0 * LIMIT
     )
-    if slide.crank != slide.distance:
+    if lever.crank != lever.distance:
         with mp.workdps(50):
-            beta = mpf(slide.distance) / mpf(slide.crank)
+            beta = mpf(lever.distance) / mpf(lever.crank)
             b = beta**2 + 1
             cosine = (mp.sqrt(b**2 + 32 * beta**2) - b) / (4 * beta)
             true = 2 * mp.asin(mp.sqrt((1 - cosine) / 2))
-            assert abs(slide.largest_acceleration.place - true) <= LIMIT * true
-        for speed in (slide.velocity_extremes.lowest, slide.velocity_extremes.highest):
-            found = slide.velocity(np.array([speed.place]))[0]
+            assert abs(lever.largest_acceleration.place - true) <= LIMIT * true
+        for speed in (lever.velocity_extremes.lowest, lever.velocity_extremes.highest):
+            found = lever.velocity(np.array([speed.place]))[0]
             assert found == pytest.approx(speed.value, rel=LIMIT)
-    if slide.swings:
-        angle = slide.largest_angle
+    if lever.swings:
+        angle = lever.largest_angle
         with mp.workdps(50):
-            share = mpf(slide.crank) / mpf(slide.distance)
+            share = mpf(lever.crank) / mpf(lever.distance)
             assert abs(angle.value - mp.asin(share)) <= LIMIT * angle.value
             assert abs(angle.place - mp.acos(share)) <= LIMIT * angle.place
         slow = math.pi + 2.0 * angle.value
-        assert slide.time_ratio == pytest.approx(slow / (2.0 * angle.place), rel=LIMIT)
+        assert lever.time_ratio == pytest.approx(slow / (2.0 * angle.place), rel=LIMIT)
 
 
 def test_the_exercise_with_beta_2() -> None:
     """a = 150, R = 75, n = 1.5 1/s: the values of the SAM exercise's text, corrected."""
-    slide, speed = CrankSlide(75.0, 150.0), 3.0 * math.pi
-    assert slide.ratio == 2.0
-    assert math.degrees(slide.largest_angle.value) == pytest.approx(30.0, rel=LIMIT)
-    assert math.degrees(slide.largest_angle.place) == pytest.approx(60.0, rel=LIMIT)
-    assert slide.time_ratio == pytest.approx(2.0, rel=LIMIT)
-    place = slide.largest_acceleration.place
+    lever, speed = SlottedLever(75.0, 150.0), 3.0 * math.pi
+    assert lever.ratio == 2.0
+    assert math.degrees(lever.largest_angle.value) == pytest.approx(30.0, rel=LIMIT)
+    assert math.degrees(lever.largest_angle.place) == pytest.approx(60.0, rel=LIMIT)
+    assert lever.time_ratio == pytest.approx(2.0, rel=LIMIT)
+    place = lever.largest_acceleration.place
     assert math.degrees(place) == pytest.approx(22.9030618658217, rel=1e-13)
-    phi, _, acceleration = slide.in_time(np.array([place]), speed)[:, 0]
+    phi, _, acceleration = lever.in_time(np.array([place]), speed)[:, 0]
     # Printed to 15 digits in the reference.
     assert math.degrees(phi) == pytest.approx(19.8361245911597, rel=1e-14)
     assert acceleration == pytest.approx(-119.883473983041, rel=1e-13)
-    at = slide.in_time(np.array([slide.largest_angle.place]), speed)[:, 0]
+    at = lever.in_time(np.array([lever.largest_angle.place]), speed)[:, 0]
     assert at[1] == pytest.approx(0.0, abs=speed * LIMIT)
     assert at[2] == pytest.approx(-(speed**2) / math.sqrt(3.0), rel=2.0 * LIMIT)
 
 
-def test_where_the_pin_lies_in_the_axis_of_the_slide_nothing_is_told() -> None:
-    slide = CrankSlide(50.0, 50.0)
+def test_where_the_pin_lies_in_the_axis_of_the_lever_nothing_is_told() -> None:
+    lever = SlottedLever(50.0, 50.0)
     for theta in (0.0, -0.0, TURN, -TURN, math.radians(1080.0)):
-        for quantity in (slide.angle, slide.velocity, slide.acceleration):
+        for quantity in (lever.angle, lever.velocity, lever.acceleration):
             with pytest.raises(GeometryError, match="undefined"):
                 quantity(np.array([1.0, theta]))
     tiny = np.array([1e-300, 1e-12])
-    assert slide.angle(tiny) == pytest.approx(np.array([0.5 * math.pi] * 2), rel=1e-12)
+    assert lever.angle(tiny) == pytest.approx(np.array([0.5 * math.pi] * 2), rel=1e-12)
 
 
-def test_what_a_turning_slide_has_not() -> None:
-    for slide in (CrankSlide(2.0, 1.0), CrankSlide(1.0, 1.0)):
-        assert not slide.swings
+def test_what_a_turning_lever_has_not() -> None:
+    for lever in (SlottedLever(2.0, 1.0), SlottedLever(1.0, 1.0)):
+        assert not lever.swings
         with pytest.raises(GeometryError, match="no largest angle"):
-            _ = slide.largest_angle
+            _ = lever.largest_angle
         with pytest.raises(GeometryError, match="no strokes"):
-            _ = slide.time_ratio
+            _ = lever.time_ratio
 
 
 @pytest.mark.parametrize("length", [0.0, -1.0, math.nan, math.inf])
 def test_lengths_must_be_positive(length: float) -> None:
     for given_lengths in ((length, 1.0), (1.0, length)):
         with pytest.raises(GeometryError, match="positive number"):
-            CrankSlide(*given_lengths)
+            SlottedLever(*given_lengths)
 
 
 @pytest.mark.parametrize("theta", [math.nan, math.inf])
 def test_crank_angles_must_be_numbers(theta: float) -> None:
-    slide = CrankSlide(1.0, 2.0)
-    for quantity in (slide.angle, slide.velocity, slide.acceleration):
+    lever = SlottedLever(1.0, 2.0)
+    for quantity in (lever.angle, lever.velocity, lever.acceleration):
         with pytest.raises(GeometryError, match="finite"):
             quantity(np.array([theta]))

@@ -9,15 +9,15 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from camgeo.errors import GeometryError
-from camgeo.mechanism.crank_slider import CrankSlider
 from camgeo.mechanism.linkage import LinkedMotion
 from camgeo.mechanism.slider_crank import SliderCrank
+from camgeo.mechanism.slider_driven_crank import SliderDrivenCrank
 from camgeo.motion.plan import MotionPlan
 from camgeo.units import TURN
 from tests.integrals import cells
 from tests.mechanism.bounds import assert_bounds_hold
-from tests.mechanism.loops import crank_slider_jet
-from tests.strategies import SMOOTH, attack, crank_sliders, plans, slider_cranks
+from tests.mechanism.loops import slider_driven_crank_jet
+from tests.strategies import SMOOTH, attack, plans, slider_cranks, slider_driven_cranks
 
 MOTION = 0.6  # of the linkages drawn
 
@@ -31,12 +31,14 @@ jets = st.tuples(st.floats(0.0, MOTION), *[st.floats(-2.0, 2.0)] * 3).map(np.arr
 
 
 @few
-@given(linkage=crank_sliders(), jet=jets)
-def test_newton_on_the_loop_finds_the_same_slider(linkage: CrankSlider, jet: np.ndarray) -> None:
+@given(linkage=slider_driven_cranks(), jet=jets)
+def test_newton_on_the_loop_finds_the_same_slider(
+    linkage: SliderDrivenCrank, jet: np.ndarray
+) -> None:
     """The loop and its derivatives to the third, solved as a power series with 50 digits."""
     pin, _ = linkage.joints(jet[:1])
     near = float(pin[0].real) * (-1.0 if linkage.inner.mirrored else 1.0)
-    expected = -linkage.inner.stroke_direction * crank_slider_jet(linkage, jet, near)
+    expected = -linkage.inner.stroke_direction * slider_driven_crank_jet(linkage, jet, near)
     found = linkage.transform(jet[:, np.newaxis])[:, 0]
     # X = s_0 + eps_s s
     found[0] += linkage.inner.stroke_direction * linkage.inner.start_position
@@ -48,7 +50,7 @@ def test_newton_on_the_loop_finds_the_same_slider(linkage: CrankSlider, jet: np.
 def test_it_undoes_the_slider_crank(inner: SliderCrank, stroke: float, slope: float) -> None:
     """From the stroke to the crank's angle and back, with all derivatives."""
     assume(abs(math.cos(inner.coupler_angle)) > 0.2)
-    linkage = CrankSlider(inner)
+    linkage = SliderDrivenCrank(inner)
     path = np.zeros((4, 65))
     path[0] = np.linspace(0.0, stroke, 65)
     swing = inner.transform(path)
@@ -62,8 +64,8 @@ def test_it_undoes_the_slider_crank(inner: SliderCrank, stroke: float, slope: fl
 
 
 @attack
-@given(linkage=crank_sliders())
-def test_loop_and_side_hold(linkage: CrankSlider) -> None:
+@given(linkage=slider_driven_cranks())
+def test_loop_and_side_hold(linkage: SliderDrivenCrank) -> None:
     angle = np.linspace(0.0, MOTION, 50)
     pin, tip = linkage.joints(angle)
     assert np.abs(pin - tip) == pytest.approx(np.full(50, linkage.coupler), rel=1e-13)
@@ -81,7 +83,7 @@ def test_loop_and_side_hold(linkage: CrankSlider) -> None:
 
 
 def test_a_crank_may_turn_over_and_over() -> None:
-    linkage = CrankSlider(SliderCrank(30.0, 100.0, math.radians(40.0), True, 1, -1, 1))
+    linkage = SliderDrivenCrank(SliderCrank(30.0, 100.0, math.radians(40.0), True, 1, -1, 1))
     turns = np.linspace(-TURN, TURN, 2001)
     assert np.max(linkage.missing_length(turns)) < 0.0
     jet = np.zeros((4, 2001))
@@ -95,28 +97,32 @@ def test_a_crank_may_turn_over_and_over() -> None:
 
 
 @few
-@given(linkage=crank_sliders(), jet=jets)
-def test_mirrored_takes_the_other_angle(linkage: CrankSlider, jet: np.ndarray) -> None:
-    other = CrankSlider(replace(linkage.inner, mirrored=not linkage.inner.mirrored))
+@given(linkage=slider_driven_cranks(), jet=jets)
+def test_mirrored_takes_the_other_angle(linkage: SliderDrivenCrank, jet: np.ndarray) -> None:
+    other = SliderDrivenCrank(replace(linkage.inner, mirrored=not linkage.inner.mirrored))
     column = jet[:, np.newaxis]
     assert np.array_equal(linkage.transform(column), other.transform(-column))
 
 
 @pytest.mark.parametrize("scale", [1e-3, 1e3])
 @few
-@given(linkage=crank_sliders(), jet=jets)
-def test_the_stroke_goes_with_the_unit(scale: float, linkage: CrankSlider, jet: np.ndarray) -> None:
+@given(linkage=slider_driven_cranks(), jet=jets)
+def test_the_stroke_goes_with_the_unit(
+    scale: float, linkage: SliderDrivenCrank, jet: np.ndarray
+) -> None:
     inner = linkage.inner
-    other = CrankSlider(replace(inner, crank=scale * inner.crank, coupler=scale * inner.coupler))
+    other = SliderDrivenCrank(
+        replace(inner, crank=scale * inner.crank, coupler=scale * inner.coupler)
+    )
     one = scale * linkage.transform(jet[:, np.newaxis])
     size = max(np.max(np.abs(one)), scale * linkage.coupler)
     assert other.transform(jet[:, np.newaxis]) == pytest.approx(one, abs=ROUNDING * size)
 
 
 @few
-@given(linkage=crank_sliders(), plan=plans(SMOOTH, MOTION), count=st.integers(1, 5))
+@given(linkage=slider_driven_cranks(), plan=plans(SMOOTH, MOTION), count=st.integers(1, 5))
 def test_bounds_hold_all_over_their_cells(
-    linkage: CrankSlider, plan: MotionPlan, count: int
+    linkage: SliderDrivenCrank, plan: MotionPlan, count: int
 ) -> None:
     motion = LinkedMotion(plan, linkage)
     assert_bounds_hold(motion, count, ROUNDING, 1.0)
@@ -124,7 +130,7 @@ def test_bounds_hold_all_over_their_cells(
 
 
 def test_at_its_dead_centre_it_may_rest_and_not_move() -> None:
-    linkage = CrankSlider(SliderCrank(50.0, 30.0, math.radians(10.0), True, 1, -1, 1))
+    linkage = SliderDrivenCrank(SliderCrank(50.0, 30.0, math.radians(10.0), True, 1, -1, 1))
     dead = linkage.dead_positions(-math.pi, math.pi)
     assert linkage.missing_length(np.array(dead)) == pytest.approx(np.zeros(len(dead)), abs=1e-13)
     # Put exactly on it, as rounding allows.
@@ -143,5 +149,5 @@ def test_a_coupler_across_the_guide_at_stroke_0_is_refused() -> None:
     # d^2 = 2 l^2: the second tip is at (-l, 0), straight below the pin at (-l, l).
     assert abs(math.cos(inner.coupler_angle)) < 1e-14
     with pytest.raises(GeometryError, match="across the guide") as caught:
-        CrankSlider(inner)
+        SliderDrivenCrank(inner)
     assert caught.value.key == "linkage"

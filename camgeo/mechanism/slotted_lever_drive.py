@@ -1,8 +1,8 @@
-"""A crank-slide whose crank turns evenly: its motion in time, extremes and strokes, and as a table.
+"""A slotted lever whose crank turns at constant speed: motion in time, extremes, strokes, table.
 
 All angles are counted the way round that the crank turns, as the table and the text of the SAM
-exercise count them. `camgeo.mechanism.crank_slide` counts the slide's angle the other way round, as
-equation (1) of the exercise does, so phi, omega_2 and eps_2 are the negatives of its values here.
+exercise count them. `camgeo.mechanism.slotted_lever` counts the lever's angle the other way round,
+as equation (1) of the exercise does: here phi, omega_2 and eps_2 are the negatives of its values.
 """
 
 from __future__ import annotations
@@ -16,14 +16,14 @@ from typing import Final, Literal
 import numpy as np
 
 from camgeo.errors import GeometryError
-from camgeo.mechanism.crank_slide import CrankSlide
+from camgeo.mechanism.slotted_lever import SlottedLever
 from camgeo.mechanism.values import AnySize
 from camgeo.numeric.arrays import FloatArray, frozen
 from camgeo.numeric.checked import check_fields, hold
 from camgeo.units import TURN
 
 Quantity = Literal["angle", "velocity", "acceleration"]
-"""phi [rad], omega_2 [rad/s], eps_2 [rad/s^2]: the rows of `DrivenSlide.output`, in this order."""
+"""phi [rad], omega_2 [rad/s], eps_2 [rad/s^2]: the rows of `DrivenLever.output`, in this order."""
 
 NAMES: Final = ("crank [deg]", "time [s]", "phi [deg]", "omega2 [rad/s]", "eps2 [rad/s^2]")
 """Columns in the order of the exercise's table."""
@@ -44,7 +44,7 @@ FULL_TURN: Final = Decimal(360)
 
 
 @dataclass(frozen=True, slots=True)
-class SlideExtreme:
+class LeverExtreme:
     """A largest or smallest value over one turn of the crank.
 
     Attributes
@@ -53,7 +53,7 @@ class SlideExtreme:
     largest : True for the largest value with its sign, False for the smallest.
     value : of the quantity, by its closed form.
     crank : crank angle theta in [0, 2 pi) [rad].
-    angle : phi at theta [rad]; -pi where a slide that turns round is at theta = 0.
+    angle : phi at theta [rad]; -pi where a lever that turns round is at theta = 0.
     time : from theta = 0 to theta [s].
     """
 
@@ -67,7 +67,7 @@ class SlideExtreme:
 
 @dataclass(frozen=True, slots=True)
 class Stroke:
-    """The swing of the slide from one of its ends to the other.
+    """The swing of the lever from one of its ends to the other.
 
     Attributes
     ----------
@@ -81,12 +81,12 @@ class Stroke:
 
 
 @dataclass(frozen=True, slots=True)
-class DrivenSlide:
-    """A crank-slide and the even speed of its crank.
+class DrivenLever:
+    """A slotted lever and the even speed of its crank.
 
     Attributes
     ----------
-    slide : its lengths.
+    lever : its lengths.
     speed : omega_0 [rad/s], positive.
 
     Raises
@@ -96,19 +96,19 @@ class DrivenSlide:
         acceleration exceeds what a double holds.
     """
 
-    slide: CrankSlide
+    lever: SlottedLever
     speed: AnySize
 
     def __post_init__(self) -> None:
         check_fields(self)
         largest = (
             self.turn_time,
-            self.speed * self.slide.velocity_extremes.magnitude,
-            self.speed * self.speed * self.slide.largest_acceleration.value,
+            self.speed * self.lever.velocity_extremes.magnitude,
+            self.speed * self.speed * self.lever.largest_acceleration.value,
         )
         if not all(math.isfinite(value) for value in largest):
             raise GeometryError(
-                "with this speed a time, a velocity or an acceleration of the slide is too large"
+                "with this speed a time, a velocity or an acceleration of the lever is too large"
                 " for a number",
                 key="speed",
                 value=f"{self.speed:g}",
@@ -125,25 +125,25 @@ class DrivenSlide:
         Raises
         ------
         GeometryError
-            Where phi has no value, or a crank angle is no number: see `CrankSlide.angle`.
+            Where phi has no value, or a crank angle is no number: see `SlottedLever.angle`.
         """
-        return np.asarray(0.0 - self.slide.in_time(theta, self.speed))
+        return np.asarray(0.0 - self.lever.in_time(theta, self.speed))
 
     @property
-    def extremes(self) -> tuple[SlideExtreme, ...]:
+    def extremes(self) -> tuple[LeverExtreme, ...]:
         """All extremes of one turn: angle, velocity, acceleration, each by ascending crank angle.
 
-        No angle for a slide that turns round. None at all for a = R, where the velocity is the same
+        No angle for a lever that turns round. None at all for a = R, where the velocity is the same
         everywhere, half the crank's, and the acceleration 0.
         """
-        slide, speed = self.slide, self.speed
-        if slide.crank == slide.distance:
+        lever, speed = self.lever, self.speed
+        if lever.crank == lever.distance:
             return ()
         found = []
-        if slide.swings:
-            angle = slide.largest_angle
+        if lever.swings:
+            angle = lever.largest_angle
             found += self._pair("angle", -angle.value, angle.place)
-        velocities = slide.velocity_extremes
+        velocities = lever.velocity_extremes
         # The smallest phi' is the largest omega_2: the sense of counting is the other one.
         at_ends = [
             self._extreme(
@@ -154,34 +154,34 @@ class DrivenSlide:
             ),
         ]
         found += sorted(at_ends, key=lambda extreme: extreme.crank)
-        acceleration = slide.largest_acceleration
+        acceleration = lever.largest_acceleration
         found += self._pair("acceleration", -speed * speed * acceleration.value, acceleration.place)
         return tuple(found)
 
     @property
     def strokes(self) -> tuple[Stroke, Stroke] | None:
         """The slow stroke, with the crank, and the quick one, against it; None if a <= R."""
-        if not self.slide.swings:
+        if not self.lever.swings:
             return None
-        first = self.slide.largest_angle.place
+        first = self.lever.largest_angle.place
         slow = Stroke(first, TURN - first, 2.0 * (math.pi - first) / self.speed)
         return slow, Stroke(TURN - first, TURN + first, 2.0 * first / self.speed)
 
-    def _pair(self, quantity: Quantity, value: float, theta: float) -> list[SlideExtreme]:
+    def _pair(self, quantity: Quantity, value: float, theta: float) -> list[LeverExtreme]:
         """The extreme at `theta` in (0, pi), and its counterpart at 2 pi - theta."""
         one = self._extreme(quantity, value > 0.0, value, theta)
         mirrored = TURN - theta
         time = mirrored / self.speed
-        return [one, SlideExtreme(quantity, value < 0.0, -value, mirrored, -one.angle, time)]
+        return [one, LeverExtreme(quantity, value < 0.0, -value, mirrored, -one.angle, time)]
 
     def _extreme(
         self, quantity: Quantity, largest: bool, value: float, theta: float
-    ) -> SlideExtreme:
-        # sin pi is no zero in doubles, the slide's angle there is.
+    ) -> LeverExtreme:
+        # sin pi is no zero in doubles, the lever's angle there is.
         angle = 0.0 if theta == math.pi else float(self.output(np.array([theta]))[0, 0])
         if quantity == "angle":
             angle = value
-        return SlideExtreme(quantity, largest, value, theta, angle, theta / self.speed)
+        return LeverExtreme(quantity, largest, value, theta, angle, theta / self.speed)
 
 
 def crank_for_swing(distance: float, swing: float) -> float:
@@ -202,8 +202,8 @@ def crank_for_swing(distance: float, swing: float) -> float:
     """
     if not 0.0 < swing <= 180.0:
         raise GeometryError(
-            "the swing of a crank-slide must be above 0 and at most 180 degrees; a slide that turns"
-            " round has none, its crank is longer than the distance of the axes",
+            "the swing of a slotted lever must be above 0 and at most 180 degrees; a lever that"
+            " turns round has none: its crank is longer than the distance between the axes",
             key="swing",
             value=f"{swing:.17g}",
         )
@@ -222,8 +222,8 @@ def crank_for_swing(distance: float, swing: float) -> float:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class SlideTable:
-    """Values of a crank-slide at equidistant crank angles.
+class LeverTable:
+    """Values of a slotted lever at equidistant crank angles.
 
     Attributes
     ----------
@@ -251,13 +251,13 @@ class SlideTable:
         ]
 
 
-def slide_table(
-    driven: DrivenSlide,
+def lever_table(
+    driven: DrivenLever,
     step: Decimal = PRINTED_STEP,
     first: Decimal = Decimal(0),
     last: Decimal = FULL_TURN,
-) -> SlideTable:
-    """Tabulate a crank-slide at first, first + step, ... below last, and at last.
+) -> LeverTable:
+    """Tabulate a slotted lever at first, first + step, ... below last, and at last.
 
     The multiples are exact, so no row is lost or doubled by rounding; a step that does not divide
     the range makes the last interval a shorter one. Past 180 degrees the values are those of 360
@@ -266,7 +266,7 @@ def slide_table(
 
     Parameters
     ----------
-    driven : the crank-slide and its speed.
+    driven : the slotted lever and its speed.
     step : of the crank angle [deg], from 0.001 to 90.
     first, last : crank angles [deg], 0 <= first < last <= 360.
         All three with at most twelve decimals.
@@ -286,13 +286,13 @@ def slide_table(
         folded = [min(angle, FULL_TURN - angle) for angle in crank]
     half = FULL_TURN / 2
     side = np.array([float((angle < half) - (angle > half)) for angle in crank])
-    slide = driven.slide
-    if slide.crank == slide.distance:
+    lever = driven.lever
+    if lever.crank == lever.distance:
         for key, end in (("from", first), ("to", last)):
             if end % FULL_TURN == 0:
                 raise GeometryError(
                     "the crank is as long as the distance of the axes, and at 0 and 360 degrees its"
-                    " pin lies in the axis of the slide, whose angle is undefined there; allowed is"
+                    " pin lies in the axis of the lever, whose angle is undefined there; allowed is"
                     " what lies between",
                     key=key,
                     value=str(end),
@@ -300,7 +300,7 @@ def slide_table(
     phi, omega, eps = driven.output(np.radians([float(angle) for angle in folded]))
     degrees = np.array([float(angle) for angle in crank])
     columns = (degrees, degrees / 360.0 * driven.turn_time, side * np.degrees(phi), omega)
-    return SlideTable(crank, np.column_stack((*columns, side * eps)) + 0.0)
+    return LeverTable(crank, np.column_stack((*columns, side * eps)) + 0.0)
 
 
 def _check(step: Decimal, first: Decimal, last: Decimal) -> None:

@@ -1,4 +1,4 @@
-"""The diagram of a crank-slide: curves, marked extremes, the same bytes."""
+"""The diagram of a slotted lever: curves, marked extremes, the same bytes."""
 
 from __future__ import annotations
 
@@ -9,30 +9,30 @@ import pytest
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from camgeo.figure.crank_slide import PANELS, crank_angles, figure
-from camgeo.mechanism.crank_slide import CrankSlide
-from camgeo.mechanism.crank_slide_drive import DrivenSlide
+from camgeo.figure.slotted_lever import PANELS, crank_angles, figure
+from camgeo.mechanism.slotted_lever import SlottedLever
+from camgeo.mechanism.slotted_lever_drive import DrivenLever
 from camgeo.numeric.arrays import FloatArray
 from camgeo.units import RPM
 from camgeo_export.plots.render import render
 from tests.figure import drawing
 
-SLIDES = {
-    "exercise": CrankSlide(75.0, 150.0),
-    "turning": CrankSlide(100.0, 50.0),
-    "equal": CrankSlide(50.0, 50.0),
-    "nearly equal": CrankSlide(1e9, 1e9 + 1.0),
-    "short": CrankSlide(1.0, 1e8),
+LEVERS = {
+    "exercise": SlottedLever(75.0, 150.0),
+    "turning": SlottedLever(100.0, 50.0),
+    "equal": SlottedLever(50.0, 50.0),
+    "nearly equal": SlottedLever(1e9, 1e9 + 1.0),
+    "short": SlottedLever(1.0, 1e8),
 }
 
 
-def drawn(driven: DrivenSlide) -> tuple[Figure, list[Axes]]:
+def drawn(driven: DrivenLever) -> tuple[Figure, list[Axes]]:
     page = drawing.drawn(figure(driven))
     return page, page.axes[: len(PANELS)]
 
 
-def driven_by(name: str) -> DrivenSlide:
-    return DrivenSlide(SLIDES[name], 90.0 * RPM)
+def driven_by(name: str) -> DrivenLever:
+    return DrivenLever(LEVERS[name], 90.0 * RPM)
 
 
 def curve_of(axes: Axes) -> FloatArray:
@@ -49,7 +49,7 @@ def dots_of(axes: Axes) -> list[tuple[float, float]]:
     ]
 
 
-@pytest.mark.parametrize("name", SLIDES)
+@pytest.mark.parametrize("name", LEVERS)
 def test_a_dot_lies_on_the_curve_at_every_extreme(name: str) -> None:
     driven = driven_by(name)
     _, panels = drawn(driven)
@@ -85,9 +85,9 @@ def test_the_time_stands_above_the_crank_angle() -> None:
 
 
 @pytest.mark.parametrize("rpm", [0.01, 90.0, 3000.0])
-@pytest.mark.parametrize("name", SLIDES)
+@pytest.mark.parametrize("name", LEVERS)
 def test_the_labels_lie_within_the_figure(name: str, rpm: float) -> None:
-    page, panels = drawn(DrivenSlide(SLIDES[name], rpm * RPM))
+    page, panels = drawn(DrivenLever(LEVERS[name], rpm * RPM))
     width, height = page.canvas.get_width_height()
     for axes in panels:
         for text in (*axes.texts, axes.yaxis.label, axes.yaxis.get_offset_text()):
@@ -110,7 +110,7 @@ def test_the_crank_angles_are_dense_where_the_acceleration_peaks() -> None:
     theta = crank_angles(driven)
     assert (theta[0], theta[-1]) == (0.0, 2.0 * math.pi)
     assert np.all(np.diff(theta) > 0.0)
-    peak = driven.slide.largest_acceleration.place
+    peak = driven.lever.largest_acceleration.place
     assert np.count_nonzero((theta > 0.1 * peak) & (theta < 10.0 * peak)) > 100
 
 

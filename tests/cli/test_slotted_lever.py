@@ -1,4 +1,4 @@
-"""`camgeo crank-slide`: the SAM exercise to the digit, the hard cases, and what is refused."""
+"""`camgeo slotted-lever`: the SAM exercise to the digit, the hard cases, and what is refused."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ import pytest
 
 from camgeo.cli.main import COMMANDS, main
 from camgeo.errors import GeometryError
-from camgeo.mechanism.crank_slide import CrankSlide
-from camgeo.mechanism.crank_slide_drive import NAMES, DrivenSlide, crank_for_swing
+from camgeo.mechanism.slotted_lever import SlottedLever
+from camgeo.mechanism.slotted_lever_drive import NAMES, DrivenLever, crank_for_swing
 from tests.reference import hard_case
 
 FIXTURES = Path(__file__).parents[2] / "fixtures" / "tables"
@@ -38,7 +38,7 @@ Capture = pytest.CaptureFixture[str]
 
 
 def call(*words: str) -> int:
-    return main(["crank-slide", *words])
+    return main(["slotted-lever", *words])
 
 
 def told(capsys: Capture, *words: str) -> str:
@@ -235,7 +235,7 @@ def test_the_same_table_as_json_and_in_a_file(tmp_path: Path, capsys: Capture) -
         name: [float(row[number]) for row in rows] for number, name in enumerate(NAMES)
     }
     assert "table" not in document(capsys, *EXERCISE)
-    target = tmp_path / "slide.csv"
+    target = tmp_path / "lever.csv"
     assert call(*EXERCISE, "--csv", str(target), "--step", "5") == 0
     captured = capsys.readouterr()
     assert target.read_text("utf-8") == text
@@ -251,10 +251,10 @@ def test_the_same_table_as_json_and_in_a_file(tmp_path: Path, capsys: Capture) -
 def test_table_and_picture_are_written_together_or_not_at_all(
     tmp_path: Path, capsys: Capture
 ) -> None:
-    table, picture = tmp_path / "slide.csv", tmp_path / "slide.svg"
+    table, picture = tmp_path / "lever.csv", tmp_path / "lever.svg"
     picture.write_text("mine")
     assert call(*EXERCISE, "--csv", str(table), "-o", str(picture)) == 2
-    assert [path.name for path in tmp_path.iterdir()] == ["slide.svg"]
+    assert [path.name for path in tmp_path.iterdir()] == ["lever.svg"]
     assert picture.read_text() == "mine"
     assert call(*EXERCISE, "--csv", str(table), "-o", str(picture), "--force") == 0
     assert b"<svg" in picture.read_bytes()
@@ -324,8 +324,8 @@ def test_a_crank_nearly_as_long_as_the_frame(capsys: Capture) -> None:
     assert slow["value"] == pytest.approx(-value["omega2_at_180"], rel=1e-12)
 
 
-def test_a_slide_that_turns_round(capsys: Capture) -> None:
-    """HC03: no largest angle, no strokes, one turn of the slide with each of the crank."""
+def test_a_lever_that_turns_round(capsys: Capture) -> None:
+    """HC03: no largest angle, no strokes, one turn of the lever with each of the crank."""
     _, expected = hard_case("HC03")
     words = ("--frame", "50", "--crank", "100", "--speed", "90")
     found = document(capsys, *words)
@@ -387,7 +387,7 @@ def test_a_very_short_crank(capsys: Capture) -> None:
 def test_wrong_values_are_told_with_what_is_allowed(
     words: tuple[str, ...], message: str, tmp_path: Path, capsys: Capture
 ) -> None:
-    assert call(*words, "-o", str(tmp_path / "slide.svg")) == 2
+    assert call(*words, "-o", str(tmp_path / "lever.svg")) == 2
     captured = capsys.readouterr()
     assert captured.out == ""
     assert message in captured.err
@@ -403,9 +403,9 @@ def test_wrong_values_are_told_with_what_is_allowed(
         (("--frame", "nan", "--swing", "60", "--speed", "90"), "'nan' is no number"),
         (("--frame", "150", "--swing", "60", "--speed", "inf"), "'inf' is no number"),
         ((*EXERCISE, "--step", "2", "--printed"), "--step, --printed: allowed with --table"),
-        ((*EXERCISE, "-o", "slide.gif"), "must end in one of"),
-        ((*EXERCISE, "--csv", "a/slide.csv", "-o", "b/slide.png"), "in the same folder"),
-        ((*EXERCISE, "--csv", "slide.png", "-o", "slide.png"), "the same file"),
+        ((*EXERCISE, "-o", "lever.gif"), "must end in one of"),
+        ((*EXERCISE, "--csv", "a/lever.csv", "-o", "b/lever.png"), "in the same folder"),
+        ((*EXERCISE, "--csv", "lever.png", "-o", "lever.png"), "the same file"),
     ],
 )
 def test_wrong_calls_are_told_with_the_usage(
@@ -417,7 +417,7 @@ def test_wrong_calls_are_told_with_the_usage(
         call(*words)
     assert stopped.value.code == 2
     captured = capsys.readouterr()
-    assert "usage: camgeo crank-slide" in captured.err
+    assert "usage: camgeo slotted-lever" in captured.err
     assert message in captured.err
     assert not any(tmp_path.iterdir())
 
@@ -435,7 +435,7 @@ def test_extreme_lengths_and_speeds_give_finite_numbers(capsys: Capture) -> None
 def test_a_speed_without_an_answer_is_refused(speed: float) -> None:
     """1e160 squared, and the time of a turn at 1e-320, are too large for a number."""
     with pytest.raises(GeometryError, match=r"positive number|too large") as refused:
-        DrivenSlide(CrankSlide(75.0, 150.0), speed)
+        DrivenLever(SlottedLever(75.0, 150.0), speed)
     assert refused.value.key == "speed"
 
 
@@ -449,10 +449,10 @@ def test_a_swing_that_cannot_be_is_refused(swing: float) -> None:
 def test_without_a_picture_no_plot_library_is_loaded() -> None:
     code = "import sys; from camgeo.cli.main import main; main(sys.argv[1:]);"
     code += "print([name for name in sys.modules if name.split('.')[0] in ('matplotlib', 'scipy')])"
-    words = [sys.executable, "-c", code, "crank-slide", *EXERCISE]
+    words = [sys.executable, "-c", code, "slotted-lever", *EXERCISE]
     run = subprocess.run(words, capture_output=True, text=True, check=True)
     assert run.stdout.splitlines()[-1] == "[]"
 
 
 def test_it_is_a_command() -> None:
-    assert "crank-slide" in COMMANDS
+    assert "slotted-lever" in COMMANDS

@@ -1,4 +1,4 @@
-"""The exact crank-slide of the suite against the hard cases and the arc tangent."""
+"""The exact slotted lever of the suite against the hard cases and the arc tangent."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 from mpmath import mp, mpf
 
-from camgeo.stability.crank_slides import exact_angle
+from camgeo.stability.slotted_levers import exact_angle
 from tests.reference import hard_case
 
 DIGITS = 60
@@ -19,7 +19,7 @@ def near(found: Any, expected: str) -> bool:
     return bool(abs(found - mpf(expected)) <= PRINTED * max(1, abs(mpf(expected))))
 
 
-def test_hc03_a_slide_that_turns() -> None:
+def test_hc03_a_lever_that_turns() -> None:
     params, expected = hard_case("HC03")
     with mp.workdps(DIGITS):
         beta = mpf(str(params["beta"]))
@@ -42,7 +42,7 @@ def test_hc04_a_tiny_crank() -> None:
 
 
 @pytest.mark.parametrize("beta", ["0.5", "0.999", "1", "1.001", "3"])
-def test_the_angle_has_the_slide_s_direction_and_no_jumps(beta: str) -> None:
+def test_the_angle_has_the_lever_s_direction_and_no_jumps(beta: str) -> None:
     """phi = atan2(R sin theta, a - R cos theta) but for whole turns, at steps of a tenth."""
     with mp.workdps(DIGITS):
         distance = mpf(beta)

@@ -39,7 +39,7 @@ PARALLEL = 1e-9
 
 
 @dataclass(frozen=True)
-class CrankSlider:
+class SliderDrivenCrank:
     """A slider-crank whose slider is the carriage of a translating follower.
 
     Attributes
@@ -296,9 +296,9 @@ class CrankSlider:
             return ()
         return (self.crank * share,) if size == "coupler" else (self.coupler / share,)
 
-    def resized(self, size: Size, length: float) -> CrankSlider:
+    def resized(self, size: Size, length: float) -> SliderDrivenCrank:
         """See `Linkage.resized`."""
-        return CrankSlider(self.inner.resized(size, length))
+        return SliderDrivenCrank(self.inner.resized(size, length))
 
 
 def _rising(height: float, length: float) -> list[float]:

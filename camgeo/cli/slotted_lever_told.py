@@ -1,4 +1,4 @@
-"""What `camgeo crank-slide` tells of a crank-slide, as text and for JSON."""
+"""What `camgeo slotted-lever` tells of a slotted lever, as text and for JSON."""
 
 from __future__ import annotations
 
@@ -7,13 +7,13 @@ from collections.abc import Mapping
 from typing import Any, Final
 
 from camgeo._version import __version__
-from camgeo.mechanism.crank_slide import CrankSlide
-from camgeo.mechanism.crank_slide_drive import (
+from camgeo.mechanism.slotted_lever import SlottedLever
+from camgeo.mechanism.slotted_lever_drive import (
     NAMES,
-    DrivenSlide,
+    DrivenLever,
+    LeverExtreme,
+    LeverTable,
     Quantity,
-    SlideExtreme,
-    SlideTable,
     Stroke,
 )
 from camgeo.units import RPM
@@ -26,8 +26,8 @@ QUANTITIES: Final[Mapping[Quantity, tuple[str, str]]] = {
 """Symbol and unit of each quantity."""
 
 NOTES: Final = """\
-angles are counted as the crank turns: the crank's from where its pin is nearest the slide's axis,
-phi from where the slide points to the crank's axis
+angles are counted as the crank turns: the crank's from where its pin is nearest the lever's axis,
+phi from where the lever points to the crank's axis
 --table prints the values over the crank angle, --table --printed to three decimals""".splitlines()
 
 NAME, NUMBER, WIDE = 18, 14, 20
@@ -36,15 +36,15 @@ NAME, NUMBER, WIDE = 18, 14, 20
 # Text ---------------------------------------------------------------------------------------------
 
 
-def lines(driven: DrivenSlide) -> list[str]:
+def lines(driven: DrivenLever) -> list[str]:
     """What the command prints, a line each: sizes, extremes, strokes; seven digits of a number."""
-    slide = driven.slide
-    frame, crank, ratio = _text(slide.distance), _text(slide.crank), _text(slide.ratio)
+    lever = driven.lever
+    frame, crank, ratio = _text(lever.distance), _text(lever.crank), _text(lever.ratio)
     rpm, speed, turn = _text(driven.speed / RPM), _text(driven.speed), _text(driven.turn_time)
     found = [
-        f"crank-slide: frame a = {frame} mm, crank R = {crank} mm, a/R = {ratio}",
+        f"slotted lever: frame a = {frame} mm, crank R = {crank} mm, a/R = {ratio}",
         f"crank: {rpm} rev/min, omega0 = {speed} rad/s, one turn in {turn} s",
-        f"slide: {_kind(slide)}",
+        f"lever: {_kind(lever)}",
         "",
     ]
     extremes = driven.extremes
@@ -58,12 +58,12 @@ def lines(driven: DrivenSlide) -> list[str]:
     else:
         found.append(f"omega2 is {_text(0.5 * driven.speed)} rad/s everywhere, and eps2 is 0")
         found.append(
-            "at the crank angle 0 the pin lies in the slide's axis: phi is undefined there"
+            "at the crank angle 0 the pin lies in the lever's axis: phi is undefined there"
         )
         found.append("")
     strokes = driven.strokes
     if strokes is None:
-        found.append("strokes: none, and no time ratio, for the slide does not swing")
+        found.append("strokes: none, and no time ratio, for the lever does not swing")
     else:
         names = ("slow stroke", "quick stroke")
         found += [
@@ -71,19 +71,19 @@ def lines(driven: DrivenSlide) -> list[str]:
             f" {_degrees(stroke.end - stroke.start)} deg in {_text(stroke.duration)} s"
             for name, stroke in zip(names, strokes, strict=True)
         ]
-        found.append(f"{'time ratio':{NAME}}{_text(slide.time_ratio)}")
+        found.append(f"{'time ratio':{NAME}}{_text(lever.time_ratio)}")
     return [*found, "", *NOTES]
 
 
-def _kind(slide: CrankSlide) -> str:
-    if slide.swings:
-        return f"swings, by {_degrees(2.0 * slide.largest_angle.value)} deg in all"
-    if slide.crank == slide.distance:
+def _kind(lever: SlottedLever) -> str:
+    if lever.swings:
+        return f"swings, by {_degrees(2.0 * lever.largest_angle.value)} deg in all"
+    if lever.crank == lever.distance:
         return "turns by half a turn with each turn of the crank, for R = a"
     return "turns round with the crank, for R > a, and never stands still"
 
 
-def _row(extreme: SlideExtreme) -> str:
+def _row(extreme: LeverExtreme) -> str:
     symbol, unit = QUANTITIES[extreme.quantity]
     size = "largest" if extreme.largest else "smallest"
     in_degrees = f"{_degrees(extreme.value)} {unit.replace('rad', 'deg')}"
@@ -105,25 +105,25 @@ def _degrees(angle: float) -> str:
 # JSON ---------------------------------------------------------------------------------------------
 
 
-def document(driven: DrivenSlide, table: SlideTable | None, *, printed: bool) -> dict[str, Any]:
+def document(driven: DrivenLever, table: LeverTable | None, *, printed: bool) -> dict[str, Any]:
     """The same for JSON, with all digits, and the columns of a table; angles in degrees.
 
     Values of phi, omega2 and eps2 among the extremes have the unit that stands beside them.
     """
-    slide, strokes = driven.slide, driven.strokes
-    swing = math.degrees(2.0 * slide.largest_angle.value) if slide.swings else None
+    lever, strokes = driven.lever, driven.strokes
+    swing = math.degrees(2.0 * lever.largest_angle.value) if lever.swings else None
     record: dict[str, Any] = {
         "camgeo": __version__,
-        "frame_mm": slide.distance,
-        "crank_mm": slide.crank,
-        "ratio": slide.ratio,
-        "swings": slide.swings,
+        "frame_mm": lever.distance,
+        "crank_mm": lever.crank,
+        "ratio": lever.ratio,
+        "swings": lever.swings,
         "swing_deg": swing,
         "speed_rad_per_s": driven.speed,
         "turn_s": driven.turn_time,
         "extremes": [_record(extreme) for extreme in driven.extremes],
         "strokes": None if strokes is None else [_stroke_record(stroke) for stroke in strokes],
-        "time_ratio": slide.time_ratio if slide.swings else None,
+        "time_ratio": lever.time_ratio if lever.swings else None,
     }
     if table is not None:
         rows = table.values.tolist()
@@ -134,7 +134,7 @@ def document(driven: DrivenSlide, table: SlideTable | None, *, printed: bool) ->
     return record
 
 
-def _record(extreme: SlideExtreme) -> dict[str, Any]:
+def _record(extreme: LeverExtreme) -> dict[str, Any]:
     symbol, unit = QUANTITIES[extreme.quantity]
     return {
         "quantity": symbol,

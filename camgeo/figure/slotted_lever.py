@@ -1,4 +1,4 @@
-"""Diagram of a crank-slide: phi, omega_2 and eps_2 over one turn of the crank, extremes marked.
+"""Diagram of a slotted lever: phi, omega_2 and eps_2 over one turn of the crank, extremes marked.
 
 A panel a quantity, one under the other: in one panel, as the SAM exercise has them, each would need
 a scale of its own.
@@ -14,7 +14,7 @@ from camgeo.figure.layout import grid, heights, limits, round_ticks
 from camgeo.figure.marks import Box, Line, Mark, Rule, Style, Text, over
 from camgeo.figure.model import Axis, Figure, Panel
 from camgeo.figure.style import AUXILIARY, CURVE, SAMPLES, ZERO, turn_axis
-from camgeo.mechanism.crank_slide_drive import DrivenSlide, Quantity, SlideExtreme
+from camgeo.mechanism.slotted_lever_drive import DrivenLever, LeverExtreme, Quantity
 from camgeo.numeric.arrays import FloatArray
 from camgeo.units import RPM, TURN
 
@@ -35,18 +35,18 @@ HEADROOM: Final = 0.18
 """Above and below a curve, as a share of its range: room for the values."""
 
 PANELS: Final[tuple[tuple[Quantity, str, str], ...]] = (
-    ("angle", "slide angle φ", "°"),
+    ("angle", "lever angle φ", "°"),
     ("velocity", "angular velocity ω$_2$", "rad/s"),
     ("acceleration", "angular acceleration ε$_2$", "rad/s²"),
 )
-"""Quantity, its name and its unit, in the order of `DrivenSlide.output`."""
+"""Quantity, its name and its unit, in the order of `DrivenLever.output`."""
 
 EXTREME: Final = Style("black", 0.0, marker="o", size=4.2)
 OPEN: Final = Style("black", 0.0, marker="o", size=4.2, face="white", edge="black")
 STROKE: Final = Style(AUXILIARY, 0.8, (5.0, 2.0))
 
 
-def figure(driven: DrivenSlide) -> Figure:
+def figure(driven: DrivenLever) -> Figure:
     """A panel a quantity, with the extremes as dots and their values beside them."""
     size = WIDTH, HEIGHT
     theta = crank_angles(driven)
@@ -85,24 +85,24 @@ def figure(driven: DrivenSlide) -> Figure:
     return Figure(size, tuple(panels), (title,), aligned=True)
 
 
-def crank_angles(driven: DrivenSlide) -> FloatArray:
+def crank_angles(driven: DrivenLever) -> FloatArray:
     """Crank angles of the curves within one turn [rad], ascending.
 
-    Dense where the pin passes near the slide's axis: there all happens within about the angle at
+    Dense where the pin passes near the lever's axis: there all happens within about the angle at
     which the acceleration is largest, which may be far less than the step elsewhere. For R = a
     without the ends, where phi is undefined.
     """
     even = np.linspace(0.0, TURN, SAMPLES)
     if not driven.extremes:
         return even[1:-1]
-    peak = driven.slide.largest_acceleration.place
+    peak = driven.lever.largest_acceleration.place
     near = peak * np.geomspace(1e-2, 1e3, 401)
     near = near[near < np.pi]
     places = [extreme.crank for extreme in driven.extremes]
     return np.unique(np.concatenate((even, near, TURN - near, places)))
 
 
-def _marked(extreme: SlideExtreme, scale: float, unit: str) -> list[Mark]:
+def _marked(extreme: LeverExtreme, scale: float, unit: str) -> list[Mark]:
     """A dot at the extreme, its value and its crank angle outside the curve."""
     place, value = float(np.degrees(extreme.crank)), scale * extreme.value
     places = [place, 360.0] if place == 0.0 else [place]  # one turn on the same extreme again
@@ -125,10 +125,10 @@ def _marked(extreme: SlideExtreme, scale: float, unit: str) -> list[Mark]:
     ]
 
 
-def _title(driven: DrivenSlide) -> str:
-    slide = driven.slide
-    kind = "swinging" if slide.swings else "R = a" if slide.crank == slide.distance else "turning"
-    lengths = f"a = {slide.distance:.6g} mm, R = {slide.crank:.6g} mm"
+def _title(driven: DrivenLever) -> str:
+    lever = driven.lever
+    kind = "swinging" if lever.swings else "R = a" if lever.crank == lever.distance else "turning"
+    lengths = f"a = {lever.distance:.6g} mm, R = {lever.crank:.6g} mm"
     speed = f"{driven.speed / RPM:.6g} rev/min"
-    ratio = f", time ratio {slide.time_ratio:.4g}" if slide.swings else ""
-    return f"Crank-slide, {kind}: {lengths}, {speed}{ratio}"
+    ratio = f", time ratio {lever.time_ratio:.4g}" if lever.swings else ""
+    return f"Slotted lever, {kind}: {lengths}, {speed}{ratio}"

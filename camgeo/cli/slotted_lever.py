@@ -1,4 +1,4 @@
-"""`camgeo crank-slide`: extremes, value table and diagram of an oscillating crank-slide."""
+"""`camgeo slotted-lever`: extremes, value table and diagram of a crank with a slotted lever."""
 
 from __future__ import annotations
 
@@ -18,18 +18,18 @@ from camgeo.cli.command import (
     require_beside,
     write_told,
 )
-from camgeo.cli.crank_slide_told import document, lines
 from camgeo.cli.plot import add_picture, check_picture, drawn
+from camgeo.cli.slotted_lever_told import document, lines
 from camgeo.errors import GeometryError
-from camgeo.mechanism.crank_slide import CrankSlide
-from camgeo.mechanism.crank_slide_drive import (
+from camgeo.mechanism.slotted_lever import SlottedLever
+from camgeo.mechanism.slotted_lever_drive import (
     FULL_TURN,
     NAMES,
     PRINTED_STEP,
-    DrivenSlide,
-    SlideTable,
+    DrivenLever,
+    LeverTable,
     crank_for_swing,
-    slide_table,
+    lever_table,
 )
 from camgeo.units import RPM
 
@@ -43,21 +43,21 @@ def register(subparsers: Subparsers[argparse.ArgumentParser]) -> None:
     """Add the command."""
     parser = new_parser(
         subparsers,
-        "crank-slide",
-        "tell extremes and time ratio of a crank-slide, its value table, its diagram",
-        "camgeo crank-slide --frame 150 --swing 60 --speed 90 -o crank-slide.png\n"
-        "  camgeo crank-slide --frame 150 --swing 60 --speed 90 --table --printed\n"
-        "  camgeo crank-slide --frame 50 --crank 80 --speed 90 --csv turning.csv --step 0.5",
+        "slotted-lever",
+        "tell extremes and time ratio of a slotted lever, its value table, its diagram",
+        "camgeo slotted-lever --frame 150 --swing 60 --speed 90 -o slotted-lever.png\n"
+        "  camgeo slotted-lever --frame 150 --swing 60 --speed 90 --table --printed\n"
+        "  camgeo slotted-lever --frame 50 --crank 80 --speed 90 --csv turning.csv --step 0.5",
     )
     parser.add_argument(
-        "--frame", metavar="MM", required=True, help="a, distance of the axes of crank and slide"
+        "--frame", metavar="MM", required=True, help="a, distance of the axes of crank and lever"
     )
     size = parser.add_mutually_exclusive_group(required=True)
     size.add_argument(
-        "--swing", metavar="DEG", help="whole swing of the slide; the crank is a sin(swing/2)"
+        "--swing", metavar="DEG", help="whole swing of the lever; the crank is a sin(swing/2)"
     )
     size.add_argument(
-        "--crank", metavar="MM", help="R, radius of the crank; with R > a the slide turns round"
+        "--crank", metavar="MM", help="R, radius of the crank; with R > a the lever turns round"
     )
     parser.add_argument(
         "--speed", metavar="RPM", required=True, help="speed of the crank in rev/min"
@@ -107,7 +107,7 @@ def _check_options(parser: argparse.ArgumentParser, arguments: argparse.Namespac
     require_beside(parser, "--csv", arguments.csv, arguments.output)
 
 
-def _driven(parser: argparse.ArgumentParser, arguments: argparse.Namespace) -> DrivenSlide:
+def _driven(parser: argparse.ArgumentParser, arguments: argparse.Namespace) -> DrivenLever:
     frame = _length(parser, "frame", arguments.frame, "mm")
     if arguments.swing is None:
         crank = _length(parser, "crank", arguments.crank, "mm")
@@ -120,7 +120,7 @@ def _driven(parser: argparse.ArgumentParser, arguments: argparse.Namespace) -> D
                 value=arguments.swing,
             )
     speed = _length(parser, "speed", arguments.speed, "rev/min")
-    return DrivenSlide(CrankSlide(crank, frame), speed * RPM)
+    return DrivenLever(SlottedLever(crank, frame), speed * RPM)
 
 
 def _length(parser: argparse.ArgumentParser, key: str, text: str, unit: str) -> float:
@@ -131,8 +131,8 @@ def _length(parser: argparse.ArgumentParser, key: str, text: str, unit: str) -> 
 
 
 def _table(
-    parser: argparse.ArgumentParser, driven: DrivenSlide, arguments: argparse.Namespace
-) -> SlideTable:
+    parser: argparse.ArgumentParser, driven: DrivenLever, arguments: argparse.Namespace
+) -> LeverTable:
     defaults = (PRINTED_STEP, Decimal(0), FULL_TURN)
     given = [
         default
@@ -140,28 +140,28 @@ def _table(
         else decimal_of(parser, key, getattr(arguments, key))
         for key, default in zip(TABLE_OPTIONS, defaults, strict=True)
     ]
-    return slide_table(driven, *given)
+    return lever_table(driven, *given)
 
 
 # Files --------------------------------------------------------------------------------------------
 
 
-def _write(driven: DrivenSlide, table: SlideTable | None, arguments: argparse.Namespace) -> None:
+def _write(driven: DrivenLever, table: LeverTable | None, arguments: argparse.Namespace) -> None:
     files = []
     if arguments.csv is not None:
         assert table is not None  # made for this file
         data = _csv(table, printed=arguments.printed).encode()
         files.append((Path(arguments.csv), data, f"{len(table.values)} rows"))
     if arguments.output is not None:
-        from camgeo.figure import crank_slide
+        from camgeo.figure import slotted_lever
 
         target = Path(arguments.output)
-        picture = drawn(crank_slide.figure(driven), target.suffix)
+        picture = drawn(slotted_lever.figure(driven), target.suffix)
         files.append((target, picture, "phi, omega2, eps2"))
     write_told(files, force=arguments.force)
 
 
-def _csv(table: SlideTable, *, printed: bool) -> str:
+def _csv(table: LeverTable, *, printed: bool) -> str:
     if printed:
         return "".join(",".join(row) + "\n" for row in (NAMES, *table.printed()))
     from camgeo.files.value_table import Table

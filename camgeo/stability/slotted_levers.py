@@ -1,4 +1,4 @@
-"""Cases of the crank-slide: nearly equal lengths, the pin in the slide's axis, many turns."""
+"""Cases of the slotted lever: nearly equal lengths, the pin in the lever's axis, many turns."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Final
 
 import numpy as np
 
-from camgeo.mechanism.crank_slide import CrankSlide
+from camgeo.mechanism.slotted_lever import SlottedLever
 from camgeo.numeric.arrays import FloatArray
 from camgeo.numeric.extremes import Extreme
 from camgeo.stability.high_precision import Number, multiprecision
@@ -17,24 +17,24 @@ from camgeo.stability.roots import newton
 from camgeo.stability.series import Series, direction, logarithm, variable
 from camgeo.units import TURN
 
-GROUP: Final = "crank-slides"
+GROUP: Final = "slotted-levers"
 
-MOTION: Final = ("slide angle", "slide velocity", "slide acceleration")
+MOTION: Final = ("lever angle", "lever velocity", "lever acceleration")
 
-VELOCITIES: Final = ("extreme slide velocity",)
+VELOCITIES: Final = ("extreme lever velocity",)
 
-ANGLE: Final = ("largest slide angle", "place of largest slide angle")
+ANGLE: Final = ("largest lever angle", "place of largest lever angle")
 
-ACCELERATION: Final = ("largest slide acceleration", "place of largest slide acceleration")
+ACCELERATION: Final = ("largest lever acceleration", "place of largest lever acceleration")
 
 THETAS: Final = (1e-8, 0.3, 1.4, 3.1, 5.0, 6.283, 20.0, -4.0)
 """Crank angles [rad]: next to where the pin is nearest, in the first turn, and in others. The
 others not for a = R: whether half a turn is lost there or a whole one or none, half an ulp of a
 length decides."""
 
-SLIDES: Final = {
+LEVERS: Final = {
     "beta 2.4": (25.0, 60.0),
-    "HC03 turning slide": (10.0, 5.0),
+    "HC03 turning lever": (10.0, 5.0),
     "HC01 a = R": (75.0, 75.0),
     "HC02 beta 1 + 1e-9": (1e9, 1e9 + 1.0),
     "beta 1 - 1e-9": (1e9, 1e9 - 1.0),
@@ -55,22 +55,22 @@ is 1e-16 at least."""
 
 def cases() -> tuple[Case, ...]:
     """All cases of this module."""
-    return tuple(case for name in SLIDES for case in _of_slide(name))
+    return tuple(case for name in LEVERS for case in _of_lever(name))
 
 
-def _of_slide(name: str) -> Iterator[Case]:
-    slide = CrankSlide(*SLIDES[name])
-    lengths = (slide.crank, slide.distance)
+def _of_lever(name: str) -> Iterator[Case]:
+    lever = SlottedLever(*LEVERS[name])
+    lengths = (lever.crank, lever.distance)
 
     def found(theta: FloatArray) -> tuple[FloatArray, ...]:
-        return slide.angle(theta), slide.velocity(theta), slide.acceleration(theta)
+        return lever.angle(theta), lever.velocity(theta), lever.acceleration(theta)
 
     def exact(theta: Number, crank: Number, distance: Number) -> tuple[Number, ...]:
         phi = exact_angle(theta, crank, distance, 3)
         return tuple(phi.derivative(order) for order in range(3))
 
     def velocities(theta: FloatArray) -> tuple[FloatArray, ...]:
-        ends = slide.velocity_extremes
+        ends = lever.velocity_extremes
         near = {each.place: each.value for each in (ends.lowest, ends.highest)}
         return (np.array([near[place] for place in theta]),)
 
@@ -78,18 +78,18 @@ def _of_slide(name: str) -> Iterator[Case]:
         at = multiprecision().pi * (theta > 1)
         return (exact_angle(at, crank, distance, 2).terms[1],)
 
-    equal = slide.distance == slide.crank
+    equal = lever.distance == lever.crank
     thetas = tuple(theta for theta in THETAS if 0.0 < theta < TURN or not equal)
     yield Case(GROUP, name, MOTION, thetas, lengths, found, exact)
     if not equal:
         yield Case(GROUP, name, VELOCITIES, (0.0, math.pi), lengths, velocities, exact_velocity)
-        yield _extreme(name, slide, ACCELERATION, 2, slide.largest_acceleration)
-    if slide.swings:
-        yield _extreme(name, slide, ANGLE, 0, slide.largest_angle)
+        yield _extreme(name, lever, ACCELERATION, 2, lever.largest_acceleration)
+    if lever.swings:
+        yield _extreme(name, lever, ANGLE, 0, lever.largest_angle)
 
 
 def _extreme(
-    name: str, slide: CrankSlide, quantities: tuple[str, ...], order: int, engine: Extreme
+    name: str, lever: SlottedLever, quantities: tuple[str, ...], order: int, engine: Extreme
 ) -> Case:
     """The extreme of a derivative of phi, where the next one is 0."""
 
@@ -105,14 +105,14 @@ def _extreme(
         return exact_angle(theta, crank, distance, order + 1).derivative(order), theta
 
     guess = float(f"{engine.place:.{GUESS}g}")
-    lengths = (slide.crank, slide.distance)
+    lengths = (lever.crank, lever.distance)
     return Case(GROUP, name, quantities, (guess,), lengths, found, exact)
 
 
 def exact_angle(theta: Number, crank: Number, distance: Number, terms: int) -> Series:
-    """phi [rad] by the complex vector from the slide's axis to the pin, over any number of turns.
+    """phi [rad] by the complex vector from the lever's axis to the pin, over any number of turns.
 
-    phi = Im log(a - R exp(-i theta)) in the crank's first turn; with every other one the slide has
+    phi = Im log(a - R exp(-i theta)) in the crank's first turn; with every other one the lever has
     lost what it lost over the first: a turn if a < R, half a turn if a = R.
     """
     mp = multiprecision()
