@@ -153,9 +153,9 @@ def refusal(make: Callable[[], Any]) -> str:
     raise AssertionError("nothing was refused")
 
 
-def fatal(found: Sequence[Finding]) -> list[str]:
+def refused(found: Sequence[Finding]) -> list[str]:
     """The sentences of the findings that forbid a disc."""
-    return [f.sentence for f in found if f.severity in ("fatal", "wrong")]
+    return [f.sentence for f in found if f.severity in ("no-disc", "invalid")]
 
 
 # The slotted lever ------------------------------------------------------------------------------
@@ -289,7 +289,7 @@ def _hc05(params: Values, expected: Values) -> list[Measured]:
 
 def _hc05_words(params: Values) -> list[str]:
     motion = _hc05_motion(params)
-    return [refusal(lambda: motion.jet(angles(90))), *fatal(check_linkage(motion))]
+    return [refusal(lambda: motion.jet(angles(90))), *refused(check_linkage(motion))]
 
 
 def _hc06(params: Values, expected: Values) -> list[Measured]:
@@ -514,7 +514,7 @@ def _hc15_words(params: Values) -> list[str]:
     follower = pitch_curve_of(params).follower
     assert isinstance(follower, TranslatingRoller)
     return [
-        *fatal(check_follower(follower, runs_on_inner=True)),
+        *refused(check_follower(follower, runs_on_inner=True)),
         refusal(lambda: replace(follower, offset=math.nextafter(50.0, 51.0))),
     ]
 
@@ -540,7 +540,7 @@ def _hc17(params: Values, expected: Values) -> list[Measured]:
 
 def _hc17_words(params: Values) -> list[str]:
     curve = pitch_curve_of(params)
-    return fatal(check_follower(curve.follower, runs_on_inner=True))
+    return refused(check_follower(curve.follower, runs_on_inner=True))
 
 
 def _hc18(params: Values, expected: Values) -> list[Measured]:
@@ -559,7 +559,7 @@ def _hc18(params: Values, expected: Values) -> list[Measured]:
 
 def _hc18_words(params: Values) -> list[str]:
     curve, phi = pitch_curve_of(params), angles(params["phi_deg"])
-    return [refusal(lambda: curve.curvature(phi)), *fatal(check_standstill(curve))]
+    return [refusal(lambda: curve.curvature(phi)), *refused(check_standstill(curve))]
 
 
 def _hc19(params: Values, expected: Values) -> list[Measured]:
@@ -622,7 +622,7 @@ def _hc21a(params: Values, expected: Values) -> list[Measured]:
 def _of_undercut(params: Values) -> list[str]:
     """What the check of local undercut says."""
     curve = pitch_curve_of(params)
-    return fatal(check_undercut(inner_of(curve), "inner", curvature_extremes(curve)))
+    return refused(check_undercut(inner_of(curve), "inner", curvature_extremes(curve)))
 
 
 def _cusps(params: Values, expected: Values) -> list[Measured]:
@@ -700,7 +700,7 @@ def _lobe(params: Values, expected: Values) -> list[Measured]:
 
 def _lobe_words(params: Values) -> list[str]:
     curve = pitch_curve_of(params)
-    return fatal(check_outline(real_outline(inner_of(curve)), "inner", [], "fatal"))
+    return refused(check_outline(real_outline(inner_of(curve)), "inner", [], "no-disc"))
 
 
 def _hc23(params: Values, expected: Values) -> list[Measured]:

@@ -72,10 +72,10 @@ def test_findings_come_worst_first(tmp_path: Path) -> None:
     scene = tmp_path / "scene.toml"
     scene.write_text(text, encoding="utf-8")
     severities = [finding.severity for finding in camgeo.load(scene).findings]
-    assert severities[0] == "wrong"
-    order = ["wrong", "fatal", "broken", "warning", "ok"]
+    assert severities[0] == "invalid"
+    order = ["invalid", "no-disc", "broken", "warning", "ok"]
     assert severities == sorted(severities, key=order.index)
-    assert {"wrong", "fatal", "broken", "ok"} <= set(severities)
+    assert {"invalid", "no-disc", "broken", "ok"} <= set(severities)
 
 
 def test_a_check_imports_no_contour_and_no_writer() -> None:

@@ -182,7 +182,7 @@ def test_hc05_dead_centre_at_the_start() -> None:
 
     # "report dead centre": as a finding, and as an error where psi'' has no value.
     (finding,) = (f for f in check_linkage(motion) if f.name == "dead-centre")
-    assert finding.severity == "fatal"
+    assert finding.severity == "no-disc"
     with pytest.raises(GeometryError, match="dead centre"):
         motion.jet(angles(90.0))
 
@@ -397,7 +397,7 @@ def test_hc17_roller_larger_than_the_base_circle() -> None:
     assert 1.0 / inner.curvature(angles(0))[0] == exactly(expected["rho_inner"], rel=REL)
     # "local undercut in the rest itself"
     found = check_undercut(inner, "inner", curvature_extremes(curve))
-    assert all(finding.severity == "fatal" for finding in found)
+    assert all(finding.severity == "no-disc" for finding in found)
     ranges = [finding.cam_range for finding in found]
     assert any(span is not None and span[0] > span[1] for span in ranges), "past cam angle 0"
     # "with r_R = r_G the whole rest maps to the point A_0"
@@ -427,7 +427,7 @@ def test_hc18_real_cusp_of_the_pitch_curve() -> None:
         with pytest.raises(GeometryError, match="stands still"):
             undefined(phi)
     (finding,) = check_standstill(curve)
-    assert finding.severity == "fatal"
+    assert finding.severity == "no-disc"
     assert finding.cam_angle == exactly(phi[0], abs=1e-6)
     assert "rocker lies on the line of centres" in finding.sentence
 
@@ -492,7 +492,7 @@ def test_hc21a_roller_exactly_at_the_limit() -> None:
     assert flank.pace(tip)[0] == exactly(expected["inner_speed"], abs=40.0 * 1e-14)
     # One cusp: neither undercut nor nothing.
     (finding,) = check_undercut(flank, "inner", bends)
-    assert (finding.name, finding.severity) == ("cusp-inner", "fatal")
+    assert (finding.name, finding.severity) == ("cusp-inner", "no-disc")
     assert math.degrees(finding.cam_angle or 0.0) == exactly(float(expected["phi_deg"]), abs=1e-6)
 
 
@@ -503,7 +503,7 @@ def test_hc21b_and_hc21c_cusps_of_a_roller_above_the_limit(case: str, within: fl
     flank = inner_of(curve)
     # "must be reported as undercut although any plotted step may look smooth"
     (finding,) = check_undercut(flank, "inner", curvature_extremes(curve))
-    assert (finding.name, finding.severity) == ("undercut-inner", "fatal")
+    assert (finding.name, finding.severity) == ("undercut-inner", "no-disc")
     assert finding.cam_range is not None
     found = np.array(finding.cam_range)
     first, second = float(expected["cusp1_phi_deg"]), float(expected["cusp2_phi_deg"])
@@ -555,11 +555,11 @@ def crossings_of_the_lobe(case: str) -> None:
         assert math.degrees(crossing.second) == exactly(other, abs=within)
         assert crossing.point == exactly(complex(point), rel=REL)
     # "reject by global test": the neck is cut through where it is left first, and a lobe falls.
-    cut, lobe = check_outline(real_outline(flank), "inner", [], "fatal")
-    assert (cut.name, cut.severity) == ("global-undercut-inner", "fatal")
+    cut, lobe = check_outline(real_outline(flank), "inner", [], "no-disc")
+    assert (cut.name, cut.severity) == ("global-undercut-inner", "no-disc")
     assert cut.cam_range is not None
     assert np.degrees(cut.cam_range) == exactly(np.array(wanted[0][:2]), abs=1e-9)
-    assert (lobe.name, lobe.severity) == ("lobe-inner", "fatal")
+    assert (lobe.name, lobe.severity) == ("lobe-inner", "no-disc")
 
 
 def test_hc22_the_neck_of_a_lobe_is_cut_through() -> None:

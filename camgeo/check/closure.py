@@ -17,10 +17,10 @@ TANGENT_LIMIT = 1e-9
 """Largest angle between the tangents at a joint [rad]."""
 
 
-def check_closure(curve: PitchCurve, severity: Severity = "fatal") -> tuple[Finding, ...]:
+def check_closure(curve: PitchCurve, severity: Severity = "no-disc") -> tuple[Finding, ...]:
     """Closure of the pitch curve and of its tangent.
 
-    `severity` is that of a corner of the pitch curve: "fatal" if no disc is made of it, else
+    `severity` is that of a corner of the pitch curve: "no-disc" if no disc is made of it, else
     "broken".
     """
     join = joints(curve)
@@ -39,7 +39,7 @@ def check_closure(curve: PitchCurve, severity: Severity = "fatal") -> tuple[Find
     if join.turns[at_turn] > TANGENT_LIMIT:
         corner = severity
         turned += ", a shock: the velocity of the follower jumps"
-    closed: Severity = "fatal" if gap > limit else "ok"
+    closed: Severity = "no-disc" if gap > limit else "ok"
     most = math.degrees(TANGENT_LIMIT)
     return (
         Finding("closure", closed, told, gap, limit, "mm", float(join.phi[at_gap])),

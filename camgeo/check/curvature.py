@@ -47,11 +47,11 @@ def check_radius_ratio(
 
 
 def check_undercut(
-    flank: WorkingCurve, name: str, bends: Extremes, severity: Severity = "fatal"
+    flank: WorkingCurve, name: str, bends: Extremes, severity: Severity = "no-disc"
 ) -> tuple[Finding, ...]:
     """Cusps and local undercut of a flank: where 1 + d kappa is zero or negative.
 
-    `severity` is that of undercut: "fatal" if no disc is made of it, else "broken".
+    `severity` is that of undercut: "no-disc" if no disc is made of it, else "broken".
     """
     kappa, phi = _tightest(flank, bends)
     margin = 1.0 + flank.distance * kappa

@@ -14,7 +14,7 @@ ROUNDING = 1e-12
 
 
 def check_convexity(curve: PitchCurve) -> tuple[Finding, ...]:
-    """Findings of a flat follower's cam; with a fatal one among them there is no such cam.
+    """Findings of a flat follower's cam; with "no-disc" among them there is no such cam.
 
     The smallest radius of curvature is told in any case. An outline whose face lies D farther from
     the cam axis throughout is the parallel of this one, and has radii larger by D: so much more
@@ -38,7 +38,7 @@ def _turns_back(found: Convexity) -> Finding:
         f" the cam and {1.0 - turn:.4g} times as fast, and no convex cam makes a flat face do that;"
         " give the move a larger span or a smaller swing"
     )
-    return Finding("convexity", "fatal", sentence, turn, 0.0, cam_angle=phi)
+    return Finding("convexity", "no-disc", sentence, turn, 0.0, cam_angle=phi)
 
 
 def _radius(found: Convexity, sizes: tuple[str, ...]) -> Finding:
@@ -59,7 +59,7 @@ def _radius(found: Convexity, sizes: tuple[str, ...]) -> Finding:
             f"undercut, the radius of curvature falls to {radius:.6g} mm {place}: a flat face"
             f" touches only what is convex; make {keys} larger by more than {-radius:.6g} mm"
         )
-    return Finding("convexity", "fatal", sentence, radius, 0.0, "mm", phi)
+    return Finding("convexity", "no-disc", sentence, radius, 0.0, "mm", phi)
 
 
 def _jump(found: Convexity) -> Finding:
@@ -75,7 +75,7 @@ def _jump(found: Convexity) -> Finding:
         f" {abs(length):.6g} mm along the face, {which}{others}; a flat face needs a motion without"
         " shocks"
     )
-    return Finding("contact-jump", "fatal", sentence, length, 0.0, "mm", phi)
+    return Finding("contact-jump", "no-disc", sentence, length, 0.0, "mm", phi)
 
 
 def _over_axis(found: Convexity) -> Finding:
@@ -84,7 +84,7 @@ def _over_axis(found: Convexity) -> Finding:
         f"the face comes as near as {lowest:.6g} mm to the cam axis at cam angle {degrees(phi)}"
         " deg: the cam does not go round its axis; make follower.base_radius larger"
     )
-    return Finding("face-over-axis", "fatal", sentence, lowest, 0.0, "mm", phi)
+    return Finding("face-over-axis", "no-disc", sentence, lowest, 0.0, "mm", phi)
 
 
 def degrees(angle: float) -> str:

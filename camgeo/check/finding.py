@@ -9,13 +9,16 @@ from typing import Final, Literal
 
 from camgeo.motion.time_course import LiftUnit
 
-Severity = Literal["ok", "warning", "broken", "fatal", "wrong"]
-"""ok: within its limit. warning: worth knowing. broken: beyond its limit, the disc can be made all
-the same. fatal: there is no such disc, and no outline is written. wrong: what the scene describes
-is no cam mechanism; a command treats it as a fault of the scene."""
+Severity = Literal["ok", "warning", "broken", "no-disc", "invalid"]
+"""What a finding means to the designer.
 
-NO_OUTLINE: Final = ("wrong", "fatal")
-"""Severities with which no outline is made."""
+ok: within its limit. warning: worth knowing. broken: beyond its limit, though the disc can be made
+all the same. no-disc: no disc makes this motion, and no outline is written. invalid: what the scene
+describes is no cam mechanism, which a command treats as a fault of the scene.
+"""
+
+NO_OUTLINE: Final = ("invalid", "no-disc")
+"""Severities with which no outline is written."""
 
 
 TOLD: Final[dict[LiftUnit, tuple[float, str]]] = {

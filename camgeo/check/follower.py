@@ -29,7 +29,7 @@ def check_follower(
             " cam axis, and its inner working curve lies on the other side; make"
             " follower.roller_radius smaller or follower.base_radius larger"
         )
-        found.append(Finding("roller-over-axis", "wrong", told, half, base, "mm"))
+        found.append(Finding("roller-over-axis", "invalid", told, half, base, "mm"))
     beside = abs(follower.offset)
     if math.sqrt((base - beside) * (base + beside)) <= LOCKED * base:
         told = (
@@ -37,5 +37,5 @@ def check_follower(
             " the transmission angle is 0 at cam angle 0 and the follower locks; make"
             " follower.offset smaller"
         )
-        found.append(Finding("self-locking", "wrong", told, beside, base, "mm", cam_angle=0.0))
+        found.append(Finding("self-locking", "invalid", told, beside, base, "mm", cam_angle=0.0))
     return tuple(found)

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from camgeo.check.cures.cure import Cure
     from camgeo.curve.working_curve import WorkingCurve
 
-WORST_FIRST: Final = ("wrong", "fatal", "broken", "warning", "ok")
+WORST_FIRST: Final = ("invalid", "no-disc", "broken", "warning", "ok")
 """Order of the findings by their severity."""
 
 UNDERCUT: Final = ("cusp-", "undercut-", "global-undercut-")
@@ -184,9 +184,9 @@ def _of_roller(cam: Cam, limits: Limits, before: list[Finding]) -> list[Finding]
     if stands:
         return [*stands]
     # Of a disc that undercuts: whether it is made all the same.
-    severity: Severity = "broken" if limits.undercut == "trim" else "fatal"
+    severity: Severity = "broken" if limits.undercut == "trim" else "no-disc"
     found = [check_transmission_angle(curve, transmission_angle_limit(cam, limits))]
-    mechanism = not any(finding.severity == "wrong" for finding in (*before, *found))
+    mechanism = not any(finding.severity == "invalid" for finding in (*before, *found))
     radius = cam.follower.roller_radius
     for name, flank in disc.flanks:
         found.append(check_radius_ratio(flank, name, disc.bends, limits.radius_ratio, radius))

@@ -34,7 +34,7 @@ LINES: Final = {
 
 
 def check_linkage(motion: LinkedMotion) -> tuple[Finding, ...]:
-    """Dead centre in the motion (fatal), else how far it keeps from one, and the smallest angle
+    """Dead centre in the motion (no disc), else how far it keeps from one, and the smallest angle
     between coupler and crank; coupler not parallel to the guide (warning).
 
     No limit is set to that angle: force flows from the cam, and what suits the crank need not suit
@@ -42,7 +42,7 @@ def check_linkage(motion: LinkedMotion) -> tuple[Finding, ...]:
     """
     course = course_of(motion.demanded)
     spare = _to_dead_centre(motion, course)
-    if spare.severity == "fatal":
+    if spare.severity == "no-disc":
         return (spare, *_branch(motion.linkage))
     return (spare, _transmission_angle(motion, course), *_branch(motion.linkage))
 
@@ -66,7 +66,7 @@ def _to_dead_centre(motion: LinkedMotion, course: Course) -> Finding:
     # Where the motion starts in one, it cannot keep clear of it.
     kept = [] if 0.0 in clear_range(linkage) else kept_between(linkage)
     sentence += f"; {kept[0]} there is none" if kept else ""
-    return Finding("dead-centre", "fatal", sentence, spare, limit, "mm", phi)
+    return Finding("dead-centre", "no-disc", sentence, spare, limit, "mm", phi)
 
 
 def _transmission_angle(motion: LinkedMotion, course: Course) -> Finding:

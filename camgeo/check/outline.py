@@ -30,7 +30,7 @@ def check_outline(
     Parameters
     ----------
     undercut : ranges of local undercut, which `check_undercut` tells.
-    severity : of a flank that is cut off: "fatal" if no disc is made of it, else "broken".
+    severity : of a flank that is cut off: "no-disc" if no disc is made of it, else "broken".
     kinks : cam angles [rad] at which the velocity jumps, which `check_closure` tells.
     """
     found, crossing = [], f"global-undercut-{name}"
@@ -81,7 +81,7 @@ def check_lost_stroke(replay: Replay, name: str, unit: LiftUnit, severity: Sever
 
 def no_outline(name: str, reason: str) -> Finding:
     """The finding that a flank leaves no disc, or none that can be told."""
-    return Finding(name=f"outline-{name}", severity="fatal", sentence=f"{name} flank: {reason}")
+    return Finding(name=f"outline-{name}", severity="no-disc", sentence=f"{name} flank: {reason}")
 
 
 def _degrees(angle: float) -> str:

@@ -18,7 +18,7 @@ SMALLEST = math.sqrt(STANDSTILL)
 
 
 def check_standstill(curve: PitchCurve) -> tuple[Finding, ...]:
-    """A fatal finding where |Z'| vanishes; nothing where it does not."""
+    """A finding that there is no disc where |Z'| vanishes; nothing where it does not."""
     limit = SMALLEST * curve.follower.base_radius
     if slowest(curve) > limit:
         return ()
@@ -41,4 +41,4 @@ def check_standstill(curve: PitchCurve) -> tuple[Finding, ...]:
         " deg (Z' = 0): the pitch curve has a cusp and no normal; the rocker lies on the line of"
         " centres and l_3 (1 - sigma psi') = l_1"
     )
-    return (Finding("standstill", "fatal", told, speed, limit, "mm/rad", phi),)
+    return (Finding("standstill", "no-disc", told, speed, limit, "mm/rad", phi),)

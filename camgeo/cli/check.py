@@ -70,7 +70,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 def effect_findings(design: Design) -> dict[str, tuple[Finding, ...]]:
     """What each effect finds that the scene calls for; nothing if there is no such mechanism."""
-    if any(finding.severity == "wrong" for finding in design.findings):
+    if any(finding.severity == "invalid" for finding in design.findings):
         return {}
     return {name: design.effects.findings(name) for name in design.scene.effects}
 

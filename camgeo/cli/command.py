@@ -26,8 +26,8 @@ WRONG: Final = 2
 """Exit codes: all limits kept; a limit is broken; the scene or the call is wrong."""
 
 MARKS: Final = {
-    "wrong": "WRONG",
-    "fatal": "FATAL",
+    "invalid": "INVALID",
+    "no-disc": "NO DISC",
     "broken": "BROKEN",
     "warning": "warning",
     "ok": "ok",
@@ -111,9 +111,9 @@ def step_of(
 
 def exit_code(findings: tuple[Finding, ...]) -> int:
     """2 if there is no such mechanism, 1 if a limit is broken or there is no such disc, else 0."""
-    if any(f.severity == "wrong" for f in findings):
+    if any(f.severity == "invalid" for f in findings):
         return WRONG
-    return BROKEN if any(f.severity in ("broken", "fatal") for f in findings) else FINE
+    return BROKEN if any(f.severity in ("broken", "no-disc") for f in findings) else FINE
 
 
 def finding_lines(findings: tuple[Finding, ...]) -> list[str]:

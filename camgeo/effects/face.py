@@ -41,7 +41,7 @@ def require_convex(subject: Subject, what: str) -> None:
     from camgeo.check.face import check_convexity  # few cams have a flat face
 
     for found in check_convexity(subject.cam.disc.pitch_curve):
-        if found.severity == "fatal":
+        if found.severity == "no-disc":
             raise EffectError(
                 f"there is no {what}: {found.sentence}",
                 value=found.value,

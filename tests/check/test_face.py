@@ -53,14 +53,14 @@ def test_the_smallest_base_radius_is_where_it_says() -> None:
     assert (found.name, found.severity, found.limit) == ("convexity", "ok", 0.0)
     assert found.value == pytest.approx(40.0 - least, abs=1e-6)
     short = only(check_convexity(tappet(least - 2.0)))
-    assert short.severity == "fatal"
+    assert short.severity == "no-disc"
     assert "undercut" in short.sentence
     assert "base_radius larger by more than 2 mm" in short.sentence
     assert short.value is not None
     mended = only(check_convexity(tappet(least - 2.0 - short.value * (1.0 + 1e-6))))
     assert mended.severity == "ok"
     cusp = only(check_convexity(tappet(least - 2.0 - short.value)))
-    assert cusp.severity == "fatal"
+    assert cusp.severity == "no-disc"
     assert "cusp" in cusp.sentence
 
 
@@ -68,7 +68,7 @@ def test_a_rocker_is_mended_by_both() -> None:
     plan = plan_of({"phi_H": [30, 60, 80, 120, 70]}, math.radians(12.0))
     follower = OscillatingFlat(complex(-70.0, 50.0), 35.0, 8.0, 1, 1)
     found = only(check_convexity(PitchCurve(plan, follower, -1)))
-    assert found.severity == "fatal"
+    assert found.severity == "no-disc"
     assert found.value is not None
     assert "follower.base_radius and follower.face_offset both" in found.sentence
     more = -found.value + 1e-6
@@ -83,7 +83,7 @@ def test_a_face_that_turns_back() -> None:
     plan = plan_of({"phi_H": [30, 130, 10, 120, 70]}, 1.9)
     follower = OscillatingFlat(-400.0 + 0j, 60.0, 0.0, 1, 1)
     found = only(check_convexity(PitchCurve(plan, follower, -1)))
-    assert found.severity == "fatal"
+    assert found.severity == "no-disc"
     assert "turns back" in found.sentence
     assert found.value == pytest.approx(1.0 - 1.875 * 1.9 / math.radians(120.0), abs=1e-9)
 
@@ -95,7 +95,7 @@ def test_a_shock_makes_the_contact_jump() -> None:
     )
     curve = PitchCurve(plan, TranslatingFlat(60.0), 1)
     found = {finding.name: finding for finding in check_convexity(curve)}["contact-jump"]
-    assert found.severity == "fatal"
+    assert found.severity == "no-disc"
     # From 10/(pi/2) up to 10/pi down, at the top; ahead at both ends of the rest.
     assert found.value == pytest.approx(-30.0 / math.pi)
     assert found.cam_angle == pytest.approx(math.pi)
@@ -109,7 +109,7 @@ def test_whatever_does_not_close_is_a_jump_of_the_contact() -> None:
         moves = (Move(Decimal(90), stroke, law), Move(Decimal(180), 0.0, law))
         curve = PitchCurve(MotionPlan((Dwell(Decimal(90)), *moves)), TranslatingFlat(60.0), 1)
         closure = next(each for each in check_closure(curve) if each.name == "closure")
-        told = {each.name for each in check_convexity(curve) if each.severity == "fatal"}
+        told = {each.name for each in check_convexity(curve) if each.severity == "no-disc"}
         assert closure.severity == "ok" or told == {"contact-jump"}
 
 
@@ -124,7 +124,7 @@ def test_a_face_over_the_cam_axis() -> None:
     curve = PitchCurve(plan, TranslatingFlat(45.0, direction=-1), 1)
     found = {finding.name: finding for finding in check_convexity(curve)}
     assert found["convexity"].value == pytest.approx(20.0)
-    assert found["face-over-axis"].severity == "fatal"
+    assert found["face-over-axis"].severity == "no-disc"
     assert found["face-over-axis"].value == pytest.approx(-5.0)
 
 

@@ -66,7 +66,7 @@ def test_criteria_of_the_reference(name: str) -> None:
         ratio = check_radius_ratio(flank, side, bends, RATIO)
         assert (ratio.severity == "ok") == expected[f"{side}_criterion_3_36"]
         undercut = check_undercut(flank, side, bends)
-        assert any(f.severity == "fatal" for f in undercut) == expected[f"{side}_local_undercut"]
+        assert any(f.severity == "no-disc" for f in undercut) == expected[f"{side}_local_undercut"]
 
 
 @pytest.mark.parametrize("sigma", [-1, 1])
@@ -80,7 +80,7 @@ def test_criteria_of_the_thesis_examples(name: str, sigma: int) -> None:
         ratio = check_radius_ratio(flank, side, bends, RATIO)
         assert (ratio.severity == "ok") == expected[f"criterion_3_36_{side}"]
         (only,) = check_undercut(flank, side, bends)
-        assert (only.severity == "fatal") == expected[f"local_undercut_{side}"]
+        assert (only.severity == "no-disc") == expected[f"local_undercut_{side}"]
 
 
 def test_transmission_angle_against_its_limit() -> None:
@@ -120,7 +120,7 @@ def test_cusp_and_undercut_are_told_apart() -> None:
         curve = pitch_curve_of({**params, "kappa": 1})
         findings = check_undercut(inner_of(curve), "inner", curvature_extremes(curve))
         (found[case],) = findings
-        assert found[case].severity == "fatal"
+        assert found[case].severity == "no-disc"
         if case == "HC21a":
             assert found[case].name == "cusp-inner"
             assert math.degrees(found[case].cam_angle or 0.0) == pytest.approx(
@@ -165,7 +165,7 @@ def test_closure_is_fine_for_smooth_laws() -> None:
 
 def test_shock_is_fatal() -> None:
     finding = named(check_closure(cam("straight-line")), "tangent-closure")
-    assert finding.severity == "fatal"
+    assert finding.severity == "no-disc"
     assert "the velocity of the follower jumps" in finding.sentence
     place = math.degrees(finding.cam_angle or 0.0)
     assert any(place == pytest.approx(joint) for joint in (30.0, 130.0, 170.0, 290.0))
@@ -174,7 +174,7 @@ def test_shock_is_fatal() -> None:
 def test_standstill_is_found_between_the_samples() -> None:
     params, _ = hard_case("HC18")
     (finding,) = check_standstill(pitch_curve_of(params))
-    assert (finding.name, finding.severity) == ("standstill", "fatal")
+    assert (finding.name, finding.severity) == ("standstill", "no-disc")
     assert math.degrees(finding.cam_angle or 0.0) == pytest.approx(params["phi_deg"], abs=1e-4)
     assert check_standstill(cam("polynomial-345")) == ()
 
@@ -193,9 +193,9 @@ def test_default_limits_of_the_sources() -> None:
 def test_what_is_no_mechanism() -> None:
     locked = TranslatingRoller(50.0, 8.0, offset=-50.0)
     (finding,) = check_follower(locked, runs_on_inner=True)
-    assert (finding.name, finding.severity) == ("self-locking", "wrong")
+    assert (finding.name, finding.severity) == ("self-locking", "invalid")
     over = OscillatingRoller(100.0 + 0j, 80.0, 30.0, 30.0)
     (finding,) = check_follower(over, runs_on_inner=True)
-    assert (finding.name, finding.severity) == ("roller-over-axis", "wrong")
+    assert (finding.name, finding.severity) == ("roller-over-axis", "invalid")
     assert check_follower(over, runs_on_inner=False) == (), "inside a ring it may reach over"
     assert check_follower(TranslatingRoller(50.0, 8.0, 49.9), runs_on_inner=True) == ()

@@ -51,7 +51,7 @@ def test_the_ranges_are_where_the_flank_is_not_regular(curve: PitchCurve, share:
 def test_each_range_tells_its_worst_margin(curve: PitchCurve, share: float) -> None:
     flank = flank_at(curve, share)
     found = check_undercut(flank, "inner", curvature_extremes(curve))
-    assert {finding.severity for finding in found} == {"fatal"}
+    assert {finding.severity for finding in found} == {"no-disc"}
     for finding in found:
         assert finding.value is not None
         assert finding.value < 0.0
@@ -67,7 +67,7 @@ def test_each_range_tells_its_worst_margin(curve: PitchCurve, share: float) -> N
 @attack
 @given(curve=pitch_curves(BENT), share=st.floats(0.001, 0.999))
 def test_a_roller_a_millionth_smaller_than_the_limit_fits(curve: PitchCurve, share: float) -> None:
-    """Below the tightest r_K of its sign nothing is found, above it all is fatal."""
+    """Below the tightest r_K of its sign nothing is found; above it there is no disc."""
     bends = curvature_extremes(curve)
     for kappa in (bends.largest()[0], bends.smallest()[0]):
         assume(abs(kappa) > 1e-4)
@@ -77,4 +77,4 @@ def test_a_roller_a_millionth_smaller_than_the_limit_fits(curve: PitchCurve, sha
         (fits,) = check_undercut(WorkingCurve(curve, limit * (1.0 - 1e-6)), "inner", bends)
         assert fits.severity == "ok"
         above = check_undercut(WorkingCurve(curve, limit * (1.0 + 1e-6)), "inner", bends)
-        assert {finding.severity for finding in above} == {"fatal"}
+        assert {finding.severity for finding in above} == {"no-disc"}

@@ -106,7 +106,7 @@ def test_mechanism_that_is_none(
     scene = tmp_path / "scene.toml"
     scene.write_text(spoilt(PLATE, change))
     assert main(["check", str(scene)]) == 2
-    (line,) = [line for line in capsys.readouterr().out.splitlines() if line.startswith("WRONG")]
+    (line,) = [line for line in capsys.readouterr().out.splitlines() if line.startswith("INVALID")]
     assert word in line
     assert message in line
     assert main(["build", str(scene), "-o", str(tmp_path / "out")]) == 2
@@ -118,7 +118,7 @@ def test_undercut_is_told_and_nothing_written(tmp_path: Path, capsys: Capture) -
     scene = tmp_path / "scene.toml"
     scene.write_text(spoilt(PLATE, ("roller_radius = 10", "roller_radius = 48")))
     assert main(["check", str(scene)]) == 1
-    assert "FATAL" in capsys.readouterr().out
+    assert "NO DISC" in capsys.readouterr().out
     assert main(["build", str(scene), "-o", str(tmp_path / "out")]) == 1
     assert "nothing was written" in capsys.readouterr().err
     assert list(tmp_path.iterdir()) == [scene]

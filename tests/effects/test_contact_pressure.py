@@ -16,7 +16,6 @@ from hypothesis import strategies as st
 
 from camgeo.design import Design
 from camgeo.effects.carrier import INNER, OUTER
-from camgeo.effects.contact_pressure.contact import Contact
 from camgeo.effects.contact_pressure.hertz import (
     SHEAR_DEPTH,
     SHEAR_SHARE,
@@ -26,6 +25,7 @@ from camgeo.effects.contact_pressure.hertz import (
     roller_radii,
 )
 from camgeo.effects.contact_pressure.life import EXPONENT, spin
+from camgeo.effects.contact_pressure.line_contact import LineContact
 from camgeo.effects.contact_pressure.result import ContactPressure, compute
 from camgeo.effects.contact_pressure.spec import Body, Spec, contact_modulus, parse
 from camgeo.effects.effect import Request, Results
@@ -77,8 +77,8 @@ def scene(name: str, *changes: tuple[str, str]) -> Design:
     return design(name, "", *changes)
 
 
-def contact_of(subject: Design, force: float = 1.0) -> Contact:
-    return Contact(subject.effects.subject, steady(force).normal, 1.0, 1.0)
+def contact_of(subject: Design, force: float = 1.0) -> LineContact:
+    return LineContact(subject.effects.subject, steady(force).normal, 1.0, 1.0)
 
 
 def value(result: ContactPressure, name: str) -> float:

@@ -52,7 +52,7 @@ class Friction:
 
 
 @dataclass(frozen=True, slots=True)
-class Contact:
+class DefinedForce:
     """A contact force as the effect of this name gives it, by its definition."""
 
     subject: Design
@@ -112,7 +112,7 @@ def damper(subject: Design, viscous: float) -> Force:
 
 
 def drive(
-    subject: Design, contact: Contact, tolerance: float = 1e-9, **table: float
+    subject: Design, contact: DefinedForce, tolerance: float = 1e-9, **table: float
 ) -> DriveTorque:
     given = Results({"contact-force": contact})
     return compute(Request(subject.effects.subject, EFFECT.parse(table), given, tolerance))
@@ -136,7 +136,7 @@ def test_conservative_forces_do_no_work_over_a_turn(scene: str) -> None:
     subject = design(scene, "")
     reach = abs(subject.cam.follower.reach)
     forces = (inertia(subject, 1e-3 * reach**2), spring(subject, 60.0 * reach, 4.0 * reach**2))
-    result = drive(subject, Contact(subject, forces))
+    result = drive(subject, DefinedForce(subject, forces))
     peak = max(abs(value(result, "largest-torque")), abs(value(result, "smallest-torque")))
     assert abs(value(result, "mean-torque")) <= 1e-12 * peak
     assert abs(value(result, "work-per-turn")) <= 1e-12 * TURN * peak
@@ -145,7 +145,7 @@ def test_conservative_forces_do_no_work_over_a_turn(scene: str) -> None:
 def test_a_constant_load_takes_its_peak_where_the_velocity_does() -> None:
     """F s' at its largest: 4 pi / (4 + pi) h / beta for the modified sine (VDI 2143-1, C_v)."""
     subject = design("plate_translating", "")
-    result = drive(subject, Contact(subject, (spring(subject, 300.0, 0.0),)))
+    result = drive(subject, DefinedForce(subject, (spring(subject, 300.0, 0.0),)))
     rise = 4.0 * math.pi / (4.0 + math.pi) * 20.0 / math.radians(100.0)
     found = finding(result, "largest-torque")
     # The extreme is sought by golden section: its value is exact but for rounding.
@@ -157,7 +157,7 @@ def test_a_constant_load_takes_its_peak_where_the_velocity_does() -> None:
 def test_root_mean_square_of_a_constant_load() -> None:
     """The mean square of f' of the polynomial 3-4-5 is 900 B(5, 5) = 10 / 7."""
     subject = design("plate_translating", "", *LAWS)
-    result = drive(subject, Contact(subject, (spring(subject, 300.0, 0.0),)), 1e-12)
+    result = drive(subject, DefinedForce(subject, (spring(subject, 300.0, 0.0),)), 1e-12)
     turns = 1.0 / math.radians(100.0) + 1.0 / math.radians(120.0)
     rms = 300.0 * 20.0 * math.sqrt(10.0 / 7.0 * turns / TURN)
     # The rule is exact for the polynomial; what is left is rounding.
@@ -166,7 +166,7 @@ def test_root_mean_square_of_a_constant_load() -> None:
 
 def test_root_mean_square_with_a_speed_curve_is_over_time() -> None:
     subject = design("points", "")
-    result = drive(subject, Contact(subject, (spring(subject, 60.0, 4.0),)))
+    result = drive(subject, DefinedForce(subject, (spring(subject, 60.0, 4.0),)))
     course = subject.drive.time_course
     assert course is not None
     # Midpoints in time, of 1e5 parts: the error of a periodic C1 integrand is far below 1e-6.
@@ -183,7 +183,7 @@ def test_power_balance_at_every_angle() -> None:
     subject = design("plate_translating", "")
     friction = Friction(subject, 0.1, 0.3)
     forces = (inertia(subject, 2e-3), spring(subject, 60.0, 4.0), damper(subject, 0.5))
-    contact = Contact(subject, forces, friction)
+    contact = DefinedForce(subject, forces, friction)
     result = drive(subject, contact)
     phi = np.linspace(0.0, TURN, 2001)[1:-1]
     velocity = subject.cam.drive.motion.jet(phi)[1]
@@ -207,7 +207,7 @@ def test_power_balance_at_every_angle() -> None:
 
 def test_static_and_dynamic_parts() -> None:
     subject = design("plate_translating", "")
-    contact = Contact(subject, (inertia(subject, 2e-3), spring(subject, 60.0, 4.0)))
+    contact = DefinedForce(subject, (inertia(subject, 2e-3), spring(subject, 60.0, 4.0)))
     result = drive(subject, contact)
     phi = np.linspace(0.0, TURN, 721)
     s, s1, s2 = subject.cam.drive.motion.jet(phi)[:3]
@@ -227,19 +227,19 @@ def test_static_and_dynamic_parts() -> None:
 
 def test_without_speed_there_is_only_the_static_part() -> None:
     subject = design("ring", "")
-    result = drive(subject, Contact(subject, (spring(subject, -60.0, 0.0),)))
+    result = drive(subject, DefinedForce(subject, (spring(subject, -60.0, 0.0),)))
     assert [each.name for each in result.columns] == ["drive torque"]
     names = {each.name for each in result.findings}
     assert "mean-power" not in names
     assert "largest-static-torque" not in names
     with pytest.raises(GeometryError) as caught:
-        drive(subject, Contact(subject, (spring(subject, -60.0, 0.0),)), fluctuation=0.01)
+        drive(subject, DefinedForce(subject, (spring(subject, -60.0, 0.0),)), fluctuation=0.01)
     assert caught.value.key == "effects.drive-torque.fluctuation"
 
 
 def test_the_limit_holds_in_both_directions() -> None:
     subject = design("plate_translating", "")
-    contact = Contact(subject, (spring(subject, 300.0, 0.0),))
+    contact = DefinedForce(subject, (spring(subject, 300.0, 0.0),))
     largest = 1000.0 * value(drive(subject, contact), "largest-torque")
     smallest = 1000.0 * value(drive(subject, contact), "smallest-torque")
     assert largest > -smallest > 0.0
@@ -255,7 +255,9 @@ def test_the_follower_jams_where_friction_takes_all() -> None:
     subject = design("plate_translating", "")
     rise = np.radians(np.linspace(30.0, 130.0, 401))  # on the way down friction helps the cam
     mu = float(np.min(subject.cam.disc.pitch_curve.leverage(rise)))
-    contact = Contact(subject, (spring(subject, 60.0, 4.0),), Friction(subject, mu + 0.02, 0.0))
+    contact = DefinedForce(
+        subject, (spring(subject, 60.0, 4.0),), Friction(subject, mu + 0.02, 0.0)
+    )
     with pytest.raises(EffectError) as caught:
         drive(subject, contact)
     assert caught.value.finding == "jamming"
@@ -266,15 +268,19 @@ def test_the_follower_jams_where_friction_takes_all() -> None:
 
 def test_warnings_of_lost_contact_and_shocks() -> None:
     subject = design("plate_translating", "")
-    result = drive(subject, Contact(subject, (inertia(subject, 2e-3),)))
+    result = drive(subject, DefinedForce(subject, (inertia(subject, 2e-3),)))
     found = finding(result, "torque-without-contact")
     assert found.severity == "warning"
-    held = drive(subject, Contact(subject, (inertia(subject, 2e-3), spring(subject, 90.0, 0.0))))
+    held = drive(
+        subject, DefinedForce(subject, (inertia(subject, 2e-3), spring(subject, 90.0, 0.0)))
+    )
     assert not [each for each in held.findings if each.severity != "ok"]
     jumping = design("straight_moves", "")
-    moved = drive(jumping, Contact(jumping, (inertia(jumping, 2e-3), spring(jumping, 900.0, 0.0))))
+    moved = drive(
+        jumping, DefinedForce(jumping, (inertia(jumping, 2e-3), spring(jumping, 900.0, 0.0)))
+    )
     assert finding(moved, "shock").severity == "broken"
-    light = drive(jumping, Contact(jumping, (spring(jumping, 900.0, 0.0),)))
+    light = drive(jumping, DefinedForce(jumping, (spring(jumping, 900.0, 0.0),)))
     assert "shock" not in {each.name for each in light.findings}
 
 
@@ -314,7 +320,7 @@ def test_flywheel_of_a_published_example() -> None:
 
 def test_the_flywheel_of_a_cam() -> None:
     subject = design("plate_translating", "")
-    contact = Contact(subject, (spring(subject, 300.0, 0.0),))
+    contact = DefinedForce(subject, (spring(subject, 300.0, 0.0),))
     result = drive(subject, contact, fluctuation=0.02)
     # A constant load stores F h on the way up and gives it back.
     assert value(result, "energy-fluctuation") == pytest.approx(6.0, rel=1e-12)
@@ -330,7 +336,7 @@ def test_the_error_is_within_the_tolerance_and_holds(tolerance: float) -> None:
         zero = np.zeros(len(phi))
         return np.stack((-1.0 / (0.01 + np.sin(4.5 * phi) ** 2), zero, zero, zero))
 
-    contact = Contact(subject, (Force("load", coefficients),))
+    contact = DefinedForce(subject, (Force("load", coefficients),))
     result = drive(subject, contact, tolerance)
     best = drive(subject, contact, 1e-13)
     assert result.error is not None
@@ -353,7 +359,7 @@ def test_integrals_that_cannot_be_had_say_so() -> None:
 
 def test_a_cam_without_forces_takes_no_torque() -> None:
     subject = design("plate_translating", "")
-    result = drive(subject, Contact(subject, (spring(subject, 0.0, 0.0),)), fluctuation=0.1)
+    result = drive(subject, DefinedForce(subject, (spring(subject, 0.0, 0.0),)), fluctuation=0.1)
     assert result.error == 0.0
     for name in ("largest-torque", "rms-torque", "mean-torque", "flywheel"):
         assert value(result, name) == 0.0

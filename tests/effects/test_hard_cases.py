@@ -409,7 +409,7 @@ def test_transmission_angle_0() -> None:
     """
     text = changed(scene_text("plate_translating"), ("offset = 12", "offset = 50"))
     design = made(text, every(text, friction=""))
-    assert any(each.severity == "wrong" for each in design.findings)
+    assert any(each.severity == "invalid" for each in design.findings)
     for name in ("contact-force", "lift-off", "drive-torque", "contact-pressure"):
         each = found(design, name, "jamming")
         assert each.severity == "broken"

@@ -39,7 +39,7 @@ WHOLE: Final = whole_schema()
 
 ANGLES: Final = np.linspace(0.0, TURN, 97, endpoint=False)
 
-SEVERITIES: Final = ("ok", "warning", "broken", "fatal", "wrong")
+SEVERITIES: Final = ("ok", "warning", "broken", "no-disc", "invalid")
 
 USUAL: Final[dict[str, tuple[float, float]]] = {
     "mass": (1e-3, 1e2),
@@ -295,7 +295,7 @@ def assert_sound(design: Design) -> dict[str, str]:
 
     A design that is no cam mechanism is left alone, as commands leave it.
     """
-    if any(each.severity == "wrong" for each in design.findings):
+    if any(each.severity == "invalid" for each in design.findings):
         return {}
     failed = {name: fault_of(design, name) for name in design.scene.effects}
     for name in (name for name, fault in failed.items() if not fault):

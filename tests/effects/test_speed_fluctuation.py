@@ -24,7 +24,7 @@ from camgeo.numeric.quadrature import piecewise_integral
 from camgeo.units import RPM, TURN
 from tests.effects.scenes import design
 from tests.effects.test_drive_torque import (
-    Contact,
+    DefinedForce,
     Friction,
     damper,
     drive,
@@ -78,7 +78,7 @@ def plate() -> Design:
 def driven(subject: Design, mass: float = 2e-3, share: float = 0.1) -> Any:
     friction = Friction(subject, share, 0.3) if share else None
     forces = (inertia(subject, mass), spring(subject, 90.0, 4.0), damper(subject, 0.2))
-    return drive(subject, Contact(subject, forces, friction))
+    return drive(subject, DefinedForce(subject, forces, friction))
 
 
 def test_a_constant_load_is_met_on_the_motor_line(plate: Design) -> None:
@@ -114,7 +114,7 @@ def test_energy_is_kept_by_a_weak_motor(plate: Design) -> None:
     """(J + M q'^2) omega^2 / 2 + V = const but for the work of the motor, without friction."""
     mass, moment, stall = 2e-3, 40.0, 1e-2
     forces = (inertia(plate, mass), spring(plate, 90.0, 4.0))
-    result = steady(plate, drive(plate, Contact(plate, forces)), moment, stall, 1e-8)
+    result = steady(plate, drive(plate, DefinedForce(plate, forces)), moment, stall, 1e-8)
     phi = np.linspace(0.0, TURN, 1000)
     q, q1 = plate.cam.drive.motion.jet(phi)[:2]
     omega = result.omega(phi)
@@ -127,7 +127,7 @@ def test_energy_is_kept_by_a_weak_motor(plate: Design) -> None:
 
 def test_a_heavy_flywheel_fluctuates_by_the_stored_energy(plate: Design) -> None:
     """delta = (E_max - E_min) / (J omega^2) as J grows, the next term smaller by delta."""
-    torque = drive(plate, Contact(plate, (spring(plate, 90.0, 4.0),)), fluctuation=0.01)
+    torque = drive(plate, DefinedForce(plate, (spring(plate, 90.0, 4.0),)), fluctuation=0.01)
     energy = 1e3 * value(torque, "energy-fluctuation")
     off = []
     for moment in (1e4, 1e5, 1e6):
@@ -144,7 +144,7 @@ def test_equation_of_motion_and_power_balance(plate: Design, share: float, prelo
     """With the last of these the contact force changes its sign: friction has kinks there."""
     friction = Friction(plate, share, 0.3) if share else None
     forces = (inertia(plate, 2e-3), spring(plate, preload, 4.0), damper(plate, 0.2))
-    torque = drive(plate, Contact(plate, forces, friction))
+    torque = drive(plate, DefinedForce(plate, forces, friction))
     moment, stall = 60.0, 4000.0
     result = steady(plate, torque, moment, stall, 1e-11)
     phi = np.linspace(0.0, TURN, 999)
@@ -279,12 +279,14 @@ def test_the_limit(plate: Design) -> None:
 
 def test_no_steady_state_with_shocks_or_a_follower_that_jams(plate: Design) -> None:
     subject = design("straight_moves", "")
-    torque = drive(subject, Contact(subject, (inertia(subject, 2e-3), spring(subject, 900.0, 0.0))))
+    torque = drive(
+        subject, DefinedForce(subject, (inertia(subject, 2e-3), spring(subject, 900.0, 0.0)))
+    )
     with pytest.raises(EffectError) as caught:
         steady(subject, torque, 50.0, 9000.0)
     assert caught.value.finding == "shock"
     # Without a mass nothing jumps.
-    light = drive(subject, Contact(subject, (spring(subject, 900.0, 0.0),)))
+    light = drive(subject, DefinedForce(subject, (spring(subject, 900.0, 0.0),)))
     assert steady(subject, light, 500.0, 9000.0).mean_speed > 0.0
 
     def rows(phi: FloatArray) -> tuple[FloatArray | float, ...]:
@@ -298,7 +300,7 @@ def test_no_steady_state_with_shocks_or_a_follower_that_jams(plate: Design) -> N
 
 
 def test_a_warning_where_the_roller_would_have_to_be_pulled(plate: Design) -> None:
-    torque = drive(plate, Contact(plate, (inertia(plate, 2e-2), spring(plate, 20.0, 0.0))))
+    torque = drive(plate, DefinedForce(plate, (inertia(plate, 2e-2), spring(plate, 20.0, 0.0))))
     result = steady(plate, torque, 60.0, 4000.0)
     assert finding(result, "speed-without-contact").severity == "warning"
     assert all(each.severity == "ok" for each in steady(plate, driven(plate), 60.0, 4e3).findings)
@@ -356,7 +358,7 @@ def test_forces_with_borders_of_their_own(plate: Design) -> None:
         return np.stack((np.where(past, -90.0, -50.0), zero, zero, zero))
 
     load = Force("load", coefficients, borders=np.array([1.7]))
-    contact = Contact(plate, (load,))
+    contact = DefinedForce(plate, (load,))
     result = steady(plate, drive(plate, contact), 60.0, 4000.0, 1e-12)
     mesh = result.turn.mesh
     assert 1.7 in mesh.low

@@ -58,7 +58,7 @@ def test_check_tells_every_effect(scene: Path, subject: Design, capsys: Capture)
     code = main(["check", str(scene)])
     text = capsys.readouterr().out
     bad = any(
-        each.severity in ("broken", "fatal")
+        each.severity in ("broken", "no-disc")
         for each in (*subject.findings, *subject.effect_findings)
     )
     assert code == (1 if bad else 0)

@@ -149,7 +149,7 @@ def test_certificate(built: Built) -> None:
     assert {record["format"] for record in certificate["files"]} == {
         "dxf", "gcode", "stl", "3mf", "csv", "svg", "png",
     }  # fmt: skip
-    bad = {f["name"] for f in certificate["findings"] if f["severity"] in ("broken", "fatal")}
+    bad = {f["name"] for f in certificate["findings"] if f["severity"] in ("broken", "no-disc")}
     assert bad == BROKEN.get(built.design.name, set())
 
 

@@ -187,23 +187,23 @@ def test_a_crossing_by_points_is_seen() -> None:
     assert changed([case], name, "crossing, first cam angle", worse)[1] > LIMIT
 
 
-def test_a_slide_by_the_ratio_of_its_lengths_is_seen() -> None:
+def test_a_lever_by_the_ratio_of_its_lengths_is_seen() -> None:
     """Equation (2) of the exercise as printed, at theta = 1e-7.
 
     Its denominator of 1e-14 is a difference of terms of 1, known to 1e-16: a hundredth. Half an ulp
     of the lengths changes their difference, a share of 1e-9 of them, by 1e-7 of it.
     """
     name = "HC02 beta 1 + 1e-9"
-    crank, distance = slotted_levers.SLIDES[name]
+    crank, distance = slotted_levers.LEVERS[name]
     beta = distance / crank
 
     def printed(theta: FloatArray) -> tuple[FloatArray]:
         cosine = np.cos(theta)
         return ((beta * cosine - 1.0) / (1.0 + beta**2 - 2.0 * beta * cosine),)
 
-    case = next(c for c in CASES if c.name == name and "slide velocity" in c.quantities)
+    case = next(c for c in CASES if c.name == name and "lever velocity" in c.quantities)
     near = replace(case, places=(1e-7,))
-    good, poor = changed([near], name, "slide velocity", printed)
+    good, poor = changed([near], name, "lever velocity", printed)
     assert good <= LIMIT
     assert poor > 10.0 * LIMIT
 

@@ -57,8 +57,8 @@ def roller_radii(needed: float, curvature: float) -> tuple[float, float] | None:
     -------
     The last is infinite where the path is straight or concave; None if no radius will do.
 
-    R = r (1 - r kappa) for the roller radius r, see `camgeo.effects.contact_pressure.contact`: on
-    a convex path it has a largest value, 1/(4 kappa), at half the radius of curvature. A root of
+    R = r (1 - r kappa) for the roller radius r, see `camgeo.effects.contact_pressure.line_contact`:
+    on a convex path it has a largest value, 1/(4 kappa), at half the radius of curvature. A root of
     the quadratic equation is taken as the other one's partner where it would cancel.
     """
     rest = 1.0 - 4.0 * needed * curvature

@@ -22,7 +22,7 @@ from typing import Final
 
 import numpy as np
 
-from camgeo.effects.contact_pressure.contact import Contact
+from camgeo.effects.contact_pressure.line_contact import LineContact
 from camgeo.errors import EffectError
 from camgeo.motion.motion import Side
 from camgeo.motion.time_course import TimeCourse
@@ -56,7 +56,7 @@ class Life:
     error: float
 
 
-def spin(contact: Contact, phi: FloatArray, side: Side, sense: FloatArray) -> FloatArray:
+def spin(contact: LineContact, phi: FloatArray, side: Side, sense: FloatArray) -> FloatArray:
     """(n,) nu, turns of the roller on its pin per turn of the cam, positive if it rolls forward.
 
     `sense` (n,) is s, the flank on which it rolls.
@@ -68,7 +68,7 @@ def spin(contact: Contact, phi: FloatArray, side: Side, sense: FloatArray) -> Fl
 
 
 def rolling_life(
-    contact: Contact, edges: FloatArray, course: TimeCourse, rating: float, tolerance: float
+    contact: LineContact, edges: FloatArray, course: TimeCourse, rating: float, tolerance: float
 ) -> Life:
     """The life for the dynamic load rating `rating` [N], to the relative `tolerance`.
 

@@ -14,10 +14,10 @@ from typing import Final
 import numpy as np
 
 from camgeo.effects.carrier import FLANKS
-from camgeo.effects.contact_pressure.contact import Contact, Normal
 from camgeo.effects.contact_pressure.findings import Worst, life_findings, pressure_findings
 from camgeo.effects.contact_pressure.hertz import SHEAR_SHARE
 from camgeo.effects.contact_pressure.life import Life, rolling_life
+from camgeo.effects.contact_pressure.line_contact import LineContact, Normal
 from camgeo.effects.contact_pressure.spec import Spec
 from camgeo.effects.effect import SPEED, Column, Request, Result, Subject
 from camgeo.effects.results import CONTACT_FORCE
@@ -45,7 +45,7 @@ class ContactPressure(Result):
     returning : the same of the return disc of a conjugate pair; None if there is none.
     """
 
-    contact: Contact
+    contact: LineContact
     largest: Extreme
     life: Life | None
     returning: ContactPressure | None = None
@@ -103,7 +103,7 @@ def _of_disc(
             key="follower.roller_radius",
             value="0",
         )
-    contact = Contact(subject, normal, spec.modulus, _width(subject, spec))
+    contact = LineContact(subject, normal, spec.modulus, _width(subject, spec))
     edges = merged(np.concatenate((subject.cam.drive.smooth_angles, edges)))
     contact.refuse_cusps(edges)
     highest = piecewise_extremes(contact.square, edges).highest
@@ -177,7 +177,7 @@ def _width(subject: Subject, spec: Spec) -> float:
     return spec.width
 
 
-def _worst(contact: Contact, angle: float, square: float) -> Worst:
+def _worst(contact: LineContact, angle: float, square: float) -> Worst:
     """The contact at the cam angle `angle` [rad], from the side on which p^2 is `square`."""
     phi = np.array([angle])
     sides: tuple[Side, ...] = ("right", "left")

@@ -44,7 +44,7 @@ Normal = Callable[[FloatArray, Side], FloatArray]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Contact:
+class LineContact:
     """The line contact.
 
     Attributes
