@@ -34,8 +34,7 @@ from camgeo.design import Design
 from camgeo.effects.vibration.output import Clock, clock_of
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray
-from camgeo.numeric.oscillator.forcing import Base
-from camgeo.numeric.oscillator.steady import Response, steady_state
+from camgeo.numeric.oscillator.steady import Base, Response, steady_state
 from camgeo.numeric.oscillator.train import one_mass
 from camgeo.scene.load import load_scene
 from camgeo.units import TURN

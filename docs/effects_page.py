@@ -36,9 +36,10 @@ from camgeo.effects.registry import EFFECTS, find_effect
 from camgeo.effects.shock_spectrum.measures import QUIET, measured
 from camgeo.effects.vibration.findings import AMPLIFICATION, SETTLED
 from camgeo.motion.laws import FAMILIES, make_law
+from camgeo.motion.laws.law import Law
 from camgeo.numeric.arrays import FloatArray
-from camgeo.numeric.oscillator.spectrum import Shock, shock_of
-from camgeo.numeric.peaks import Side, piecewise_extremes
+from camgeo.numeric.extremes import Side, piecewise_extremes
+from camgeo.numeric.oscillator.spectrum import Shock, shock
 from camgeo.scene.load import load_scene
 
 if TYPE_CHECKING:  # pages are made without pictures too
@@ -237,10 +238,10 @@ def _residuals(_name: str) -> str:
     """The largest residual from chosen ratios on, for each law from rest to rest."""
     heads = ["law", *(f"from {ratio:g} on" for ratio in RATIOS), f"below {NUMBERS['quiet']} % from"]
     rows = []
-    for names, shock in shocks():
-        assert shock.bound(QUIET_END) < QUIET
-        quiet = measured(shock, 0.0, QUIET_END)[1]
-        largest = [f"{100.0 * share:.3g}" for share in largest_residuals(shock)]
+    for names, move in shocks():
+        assert move.bound(QUIET_END) < QUIET
+        quiet = measured(move, 0.0, QUIET_END)[1]
+        largest = [f"{100.0 * share:.3g}" for share in largest_residuals(move)]
         rows.append([names, *largest, f"{quiet:.3f}"])
     return _table(heads, rows)
 
@@ -253,22 +254,30 @@ def shocks() -> tuple[tuple[str, Shock], ...]:
     for name, family in FAMILIES.items():
         if "R-R" not in family.parameters:
             continue
-        shock = shock_of(make_law(name, "R-R"))
-        values = shock.residual(ratios)
+        move = _move_by(make_law(name, "R-R"))
+        values = move.residual(ratios)
         for names, _, others in found:
             if np.allclose(values, others, rtol=0.0, atol=1e-9):
                 names.append(name)
                 break
         else:
-            found.append(([name], shock, values))
-    return tuple((", ".join(names), shock) for names, shock, _ in found)
+            found.append(([name], move, values))
+    return tuple((", ".join(names), move) for names, move, _ in found)
 
 
-def largest_residuals(shock: Shock) -> list[float]:
+def _move_by(law: Law) -> Shock:
+    """The move from rest to rest by `law`; velocities at its ends are shocks."""
+    edges = np.array([0.0, *law.borders, 1.0])
+    jumps = np.zeros(len(edges))
+    jumps[0], jumps[-1] = law.start.velocity, -law.end.velocity
+    return shock(lambda z: law(z)[0], lambda z: law(z)[2], edges, jumps)
+
+
+def largest_residuals(move: Shock) -> list[float]:
     """The largest residual from each of `RATIOS` up to `FARTHEST`, as shares of the stroke."""
 
     def residual(ratios: FloatArray, _side: Side) -> FloatArray:
-        return shock.residual(ratios)
+        return move.residual(ratios)
 
     largest, found = 0.0, []
     for low, high in reversed([*pairwise((*RATIOS, FARTHEST))]):
@@ -417,8 +426,8 @@ def drawn_spectrum() -> Figure:
 
     ratios = np.linspace(0.02, 8.0, 1597)
     marks = []
-    for (names, shock), (colour, dashes) in zip(shocks(), CURVES, strict=True):
-        shares = np.maximum(100.0 * shock.residual(ratios), 1e-6)
+    for (names, move), (colour, dashes) in zip(shocks(), CURVES, strict=True):
+        shares = np.maximum(100.0 * move.residual(ratios), 1e-6)
         marks.append(Line(over(ratios, shares), Style(colour, 1.1, dashes), names))
     panel = Panel(
         (0.11, 0.12, 0.97, 0.92),

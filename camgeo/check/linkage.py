@@ -96,7 +96,7 @@ def _smallest_sine(motion: LinkedMotion, course: Course) -> tuple[float, float]:
         least = int(np.argmin(sines))
         return float(sines[least]), course.first_angle(float(positions[least]))
 
-    from camgeo.numeric.peaks import grid_of, piecewise_extremes
+    from camgeo.numeric.extremes import grid_of, piecewise_extremes
     from camgeo.numeric.roots import roots_on_grid
 
     def sine(phi: FloatArray, side: Side) -> FloatArray:

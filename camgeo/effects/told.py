@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final
 from camgeo.check.finding import Finding
 from camgeo.effects.carrier import holds_both_ways
 from camgeo.effects.effect import toucher
-from camgeo.numeric.peaks import piecewise_extremes
+from camgeo.numeric.extremes import piecewise_extremes
 from camgeo.units import TURN
 
 if TYPE_CHECKING:

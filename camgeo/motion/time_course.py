@@ -19,8 +19,7 @@ from camgeo.motion.motion import Jet, Motion, Side
 from camgeo.motion.plan import Course, MotionPlan, Move
 from camgeo.numeric import checked
 from camgeo.numeric.arrays import FloatArray, ascending
-from camgeo.numeric.extremes import Extremes, extremes_of
-from camgeo.numeric.peaks import grid_of, peaks
+from camgeo.numeric.extremes import Extremes, extremes_of, grid_of, peaks
 from camgeo.numeric.roots import bracketed_roots, sign_changes
 from camgeo.pickled import Pickled
 from camgeo.units import TURN

@@ -1,12 +1,16 @@
-"""Largest and smallest values of a quantity, with where they are."""
+"""Largest and smallest values over smooth pieces, and the stretches about them."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Final, Literal
 
 import numpy as np
 
-from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.arrays import BoolArray, FloatArray, merged
+from camgeo.numeric.roots import roots_on_grid
+from camgeo.units import TURN
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,3 +45,159 @@ def extremes_of(x: FloatArray, values: FloatArray) -> Extremes:
     return Extremes(
         Extreme(float(values[low]), float(x[low])), Extreme(float(values[high]), float(x[high]))
     )
+
+
+Side = Literal["right", "left"]
+
+SAMPLES: Final = 33
+"""Grid points per piece on which turning points are looked for. A smooth piece of a cam's motion
+has a few."""
+
+FEWEST_SAMPLES: Final = 5
+MOST_POINTS: Final = 1_000_000
+"""Of the whole grid: a curve with very many pieces has short ones, and gets fewer points each."""
+
+INSET: Final = 1e-7
+"""Share of a piece by which its grid keeps off its ends, where the values have two sides."""
+
+ROUNDING: Final = 8.0 * 2.0**-52
+"""Values that differ by this share of the largest magnitude are the same, rounded differently."""
+
+SECTIONS: Final = 16
+STEPS: Final = 10
+"""A bracket is cut into sections, and the two about the highest cut are the next one. Ten times are
+enough for 1e-9 of its length; the value is then the extreme but for rounding. Golden section asks
+for a quarter of the values, but one by one, and what a call costs does not depend on so few."""
+
+
+def grid_of(edges: FloatArray) -> FloatArray:
+    """(m, k) grid points, a row for each piece between two neighbours of `edges` (m + 1,)."""
+    pieces = len(edges) - 1
+    samples = int(np.clip(MOST_POINTS // max(pieces, 1), FEWEST_SAMPLES, SAMPLES))
+    share = np.linspace(0.0, 1.0, samples)
+    share[0], share[-1] = INSET, 1.0 - INSET
+    grid: FloatArray = edges[:-1, np.newaxis] + np.diff(edges)[:, np.newaxis] * share
+    return grid
+
+
+def piecewise_extremes(
+    function: Callable[[FloatArray, Side], FloatArray], edges: FloatArray
+) -> Extremes:
+    """Smallest and largest value of `function` from the first of `edges` to the last.
+
+    Parameters
+    ----------
+    function : (n,), side -> (n,); smooth between neighbouring edges, where it may jump.
+    edges : (m + 1,) ascending, m >= 1.
+
+    At the edges both one-sided values count. Inside, turning points of a grid are followed to
+    the value but for rounding; two of them that lie within a thirty-second of a
+    piece can be missed. Where an edge has the extreme value but for rounding, it is the place: near
+    a flat top many arguments have that value.
+    """
+    inside = grid_of(edges)
+    flat = function(inside.ravel(), "right")
+    turning = peaks(lambda x: function(x, "right"), inside, flat.reshape(inside.shape))
+    places = np.concatenate((edges[:-1], edges[1:]))
+    at_edges = np.concatenate((function(edges[:-1], "right"), function(edges[1:], "left")))
+    found = extremes_of(
+        np.concatenate((places, inside.ravel(), turning)),
+        np.concatenate((at_edges, flat, function(turning, "right"))),
+    )
+    rounding = ROUNDING * found.magnitude
+
+    def placed(extreme: Extreme) -> Extreme:
+        same = np.abs(at_edges - extreme.value) <= rounding
+        if not np.any(same):
+            return extreme
+        place = float(np.min(places[same]))
+        return Extreme(float(at_edges[same & (places == place)][0]), place)
+
+    return Extremes(placed(found.lowest), placed(found.highest))
+
+
+def peaks(
+    function: Callable[[FloatArray], FloatArray], grid: FloatArray, values: FloatArray
+) -> FloatArray:
+    """Places of the extremes that the turning points of `values` along the rows of `grid` show."""
+    padded = np.concatenate((grid[:, :1], grid, grid[:, -1:]), axis=1)
+    moving = np.ptp(values, axis=1, keepdims=True) > 0.0
+    found = []
+    for sign in (1.0, -1.0):
+        heights = sign * values
+        inner = np.pad(heights, ((0, 0), (1, 1)), constant_values=-np.inf)
+        top = (heights >= inner[:, :-2]) & (heights >= inner[:, 2:])
+        top &= (heights > inner[:, :-2]) | (heights > inner[:, 2:])
+        # A parabola through three points rises above the middle one by an eighth of the larger
+        # difference at most; what cannot get to the largest value even with all of it is left.
+        falls = np.abs(np.diff(heights, axis=1, prepend=heights[:, :1], append=heights[:, -1:]))
+        top &= heights + np.maximum(falls[:, :-1], falls[:, 1:]) >= np.max(heights)
+        top &= moving
+        found.append(_sections(function, sign, padded[:, :-2][top], padded[:, 2:][top]))
+    return np.concatenate(found)
+
+
+def _sections(
+    function: Callable[[FloatArray], FloatArray], sign: float, low: FloatArray, high: FloatArray
+) -> FloatArray:
+    """Place of the largest sign * function in each bracket [low, high], which has one top."""
+    if not len(low):
+        return low
+    share = np.arange(1.0, SECTIONS) / SECTIONS
+    each = np.arange(len(low))
+    best = low
+    for _ in range(STEPS):
+        grid = low[:, np.newaxis] + (high - low)[:, np.newaxis] * share
+        heights = sign * function(grid.ravel()).reshape(grid.shape)
+        best = grid[each, np.argmax(heights, axis=1)]
+        width = (high - low) / SECTIONS
+        low, high = best - width, best + width
+    return best
+
+
+def stretch_below(
+    function: Callable[[FloatArray], FloatArray], edges: FloatArray, place: float
+) -> tuple[float, float] | None:
+    """From, to [rad] of the stretch around `place` in which `function` is negative.
+
+    Parameters
+    ----------
+    function : (n,) -> (n,), smooth between neighbouring edges.
+    edges : (k,) angles from 0 to 2 pi, both included, ascending.
+    place : where it is lowest [rad].
+
+    Returns
+    -------
+    As of `stretch_around`; None if it is negative at `place` alone, if anywhere. A root nearer to
+    an edge than `INSET` of a piece is taken to be at the edge.
+    """
+    cuts = merged(np.concatenate((edges, [place])))
+    cuts = merged(np.concatenate((cuts, roots_on_grid(function, grid_of(cuts)))))
+    return stretch_around(cuts, function(0.5 * (cuts[:-1] + cuts[1:])) < 0.0, place)
+
+
+def stretch_around(cuts: FloatArray, inside: BoolArray, place: float) -> tuple[float, float] | None:
+    """From, to [rad] of the stretch around `place` of which all is inside.
+
+    Parameters
+    ----------
+    cuts : (n + 1,) angles from 0 to 2 pi, both included, ascending; `place` is one of them.
+    inside : (n,) which of the pieces between two cuts belong to it.
+
+    Returns
+    -------
+    (0, 2 pi) for all of the turn; else the end lies in [0, 2 pi), below the start if the stretch
+    passes the end of the turn. None if no piece beside `place` is inside.
+    """
+    if np.all(inside):
+        return 0.0, TURN
+    pieces = len(inside)
+    after = int(np.searchsorted(cuts, place)) % pieces
+    if not (inside[after] or inside[after - 1]):
+        return None
+    first = last = after if inside[after] else (after - 1) % pieces
+    while inside[first - 1]:
+        first -= 1
+    while inside[(last + 1) % pieces]:
+        last += 1
+    return float(cuts[first % pieces]), float(cuts[last % pieces + 1]) % TURN

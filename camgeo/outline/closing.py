@@ -12,8 +12,7 @@ import numpy as np
 from camgeo.errors import GeometryError
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray, ascending
-from camgeo.numeric.extremes import Extremes
-from camgeo.numeric.peaks import piecewise_extremes
+from camgeo.numeric.extremes import Extremes, piecewise_extremes
 from camgeo.outline.replay_result import Replay
 from camgeo.units import TURN
 

@@ -19,7 +19,7 @@ from camgeo.effects.results import DriveTorque
 from camgeo.errors import EffectError, GeometryError
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray, merged
-from camgeo.numeric.peaks import grid_of
+from camgeo.numeric.extremes import grid_of
 from camgeo.numeric.quadrature import piecewise_integrals
 from camgeo.numeric.roots import roots_on_grid
 from camgeo.units import RPM, TURN

@@ -23,7 +23,7 @@ from camgeo.mechanism.slider_crank import SliderCrank
 from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import ComplexArray, FloatArray
-from camgeo.numeric.peaks import grid_of
+from camgeo.numeric.extremes import grid_of
 from camgeo.units import TURN
 from tests.effects.scenes import assert_refused, design
 

@@ -20,7 +20,7 @@ from camgeo.errors import EffectError, SceneError
 from camgeo.motion.motion import Side
 from camgeo.motion.time_course import in_time
 from camgeo.numeric.arrays import FloatArray
-from camgeo.numeric.peaks import piecewise_extremes
+from camgeo.numeric.extremes import piecewise_extremes
 from camgeo.scene.load import parse_scene
 from camgeo.units import TURN
 from tests.effects.scenes import SCENES, only_for

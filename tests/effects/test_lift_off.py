@@ -14,7 +14,7 @@ from camgeo.effects.lift_off.result import LiftOff
 from camgeo.errors import EffectError, GeometryError
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray
-from camgeo.numeric.peaks import piecewise_extremes
+from camgeo.numeric.extremes import piecewise_extremes
 from camgeo.scene.load import parse_scene
 from camgeo.units import RPM, TURN
 from tests.effects.scenes import design

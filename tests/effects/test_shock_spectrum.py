@@ -10,9 +10,9 @@ import pytest
 from camgeo.effects.shock_spectrum.measures import QUIET, measured
 from camgeo.effects.shock_spectrum.result import ShockSpectrum
 from camgeo.motion.laws import make_law
-from camgeo.numeric.oscillator.spectrum import shock_of, shock_spectrum
 from tests.effects.scenes import design
 from tests.laws import LAWS
+from tests.numeric.shocks import shock_of, shock_spectrum
 
 RATIOS = np.array([1e-6, 0.1, 0.3, 1.0, 1.7, 3.9, 12.2, 80.1])
 

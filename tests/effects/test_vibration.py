@@ -18,9 +18,9 @@ from camgeo.errors import EffectError, GeometryError, SceneError
 from camgeo.motion.laws import make_law
 from camgeo.motion.time_course import in_time
 from camgeo.numeric.arrays import FloatArray
-from camgeo.numeric.oscillator.spectrum import shock_spectrum
 from camgeo.units import TURN
 from tests.effects.scenes import assert_refused, design
+from tests.numeric.shocks import shock_spectrum
 
 PHI = np.linspace(0.0, TURN, 721)[:-1]
 

@@ -13,13 +13,11 @@ from camgeo.motion.laws import make_law
 from camgeo.motion.plan import Dwell, MotionPlan, Move
 from camgeo.motion.time_course import ConstantSpeed, in_time
 from camgeo.numeric.arrays import FloatArray
-from camgeo.numeric.oscillator import forcing
-from camgeo.numeric.oscillator.forcing import Base
-from camgeo.numeric.oscillator.mode import gain_over, solve
-from camgeo.numeric.oscillator.pieces import Pieces, interpolated, series_values
-from camgeo.numeric.oscillator.steady import ResonanceError, Response, steady_state
+from camgeo.numeric.extremes import Side
+from camgeo.numeric.oscillator import steady
+from camgeo.numeric.oscillator.mode import Pieces, gain_over, interpolated, series_values, solve
+from camgeo.numeric.oscillator.steady import Base, ResonanceError, Response, steady_state
 from camgeo.numeric.oscillator.train import Second, Train, one_mass, two_masses
-from camgeo.numeric.peaks import Side
 from camgeo.numeric.quadrature import piecewise_integral
 from camgeo.units import TURN
 from tests.strategies import attack
@@ -222,7 +220,7 @@ def test_lift_and_acceleration_as_forcing_give_the_same(
         train = one_mass(TURN * ratio, 0.1)
         found = []
         for border in (math.inf, 0.0):
-            monkeypatch.setattr(forcing, "SOFT", border)
+            monkeypatch.setattr(steady, "SOFT", border)
             response = steady_state(train, base, 0.0)
             assert response.forcing.soft == (border > 0.0)
             found.append(

@@ -9,8 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from camgeo.motion.laws import FAMILIES, make_law
-from camgeo.numeric.oscillator.spectrum import shock_of, shock_spectrum
 from tests.laws import LAWS
+from tests.numeric.shocks import shock_of, shock_spectrum
 from tests.strategies import attack
 
 RATIOS = np.array(

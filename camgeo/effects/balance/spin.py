@@ -10,7 +10,7 @@ from camgeo.effects.effect import Column
 from camgeo.motion.motion import Side
 from camgeo.motion.time_course import TimeCourse
 from camgeo.numeric.arrays import ComplexArray, FloatArray, merged
-from camgeo.numeric.peaks import piecewise_extremes
+from camgeo.numeric.extremes import piecewise_extremes
 
 
 @dataclass(frozen=True, slots=True)

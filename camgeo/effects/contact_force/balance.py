@@ -29,8 +29,7 @@ from camgeo.effects.results import Friction
 from camgeo.errors import EffectError, GeometryError
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray, merged
-from camgeo.numeric.peaks import grid_of, piecewise_extremes
-from camgeo.numeric.ranges import stretch_below
+from camgeo.numeric.extremes import grid_of, piecewise_extremes, stretch_below
 from camgeo.numeric.roots import Function, roots_on_grid
 from camgeo.units import TURN
 

@@ -16,8 +16,7 @@ from camgeo.effects.shocks import shocks
 from camgeo.effects.told import at, placed
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray
-from camgeo.numeric.extremes import Extreme, Extremes
-from camgeo.numeric.peaks import piecewise_extremes
+from camgeo.numeric.extremes import Extreme, Extremes, piecewise_extremes
 from camgeo.units import TURN
 
 

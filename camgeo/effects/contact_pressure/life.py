@@ -27,7 +27,7 @@ from camgeo.errors import EffectError
 from camgeo.motion.motion import Side
 from camgeo.motion.time_course import TimeCourse
 from camgeo.numeric.arrays import FloatArray, merged
-from camgeo.numeric.peaks import grid_of
+from camgeo.numeric.extremes import grid_of
 from camgeo.numeric.quadrature import piecewise_integral
 from camgeo.numeric.roots import roots_on_grid
 from camgeo.units import TURN

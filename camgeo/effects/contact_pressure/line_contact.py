@@ -33,7 +33,7 @@ from camgeo.effects.told import at
 from camgeo.errors import EffectError, GeometryError
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray
-from camgeo.numeric.peaks import piecewise_extremes
+from camgeo.numeric.extremes import piecewise_extremes
 from camgeo.units import TURN
 
 CUSP: Final = 1e-12

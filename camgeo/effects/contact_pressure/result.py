@@ -24,8 +24,7 @@ from camgeo.effects.results import CONTACT_FORCE
 from camgeo.errors import EffectError, GeometryError
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray, merged
-from camgeo.numeric.extremes import Extreme
-from camgeo.numeric.peaks import piecewise_extremes
+from camgeo.numeric.extremes import Extreme, piecewise_extremes
 from camgeo.units import TURN
 
 KEY: Final = "effects.contact-pressure"

@@ -27,7 +27,7 @@ from camgeo.effects.results import ContactForce
 from camgeo.errors import EffectError
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray, merged
-from camgeo.numeric.peaks import grid_of
+from camgeo.numeric.extremes import grid_of
 from camgeo.numeric.roots import roots_on_grid
 
 ROWS: Final = 6

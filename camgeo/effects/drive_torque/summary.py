@@ -22,8 +22,7 @@ import numpy as np
 from camgeo.effects.drive_torque.law import TorqueLaw
 from camgeo.errors import EffectError
 from camgeo.numeric.arrays import FloatArray, merged
-from camgeo.numeric.extremes import Extremes, extremes_of
-from camgeo.numeric.peaks import grid_of, piecewise_extremes
+from camgeo.numeric.extremes import Extremes, extremes_of, grid_of, piecewise_extremes
 from camgeo.numeric.quadrature import piecewise_integral, piecewise_integrals
 from camgeo.numeric.roots import roots_on_grid
 from camgeo.units import TURN

@@ -19,8 +19,7 @@ from camgeo.effects.effect import Column
 from camgeo.effects.friction.statics import Statics
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray
-from camgeo.numeric.peaks import piecewise_extremes
-from camgeo.numeric.ranges import stretch_below
+from camgeo.numeric.extremes import piecewise_extremes, stretch_below
 from camgeo.units import TURN
 
 if TYPE_CHECKING:

@@ -20,7 +20,7 @@ from camgeo.effects.results import INERTIA, Acting
 from camgeo.effects.told import extreme_findings
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import ComplexArray, FloatArray
-from camgeo.numeric.peaks import piecewise_extremes
+from camgeo.numeric.extremes import piecewise_extremes
 
 N_M: Final = 1e-3
 """N m a N mm."""

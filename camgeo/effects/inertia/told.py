@@ -17,7 +17,7 @@ from camgeo.effects.told import extreme_finding, extreme_findings
 from camgeo.motion.joints import breaks
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray
-from camgeo.numeric.peaks import piecewise_extremes
+from camgeo.numeric.extremes import piecewise_extremes
 
 if TYPE_CHECKING:
     from camgeo.effects.effect import Subject

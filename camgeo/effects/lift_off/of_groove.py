@@ -16,8 +16,7 @@ from camgeo.effects.lift_off.inputs import Flank
 from camgeo.effects.results import ContactForce, Inertia
 from camgeo.effects.shocks import shocks
 from camgeo.effects.told import at, degrees, placed
-from camgeo.numeric.extremes import Extreme
-from camgeo.numeric.peaks import piecewise_extremes
+from camgeo.numeric.extremes import Extreme, piecewise_extremes
 
 LISTED: Final = 12
 """Changes that are told one by one."""

@@ -8,8 +8,7 @@ import numpy as np
 
 from camgeo.effects.effect import Quantity
 from camgeo.numeric.arrays import BoolArray, FloatArray, merged
-from camgeo.numeric.extremes import Extreme
-from camgeo.numeric.peaks import grid_of, piecewise_extremes
+from camgeo.numeric.extremes import Extreme, grid_of, piecewise_extremes
 from camgeo.numeric.roots import roots_on_grid
 
 

@@ -17,7 +17,7 @@ from camgeo.effects.effect import Quantity
 from camgeo.effects.lift_off.inputs import TOUCH, Flank
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray, merged
-from camgeo.numeric.peaks import grid_of, piecewise_extremes
+from camgeo.numeric.extremes import grid_of, piecewise_extremes
 from camgeo.numeric.roots import roots_on_grid
 
 BOUNDLESS: Final = 1e200

@@ -23,7 +23,7 @@ from camgeo.errors import GeometryError
 from camgeo.motion.motion import Side
 from camgeo.motion.plan import MotionPlan
 from camgeo.numeric.arrays import FloatArray, frozen, merged
-from camgeo.numeric.peaks import piecewise_extremes
+from camgeo.numeric.extremes import piecewise_extremes
 
 N_MM: Final = 1e3
 """N mm a N m."""

@@ -9,9 +9,8 @@ import numpy as np
 
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray
-from camgeo.numeric.extremes import Extreme
+from camgeo.numeric.extremes import Extreme, grid_of, piecewise_extremes
 from camgeo.numeric.oscillator.spectrum import Shock
-from camgeo.numeric.peaks import grid_of, piecewise_extremes
 from camgeo.numeric.roots import bracketed_roots
 
 QUIET: Final = 0.01

@@ -13,9 +13,9 @@ from camgeo.effects.effect import Subject
 from camgeo.motion.motion import Side
 from camgeo.motion.time_course import ConstantSpeed, TimeCourse, in_time
 from camgeo.numeric.arrays import FloatArray, merged
-from camgeo.numeric.oscillator.inverse import inverse
+from camgeo.numeric.extremes import grid_of, piecewise_extremes
 from camgeo.numeric.oscillator.spectrum import Shock, shock
-from camgeo.numeric.peaks import grid_of, piecewise_extremes
+from camgeo.numeric.roots import inverse
 from camgeo.units import TURN
 
 REST: Final = 1e-9

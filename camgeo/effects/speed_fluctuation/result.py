@@ -25,7 +25,7 @@ from camgeo.effects.speed_fluctuation.steady import SteadyTurn
 from camgeo.effects.told import loss_of_contact
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray, merged
-from camgeo.numeric.peaks import piecewise_extremes
+from camgeo.numeric.extremes import piecewise_extremes
 from camgeo.units import RPM, TURN
 
 N_M: Final = 1e-3

@@ -13,9 +13,7 @@ from camgeo.effects.spring.ways import Way, closing_sense, outward
 from camgeo.effects.told import at, placed
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray
-from camgeo.numeric.extremes import Extreme
-from camgeo.numeric.peaks import piecewise_extremes
-from camgeo.numeric.ranges import stretch_below
+from camgeo.numeric.extremes import Extreme, piecewise_extremes, stretch_below
 from camgeo.units import TURN
 
 if TYPE_CHECKING:

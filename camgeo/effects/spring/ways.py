@@ -23,7 +23,7 @@ from camgeo.errors import GeometryError
 from camgeo.mechanism.positions import locked_at
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray
-from camgeo.numeric.peaks import piecewise_extremes
+from camgeo.numeric.extremes import piecewise_extremes
 
 if TYPE_CHECKING:
     from camgeo.effects.effect import Subject

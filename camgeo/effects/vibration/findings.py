@@ -15,9 +15,8 @@ from camgeo.effects.vibration.output import Clock, Elastic, Output
 from camgeo.motion.motion import Dwell, Side
 from camgeo.motion.time_course import in_time
 from camgeo.numeric.arrays import FloatArray, merged
-from camgeo.numeric.extremes import Extreme, Extremes
+from camgeo.numeric.extremes import Extreme, Extremes, piecewise_extremes
 from camgeo.numeric.oscillator.train import Train
-from camgeo.numeric.peaks import piecewise_extremes
 from camgeo.units import RPM, TURN
 
 MOST_PERIODS: Final = 4096

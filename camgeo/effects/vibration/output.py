@@ -12,9 +12,8 @@ from camgeo.motion.motion import Side
 from camgeo.motion.plan import MotionPlan, in_turn
 from camgeo.motion.time_course import ConstantSpeed, TimeCourse, in_time
 from camgeo.numeric.arrays import FloatArray, merged
-from camgeo.numeric.oscillator.forcing import Base
-from camgeo.numeric.oscillator.inverse import inverse
-from camgeo.numeric.oscillator.steady import Response
+from camgeo.numeric.oscillator.steady import Base, Response
+from camgeo.numeric.roots import inverse
 from camgeo.units import TURN
 
 

@@ -11,39 +11,16 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Final, Protocol
+from typing import Final
 
 import numpy as np
 
 from camgeo.numeric.arrays import ComplexArray, FloatArray
-from camgeo.numeric.oscillator.forcing import FINEST, SOFT
-from camgeo.numeric.oscillator.mode import solve
-from camgeo.numeric.oscillator.pieces import NODES, Pieces, interpolated, series_values
+from camgeo.numeric.oscillator.mode import NODES, Pieces, interpolated, series_values, solve
+from camgeo.numeric.oscillator.steady import FINEST, SOFT
 
 BLOCK: Final = 128
 """Ratios worked on at a time, so that the cells of a block stay below some ten megabytes."""
-
-
-class Normalised(Protocol):
-    """A motion law, see `camgeo.motion.laws.law.Law`."""
-
-    @property
-    def borders(self) -> tuple[float, ...]: ...
-
-    @property
-    def start(self) -> Ends: ...
-
-    @property
-    def end(self) -> Ends: ...
-
-    def __call__(self, z: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]: ...
-
-
-class Ends(Protocol):
-    """What a motion law is at one of its ends."""
-
-    @property
-    def velocity(self) -> float: ...
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -101,7 +78,7 @@ class Shock:
         return gain
 
     def _soft_gain(self, rates: ComplexArray) -> ComplexArray:
-        """(k,) the same by the lift, see `camgeo.numeric.oscillator.forcing.SOFT`."""
+        """(k,) the same by the lift, see `camgeo.numeric.oscillator.steady.SOFT`."""
         return -rates * (rates * _gains(self.lift, rates) + self.end)
 
 
@@ -132,25 +109,3 @@ def _gains(pieces: Pieces, rates: ComplexArray) -> ComplexArray:
     parts = np.exp(cells.rate * rest) * cells.gain
     real = np.bincount(owner, parts.real, len(rates))
     return np.asarray(real + 1j * np.bincount(owner, parts.imag, len(rates)))
-
-
-def shock_of(law: Normalised) -> Shock:
-    """The move from rest to rest by a motion law."""
-    edges = np.array([0.0, *law.borders, 1.0])
-    jumps = np.zeros(len(edges))
-    jumps[0] = law.start.velocity
-    jumps[-1] = -law.end.velocity
-    return shock(lambda z: law(z)[0], lambda z: law(z)[2], edges, jumps)
-
-
-def shock_spectrum(law: Normalised, ratios: FloatArray, damping: float = 0.0) -> FloatArray:
-    """(n,) what remains after a move by `law`, as a share of the stroke.
-
-    Parameters
-    ----------
-    law : a motion law from rest to rest, normalised; if it starts or ends with a velocity, that is
-        a shock.
-    ratios : (n,) duration of the move by the natural period of the train, all above 0.
-    damping : damping ratio of the train, in [0, 1).
-    """
-    return shock_of(law).residual(ratios, damping)
