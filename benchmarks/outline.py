@@ -71,9 +71,9 @@ from camgeo.motion.laws import make_law
 from camgeo.motion.motion import Motion
 from camgeo.motion.plan import Dwell, MotionPlan, Move
 from camgeo.numeric.arrays import ComplexArray, FloatArray
+from camgeo.outline.cusps import sure_bends
 from camgeo.outline.outline import real_outline
 from camgeo.outline.path import Path as OutlinePath
-from camgeo.outline.sure_bends import sure_bends
 from camgeo.scene.load import load_scene, parse_scene
 from camgeo.stability.exact_cam import Stage
 from camgeo.units import TURN

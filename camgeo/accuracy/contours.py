@@ -8,16 +8,14 @@ from dataclasses import dataclass, replace
 from typing import Final, TypeVar
 
 from camgeo.accuracy.rows import EFFORTS, FORMS, ContourRow, Count, FileCost, Form
-from camgeo.contour.contour import Contour
-from camgeo.contour.fit import Effort, Fit
+from camgeo.contour.contour import Contour, Effort, Fit
 from camgeo.contour.least_pieces import forced_pieces, least_arcs, least_chords, least_cubics
 from camgeo.contour.spline import SplineFit
 from camgeo.design import Design
 from camgeo.errors import EffectError, GeometryError, ToleranceError
 from camgeo.files.product import Product, find_writer
 from camgeo.formats import gcode
-from camgeo.outline.flank import Flank
-from camgeo.outline.path import Path
+from camgeo.outline.path import Flank, Path
 from camgeo.outline.replay import replay_contour
 from camgeo.part.boundaries import CurveBoundary
 from camgeo.toolpath.machine import load

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from decimal import Decimal
 from typing import Final, Literal
 
-from camgeo.contour.fit import Effort
+from camgeo.contour.contour import Effort
 
 Form = Literal["polyline", "arcs", "spline"]
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from enum import StrEnum
 
 from camgeo.numeric.checked import one_of
-from camgeo.outline.flank import Flank
+from camgeo.outline.path import Flank
 
 
 class Contact(StrEnum):

@@ -12,7 +12,7 @@ from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.lazy import Ledger, lazy
 from camgeo.numeric.checked import hold
-from camgeo.outline.flank import Flank
+from camgeo.outline.path import Flank
 from camgeo.pickled import Pickled
 
 if TYPE_CHECKING:
@@ -84,7 +84,7 @@ class Disc(Pickled):
         bends = curvature_extremes(self.pitch_curve)
         if not self.follower.has_pitch_curve:
             return bends
-        from camgeo.outline.sure_bends import sure_bends
+        from camgeo.outline.cusps import sure_bends
 
         for _, flank in self.flanks:
             bends = sure_bends(flank, bends)

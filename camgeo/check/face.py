@@ -26,7 +26,7 @@ def check_convexity(curve: PitchCurve) -> tuple[Finding, ...]:
     findings = [_radius(found, flat_follower(curve.follower).raised_by)]
     if found.jumps:
         findings.append(_jump(found))
-    if found.lowest <= SMALLEST * found.size:
+    if found.clearance[0] <= SMALLEST * found.size:
         findings.append(_over_axis(found))
     return tuple(findings)
 

@@ -46,7 +46,7 @@ def check_outline(
         )
         found.append(Finding(crossing, severity, sentence, width, 0.0, "deg", start, where))
     for lobe in outline.lobes:
-        from camgeo.outline.area import area  # few cams have lobes to be measured
+        from camgeo.outline.moments import area  # few cams have lobes to be measured
 
         size = abs(area(lobe))
         sentence = f"{name} flank: a lobe of {size:.6g} mm^2 is cut off and falls away"

@@ -92,7 +92,7 @@ def outline_records(piece: Product) -> dict[str, Any]:
 
 def outline_record(disc: Disc, flank: str) -> dict[str, Any] | None:
     """What is left of a flank, for JSON; None if nothing is, or it cannot be told."""
-    from camgeo.outline.area import area
+    from camgeo.outline.moments import area
 
     try:
         outline = disc.outline(flank)

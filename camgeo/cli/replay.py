@@ -32,7 +32,7 @@ from camgeo.files.product import Product, disc_of
 from camgeo.files.value_table import Table, cam_angles
 from camgeo.mechanism.follower_path import path_of
 from camgeo.numeric.arrays import FloatArray
-from camgeo.outline.flank import Flank
+from camgeo.outline.path import Flank
 from camgeo.outline.replay import CORNER, replay_contour, replay_outline
 from camgeo.outline.replay_result import Replay
 from camgeo.scene.load import load_scene
@@ -286,7 +286,7 @@ def _table(
         f"s'' demanded [{unit}/rad^2]": demanded[2],
     }
     if pair is not None:
-        from camgeo.outline.closing import play
+        from camgeo.outline.replay_result import play
 
         columns[f"play [{unit}]"] = play(*pair, phi) * scale.factor
     return Table(tuple(columns), np.column_stack(tuple(columns.values())))

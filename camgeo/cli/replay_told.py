@@ -82,7 +82,7 @@ def _in_time(course: TimeCourse, replay: Replay, scale: Scale) -> dict[str, floa
 
 def closing_of(cam: Cam, main: Replay, other: Replay) -> dict[str, Any]:
     """Play and squeeze of a conjugate pair, as way of the main roller [mm]."""
-    from camgeo.outline.closing import closing_error  # few cams are pairs
+    from camgeo.outline.replay_result import closing_error  # few cams are pairs
 
     found = closing_error(main, other)
     scale = abs(cam.follower.reach)

@@ -9,7 +9,7 @@ import numpy as np
 
 from camgeo.contour.contour import Contour
 from camgeo.contour.legs import Leg
-from camgeo.numeric.arrays import ComplexArray, FloatArray
+from camgeo.numeric.arrays import ComplexArray, FloatArray, joined
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -77,7 +77,7 @@ class Run:
         return np.where(self.sweeps != 0.0, np.abs(self.starts - self.centres), 0.0)
 
 
-def joined(parts: list[tuple[Leg, list[Chain]]]) -> tuple[Run, ...]:
+def runs_of(parts: list[tuple[Leg, list[Chain]]]) -> tuple[Run, ...]:
     """The runs of all legs in turn, each ending in the first vertex of the next.
 
     Where a leg begins in a corner or an arc, the exact point there is its first vertex, not the
@@ -96,15 +96,10 @@ def joined(parts: list[tuple[Leg, list[Chain]]]) -> tuple[Run, ...]:
 
 
 def _joined_chain(leg: Leg, chains: list[Chain]) -> Chain:
-    vertices = np.concatenate([chain.vertices for chain in chains])
-    if leg.first is not None and len(vertices):
-        vertices[0] = leg.first
-    return Chain(
-        np.concatenate([chain.angles for chain in chains]),
-        vertices,
-        np.concatenate([chain.sweeps for chain in chains]),
-        np.concatenate([chain.centres for chain in chains]),
-    )
+    chain = joined(chains)
+    if leg.first is not None and len(chain.vertices):
+        chain.vertices[0] = leg.first
+    return chain
 
 
 def contour_of(runs: tuple[Run, ...]) -> Contour:

@@ -9,11 +9,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Self
+from typing import Literal, Self
 
 import numpy as np
 
 from camgeo.numeric.arrays import ComplexArray, FloatArray, frozen, grouped
+from camgeo.outline.moments import Moments, piece_moments
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -79,6 +80,21 @@ class Contour:
         segment = 0.5 * self.radii**2 * (self.sweeps - np.sin(self.sweeps))
         return math.fsum(np.concatenate((chord, segment)))
 
+    @property
+    def moments(self) -> Moments:
+        """Area and first moments of the region inside.
+
+        They are taken about the middle of the vertices and moved from there, so that a small
+        contour far from the origin keeps its digits.
+        """
+        middle = complex(np.mean(self.vertices))
+        about = piece_moments(
+            self.vertices - middle, self.ends - middle, self.sweeps, self.centres - middle
+        )
+        first_error = about.first_error + about.area_error * abs(middle)
+        first = about.first + about.area * middle
+        return Moments(about.area, first, about.area_error, first_error)
+
     def reversed(self) -> Self:
         """The same outline run in the other direction."""
         return type(self)(np.roll(self.vertices[::-1], 1), -self.sweeps[::-1], self.centres[::-1])
@@ -129,3 +145,24 @@ class Contour:
         """A full circle [mm] as two half arcs, counter-clockwise."""
         vertices = np.array([centre + radius, centre - radius])
         return cls(vertices, np.array([np.pi, np.pi]), np.array([centre, centre]))
+
+
+Effort = Literal["fast", "fewest"]
+"""How hard a fit tries: one pass, or the fewest pieces and then the least deviation."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Fit:
+    """A contour and its proof.
+
+    Attributes
+    ----------
+    contour : the closed contour.
+    deviation : upper bound [mm] of the distance between contour and exact curve, in both
+        directions and for every point; rounding of the arithmetic included.
+    tolerance : what was asked [mm]; `deviation` never exceeds it.
+    """
+
+    contour: Contour
+    deviation: float
+    tolerance: float

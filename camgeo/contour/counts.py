@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from typing import Generic, TypeVar
+from typing import TypeVar
 
 import numpy as np
 
@@ -28,64 +28,60 @@ FAR = 0.8
 """Share of the way that is jumped where the distance found is more than twice what is aimed at."""
 
 
-class Trials(Generic[Made]):
-    """Searches of the least count for several pieces, which share their calls.
+Make = Callable[[Sequence[tuple[int, int]]], Sequence[tuple[Made, float]]]
+"""[(number of the piece, count), ...] -> what was made of each, and the largest distance [mm] found
+for it, by any rule that knows the count only."""
+
+
+def least_counts(
+    make: Make[Made],
+    expected: FloatArray,
+    aim: float,
+    tolerance: float,
+    *,
+    order: float,
+    most: int,
+    together: int = TOGETHER,
+) -> list[Made]:
+    """What the least good count makes of each of n pieces, which share their calls.
 
     Parameters
     ----------
-    make : [(number of the piece, count), ...] -> what was made of each, and the largest distance
-        [mm] found for it, by any rule that knows the count only.
+    expected : (n,) the count of each for small tolerances, a real number; the search begins there.
     order : power of the count with which the distance falls.
     most : parts a piece at most.
     together : parts that are tried at once for one piece, if one count alone has not more.
+
+    Raises
+    ------
+    ToleranceError
+        If no count comes within `aim` [mm].
     """
-
-    def __init__(
-        self,
-        make: Callable[[Sequence[tuple[int, int]]], Sequence[tuple[Made, float]]],
-        order: float,
-        most: int,
-        together: int = TOGETHER,
-    ) -> None:
-        self._make, self._order, self._most = make, order, most
-        self._together = together
-
-    def least(self, expected: FloatArray, aim: float, tolerance: float) -> list[Made]:
-        """What the least good count makes of each piece.
-
-        `expected` (n,) is the count of each for small tolerances, a real number; the search begins
-        there.
-
-        Raises
-        ------
-        ToleranceError
-            If no count comes within `aim` [mm].
-        """
-        counts = [ladder(float(value)) for value in expected]
-        done: dict[int, Made] = {}
-        while len(done) < len(counts):
-            wanted = []
-            for piece, count in enumerate(counts):
-                tried = 0
-                while piece not in done and (not tried or tried + count <= self._together):
-                    wanted.append((piece, count))
-                    tried += count
-                    count = above(count)
-            for (piece, count), (made, distance) in zip(wanted, self._make(wanted), strict=True):
-                if piece in done:
-                    continue
-                if distance <= aim:
-                    done[piece] = made
-                    continue
-                counts[piece] = above(count)
-                if not distance <= 2.0 * aim:
-                    share = (distance / aim) ** (1.0 / self._order) if aim > 0.0 else np.inf
-                    counts[piece] = max(counts[piece], ladder(FAR * min(share, 4.0) * count))
-                if counts[piece] > self._most:
-                    raise ToleranceError(
-                        "the pieces of the contour cannot follow the curve", tolerance, distance
-                    )
-        return [done[piece] for piece in range(len(counts))]
+    counts = [ladder(float(value)) for value in expected]
+    done: dict[int, Made] = {}
+    while len(done) < len(counts):
+        wanted = []
+        for piece, count in enumerate(counts):
+            tried = 0
+            while piece not in done and (not tried or tried + count <= together):
+                wanted.append((piece, count))
+                tried += count
+                count = above(count)
+        for (piece, count), (made, distance) in zip(wanted, make(wanted), strict=True):
+            if piece in done:
+                continue
+            if distance <= aim:
+                done[piece] = made
+                continue
+            counts[piece] = above(count)
+            if not distance <= 2.0 * aim:
+                share = (distance / aim) ** (1.0 / order) if aim > 0.0 else np.inf
+                counts[piece] = max(counts[piece], ladder(FAR * min(share, 4.0) * count))
+            if counts[piece] > most:
+                raise ToleranceError(
+                    "the pieces of the contour cannot follow the curve", tolerance, distance
+                )
+    return [done[piece] for piece in range(len(counts))]
 
 
 def too_many(most: int, what: str, tolerance: float) -> ToleranceError:

@@ -16,7 +16,7 @@ from camgeo.contour.chords.arc_chords import (
 from camgeo.contour.contour import Contour
 from camgeo.contour.counts import too_many
 from camgeo.errors import GeometryError
-from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, IntArray
+from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, IntArray, grouped
 
 MAX_CHORDS = 2_000_000
 """Chords at most."""
@@ -38,15 +38,10 @@ def chords_of(exact: Contour, tolerance: float) -> Contour:
         # Sagitta r (1 - cos(step/2)) = tolerance, without the cancellation of 1 - cos.
         steps = 4.0 * np.arcsin(np.sqrt(np.minimum(tolerance / (2.0 * radii), 0.5)))
     counts = np.where(radii > 0.0, np.ceil(np.abs(exact.sweeps) / np.minimum(steps, WIDEST)), 1)
-    pieces = [
-        exact.vertices[k]
-        if exact.sweeps[k] == 0.0
-        else exact.centres[k]
-        + (exact.vertices[k] - exact.centres[k])
-        * np.exp(1j * exact.sweeps[k] * np.arange(int(counts[k])) / int(counts[k]))
-        for k in range(len(exact))
-    ]
-    return Contour.polygon(np.concatenate([np.atleast_1d(piece) for piece in pieces]))
+    index, number = grouped(counts.astype(np.intp))
+    arm = exact.vertices[index] - exact.centres[index]
+    turned = exact.centres[index] + arm * np.exp(1j * exact.sweeps[index] * number / counts[index])
+    return Contour.polygon(np.where(exact.sweeps[index] == 0.0, exact.vertices[index], turned))
 
 
 def fewest_chords_of(exact: Contour, tolerance: float) -> Contour:

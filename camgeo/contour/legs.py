@@ -80,10 +80,6 @@ class StretchLeg:
         """(n,) complex [mm] points at `t` (n,)."""
         return self.curve.point(t, side)
 
-    def tangent(self, t: FloatArray, side: Side = "right") -> ComplexArray:
-        """(n,) complex unit tangents, those of Z."""
-        return self.curve.tangent(t, side)
-
     def traced(self, t: FloatArray) -> tuple[ComplexArray, ComplexArray, FloatArray]:
         """(n,) points [mm], unit tangents of Z, and ds/dt [mm/rad] along the leg, negative where it
         runs against its tangent.
@@ -160,13 +156,11 @@ class TurnLeg:
         """See `StretchLeg`."""
         return self.centre + self._arm(t)
 
-    def tangent(self, t: FloatArray, side: Side = "right") -> ComplexArray:
-        """See `StretchLeg`."""
-        return 1j * math.copysign(1.0, self.sweep) * self._arm(t) / self.radius
-
     def traced(self, t: FloatArray) -> tuple[ComplexArray, ComplexArray, FloatArray]:
         """See `StretchLeg`."""
-        return self.point(t), self.tangent(t), np.full(len(t), self.radius)
+        arm = self._arm(t)
+        tangents = 1j * math.copysign(1.0, self.sweep) * arm / self.radius
+        return self.centre + arm, tangents, np.full(len(t), self.radius)
 
     @property
     def pole(self) -> complex:

@@ -1,4 +1,7 @@
-"""Fits that are proved before they are returned."""
+"""Fits that are proved before they are returned.
+
+The smooth pieces of one curve are a group, so that they share the cost of a call.
+"""
 
 from __future__ import annotations
 
@@ -7,14 +10,54 @@ from typing import TypeVar
 
 import numpy as np
 
-from camgeo.contour.chain import Chain, Run, contour_of, joined
-from camgeo.contour.fit import Fit
+from camgeo.contour.chain import Chain, Run, contour_of, runs_of
+from camgeo.contour.contour import Fit
 from camgeo.contour.joints import torn_apart
 from camgeo.contour.legs import Leg, StretchLeg, TurnLeg, legs_of
 from camgeo.contour.proof.deviation import proved_bound
 from camgeo.curve.pieces import Piece
+from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import GeometryError, ToleranceError
 from camgeo.outline.path import Path
+
+AIM = 0.985
+"""Share of the tolerance that the sampled distance of a fast fit may reach; the proof takes the
+rest."""
+
+
+Group = Callable[[float, float], Sequence[Chain]]
+"""Fits the smooth pieces of one curve: aim and tolerance [mm] -> a chain for each of them within
+the aim; the tolerance is for messages."""
+
+
+def fit_by_groups(
+    make: Callable[[WorkingCurve, list[Piece]], Group], tolerance: float
+) -> FitPieces:
+    """What fits the pieces of `camgeo.contour.proved.proved_fit` group by group.
+
+    `make` makes a group of a curve and its pieces; once, however often the aim is lowered.
+    """
+    groups: list[tuple[Group, list[int]]] = []
+
+    def fit_pieces(pieces: Sequence[PieceOfLeg], aim: float) -> list[Chain]:
+        if not groups:
+            for curve, places in by_curve(pieces):
+                groups.append((make(curve, [pieces[k][1] for k in places]), places))
+        found: dict[int, Chain] = {}
+        for group, places in groups:
+            found.update(zip(places, group(aim, tolerance), strict=True))
+        return [found[k] for k in range(len(pieces))]
+
+    return fit_pieces
+
+
+def by_curve(pieces: Sequence[PieceOfLeg]) -> list[tuple[WorkingCurve, list[int]]]:
+    """The curves that the pieces belong to, each with the numbers of its pieces."""
+    shared: dict[tuple[int, float], list[int]] = {}
+    for number, (leg, _) in enumerate(pieces):
+        shared.setdefault((id(leg.curve.pitch), leg.curve.distance), []).append(number)
+    return [(pieces[numbers[0]][0].curve, numbers) for numbers in shared.values()]
+
 
 ROUNDS = 6
 """Fits at most; the second is within the tolerance wherever double precision can be."""
@@ -72,7 +115,7 @@ def proved_fit(
                 parts.append((leg, [Chain.empty()]))
             else:
                 parts.append((leg, [fit_turn(leg, aim)]))
-        return joined(parts)
+        return runs_of(parts)
 
     runs, reached = proved(fit, proved_bound, aim, tolerance)
     return Fit(contour_of(runs).counter_clockwise(), reached, tolerance)

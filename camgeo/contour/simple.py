@@ -1,4 +1,6 @@
-"""Does a contour cross itself? Topology only, by shapely; no geometry comes from there."""
+"""Does a contour cross itself, and how often does it go round a point? Topology only; no geometry
+comes from shapely.
+"""
 
 from __future__ import annotations
 
@@ -33,3 +35,20 @@ def require_simple(contour: Contour, name: str) -> None:
             f"the {name} crosses itself ({place}): two of its flanks are closer"
             " than the roller allows (global undercut), no disc has this outline"
         )
+
+
+def winding_number(contour: Contour, point: complex) -> int:
+    """How often the contour goes round `point`, counter-clockwise positive.
+
+    Exact: the turns of its chords, and its segments.
+
+    The point must not lie on the contour.
+    """
+    pieces = contour.split(0.5 * np.pi)
+    start, end = pieces.vertices - point, pieces.ends - point
+    # A point between an arc and its chord sees the arc go round by the other way than the chord.
+    inside = np.abs(point - pieces.centres) < pieces.radii
+    beyond = (np.conj(end - start) * -start).imag * pieces.sweeps < 0.0
+    between = np.where(inside & beyond, np.sign(pieces.sweeps), 0.0)
+    chords = float(np.sum(np.angle(end * np.conj(start)))) / (2.0 * np.pi)
+    return round(chords + float(np.sum(between)))

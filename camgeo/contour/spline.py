@@ -228,7 +228,7 @@ class SplineContour:
 
 @dataclass(frozen=True, slots=True)
 class SplineFit:
-    """A spline contour and its proof; `deviation`, `tolerance` as of `camgeo.contour.fit.Fit`."""
+    """A spline contour and its proof; the rest as of `camgeo.contour.contour.Fit`."""
 
     contour: SplineContour
     deviation: float

@@ -12,7 +12,7 @@ from camgeo.figure.style import LIMIT, LINE, SAMPLES
 from camgeo.files.pictured import CutOff
 from camgeo.files.product import Product
 from camgeo.numeric.arrays import ComplexArray, FloatArray
-from camgeo.outline.flank import Flank
+from camgeo.outline.path import Flank
 from camgeo.units import TURN
 
 FLANK = Style(LINE, 1.0)

@@ -12,8 +12,7 @@ from camgeo.pickled import Pickled
 if TYPE_CHECKING:
     from camgeo.cam.cam import Cam
     from camgeo.check.judge import Judgement
-    from camgeo.contour.contour import Contour
-    from camgeo.contour.fit import Effort, Fit
+    from camgeo.contour.contour import Contour, Effort, Fit
     from camgeo.part.part import Part
 
 TOPOLOGY_TOLERANCE = 0.01

@@ -15,9 +15,8 @@ from camgeo.mechanism.sketch import MechanismSketch
 from camgeo.motion.extremes import lift_range
 from camgeo.numeric.arrays import ComplexArray, FloatArray, frozen
 from camgeo.outline.envelope import Envelope
-from camgeo.outline.flank import Flank
 from camgeo.outline.outline import Outline
-from camgeo.outline.path import Pivot
+from camgeo.outline.path import Flank, Pivot
 from camgeo.pickled import Pickled
 from camgeo.units import TURN
 
@@ -157,7 +156,7 @@ def _cut_off(curve: WorkingCurve, outline: Outline, flank: Flank) -> list[CutOff
 
 def _cut_at(envelope: Envelope, corner: Pivot, flank: Flank) -> CutOff:
     start = corner.before % TURN
-    first, last = envelope.place_before(start), envelope.place_of(corner.after % TURN)
+    first, last = envelope.place_of(start, "left"), envelope.place_of(corner.after % TURN)
     last += envelope.total if last < first else 0.0
     # Both sides of the roller's turns, so that the ends of their arcs are drawn.
     turns = [*envelope.starts, *(envelope.starts + envelope.total)]

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Sequence
+from dataclasses import fields, is_dataclass
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
@@ -11,6 +13,9 @@ FloatArray = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
 IntArray = NDArray[np.intp]
 BoolArray = NDArray[np.bool_]
+
+Rows = TypeVar("Rows")
+"""A dataclass of arrays with a row each for the same things."""
 
 
 def frozen(values: Any, dtype: DTypeLike) -> NDArray[Any]:
@@ -56,3 +61,20 @@ def merged(angles: FloatArray) -> FloatArray:
     first = ordered[np.concatenate(([True], apart))]
     first[-1] = ordered[-1]
     return first
+
+
+def taken(rows: Rows, which: IntArray | BoolArray | slice | list[int]) -> Rows:
+    """Those rows of all arrays of `rows`."""
+    return type(rows)(*(column[which] for column in _columns(rows)))
+
+
+def joined(parts: Sequence[Rows]) -> Rows:
+    """The rows of all `parts` in turn; a column may itself be such a dataclass."""
+    columns = zip(*map(_columns, parts), strict=True)
+    return type(parts[0])(
+        *(joined(each) if is_dataclass(each[0]) else np.concatenate(each) for each in columns)
+    )
+
+
+def _columns(rows: Any) -> list[Any]:
+    return [getattr(rows, each.name) for each in fields(rows)]

@@ -35,46 +35,35 @@ def bracketed_roots(function: Function, low: FloatArray, high: FloatArray) -> Fl
     Chandrupatla's method: inverse quadratic interpolation where it is safe, bisection elsewhere
     (T. R. Chandrupatla, Adv. Eng. Software 28 (1997) 145-149).
     """
-    a, b = np.array(high, dtype=np.float64), np.array(low, dtype=np.float64)
-    if not len(a):
-        return a
-    fa, fb = np.array(function(a)), np.array(function(b))  # its own may be read-only
-    c, fc = a.copy(), fa.copy()
-    step = np.full_like(a, 0.5)
-    root = np.where(np.abs(fa) < np.abs(fb), a, b)
-    active = np.flatnonzero((fa != 0.0) & (fb != 0.0))
+    if not len(low):
+        return np.array(low, dtype=np.float64)
+    # Of each bracket the newest place, the one across the root, and the one before: x, f(x).
+    a, b = (np.stack((x, function(x))) for x in (high, low))
+    c = a.copy()
+    step = np.full_like(a[0], 0.5)
+    root: FloatArray = np.where(np.abs(a[1]) < np.abs(b[1]), a[0], b[0])
+    active = np.flatnonzero((a[1] != 0.0) & (b[1] != 0.0))
     for _ in range(MAX_STEPS):
         if not len(active):
             break
-        x = a[active] + step[active] * (b[active] - a[active])
-        fx = function(x)
-        same = np.sign(fx) == np.sign(fa[active])
-        c[active] = np.where(same, a[active], b[active])
-        fc[active] = np.where(same, fa[active], fb[active])
-        b[active] = np.where(same, b[active], a[active])
-        fb[active] = np.where(same, fb[active], fa[active])
-        a[active], fa[active] = x, fx
-        nearer = np.abs(fa[active]) < np.abs(fb[active])
-        root[active] = np.where(nearer, a[active], b[active])
-        width = np.abs(b[active] - a[active])
-        floor = np.spacing(np.abs(root[active]))
-        active = active[(fa[active] != 0.0) & (width > 2.0 * floor)]
-        step[active] = _next_step(a, b, c, fa, fb, fc, active)
+        before, across = a[:, active], b[:, active]
+        x = before[0] + step[active] * (across[0] - before[0])
+        new = np.stack((x, function(x)))
+        same = np.sign(new[1]) == np.sign(before[1])
+        last = np.where(same, before, across)
+        across = np.where(same, across, before)
+        a[:, active], b[:, active], c[:, active] = new, across, last
+        nearer = np.abs(new[1]) < np.abs(across[1])
+        root[active] = np.where(nearer, new[0], across[0])
+        width, floor = np.abs(across[0] - new[0]), np.spacing(np.abs(root[active]))
+        active = active[(new[1] != 0.0) & (width > 2.0 * floor)]
+        step[active] = _next_step(a[:, active], b[:, active], c[:, active])
     return root
 
 
-def _next_step(
-    a: FloatArray,
-    b: FloatArray,
-    c: FloatArray,
-    fa: FloatArray,
-    fb: FloatArray,
-    fc: FloatArray,
-    active: np.ndarray[tuple[int], np.dtype[np.intp]],
-) -> FloatArray:
-    """Fraction of the way from a to b at which to look next."""
-    a, b, c = a[active], b[active], c[active]
-    fa, fb, fc = fa[active], fb[active], fc[active]
+def _next_step(newest: FloatArray, across: FloatArray, last: FloatArray) -> FloatArray:
+    """Share of the way from the `newest` place to that `across` the root at which to look next."""
+    (a, fa), (b, fb), (c, fc) = newest, across, last
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         xi = (a - b) / (c - b)
         phi = (fa - fb) / (fc - fb)
@@ -83,7 +72,8 @@ def _next_step(
         smallest = np.spacing(np.abs(a)) / np.abs(b - a)
     t = np.where(quadratic & np.isfinite(t), t, 0.5)
     smallest = np.minimum(smallest, 0.5)
-    return np.clip(t, smallest, 1.0 - smallest)
+    share: FloatArray = np.clip(t, smallest, 1.0 - smallest)
+    return share
 
 
 def sign_changes(grid: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -8,6 +8,8 @@ a = |Z'| - sigma d theta' of the parallel at d:
 so that W leaves the tangent at m by at most h^2/2 A_0 Theta_1 to the side and goes at most
 |a_m| h + A_1 h^2/2 along it, with Theta_1 >= |theta'|, A_0 >= |a|, A_1 >= |a'| over the cell. These
 follow from Z', Z'' in the middle and a bound of |Z'''|.
+
+Pairs of cells whose boxes overlap are found by sorting along one axis, then by separating axes.
 """
 
 from __future__ import annotations
@@ -18,9 +20,8 @@ from typing import Any
 import numpy as np
 
 from camgeo.errors import GeometryError
-from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, IntArray
+from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, IntArray, grouped, taken
 from camgeo.outline.envelope import Envelope
-from camgeo.outline.path import Pivot
 from camgeo.units import TURN
 
 ROUNDING = 2.0**-52 * 16.0
@@ -69,27 +70,21 @@ class Cells:
 
     def some(self, which: IntArray | BoolArray) -> Cells:
         """Those at `which`."""
-        return Cells(*(getattr(self, name)[which] for name in Cells.__slots__))
+        return taken(self, which)
 
 
 def enclose(envelope: Envelope, low: FloatArray, high: FloatArray, origin: IntArray) -> Cells:
     """Boxes of the cells [low, high] (n,), which must not reach across a border."""
     index = envelope.element_at(0.5 * (low + high))
-    parts: list[tuple[IntArray, Boxes]] = []
-    for k in np.flatnonzero(envelope.is_pivot):
-        here = np.flatnonzero(index == k)
-        if len(here):
-            parts.append((here, _of_pivot(envelope, int(k), low[here], high[here])))
-    here = np.flatnonzero(~envelope.is_pivot[index])
-    if len(here) == len(low):
-        boxes = _of_stretch(envelope, low, high, index)
-    else:
-        if len(here):
-            parts.append((here, _of_stretch(envelope, low[here], high[here], index[here])))
-        order = np.argsort(np.concatenate([places for places, _ in parts]))
-        columns = zip(*(boxes for _, boxes in parts), strict=True)
-        boxes = tuple(np.concatenate(column)[order] for column in columns)
-    middle, tangent, pace, along, across, turn, bend, sign = boxes
+    on_pivot = envelope.is_pivot[index]
+    places, boxes = [], []
+    for which, boxes_of in ((~on_pivot, _of_stretches), (on_pivot, _of_pivots)):
+        if np.any(which):
+            places.append(np.flatnonzero(which))
+            boxes.append(boxes_of(envelope, low[which], high[which], index[which]))
+    order = np.argsort(np.concatenate(places))
+    columns = (np.concatenate(column)[order] for column in zip(*boxes, strict=True))
+    middle, tangent, pace, along, across, turn, bend, sign = columns
     rounding = ROUNDING * (np.abs(middle) + abs(envelope.curve.distance))
     along, across = along + rounding + PLACE * np.abs(pace), across + rounding
     return Cells(low, high, origin, middle, tangent, pace, along, across, turn, bend, sign)
@@ -99,7 +94,7 @@ Boxes = tuple[Any, ...]
 """The arrays of `Cells` from `middle` to `sign`."""
 
 
-def _of_stretch(envelope: Envelope, low: FloatArray, high: FloatArray, index: IntArray) -> Boxes:
+def _of_stretches(envelope: Envelope, low: FloatArray, high: FloatArray, index: IntArray) -> Boxes:
     curve, pitch = envelope.curve, envelope.curve.pitch
     offset = abs(curve.distance)
     half = 0.5 * (high - low)
@@ -137,17 +132,13 @@ def _of_stretch(envelope: Envelope, low: FloatArray, high: FloatArray, index: In
     )
 
 
-def _of_pivot(envelope: Envelope, number: int, low: FloatArray, high: FloatArray) -> Boxes:
-    pivot = envelope.elements[number]
-    assert isinstance(pivot, Pivot)  # chosen by the caller
+def _of_pivots(envelope: Envelope, low: FloatArray, high: FloatArray, index: IntArray) -> Boxes:
     half = 0.5 * (high - low)
-    course = envelope.course_of_pivot(pivot, 0.5 * (low + high) - envelope.starts[number])
-    pace = np.abs(course.pace)
-    bend = np.full(len(half), np.sign(pivot.sweep))
-    return (
-        course.points, course.tangents, course.pace, half * pace, 0.5 * half * half * pace, half,
-        bend, np.sign(course.pace),
-    )  # fmt: skip
+    course = envelope.course_of_pivots(index, 0.5 * (low + high) - envelope.starts[index])
+    pace, sign = np.abs(course.pace), np.sign(course.pace)
+    bend = envelope.pivots.sense[index]
+    boxes = (half * pace, 0.5 * half * half * pace, half, bend, sign)
+    return course.points, course.tangents, course.pace, *boxes
 
 
 def halved(envelope: Envelope, cells: Cells) -> Cells:
@@ -163,3 +154,51 @@ def halved(envelope: Envelope, cells: Cells) -> Cells:
     low = np.column_stack((cells.low, middle)).ravel()
     high = np.column_stack((middle, cells.high)).ravel()
     return enclose(envelope, low, high, np.repeat(cells.origin, 2))
+
+
+MOST_PAIRS = 4_000_000
+"""Pairs looked at together; more is a flank that lies on itself."""
+
+
+def overlapping(cells: Cells) -> tuple[IntArray, IntArray]:
+    """(k,), (k,) indices i < j of the cells whose upright bounding boxes overlap."""
+    tangent = cells.tangent
+    wide = np.abs(tangent.real) * cells.along + np.abs(tangent.imag) * cells.across
+    high = np.abs(tangent.imag) * cells.along + np.abs(tangent.real) * cells.across
+    left, right = cells.middle.real - wide, cells.middle.real + wide
+    order = np.argsort(left, kind="stable")
+    # In the order of their left sides, cell k overlaps those that begin before it ends.
+    last = np.searchsorted(left[order], right[order], side="right")
+    counts = last - np.arange(len(order)) - 1
+    if np.sum(counts) > MOST_PAIRS:
+        raise GeometryError("the flank has too many neighbours of itself to be told apart")
+    one, step = grouped(counts)
+    first, second = order[one], order[one + 1 + step]
+    apart = np.abs(cells.middle.imag[first] - cells.middle.imag[second])
+    near = apart <= high[first] + high[second]
+    first, second = first[near], second[near]
+    return np.minimum(first, second), np.maximum(first, second)
+
+
+def meet(one: Cells, other: Cells) -> BoolArray:
+    """(k,) False where the boxes of the cells k of both surely have no point in common."""
+    way = other.middle - one.middle
+    turned = np.conj(one.tangent) * other.tangent
+    cosine, sine = np.abs(turned.real), np.abs(turned.imag)
+    from_one, from_other = np.conj(one.tangent) * way, np.conj(other.tangent) * way
+    touching: BoolArray = (
+        (np.abs(from_one.real) <= one.along + cosine * other.along + sine * other.across)
+        & (np.abs(from_one.imag) <= one.across + sine * other.along + cosine * other.across)
+        & (np.abs(from_other.real) <= other.along + cosine * one.along + sine * one.across)
+        & (np.abs(from_other.imag) <= other.across + sine * one.along + cosine * one.across)
+    )
+    return touching
+
+
+def cross_once(one: Cells, other: Cells) -> BoolArray:
+    """(k,) True where the tangents of both cells surely differ: they cross at most once."""
+    turned = np.conj(one.tangent) * other.tangent
+    between = np.abs(np.angle(turned))
+    between = np.minimum(between, np.pi - between)
+    once: BoolArray = between > one.turn + other.turn
+    return once

@@ -63,12 +63,11 @@ class Convexity:
     def is_convex(self) -> bool:
         """Whether there is such a cam."""
         least = SMALLEST * self.size
-        return self.turn[0] > 0.0 and self.jumps == 0 and min(self.radius[0], self.lowest) > least
-
-    @property
-    def lowest(self) -> float:
-        """`clearance` without its place [mm]."""
-        return self.clearance[0]
+        return (
+            self.turn[0] > 0.0
+            and self.jumps == 0
+            and min(self.radius[0], self.clearance[0]) > least
+        )
 
 
 def touch(curve: PitchCurve, phi: FloatArray, side: Side = "right") -> Touch:

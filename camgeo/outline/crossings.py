@@ -17,11 +17,10 @@ from camgeo.curve.extremes import Extremes
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import GeometryError
 from camgeo.numeric.arrays import BoolArray, FloatArray, IntArray
-from camgeo.outline.cells import PLACE, ROUNDING, Cells, halved
+from camgeo.outline.cells import PLACE, ROUNDING, Cells, cross_once, halved, meet, overlapping
 from camgeo.outline.cusps import backward_ranges
 from camgeo.outline.division import Division, divide
 from camgeo.outline.envelope import Envelope
-from camgeo.outline.pairs import cross_once, meet, overlapping
 
 if TYPE_CHECKING:
     from camgeo.outline.swallow_tail import SwallowTail
@@ -39,8 +38,8 @@ OUTSIDE = 0.05
 """How far outside its cell a crossing may be found and still count for it, as a share of the cell;
 neighbours that both find it count once."""
 
-SAME = 1e-9
-"""Crossings whose path parameters differ by less are one."""
+SAME, TOUCHING = 1e-9, 1e-5
+"""Crossings, and contacts, whose path parameters differ by less are one."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -237,22 +236,10 @@ def _distinct(nodes: list[Node], total: float) -> tuple[Node, ...]:
     """Each node once; of a crossing and a contact beside it the crossing."""
     kept: list[Node] = []
     for node in sorted(nodes, key=lambda node: (node.touching, node.first, node.second)):
-        if not any(_same(node, other, total) for other in kept):
+        places = np.array([(other.first, other.second) for other in kept]).reshape(-1, 2)
+        own = np.array([node.first, node.second])
+        apart = np.abs(np.stack((places - own, places - own[::-1])))
+        near = np.minimum(apart, total - apart) < (TOUCHING if node.touching else SAME)
+        if not np.any(np.all(near, axis=2)):
             kept.append(node)
     return tuple(sorted(kept, key=lambda node: (node.first, node.second)))
-
-
-def _same(one: Node, other: Node, total: float) -> bool:
-    near = SAME if not one.touching else 1e-5
-    straight = _near(one.first, other.first, near, total) and _near(
-        one.second, other.second, near, total
-    )
-    crossed = _near(one.first, other.second, near, total) and _near(
-        one.second, other.first, near, total
-    )
-    return straight or crossed
-
-
-def _near(one: float, other: float, limit: float, total: float) -> bool:
-    apart = abs(one - other)
-    return min(apart, total - apart) < limit

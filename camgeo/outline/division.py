@@ -22,12 +22,12 @@ tail. All other crossings are between cells that lie apart.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from camgeo.errors import GeometryError
-from camgeo.numeric.arrays import BoolArray, FloatArray, IntArray, ascending, grouped
+from camgeo.numeric.arrays import BoolArray, FloatArray, IntArray, ascending, grouped, joined
 from camgeo.outline.cells import Cells, enclose, halved
 from camgeo.outline.envelope import Envelope
 
@@ -100,10 +100,11 @@ def divide(envelope: Envelope, cusps: FloatArray) -> Division:
         if not np.any(coarse):
             break
         fine = halved(envelope, cells.some(coarse))
-        cells = _merged(cells.some(~coarse), fine)
+        cells = joined([cells.some(~coarse), fine])
+        cells = cells.some(np.argsort(cells.low, kind="stable"))
     else:
         raise GeometryError("the flank bends more tightly than doubles can tell; it has no outline")
-    cells = _numbered(cells)
+    cells = replace(cells, origin=np.arange(len(cells)))
     negative = cells.pace < 0.0
     return Division(
         envelope,
@@ -134,19 +135,6 @@ def _touches(cells: Cells, cusps: FloatArray) -> BoolArray:
     high = np.append(cells.low[1:], cells.low[0])
     touched: BoolArray = np.isin(cells.low, cusps) | np.isin(high, cusps)
     return touched
-
-
-def _merged(one: Cells, other: Cells) -> Cells:
-    order = np.argsort(np.concatenate((one.low, other.low)), kind="stable")
-    names = Cells.__slots__
-    return Cells(
-        *(np.concatenate((getattr(one, name), getattr(other, name)))[order] for name in names)
-    )
-
-
-def _numbered(cells: Cells) -> Cells:
-    rest = [getattr(cells, name) for name in Cells.__slots__[3:]]
-    return Cells(cells.low, cells.high, np.arange(len(cells)), *rest)
 
 
 def _sums(values: FloatArray) -> FloatArray:

@@ -7,6 +7,7 @@ angle along the curve, the angle turned along such an arc.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -14,6 +15,7 @@ import numpy as np
 
 from camgeo.curve.closure import joints
 from camgeo.curve.working_curve import WorkingCurve
+from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, IntArray, ascending, frozen
 from camgeo.outline.path import Element, Pivot, Stretch
 from camgeo.units import TURN
@@ -36,6 +38,17 @@ class Course:
     points: ComplexArray
     tangents: ComplexArray
     pace: FloatArray
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Pivots:
+    """The turns among m elements, in their places: `Pivot.centre`, `normal` at the start, and +1 or
+    -1 for the sense of the sweep; 0 for stretches.
+    """
+
+    centre: ComplexArray
+    normal: ComplexArray
+    sense: FloatArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,6 +106,18 @@ class Envelope:
         return frozen([isinstance(each, Pivot) for each in self.elements], np.bool_)
 
     @cached_property
+    def pivots(self) -> Pivots:
+        """The turns about corners of the pitch curve."""
+        rows = [
+            (each.centre, each.normal, math.copysign(1.0, each.sweep))
+            if isinstance(each, Pivot)
+            else (0j, 0j, 0.0)
+            for each in self.elements
+        ]
+        centre, normal, sense = np.array(rows, dtype=np.complex128).T
+        return Pivots(centre, normal, sense.real)
+
+    @cached_property
     def angle_offsets(self) -> FloatArray:
         """(m,) cam angle less path parameter along each element; 0 for turns."""
         pairs = zip(self.starts, self.elements, strict=True)
@@ -143,21 +168,16 @@ class Envelope:
         angle = each.start + (place - float(self.starts[index]))
         return angle - TURN if angle >= TURN else angle
 
-    def place_of(self, angle: float) -> float:
-        """Path parameter of a cam angle [rad] in [0, 2 pi), after a turn that is there."""
+    def place_of(self, angle: float, side: Side = "right") -> float:
+        """Path parameter of a cam angle [rad] in [0, 2 pi), after a turn that is there, or before
+        it if it is seen from the left.
+        """
+        left = side == "left"
         for start, each in zip(self.starts, self.elements, strict=True):
             if isinstance(each, Stretch):
-                beyond = angle if angle >= each.start else angle + TURN
-                if beyond < each.end:
-                    return float(start) + (beyond - each.start)
-        raise AssertionError("the stretches fill the turn")
-
-    def place_before(self, angle: float) -> float:
-        """Path parameter of a cam angle [rad] in [0, 2 pi), before a turn that is there."""
-        for start, each in zip(self.starts, self.elements, strict=True):
-            if isinstance(each, Stretch):
-                beyond = angle if angle > each.start else angle + TURN
-                if beyond <= each.end:
+                before = angle < each.start or (left and angle == each.start)
+                beyond = angle + TURN if before else angle
+                if beyond < each.end or (left and beyond == each.end):
                     return float(start) + (beyond - each.start)
         raise AssertionError("the stretches fill the turn")
 
@@ -169,36 +189,25 @@ class Envelope:
         index = self.element_at(places)
         points, tangents = np.empty((2, len(places)), dtype=np.complex128)
         pace = np.empty(len(places))
-        on_curve = ~self.is_pivot[index]
-        part = self._along(places[on_curve] + self.angle_offsets[index[on_curve]])
-        points[on_curve], tangents[on_curve], pace[on_curve] = (
-            part.points,
-            part.tangents,
-            part.pace,
-        )
-        for k in np.flatnonzero(self.is_pivot):
-            here = index == k
-            if np.any(here):
-                pivot = self.elements[k]
-                assert isinstance(pivot, Pivot)  # not a stretch
-                turned = self.course_of_pivot(pivot, places[here] - self.starts[k])
-                points[here], tangents[here], pace[here] = (
-                    turned.points,
-                    turned.tangents,
-                    turned.pace,
-                )
+        on_pivot = self.is_pivot[index]
+        turned = places - self.starts[index]
+        angles = places + self.angle_offsets[index]
+        for here, part in (
+            (~on_pivot, self._along(angles[~on_pivot])),
+            (on_pivot, self.course_of_pivots(index[on_pivot], turned[on_pivot])),
+        ):
+            points[here], tangents[here], pace[here] = part.points, part.tangents, part.pace
         return Course(points, tangents, pace)
 
-    def course_of_pivot(self, pivot: Pivot, turned: FloatArray) -> Course:
-        """The arc about a corner of the pitch curve, `turned` (n,) [rad] from its start."""
-        sense = 1.0 if pivot.sweep >= 0.0 else -1.0
-        normal = pivot.normal * np.exp(1j * sense * turned)
-        rotation = self.curve.pitch.rotation
-        return Course(
-            pivot.centre + pivot.distance * normal,
-            -1j * rotation * normal,
-            np.full(len(turned), -rotation * pivot.distance * sense),
-        )
+    def course_of_pivots(self, index: IntArray, turned: FloatArray) -> Course:
+        """The arcs about corners of the pitch curve, the elements `index` (n,), `turned` (n,) [rad]
+        from their starts.
+        """
+        sense, rotation = self.pivots.sense[index], self.curve.pitch.rotation
+        normal = self.pivots.normal[index] * np.exp(1j * sense * turned)
+        distance = self.curve.distance
+        points = self.pivots.centre[index] + distance * normal
+        return Course(points, -1j * rotation * normal, -rotation * distance * sense)
 
     def _along(self, angles: FloatArray) -> Course:
         """The parallel at cam angles, from the right."""

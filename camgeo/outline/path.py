@@ -9,12 +9,25 @@ from __future__ import annotations
 
 import cmath
 from dataclasses import dataclass, replace
+from enum import StrEnum
 
 import numpy as np
 
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.numeric.arrays import FloatArray
 from camgeo.units import TURN
+
+
+class Flank(StrEnum):
+    """A flank by its name: the inner one bounds a disc, the outer one a hole."""
+
+    INNER = "inner"
+    OUTER = "outer"
+
+    @property
+    def sign(self) -> int:
+        """Of its distance from the pitch curve; also the way in which a roller is pressed on it."""
+        return -1 if self is Flank.INNER else 1
 
 
 @dataclass(frozen=True, slots=True)

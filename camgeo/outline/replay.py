@@ -13,17 +13,17 @@ from typing import Final
 
 import numpy as np
 
-from camgeo.curve.extremes import Quantity, extremes
+from camgeo.curve.extremes import extremes
 from camgeo.curve.pitch_curve import PitchCurve
+from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import GeometryError
 from camgeo.mechanism.follower_path import FollowerPath, path_of
 from camgeo.motion.motion import Motion, Side
 from camgeo.motion.piece import SNAP
 from camgeo.numeric.arrays import FloatArray, IntArray, ascending
 from camgeo.numeric.extremes import Extreme
-from camgeo.outline.flank import Flank
-from camgeo.outline.path import Path, Stretch
-from camgeo.outline.replay_course import AS_DEMANDED, Course, pressed
+from camgeo.outline.path import Flank, Path, Stretch
+from camgeo.outline.replay_course import AS_DEMANDED, Course, PlayedLift, pressed
 from camgeo.outline.replay_result import AS_DEMANDED_ELEMENT, Jumps, Replay
 from camgeo.outline.roller_path import LinesAndArcs, branches, circles, parallel
 from camgeo.units import TURN
@@ -111,12 +111,14 @@ def replay_outline(
     pivots = [each for each in outline.offset(-distance).pivots if each.distance != 0.0]
     if any(abs(abs(each.distance) - radius) > DROP * radius for each in pivots):
         raise GeometryError("the outline has an arc where the roller must find a corner")
-    path = path_of(pitch.follower, pitch.rotation)
+    path, played = path_of(pitch.follower, pitch.rotation), None
     if clearance > 0.0:
-        from camgeo.outline.replay_play import course_with_play  # few grooves have play
-
-        played = course_with_play(pitch, outline, path, press, clearance)
-        return _replay(pitch, played, press, step, corner)
+        if not outline.is_whole:
+            raise GeometryError(
+                "the flank is trimmed or has a corner, and the groove has side clearance: replay a"
+                " drawing of it"
+            )
+        played = PlayedLift(path, WorkingCurve(pitch, 0.5 * press * clearance))
     centres = np.array([each.centre for each in pivots], dtype=np.complex128)
     found = branches(circles(centres, radius or 1.0), path)  # a knife edge has no such pivots
     starts, ends = _gaps(stretches)
@@ -125,7 +127,7 @@ def replay_outline(
     borders, numbers = np.zeros(1), np.full(1, AS_DEMANDED)
     if len(starts):
         borders, numbers = pressed(found, path, press, (starts, ends))
-    course = Course(path, pitch.motion, found, borders, numbers)
+    course = Course(path, pitch.motion, found, borders, numbers, played)
     return _replay(pitch, course, press, step, corner, within)
 
 
@@ -221,11 +223,11 @@ def _shocks(path: FollowerPath, left: _Samples, right: _Samples, corner: float) 
 
 def _peak(motion: Motion, order: int) -> Extreme:
     """Largest magnitude of a derivative of the demanded lift, exactly."""
-
-    def derivative(order: int) -> Quantity:
-        return lambda phi, side: motion.jet(phi, side)[order]
-
-    found = extremes(motion, derivative(order), derivative(order + 1))
+    found = extremes(
+        motion,
+        lambda phi, side: motion.jet(phi, side)[order],
+        lambda phi, side: motion.jet(phi, side)[order + 1],
+    )
     sides = (found.smallest(), found.largest())
     value, place = max(sides, key=lambda side: abs(side[0]))
     return Extreme(abs(value), place)

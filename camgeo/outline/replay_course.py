@@ -4,21 +4,115 @@ The roller is pressed along the follower's path until it touches: of all branche
 meets, the outermost holds a roller that is pressed inward, the innermost one that is pressed
 outward. Which one that is changes at the ends of branches and where two of them cross, at no other
 place; so it is known for all cam angles, not for sampled ones.
+
+A roller with play touches one flank of its groove, which lies half the groove's width from the
+pitch curve, so that its centre runs on the pitch curve's parallel at half the clearance. At the cam
+angle phi it touches the flank where the demanded motion would touch it at another cam angle theta:
+the one at which the follower's path at phi meets the parallel.
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
-from typing import Protocol
+from functools import cached_property
+from typing import Literal
 
 import numpy as np
 
+from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import GeometryError
-from camgeo.mechanism.follower_path import FollowerPath, lift_jet
+from camgeo.mechanism.follower_path import Bows, FollowerPath, lift_jet
 from camgeo.motion.motion import Motion, Side
 from camgeo.numeric.arrays import BoolArray, FloatArray, IntArray, ascending, grouped
 from camgeo.outline.roller_path import Branches
 from camgeo.units import TURN
+
+STEPS = 40
+"""Newton steps at most; the parallel is near the pitch curve, so that five are many."""
+
+SETTLED = 64.0 * 2.0**-52
+"""A last step [rad] below this, a few roundings of a cam angle, and theta is found."""
+
+LONGEST = 0.2
+"""Longest Newton step [rad]."""
+
+AT = 1e-9
+"""This near to a break [rad] theta counts as the break, seen from the side that is asked for."""
+
+
+@dataclass(frozen=True)
+class PlayedLift:
+    """The lift of a roller whose centre runs on a parallel of the pitch curve.
+
+    Attributes
+    ----------
+    path : of the follower.
+    parallel : the curve of the roller centres: the pitch curve's parallel at -c/2 for a roller on
+        the inner flank of a groove with the clearance c, at +c/2 on the outer one. Regular, and
+        without corners.
+    """
+
+    path: FollowerPath
+    parallel: WorkingCurve
+
+    @cached_property
+    def breaks(self) -> FloatArray:
+        """(m,) cam angles [rad] in [0, 2 pi) at which the roller passes breaks of the curve."""
+        angles, _ = self.path.cam_angle_of(self.parallel.point(self.parallel.breaks))
+        return ascending(angles)
+
+    def jet(self, phi: FloatArray, side: Side = "right", order: int = 2) -> FloatArray:
+        """(3, n) lift with two derivatives [mm or rad per rad^k] at `phi` (n,) [rad], whatever the
+        `order`.
+
+        The path meets the circle of curvature of the parallel there as it does the parallel itself
+        up to the second order.
+
+        Raises
+        ------
+        GeometryError
+            If the path does not meet the parallel near by, or is tangent to it.
+        """
+        theta = self.touching(phi)
+        at = self._at_breaks(theta)
+        points, tangents, _ = self.parallel.traced(at, side)
+        normals = 1j * self.parallel.pitch.rotation * tangents
+        _, q = self.path.cam_angle_of(points)
+        return lift_jet(self.path, phi, q, Bows(points, normals, self.parallel.curvature(at, side)))
+
+    def touching(self, phi: FloatArray) -> FloatArray:
+        """(n,) theta [rad] at `phi` (n,) [rad], by Newton's method; raises as `jet`."""
+        theta = np.asarray(phi, dtype=np.float64)
+        for _ in range(STEPS):
+            points, tangents, pace = self.parallel.traced(theta)
+            angles, q = self.path.cam_angle_of(points)
+            # Along the parallel dZ = (Z_phi) dphi + (Z_q) dq; the part across the path is dphi's.
+            across = np.conj(self.path.along(angles, q)[0])
+            turning = (across * (-1j * self.path.rotation) * points).imag
+            rate = (across * tangents).imag * pace
+            if np.any(rate * turning <= 0.0):
+                break
+            away = np.remainder(phi - angles + math.pi, TURN) - math.pi
+            step = np.clip(away * turning / rate, -LONGEST, LONGEST)
+            theta = theta + step
+            if np.max(np.abs(step), initial=0.0) <= SETTLED * TURN:
+                return theta
+        raise GeometryError(
+            "the play is too large to be followed: the follower's path does not meet the curve of"
+            " the roller centre on that flank near by"
+        )
+
+    def _at_breaks(self, theta: FloatArray) -> FloatArray:
+        """`theta` in one turn, on the breaks themselves where it is there to rounding."""
+        breaks = np.append(self.parallel.breaks, self.parallel.breaks[:1] + TURN)
+        turned = np.remainder(theta, TURN)
+        above = np.searchsorted(breaks, turned)
+        for index in (above - 1, np.minimum(above, len(breaks) - 1)) if len(breaks) else ():
+            near = np.abs(turned - breaks[index]) <= AT
+            turned = np.where(near, breaks[index], turned)
+        return np.where(turned >= TURN, turned - TURN, turned)
+
 
 AS_DEMANDED = -1
 """Number of the branch that is the demanded motion itself, or that with the roller's play."""
@@ -33,15 +127,6 @@ contour that is smooth but for a few corners has one."""
 
 HALF_ARC = 0.52
 """Half an arc of at most an eighth of a turn in times of its chord, at most: pi/16 / sin(pi/8)."""
-
-
-class Played(Protocol):
-    """The motion with play; `camgeo.outline.replay_play.PlayedLift` is one."""
-
-    @property
-    def breaks(self) -> FloatArray: ...
-
-    def jet(self, phi: FloatArray, side: Side = "right") -> FloatArray: ...
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -63,7 +148,7 @@ class Course:
     branches: Branches
     borders: FloatArray
     numbers: IntArray
-    played: Played | None = None
+    played: PlayedLift | None = None
 
     @property
     def breaks(self) -> FloatArray:
@@ -71,11 +156,6 @@ class Course:
         if self.played is None:
             return self.motion.breaks
         return ascending(np.concatenate((self.motion.breaks, self.played.breaks)))
-
-    def _as_demanded(self, phi: FloatArray, side: Side, order: int) -> FloatArray:
-        if self.played is not None:
-            return self.played.jet(phi, side)[: order + 1]
-        return self.motion.jet(phi, side, order)[: order + 1]
 
     def number(self, phi: FloatArray, side: Side = "right") -> IntArray:
         """(n,) the branch at `phi` (n,) [rad]."""
@@ -86,18 +166,7 @@ class Course:
 
     def lift(self, phi: FloatArray, side: Side = "right") -> FloatArray:
         """(n,) lift [mm or rad] at `phi` (n,) [rad]."""
-        number = self.number(phi, side)
-        out = np.empty(len(phi))
-        demanded = number == AS_DEMANDED
-        if np.any(demanded):
-            out[demanded] = self._as_demanded(phi[demanded], side, 1)[0]
-        held = ~demanded
-        if np.any(held):
-            index = number[held]
-            bows, facing = self.branches.bows.take(index), self.branches.facing[index]
-            q = self.path.meet(phi[held], bows, facing)
-            out[held] = self.path.outward * (q - self.path.start)
-        return out
+        return np.asarray(self._rows(phi, side, 0)[0])
 
     def jet(self, phi: FloatArray, side: Side = "right") -> FloatArray:
         """(3, n) lift with two derivatives [mm or rad per rad^k] at `phi` (n,) [rad].
@@ -107,17 +176,24 @@ class Course:
         GeometryError
             Where the lift jumps, for its velocity has no bound there.
         """
+        return self._rows(phi, side, 2)
+
+    def _rows(self, phi: FloatArray, side: Side, order: Literal[0, 2]) -> FloatArray:
+        """(order + 1, n) lift with derivatives."""
         number = self.number(phi, side)
-        out = np.empty((3, len(phi)))
-        demanded = number == AS_DEMANDED
-        if np.any(demanded):
-            out[:, demanded] = self._as_demanded(phi[demanded], side, 2)
-        held = ~demanded
+        held = number != AS_DEMANDED
+        out = np.empty((order + 1, len(phi)))
+        if not np.all(held):
+            made = self.motion if self.played is None else self.played
+            out[:, ~held] = made.jet(phi[~held], side, max(order, 1))[: order + 1]
         if np.any(held):
             angles, index = phi[held], number[held]
             bows = self.branches.bows.take(index)
             q = self.path.meet(angles, bows, self.branches.facing[index])
-            out[:, held] = lift_jet(self.path, angles, q, bows)
+            if order:
+                out[:, held] = lift_jet(self.path, angles, q, bows)
+            else:
+                out[0, held] = self.path.outward * (q - self.path.start)
         return out
 
 

@@ -1,4 +1,10 @@
-"""What a replay tells: the follower's motion on a disc beside the demanded one."""
+"""What a replay tells: the follower's motion on a disc beside the demanded one.
+
+Two replays held together tell what play a conjugate pair of real discs leaves the follower. Pressed
+against the main disc alone it makes the lift q_1, against the return disc alone q_2. Each disc
+stops it on its side, so that it can be anywhere between them; where they overlap the rollers are
+squeezed.
+"""
 
 from __future__ import annotations
 
@@ -6,9 +12,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from camgeo.motion.motion import Motion
-from camgeo.numeric.arrays import BoolArray, FloatArray, IntArray, frozen
-from camgeo.numeric.extremes import Extreme
+from camgeo.errors import GeometryError
+from camgeo.motion.motion import Motion, Side
+from camgeo.numeric.arrays import BoolArray, FloatArray, IntArray, ascending, frozen
+from camgeo.numeric.extremes import Extreme, Extremes, piecewise_extremes
 from camgeo.numeric.roots import bracketed_roots
 from camgeo.outline.replay_course import Course
 from camgeo.units import TURN
@@ -203,3 +210,29 @@ def _accelerations(motion: Motion) -> tuple[FloatArray, FloatArray]:
     if not len(motion.breaks):
         return np.empty(0), np.empty(0)
     return motion.jet(motion.breaks, "left", 2)[2], motion.jet(motion.breaks, "right", 2)[2]
+
+
+def play(main: Replay, other: Replay, phi: FloatArray, side: Side = "right") -> FloatArray:
+    """(n,) play between the discs at the cam angles `phi` (n,) [rad], negative where they squeeze.
+
+    In the unit of the lift [mm or rad]: outward times (q_2 - q_1), outward the sense of a lift that
+    takes the main roller away from the cam axis.
+    """
+    outward = main.course.path.outward
+    return outward * (other.course.lift(phi, side) - main.course.lift(phi, side))
+
+
+def closing_error(main: Replay, other: Replay) -> Extremes:
+    """Smallest and largest `play` over the turn, between all places where a disc's piece changes.
+
+    Raises
+    ------
+    GeometryError
+        If both discs push the follower in the same sense: there is nothing between them.
+    """
+    if main.course.path.outward == other.course.path.outward:
+        raise GeometryError("the two discs push the follower in the same sense: they do not close")
+    ends = np.array([0.0, TURN])
+    borders = (ends, main.course.borders, other.course.borders, main.course.motion.borders)
+    edges = ascending(np.clip(np.concatenate(borders), 0.0, TURN))
+    return piecewise_extremes(lambda phi, side: play(main, other, phi, side), edges)

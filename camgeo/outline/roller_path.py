@@ -17,7 +17,7 @@ import numpy as np
 
 from camgeo.errors import GeometryError
 from camgeo.mechanism.follower_path import Bows, FollowerPath
-from camgeo.numeric.arrays import ComplexArray, FloatArray, IntArray, grouped
+from camgeo.numeric.arrays import ComplexArray, FloatArray, IntArray, grouped, joined
 from camgeo.units import TURN
 
 MOST_TURN = math.pi / 4.0
@@ -48,6 +48,9 @@ class LinesAndArcs(Protocol):
 
     @property
     def centres(self) -> ComplexArray: ...
+
+    @property
+    def area(self) -> float: ...
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -105,7 +108,7 @@ def parallel(contour: LinesAndArcs, distance: float) -> Parallel:
     """
     starts, ends = contour.vertices, contour.ends
     used = np.flatnonzero((starts != ends) | (contour.sweeps != 0.0))
-    if not len(used) or not _area(contour) > 0.0:
+    if not len(used) or not contour.area > 0.0:
         raise GeometryError("the contour must enclose an area and run counter-clockwise")
     starts, ends = starts[used], ends[used]
     sweeps, centres = contour.sweeps[used], contour.centres[used]
@@ -142,7 +145,7 @@ def parallel(contour: LinesAndArcs, distance: float) -> Parallel:
         np.zeros(len(ends)),
         -1 - np.roll(used, -1),
     )
-    return _joined(pieces, corners)
+    return joined([pieces, corners])
 
 
 def circles(centres: ComplexArray, radius: float) -> Parallel:
@@ -228,28 +231,6 @@ def _cut(
         elements[index],
         np.where(elements < 0, np.abs(turns), TURN)[index],
     )
-
-
-def _joined(first: Parallel, second: Parallel) -> Parallel:
-    a, b = first.bows, second.bows
-    return Parallel(
-        Bows(
-            np.concatenate((a.points, b.points)),
-            np.concatenate((a.normals, b.normals)),
-            np.concatenate((a.curvatures, b.curvatures)),
-        ),
-        np.concatenate((first.lengths, second.lengths)),
-        np.concatenate((first.ends, second.ends)),
-        np.concatenate((first.elements, second.elements)),
-        np.concatenate((first.corners, second.corners)),
-    )
-
-
-def _area(contour: LinesAndArcs) -> float:
-    """Enclosed area [mm^2], positive if run counter-clockwise."""
-    chords = 0.5 * (contour.vertices.conj() * contour.ends).imag
-    radii = np.where(contour.sweeps != 0.0, np.abs(contour.vertices - contour.centres), 0.0)
-    return float(np.sum(chords + 0.5 * radii**2 * (contour.sweeps - np.sin(contour.sweeps))))
 
 
 def _unit(vectors: ComplexArray) -> ComplexArray:

@@ -11,12 +11,11 @@ from camgeo.contour.arcs.fast import fit_arcs
 from camgeo.contour.arcs.fewest import fewest_arcs
 from camgeo.contour.chords.fast import fit_polyline
 from camgeo.contour.chords.fewest import fewest_chords
-from camgeo.contour.contour import Contour
+from camgeo.contour.contour import Contour, Effort, Fit
 from camgeo.contour.cubics.deviation import bound_by_arcs, spline_deviation
 from camgeo.contour.cubics.fits import fewest_cubics, fit_spline
-from camgeo.contour.cubics.lines_and_arcs import lines_and_arcs
+from camgeo.contour.cubics.lines_and_arcs import arcs_beside
 from camgeo.contour.exact import chords_of, distance_between, fewest_chords_of
-from camgeo.contour.fit import Effort, Fit
 from camgeo.contour.proof.deviation import deviation
 from camgeo.contour.simple import require_simple
 from camgeo.contour.spline import Arc, SplineContour, SplineFit
@@ -61,8 +60,7 @@ class CurveBoundary:
         """Cubic splines and arcs; raises as `arcs`."""
         fit = fit_spline if effort == "fast" else fewest_cubics
         found = self.ledger.run(f"cubics of {self.name}", lambda: fit(self.path, tolerance))
-        drawn, _ = lines_and_arcs(found.contour, tolerance)
-        require_simple(drawn, self.name)
+        require_simple(arcs_beside(found.contour, tolerance).contour, self.name)
         return found
 
     def _simple(self, what: str, fit: Callable[[Path, float], Fit], tolerance: float) -> Fit:
@@ -157,7 +155,7 @@ def largest_radius(contour: Contour) -> float:
 
 def smallest_radius(contour: Contour) -> float:
     """Smallest distance of the contour from the cam axis [mm]; 0 if the axis lies outside of it."""
-    from camgeo.contour.winding import winding_number
+    from camgeo.contour.simple import winding_number
 
     return min(_radii(contour)) if winding_number(contour, 0j) else 0.0
 

@@ -7,8 +7,7 @@ from itertools import groupby, pairwise
 from operator import itemgetter
 from typing import Any, Protocol
 
-from camgeo.contour.contour import Contour
-from camgeo.contour.fit import Effort, Fit
+from camgeo.contour.contour import Contour, Effort, Fit
 from camgeo.contour.spline import SplineContour, SplineFit
 from camgeo.errors import GeometryError
 from camgeo.numeric.checked import finite, hold, instance, number, shown

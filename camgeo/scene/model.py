@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from camgeo.formats.format import Options
 
 if TYPE_CHECKING:
-    from camgeo.contour.fit import Effort
+    from camgeo.contour.contour import Effort
 
 
 @dataclass(frozen=True, slots=True)
@@ -19,7 +19,7 @@ class OutputSpec:
     ----------
     formats : names of the writers, in the order of the scene.
     tolerance : largest deviation of any written contour from the exact curve [mm].
-    fit : how hard fits try, see `camgeo.contour.fit.Effort`.
+    fit : how hard fits try, see `camgeo.contour.contour.Effort`.
     options : of the formats, see `camgeo.formats.format.Options`.
     accuracy_ripple : whether what accuracy costs shows the ripple of the acceleration too.
     """

@@ -14,8 +14,8 @@ from camgeo.curve.working_curve import WorkingCurve
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.numeric.arrays import ComplexArray, FloatArray
-from camgeo.outline.area import area
 from camgeo.outline.crossings import Crossing, find_crossings
+from camgeo.outline.moments import area
 from camgeo.outline.outline import real_outline
 from camgeo.outline.replay import replay_outline
 from camgeo.outline.replay_result import Replay

@@ -7,7 +7,7 @@ import math
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
 
-from camgeo.contour.fit import Effort
+from camgeo.contour.contour import Effort
 from camgeo.toolpath.cut import Cut
 from camgeo.toolpath.machine import ArcLimits
 from camgeo.toolpath.machining_time import arc_sweep

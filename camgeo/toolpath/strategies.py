@@ -13,8 +13,7 @@ from typing import Final
 
 import numpy as np
 
-from camgeo.contour.contour import Contour
-from camgeo.contour.fit import Effort
+from camgeo.contour.contour import Contour, Effort
 from camgeo.errors import GeometryError, UndercutError
 from camgeo.toolpath.cut import Cut
 from camgeo.toolpath.leads import quarter_circle_lead, started

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from camgeo.accuracy.rows import ContourRow, Count, FileCost, Form
-from camgeo.contour.fit import Effort
+from camgeo.contour.contour import Effort
 
 DECIMALS = 4
 

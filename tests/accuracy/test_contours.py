@@ -13,8 +13,7 @@ from camgeo.accuracy import contours as measuring
 from camgeo.accuracy import survey
 from camgeo.accuracy.contours import contour_rows, drawn_as, flanks_of, has_program, milling_of
 from camgeo.accuracy.rows import EFFORTS, FORMS, ContourRow
-from camgeo.contour.contour import Contour
-from camgeo.contour.fit import Fit
+from camgeo.contour.contour import Contour, Fit
 from camgeo.contour.least_pieces import forced_pieces
 from camgeo.design import Design
 from camgeo.errors import ToleranceError

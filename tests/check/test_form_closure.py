@@ -18,9 +18,9 @@ from camgeo.design import Design
 from camgeo.mechanism.conjugate import return_on_lever
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.numeric.arrays import FloatArray
-from camgeo.outline.closing import closing_error
 from camgeo.outline.path import whole
 from camgeo.outline.replay import replay_contour
+from camgeo.outline.replay_result import closing_error
 from camgeo.units import TURN
 from tests.integrals import cells, integrals
 from tests.pairs import Pair, pairs

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from camgeo.contour.contour import Contour
-from camgeo.contour.winding import winding_number
+from camgeo.contour.simple import winding_number
 from tests.contour.cams import outline, polyline
 from tests.measuring import polygon
 

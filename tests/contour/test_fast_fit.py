@@ -18,11 +18,10 @@ from camgeo.contour.arcs.fast import fit_arcs
 from camgeo.contour.arcs.fewest import fewest_arcs
 from camgeo.contour.chords.fast import fit_polyline
 from camgeo.contour.chords.fewest import fewest_chords
-from camgeo.contour.contour import Contour
+from camgeo.contour.contour import Contour, Fit
 from camgeo.contour.counts import above, ladder
-from camgeo.contour.fit import Fit
+from camgeo.contour.hermite import highest
 from camgeo.contour.least_pieces import forced_pieces, least_arcs, least_chords
-from camgeo.contour.peaks import highest
 from camgeo.contour.proof.deviation import deviation
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.curve.working_curve import WorkingCurve
@@ -191,7 +190,7 @@ def test_distances_of_biarcs(curve: WorkingCurve, start: float, span: float, cou
     breaks = np.concatenate([curve.breaks - TURN, curve.breaks, curve.breaks + TURN, [start + 9.0]])
     end = min(start + span, float(np.min(breaks[breaks > start + 1e-9])))
     joints = np.linspace(start, end, count + 1)
-    ends = [Ends(*(part[0] for part in curve.traced(joints[-1:], "left")))]
+    ends = Ends(*curve.traced(joints[-1:], "left"))
     biarcs = Biarcs.along(curve, joints, np.array([count]), ends)
     chain = biarcs.chain()
     points = curve.point(np.linspace(start, end, 4000)[:-1])

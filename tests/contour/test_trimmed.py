@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from camgeo.contour.arcs.fast import fit_arcs
 from camgeo.contour.chords.fast import fit_polyline
-from camgeo.contour.fit import Fit
+from camgeo.contour.contour import Fit
 from camgeo.contour.proof.deviation import deviation
 from camgeo.contour.simple import require_simple
 from camgeo.curve.working_curve import WorkingCurve

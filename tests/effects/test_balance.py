@@ -13,7 +13,6 @@ from hypothesis import strategies as st
 
 from camgeo.check.finding import Finding
 from camgeo.contour.contour import Contour
-from camgeo.contour.moments import contour_moments
 from camgeo.design import Design
 from camgeo.effects.balance.holes import PITCH, most, rows
 from camgeo.effects.balance.result import Balance
@@ -193,7 +192,7 @@ def test_each_row_of_holes_cancels_the_unbalance(
     for row in found:
         assert 0.0 < row.diameter <= largest
         moments = total(
-            contour_moments(Contour.circle(row.diameter / 2.0, centre)) for centre in row.centres
+            Contour.circle(row.diameter / 2.0, centre).moments for centre in row.centres
         )
         assert abs(per_area * moments.first - unbalance) <= 1e-12 * abs(unbalance)
         assert abs(row.moment(per_area) - unbalance) <= 1e-12 * abs(unbalance)

@@ -18,8 +18,7 @@ from camgeo.cam.cam import Cam
 from camgeo.cam.drive import Drive
 from camgeo.check.finding import Finding
 from camgeo.check.judge import Judgement
-from camgeo.contour.contour import Contour
-from camgeo.contour.fit import Effort, Fit
+from camgeo.contour.contour import Contour, Effort, Fit
 from camgeo.contour.spline import Arc, SplineContour, SplineFit
 from camgeo.effects.effect import Column
 from camgeo.files.drawn import DrawnDisc

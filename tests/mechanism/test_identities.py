@@ -26,7 +26,7 @@ from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.motion.motion import Motion
 from camgeo.motion.plan import MotionPlan
 from camgeo.numeric.arrays import ComplexArray, FloatArray
-from camgeo.outline.area import area
+from camgeo.outline.moments import area
 from camgeo.outline.outline import Outline, real_outline
 from camgeo.units import TURN
 from tests.integrals import cells

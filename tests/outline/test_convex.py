@@ -17,8 +17,8 @@ from camgeo.mechanism.oscillating_flat import OscillatingFlat
 from camgeo.mechanism.translating_flat import TranslatingFlat
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray
-from camgeo.outline.area import area
 from camgeo.outline.convex import contact_extremes, convexity, touch
+from camgeo.outline.moments import area
 from camgeo.outline.outline import real_outline
 from camgeo.units import TURN
 from tests.integrals import cells, integrals

@@ -12,14 +12,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from camgeo.contour.contour import Contour
-from camgeo.contour.moments import contour_moments
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.motion.motion import Dwell, Jet, Side
 from camgeo.numeric.arrays import FloatArray
-from camgeo.outline.area import area
-from camgeo.outline.moments import ROUNDING, Moments, path_moments, total
+from camgeo.outline.moments import ROUNDING, Moments, area, path_moments, total
 from camgeo.outline.path import Path, Pivot, whole
 from tests.effects.scenes import design
 
@@ -123,7 +121,7 @@ def test_a_polygon_within_a_tolerance_has_moments_within_what_it_allows(scene: s
         assert abs(chords.area - found.area) <= room
         centre = complex(chords.centroid.x, chords.centroid.y)
         assert abs(centre * chords.area - found.first) <= room * largest
-        arcs = contour_moments(boundary.arcs(tolerance, "fast").contour).counter_clockwise()
+        arcs = boundary.arcs(tolerance, "fast").contour.moments.counter_clockwise()
         assert abs(arcs.first - found.first) <= room * largest
 
 
@@ -139,7 +137,7 @@ def test_arcs_about_pivots_are_in_closed_form() -> None:
         Pivot(corner, 0.5, 1j**k, 0.5 * math.pi, 0.0, 0.0) for k, corner in enumerate(corners)
     ]
     # straight sides between them do not occur in a path: their part by hand
-    of_octagon = contour_moments(polygon([p for each in pivots for p in (each.start, each.end)]))
+    of_octagon = polygon([p for each in pivots for p in (each.start, each.end)]).moments
     arcs = path_moments(Path(tuple(pivots)), 1e-12)
     # arcs alone: triangles from the origin to the chords, and segments
     triangles = total(
@@ -160,7 +158,7 @@ def test_arcs_about_pivots_are_in_closed_form() -> None:
 
 def test_a_half_disc_has_its_centroid_at_four_thirds_of_the_radius_over_pi() -> None:
     half = Contour(np.array([3.0 + 0j, -3.0 + 0j]), np.array([math.pi, 0.0]), np.array([0j, 0j]))
-    found = contour_moments(half)
+    found = half.moments
     assert found.area == pytest.approx(4.5 * math.pi, rel=1e-15)
     assert found.first / found.area == pytest.approx(4.0j / math.pi, rel=1e-15)
 
@@ -180,7 +178,7 @@ def test_a_circle_in_any_arcs_is_a_circle(
     angles = np.array([0.0, *sorted(cuts)])
     vertices = np.asarray(centre + radius * np.exp(1j * angles), dtype=np.complex128)
     sweeps = np.diff(angles, append=2.0 * math.pi)
-    found = contour_moments(Contour(vertices, sweeps, np.full(len(angles), complex(centre))))
+    found = Contour(vertices, sweeps, np.full(len(angles), complex(centre))).moments
     size = math.pi * radius * radius
     # vertices are rounded to the size of the circle and its place
     room = 1e-14 * (radius + abs(centre)) ** 2
@@ -192,7 +190,7 @@ def test_run_the_other_way_everything_changes_its_sign() -> None:
     vertices = np.array([2.0, -1.0 + 1.0j, 1.0j], dtype=np.complex128)
     contour = Contour(vertices, np.array([math.pi, 0.0, 0.0]),
                       np.array([0.5 + 0.5j, 0.0, 0.0]))  # fmt: skip
-    one, other = contour_moments(contour), contour_moments(contour.reversed())
+    one, other = contour.moments, contour.reversed().moments
     assert other.area == pytest.approx(-one.area, rel=1e-15)
     assert other.first == pytest.approx(-one.first, rel=1e-15)
     assert other.counter_clockwise().first == pytest.approx(one.first, rel=1e-15)

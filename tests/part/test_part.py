@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from camgeo.cam.contact import Contact
 from camgeo.contour.contour import Contour
-from camgeo.contour.winding import winding_number
+from camgeo.contour.simple import winding_number
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import GeometryError, UndercutError

@@ -10,8 +10,7 @@ import numpy as np
 import pytest
 
 from camgeo.cam.contact import Contact
-from camgeo.contour.contour import Contour
-from camgeo.contour.fit import Effort
+from camgeo.contour.contour import Contour, Effort
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import GeometryError

@@ -10,17 +10,180 @@ Biarcs, which have the curve's points and tangents at every other joint, need 1.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from camgeo.contour.arcs.biarcs import FLAT
-from camgeo.contour.arcs.course import Arcs, Course, Strands
-from camgeo.contour.arcs.joints import Layout, evened
-from camgeo.contour.arcs.system import ArcSystem
+from camgeo.contour.arcs.joints import ArcSystem, Difficulty, Layout, evened
 from camgeo.contour.chain import Chain
+from camgeo.contour.joints import APART, Bends
+from camgeo.curve.pieces import Piece
 from camgeo.curve.working_curve import WorkingCurve
-from camgeo.numeric.arrays import ComplexArray, FloatArray, IntArray
+from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, IntArray
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Strands:
+    """Smooth pieces of one parallel, none a dwell, ready for arcs.
+
+    Attributes
+    ----------
+    curve : the parallel.
+    difficulty : of its pieces, p.
+    points, tangents : (2, p) complex [mm], unit; one-sided, at starts and ends.
+    """
+
+    curve: WorkingCurve
+    difficulty: Difficulty
+    points: ComplexArray
+    tangents: ComplexArray
+
+    @classmethod
+    def of(cls, curve: WorkingCurve, pieces: Sequence[Piece], bends: Sequence[Bends]) -> Strands:
+        """The `pieces` of `curve`, which bends along them as `bends` tell."""
+        first = curve.traced(np.array([piece.start for piece in pieces]))
+        last = curve.traced(np.array([piece.end for piece in pieces]), "left")
+        points, tangents = np.stack((first[0], last[0])), np.stack((first[1], last[1]))
+        return cls(curve, Difficulty.of(pieces, bends), points, tangents)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Course:
+    """The curve at the joints of a batch and between them.
+
+    Attributes
+    ----------
+    angles, points, tangents : (j,) cam angle [rad], point [mm] and unit tangent of the joints.
+    samples : (n, m) complex [mm] points of the curve beside each arc.
+    scale : (j,) [mm] length of the chords about each joint, which makes its turn a length.
+    sound : (k,) False for splines that have joints too close to each other.
+    """
+
+    layout: Layout
+    angles: FloatArray
+    points: ComplexArray
+    tangents: ComplexArray
+    samples: ComplexArray
+    scale: FloatArray
+    sound: BoolArray
+
+    @classmethod
+    def of(
+        cls, strands: Strands, layout: Layout, pieces: IntArray, places: FloatArray, probes: int
+    ) -> Course:
+        """The curve at the `places` (j,) of joints along `pieces` (k,), and at `probes` an arc."""
+        angles = strands.difficulty.angles(layout, pieces, places)
+        left, right = layout.left, layout.left + 1
+        parts = (np.arange(probes) + 0.5) / probes
+        between = angles[left, None] + (angles[right] - angles[left])[:, None] * parts
+        points, tangents, _ = strands.curve.traced(np.concatenate((angles, between.ravel())))
+        samples = points[len(angles) :].reshape(between.shape)
+        points, tangents = points[: len(angles)], tangents[: len(angles)]
+        points[layout.first], points[layout.last] = strands.points[:, pieces]
+        tangents[layout.first], tangents[layout.last] = strands.tangents[:, pieces]
+        chords = np.abs(points[right] - points[left])
+        apart = (chords > APART * np.max(np.abs(points))) & (angles[right] > angles[left])
+        sound = np.logical_and.reduceat(apart, layout.first_arcs)
+        scale = np.zeros(len(angles))
+        scale[left] += chords
+        scale[right] += chords
+        return cls(layout, angles, points, tangents, samples, scale, sound)
+
+    def step(self, system: ArcSystem, off: FloatArray) -> FloatArray:
+        """Gauss-Newton step (j, 2) from `off` (j, 2), offsets [mm] and turns [rad] of joints."""
+        arcs = Arcs.of(self, off)
+        errors, t = arcs.errors(self.samples)
+        left, right = self.layout.left, self.layout.left + 1
+        # To first order arcs move by Hermite's cubic of what their ends move by, a quadratic as far
+        # as the condition holds. What is left of the condition now is a cubic part of the error.
+        rest = 1.0 - t
+        errors += (0.5 * arcs.length * arcs.miss)[:, None] * t * rest * (rest - t)
+        before, after = arcs.length / self.scale[left], arcs.length / self.scale[right]
+        basis = np.stack(
+            (
+                rest * rest * (1.0 + 2.0 * t),
+                rest * rest * t * before[:, None],
+                t * t * (1.0 + 2.0 * rest),
+                -t * t * rest * after[:, None],
+            ),
+            axis=1,
+        )
+        cosine = (np.conj(arcs.along) * self.tangents[left]).real
+        end_cosine = (np.conj(arcs.along) * self.tangents[right]).real
+        sound = self.sound & np.isfinite(self.layout.largest(np.max(np.abs(errors), axis=1)))
+        free = self.layout.of_joints(sound)
+        free[self.layout.first] = free[self.layout.last] = False
+        found = system.solved(
+            basis @ basis.transpose(0, 2, 1),
+            (basis @ errors[:, :, None])[:, :, 0],
+            np.stack((-2.0 * cosine, -before, 2.0 * end_cosine, -after), axis=1),
+            -arcs.length * arcs.miss,
+            free,
+        )
+        return found / np.stack((np.ones(len(found)), self.scale), axis=1)
+
+    def deviations(self, off: FloatArray) -> FloatArray:
+        """(n,) [mm] largest distance of the curve from each arc, as far as samples tell."""
+        errors = np.abs(Arcs.of(self, off).errors(self.samples)[0])
+        joints = np.abs(off[:, 0])
+        found = np.maximum(joints[self.layout.left], joints[self.layout.left + 1])
+        inside, before, after = errors[:, 1:-1], errors[:, :-2], errors[:, 2:]
+        bend = 2.0 * inside - before - after
+        top = (inside >= before) & (inside >= after) & (bend > 0.0)
+        rise = np.where(top, (after - before) ** 2, 0.0) / np.where(top, 8.0 * bend, 1.0)
+        peaks: FloatArray = np.maximum(np.max(errors, axis=1), np.max(inside + rise, axis=1))
+        return np.maximum(found, peaks)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Arcs:
+    """The arcs of a batch between joints that are off the curve.
+
+    Attributes
+    ----------
+    vertices : (j,) complex [mm].
+    middle, along, length : (n,) of the chords: middle [mm], unit vector, length [mm].
+    halves : (n,) [rad] half the sweeps.
+    miss : (n,) [rad] by which the angle from the first tangent to the chord exceeds that from the
+        chord to the last tangent; both are half the sweep where arcs are G1.
+    """
+
+    vertices: ComplexArray
+    middle: ComplexArray
+    along: ComplexArray
+    length: FloatArray
+    halves: FloatArray
+    miss: FloatArray
+
+    @classmethod
+    def of(cls, course: Course, off: FloatArray) -> Arcs:
+        """The arcs beside `course` with offsets and turns `off` (j, 2) of the joints."""
+        left, right = course.layout.left, course.layout.left + 1
+        vertices = course.points + 1j * course.tangents * off[:, 0]
+        tangents = course.tangents * np.exp(1j * off[:, 1])
+        chords = vertices[right] - vertices[left]
+        length = np.abs(chords)
+        length[length == 0.0] = np.nan
+        along = chords / length
+        before = np.angle(along * np.conj(tangents[left]))
+        after = np.angle(tangents[right] * np.conj(along))
+        middle = 0.5 * (vertices[left] + vertices[right])
+        return cls(vertices, middle, along, length, 0.5 * (before + after), before - after)
+
+    def errors(self, points: ComplexArray) -> tuple[FloatArray, FloatArray]:
+        """Signed distances (n, m) [mm] of `points` (n, m) from the arcs, positive on their left,
+        and the places (n, m) of their feet on the chords, 0 to 1 between the ends.
+        """
+        local = (points - self.middle[:, None]) * np.conj(self.along)[:, None]
+        x = local.real
+        y = local.imag + (0.5 * self.length * np.tan(0.5 * self.halves))[:, None]
+        # From a circle through the origin along x, without its centre, which may be far away.
+        bend = (2.0 * np.sin(self.halves) / self.length)[:, None]
+        root = np.sqrt((bend * x) ** 2 + (1.0 - bend * y) ** 2)
+        return (2.0 * y - bend * (x * x + y * y)) / (1.0 + root), x / self.length[:, None] + 0.5
+
 
 ROUNDS = 14
 """Rounds of evening out the arcs' deviations."""

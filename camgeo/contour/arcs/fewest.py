@@ -6,15 +6,13 @@ import math
 
 import numpy as np
 
-from camgeo.contour.arcs.arc_splines import ArcSpline, arc_splines
-from camgeo.contour.arcs.course import Strands
+from camgeo.contour.arcs.arc_splines import ArcSpline, Strands, arc_splines
 from camgeo.contour.arcs.fast import fit_arcs, rest_arcs, turn_arc
 from camgeo.contour.chain import Chain
-from camgeo.contour.fit import Fit
-from camgeo.contour.groups import fit_by_groups
+from camgeo.contour.contour import Fit
+from camgeo.contour.joints import bends_of
 from camgeo.contour.least_pieces import ARC
-from camgeo.contour.proved import proved_fit
-from camgeo.contour.spread import bends_of
+from camgeo.contour.proved import Group, fit_by_groups, proved_fit
 from camgeo.curve.pieces import Piece
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import GeometryError, ToleranceError
@@ -58,9 +56,9 @@ def fewest_arcs(path: Path, tolerance: float) -> Fit:
     """
     groups: list[_Group] = []
 
-    def group(curve: WorkingCurve, pieces: list[Piece]) -> _Group:
+    def group(curve: WorkingCurve, pieces: list[Piece]) -> Group:
         groups.append(_Group(curve, pieces))
-        return groups[-1]
+        return groups[-1].fit
 
     try:
         fit = proved_fit(

@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import pairwise
+from itertools import groupby, pairwise
 
 import numpy as np
 
 from camgeo.contour.chain import Chain
 from camgeo.contour.chords.arc_chords import arc_angles, arc_count, arc_offset
-from camgeo.contour.chords.course import course
 from camgeo.contour.chords.fast import MAX_CHORDS, fit_polyline
 from camgeo.contour.chords.ladder import MOST_TURN, Ladder
-from camgeo.contour.chords.two_sided import Chords, Stretched
+from camgeo.contour.chords.two_sided import Chords, Stretched, course
+from camgeo.contour.contour import Fit
 from camgeo.contour.counts import too_many
-from camgeo.contour.fit import Fit
 from camgeo.contour.joints import require_regular
 from camgeo.contour.legs import StretchLeg, TurnLeg
 from camgeo.contour.proof.deviation import SHARPNESS
@@ -64,21 +63,19 @@ def fewest_chords(path: Path, tolerance: float) -> Fit:
     def fit_pieces(pieces: Sequence[PieceOfLeg], aim: float) -> list[Chain]:
         for leg, piece in pieces:
             require_regular(leg.curve, piece)
-        starts = [k == 0 or pieces[k - 1][0] is not pieces[k][0] for k in range(len(pieces))]
+        legs = [list(group) for _, group in groupby(pieces, lambda each: id(each[0]))]
         if not ladders:
-            ladders.extend(
-                _ladders(leg) for (leg, _), new in zip(pieces, starts, strict=True) if new
-            )
+            ladders.extend(_ladders(own[0][0]) for own in legs)
         # If a layout proves farther off than was found, one comes that is less far off. Which one
         # that is does not depend on the tolerance, so a looser one takes no more pieces.
         most = max(found) * EASE if found else aim
         found.clear()
         chains: list[Chain] = []
-        own = iter(ladders)
-        for new in starts:
-            laid = [each.fewest(most, PROVED, MAX_CHORDS) for each in next(own)] if new else []
+        for own, of_leg in zip(legs, ladders, strict=True):
+            laid = [each.fewest(most, PROVED, MAX_CHORDS) for each in of_leg]
             found.extend(deviation for _, deviation in laid)
-            chains.append(_chain([chords for chords, _ in laid]) if new else Chain.empty())
+            # One chain for all of a leg, none for its other pieces.
+            chains += [_chain([chords for chords, _ in laid]), *[Chain.empty()] * (len(own) - 1)]
         return chains
 
     def fit_turn(leg: TurnLeg, aim: float) -> Chain:
@@ -112,7 +109,7 @@ def _kinks(leg: StretchLeg) -> list[float]:
         return []
     at = np.array(inner)
     right, left = leg.point(at), leg.point(at, "left")
-    turned = np.abs(leg.tangent(at) - leg.tangent(at, "left"))
+    turned = np.abs(leg.curve.tangent(at) - leg.curve.tangent(at, "left"))
     apart = np.abs(right - left) > KINK * np.abs(right)
     return [float(angle) for angle in at[apart | (turned > KINK)]]
 

@@ -13,8 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from camgeo.contour.chords.bends import Bends, bends_of
-from camgeo.contour.chords.evened import EVEN, Evened, evened
+from camgeo.contour.chords.evened import EVEN, Bends, Evened, bends_of, evened
 from camgeo.contour.chords.two_sided import Chords, Stretched
 from camgeo.contour.counts import too_many
 from camgeo.errors import ToleranceError

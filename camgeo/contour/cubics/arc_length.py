@@ -6,20 +6,16 @@ All pieces of a path are looked at in one call: the cost of a call, not of its p
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import TypeVar
+from dataclasses import dataclass, fields
 
 import numpy as np
-from numpy.typing import NDArray
 
 from camgeo.curve.pieces import Piece
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import GeometryError
 from camgeo.mechanism.follower import bend_of_path
 from camgeo.motion.motion import FULL_ORDER, Side
-from camgeo.numeric.arrays import ComplexArray, FloatArray, IntArray
-
-Scalar = TypeVar("Scalar", bound=np.generic)
+from camgeo.numeric.arrays import ComplexArray, FloatArray, IntArray, taken
 
 CELLS = 160
 """Cells of cam angle a piece. The arc length is only a parameter: its error of some 1e-8 moves a
@@ -80,21 +76,10 @@ class Traced:
             slope = pitch.rotation * (b1 * a3 - a1 * b3) / cube - 3.0 * bend * growth
         return cls(points, tangents, speed, 1.0 + curve.distance * bend, bend, slope)
 
-    def rows(self, which: slice | list[int], shape: tuple[int, ...] = ()) -> Traced:
-        """The part `which` of all arrays, in another shape if one is given."""
-
-        def part(values: NDArray[Scalar]) -> NDArray[Scalar]:
-            found = values[which]
-            return found.reshape(shape) if shape else found
-
-        return Traced(
-            part(self.points),
-            part(self.tangents),
-            part(self.speed),
-            part(self.regular),
-            part(self.bend),
-            part(self.slope),
-        )
+    def shaped(self, which: slice, shape: tuple[int, ...]) -> Traced:
+        """The part `which` of all arrays, in another shape."""
+        part = taken(self, which)
+        return Traced(*(getattr(part, each.name).reshape(shape) for each in fields(part)))
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
-from camgeo.contour.chain import Chain, joined
+from camgeo.contour.chain import Chain, runs_of
 from camgeo.contour.contour import Contour
 from camgeo.contour.cubics.arc_length import ArcLength
-from camgeo.contour.cubics.lines_and_arcs import ArcsBeside, arcs_beside, lines_and_arcs
+from camgeo.contour.cubics.lines_and_arcs import ArcsBeside, arcs_beside
+from camgeo.contour.cubics.parts import Part
 from camgeo.contour.legs import Leg
 from camgeo.contour.proof.deviation import deviation, proved_bound
 from camgeo.contour.spline import CubicSpline, SplineContour
@@ -68,56 +69,38 @@ def bound_by_arcs(measure: Measure, contour: SplineContour) -> float:
     """
     finest = FINEST * contour.reach
     share = max(SHARE * (COARSE * contour.reach), finest)
-    found, failed = 0.0, None
+    found, failed = math.inf, None
     for _ in range(ROUNDS):
-        arcs, apart = lines_and_arcs(contour, share)
+        beside = arcs_beside(contour, share)
         try:
-            reached = measure(arcs)
+            reached = measure(beside.contour)
         except GeometryError as fault:
             # Fine arcs show each bend of the spline, also such as the proof of arcs cannot take.
             failed = fault
-            if found:
+            if found < math.inf:
                 break
             share *= COARSER
             continue
-        found = min(found, reached + apart) if found else reached + apart
-        if apart <= SHARPNESS * reached or share <= finest:
+        found = min(found, reached + beside.apart)
+        if beside.apart <= SHARPNESS * reached or share <= finest:
             break
         if failed is not None:
             break
         share = max(min(0.25 * share, SHARE * reached), finest)
-    if not found and failed is not None:
+    if found == math.inf and failed is not None:
         raise failed
     return found
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Placed:
-    """Where on the path a strand of a fit lies.
-
-    Attributes
-    ----------
-    leg : number of the leg.
-    start : its parameter [rad] where the strand begins.
-    course, piece : for a spline, the arc length that its knots count, from the start of the piece
-        of that number.
-    """
-
-    leg: int
-    start: float
-    course: ArcLength | None = None
-    piece: int = 0
-
-
 def fitted_deviation(
-    legs: Sequence[Leg], placed: Sequence[Placed], contour: SplineContour, scale: float
+    legs: Sequence[Leg], parts: Sequence[Part], contour: SplineContour, scale: float
 ) -> float:
     """As `spline_deviation`, for a contour of which is known where it lies.
 
     Parameters
     ----------
     legs : of the path, in order.
-    placed : (strands,) the place of each strand; the contour runs the way of the path.
+    parts : (strands,) what each strand is of; the contour runs the way of the path.
     scale : largest distance found [mm].
 
     Raises
@@ -126,16 +109,16 @@ def fitted_deviation(
         If the contour does not follow the path once round.
     """
     beside = arcs_beside(contour, max(SHARE * scale, FINEST * contour.reach))
-    angles = _angles(placed, contour, beside)
+    angles = _angles(parts, contour, beside)
     arcs = beside.contour
     ends = np.cumsum(beside.counts)
     chains: list[list[Chain]] = [[] for _ in legs]
-    for place, end, count in zip(placed, ends, beside.counts, strict=True):
+    for part, end, count in zip(parts, ends, beside.counts, strict=True):
         which = slice(int(end - count), int(end))
-        chains[place.leg].append(
+        chains[part.leg].append(
             Chain(angles[which], arcs.vertices[which], arcs.sweeps[which], arcs.centres[which])
         )
-    runs = joined(
+    runs = runs_of(
         [(leg, found or [Chain.empty()]) for leg, found in zip(legs, chains, strict=True)]
     )
     if any(np.any(np.diff(run.angles) <= 0.0) for run in runs):
@@ -143,28 +126,28 @@ def fitted_deviation(
     return proved_bound(runs, ARC_CELLS) + beside.apart
 
 
-def _angles(placed: Sequence[Placed], contour: SplineContour, beside: ArcsBeside) -> FloatArray:
+def _angles(parts: Sequence[Part], contour: SplineContour, beside: ArcsBeside) -> FloatArray:
     """(n,) parameters [rad] of the legs beside the vertices of the arcs, at the foot of each.
 
     A spline runs over the arc length, but for what it is off along the curve, which is as little as
     what it is off across: one step of Newton is enough, and any other place would do, see
     `camgeo.contour.proof.deviation`.
     """
-    angles = np.repeat([place.start for place in placed], beside.counts)
+    angles = np.repeat([part.begin for part in parts], beside.counts)
     low, width = [], []
     courses: dict[int, ArcLength] = {}
-    for place, strand in zip(placed, contour.strands, strict=True):
-        if place.course is not None:
-            courses[id(place.course)] = place.course
+    for part, strand in zip(parts, contour.strands, strict=True):
+        if part.course is not None:
+            courses[id(part.course)] = part.course
         if isinstance(strand, CubicSpline):
-            begin = 0.0 if place.course is None else place.course.s[place.piece, 0]
+            begin = 0.0 if part.course is None else part.course.s[part.piece, 0]
             low.append(begin + strand.knots[3:-4])
             width.append(np.diff(strand.knots[3:-3]))
-    of_strand = np.repeat(np.arange(len(placed)), beside.counts)
+    of_strand = np.repeat(np.arange(len(parts)), beside.counts)
     inner = beside.cubics >= 0
     inner[np.cumsum(beside.counts) - beside.counts] = False  # a strand's own start is known
-    owner = np.array([id(place.course) for place in placed])[of_strand]
-    piece = np.array([place.piece for place in placed])[of_strand]
+    owner = np.array([id(part.course) for part in parts])[of_strand]
+    piece = np.array([part.piece for part in parts])[of_strand]
     for key, course in courses.items():
         which = np.flatnonzero(inner & (owner == key))
         if not len(which):

@@ -8,8 +8,9 @@ import numpy as np
 
 from camgeo.contour.cubics.arc_length import ArcLength, require_finite
 from camgeo.contour.cubics.deviation import fitted_deviation
+from camgeo.contour.cubics.least_squares import Ends
 from camgeo.contour.cubics.parts import ROUNDING, Part, parts_of
-from camgeo.contour.cubics.search import Ends, Found, fast, fewest
+from camgeo.contour.cubics.search import Found, fast, fewest
 from camgeo.contour.legs import legs_of
 from camgeo.contour.proved import proved
 from camgeo.contour.spline import Arc, CubicSpline, SplineContour, SplineFit
@@ -58,7 +59,6 @@ def fewest_cubics(path: Path, tolerance: float) -> SplineFit:
 def _proved(path: Path, tolerance: float, search: Search) -> SplineFit:
     legs = legs_of(path)
     parts = parts_of(legs, tolerance)
-    places = [part.place for part in parts]
     size = max(abs(part.start) for part in parts)
     if not tolerance > ROUNDING * size:
         raise ToleranceError("a spline cannot follow the curve", tolerance, ROUNDING * size)
@@ -76,7 +76,7 @@ def _proved(path: Path, tolerance: float, search: Search) -> SplineFit:
         return SplineContour(tuple(strand for strand in whole if strand is not None)), error
 
     def prove(made: tuple[SplineContour, float]) -> float:
-        return fitted_deviation(legs, places, *made)
+        return fitted_deviation(legs, parts, *made)
 
     (contour, _), reached = proved(fit, prove, AIM * tolerance, tolerance)
     return SplineFit(contour.counter_clockwise(), reached, tolerance)
@@ -88,7 +88,7 @@ def _groups(
     """The parts that need splines, by the curve that they are of, which nearly always is one."""
     chosen: dict[int, tuple[ArcLength, list[int]]] = {}
     for k in open_parts:
-        course = parts[k].place.course
+        course = parts[k].course
         if course is not None:
             chosen.setdefault(id(course), (course, []))[1].append(k)
     found = []

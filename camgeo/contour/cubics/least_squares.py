@@ -29,6 +29,16 @@ ORDER = 4
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Ends:
+    """Where splines begin and end [mm], and their unit tangents there: complex, one each."""
+
+    starts: ComplexArray
+    stops: ComplexArray
+    first: ComplexArray
+    last: ComplexArray
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Layout:
     """Splines to be fitted, one after the other: spans, control points, and which belong where.
 
@@ -36,16 +46,12 @@ class Layout:
     ----------
     piece : (splines,) the piece of the curve that each follows.
     counts : (splines,) cubics of each.
-    starts, ends : (splines,) complex [mm], where each begins and ends.
-    first, last : (splines,) complex unit tangents there.
+    ends : of each spline.
     """
 
     piece: IntArray
     counts: IntArray
-    starts: ComplexArray
-    ends: ComplexArray
-    first: ComplexArray
-    last: ComplexArray
+    ends: Ends
 
     @property
     def span_starts(self) -> IntArray:
@@ -178,10 +184,11 @@ def _fixed(layout: Layout, low: FloatArray, high: FloatArray) -> tuple[ComplexAr
     end = begin + layout.counts + ORDER - 2
     steps = high - low
     spans = layout.span_starts
-    fixed[begin] = layout.starts
-    fixed[begin + 1] = layout.starts + layout.first * steps[spans] / 3.0
-    fixed[end] = layout.ends
-    fixed[end - 1] = layout.ends - layout.last * steps[spans + layout.counts - 1] / 3.0
+    ends = layout.ends
+    fixed[begin] = ends.starts
+    fixed[begin + 1] = ends.starts + ends.first * steps[spans] / 3.0
+    fixed[end] = ends.stops
+    fixed[end - 1] = ends.stops - ends.last * steps[spans + layout.counts - 1] / 3.0
     held = np.zeros(len(fixed), dtype=np.bool_)
     for place in (begin, begin + 1, end - 1, end):
         held[place] = True

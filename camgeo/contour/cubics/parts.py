@@ -8,34 +8,38 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from camgeo.contour.cubics.arc_length import CELLS, ArcLength, Traced, cells_of
-from camgeo.contour.cubics.deviation import Placed
-from camgeo.contour.groups import by_curve
 from camgeo.contour.joints import APART, check_regular, torn_apart
 from camgeo.contour.legs import Leg, StretchLeg, TurnLeg
-from camgeo.contour.proved import SLIGHT
+from camgeo.contour.proved import SLIGHT, by_curve
 from camgeo.contour.spline import Arc
 from camgeo.curve.pieces import Piece
 from camgeo.curve.working_curve import WorkingCurve
-from camgeo.numeric.arrays import ComplexArray
+from camgeo.numeric.arrays import ComplexArray, taken
 
 ROUNDING = 2.0**-52 * 64.0
 """Rounding of a point, and smallest tolerance, as a share of the distance from the cam axis."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Part:
     """What will be one strand: a smooth piece of a stretch, or a turn.
 
     Attributes
     ----------
-    place : where it lies; without a course it is an arc.
-    start : where it begins [mm].
+    leg : number of the leg that it lies on.
+    begin : its parameter [rad] where the strand begins.
+    start : where that is [mm].
+    course, piece : for a spline, the arc length that its knots count, from the start of the piece
+        of that number; None for an arc.
     sweep, centre : of an arc, [rad] and [mm].
     first, last : unit tangents at the ends of a smooth piece.
     """
 
-    place: Placed
+    leg: int
+    begin: float
     start: complex
+    course: ArcLength | None = None
+    piece: int = 0
     sweep: float = 0.0
     centre: complex = 0j
     first: complex = 0j
@@ -43,7 +47,7 @@ class Part:
 
     def arc(self, end: complex) -> Arc | None:
         """The one arc that a dwell or a turn is; None for a piece that needs a spline."""
-        if self.place.course is not None:
+        if self.course is not None:
             return None
         return Arc(self.start, end, self.sweep, self.centre)
 
@@ -74,7 +78,7 @@ def parts_of(legs: Sequence[Leg], tolerance: float) -> list[Part]:
     for number, leg in enumerate(legs):
         if isinstance(leg, TurnLeg):
             if leg.length > SLIGHT * tolerance:
-                order.append(Part(Placed(number, 0.0), leg.first, leg.sweep, leg.centre))
+                order.append(Part(number, 0.0, leg.first, sweep=leg.sweep, centre=leg.centre))
             continue
         end = begin + len(leg.pieces)
         _require_joined(leg, right[begin:end], left[begin:end], tolerance)
@@ -82,7 +86,7 @@ def parts_of(legs: Sequence[Leg], tolerance: float) -> list[Part]:
         if kept and not leg.closed:
             # What is left out before it belongs to it.
             start = kept[0].start if leg.first is None else leg.first
-            kept[0] = replace(kept[0], start=start, place=replace(kept[0].place, start=leg.start))
+            kept[0] = replace(kept[0], start=start, begin=leg.start)
         order += kept
         begin = end
     return order
@@ -115,15 +119,17 @@ def _of_curve(
     rests = [k for k, piece in enumerate(pieces) if piece.dwell]
     phi, nodes = cells_of([pieces[k] for k in moving])
     count = len(moving)
-    start = np.array([pieces[k].start for k in rests])
+    resting_from = np.array([pieces[k].start for k in rests])
     middle = np.array([0.5 * (pieces[k].start + pieces[k].end) for k in rests])
-    here = Traced.of(curve, np.concatenate((phi[:, :-1].ravel(), nodes.ravel(), start, middle)))
+    here = Traced.of(
+        curve, np.concatenate((phi[:, :-1].ravel(), nodes.ravel(), resting_from, middle))
+    )
     back = Traced.of(curve, np.array([piece.end for piece in pieces]), "left")
 
     stop, last = phi[:, :-1].size, phi[:, :-1].size + nodes.size
-    cells = here.rows(slice(0, stop), (count, CELLS))
-    inside = here.rows(slice(stop, last), nodes.shape)
-    resting = here.rows(slice(last, None), (2, len(rests)))
+    cells = here.shaped(slice(0, stop), (count, CELLS))
+    inside = here.shaped(slice(stop, last), nodes.shape)
+    resting = here.shaped(slice(last, None), (2, len(rests)))
     for place, k in enumerate(moving):
         check_regular(curve, pieces[k], inside.regular[place])
     for place, k in enumerate(rests):
@@ -142,14 +148,14 @@ def _of_curve(
     if kept:
         points = np.column_stack((cells.points[rows], ends[kept]))
         tangents = np.column_stack((cells.tangents[rows], back.tangents[kept]))
-        course = ArcLength.of(curve, phi[rows], points, tangents, inside.rows(rows))
+        course = ArcLength.of(curve, phi[rows], points, tangents, taken(inside, rows))
     parts: list[Part | None] = [None] * len(pieces)
     for row, (place, k) in enumerate(zip(rows, kept, strict=True)):
-        placed = Placed(legs[k], pieces[k].start, course, row)
         first, arriving = complex(cells.tangents[place, 0]), complex(back.tangents[k])
-        parts[k] = Part(placed, complex(starts[k]), first=first, last=arriving)
+        begin, start = pieces[k].start, complex(starts[k])
+        parts[k] = Part(legs[k], begin, start, course, row, first=first, last=arriving)
     for k in rests:
         if long[k]:
             turn = -curve.pitch.rotation * (pieces[k].end - pieces[k].start)
-            parts[k] = Part(Placed(legs[k], pieces[k].start), complex(starts[k]), turn)
+            parts[k] = Part(legs[k], pieces[k].start, complex(starts[k]), sweep=turn)
     return starts, ends, parts

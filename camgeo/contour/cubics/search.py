@@ -10,9 +10,9 @@ import numpy as np
 
 from camgeo.contour.counts import too_many
 from camgeo.contour.cubics.arc_length import ArcLength
-from camgeo.contour.cubics.least_squares import ORDER, Layout, Solution, solve
+from camgeo.contour.cubics.least_squares import ORDER, Ends, Layout, Solution, solve
 from camgeo.contour.spline import CubicSpline
-from camgeo.numeric.arrays import ComplexArray, FloatArray, IntArray, grouped
+from camgeo.numeric.arrays import FloatArray, IntArray, grouped, taken
 
 CUBIC_CONSTANT = 768.0**-0.25
 """Cubics needed, asymptotically: 0.18996 eps^(-1/4) times the integral of
@@ -59,16 +59,6 @@ def _ladder() -> list[int]:
 
 
 LADDER = _ladder()
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Ends:
-    """Where splines begin and end, and their unit tangents there: (pieces,) complex each."""
-
-    starts: ComplexArray
-    ends: ComplexArray
-    first: ComplexArray
-    last: ComplexArray
 
 
 @dataclass(frozen=True, slots=True)
@@ -179,9 +169,7 @@ def _equalised(
     """Splines for pairs (piece, cubics), their spans shifted until all errors are about alike."""
     piece = np.array([k for k, _ in tried], dtype=np.intp)
     counts = np.array([count for _, count in tried], dtype=np.intp)
-    layout = Layout(
-        piece, counts, ends.starts[piece], ends.ends[piece], ends.first[piece], ends.last[piece]
-    )
+    layout = Layout(piece, counts, taken(ends, piece))
     owner, local = grouped(counts)
     # All pieces lie on one line of S, and their shares from 0 to 1 on one from 0 to their number.
     shares = (np.arange(len(course.s))[:, None] + course.shares).ravel()

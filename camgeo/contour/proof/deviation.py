@@ -27,7 +27,7 @@ goes unseen.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -37,7 +37,15 @@ from camgeo.contour.legs import SNAP, TurnLeg
 from camgeo.contour.proof.enclosure import Enclosure, Taylor, enclose
 from camgeo.contour.proof.locate import locate
 from camgeo.errors import GeometryError
-from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, IntArray, grouped
+from camgeo.numeric.arrays import (
+    BoolArray,
+    ComplexArray,
+    FloatArray,
+    IntArray,
+    grouped,
+    joined,
+    taken,
+)
 from camgeo.outline.path import Path
 from camgeo.units import TURN
 
@@ -79,15 +87,9 @@ class _Cells:
     rigid: BoolArray
 
     def halved(self, which: BoolArray) -> _Cells:
-        low, high = self.low[which], self.high[which]
-        piece, rigid = self.piece[which], self.rigid[which]
-        middle = 0.5 * (low + high)
-        return _Cells(
-            np.concatenate((low, middle)),
-            np.concatenate((middle, high)),
-            np.concatenate((piece, piece)),
-            np.concatenate((rigid, rigid)),
-        )
+        cells = taken(self, which)
+        middle = 0.5 * (cells.low + cells.high)
+        return joined([replace(cells, high=middle), replace(cells, low=middle)])
 
 
 def deviation(path: Path, contour: Contour) -> float:

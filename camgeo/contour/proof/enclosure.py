@@ -124,11 +124,6 @@ def enclose(taylor: Taylor, run: Run, piece: IntArray) -> Enclosure:
     return Enclosure(*out)
 
 
-def _versines(low: FloatArray, high: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """1 - cos alpha for the smallest and largest |sin alpha|, alpha acute."""
-    return 1.0 - np.sqrt(1.0 - low * low), 1.0 - np.sqrt(1.0 - high * high)
-
-
 def _sines(
     slope: FloatArray, change: FloatArray, smallest: FloatArray, largest: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
@@ -169,7 +164,8 @@ def _arc_cells(taylor: Taylor, run: Run, piece: IntArray) -> tuple[FloatArray, .
     slowest, fastest = taylor.pace_range()
     change = taylor.slope_change(bend, third)
     low, high = _sines(slope, change, nearest * slowest, farthest * fastest)
-    small, large = _versines(low, high)
+    # 1 - cos alpha for the smallest and largest |sin alpha|, alpha acute.
+    small, large = 1.0 - np.sqrt(1.0 - low * low), 1.0 - np.sqrt(1.0 - high * high)
 
     def distance(reach: FloatArray, versine: FloatArray) -> FloatArray:
         # Radius r -> signed distance of the offset point from the arc, see the module.

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from itertools import groupby
 
-from camgeo.contour.moments import contour_moments
 from camgeo.errors import EffectError
 from camgeo.outline.moments import Moments, path_moments, total
 from camgeo.part.boundaries import CurveBoundary, ExactBoundary
@@ -25,7 +24,7 @@ def disc_moments(part: Part, density: float, tolerance: float) -> Moments:
         if isinstance(boundary, CurveBoundary):
             return path_moments(boundary.path, tolerance).counter_clockwise()
         if isinstance(boundary, ExactBoundary):
-            return contour_moments(boundary.exact).counter_clockwise()
+            return boundary.exact.moments.counter_clockwise()
         raise EffectError(
             f"the mass inside the boundary {boundary.name!r}, a {type(boundary).__name__}, is not"
             " known"

@@ -10,7 +10,7 @@ import numpy as np
 from camgeo.contour.contour import Contour
 from camgeo.contour.spline import SplineContour
 from camgeo.numeric.arrays import ComplexArray
-from camgeo.outline.area import area as area_of_path
+from camgeo.outline.moments import area as area_of_path
 from camgeo.outline.path import Path
 from camgeo.part.boundaries import CurveBoundary, ExactBoundary
 from camgeo.part.part import Boundary

@@ -7,12 +7,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from camgeo.contour.arcs.arc_splines import PROBES, arc_splines
-from camgeo.contour.arcs.course import Arcs, Course, Strands
-from camgeo.contour.arcs.joints import Layout, evened
-from camgeo.contour.arcs.system import ArcSystem
+from camgeo.contour.arcs.arc_splines import PROBES, Arcs, Course, Strands, arc_splines
+from camgeo.contour.arcs.joints import ArcSystem, Layout, evened
+from camgeo.contour.joints import bends_of
 from camgeo.contour.least_pieces import ARC
-from camgeo.contour.spread import bends_of
 from camgeo.curve.pieces import smooth_pieces
 from camgeo.numeric.arrays import IntArray
 from tests.contour.cams import FLANKS, dwell, flank, translating

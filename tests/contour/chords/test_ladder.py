@@ -7,9 +7,8 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from camgeo.contour.chords.course import Course, course
 from camgeo.contour.chords.ladder import Ladder
-from camgeo.contour.chords.two_sided import Stretched
+from camgeo.contour.chords.two_sided import Course, Stretched, course
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import ToleranceError
 from camgeo.numeric.arrays import ComplexArray, FloatArray

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from camgeo.contour.cubics import fits
 from camgeo.contour.cubics.deviation import fitted_deviation, spline_deviation
 from camgeo.contour.cubics.fits import fewest_cubics, fit_spline
-from camgeo.contour.cubics.lines_and_arcs import lines_and_arcs
+from camgeo.contour.cubics.lines_and_arcs import arcs_beside
 from camgeo.contour.cubics.parts import parts_of
 from camgeo.contour.least_pieces import forced_pieces, least_cubics
 from camgeo.contour.legs import legs_of
@@ -208,7 +208,8 @@ def test_nearly_flat_arcs_become_lines() -> None:
     """The circle of a nearly flat arc is so large that its rounding alone exceeds the tolerance."""
     tolerance = 1e-9
     fit = fewest_cubics(whole(flank("setzhub", -1)), 1e-7)
-    arcs, bound = lines_and_arcs(fit.contour, tolerance)
+    beside = arcs_beside(fit.contour, tolerance)
+    arcs, bound = beside.contour, beside.apart
     assert np.any(arcs.sweeps == 0.0)
     assert np.max(arcs.radii) * 2.0**-52 <= tolerance / 64.0
     assert bound <= 1.1 * tolerance
@@ -223,7 +224,7 @@ def test_points_between_cells_are_those_of_the_curve() -> None:
     curve = flank("plate_translating", -1)
     pieces = [piece for piece in smooth_pieces(curve) if not piece.dwell]
     legs = legs_of(whole(curve))
-    courses = [part.place.course for part in parts_of(legs, 1e-3)]
+    courses = [part.course for part in parts_of(legs, 1e-3)]
     course = next(each for each in courses if each is not None)
     for number, piece in enumerate(pieces):
         ends = course.s[number]

@@ -14,8 +14,7 @@ from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import GeometryError
 from camgeo.numeric.arrays import frozen
-from camgeo.outline.cusps import undercut_ranges
-from camgeo.outline.sure_bends import sure_bends
+from camgeo.outline.cusps import sure_bends, undercut_ranges
 from tests.reference import hard_case, inner_of, pitch_curve_of
 from tests.strategies import attack, signs, wild_pitch_curves
 

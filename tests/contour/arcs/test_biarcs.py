@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from camgeo.contour.arcs.tangent_turns import OUTERMOST, tangent_turns
+from camgeo.contour.arcs.biarcs import OUTERMOST, tangent_turns
 from camgeo.contour.least_pieces import ARC
 from camgeo.numeric.arrays import FloatArray
 
