@@ -157,6 +157,11 @@ class EffectError(CamgeoError, ArithmeticError):
         self.cam_range = cam_range
 
 
+def unreadable(error: OSError | ValueError) -> str:
+    """Why a file cannot be read; Python raises a ValueError for a path that no file can have."""
+    return getattr(error, "strerror", None) or str(error)
+
+
 def nearest(word: str, words: Iterable[str]) -> str:
     """Return the word that was probably meant, or nothing."""
     import difflib  # only what is wrong needs it

@@ -5,7 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from decimal import Decimal
-from typing import Any, Final, Generic, Protocol, TypeVar
+from typing import TYPE_CHECKING, Any, Final, Generic, Protocol, TypeVar
+
+if TYPE_CHECKING:
+    from camgeo.contour.contour import Effort
 
 SMALLEST_TOLERANCE: Final = 1e-7
 LARGEST_TOLERANCE: Final = 1.0
@@ -83,6 +86,12 @@ class Format(Generic[Spec]):
         return [(key, message) for rule in self.rules for key, message in rule(values) if key]
 
 
+def groove_has_a_depth(values: Values) -> Iterator[tuple[str, str]]:
+    """The depth of a groove is given, which each format needs that takes the disc for a body."""
+    if values.get("follower", "contact") == "groove" and values.lacks("part", "groove_depth"):
+        yield "", "needs [part] groove_depth, for the cam is a groove"
+
+
 def no_keys(description: str) -> dict[str, Any]:
     """The schema of a table without keys."""
     empty: dict[str, Any] = {"type": "object", "additionalProperties": False, "properties": {}}
@@ -110,6 +119,26 @@ class Options:
             return form.parse({})
         spec: Spec = self.given[form.name]
         return spec
+
+
+@dataclass(frozen=True, slots=True)
+class OutputSpec:
+    """`[output]`: what is written, and how exactly.
+
+    Attributes
+    ----------
+    formats : names of the writers, in the order of the scene.
+    tolerance : largest deviation of any written contour from the exact curve [mm].
+    fit : how hard fits try, see `camgeo.contour.contour.Effort`.
+    options : of the formats, see `camgeo.formats.format.Options`.
+    accuracy_ripple : whether what accuracy costs shows the ripple of the acceleration too.
+    """
+
+    formats: tuple[str, ...] = ("dxf",)
+    tolerance: float = 0.001
+    fit: Effort = "fewest"
+    options: Options = field(default_factory=Options)
+    accuracy_ripple: bool = False
 
 
 def _spelled(key: str) -> str:

@@ -7,8 +7,7 @@ from decimal import Decimal
 from typing import Any, Final
 
 from camgeo.declared import schema_beside
-from camgeo.formats.format import Format, Values
-from camgeo.formats.solid import groove_has_a_depth
+from camgeo.formats.format import Format, Values, groove_has_a_depth
 from camgeo.toolpath.spec import GcodeSpec
 
 

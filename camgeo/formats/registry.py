@@ -14,11 +14,17 @@ if TYPE_CHECKING:
 GROUP: Final = "camgeo.writers"
 """Entry points of the writers of all formats; the name is the format's."""
 
-FORMATS: Final = ("dxf", "gcode", "stl", "3mf", "csv", "svg", "png", "asc")
-"""Formats of camgeo; each has the module of its name, whose `FORMAT` it is."""
-
-MODULES: Final = {"3mf": "threemf"}
-"""Those whose name is none of Python's."""
+FORMATS: Final = {
+    "dxf": "dxf:FORMAT",
+    "gcode": "gcode:FORMAT",
+    "stl": "plain:STL",
+    "3mf": "plain:THREEMF",
+    "csv": "csv:FORMAT",
+    "svg": "plain:SVG",
+    "png": "plain:PNG",
+    "asc": "plain:ASC",
+}
+"""Formats of camgeo, each with its module and its name there."""
 
 
 def find_format(name: str) -> Format[Any]:
@@ -32,8 +38,8 @@ def find_format(name: str) -> Format[Any]:
         If what another distribution registers under this name is no writer of this format.
     """
     if name in FORMATS:
-        module = importlib.import_module(f"camgeo.formats.{MODULES.get(name, name)}")
-        own: Format[Any] = module.FORMAT
+        module, _, constant = FORMATS[name].partition(":")
+        own: Format[Any] = getattr(importlib.import_module(f"camgeo.formats.{module}"), constant)
         return own
     return format_of(writer_entries()[name])[1]
 

@@ -1,14 +1,17 @@
-"""What a scene says as a tree of plain values, numbers as they were written."""
+"""What a scene says as a tree of plain values, numbers as they were written, and where it stood."""
 
 from __future__ import annotations
 
 import datetime as dt
+import itertools
+import pathlib
 import re
 import tomllib
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from decimal import Decimal
-from typing import Any, Final
+from types import MappingProxyType
+from typing import Any, Final, Self
 
 from camgeo.errors import Fault, SceneError
 from camgeo.scene.keys import Path, spelled, value_at
@@ -62,12 +65,41 @@ class Document:
         return value_at(self.exact, path)
 
 
+@dataclass(frozen=True, slots=True)
+class Source:
+    """What a scene was made from, besides its values.
+
+    Attributes
+    ----------
+    file : path of the scene file as given; empty without one.
+    folder : in which the files lie that the scene names, absolute; None if there is none.
+    text : TOML whose comments and order the scene keeps; empty if it was made from values.
+    contents : of the files that the scene names, by these names, as they were read.
+    """
+
+    file: str = ""
+    folder: pathlib.Path | None = None
+    text: str = ""
+    contents: Mapping[str, bytes] = field(default_factory=lambda: MappingProxyType({}))
+
+    @classmethod
+    def of(cls, file: str, folder: str | pathlib.Path | None, text: str = "") -> Self:
+        """Of a scene in `folder`, or in that of its file."""
+        if folder is None:
+            return cls(file, pathlib.Path(file).resolve().parent if file else None, text)
+        return cls(file, pathlib.Path(folder).resolve(), text)
+
+    def having(self, contents: Mapping[str, bytes]) -> Self:
+        """The same with these contents of its files."""
+        return replace(self, contents=MappingProxyType(dict(contents)))
+
+
 def document(data: bytes) -> Document:
     """Take the bytes of a TOML file apart; raises SceneError if they are none."""
     text = _text(data)
     try:
         exact = tomllib.loads(text, parse_float=Decimal)
-        leaves = list(_leaves(exact))
+        found = document_of_tree(exact, key_lines(text.replace("\r\n", "\n")))
     except tomllib.TOMLDecodeError as error:
         place = TOML_PLACE.search(str(error))
         message = TOML_PLACE.sub("", str(error))
@@ -82,7 +114,7 @@ def document(data: bytes) -> Document:
         raise _refused("holds a number with too many digits") from error
     if not exact:
         raise _refused("is empty; `camgeo new` writes a scene to start from")
-    return _judged(exact, leaves, key_lines(text.replace("\r\n", "\n")))
+    return found
 
 
 def document_of(values: Mapping[str, Any]) -> Document:
@@ -92,19 +124,12 @@ def document_of(values: Mapping[str, Any]) -> Document:
     return document_of_tree(Taking().take(values))
 
 
-def document_of_tree(exact: Tree) -> Document:
-    """The document of a tree, which must not be changed any more."""
-    return _judged(exact, list(_leaves(exact)), {})
-
-
-def _judged(exact: Tree, leaves: list[tuple[Path, Any]], lines: dict[Path, int]) -> Document:
-    found = [(path, value, trouble) for path, value in leaves if (trouble := _trouble(value))]
-    faults = tuple(
-        Fault(spelled(path), written(value), trouble, "", line_of(path, lines))
-        for path, value, trouble in found
-    )
-    bad = frozenset(path for path, _, _ in found)
-    return Document(exact, _plain(exact), faults, bad, lines)
+def document_of_tree(exact: Tree, lines: dict[Path, int] | None = None) -> Document:
+    """The document of a tree, which must not be changed any more, with the lines of its keys."""
+    troubles: dict[Path, str] = {}
+    plain = _plain(exact, (), troubles)
+    found = Document(exact, plain, (), frozenset(troubles), lines or {})
+    return replace(found, faults=tuple(itertools.starmap(found.fault, troubles.items())))
 
 
 def written(value: Any) -> str:
@@ -149,19 +174,6 @@ def _refused(message: str, line: int | None = None) -> SceneError:
     return SceneError([Fault("", "", f"the scene {message}", line=line)])
 
 
-def _leaves(value: Any, path: Path = ()) -> Iterator[tuple[Path, Any]]:
-    if len(path) > DEEPEST:
-        raise RecursionError
-    if isinstance(value, dict):
-        for key, item in value.items():
-            yield from _leaves(item, (*path, key))
-    elif isinstance(value, list):
-        for index, item in enumerate(value):
-            yield from _leaves(item, (*path, index))
-    else:
-        yield path, value
-
-
 def _trouble(value: Any) -> str:
     """What makes a single value no value of any scene, or nothing."""
     if isinstance(value, Decimal):
@@ -182,11 +194,15 @@ def _trouble(value: Any) -> str:
     return ""
 
 
-def _plain(value: Any) -> Any:
+def _plain(value: Any, path: Path, troubles: dict[Path, str]) -> Any:
+    """The value with floats, and None in place of what cannot be; the `troubles` get the reason."""
+    if len(path) > DEEPEST:
+        raise RecursionError
     if isinstance(value, dict):
-        return {key: _plain(item) for key, item in value.items()}
+        return {key: _plain(item, (*path, key), troubles) for key, item in value.items()}
     if isinstance(value, list):
-        return [_plain(item) for item in value]
-    if _trouble(value):
+        return [_plain(item, (*path, index), troubles) for index, item in enumerate(value)]
+    if trouble := _trouble(value):
+        troubles[path] = trouble
         return None
     return float(value) if isinstance(value, Decimal) else value

@@ -2,21 +2,48 @@
 
 from __future__ import annotations
 
-from typing import Any, Final
+from collections.abc import Callable, Collection, Mapping
+from functools import partial
+from typing import TYPE_CHECKING, Any, Final, TypeVar
 
-from camgeo.errors import SceneError
-from camgeo.scene.build import Builder, Earlier
-from camgeo.scene.data_files import DataFiles
-from camgeo.scene.document import MOST_BYTES, Document
+import numpy as np
+
+from camgeo.cam.contact import Contact
+from camgeo.check.limits import Limits
+from camgeo.errors import GeometryError, SceneError
+from camgeo.formats.format import Options, OutputSpec
+from camgeo.mechanism.declared.registry import FOLLOWERS, LINKAGES
+from camgeo.mechanism.linkage import LinkedMotion
+from camgeo.mechanism.values import SIGNS, Values
+from camgeo.motion.plan import Dwell, MotionPlan
+from camgeo.motion.planning.planner import plan_motion
+from camgeo.part.spec import Keyway, PartSpec
+from camgeo.scene.document import MOST_BYTES, Document, Source
+from camgeo.scene.inside import Inside
+from camgeo.scene.keys import Path, path_of
+from camgeo.scene.motion import MotionRequests
 from camgeo.scene.rules import broken_rules
+from camgeo.scene.schema import definition, schema_for
 from camgeo.scene.sound import SoundValues
-from camgeo.scene.source import Source
 from camgeo.scene.words import judge
+from camgeo.units import RPM, TURN
+
+if TYPE_CHECKING:
+    from camgeo.cam.breadth import Yoke
+    from camgeo.mechanism.follower import Follower
+    from camgeo.mechanism.linkage_protocol import Linkage
+    from camgeo.motion.time_course import SpeedCurve
+
+Built = TypeVar("Built")
+
 
 VERSION_KEY: Final = "camgeo"
 
+Attributes = Mapping[str, Any]
+"""Of a `camgeo.scene.scene.Scene`, by their names."""
 
-def enter(document: Document, source: Source, earlier: Earlier | None = None) -> dict[str, Any]:
+
+def enter(document: Document, source: Source, earlier: Attributes | None = None) -> Attributes:
     """The attributes of the scene that says what `document` does.
 
     What is the same in an `earlier` scene, of which this is an edit, is taken from that one.
@@ -33,8 +60,8 @@ def enter(document: Document, source: Source, earlier: Earlier | None = None) ->
         raise SceneError(found, source.file)
     values = SoundValues(document, verdict.bad, verdict.meant)
     faults = [*document.faults, *verdict.faults, *broken_rules(values)]
-    files = DataFiles(values, source.folder, source.contents)
-    builder = Builder(values, files, earlier)
+    inside = Inside(values, source.folder, source.contents)
+    builder = Builder(inside, earlier or {})
     # The plan makes some of these checks again, in its own words.
     moves = not any(fault.key.startswith("motion") for fault in faults)
     plan = builder.plan() if moves else None
@@ -44,14 +71,14 @@ def enter(document: Document, source: Source, earlier: Earlier | None = None) ->
     output = builder.output()
     if plan is not None and follower is not None and linkage is not None:
         builder.join(plan, follower, linkage)
-    faults += [*files.faults, *builder.faults]
+    faults += inside.faults
     if faults or plan is None or (follower is None and values.has("follower")):
         last = len(document.lines) + MOST_BYTES
         raise SceneError(sorted(faults, key=lambda fault: fault.line or last), source.file)
     return {
         "stated": values,
-        "source": source.having(files.contents),
-        "files": tuple(sorted(files.hashes.items())),
+        "source": source.having(inside.contents),
+        "files": tuple(sorted(inside.hashes.items())),
         "plan": plan,
         "follower": follower,
         "linkage": linkage,
@@ -60,3 +87,183 @@ def enter(document: Document, source: Source, earlier: Earlier | None = None) ->
         "output": output,
         **builder.rest(speed_curve),
     }
+
+
+class Builder:
+    """Builds the objects of a scene from what of it is sound; the faults are those of `inside`."""
+
+    def __init__(self, inside: Inside, earlier: Attributes) -> None:
+        self.inside = inside
+        self.values = inside.values
+        self._earlier = earlier
+        self._mm = inside.values.mm
+        self._schema = schema_for(inside.values.scene.plain)
+
+    def _unchanged(self, *tables: str) -> bool:
+        """Whether there is a scene before the edit that shares these tables, and the units."""
+        if not self._earlier:
+            return False
+        now, then = self.values.scene.exact, self._earlier["stated"].scene.exact
+        return all(now.get(name) is then.get(name) for name in ("units", *tables))
+
+    def plan(self) -> MotionPlan | None:
+        """The motion plan; None if the motion is not sound."""
+        values = self.values
+        if not values.sound("motion") or not values.sound("follower", "kind"):
+            return None
+        earlier = self._earlier
+        if self._unchanged("motion") and earlier["stated"].angular == values.angular:
+            for index in range(values.segments):
+                if values.has("motion", index, "file"):
+                    self.inside.read(("motion", index, "file"))
+            plan: MotionPlan = earlier["plan"]
+            return plan
+        requests = MotionRequests(self.inside)
+        if self.inside.faults:
+            return None
+        return self._engine(("motion",), lambda: plan_motion(requests.all, requests.unit))
+
+    def speed_curve(self) -> SpeedCurve | None:
+        """How the speed varies; None if it does not, or its file is not sound."""
+        key = ("cam", "speed_curve")
+        if self.values.get(*key) is None:
+            return None
+        data = self.inside.read(key)
+        if data is None:
+            return None
+        from camgeo.motion.speed_table import read_speed_table  # few scenes have one
+
+        name: str = self.values.get(*key)
+        return self._engine(key, lambda: read_speed_table(data, name))
+
+    def follower(self) -> Follower | None:
+        """The follower; None if its table is not sound or there is no such mechanism."""
+        values = self.values
+        if not values.sound("follower") or not values.has("follower"):
+            return None
+        if self._unchanged("follower", "linkage"):
+            follower: Follower = self._earlier["follower"]
+            return follower
+        kind = FOLLOWERS[values.get("follower", "kind")]
+        return self._engine(("follower",), lambda: kind.build(self._table("follower")))
+
+    def returning(self, follower: Follower) -> Follower | None:
+        """The return roller of a conjugate pair; None if there is none, or none that works."""
+        table: dict[str, Any] | None = self.values.get("follower", "return")
+        if table is None:
+            return None
+        build = FOLLOWERS[self.values.get("follower", "kind")].build_return
+        assert build is not None  # the schema of other kinds has no such table
+        given = self._table("follower", "return")
+        return self._engine(("follower",), lambda: build(follower, given))
+
+    def _yoke(self) -> Yoke | None:
+        if self.values.get("follower", "yoke") is None:
+            return None
+        from camgeo.cam.breadth import Yoke  # few scenes have one
+
+        return Yoke(**self.inside.table(("follower", "yoke"), definition("yoke")))
+
+    def linkage(self) -> Linkage | None:
+        """The linkage; None if there is none, or none that works.
+
+        Of a slider-crank the follower's kind decides which member makes the demanded motion.
+        """
+        if self.values.get("linkage") is None:
+            return None
+        kind = LINKAGES[self.values.get("linkage", "kind")]
+        given, unit = self._table("linkage"), self.values.lift_unit
+        if unit not in kind.members:
+            return None  # which is told
+        earlier = self._earlier
+        if self._unchanged("linkage") and earlier["stated"].far_end == self.values.far_end:
+            linkage: Linkage = earlier["linkage"]
+            return linkage
+        return self._engine(("linkage",), lambda: kind.build(given, unit))
+
+    def _table(self, *place: str) -> Values:
+        """The sound table at `place`."""
+        return Values(self.values.get(*place), self._mm, linked=self.values.has("linkage"))
+
+    def join(self, plan: MotionPlan, follower: Follower, linkage: Linkage) -> None:
+        """Check that the linkage makes the motion, and moves the roller as the scene says."""
+        linked = self._engine(("linkage",), lambda: LinkedMotion(plan, linkage))
+        stated = self.values.get("follower", "direction")
+        if linked is None or stated is None or follower.pivot is None:
+            return
+        arm_side = SIGNS[self.values.get("follower", "arm_side") or "ccw"]
+        strokes = [segment.to for segment in plan.segments if not isinstance(segment, Dwell)]
+        farthest = max(strokes, key=abs, default=0.0)
+        jet = np.array([[farthest], [0.0], [0.0], [0.0]])
+        swing = float(linkage.transform(jet)[0, 0])
+        if swing * farthest * arm_side * SIGNS[stated] < 0.0:
+            found = "inward" if stated == "outward" else "outward"
+            message = f"contradicts the linkage, which moves the {follower.touching} {found}"
+            hint = f'leave it out, write "{found}", or turn one of the linkage\'s choices'
+            self.inside.fault(("follower", "direction"), message, hint)
+
+    def effects(self, faulted: Collection[str] = ()) -> dict[str, dict[str, Any]]:
+        """The tables of the effects that the scene names, in the units inside.
+
+        Of those whose keys are among `faulted` nothing more is told.
+        """
+        if not self.values.has("effects"):
+            return {}
+        from camgeo.scene.effects import effect_tables  # few scenes name an effect
+
+        return effect_tables(self.inside, faulted)
+
+    def rest(self, speed_curve: SpeedCurve | None) -> dict[str, Any]:
+        """The rest of what a scene has, all of whose values are sound."""
+        get = self.values.get
+        speed = get("cam", "speed")
+        if speed_curve is not None:
+            speed = TURN / speed_curve.spline.period / RPM
+        return {
+            "name": get("name"),
+            "unit": self.values.unit,
+            "lift_unit": self.values.lift_unit,
+            "rotation": SIGNS[get("cam", "rotation")],
+            "speed": None if speed is None else speed * RPM,
+            "yoke": self._yoke(),
+            "speed_curve": speed_curve,
+            "contact": self.values.contact or Contact.INNER,
+            "side_clearance": self._mm * (get("follower", "side_clearance") or 0.0),
+            "limits": Limits(**self._top("limits")),
+            "part": self._part(),
+        }
+
+    def _part(self) -> PartSpec | None:
+        given = self._top("part")
+        if "keyway" in given:
+            given["keyway"] = Keyway(**given["keyway"])
+        return PartSpec(**given) if self.values.has("part") else None
+
+    def output(self) -> OutputSpec:
+        """What is written, and how; the defaults, if anything of it is not sound."""
+        given = self._top("output")
+        options: dict[str, Any] = {}
+        for form in self._schema.formats:
+            table = given.pop(form.name, None)
+            if table is not None and None not in table.values():  # a file that cannot be read
+                place = ("output", form.name)
+                options[form.name] = self._engine(place, partial(form.parse, table))
+        ripple = given.pop("accuracy", {}).get("ripple", False)
+        return OutputSpec(options=Options(options), accuracy_ripple=ripple, **given)
+
+    def _top(self, name: str) -> dict[str, Any]:
+        """One of the scene's tables in the units inside; empty if it is missing or not sound."""
+        if self.values.get(name) is None:
+            return {}
+        return self.inside.table((name,), self._schema.root["properties"][name])
+
+    def _engine(self, table: Path, make: Callable[[], Built]) -> Built | None:
+        """What `make` builds; None, with a fault of the table's key, if geometry forbids it."""
+        try:
+            return make()
+        except GeometryError as error:
+            path = path_of(error.key) or ()
+            if path[: len(table)] != table:
+                path = table + path
+            self.inside.fault(path, error.message)
+            return None

@@ -8,63 +8,50 @@ from typing import Any
 from camgeo.effects.effect import Effect
 from camgeo.effects.registry import find_effect
 from camgeo.effects.rules import Machine, Table
-from camgeo.errors import Fault, GeometryError
-from camgeo.scene.data_files import DataFiles
+from camgeo.errors import GeometryError
 from camgeo.scene.inside import Inside
 from camgeo.scene.keys import Path
 from camgeo.scene.schema import EFFECTS, schema_for
 from camgeo.scene.sound import SoundValues
 
 
-class EffectTables:
-    """The tables under ``[effects]``.
+def effect_tables(inside: Inside, faulted: Collection[str] = ()) -> dict[str, dict[str, Any]]:
+    """The tables under ``[effects]`` by the names of the effects, in the units inside.
 
-    Of tables whose keys are among `faulted` nothing more is told.
-
-    Attributes
-    ----------
-    all : by the names of the effects, in the scene's order; numbers in the units inside. Only those
-        of which nothing is wrong.
-    faults : what is wrong with them.
+    Only those of which nothing is wrong; of those whose keys are among `faulted` nothing more is
+    told.
     """
+    values = inside.values
+    given = values.scene.plain.get(EFFECTS)
+    named = given if isinstance(given, dict) else {}
+    found: dict[str, dict[str, Any]] = {}
+    for name in named:
+        if f"{EFFECTS}.{name}" in faulted or not values.sound(EFFECTS, name):
+            continue
+        effect = find_effect(name)
+        own = inside.table((EFFECTS, name), effect.schema)
+        if any(item is None for item in own.values()):
+            continue  # a file that cannot be read, which is told
+        _judge(effect, own, named, inside)
+        found[name] = own
+    return found
 
-    def __init__(
-        self, values: SoundValues, files: DataFiles, faulted: Collection[str] = ()
-    ) -> None:
-        self._values = values
-        named = values.scene.plain.get(EFFECTS)
-        self._named: Mapping[str, Any] = named if isinstance(named, dict) else {}
-        self.faults: list[Fault] = []
-        self.all: dict[str, dict[str, Any]] = {}
-        inside = Inside(values, files)
-        for name in self._named:
-            if f"{EFFECTS}.{name}" in faulted or not values.sound(EFFECTS, name):
-                continue
-            effect = find_effect(name)
-            own = inside.table((EFFECTS, name), effect.schema)
-            if any(item is None for item in own.values()):
-                continue  # a file that cannot be read, which is told
-            self._judge(effect, own)
-            self.all[name] = own
 
-    def _judge(self, effect: Effect, table: dict[str, Any]) -> None:
-        """Find what the effect's own data lack, and what it needs of the rest of the scene."""
-        place = (EFFECTS, effect.name)
-        try:
-            effect.parse(table)
-        except GeometryError as error:
-            path = (*place, error.key) if error.key else place
-            self.faults.append(self._values.scene.fault(path, error.message))
-        if self._values.lacks("follower") and not effect.of_drive:
-            self.faults.append(self._values.scene.fault(place, "needs [follower]"))
-            return
-        for each in _with_inputs(effect, self._named):
-            for keys in each.keys:
-                if any(not self._values.lacks(*key.split(".")) for key in keys):
-                    continue
+def _judge(effect: Effect, table: dict[str, Any], named: Mapping[str, Any], inside: Inside) -> None:
+    """Find what the effect's own data lack, and what it needs of the rest of the scene."""
+    place, lacks = (EFFECTS, effect.name), inside.values.lacks
+    try:
+        effect.parse(table)
+    except GeometryError as error:
+        inside.fault((*place, error.key) if error.key else place, error.message)
+    if lacks("follower") and not effect.of_drive:
+        inside.fault(place, "needs [follower]")
+        return
+    for each in _with_inputs(effect, named):
+        for keys in each.keys:
+            if all(lacks(*key.split(".")) for key in keys):
                 who = "" if each.name == effect.name else f"needs {each.name}, which "
-                fault = self._values.scene.fault(place, f"{who}needs {_spelled(keys)}")
-                self.faults.append(fault)
+                inside.fault(place, f"{who}needs {_spelled(keys)}")
 
 
 def misfits(values: SoundValues) -> Iterator[tuple[Path, str]]:

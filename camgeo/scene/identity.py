@@ -15,7 +15,7 @@ from typing import Any, Final
 
 from camgeo.scene.keys import path_of, value_at
 from camgeo.scene.schema import Node, keys_of, names_a_file, resolved, schema_of_all
-from camgeo.scene.tree import Tree
+from camgeo.scene.tree import Tree, without
 
 FORM: Final = "camgeo scene 1"
 """Of what is hashed; another one would give other hashes of the same values."""
@@ -39,21 +39,13 @@ def identity_of(tree: Tree, digests: Digests) -> str:
 def made_of(tree: Tree, digests: Digests) -> str:
     """Of all that decides the bytes of the files made from it, hexadecimal."""
     for path in TOLD_ONLY:
-        tree = _without(tree, path)
+        tree = without(tree, path)
     return _hash("made", tree, digests)
 
 
 def _hash(what: str, tree: Tree, digests: Digests) -> str:
     text = _Canonical(tree, digests).text(tree, schema_of_all(tree))
     return hashlib.sha256(f"{FORM}, {what}: {text}".encode()).hexdigest()
-
-
-def _without(tree: Tree, path: tuple[str, ...]) -> Tree:
-    name, *rest = path
-    inner = tree.get(name)
-    if rest and isinstance(inner, dict):
-        return {**tree, name: _without(inner, tuple(rest))}
-    return {key: item for key, item in tree.items() if key != name}
 
 
 class _Canonical:

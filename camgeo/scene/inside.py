@@ -1,12 +1,14 @@
-"""Tables of a scene in the units inside, converted by the schema that declares them."""
+"""What a scene says in the units inside, with the files that it names, and what is wrong of it."""
 
 from __future__ import annotations
 
+import hashlib
 import math
+import pathlib
 from collections.abc import Mapping
 from typing import Any, Final
 
-from camgeo.scene.data_files import DataFiles
+from camgeo.errors import Fault, unreadable
 from camgeo.scene.keys import Path
 from camgeo.scene.schema import Node, schema
 from camgeo.scene.sound import SoundValues
@@ -32,19 +34,87 @@ SCALES: Final[dict[str, float]] = {
 """From the units of a scene to mm, s, t, N and rad (rad/s for Hz), by the schema's `x-unit`."""
 
 LENGTHS: Final = ("#/$defs/length", "#/$defs/coordinate")
+"""What numbers in the scene's unit of length refer to, unless they have a default in mm."""
+
 FILE: Final = "#/$defs/file"
 
 
-class Inside:
-    """Converts the tables of a scene; what is wrong with their files becomes a fault of `files`."""
+NO_FOLDER: Final = (
+    "names a file, which needs a folder: load the scene from a file, or with folder=..."
+)
 
-    def __init__(self, values: SoundValues, files: DataFiles) -> None:
-        self._values = values
-        self._files = files
+
+class Inside:
+    """Converts the values of a scene, and reads its files; gathers what is wrong with either.
+
+    Parameters
+    ----------
+    values : of the scene.
+    folder : in which its files lie, absolute and without links; None if there is none.
+    known : contents of files by their names, which are not read again.
+
+    Attributes
+    ----------
+    faults : what geometry and files forbid.
+    contents : of the files that were read, by the names that the scene gives them.
+    hashes : SHA-256 of data, hexadecimal, by the same names.
+    """
+
+    def __init__(
+        self,
+        values: SoundValues,
+        folder: pathlib.Path | None = None,
+        known: Mapping[str, bytes] | None = None,
+    ) -> None:
+        self.values = values
+        self.faults: list[Fault] = []
+        self.contents: dict[str, bytes] = {}
+        self.hashes: dict[str, str] = {}
+        self._folder = folder
+        self._known = known or {}
+
+    def fault(self, path: Path, message: str, hint: str = "") -> None:
+        """Note a fault of the value at `path`, which need not exist."""
+        self.faults.append(self.values.scene.fault(path, message, hint))
+
+    def read(self, key: Path) -> bytes | None:
+        """The data that the scene names at `key`, up to one byte too many; None with a fault."""
+        if self.path(key) is None:
+            return None
+        name: str = self.values.get(*key)
+        data = self.contents[name]
+        self.hashes[name] = hashlib.sha256(data).hexdigest()
+        return data
+
+    def path(self, key: Path) -> str | None:
+        """Path of the file that the scene names at `key`; None with a fault.
+
+        What is in it now is kept too.
+        """
+        from camgeo.motion.two_columns import MOST_BYTES  # few scenes name a file
+
+        name: str = self.values.get(*key)
+        if self._folder is None:
+            self.fault(key, NO_FOLDER)
+            return None
+        path = (self._folder / name).resolve()
+        if not path.is_relative_to(self._folder):
+            self.fault(key, "must not leave the folder of the scene")
+            return None
+        data = self.contents.get(name, self._known.get(name))
+        if data is None:
+            try:
+                with path.open("rb") as stream:
+                    data = stream.read(MOST_BYTES + 1)
+            except (OSError, ValueError) as error:
+                self.fault(key, f"cannot be read: {unreadable(error)}")
+                return None
+        self.contents[name] = data
+        return str(path)
 
     def table(self, path: Path, node: Mapping[str, Any]) -> dict[str, Any]:
         """The sound table at `path`, by its schema `node`; None where a file cannot be read."""
-        found: dict[str, Any] = self._value(path, self._values.get(*path), dict(node))
+        found: dict[str, Any] = self._value(path, self.values.get(*path), dict(node))
         return found
 
     def _value(self, path: Path, value: Any, node: Node) -> Any:
@@ -63,15 +133,15 @@ class Inside:
         if reference == FILE:
             from camgeo.effects.effect import DataFile  # few scenes name a file
 
-            data = self._files.read(path)
+            data = self.read(path)
             return None if data is None else DataFile(value, data)
         if "x-path" in node and value not in node.get("x-values", ()):
-            return self._files.path(path)
+            return self.path(path)
         if isinstance(value, str | bool):
             return value
         if "x-exact" in node:
-            return self._values.exact(*path)
-        if reference in LENGTHS:
-            return float(value) * self._values.mm
+            return self.values.exact(*path)
+        if reference in LENGTHS or "x-default-mm" in node:
+            return float(value) * self.values.mm
         unit = {**schema()["$defs"].get(reference.rpartition("/")[2], {}), **node}.get("x-unit", "")
         return float(value) * (SCALES[unit] if unit else 1.0)

@@ -6,7 +6,7 @@ import errno
 from os import PathLike
 from pathlib import Path
 
-from camgeo.errors import Fault, SceneError
+from camgeo.errors import Fault, SceneError, unreadable
 from camgeo.scene.document import MOST_BYTES
 from camgeo.scene.scene import Scene
 
@@ -19,20 +19,27 @@ def load_scene(path: str | PathLike[str]) -> Scene:
     SceneError
         If the file cannot be read or anything in it is wrong; it tells all faults.
     """
-    file = str(path)
+    return Scene.from_text(read_file(path, MOST_BYTES), str(path))
+
+
+def read_file(path: str | PathLike[str], most: int) -> bytes:
+    """The bytes of the file at `path`, one more than `most` if it has more.
+
+    Raises
+    ------
+    SceneError
+        If it cannot be read.
+    """
     try:
         if Path(path).is_dir():
             raise IsADirectoryError(errno.EISDIR, "it is a folder")
         with Path(path).open("rb") as stream:
-            data = stream.read(MOST_BYTES + 1)
+            return stream.read(most + 1)
     except FileNotFoundError as error:
-        raise SceneError([Fault("", "", "there is no such file")], file) from error
+        raise SceneError([Fault("", "", "there is no such file")], str(path)) from error
     except (OSError, ValueError) as error:
-        # A ValueError is Python's answer to a path that no file can have.
-        reason = getattr(error, "strerror", None) or str(error)
-        fault = Fault("", "", f"the file cannot be read: {reason}")
-        raise SceneError([fault], file) from error
-    return Scene.from_text(data, file)
+        fault = Fault("", "", f"the file cannot be read: {unreadable(error)}")
+        raise SceneError([fault], str(path)) from error
 
 
 def parse_scene(text: str, file: str = "", folder: str | Path | None = None) -> Scene:

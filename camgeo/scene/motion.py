@@ -8,15 +8,14 @@ from typing import Any, Final
 
 import numpy as np
 
-from camgeo.errors import Fault, GeometryError
+from camgeo.errors import GeometryError
 from camgeo.motion.boundary import FREE
 from camgeo.motion.plan import Dwell
 from camgeo.motion.planning.request import MoveRequest, PointsRequest, Request, TableRequest, Unit
 from camgeo.motion.spans import FULL_TURN
-from camgeo.scene.data_files import DataFiles
+from camgeo.scene.inside import Inside
 from camgeo.scene.keys import Path
-from camgeo.scene.laws import INFLECTION, SHAPES
-from camgeo.scene.sound import SoundValues
+from camgeo.scene.schema import INFLECTION, SHAPES
 
 EQUAL: Final = "equal-"
 """Begins the words for the inflection point that makes both parts of a law equal in something."""
@@ -36,13 +35,12 @@ class MotionRequests:
     ----------
     all : in the order of the scene.
     unit : of positions in the scene.
-    faults : of points, and of what is in the files that the segments name.
     """
 
-    def __init__(self, values: SoundValues, files: DataFiles) -> None:
+    def __init__(self, inside: Inside) -> None:
+        values = inside.values
+        self.inside = inside
         self.values = values
-        self.files = files
-        self.faults: list[Fault] = []
         self.all: list[Request] = []
         self._scale = math.radians(1.0) if values.angular else values.mm
         self.unit = Unit("deg" if values.angular else values.unit, self._scale)
@@ -98,9 +96,7 @@ class MotionRequests:
             assert at is not None  # the scene is sound
             if not last < at < span:
                 message = f"must ascend, inside the span of {span.normalize():f} degrees"
-                self.faults.append(
-                    self.values.scene.fault((*place, "points", index, "at"), message)
-                )
+                self.inside.fault((*place, "points", index, "at"), message)
                 return None
             shares.append(float(at / span))
             last = at
@@ -121,17 +117,17 @@ class MotionRequests:
         from camgeo.motion.lift_table import read_lift_table  # few scenes have one
 
         key = (*place, "file")
-        data = self.files.read(key)
+        data = self.inside.read(key)
         if data is None:
             return None
         try:
             rows = read_lift_table(data, table["file"], float(span), periodic=span == FULL_TURN)
         except GeometryError as error:
-            self._fault(key, error.message)
+            self.inside.fault(key, error.message)
             return None
         wanted = "deg" if self.values.angular else self.values.unit
         if rows.unit and rows.unit.lower() not in UNITS[wanted]:
-            self._fault(key, f"gives the lift in {rows.unit}; the scene takes it in {wanted}")
+            self.inside.fault(key, f"gives the lift in {rows.unit}; the scene takes it in {wanted}")
             return None
         return TableRequest(
             span=span,
@@ -139,9 +135,6 @@ class MotionRequests:
             lifts=self._scale * rows.second,
             smoothing=self._scaled(table.get("smoothing")),
         )
-
-    def _fault(self, place: Path, message: str) -> None:
-        self.faults.append(self.values.scene.fault(place, message))
 
 
 def _weights(optimise: Any) -> dict[str, float]:

@@ -109,7 +109,7 @@ def project_numbers(data: bytes, file: str = "") -> dict[str, float]:
         )
         raise SceneError([Fault("", "", message)], file)
     if len(data) != SIZE:
-        message = f"a project has {SIZE} bytes, {COUNT} doubles; this file has {len(data)}"
+        message = f"a project has {SIZE} bytes, {COUNT} doubles; this file has {len(data):,}"
         raise SceneError([Fault("", "", message)], file)
     numbers = struct.unpack(f"<{COUNT}d", data)
     faults = _beyond(numbers)

@@ -8,14 +8,12 @@ from decimal import Context, Decimal, Inexact
 from typing import Final
 
 from camgeo.errors import Fault
-from camgeo.formats.format import LARGEST_TOLERANCE, SMALLEST_TOLERANCE
+from camgeo.formats.format import LARGEST_TOLERANCE, SMALLEST_TOLERANCE, OutputSpec
 from camgeo.mechanism.declared.registry import FOLLOWERS, LINKAGES
 from camgeo.motion.laws import find_family
 from camgeo.motion.planning.request import AUTO
 from camgeo.scene.keys import Path
-from camgeo.scene.laws import BY_DATA, SHAPES
-from camgeo.scene.model import OutputSpec
-from camgeo.scene.schema import EFFECTS, schema_for
+from camgeo.scene.schema import BY_DATA, EFFECTS, SHAPES, schema_for
 from camgeo.scene.sound import SoundValues
 
 TURN: Final = Decimal(360)
@@ -112,10 +110,9 @@ def motion_returns(values: SoundValues) -> Iterator[Broken]:
 
 def positions_can_be_told_from_0(values: SoundValues) -> Iterator[Broken]:
     """A position is 0, or no smaller than what laws can be scaled to."""
-    for index in range(values.segments):
-        end = values.get("motion", index, "to")
-        if end is not None and 0.0 < abs(end) < SMALLEST_POSITION:
-            yield ("motion", index, "to"), "must be 0, or at least 1e-30 in magnitude"
+    for place, end in _ends(values):
+        if 0.0 < abs(end) < SMALLEST_POSITION:
+            yield place, "must be 0, or at least 1e-30 in magnitude"
 
 
 def laws_have_their_parameters(values: SoundValues) -> Iterator[Broken]:
@@ -150,19 +147,15 @@ def swing_is_possible(values: SoundValues) -> Iterator[Broken]:
     if not values.angular:
         return
     free = not values.lacks("linkage") or values.lacks("follower")  # of a side of the cam axis
-    for index in range(values.segments):
-        end = values.get("motion", index, "to")
-        if free:
-            if end is not None and not abs(end) <= WIDEST_TURN:
-                message = "must lie between -3600 and 3600: the motion is given in degrees"
-                yield ("motion", index, "to"), message
-            continue
-        if end is not None and not abs(end) < WIDEST_SWING:
+    for place, end in _ends(values):
+        if free and not abs(end) <= WIDEST_TURN:
+            yield place, "must lie between -3600 and 3600: the motion is given in degrees"
+        elif not free and not abs(end) < WIDEST_SWING:
             message = (
                 "must lie between -180 and 180: without a linkage the motion of an oscillating "
                 "follower is given in degrees"
             )
-            yield ("motion", index, "to"), message
+            yield place, message
 
 
 def positions_have_one_unit(values: SoundValues) -> Iterator[Broken]:
@@ -350,9 +343,16 @@ def _largest_length(values: SoundValues) -> float | None:
     sizes = (values.get("follower", *key.split(".")) for key in kind.sizes)
     lengths = [math.hypot(*size) if isinstance(size, list) else abs(size or 0.0) for size in sizes]
     if not values.angular:
-        ends = (values.get("motion", index, "to") for index in range(values.segments))
-        lengths.extend(abs(end) for end in ends if end is not None)
+        lengths.extend(abs(end) for _, end in _ends(values))
     return max(lengths)
+
+
+def _ends(values: SoundValues) -> Iterator[tuple[Path, float]]:
+    """The positions at which segments end, where they are known, with their keys."""
+    for index in range(values.segments):
+        end = values.get("motion", index, "to")
+        if end is not None:
+            yield ("motion", index, "to"), end
 
 
 RULES: Final[tuple[Rule, ...]] = (

@@ -10,22 +10,21 @@ from typing import TYPE_CHECKING, Any, Self
 
 from camgeo.errors import SceneError
 from camgeo.pickled import pickled
-from camgeo.scene.document import Document, document, document_of, document_of_tree
+from camgeo.scene.document import Document, Source, document, document_of, document_of_tree
 from camgeo.scene.door import enter
-from camgeo.scene.source import Source
 from camgeo.scene.tree import Tree, edited, read_only
 
 if TYPE_CHECKING:
     from camgeo.cam.breadth import Yoke
     from camgeo.cam.contact import Contact
     from camgeo.check.limits import Limits
+    from camgeo.formats.format import OutputSpec
     from camgeo.mechanism.follower import Follower
     from camgeo.mechanism.kind import Unit
     from camgeo.mechanism.linkage_protocol import Linkage
     from camgeo.motion.plan import MotionPlan
     from camgeo.motion.time_course import SpeedCurve
     from camgeo.part.spec import PartSpec
-    from camgeo.scene.model import OutputSpec
     from camgeo.scene.sound import SoundValues
     from camgeo.units import LengthUnit
 
@@ -112,7 +111,7 @@ class Scene:
     def of(cls, found: Document, source: Source, earlier: Scene | None = None) -> Self:
         """A scene that is taken apart already, perhaps an edit of an earlier one."""
         made = cls.__new__(cls)
-        _fill(made, enter(found, source, earlier))
+        _fill(made, enter(found, source, None if earlier is None else vars(earlier)))
         return made
 
     @cached_property

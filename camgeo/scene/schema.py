@@ -26,7 +26,7 @@ from __future__ import annotations
 import functools
 import json
 import pathlib
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final, TypeVar
 
@@ -34,8 +34,10 @@ from jsonschema_rs import Draft202012Validator
 
 from camgeo.errors import CamgeoError
 from camgeo.formats.registry import FORMATS, find_format, foreign_names
-from camgeo.scene.kinds import with_kinds
-from camgeo.scene.laws import with_laws
+from camgeo.mechanism.declared.registry import FOLLOWERS, LINKAGES
+from camgeo.mechanism.kind import FollowerKind, LinkageKind
+from camgeo.motion.laws import ALIASES, FAMILIES, OPTIONS
+from camgeo.motion.planning.request import AUTO
 
 if TYPE_CHECKING:
     from camgeo.effects.effect import Effect
@@ -49,6 +51,14 @@ EFFECTS: Final = "effects"
 OUTPUT: Final = "output"
 """Key of the table with those of the formats."""
 
+BY_DATA: Final = ("table", "points")
+"""Words for motion by data, in place of a law."""
+
+INFLECTION: Final = "inflection"
+
+SHAPES: Final = (INFLECTION, *OPTIONS)
+"""Keys of a move that shape its law."""
+
 Node = dict[str, Any]
 """An object of the schema."""
 
@@ -61,7 +71,82 @@ Declared = TypeVar("Declared")
 @functools.cache
 def schema() -> Node:
     """Return the schema without effects and formats; it is shared and must not be changed."""
-    return with_laws(with_kinds(json.loads(SCHEMA_FILE.read_bytes())))
+    return _with_laws(_with_kinds(json.loads(SCHEMA_FILE.read_bytes())))
+
+
+def _with_kinds(frame: Mapping[str, Any]) -> Node:
+    """The schema `frame` with the tables of all kinds of followers and linkages."""
+    top = dict(frame["properties"])
+    top["follower"] = _choice(top["follower"], FOLLOWERS.values())
+    top["linkage"] = _choice(top["linkage"], LINKAGES.values())
+    own = {name: _table(kind.schema) for name, kind in LINKAGES.items()}
+    for name, kind in FOLLOWERS.items():
+        own[name] = {**_table(kind.schema), "x-siblings": _siblings(kind)}
+    return {**frame, "properties": top, "$defs": {**frame["$defs"], **own}}
+
+
+def _choice(node: Mapping[str, Any], kinds: Iterable[FollowerKind] | Iterable[LinkageKind]) -> Node:
+    """A table whose other keys depend on its kind."""
+    told = [(kind.name, kind.told) for kind in kinds]
+    kind = {
+        "description": " ".join(f'"{name}": {text}' for name, text in told),
+        "enum": [name for name, _ in told],
+    }
+    cases = [
+        {
+            "if": {"properties": {"kind": {"const": name}}, "required": ["kind"]},
+            "then": {"$ref": f"#/$defs/{name}"},
+        }
+        for name, _ in told
+    ]
+    return {**node, "properties": {"kind": kind}, "allOf": cases}
+
+
+def _table(schema: Mapping[str, Any]) -> Node:
+    return {**schema, "properties": {"kind": True, **schema["properties"]}}
+
+
+def _siblings(kind: FollowerKind) -> list[str]:
+    """The other kinds of followers, those first that touch the cam alike, then those held alike."""
+    others = (other for other in FOLLOWERS.values() if other is not kind)
+    return [
+        other.name
+        for other in sorted(
+            others, key=lambda o: (o.touching != kind.touching, o.unit != kind.unit)
+        )
+    ]
+
+
+def _with_laws(frame: Mapping[str, Any]) -> Node:
+    """The schema `frame` with the names of all laws and the keys of their parameters."""
+    move = frame["$defs"]["move"]
+    keys = dict(move["properties"])
+    names = (AUTO, *(each for name in FAMILIES for each in (name, *FAMILIES[name].aliases)))
+    also = (f'"{alias}" is another name of "{name}".' for alias, name in ALIASES.items())
+    described = " ".join((keys["law"]["description"], *also))
+    keys["law"] = {**keys["law"], "description": described, "enum": [*names, *BY_DATA]}
+    place = list(keys).index(INFLECTION) + 1
+    own = {name: _option(name) for name in OPTIONS}
+    items = list(keys.items())
+    move = {**move, "properties": dict([*items[:place], *own.items(), *items[place:]])}
+    return {**frame, "$defs": {**frame["$defs"], "move": move}}
+
+
+def _option(name: str) -> Node:
+    """The node of a parameter that families have of their own."""
+    found = {
+        family.name: option
+        for family in FAMILIES.values()
+        for option in family.options
+        if option.name == name
+    }
+    first = next(iter(found.values()))
+    told = " and ".join(f'"{law}" (default {each.default:g})' for law, each in found.items())
+    return {
+        "description": f"{first.symbol}: {first.text}; for {told}.",
+        **first.schema,
+        "x-default-by-law": {law: each.default for law, each in found.items() if each.always},
+    }
 
 
 @dataclass(frozen=True, slots=True)
@@ -160,17 +245,10 @@ def definition(name: str) -> Node:
 
 
 def node_at(root: Node, evaluation: list[str | int]) -> Node:
-    """Return the node of `root` on whose last keyword an evaluation path of the validator ends.
-
-    What stands beside a reference says more of the key than what is referred to, and wins.
-    """
+    """Return the node of `root` on whose last keyword an evaluation path of the validator ends."""
     node: Any = root
     for step in evaluation[:-1]:
-        if step == "$ref":
-            beside = {key: value for key, value in node.items() if key != "$ref"}
-            node = {**definition(node["$ref"].rpartition("/")[2]), **beside}
-        else:
-            node = node[step]
+        node = _referred(node) if step == "$ref" else node[step]
     return node if isinstance(node, dict) else {}
 
 
@@ -179,9 +257,14 @@ def resolved(node: Node | bool) -> Node:
     if isinstance(node, bool):
         return {}
     while "$ref" in node:
-        beside = {key: value for key, value in node.items() if key != "$ref"}
-        node = {**definition(node["$ref"].rpartition("/")[2]), **beside}
+        node = _referred(node)
     return node
+
+
+def _referred(node: Node) -> Node:
+    """The definition that a node refers to, with what stands beside the reference, which wins."""
+    beside = {key: value for key, value in node.items() if key != "$ref"}
+    return {**definition(node["$ref"].rpartition("/")[2]), **beside}
 
 
 def keys_of(node: Node | bool, table: Node) -> dict[str, Node]:

@@ -59,13 +59,19 @@ def _change(node: Any, before: Tree, after: Tree) -> None:
                 node.value._insert_after(last, key, _item(value))  # noqa: SLF001
             else:
                 node[key] = _item(value)
-        elif isinstance(value, dict) and isinstance(before[key], dict):
-            _change(node[key], before[key], value)
-        elif isinstance(value, list) and isinstance(before[key], list):
-            _change_list(node[key], before[key], value)
-        elif not _same(before[key], value):
-            node[key] = _item(value)
+        else:
+            _change_item(node, key, before[key], value)
         last = key if not isinstance(value, dict | list) else ""
+
+
+def _change_item(node: Any, key: str | int, before: Any, after: Any) -> None:
+    """Make what `node` has at a key or position say what `after` does."""
+    if isinstance(before, dict) and isinstance(after, dict):
+        _change(node[key], before, after)
+    elif isinstance(before, list) and isinstance(after, list):
+        _change_list(node[key], before, after)
+    elif not _same(before, after):
+        node[key] = _item(after, inline=isinstance(key, int))
 
 
 def _change_list(node: Any, before: list[Any], after: list[Any]) -> None:
@@ -84,12 +90,7 @@ def _change_list(node: Any, before: list[Any], after: list[Any]) -> None:
         node.insert(index, _item(after[index], inline=isinstance(node, Array)))
     kept = [*before[:place], *after[place : place + more], *before[place + max(0, -more) :]]
     for index, (one, other) in enumerate(zip(kept, after, strict=True)):
-        if isinstance(one, dict) and isinstance(other, dict):
-            _change(node[index], one, other)
-        elif isinstance(one, list) and isinstance(other, list):
-            _change_list(node[index], one, other)
-        elif not _same(one, other):
-            node[index] = _item(other, inline=True)
+        _change_item(node, index, one, other)
 
 
 def _place(old: list[Any], new: list[Any]) -> int:

@@ -94,7 +94,7 @@ def edited(tree: Tree, edits: Mapping[str, Any]) -> Tree:
     if faults:
         raise SceneError(faults)
     for path in sorted(removed, key=_order, reverse=True):
-        tree = _without(tree, path)
+        tree = without(tree, path)
     return tree
 
 
@@ -144,14 +144,15 @@ def _with(node: Any, path: Path, value: Any, last: Path) -> Any:
     return {name: made[name] for name in names}
 
 
-def _without(node: Any, path: Path) -> Any:
+def without(node: Any, path: Path) -> Any:
+    """The node without what is at `path`, if there is anything."""
     step, rest = path[0], path[1:]
     if isinstance(step, int):
-        return [*node[:step], *([_without(node[step], rest)] if rest else []), *node[step + 1 :]]
+        return [*node[:step], *([without(node[step], rest)] if rest else []), *node[step + 1 :]]
     if not node or step not in node:
         return node
     if rest:
-        return {**node, step: _without(node[step], rest)}
+        return {**node, step: without(node[step], rest)}
     return {key: item for key, item in node.items() if key != step}
 
 

@@ -22,6 +22,8 @@ TYPES: Final = {
     "string": "text in quotes",
 }
 
+UNKNOWN: Final = "additionalProperties"
+"""What the validator calls an unknown key."""
 
 MOST_FAULTS: Final = 1000
 """Faults told of one scene; a file with more is no scene with mistakes, but something else."""
@@ -50,24 +52,19 @@ def judge(scene: Document) -> Verdict:
     errors = [(tuple(each.instance_path), each, node_at(schema.root, each.evaluation_path))
               for each in told]  # fmt: skip
     faults: list[Fault] = []
+    bad = set(scene.bad)
     meant: set[Path] = set()
     excused: set[Path] = set()
-    unknown: set[Path] = set()
-    for path, error, node in errors:
-        if error.kind.name == "additionalProperties":
+    # Unknown keys first: one of them may be a misspelt key that is missing.
+    for path, error, node in sorted(errors, key=lambda each: each[1].kind.name != UNKNOWN):
+        if error.kind.name == UNKNOWN:
             for name in error.kind.as_dict()["unexpected"][:MOST_FAULTS]:
                 fault, known, sibling = _unknown_key(scene, path, name, node)
                 faults.append(fault)
-                unknown.add((*path, name))
-                if known:
-                    meant.add((*path, known))
-                if sibling:
-                    excused.add(path)
-    bad = set(scene.bad) | unknown
-    for path, error, node in errors:
-        if error.kind.name == "additionalProperties":
-            continue
-        if error.kind.name == "required":
+                bad.add((*path, name))
+                meant |= {(*path, known)} if known else set()
+                excused |= {path} if sibling else set()
+        elif error.kind.name == "required":
             name = str(error.kind.as_dict()["property"])
             bad.add((*path, name))
             if (*path, name) not in meant and path not in excused:

@@ -8,12 +8,12 @@ from decimal import Decimal
 import pytest
 
 from camgeo.formats import csv, gcode
+from camgeo.formats.format import OutputSpec
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.mechanism.slider_crank import SliderCrank
 from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.motion.plan import Dwell, Move
 from camgeo.part.spec import Keyway, PartSpec
-from camgeo.scene.model import OutputSpec
 from camgeo.toolpath.spec import GcodeSpec
 from tests.scene.scenes import GROOVE, LINKED, PLATE, ROCKER, loaded
 

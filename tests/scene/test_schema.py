@@ -11,9 +11,9 @@ import jsonschema_rs
 from camgeo.check.limits import Limits
 from camgeo.formats.csv import CsvSpec
 from camgeo.formats.dxf import DxfSpec
+from camgeo.formats.format import OutputSpec
 from camgeo.motion.laws import ALIASES, FAMILIES
 from camgeo.motion.planning.request import AUTO
-from camgeo.scene.model import OutputSpec
 from camgeo.scene.schema import Node, definition, resolved, schema
 from camgeo.scene.whole_schema import whole_schema
 from camgeo.scene.words import allowed

@@ -7,7 +7,7 @@ from dataclasses import replace
 from importlib import import_module
 from typing import Final
 
-from camgeo.errors import GeometryError
+from camgeo.errors import GeometryError, meant
 from camgeo.motion.laws import fixed_pulses, polynomials
 from camgeo.motion.laws.family import Family, Option
 from camgeo.motion.laws.law import Law
@@ -64,12 +64,12 @@ def find_family(name: str) -> Family:
     Raises
     ------
     GeometryError
-        If there is none; it tells which there are.
+        If there is none; it tells which was meant, or which there are.
     """
     known = (*FAMILIES, *ALIASES)
     if not checked.among(name, known):
-        names = ", ".join(known)
-        raise GeometryError(f"there is no such law; there are {names}", "law", checked.shown(name))
+        hint = meant(str(name), known) or f"there are {', '.join(known)}"
+        raise GeometryError(f"is no motion law; {hint}", "law", checked.shown(name))
     return FAMILIES[ALIASES.get(name, name)]
 
 

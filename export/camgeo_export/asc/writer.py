@@ -13,8 +13,8 @@ from typing import Final
 import numpy as np
 
 from camgeo.files.product import Product, Written
-from camgeo.formats.asc import FORMAT
 from camgeo.formats.format import Format
+from camgeo.formats.plain import ASC
 from camgeo.numeric.arrays import FloatArray
 from camgeo.units import MM_PER
 from camgeo_export.table.writer import difference
@@ -105,6 +105,6 @@ class AscWriter:
         return difference(rows, expected, lengths, "the file")
 
 
-SECOND = AscWriter(replace(FORMAT, suffix="2.asc"), POINTS)
+SECOND = AscWriter(replace(ASC, suffix="2.asc"), POINTS)
 
-WRITER = AscWriter(FORMAT, COLUMNS, (SECOND,))
+WRITER = AscWriter(ASC, COLUMNS, (SECOND,))

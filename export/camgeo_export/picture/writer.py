@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from camgeo.figure.plots import stacked
 from camgeo.files.product import Product, Written
-from camgeo.formats import png, svg
+from camgeo.formats import plain
 from camgeo.formats.format import Format
 from camgeo_export.plots.render import render
 
@@ -30,5 +30,5 @@ class PictureWriter:
         """Nothing: a picture is not made to measure from."""
 
 
-SVG = PictureWriter(svg.FORMAT)
-PNG = PictureWriter(png.FORMAT)
+SVG = PictureWriter(plain.SVG)
+PNG = PictureWriter(plain.PNG)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from camgeo.files.product import Product, Written
-from camgeo.formats.stl import FORMAT
+from camgeo.formats.plain import STL
 from camgeo.numeric.arrays import FloatArray
 from camgeo_export.errors import FileError
 from camgeo_export.solid.measure import measure
@@ -22,7 +22,7 @@ FACET = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute"
 class StlWriter:
     """Writes a binary STL."""
 
-    format = FORMAT
+    format = STL
 
     def write(self, product: Product, tolerance: float) -> Written:
         """The body [mm] within `tolerance` [mm]; the rounding of STL's single floats counts."""

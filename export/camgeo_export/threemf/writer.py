@@ -9,7 +9,7 @@ from xml.etree import ElementTree as ET
 import numpy as np
 
 from camgeo.files.product import Product, Written
-from camgeo.formats.threemf import FORMAT
+from camgeo.formats.plain import THREEMF
 from camgeo.numeric.arrays import FloatArray, IntArray
 from camgeo_export.errors import FileError
 from camgeo_export.solid.measure import measure
@@ -36,7 +36,7 @@ UNIX = 3
 class ThreeMfWriter:
     """Writes a 3MF package."""
 
-    format = FORMAT
+    format = THREEMF
 
     def write(self, product: Product, tolerance: float) -> Written:
         """The body [mm] within `tolerance` [mm]."""

@@ -1,0 +1,47 @@
+"""The formats without options: bodies, pictures, and the point files of opticurv."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Final
+
+from camgeo.formats.format import Format, Rule, Values, groove_has_a_depth, no_keys, no_options
+
+
+def is_a_rocker_behind_a_slider(values: Values) -> Iterator[tuple[str, str]]:
+    """The points are those of a roller on a rocker behind a slider-crank."""
+    if values.flat:
+        yield "", "is for roller followers"
+    elif not values.lacks("linkage") and (
+        values.slides or values.get("linkage", "kind") == "four-bar"
+    ):
+        yield "", 'needs [linkage] kind = "slider-crank" and a rocker'
+
+
+def _plain(
+    name: str, suffix: str, told: str, also: tuple[str, ...] = (), rules: tuple[Rule, ...] = ()
+) -> Format[None]:
+    """A format that needs a follower, and the keys of `also`."""
+    schema = no_keys(f"{told}; it has no options.")
+    return Format(name, suffix, no_options, schema, ("follower", *also), rules)
+
+
+SVG: Final = _plain("svg", ".svg", "The picture of the cam")
+PNG: Final = _plain("png", ".png", "The picture of the cam")
+
+BODY: Final = (("part.thickness",), (groove_has_a_depth,))
+"""What is needed of a disc that is a body, and its rules."""
+
+STL: Final = _plain("stl", ".stl", "The part as a body of triangles, in single precision", *BODY)
+THREEMF: Final = _plain(
+    "3mf", ".3mf", "The part as a body of triangles, in double precision", *BODY
+)
+
+ASC: Final = _plain(
+    "asc",
+    "1.asc",
+    "The point files of opticurv, at the step of the value table",
+    ("linkage",),
+    (is_a_rocker_behind_a_slider,),
+)
+"""Behind the project's name the program puts a digit; the second file has its own."""
