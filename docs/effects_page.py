@@ -20,9 +20,10 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from camgeo.accuracy.effects import effect_rows
-from camgeo.cli.check import effect_findings
-from camgeo.cli.command import finding_lines
-from camgeo.cli.explain import GOALS, tree_lines
+from camgeo.answers.check import check
+from camgeo.answers.explain import explain
+from camgeo.answers.explain.rendering import tree_lines
+from camgeo.answers.finding_lines import finding_lines
 from camgeo.design import Design
 from camgeo.effects.balance.holes import MOST_HOLES
 from camgeo.effects.contact_pressure.findings import HEAVY
@@ -213,7 +214,7 @@ def _named(names: Iterable[str]) -> str:
 
 def _check(_name: str, scene: str, *effects: str) -> str:
     """Part of what `camgeo check` prints of a scene."""
-    found = effect_findings(design(scene))
+    found = check(design(scene)).effects
     parts = ["\n".join((f"{name}:", *finding_lines(found[name]))) for name in effects]
     return _block(f"$ camgeo check fixtures/effects/{scene}.toml\n...\n" + "\n\n".join(parts))
 
@@ -221,8 +222,7 @@ def _check(_name: str, scene: str, *effects: str) -> str:
 def _explain(_name: str, scene: str) -> str:
     """The lines of `camgeo explain` of a scene that tell of effects."""
     fresh = Design(load_scene(str(SCENES / f"{scene}.toml")))
-    GOALS["check"](fresh)
-    lines = [line for line in tree_lines(fresh, fresh.ledger.runs) if "  effects." in line]
+    lines = [line for line in tree_lines(explain(fresh)) if "  effects." in line]
     return _block("\n".join((f"{'all':>10}{'own':>10}", *lines)))
 
 

@@ -37,6 +37,7 @@ STAGES: tuple[tuple[str, ...], ...] = (
     ("stability",),
     ("accuracy",),
     ("figure",),
+    ("answers",),
     ("cli",),
     ("__init__", "__main__"),
 )

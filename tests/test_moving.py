@@ -133,7 +133,7 @@ def test_commands(tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]) ->
     assert "largest-velocity" in capsys.readouterr().out
     assert main(["check", "--json", str(scene)]) == 0
     told = json.loads(capsys.readouterr().out)
-    assert "outlines" not in told
+    assert told["discs"] == {}
     assert {each["name"] for each in told["findings"]} >= {"laws", "largest-velocity"}
     for what in ([], ["motion"]):
         words = ["plot", str(scene), *what, "-o", str(tmp_path / "free.svg"), "--force"]

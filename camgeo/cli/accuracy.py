@@ -6,23 +6,22 @@ import argparse
 import math
 from collections.abc import Sequence
 from dataclasses import asdict
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
+from camgeo.answers.answer import FINE
 from camgeo.cli.command import (
-    FINE,
-    Subparsers,
+    add_json,
+    add_scene,
     identity,
-    new_parser,
+    opened,
     print_json,
     tell_main_disc,
 )
-from camgeo.cli.plot import add_picture, check_picture, write_picture
+from camgeo.cli.plot import add_picture, write_picture
 from camgeo.cli.progress import Progress
 from camgeo.design import Design
 from camgeo.formats.format import LARGEST_TOLERANCE, SMALLEST_TOLERANCE
-from camgeo.scene.load import load_scene
 from camgeo.units import MM_PER
 
 if TYPE_CHECKING:  # what is measured is imported when it is asked for
@@ -58,21 +57,25 @@ NONE: Final = "-"
 """What has no value."""
 
 
-def register(subparsers: Subparsers[argparse.ArgumentParser]) -> None:
-    """Add the command."""
-    parser = new_parser(
-        subparsers,
-        "accuracy",
-        "measure what accuracy costs: pieces, bytes, computing and machining time over the"
-        " tolerance, and say where it stops paying",
-        "camgeo accuracy fixtures/scenes/setzhub.toml -o setzhub-accuracy.svg\n"
-        "  camgeo accuracy my-cam.toml --tolerances 1e-2,1e-3,1e-4 --ripple\n"
-        "  camgeo accuracy my-cam.toml --json",
-    )
-    parser.add_argument("scene", metavar="SCENE", help="scene file (TOML)")
+SUMMARY: Final = (
+    "measure what accuracy costs: pieces, bytes, computing and machining time over the"
+    " tolerance, and say where it stops paying"
+)
+
+EXAMPLE: Final = (
+    "camgeo accuracy fixtures/scenes/setzhub.toml -o setzhub-accuracy.svg\n"
+    "  camgeo accuracy my-cam.toml --tolerances 1e-2,1e-3,1e-4 --ripple\n"
+    "  camgeo accuracy my-cam.toml --json"
+)
+
+
+def options(parser: argparse.ArgumentParser) -> None:
+    """Add those of the command."""
+    add_scene(parser)
     parser.add_argument(
         "--tolerances",
         metavar="MM",
+        type=_tolerances,
         help="comma-separated, in mm; default 1e-1 to 1e-7, one a decade",
     )
     parser.add_argument(
@@ -80,22 +83,19 @@ def register(subparsers: Subparsers[argparse.ArgumentParser]) -> None:
         action="store_true",
         help="replay the contours too: how far the follower's acceleration is off",
     )
-    parser.add_argument("--json", action="store_true", help="print JSON")
+    add_json(parser)
     add_picture(parser)
-    parser.set_defaults(run=partial(run, parser))
 
 
-def run(parser: argparse.ArgumentParser, arguments: argparse.Namespace) -> int:
+def run(arguments: argparse.Namespace) -> int:
     """Measure, and print or draw what was found."""
-    check_picture(parser, arguments.output)
-    asked = None if arguments.tolerances is None else _tolerances(parser, arguments.tolerances)
-    design = Design(load_scene(arguments.scene))
+    design = opened(arguments)
     from camgeo.accuracy.survey import TOLERANCES, survey
 
     tell_main_disc(design, "figures")
     ripple = arguments.ripple or design.scene.output.accuracy_ripple
     with Progress() as progress:
-        found = survey(design, asked or TOLERANCES, ripple=ripple, tell=progress)
+        found = survey(design, arguments.tolerances or TOLERANCES, ripple=ripple, tell=progress)
     if arguments.output is not None:
         from camgeo.figure import accuracy
 
@@ -109,21 +109,21 @@ def run(parser: argparse.ArgumentParser, arguments: argparse.Namespace) -> int:
     return FINE
 
 
-def _tolerances(parser: argparse.ArgumentParser, text: str) -> tuple[float, ...]:
-    """The tolerances of `--tolerances`, each once, the loosest first; ends the command if wrong."""
-    found = []
+def _tolerances(text: str) -> tuple[float, ...]:
+    """The tolerances of `--tolerances`, each once, the loosest first."""
+    found = set()
     for word in text.split(","):
         try:
             value = float(word)
         except ValueError:
             value = math.nan
         if not SMALLEST_TOLERANCE <= value <= LARGEST_TOLERANCE:
-            parser.error(
-                f"argument --tolerances: {word.strip()!r} must be a length of"
-                f" {SMALLEST_TOLERANCE:g} to {LARGEST_TOLERANCE:g} mm"
+            raise argparse.ArgumentTypeError(
+                f"{word.strip()!r} must be a length of {SMALLEST_TOLERANCE:g} to"
+                f" {LARGEST_TOLERANCE:g} mm"
             )
-        found.append(value)
-    return tuple(sorted(set(found), reverse=True))
+        found.add(value)
+    return tuple(sorted(found, reverse=True))
 
 
 # The tables ---------------------------------------------------------------------------------------

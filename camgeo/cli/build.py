@@ -3,34 +3,21 @@
 from __future__ import annotations
 
 import argparse
-from typing import TYPE_CHECKING
+from typing import Final
 
-from camgeo.cli.command import (
-    Subparsers,
-    exit_code,
-    finding_lines,
-    identity,
-    new_parser,
-    print_json,
-    tell,
-)
+from camgeo.answers.build import build
+from camgeo.answers.finding_lines import finding_lines
+from camgeo.cli.command import add_scene, opened, show, tell
 from camgeo.cli.progress import Progress
-from camgeo.design import Design
-from camgeo.scene.load import load_scene
 
-if TYPE_CHECKING:
-    from camgeo.files.write import FileReport
+SUMMARY: Final = "write the files of a scene and certificate.json beside them"
+
+EXAMPLE: Final = "camgeo build fixtures/scenes/setzhub.toml -o out --only dxf,gcode"
 
 
-def register(subparsers: Subparsers[argparse.ArgumentParser]) -> None:
-    """Add the command."""
-    parser = new_parser(
-        subparsers,
-        "build",
-        "write the files of a scene and certificate.json beside them",
-        "camgeo build fixtures/scenes/setzhub.toml -o out --only dxf,gcode",
-    )
-    parser.add_argument("scene", metavar="SCENE", help="scene file (TOML)")
+def options(parser: argparse.ArgumentParser) -> None:
+    """Add those of the command."""
+    add_scene(parser)
     parser.add_argument(
         "-o", metavar="DIR", dest="output", default=".", help="folder; default here"
     )
@@ -40,59 +27,25 @@ def register(subparsers: Subparsers[argparse.ArgumentParser]) -> None:
     )
     parser.add_argument("--force", action="store_true", help="write over files that differ")
     parser.add_argument("--json", action="store_true", help="print the report as JSON")
-    parser.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Write the files; findings beyond a limit are told, a disc that cannot be is refused."""
-    design = Design(load_scene(arguments.scene))
-    findings = design.findings
-    bad = tuple(f for f in findings if f.severity != "ok")
-    for line in finding_lines(bad):
+    design = opened(arguments)
+    for line in finding_lines(each for each in design.findings if each.severity != "ok"):
         tell(line)
-    if not design.judgement.has_outline:
-        tell("nothing was written: the cam has no outline")
-        return exit_code(findings)
-    from camgeo.files.write import write_files  # not before it is needed: a check writes nothing
-
-    output = design.scene.output
-    formats = output.formats
-    if arguments.only is not None:
-        formats = tuple(name.strip() for name in arguments.only.split(",") if name.strip())
-    tolerance = output.tolerance if arguments.tolerance is None else arguments.tolerance
+    formats = arguments.only
+    if formats is not None:
+        formats = tuple(name.strip() for name in formats.split(",") if name.strip())
     with Progress() as progress:
-        report = write_files(
-            design.discs,
+        found = build(
+            design,
             arguments.output,
             formats,
-            tolerance,
+            tolerance=arguments.tolerance,
             force=arguments.force,
             progress=progress,
         )
-    if arguments.json:
-        files = [{"file": f.name, **_record(f)} for f in report.files]
-        print_json({**identity(design.scene), "tolerance_mm": tolerance, "files": files})
-    else:
-        for path, file in zip(report.paths, report.files, strict=False):
-            print(f"{path!s:39} {_sentence(file)}")
-        print(f"{report.paths[-1]!s:39} proof of the above")
-    return exit_code(findings)
-
-
-def _record(file: FileReport) -> dict[str, object]:
-    return {
-        "format": file.format,
-        "bytes": file.size,
-        "tolerance_mm": file.tolerance,
-        "deviation_mm": file.deviation,
-        **file.facts,
-    }
-
-
-def _sentence(file: FileReport) -> str:
-    if file.deviation is None:
-        return f"{file.size:>10,} bytes"
-    return (
-        f"{file.size:>10,} bytes, at most {file.deviation:.3g} mm off (tolerance"
-        f" {file.tolerance:g} mm)"
-    )
+    if found.certificate is None:
+        tell("nothing was written: the cam has no outline")
+    return show(found, arguments)

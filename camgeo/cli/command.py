@@ -1,61 +1,73 @@
-"""What all commands share: exit codes, help with examples, text and JSON output."""
+"""What all commands share: options and their checks, the scene, text and JSON output."""
 
 from __future__ import annotations
 
 import argparse
 import json
-import math
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from decimal import Decimal, InvalidOperation
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any
 
 from camgeo._version import __version__
-from camgeo.check.finding import Finding
+from camgeo.answers.answer import FINE, Answer
 from camgeo.design import Design
-from camgeo.motion.joints import joints
-from camgeo.motion.plan import Course, Move
+from camgeo.lazy import Ledger
 
 if TYPE_CHECKING:
     from camgeo.scene.scene import Scene
 
-FINE: Final = 0
-BROKEN: Final = 1
-WRONG: Final = 2
-"""Exit codes: all limits kept; a limit is broken; the scene or the call is wrong."""
 
-MARKS: Final = {
-    "invalid": "INVALID",
-    "no-disc": "NO DISC",
-    "broken": "BROKEN",
-    "warning": "warning",
-    "ok": "ok",
-}
-
-NAME_WIDTH: Final = 26
-"""Of the names of findings, at least."""
-
-Subparsers = argparse._SubParsersAction  # noqa: SLF001 - argparse gives its type no public name
+class CallError(Exception):
+    """The call is wrong, in a way that none of its options shows by itself."""
 
 
-def new_parser(
-    subparsers: Subparsers[argparse.ArgumentParser], name: str, summary: str, example: str
-) -> argparse.ArgumentParser:
-    """A command's parser, with an example in its help."""
-    return subparsers.add_parser(
-        name,
-        help=summary,
-        description=summary[0].upper() + summary[1:] + ".",
-        epilog=f"example:\n  {example}",
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
+def opened(arguments: argparse.Namespace, progress: Callable[[str], None] | None = None) -> Design:
+    """The design of the scene file that the command is called with; SceneError as `load_scene`.
+
+    `progress` is told each quantity that is computed.
+    """
+    from camgeo.scene.load import load_scene  # some commands need no scene
+
+    return Design(load_scene(arguments.scene), Ledger(progress))
 
 
-def add_output(parser: argparse.ArgumentParser, text: str) -> None:
-    """The options that name a file to write, which `text` describes, and let it be overwritten."""
-    parser.add_argument("-o", metavar="FILE", dest="output", help=text)
+def add_scene(parser: argparse.ArgumentParser) -> None:
+    """The argument that names the scene, see `opened`."""
+    parser.add_argument("scene", metavar="SCENE", help="scene file (TOML)")
+
+
+def add_json(parser: argparse.ArgumentParser) -> None:
+    """The option that asks for JSON in place of text."""
+    parser.add_argument("--json", action="store_true", help="print JSON")
+
+
+def add_output(
+    parser: argparse.ArgumentParser, text: str, suffixes: Sequence[str] | None = None
+) -> None:
+    """The options that name a file to write, which `text` describes, and let it be overwritten.
+
+    Its name ends in one of `suffixes`, if there are any.
+    """
+
+    def named(name: str) -> str:
+        if suffixes is not None and Path(name).suffix not in suffixes:
+            message = f"{name!r} must end in one of {', '.join(suffixes)}"
+            raise argparse.ArgumentTypeError(message)
+        return name
+
+    parser.add_argument("-o", metavar="FILE", dest="output", type=named, help=text)
     parser.add_argument("--force", action="store_true", help="write over an existing file")
+
+
+def deliver(text: str, arguments: argparse.Namespace, told: str) -> int:
+    """Print the text, or write it into the file of `-o`, and tell it with what is `told`."""
+    if arguments.output is None:
+        sys.stdout.write(text)
+    else:
+        write_told([(Path(arguments.output), text.encode(), told)], force=arguments.force)
+    return FINE
 
 
 def write_told(files: Sequence[tuple[Path, bytes, str]], *, force: bool) -> None:
@@ -69,107 +81,46 @@ def write_told(files: Sequence[tuple[Path, bytes, str]], *, force: bool) -> None
         tell(f"{path}: {text}")
 
 
-def require_beside(
-    parser: argparse.ArgumentParser, option: str, name: str | None, output: str | None
-) -> None:
-    """Leave with a message if the files of `option` and of `-o` are the same, or not in one folder.
+def require_beside(option: str, name: str | None, output: str | None) -> None:
+    """Refuse files of `option` and of `-o` that are the same, or not in one folder.
 
     Files are written as a set, whole or not at all, and a set lies in one folder.
     """
     if name is None or output is None:
         return
     if Path(name) == Path(output):
-        parser.error(f"{option} and -o name the same file")
+        raise CallError(f"{option} and -o name the same file")
     if Path(name).parent != Path(output).parent:
-        parser.error(f"{option} and -o must name files in the same folder")
+        raise CallError(f"{option} and -o must name files in the same folder")
 
 
-def decimal_of(
-    parser: argparse.ArgumentParser, option: str, text: str, what: str = "number"
-) -> Decimal:
-    """The number in the text of an option; ends the command if there is none."""
+def decimal(text: str) -> Decimal:
+    """The number in the text of an option."""
     try:
         number = Decimal(text)
     except InvalidOperation:
         number = Decimal("NaN")
     if not number.is_finite():
-        parser.error(f"argument --{option}: {text!r} is no {what}")
+        raise argparse.ArgumentTypeError(f"{text!r} is no number")
     return number
 
 
-def step_of(
-    parser: argparse.ArgumentParser, text: str, smallest: Decimal, largest: Decimal
-) -> Decimal:
-    """The step of the cam angle [degrees] in the text of `--step`; ends the command if it is none
-    from `smallest` to `largest`.
-    """
-    step = decimal_of(parser, "step", text, "number of degrees")
-    if not smallest <= step <= largest:
-        parser.error(f"argument --step: {text} degrees; from {smallest} to {largest} are allowed")
-    return step
+def check_step(step: Decimal | None, smallest: Decimal, largest: Decimal) -> None:
+    """Refuse a step of the cam angle [degrees] that is not from `smallest` to `largest`."""
+    if step is not None and not smallest <= step <= largest:
+        message = f"{step} degrees; from {smallest} to {largest} are allowed"
+        raise CallError(f"argument --step: {message}")
 
 
-def exit_code(findings: tuple[Finding, ...]) -> int:
-    """2 if there is no such mechanism, 1 if a limit is broken or there is no such disc, else 0."""
-    if any(f.severity == "invalid" for f in findings):
-        return WRONG
-    return BROKEN if any(f.severity in ("broken", "no-disc") for f in findings) else FINE
+def show(answer: Answer, arguments: argparse.Namespace) -> int:
+    """Print the answer, as text or with `--json` as JSON; the exit code."""
+    from camgeo.answers import render
 
-
-def finding_lines(findings: tuple[Finding, ...]) -> list[str]:
-    """One line a finding, marks and sentences aligned."""
-    width = max([NAME_WIDTH, *(len(f.name) + 2 for f in findings)])
-    return [f"{MARKS[f.severity]:8}{f.name:{width}}{f.sentence}" for f in findings]
-
-
-def finding_record(finding: Finding) -> dict[str, Any]:
-    """A finding for JSON; angles in degrees."""
-    place = None if finding.cam_angle is None else math.degrees(finding.cam_angle)
-    span = finding.cam_range and [math.degrees(angle) for angle in finding.cam_range]
-    return {
-        "name": finding.name,
-        "severity": finding.severity,
-        "value": finding.value,
-        "limit": finding.limit,
-        "unit": finding.unit,
-        "cam_angle_deg": place,
-        "cam_range_deg": span,
-        "sentence": finding.sentence,
-    }
-
-
-def motion_record(design: Design) -> dict[str, Any]:
-    """Segments and joints of the motion plan for JSON; angles in degrees, derivatives per rad^k.
-
-    Positions are in mm, or in rad where the demanded motion turns.
-    """
-    plan = design.scene.plan
-    segments = []
-    for segment in plan.segments:
-        record: dict[str, Any] = {"span_deg": float(segment.span)}
-        if isinstance(segment, Move):
-            law = segment.law
-            record |= {"to": segment.to, "law": law.name, "task": law.task}
-            record["parameters"] = dict(law.parameters)
-        elif isinstance(segment, Course):
-            record |= {"to": segment.to, "law": "data"}
-            if segment.report is not None:
-                record["largest_deviation"] = segment.report.largest_deviation
-        segments.append(record)
-    return {
-        "segments": segments,
-        "joints": [
-            {
-                "cam_angle_deg": math.degrees(joint.cam_angle),
-                "before": joint.before,
-                "after": joint.after,
-                "continuous_derivatives": joint.order,
-                "left": joint.left.tolist(),
-                "right": joint.right.tolist(),
-            }
-            for joint in joints(plan)
-        ],
-    }
+    if arguments.json:
+        print_json(render.to_json(answer))
+    elif told := render.text(answer):
+        print(told)
+    return answer.exit_code
 
 
 def print_json(document: object) -> None:

@@ -6,8 +6,7 @@ import argparse
 import math
 from typing import Final
 
-from camgeo.errors import GeometryError, meant
-from camgeo.motion.laws import ALIASES, FAMILIES, OPTIONS, make_law
+from camgeo.motion.laws import OPTIONS, make_law
 from camgeo.motion.laws.law import Law
 from camgeo.motion.task import TASKS
 
@@ -68,24 +67,14 @@ def law_from(arguments: argparse.Namespace) -> Law:
         If there is no law of that name, it does not serve the task, takes no such parameter, or the
         value of one is not allowed.
     """
-    name = known_law(arguments.law)
-    return make_law(name, arguments.task or DEFAULT_TASK, **parameters_from(arguments))
+    task = arguments.task or DEFAULT_TASK
+    return make_law(arguments.law, task, **parameters_from(arguments))
 
 
 def parameters_from(arguments: argparse.Namespace) -> dict[str, float]:
     """The parameters that are given, by the names that `make_law` takes."""
     parameters = {key: getattr(arguments, key) for key in PARAMETERS}
     return {key: value for key, value in parameters.items() if value is not None}
-
-
-def known_law(text: str) -> str:
-    """The name of the law that is called `text`; GeometryError, with a hint, if there is none."""
-    name = ALIASES.get(text, text)
-    if name not in FAMILIES:
-        known = (*FAMILIES, *ALIASES)
-        hint = meant(name, known) or f"there are {', '.join(known)}"
-        raise GeometryError(f"is no motion law; {hint}", key="law", value=text)
-    return name
 
 
 def _number(text: str) -> float:

@@ -6,21 +6,24 @@ import argparse
 import math
 from collections.abc import Sequence
 from dataclasses import fields
-from functools import partial
 from pathlib import Path
 from typing import Any, Final
 
-from camgeo.cli.command import FINE, Subparsers, new_parser, print_json
+from camgeo.answers.answer import FINE
+from camgeo.cli.command import (
+    CallError,
+    add_json,
+    print_json,
+)
 from camgeo.cli.law_options import (
     DEFAULT_TASK,
     EVERY_TASK,
     add_law_options,
     given_options,
-    known_law,
     parameters_from,
 )
-from camgeo.cli.plot import add_picture, check_picture, write_picture
-from camgeo.motion.laws import ALIASES, FAMILIES, OPTIONS
+from camgeo.cli.plot import add_picture, write_picture
+from camgeo.motion.laws import ALIASES, FAMILIES, OPTIONS, find_family
 from camgeo.motion.laws.comparison import QUANTITIES, Entry, Running, compare
 from camgeo.motion.task import NAMES, TASKS, End, ends_of
 from camgeo.units import RPM
@@ -46,17 +49,20 @@ RUNNING: Final = {
 CELL: Final = 12
 
 
-def register(subparsers: Subparsers[argparse.ArgumentParser]) -> None:
-    """Add the command."""
-    parser = new_parser(
-        subparsers,
-        "laws",
-        "compare the motion laws for a motion task by their characteristic values (VDI 2143)",
-        "camgeo laws --task R-U --inflection 0.4\n"
-        "  camgeo laws --task all\n"
-        "  camgeo laws --task U-U --curved 0.5 -o laws.svg\n"
-        "  camgeo laws --law modified-sine polynomial-345 --speed 120 --span 60 --stroke 25",
-    )
+SUMMARY: Final = (
+    "compare the motion laws for a motion task by their characteristic values (VDI 2143)"
+)
+
+EXAMPLE: Final = (
+    "camgeo laws --task R-U --inflection 0.4\n"
+    "  camgeo laws --task all\n"
+    "  camgeo laws --task U-U --curved 0.5 -o laws.svg\n"
+    "  camgeo laws --law modified-sine polynomial-345 --speed 120 --span 60 --stroke 25"
+)
+
+
+def options(parser: argparse.ArgumentParser) -> None:
+    """Add those of the command."""
     add_law_options(parser, several=True)
     group = parser.add_argument_group(
         "physical values",
@@ -66,24 +72,22 @@ def register(subparsers: Subparsers[argparse.ArgumentParser]) -> None:
     for name, (metavar, text) in RUNNING.items():
         group.add_argument(f"--{name}", metavar=metavar, type=float, help=text)
     parser.add_argument("--places", action="store_true", help="print z of the extremes too")
-    parser.add_argument("--json", action="store_true", help="print JSON")
+    add_json(parser)
     add_picture(parser, "draw a picture")
-    parser.set_defaults(run=partial(run, parser))
 
 
-def run(parser: argparse.ArgumentParser, arguments: argparse.Namespace) -> int:
+def run(arguments: argparse.Namespace) -> int:
     """Print the comparison, or write its picture."""
-    names = [known_law(name) for name in arguments.law or ()]
-    running = _running(parser, arguments)
+    names = [find_family(name).name for name in arguments.law or ()]
+    running = _running(arguments)
     if arguments.task == EVERY_TASK:
         only_with_one = given_options(arguments)[1:]
         only_with_one += [f"--{name}" for name in RUNNING if running is not None]
         only_with_one += ["--places"] * arguments.places + ["-o"] * (arguments.output is not None)
         if only_with_one:
-            parser.error(f"{', '.join(only_with_one)}: allowed with one task only, not with all")
+            raise CallError(f"{', '.join(only_with_one)}: allowed with one task only, not with all")
         _print_tasks(names, as_json=arguments.json)
         return FINE
-    check_picture(parser, arguments.output)
     task = arguments.task or DEFAULT_TASK
     entries = compare(task, parameters_from(arguments), names)
     if arguments.output is not None:
@@ -99,13 +103,13 @@ def run(parser: argparse.ArgumentParser, arguments: argparse.Namespace) -> int:
     return FINE
 
 
-def _running(parser: argparse.ArgumentParser, arguments: argparse.Namespace) -> Running | None:
+def _running(arguments: argparse.Namespace) -> Running | None:
     """The move of the physical values; None if nothing of it is given."""
     missing = [f"--{name}" for name in RUNNING if getattr(arguments, name) is None]
     if len(missing) == len(RUNNING):
         return None
     if missing:
-        parser.error(f"physical values need {' and '.join(missing)} too")
+        raise CallError(f"physical values need {' and '.join(missing)} too")
     return Running(arguments.speed * RPM, math.radians(arguments.span), arguments.stroke)
 
 

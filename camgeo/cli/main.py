@@ -9,9 +9,10 @@ import sys
 from collections.abc import Sequence
 
 from camgeo._version import __version__
-from camgeo.cli.command import BROKEN, WRONG, tell
+from camgeo.answers.answer import WRONG
+from camgeo.cli.command import CallError, print_json, tell
 from camgeo.cli.earlier import present_name
-from camgeo.errors import CamgeoError, GeometryError, UndercutError
+from camgeo.errors import CamgeoError
 
 INTERRUPTED = 130
 """Exit code after Ctrl-C, as shells count it."""
@@ -32,7 +33,11 @@ COMMANDS = (
     "explain",
     "stability",
 )
-"""In the order of the help; each a module of `camgeo.cli`, with `-` for `_`."""
+"""In the order of the help; each a module of `camgeo.cli`, with `-` for `_`.
+
+It has a `SUMMARY` and an `EXAMPLE`, `options`, which adds to the command's parser, and `run`, which
+takes the arguments and returns the exit code.
+"""
 
 MODULES = {"import": "import_"}
 """Those whose name is a word of Python."""
@@ -51,8 +56,17 @@ def parser(commands: Sequence[str] = COMMANDS) -> argparse.ArgumentParser:
     top.add_argument("--version", action="version", version=f"camgeo {__version__}")
     subparsers = top.add_subparsers(metavar="COMMAND", required=True)
     for command in commands:
-        module = MODULES.get(command, command.replace("-", "_"))
-        importlib.import_module(f"camgeo.cli.{module}").register(subparsers)
+        name = MODULES.get(command, command.replace("-", "_"))
+        module = importlib.import_module(f"camgeo.cli.{name}")
+        own = subparsers.add_parser(
+            command,
+            help=module.SUMMARY,
+            description=f"{module.SUMMARY[0].upper()}{module.SUMMARY[1:]}.",
+            epilog=f"example:\n  {module.EXAMPLE}",
+            formatter_class=argparse.RawDescriptionHelpFormatter,
+        )
+        module.options(own)
+        own.set_defaults(run=module.run, parser=own)
     return top
 
 
@@ -66,17 +80,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
         code: int = parsed.run(parsed)
         sys.stdout.flush()
         return code
-    except UndercutError as error:
-        tell(f"camgeo: {error.message}; nothing was written")
-        return BROKEN
-    except GeometryError as error:
-        given = f" = {error.value}" if error.value else ""
-        place = f"{error.key}{given}: " if error.key else ""
-        tell(f"camgeo: {place}{error.message}")
-        return WRONG
+    except CallError as error:
+        parsed.parser.error(str(error))
+        return WRONG  # which is how it has ended already
     except CamgeoError as error:
-        tell(f"camgeo: {error}")
-        return WRONG
+        return _refused(error, as_json=getattr(parsed, "json", False))
     except KeyboardInterrupt:
         tell("camgeo: interrupted; nothing half-written was left behind")
         return INTERRUPTED
@@ -84,3 +92,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
         # Whoever read our output has had enough; do not fail again while closing it.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
+
+
+def _refused(error: CamgeoError, *, as_json: bool) -> int:
+    """Tell why there is no answer; the exit code."""
+    from camgeo.answers import render
+    from camgeo.answers.refusal import refusal
+
+    found = refusal(error)
+    if as_json:
+        print_json(render.to_json(found))
+    else:
+        tell(render.text(found))
+    return found.exit_code

@@ -3,21 +3,19 @@
 from __future__ import annotations
 
 import argparse
-from pathlib import Path
+from typing import Final
 
-from camgeo.cli.command import FINE, Subparsers, add_output, new_parser, write_told
+from camgeo.cli.command import add_output, deliver
 from camgeo.cli.earlier import present_name
 from camgeo.scene.new import KINDS, template
 
+SUMMARY: Final = "write a commented scene to start from"
 
-def register(subparsers: Subparsers[argparse.ArgumentParser]) -> None:
-    """Add the command."""
-    parser = new_parser(
-        subparsers,
-        "new",
-        "write a commented scene to start from",
-        "camgeo new oscillating-roller -o my-cam.toml",
-    )
+EXAMPLE: Final = "camgeo new oscillating-roller -o my-cam.toml"
+
+
+def options(parser: argparse.ArgumentParser) -> None:
+    """Add those of the command."""
     parser.add_argument(
         "kind",
         metavar="KIND",
@@ -28,16 +26,9 @@ def register(subparsers: Subparsers[argparse.ArgumentParser]) -> None:
         help=", ".join(KINDS),
     )
     add_output(parser, "file to write; else the terminal")
-    parser.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Print or write the template."""
-    text = template(arguments.kind)
-    if arguments.output is None:
-        print(text, end="")
-        return FINE
-    target = Path(arguments.output)
-    told = f"written; next: camgeo check {target}"
-    write_told([(target, text.encode(), told)], force=arguments.force)
-    return FINE
+    told = f"written; next: camgeo check {arguments.output}"
+    return deliver(template(arguments.kind), arguments, told)

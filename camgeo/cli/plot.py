@@ -4,19 +4,17 @@ from __future__ import annotations
 
 import argparse
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
+from camgeo.answers.answer import FINE
 from camgeo.cli.command import (
-    FINE,
-    Subparsers,
     add_output,
-    new_parser,
+    add_scene,
+    opened,
     tell_main_disc,
     write_told,
 )
-from camgeo.design import Design
 from camgeo.errors import Fault, SceneError, meant
-from camgeo.scene.load import load_scene
 
 if TYPE_CHECKING:  # figures are imported when one is asked for
     from camgeo.figure.model import Figure
@@ -36,18 +34,16 @@ EFFECTS = "effects"
 SUFFIXES = (".png", ".svg", ".pdf")
 
 
-def register(subparsers: Subparsers[argparse.ArgumentParser]) -> None:
-    """Add the command."""
-    parser = new_parser(
-        subparsers,
-        "plot",
-        "draw a scene: motion, cam, mechanism, curvature, transmission-angle, effects",
-        "camgeo plot fixtures/scenes/setzhub.toml motion cam -o setzhub.png",
-    )
-    parser.add_argument("scene", metavar="SCENE", help="scene file (TOML)")
+SUMMARY: Final = "draw a scene: motion, cam, mechanism, curvature, transmission-angle, effects"
+
+EXAMPLE: Final = "camgeo plot fixtures/scenes/setzhub.toml motion cam -o setzhub.png"
+
+
+def options(parser: argparse.ArgumentParser) -> None:
+    """Add those of the command."""
+    add_scene(parser)
     parser.add_argument("what", metavar="WHAT", nargs="*", help="what to draw; default all")
-    add_output(parser, f"picture, {', '.join(SUFFIXES)}; default NAME.png")
-    parser.set_defaults(run=run)
+    add_output(parser, f"picture, {', '.join(SUFFIXES)}; default NAME.png", SUFFIXES)
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -59,7 +55,7 @@ def run(arguments: argparse.Namespace) -> int:
         if name not in names:
             hint = meant(name, names, '"')
             raise SceneError([Fault("plot", name, f"can draw {', '.join(names)}", hint)])
-    design = Design(load_scene(arguments.scene))
+    design = opened(arguments)
     if EFFECTS in arguments.what and not design.scene.effects:
         raise SceneError([Fault("effects", "", "names no effect: there is none to draw")])
     possible = [name for name in names if name != EFFECTS or design.scene.effects]
@@ -67,10 +63,6 @@ def run(arguments: argparse.Namespace) -> int:
         possible = [MOTION]
     wanted = arguments.what or possible
     target = Path(arguments.output or f"{design.name}.png")
-    if target.suffix not in SUFFIXES:
-        raise SceneError(
-            [Fault("-o", str(target), f"the name must end in one of {', '.join(SUFFIXES)}")]
-        )
     if wanted == possible == [MOTION]:
         scene = design.scene
         figure = motion.of_drive(design.name, scene.unit, design.drive, scene.lift_unit)
@@ -97,12 +89,4 @@ def write_picture(figure: Figure, target: Path, told: str, *, force: bool) -> No
 
 def add_picture(parser: argparse.ArgumentParser, text: str = "draw a picture too") -> None:
     """The options of a command that draws a picture, by default besides what it prints."""
-    add_output(parser, f"{text}, {', '.join(SUFFIXES)}")
-
-
-def check_picture(
-    parser: argparse.ArgumentParser, output: str | None, allowed: tuple[str, ...] = SUFFIXES
-) -> None:
-    """Leave with a message if the name of the picture does not tell its format."""
-    if output is not None and Path(output).suffix not in allowed:
-        parser.error(f"argument -o: {output!r} must end in one of {', '.join(allowed)}")
+    add_output(parser, f"{text}, {', '.join(SUFFIXES)}", SUFFIXES)

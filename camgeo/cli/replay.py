@@ -6,24 +6,26 @@ import argparse
 import math
 from dataclasses import dataclass
 from decimal import Decimal
-from functools import partial
 from pathlib import Path
 from typing import Final, Protocol
 
 import numpy as np
 
+from camgeo.answers.answer import FINE
 from camgeo.cli.command import (
-    FINE,
-    Subparsers,
+    CallError,
+    add_json,
     add_output,
+    add_scene,
+    check_step,
+    decimal,
     identity,
-    new_parser,
+    opened,
     print_json,
-    step_of,
     tell,
     write_told,
 )
-from camgeo.cli.plot import SUFFIXES, check_picture, drawn
+from camgeo.cli.plot import SUFFIXES, drawn
 from camgeo.cli.replay_told import Scale, closing_lines, closing_of, lines_of, record_of
 from camgeo.contour.contour import Contour
 from camgeo.design import Design
@@ -35,7 +37,6 @@ from camgeo.numeric.arrays import FloatArray
 from camgeo.outline.path import Flank
 from camgeo.outline.replay import CORNER, replay_contour, replay_outline
 from camgeo.outline.replay_result import Replay
-from camgeo.scene.load import load_scene
 from camgeo.units import MM_PER, LengthUnit
 
 READERS: Final = "camgeo.readers"
@@ -64,19 +65,22 @@ class Reader(Protocol):
     ) -> tuple[Contour, ...]: ...
 
 
-def register(subparsers: Subparsers[argparse.ArgumentParser]) -> None:
-    """Add the command."""
-    parser = new_parser(
-        subparsers,
-        "replay",
-        "roll the roller over the real outline, or over a contour from a file: lift, velocity,"
-        " acceleration, shocks, against what is demanded",
-        "camgeo replay fixtures/scenes/setzhub.toml\n"
-        "  camgeo replay fixtures/scenes/setzhub.toml out/setzhub.dxf -o ripple.png\n"
-        "  camgeo replay my-cam.toml measured.csv --unit mm --json\n"
-        "  camgeo replay pair.toml out/pair.dxf out/pair-return.dxf",
-    )
-    parser.add_argument("scene", metavar="SCENE", help="scene file (TOML)")
+SUMMARY: Final = (
+    "roll the roller over the real outline, or over a contour from a file: lift, velocity,"
+    " acceleration, shocks, against what is demanded"
+)
+
+EXAMPLE: Final = (
+    "camgeo replay fixtures/scenes/setzhub.toml\n"
+    "  camgeo replay fixtures/scenes/setzhub.toml out/setzhub.dxf -o ripple.png\n"
+    "  camgeo replay my-cam.toml measured.csv --unit mm --json\n"
+    "  camgeo replay pair.toml out/pair.dxf out/pair-return.dxf"
+)
+
+
+def options(parser: argparse.ArgumentParser) -> None:
+    """Add those of the command."""
+    add_scene(parser)
     parser.add_argument(
         "contours",
         metavar="CONTOUR",
@@ -90,38 +94,35 @@ def register(subparsers: Subparsers[argparse.ArgumentParser]) -> None:
         "--unit", choices=("mm", "inch"), help="unit of CONTOUR, if it does not say one"
     )
     parser.add_argument(
-        "--gap", metavar="MM", type=float, default=GAP,
+        "--gap", metavar="MM", type=_from_0, default=GAP,
         help=f"end points of a drawing up to this far apart are joined; default {GAP:g}",
     )  # fmt: skip
     parser.add_argument(
-        "--corner", metavar="DEG", type=float, default=FLAT,
+        "--corner", metavar="DEG", type=_from_0, default=FLAT,
         help=f"corners of CONTOUR up to this angle count as none; default {FLAT:g}",
     )  # fmt: skip
     parser.add_argument(
         "--flank", choices=tuple(Flank), help="flank of the roller; default the scene's"
     )
-    parser.add_argument("--step", metavar="DEG", help=f"step of the cam angle; default {STEP}")
-    parser.add_argument("--json", action="store_true", help="print JSON")
-    add_output(parser, f"file to write: a table (.csv) or a picture ({', '.join(SUFFIXES)})")
-    parser.set_defaults(run=partial(run, parser))
+    parser.add_argument(
+        "--step", metavar="DEG", type=decimal, default=STEP,
+        help=f"step of the cam angle; default {STEP}",
+    )  # fmt: skip
+    add_json(parser)
+    told = f"file to write: a table (.csv) or a picture ({', '.join(SUFFIXES)})"
+    add_output(parser, told, (".csv", *SUFFIXES))
 
 
-def run(parser: argparse.ArgumentParser, arguments: argparse.Namespace) -> int:
+def run(arguments: argparse.Namespace) -> int:
     """Replay, and print or write what comes of it."""
-    step = STEP
-    if arguments.step is not None:
-        step = step_of(parser, arguments.step, SMALLEST_STEP, LARGEST_STEP)
-    for option in ("gap", "corner"):
-        value = getattr(arguments, option)
-        if not (math.isfinite(value) and value >= 0.0):
-            parser.error(f"argument --{option}: must be a number from 0 on")
-    check_picture(parser, arguments.output, (".csv", *SUFFIXES))
-    design = Design(load_scene(arguments.scene))
+    step = arguments.step
+    check_step(step, SMALLEST_STEP, LARGEST_STEP)
+    design = opened(arguments)
     path_of(design.cam.follower, design.cam.rotation)  # of rollers alone
     flank = Flank(arguments.flank or design.cam.contact.main)
     found = [
         _replayed(disc, file, flank, float(step), arguments)
-        for disc, file in _discs(parser, design, flank, arguments.contours)
+        for disc, file in _discs(design, flank, arguments.contours)
     ]
     pair = (found[0].replay, found[1].replay) if len(found) == 2 else None
     first = found[0]
@@ -148,6 +149,13 @@ def run(parser: argparse.ArgumentParser, arguments: argparse.Namespace) -> int:
     return FINE
 
 
+def _from_0(text: str) -> float:
+    number = float(text)
+    if not (math.isfinite(number) and number >= 0.0):
+        raise argparse.ArgumentTypeError("must be a number from 0 on")
+    return number
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class _Replayed:
     """A disc, what its roller was replayed on, and what came of it."""
@@ -157,13 +165,11 @@ class _Replayed:
     replay: Replay
 
 
-def _discs(
-    parser: argparse.ArgumentParser, design: Design, flank: Flank, files: list[str]
-) -> list[tuple[Product, str | None]]:
+def _discs(design: Design, flank: Flank, files: list[str]) -> list[tuple[Product, str | None]]:
     """The discs to replay, the main one first, each with its file or None for its real outline."""
     discs = design.discs
     if len(files) > len(discs):
-        parser.error(
+        raise CallError(
             "argument CONTOUR: one file at most, for the scene has one disc"
             if len(discs) == 1
             else "argument CONTOUR: two files at most, one of each disc"

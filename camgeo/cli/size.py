@@ -5,30 +5,29 @@ from __future__ import annotations
 import argparse
 import math
 from collections.abc import Mapping
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
+from camgeo.answers.answer import BROKEN, FINE
 from camgeo.check.judge import transmission_angle_limit
 from camgeo.check.sizing.arm import size_with_arm
 from camgeo.check.sizing.smallest import Sizing, rate, size
 from camgeo.check.sizing.task import Task, task_of
 from camgeo.cli.command import (
-    BROKEN,
-    FINE,
-    Subparsers,
-    new_parser,
+    CallError,
+    add_json,
+    add_scene,
+    opened,
     print_json,
     require_beside,
     tell,
     tell_main_disc,
     write_told,
 )
-from camgeo.cli.plot import add_picture, check_picture, drawn
+from camgeo.cli.plot import add_picture, drawn
 from camgeo.cli.size_told import document, lines
 from camgeo.design import Design
 from camgeo.errors import Fault, GeometryError, SceneError
-from camgeo.scene.load import load_scene
 from camgeo.units import MM_PER
 
 if TYPE_CHECKING:
@@ -39,17 +38,20 @@ MARGIN: Final = 1e-11
 limit itself rounding would decide what `camgeo check` says."""
 
 
-def register(subparsers: Subparsers[argparse.ArgumentParser]) -> None:
-    """Add the command."""
-    parser = new_parser(
-        subparsers,
-        "size",
-        "tell the smallest base circle, with offset or pivot, that keeps the limits, and Flocke's"
-        " proposal",
-        "camgeo size fixtures/scenes/setzhub.toml -o size.png\n"
-        "  camgeo size my-cam.toml --transmission-angle 50 --scene my-smaller-cam.toml",
-    )
-    parser.add_argument("scene", metavar="SCENE", help="scene file (TOML)")
+SUMMARY: Final = (
+    "tell the smallest base circle, with offset or pivot, that keeps the limits, and Flocke's"
+    " proposal"
+)
+
+EXAMPLE: Final = (
+    "camgeo size fixtures/scenes/setzhub.toml -o size.png\n"
+    "  camgeo size my-cam.toml --transmission-angle 50 --scene my-smaller-cam.toml"
+)
+
+
+def options(parser: argparse.ArgumentParser) -> None:
+    """Add those of the command."""
+    add_scene(parser)
     parser.add_argument(
         "--transmission-angle",
         metavar="DEG",
@@ -75,18 +77,18 @@ def register(subparsers: Subparsers[argparse.ArgumentParser]) -> None:
         dest="target",
         help="write the scene with the answer's base_radius and offset or pivot",
     )
-    parser.add_argument("--json", action="store_true", help="print JSON")
+    add_json(parser)
     add_picture(parser)
-    parser.set_defaults(run=partial(run, parser))
 
 
-def run(parser: argparse.ArgumentParser, arguments: argparse.Namespace) -> int:
+def run(arguments: argparse.Namespace) -> int:
     """Print the answer; write picture and scene, both or none."""
-    check_picture(parser, arguments.output)
-    require_beside(parser, "--scene", arguments.target, arguments.output)
+    require_beside("--scene", arguments.target, arguments.output)
     if arguments.arm is not None and arguments.output is not None:
-        parser.error("-o draws places for one arm: write the scene with --scene, and draw that one")
-    design = Design(load_scene(arguments.scene))
+        raise CallError(
+            "-o draws places for one arm: write the scene with --scene, and draw that one"
+        )
+    design = opened(arguments)
     tell_main_disc(design, "sizes")
     angle, ratio = _required(design, arguments)
     task = task_of(design.cam)

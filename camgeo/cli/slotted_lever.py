@@ -5,20 +5,19 @@ from __future__ import annotations
 import argparse
 import sys
 from decimal import Decimal
-from functools import partial
 from pathlib import Path
 from typing import Final
 
+from camgeo.answers.answer import FINE
 from camgeo.cli.command import (
-    FINE,
-    Subparsers,
-    decimal_of,
-    new_parser,
+    CallError,
+    add_json,
+    decimal,
     print_json,
     require_beside,
     write_told,
 )
-from camgeo.cli.plot import add_picture, check_picture, drawn
+from camgeo.cli.plot import add_picture, drawn
 from camgeo.cli.slotted_lever_told import document, lines
 from camgeo.errors import GeometryError
 from camgeo.mechanism.slotted_lever import SlottedLever
@@ -36,54 +35,66 @@ from camgeo.units import RPM
 LOWEST, HIGHEST = 1e-100, 1e100
 """Of lengths [mm] and speeds [rev/min]: what is made of them is far from overflow."""
 
-TABLE_OPTIONS: Final = ("step", "from", "to")
+TABLE_OPTIONS: Final = {"step": PRINTED_STEP, "from": Decimal(0), "to": FULL_TURN}
+"""With their defaults."""
 
 
-def register(subparsers: Subparsers[argparse.ArgumentParser]) -> None:
-    """Add the command."""
-    parser = new_parser(
-        subparsers,
-        "slotted-lever",
-        "tell extremes and time ratio of a slotted lever, its value table, its diagram",
-        "camgeo slotted-lever --frame 150 --swing 60 --speed 90 -o slotted-lever.png\n"
-        "  camgeo slotted-lever --frame 150 --swing 60 --speed 90 --table --printed\n"
-        "  camgeo slotted-lever --frame 50 --crank 80 --speed 90 --csv turning.csv --step 0.5",
-    )
+SUMMARY: Final = "tell extremes and time ratio of a slotted-lever, its value table, its diagram"
+
+EXAMPLE: Final = (
+    "camgeo slotted-lever --frame 150 --swing 60 --speed 90 -o slotted-lever.png\n"
+    "  camgeo slotted-lever --frame 150 --swing 60 --speed 90 --table --printed\n"
+    "  camgeo slotted-lever --frame 50 --crank 80 --speed 90 --csv turning.csv --step 0.5"
+)
+
+
+def options(parser: argparse.ArgumentParser) -> None:
+    """Add those of the command."""
     parser.add_argument(
-        "--frame", metavar="MM", required=True, help="a, distance of the axes of crank and lever"
+        "--frame",
+        metavar="MM",
+        type=decimal,
+        required=True,
+        help="a, distance of the axes of crank and lever",
     )
     size = parser.add_mutually_exclusive_group(required=True)
     size.add_argument(
-        "--swing", metavar="DEG", help="whole swing of the lever; the crank is a sin(swing/2)"
+        "--swing",
+        metavar="DEG",
+        type=decimal,
+        help="whole swing of the lever; the crank is a sin(swing/2)",
     )
     size.add_argument(
-        "--crank", metavar="MM", help="R, radius of the crank; with R > a the lever turns round"
+        "--crank",
+        metavar="MM",
+        type=decimal,
+        help="R, radius of the crank; with R > a the lever turns round",
     )
     parser.add_argument(
-        "--speed", metavar="RPM", required=True, help="speed of the crank in rev/min"
+        "--speed", metavar="RPM", type=decimal, required=True, help="speed of the crank in rev/min"
     )
     group = parser.add_argument_group("value table")
     group.add_argument("--table", action="store_true", help="print the value table as CSV instead")
     group.add_argument("--csv", metavar="FILE", help="write the value table to a file")
-    group.add_argument("--step", metavar="DEG", help="step of the crank angle, default 1")
-    group.add_argument("--from", metavar="DEG", help="first crank angle, default 0")
-    group.add_argument("--to", metavar="DEG", help="last crank angle, default 360")
+    group.add_argument(
+        "--step", metavar="DEG", type=decimal, help="step of the crank angle, default 1"
+    )
+    group.add_argument("--from", metavar="DEG", type=decimal, help="first crank angle, default 0")
+    group.add_argument("--to", metavar="DEG", type=decimal, help="last crank angle, default 360")
     group.add_argument(
         "--printed", action="store_true", help="to three decimals, as the SAM exercise prints it"
     )
-    parser.add_argument("--json", action="store_true", help="print JSON")
+    add_json(parser)
     add_picture(parser)
-    parser.set_defaults(run=partial(run, parser))
 
 
-def run(parser: argparse.ArgumentParser, arguments: argparse.Namespace) -> int:
+def run(arguments: argparse.Namespace) -> int:
     """Print extremes or table; write table and picture, both or none."""
-    check_picture(parser, arguments.output)
-    _check_options(parser, arguments)
-    driven = _driven(parser, arguments)
+    _check_options(arguments)
+    driven = _driven(arguments)
     table = None
     if arguments.table or arguments.csv is not None:
-        table = _table(parser, driven, arguments)
+        table = _table(driven, arguments)
     _write(driven, table, arguments)
     shown = table if arguments.table else None
     if arguments.json:
@@ -98,49 +109,43 @@ def run(parser: argparse.ArgumentParser, arguments: argparse.Namespace) -> int:
 # What is given ------------------------------------------------------------------------------------
 
 
-def _check_options(parser: argparse.ArgumentParser, arguments: argparse.Namespace) -> None:
+def _check_options(arguments: argparse.Namespace) -> None:
     if not arguments.table and arguments.csv is None:
         given = [f"--{name}" for name in TABLE_OPTIONS if getattr(arguments, name) is not None]
         given += ["--printed"] * arguments.printed
         if given:
-            parser.error(f"{', '.join(given)}: allowed with --table or --csv only")
-    require_beside(parser, "--csv", arguments.csv, arguments.output)
+            raise CallError(f"{', '.join(given)}: allowed with --table or --csv only")
+    require_beside("--csv", arguments.csv, arguments.output)
 
 
-def _driven(parser: argparse.ArgumentParser, arguments: argparse.Namespace) -> DrivenLever:
-    frame = _length(parser, "frame", arguments.frame, "mm")
+def _driven(arguments: argparse.Namespace) -> DrivenLever:
+    frame = _length("frame", arguments.frame, "mm")
     if arguments.swing is None:
-        crank = _length(parser, "crank", arguments.crank, "mm")
+        crank = _length("crank", arguments.crank, "mm")
     else:
-        crank = crank_for_swing(frame, float(decimal_of(parser, "swing", arguments.swing)))
+        crank = crank_for_swing(frame, float(arguments.swing))
         if crank < LOWEST:
             raise GeometryError(
                 f"makes a crank of {crank:g} mm; from {LOWEST:g} mm is allowed",
                 key="swing",
-                value=arguments.swing,
+                value=str(arguments.swing),
             )
-    speed = _length(parser, "speed", arguments.speed, "rev/min")
+    speed = _length("speed", arguments.speed, "rev/min")
     return DrivenLever(SlottedLever(crank, frame), speed * RPM)
 
 
-def _length(parser: argparse.ArgumentParser, key: str, text: str, unit: str) -> float:
-    value = float(decimal_of(parser, key, text))
+def _length(key: str, given: Decimal, unit: str) -> float:
+    value = float(given)
     if not LOWEST <= value <= HIGHEST:
-        raise GeometryError(f"must be from {LOWEST:g} to {HIGHEST:g} {unit}", key=key, value=text)
+        message = f"must be from {LOWEST:g} to {HIGHEST:g} {unit}"
+        raise GeometryError(message, key=key, value=str(given))
     return value
 
 
-def _table(
-    parser: argparse.ArgumentParser, driven: DrivenLever, arguments: argparse.Namespace
-) -> LeverTable:
-    defaults = (PRINTED_STEP, Decimal(0), FULL_TURN)
-    given = [
-        default
-        if getattr(arguments, key) is None
-        else decimal_of(parser, key, getattr(arguments, key))
-        for key, default in zip(TABLE_OPTIONS, defaults, strict=True)
-    ]
-    return lever_table(driven, *given)
+def _table(driven: DrivenLever, arguments: argparse.Namespace) -> LeverTable:
+    given = {key: getattr(arguments, key) for key in TABLE_OPTIONS}
+    known = {key: value for key, value in given.items() if value is not None}
+    return lever_table(driven, *(TABLE_OPTIONS | known).values())
 
 
 # Files --------------------------------------------------------------------------------------------

@@ -5,14 +5,18 @@ from __future__ import annotations
 import argparse
 import math
 from collections.abc import Sequence
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from camgeo._version import __version__
-from camgeo.cli.command import BROKEN, FINE, Subparsers, new_parser, print_json
+from camgeo.answers.answer import BROKEN, FINE
+from camgeo.cli.command import (
+    CallError,
+    add_json,
+    print_json,
+)
 from camgeo.cli.earlier import present_name
-from camgeo.cli.plot import add_picture, check_picture, write_picture
+from camgeo.cli.plot import add_picture, write_picture
 from camgeo.cli.progress import Progress
 from camgeo.errors import meant
 
@@ -34,16 +38,19 @@ NUMBER, WIDE = 9, 14
 """Widths of a column of numbers."""
 
 
-def register(subparsers: Subparsers[argparse.ArgumentParser]) -> None:
-    """Add the command."""
-    parser = new_parser(
-        subparsers,
-        "stability",
-        "measure the rounding errors of every quantity against mpmath, on the hard cases too",
-        "camgeo stability -o stability.svg\n"
-        "  camgeo stability --only curvature HC14 --json\n"
-        "  camgeo stability --quick",
-    )
+SUMMARY: Final = (
+    "measure the rounding errors of every quantity against mpmath, on the hard cases too"
+)
+
+EXAMPLE: Final = (
+    "camgeo stability -o stability.svg\n"
+    "  camgeo stability --only curvature HC14 --json\n"
+    "  camgeo stability --quick"
+)
+
+
+def options(parser: argparse.ArgumentParser) -> None:
+    """Add those of the command."""
     parser.add_argument(
         "--only",
         metavar="NAME",
@@ -53,18 +60,16 @@ def register(subparsers: Subparsers[argparse.ArgumentParser]) -> None:
         " quantities, or beginnings of case names",
     )
     parser.add_argument("--quick", action="store_true", help="two places of each case only")
-    parser.add_argument("--json", action="store_true", help="print JSON")
+    add_json(parser)
     add_picture(parser)
-    parser.set_defaults(run=partial(run, parser))
 
 
-def run(parser: argparse.ArgumentParser, arguments: argparse.Namespace) -> int:
+def run(arguments: argparse.Namespace) -> int:
     """Run the suite; 0 if all ratios are within the limit, else 1."""
-    check_picture(parser, arguments.output)
     from camgeo.stability import suite
 
     cases = suite.all_cases()
-    only = _known(parser, arguments.only, suite.names(cases))
+    only = _known(arguments.only, suite.names(cases))
     with Progress() as progress:
         readings = suite.run(cases, only, quick=arguments.quick, tell=progress)
     rows = suite.table(readings)
@@ -82,9 +87,7 @@ def run(parser: argparse.ArgumentParser, arguments: argparse.Namespace) -> int:
     return FINE if all(row.sound for row in rows) else BROKEN
 
 
-def _known(
-    parser: argparse.ArgumentParser, asked: Sequence[str], known: tuple[str, ...]
-) -> frozenset[str]:
+def _known(asked: Sequence[str], known: tuple[str, ...]) -> frozenset[str]:
     """The names that are asked for; one that is not known itself stands for all that begin so."""
     found: set[str] = set()
     for name in map(present_name, asked):
@@ -92,7 +95,7 @@ def _known(
         if not these:
             told = f"argument --only: there is no {name!r}"
             hint = meant(name, known, '"')
-            parser.error(f"{told}; {hint}" if hint else told)
+            raise CallError(f"{told}; {hint}" if hint else told)
         found.update(these)
     return frozenset(found)
 

@@ -105,22 +105,26 @@ def test_check_of_a_broken_limit_is_1(tmp_path: Path, capsys: Capture) -> None:
 def test_check_json(capsys: Capture) -> None:
     assert main(["check", SETZHUB, "--json"]) == 0
     document = json.loads(capsys.readouterr().out)
-    motion = document["motion"]
-    assert [segment.get("law", "dwell") for segment in motion["segments"]] == [
+    laws = [segment.get("law", {"name": "dwell"}) for segment in document["segments"]]
+    assert [law["name"] for law in laws] == [
         "dwell",
         "polynomial-345",
         "dwell",
         "polynomial-345",
         "dwell",
     ]
-    assert [joint["cam_angle_deg"] for joint in motion["joints"]] == pytest.approx(
+    assert [joint["cam_angle_deg"] for joint in document["joints"]] == pytest.approx(
         [0.0, 110.0, 190.0, 210.0, 300.0]
     )
-    assert {joint["before"] + joint["after"] for joint in motion["joints"]} == {"RR"}
-    assert all(joint["continuous_derivatives"] >= 2 for joint in motion["joints"])
+    assert {joint["before"] + joint["after"] for joint in document["joints"]} == {"RR"}
+    assert all(joint["continuous_derivatives"] >= 2 for joint in document["joints"])
     design = camgeo.load(SETZHUB)
     assert document["camgeo"] == camgeo.__version__
-    assert document["scene"] == {"name": "setzhub", "sha256": design.disc.scene_hash}
+    assert document["scene"] == {
+        "name": "setzhub",
+        "sha256": design.disc.scene_hash,
+        "files": {},
+    }
     assert len(document["findings"]) == len(design.findings)
     for record, finding in zip(document["findings"], design.findings, strict=True):
         assert record["name"] == finding.name
@@ -194,7 +198,9 @@ def test_plot(tmp_path: Path, capsys: Capture) -> None:
     assert b"<svg" in target.read_bytes()
     assert main(["plot", SETZHUB, "cams", "-o", str(tmp_path / "b.svg")]) == 2
     assert 'did you mean "cam"?' in capsys.readouterr().err
-    assert main(["plot", SETZHUB, "cam", "-o", str(tmp_path / "b.gif")]) == 2
+    with pytest.raises(SystemExit) as stopped:
+        main(["plot", SETZHUB, "cam", "-o", str(tmp_path / "b.gif")])
+    assert stopped.value.code == 2
     assert not (tmp_path / "b.gif").exists()
 
 
@@ -252,7 +258,8 @@ def test_check_tells_outline_and_cures_as_json(capsys: Capture) -> None:
     scene = str(SCENES.parent / "refused" / "global_undercut.toml")
     assert main(["check", scene, "--json"]) == 1
     told = json.loads(capsys.readouterr().out)
-    outline = told["outlines"]["inner"]
+    ((_, outlines),) = told["discs"].items()
+    outline = outlines["inner"]
     _, expected = hard_case("HC22")
     ((start, end),) = outline["left_out_deg"]
     assert start == pytest.approx(
@@ -272,7 +279,7 @@ def test_check_tells_outline_and_cures_as_json(capsys: Capture) -> None:
     assert main(["check", SETZHUB, "--json"]) == 0
     healthy = json.loads(capsys.readouterr().out)
     assert healthy["cures"] == []
-    assert healthy["outlines"]["inner"]["left_out_deg"] == []
+    assert healthy["discs"]["setzhub"]["inner"]["left_out_deg"] == []
 
 
 def test_an_outline_that_crosses_itself_is_refused(tmp_path: Path, capsys: Capture) -> None:

@@ -149,7 +149,7 @@ def test_the_picture(drawings: Path, tmp_path: Path, suffix: str, start: bytes) 
 )  # fmt: skip
 def test_wrong_calls(words: tuple[str, ...], capsys: Capture) -> None:
     with pytest.raises(SystemExit) as stopped:
-        replay(PLATE, *words)
+        main(["replay", PLATE, *words])
     assert stopped.value.code == 2
     assert "usage: camgeo" in capsys.readouterr().err
 

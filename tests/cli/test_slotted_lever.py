@@ -367,7 +367,7 @@ def test_a_very_short_crank(capsys: Capture) -> None:
     [
         (("--frame", "0", "--swing", "60", "--speed", "90"), "frame = 0: must be from"),
         (("--frame", "-1", "--swing", "60", "--speed", "90"), "frame = -1: must be from"),
-        (("--frame", "1e999", "--swing", "60", "--speed", "90"), "frame = 1e999: must be from"),
+        (("--frame", "1e999", "--swing", "60", "--speed", "90"), "frame = 1E+999: must be from"),
         (("--frame", "150", "--crank", "0", "--speed", "90"), "crank = 0: must be from"),
         (("--frame", "150", "--swing", "0", "--speed", "90"), "swing = 0: "),
         (("--frame", "150", "--swing", "180.5", "--speed", "90"), "at most 180 degrees"),

@@ -128,7 +128,7 @@ def test_names_and_beginnings_of_cases(name: str, monkeypatch: pytest.MonkeyPatc
 )
 def test_wrong_words(words: list[str], message: str, capsys: Capture) -> None:
     with pytest.raises(SystemExit) as end:
-        call(*words)
+        main(["stability", *words])
     assert end.value.code == 2
     assert message in capsys.readouterr().err
 

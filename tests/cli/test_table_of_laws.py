@@ -151,7 +151,7 @@ LAW = ["--law", "modified-sine"]
         ([*LAW, "--step", "nan"], "argument --step: 'nan' is no number"),
         ([*LAW, "--step", "0"], "step of z must be from 0.000001 to 0.5"),
         ([*LAW, "--step", "0.6"], "step of z must be from 0.000001 to 0.5"),
-        ([SETZHUB, "--step", "nan"], "argument --step: 'nan' is no number of degrees"),
+        ([SETZHUB, "--step", "nan"], "argument --step: 'nan' is no number"),
         ([SETZHUB, "--step", "91"], "argument --step: 91 degrees; from 0.0001 to 90 are allowed"),
         ([*LAW, "--inflection", "x"], "argument --inflection: 'x' is no number"),
         ([*LAW, "--v0", "inf"], "argument --v0: 'inf' is no finite number"),

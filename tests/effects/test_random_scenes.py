@@ -10,6 +10,7 @@ from __future__ import annotations
 import json
 import math
 import re
+from dataclasses import asdict
 from functools import cache
 from random import Random
 from typing import Any, Final
@@ -20,7 +21,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from camgeo.check.finding import Finding
-from camgeo.cli.command import finding_record
 from camgeo.design import Design
 from camgeo.effects.effect import Column
 from camgeo.effects.registry import EFFECTS, find_effect
@@ -333,7 +333,7 @@ def assert_findings(name: str, findings: tuple[Finding, ...]) -> None:
         assert re.fullmatch(r"[a-z0-9]+(-[a-z0-9]+)*", each.name), each
         assert each.severity in SEVERITIES, each
         assert not re.search(r"\b(nan|inf|None)\b|\{", each.sentence), (name, each)
-        record = json.loads(json.dumps(finding_record(each), allow_nan=False))
+        record = json.loads(json.dumps(asdict(each), allow_nan=False))
         assert record["sentence"], each
         numbers = (each.value, each.limit, each.cam_angle, *(each.cam_range or ()))
         assert all(math.isfinite(one) for one in numbers if one is not None), (name, each)

@@ -14,7 +14,7 @@ import pytest
 from ezdxf.filemanagement import readfile
 
 from camgeo import load
-from camgeo.cli.main import main, parser
+from camgeo.cli.main import main
 from camgeo.design import Design
 from camgeo.errors import UndercutError
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
@@ -180,9 +180,8 @@ def test_the_table_of_a_replay_has_the_play(built: Path, tmp_path: Path) -> None
 def test_too_many_contours_are_refused(built: Path, capsys: Capture) -> None:
     plate = str(FOLDER / "plate_translating.toml")
     for scene, files, said in ((str(built), 3, "one of each disc"), (plate, 2, "has one disc")):
-        arguments = parser(("replay",)).parse_args(["replay", scene, *["a.dxf"] * files])
         with pytest.raises(SystemExit) as caught:
-            arguments.run(arguments)
+            main(["replay", scene, *["a.dxf"] * files])
         assert caught.value.code == 2
         assert said in capsys.readouterr().err
 
@@ -196,8 +195,8 @@ def test_check_tells_both_discs(built: Path, capsys: Capture) -> None:
     assert "closing-error" in text
     assert main(["check", str(built), "--json"]) == 0
     told = json.loads(capsys.readouterr().out)
-    assert told["return"]["name"] == f"{built.stem}-return"
-    area = told["return"]["outlines"]["inner"]["area_mm2"]
+    assert list(told["discs"]) == [built.stem, f"{built.stem}-return"]
+    area = told["discs"][f"{built.stem}-return"]["inner"]["area_mm2"]
     outline = drawn(built.with_name(f"{built.stem}-return.dxf"))
     # The tolerance along an outline of less than 500 mm.
     assert area == pytest.approx(abs(outline.area), abs=0.5)

@@ -1,0 +1,1 @@
+"""What the commands find, as frozen results, and their renderings."""

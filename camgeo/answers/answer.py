@@ -1,0 +1,36 @@
+"""What a command finds: a frozen result, of which text, JSON, tables and pictures are renderings.
+
+Each command has a package in this stage: its result, a dataclass that is an `Answer`, and the
+function that makes it; `rendering`, which has `text` and perhaps `table` and `figure`, functions of
+the result alone; and schema.json, the JSON Schema of its document, by which that is read off the
+result (`camgeo.answers.render`).
+"""
+
+from __future__ import annotations
+
+from typing import ClassVar, Final
+
+FINE: Final = 0
+BROKEN: Final = 1
+WRONG: Final = 2
+"""Exit codes: all limits kept; a limit is broken; the scene or the call is wrong."""
+
+
+class Answer:
+    """Base of the results, which are frozen dataclasses; lengths in mm, angles in rad.
+
+    Attributes
+    ----------
+    command : whose answer it is, as on the command line.
+    version : of its JSON document; a key that goes or means something else makes another one.
+    """
+
+    __slots__ = ()
+
+    command: ClassVar[str]
+    version: ClassVar[int] = 1
+
+    @property
+    def exit_code(self) -> int:
+        """How the command ends."""
+        return FINE

@@ -1,0 +1,68 @@
+"""What `camgeo build` writes: the files of a scene, and their certificate."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import ClassVar
+
+from camgeo.answers.answer import Answer
+from camgeo.answers.finding_lines import exit_code
+from camgeo.check.finding import Finding
+from camgeo.design import Design
+from camgeo.files.write import FileReport, write_files
+from camgeo.scene.scene import Scene
+
+
+@dataclass(frozen=True, slots=True)
+class Build(Answer):
+    """The files that were written.
+
+    Attributes
+    ----------
+    scene : of which.
+    tolerance : largest deviation that was asked for [mm].
+    findings : what the checks find beyond a limit, or warn of.
+    folder : in which the files lie.
+    files : none if the cam has no outline.
+    certificate : its name beside the files; None if there are none.
+    """
+
+    command: ClassVar[str] = "build"
+
+    scene: Scene
+    tolerance: float
+    findings: tuple[Finding, ...]
+    folder: str
+    files: tuple[FileReport, ...] = ()
+    certificate: str | None = None
+
+    @property
+    def exit_code(self) -> int:
+        """2 if there is no such mechanism, 1 if a limit is broken or there is no such disc."""
+        return exit_code(self.findings)
+
+
+def build(
+    design: Design,
+    folder: str | Path,
+    formats: Sequence[str] | None = None,
+    *,
+    tolerance: float | None = None,
+    force: bool = False,
+    progress: Callable[[str], None] = lambda _: None,
+) -> Build:
+    """Write the files, as `Design.write` does; nothing of a cam that has no outline.
+
+    `progress` is told each step. Raises as `Design.write`.
+    """
+    output = design.scene.output
+    asked = output.tolerance if tolerance is None else tolerance
+    bad = tuple(each for each in design.findings if each.severity != "ok")
+    about = design.scene, asked, bad, str(folder)
+    if not design.judgement.has_outline:
+        return Build(*about)
+    names = output.formats if formats is None else tuple(formats)
+    report = write_files(design.discs, folder, names, asked, force=force, progress=progress)
+    return Build(*about, report.files, report.paths[-1].name)

@@ -1,0 +1,27 @@
+"""What `camgeo build` writes, in words."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from camgeo.answers.build import Build
+from camgeo.files.write import FileReport
+
+WIDTH = 39
+"""Of the paths."""
+
+
+def text(answer: Build) -> str:
+    """A line for each file, and one for the certificate."""
+    folder = Path(answer.folder)
+    lines = [f"{folder / file.name!s:{WIDTH}} {_size(file)}" for file in answer.files]
+    if answer.certificate is not None:
+        lines.append(f"{folder / answer.certificate!s:{WIDTH}} proof of the above")
+    return "\n".join(lines)
+
+
+def _size(file: FileReport) -> str:
+    size = f"{file.size:>10,} bytes"
+    if file.deviation is None:
+        return size
+    return f"{size}, at most {file.deviation:.3g} mm off (tolerance {file.tolerance:g} mm)"

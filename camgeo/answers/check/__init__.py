@@ -1,0 +1,118 @@
+"""What `camgeo check` finds: a design held to its limits, what is left of its discs, cures."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from itertools import chain
+from typing import ClassVar
+
+from camgeo.answers.answer import Answer
+from camgeo.answers.finding_lines import exit_code
+from camgeo.cam.disc import Disc
+from camgeo.check.cures.cure import Cure
+from camgeo.check.finding import Finding
+from camgeo.check.judge import RETURN
+from camgeo.design import Design
+from camgeo.errors import GeometryError
+from camgeo.motion.joints import Joint, joints
+from camgeo.outline.outline import Outline
+from camgeo.outline.path import Path, Pivot
+from camgeo.scene.scene import Scene
+
+
+@dataclass(frozen=True, slots=True)
+class Remains:
+    """What is left of a flank on the real disc; areas are computed when they are asked for.
+
+    Attributes
+    ----------
+    outline : of the real disc.
+    """
+
+    outline: Outline
+
+    @property
+    def area(self) -> float:
+        """Inside of the outline [mm^2]."""
+        return _size(self.outline.path)
+
+    @property
+    def corners(self) -> tuple[Pivot, ...]:
+        """Of the outline."""
+        return tuple(pivot for pivot in self.outline.path.pivots if pivot.distance == 0.0)
+
+    @property
+    def lobes(self) -> tuple[float, ...]:
+        """Areas of what is cut off and falls away [mm^2]."""
+        return tuple(_size(lobe) for lobe in self.outline.lobes)
+
+    @property
+    def left_out(self) -> tuple[tuple[float, float], ...]:
+        """Ranges of the cam angle that the outline leaves out [rad]."""
+        return self.outline.dropped
+
+
+@dataclass(frozen=True, slots=True)
+class Check(Answer):
+    """What a scene is found to be.
+
+    Attributes
+    ----------
+    scene : that was checked.
+    findings : the good with the bad, worst first.
+    discs : of each disc, the main one first, what is left of its flanks in use, by names; None if
+        nothing is, or it cannot be told. No discs without a follower.
+    cures : what would cure undercut, the cheapest first, then the knobs that do not.
+    effects : what each effect finds that the scene names; none if there is no such mechanism.
+    """
+
+    command: ClassVar[str] = "check"
+
+    scene: Scene
+    findings: tuple[Finding, ...]
+    discs: Mapping[str, Mapping[str, Remains | None]]
+    cures: tuple[Cure, ...]
+    effects: Mapping[str, tuple[Finding, ...]]
+
+    @property
+    def joints(self) -> tuple[Joint, ...]:
+        """Where the segments of the motion meet, by ascending cam angle."""
+        return joints(self.scene.plan)
+
+    @property
+    def exit_code(self) -> int:
+        """2 if there is no such mechanism, 1 if a limit is broken or there is no such disc."""
+        return exit_code(chain(self.findings, *self.effects.values()))
+
+
+def check(design: Design) -> Check:
+    """Hold a design to its limits."""
+    cams = zip((design.name, f"{design.name}-{RETURN}"), design.judgement.cams, strict=False)
+    found = design.findings
+    wrong = any(finding.severity == "invalid" for finding in found)
+    named = () if wrong else design.scene.effects
+    return Check(
+        design.scene,
+        found,
+        {name: _outlines(cam.disc) for name, cam in cams},
+        design.cures,
+        {name: design.effects.findings(name) for name in named},
+    )
+
+
+def _outlines(disc: Disc) -> dict[str, Remains | None]:
+    return {name: _remains(disc, name) for name, _ in disc.flanks}
+
+
+def _remains(disc: Disc, flank: str) -> Remains | None:
+    try:
+        return Remains(disc.outline(flank))
+    except GeometryError:
+        return None
+
+
+def _size(path: Path) -> float:
+    from camgeo.outline.moments import area  # what a check finds needs no areas
+
+    return abs(area(path))

@@ -1,0 +1,93 @@
+"""What `camgeo explain` finds: what a command computes of a scene, for whom, how long it takes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import ClassVar, Final
+
+from camgeo.answers.answer import Answer
+from camgeo.answers.check import check
+from camgeo.cam.disc import Disc
+from camgeo.cam.drive import Drive
+from camgeo.check.judge import Judgement
+from camgeo.design import Design
+from camgeo.files.drawn import DrawnDisc
+from camgeo.files.milled import MilledDisc
+from camgeo.lazy import Run, lazy_names
+from camgeo.scene.scene import Scene
+
+EFFECTS: Final = "effects."
+"""Begins the names of quantities that are effects."""
+
+OWNERS: Final = (Drive, Disc, Judgement, DrawnDisc, MilledDisc)
+"""What has quantities that are computed on demand, in the order of the stages."""
+
+
+@dataclass(frozen=True, slots=True)
+class Explanation(Answer):
+    """What a command computes.
+
+    Attributes
+    ----------
+    scene : of which.
+    goal : the command.
+    computed : in the order of the ends.
+    reasons : why effects among them were computed, by the names of the quantities.
+    left_alone : quantities and effects that were not computed.
+    """
+
+    command: ClassVar[str] = "explain"
+
+    scene: Scene
+    goal: str
+    computed: tuple[Run, ...]
+    reasons: Mapping[str, str]
+    left_alone: tuple[str, ...]
+
+
+def explain(design: Design, goal: str = "check") -> Explanation:
+    """Do what a command of `GOALS` does with a new design, and tell what that took."""
+    GOALS[goal](design)
+    runs = tuple(design.ledger.runs)
+    ran = {each.name for each in runs}
+    reasons = {name: _reason(design, name) for name in sorted(ran) if name.startswith(EFFECTS)}
+    alone = tuple(name for name in quantities() if name not in ran)
+    return Explanation(design.scene, goal, runs, reasons, alone)
+
+
+def _table(design: Design) -> None:
+    """What `camgeo table` asks for."""
+    design.tabulated.table()
+
+
+def _build(design: Design) -> None:
+    """What `camgeo build` asks for; nothing is written."""
+    from camgeo.files.write import make_files
+
+    if design.judgement.has_outline:
+        make_files(design.discs, design.scene.output.formats, design.scene.output.tolerance)
+
+
+GOALS: Final[dict[str, Callable[[Design], object]]] = {
+    "check": check,
+    "table": _table,
+    "build": _build,
+}
+
+
+def quantities() -> tuple[str, ...]:
+    """Names of all that a design computes when it is asked for it, effects among them."""
+    from camgeo.effects.graph import node_name
+    from camgeo.effects.registry import effect_names
+
+    effects = (node_name(name) for name in effect_names())
+    return (*(name for owner in OWNERS for name in lazy_names(owner)), *effects)
+
+
+def _reason(design: Design, quantity: str) -> str:
+    """Why an effect was computed."""
+    name = quantity.removeprefix(EFFECTS)
+    inputs = design.effects.inputs(name)
+    named = "named by the scene" if name in design.scene.effects else "needed"
+    return named + (f"; from {', '.join(inputs)}" if inputs else "")

@@ -1,0 +1,55 @@
+"""What `camgeo explain` finds, in words."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from camgeo.answers.explain import Explanation
+from camgeo.lazy import Run
+
+MILLI: Final = 1e3
+INDENT: Final = "  "
+
+
+def text(answer: Explanation) -> str:
+    """The quantities as a tree, with their times, and what was left alone."""
+    total = sum(each.own_seconds for each in answer.computed)
+    command = f"camgeo {answer.goal}"
+    return "\n".join(
+        (
+            f"What `{command}` computes of {answer.scene.name}, each below what asked for it",
+            "first. Times in ms: with all that it asked for, and its own.",
+            "",
+            f"{'all':>10}{'own':>10}",
+            *tree_lines(answer),
+            "",
+            f"{MILLI * total:10.3f}  in all, of {len(answer.computed)} quantities",
+            "",
+            f"Left alone: {', '.join(answer.left_alone) or 'nothing'}",
+        )
+    )
+
+
+def tree_lines(answer: Explanation) -> list[str]:
+    """One line a quantity, below the one that asked for it first."""
+    below: dict[str, list[Run]] = {}
+    for each in answer.computed:
+        below.setdefault(each.asked_by, []).append(each)
+    shown: set[str] = set()
+
+    def lines(asker: str, depth: int) -> list[str]:
+        found = []
+        for each in below.get(asker, []):
+            notes = (answer.reasons.get(each.name, ""), "has no answer" if each.failed else "")
+            note = "; ".join(filter(None, notes))
+            name = INDENT * depth + each.name
+            found.append(
+                f"{MILLI * each.seconds:10.3f}{MILLI * each.own_seconds:10.3f}  {name}"
+                + (f"  ({note})" if note else "")
+            )
+            if each.name not in shown:
+                shown.add(each.name)
+                found += lines(each.name, depth + 1)
+        return found
+
+    return lines("", 0)

@@ -1,0 +1,45 @@
+"""Why a command gives no answer."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from camgeo.answers.answer import BROKEN, WRONG, Answer
+from camgeo.errors import CamgeoError, Fault, GeometryError, SceneError, UndercutError
+
+
+@dataclass(frozen=True, slots=True)
+class Refusal(Answer):
+    """An error that ended a command.
+
+    Attributes
+    ----------
+    error : name of its class.
+    message : all of it in words.
+    file : that is wrong; empty if it is none.
+    faults : what is wrong.
+    exit_code : how the command ends.
+    """
+
+    command: ClassVar[str] = "refusal"
+
+    error: str
+    message: str
+    file: str
+    faults: tuple[Fault, ...]
+    exit_code: int = WRONG
+
+
+def refusal(error: CamgeoError) -> Refusal:
+    """What an error says: 1 of a cam that has no outline to write, else 2."""
+    name, message = type(error).__name__, str(error)
+    if isinstance(error, SceneError):
+        return Refusal(name, message, error.file, error.faults)
+    if isinstance(error, UndercutError):
+        told = f"{error.message}; nothing was written"
+        return Refusal(name, told, "", (Fault("", "", told),), BROKEN)
+    if isinstance(error, GeometryError):
+        fault = Fault(error.key, error.value, error.message)
+        return Refusal(name, message, "", (fault,))
+    return Refusal(name, message, "", (Fault("", "", message),))

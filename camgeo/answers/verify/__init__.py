@@ -1,0 +1,85 @@
+"""What `camgeo verify` finds: files held against the exact curves of their scene."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, ClassVar
+
+from camgeo.answers.answer import BROKEN, FINE, Answer
+from camgeo.design import Design
+from camgeo.files.verification import Verdict
+from camgeo.files.verify import Against, Wanted, scene_file, verify_files
+from camgeo.scene.fingerprint import hashes_of
+from camgeo.scene.load import load_scene
+
+
+@dataclass(frozen=True, slots=True)
+class Verification(Answer):
+    """Files, and what was found of them.
+
+    Attributes
+    ----------
+    paths : of the files.
+    verdicts : one a file, in the same order.
+    """
+
+    command: ClassVar[str] = "verify"
+
+    paths: tuple[Path, ...]
+    verdicts: tuple[Verdict, ...]
+
+    @property
+    def passed(self) -> bool:
+        """Whether all files pass."""
+        return all(verdict.passed for verdict in self.verdicts)
+
+    @property
+    def records(self) -> tuple[Mapping[str, Any], ...]:
+        """The verdicts as a verification.json holds them."""
+        return tuple(verdict.record() for verdict in self.verdicts)
+
+    @property
+    def exit_code(self) -> int:
+        """0 if all files pass, 1 if one does not."""
+        return FINE if self.passed else BROKEN
+
+
+def verify(
+    paths: tuple[Path, ...], wanted: Wanted | None = None, *, scene: str | Path | None = None
+) -> Verification:
+    """Read files back, and hold them against a scene.
+
+    Parameters
+    ----------
+    paths : of the files.
+    wanted : what they are held to; None for what they and their scene say.
+    scene : path of the scene; None for the one whose hash the files name, looked for in their
+        folder, the one above and the present one.
+
+    Raises
+    ------
+    SceneError
+        If a file is of a format that cannot be read, or its scene is not found or wrong.
+    """
+    return Verification(paths, verify_files(paths, _scenes(scene), wanted or Wanted()))
+
+
+def _scenes(named: str | Path | None) -> Callable[[Path, str], Against]:
+    """What finds the scene of a file; each scene is read once."""
+    known: dict[Path, Against] = {}
+
+    def load(path: Path) -> Against:
+        if path not in known:
+            design = Design(load_scene(path))
+            scene = design.scene
+            known[path] = Against(design.discs, scene.output.tolerance, scene.made_before)
+        return known[path]
+
+    def find(folder: Path, sha256: str) -> Against:
+        if named is not None:
+            return load(Path(named))
+        return load(scene_file((folder, folder / "..", Path()), sha256, hashes_of))
+
+    return find

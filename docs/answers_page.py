@@ -1,0 +1,134 @@
+"""Writes docs/answers.md: `python docs/answers_page.py`.
+
+The page describes the JSON documents of the commands; it is made from their schemas, in
+`camgeo.answers`. A test holds the page to them.
+"""
+
+from __future__ import annotations
+
+import importlib
+import pkgutil
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any, Final
+
+from camgeo import answers
+from camgeo.answers.render import schema_of
+from camgeo.cli.main import COMMANDS
+
+PAGE: Final = Path(__file__).with_name("answers.md")
+
+HEAD: Final = """\
+# Answers as JSON
+
+<!-- Made from the schemas in camgeo/answers by docs/answers_page.py; change them there. -->
+
+With `--json` a command prints its answer as one JSON document, and its faults too, if it has no
+answer ([`camgeo/refusal`](#camgeorefusal)). The keys `schema` and `version` say
+which, and `camgeo` is the version of the program. A key that goes, or means something else, makes
+another version of the document; a new key does not.
+Lengths are in mm and angles in degrees, as the keys' names say, unless a key beside them names
+another unit.
+
+Each document has a JSON Schema (draft 2020-12), shipped beside the code that makes the answer, as
+`camgeo/answers/NAME/schema.json`. Beyond the keywords of JSON Schema these have `x-unit`, the unit
+of a number, and `x-attribute`, the name of its value in Python.
+
+From Python the same answers are frozen dataclasses, in mm and radians:
+
+```python
+import camgeo
+from camgeo.answers.check import check
+from camgeo.answers.render import text, to_json
+
+found = check(camgeo.load("fixtures/scenes/setzhub.toml"))
+found.findings  # as data
+print(text(found))  # as `camgeo check` prints it
+to_json(found)  # as `camgeo check --json` prints it
+```
+
+A key in parentheses is left out where there is nothing to say. `[]` marks the items of a list, `*`
+names that depend on the scene.
+"""
+
+OF_ALL: Final = ("schema", "version", "camgeo")
+"""Keys that all documents have."""
+
+LAST: Final = "refusal"
+"""What is no command."""
+
+
+def page() -> str:
+    """The page's text."""
+    return HEAD + "".join(_section(schema_of(name)) for name in packages())
+
+
+def packages() -> list[str]:
+    """The packages with answers, in the order of the commands."""
+    found = {each.name for each in pkgutil.iter_modules(answers.__path__) if each.ispkg}
+    names = [name for name in (command.replace("-", "_") for command in COMMANDS) if name in found]
+    assert found == {*names, LAST}
+    for name in (*names, LAST):
+        importlib.import_module(f"{answers.__name__}.{name}")
+    return [f"{answers.__name__}.{name}" for name in (*names, LAST)]
+
+
+def _section(schema: Mapping[str, Any]) -> str:
+    properties = schema["properties"]
+    name, version = (properties[key]["const"] for key in ("schema", "version"))
+    rows = "".join(
+        f"| `{key}` | {kind} | {told} |\n"
+        for key, kind, told in _rows(schema, schema, "")
+        if key not in OF_ALL
+    )
+    return (
+        f"\n## `{name}`\n\n{schema['description']} Version {version}.\n\n"
+        f"| key | type | meaning |\n|---|---|---|\n{rows}"
+    )
+
+
+def _rows(
+    node: Mapping[str, Any], schema: Mapping[str, Any], path: str
+) -> Iterator[tuple[str, str, str]]:
+    """The keys below a node: path, type, description."""
+    if "items" in node:
+        yield from _rows(_resolved(node["items"], schema), schema, f"{path}[]")
+    each = node.get("additionalProperties")
+    if isinstance(each, Mapping):
+        yield from _rows(_resolved(each, schema), schema, f"{path}.*")
+    required = node.get("required", ())
+    for key, stated in node.get("properties", {}).items():
+        inner = _resolved(stated, schema)
+        shown = f"{path}.{key}" if path else key
+        told = str(inner.get("description", "")).replace("|", "\\|")
+        yield shown if key in required else f"{path}.({key})".lstrip("."), _kind(inner), told
+        yield from _rows(inner, schema, shown)
+
+
+def _kind(node: Mapping[str, Any]) -> str:
+    """What a value may be."""
+    if "const" in node:
+        return f"`{node['const']}`"
+    if "enum" in node:
+        return ", ".join(f"`{each}`" for each in node["enum"])
+    stated = node["type"]
+    return " or ".join([stated] if isinstance(stated, str) else stated)
+
+
+def _resolved(node: Mapping[str, Any], schema: Mapping[str, Any]) -> Mapping[str, Any]:
+    """The node with its reference followed; what may be null too is told as such."""
+    if "anyOf" in node:
+        (one,) = (_resolved(each, schema) for each in node["anyOf"] if each.get("type") != "null")
+        return {**one, "type": [one["type"], "null"], **_beside(node)}
+    if "$ref" in node:
+        found = schema["$defs"][node["$ref"].rpartition("/")[2]]
+        return {**_resolved(found, schema), **_beside(node)}
+    return node
+
+
+def _beside(node: Mapping[str, Any]) -> dict[str, Any]:
+    return {key: each for key, each in node.items() if key not in ("anyOf", "$ref")}
+
+
+if __name__ == "__main__":
+    PAGE.write_text(page(), encoding="utf-8")

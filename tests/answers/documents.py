@@ -1,0 +1,35 @@
+"""JSON documents of answers, held against their schemas."""
+
+from __future__ import annotations
+
+import json
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from jsonschema_rs import Draft202012Validator, meta
+
+from camgeo.answers.answer import Answer
+from camgeo.answers.render import schema_of, to_json
+
+FIXTURES = Path(__file__).parents[2] / "fixtures"
+
+FOLDERS = ("effects", "refused", "scenes")
+
+SCENES = [path for name in FOLDERS for path in sorted((FIXTURES / name).glob("*.toml"))]
+
+
+@cache
+def validator(package: str) -> Draft202012Validator:
+    schema = schema_of(package)
+    meta.validate(schema)
+    return Draft202012Validator(schema)
+
+
+def document(answer: Answer) -> dict[str, Any]:
+    """The answer's document, as it is printed; it is what its schema says."""
+    found: dict[str, Any] = json.loads(json.dumps(to_json(answer), allow_nan=False))
+    validator(type(answer).__module__).validate(found)
+    assert found["schema"] == f"camgeo/{answer.command}"
+    assert found["version"] == answer.version
+    return found

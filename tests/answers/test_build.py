@@ -1,0 +1,57 @@
+"""What `camgeo build` writes and `camgeo verify` finds of it, told as text and as JSON."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from camgeo.answers.build import build
+from camgeo.answers.render import text
+from camgeo.answers.verify import verify
+from camgeo.design import Design
+from camgeo.scene.load import load_scene
+from tests.answers.documents import FIXTURES, document
+
+SCENE = FIXTURES / "scenes" / "inch.toml"
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("built")
+
+
+def test_text_and_document_are_of_one_result(folder: Path) -> None:
+    found = build(Design(load_scene(SCENE)), folder, ["dxf", "svg"], tolerance=0.01)
+    told = document(found)
+    assert [each["file"] for each in told["files"]] == ["inch.dxf", "inch.svg"]
+    assert told["files"][1]["deviation_mm"] is None
+    assert sorted(path.name for path in folder.iterdir()) == sorted(
+        [told["certificate"], *(each["file"] for each in told["files"])]
+    )
+    first, *rest = found.files
+    changed = replace(found, files=(replace(first, deviation=0.123), *rest))
+    assert document(changed)["files"][0]["deviation_mm"] == 0.123
+    assert "at most 0.123 mm off (tolerance 0.01 mm)" in text(changed)
+    assert "0.123" not in text(found)
+
+    verified = verify((folder / "inch.dxf", folder / "inch.svg"), scene=SCENE)
+    record = document(verified)
+    assert record["passed"] is True
+    assert [each["file"] for each in record["files"]] == ["inch.dxf", "inch.svg"]
+    assert "deviation_mm" not in record["files"][1]
+    verdict = verified.verdicts[0]
+    worse = replace(verdict, checks=tuple(replace(each, ok=False) for each in verdict.checks))
+    failed = replace(verified, verdicts=(worse, verified.verdicts[1]))
+    assert document(failed)["passed"] is False
+    assert "FAIL" in text(failed).splitlines()[0]
+    assert (verified.exit_code, failed.exit_code) == (0, 1)
+
+
+def test_a_cam_without_outline_has_no_files(tmp_path: Path) -> None:
+    found = build(Design(load_scene(FIXTURES / "refused" / "global_undercut.toml")), tmp_path)
+    told = document(found)
+    assert (told["files"], told["certificate"], text(found)) == ([], None, "")
+    assert found.exit_code == 1
+    assert list(tmp_path.iterdir()) == []

@@ -1,0 +1,43 @@
+"""What `camgeo check` finds: one result, told as text and as JSON."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from camgeo.answers.check import check
+from camgeo.answers.render import text
+from camgeo.design import Design
+from camgeo.scene.load import load_scene
+from tests.answers.documents import FIXTURES, SCENES, document
+
+SETZHUB = FIXTURES / "scenes" / "setzhub.toml"
+
+
+@pytest.mark.parametrize("scene", SCENES, ids=lambda path: path.stem)
+def test_documents_are_what_their_schema_says(scene: Path) -> None:
+    design = Design(load_scene(scene))
+    found = check(design)
+    told = document(found)
+    assert len(told["findings"]) == len(design.findings)
+    assert {name: len(each) for name, each in told["effects"].items()} == {
+        name: len(design.effects.findings(name)) for name in design.scene.effects
+    }
+    assert list(told["discs"]) == [each.name for each in design.discs]
+    assert text(found).count("\n") >= len(design.findings) - 1
+
+
+def test_text_and_document_are_of_one_result() -> None:
+    found = check(Design(load_scene(SETZHUB)))
+    first, *rest = found.findings
+    sentence = "the linkage has gone"
+    changed = replace(
+        found, findings=(replace(first, sentence=sentence, severity="invalid"), *rest)
+    )
+    assert sentence in text(changed).splitlines()[0]
+    assert text(changed).startswith("INVALID")
+    assert document(changed)["findings"][0]["sentence"] == sentence
+    assert (found.exit_code, changed.exit_code) == (0, 2)
+    assert text(found).splitlines()[1:] == text(changed).splitlines()[1:]

@@ -1,0 +1,33 @@
+"""What `camgeo explain` finds: one result, told as text and as JSON."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from camgeo.answers.explain import GOALS, explain
+from camgeo.answers.render import text
+from camgeo.design import Design
+from camgeo.scene.load import load_scene
+from tests.answers.documents import FIXTURES, document
+
+SPRUNG = FIXTURES / "effects" / "press.toml"
+PAIR = FIXTURES / "scenes" / "conjugate_lever.toml"
+
+
+@pytest.mark.parametrize("scene", [SPRUNG, PAIR], ids=lambda path: path.stem)
+@pytest.mark.parametrize("goal", [goal for goal in GOALS if goal != "build"])
+def test_text_and_document_are_of_one_result(goal: str, scene: str) -> None:
+    found = explain(Design(load_scene(scene)), goal)
+    told = document(found)
+    assert told["command"] == goal
+    assert [each["name"] for each in told["computed"]] == [each.name for each in found.computed]
+    first, *rest = found.computed
+    changed = replace(found, computed=(replace(first, name="the-moon", failed=True), *rest))
+    assert document(changed)["computed"][0] == {
+        **told["computed"][0], "name": "the-moon", "failed": True,
+    }  # fmt: skip
+    (line,) = [line for line in text(changed).splitlines() if "the-moon" in line]
+    assert "has no answer" in line
+    assert "the-moon" not in text(found)
