@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import math
 import pathlib
 from collections.abc import Mapping
@@ -81,6 +80,8 @@ class Inside:
         """The data that the scene names at `key`, up to one byte too many; None with a fault."""
         if self.path(key) is None:
             return None
+        import hashlib  # few scenes name a file
+
         name: str = self.values.get(*key)
         data = self.contents[name]
         self.hashes[name] = hashlib.sha256(data).hexdigest()

@@ -5,20 +5,22 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import chain
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 from camgeo.answers.answer import Answer
 from camgeo.answers.finding_lines import exit_code
-from camgeo.cam.disc import Disc
-from camgeo.check.cures.cure import Cure
-from camgeo.check.finding import Finding
 from camgeo.check.judge import RETURN
-from camgeo.design import Design
 from camgeo.errors import GeometryError
 from camgeo.motion.joints import Joint, joints
-from camgeo.outline.outline import Outline
-from camgeo.outline.path import Path, Pivot
-from camgeo.scene.scene import Scene
+
+if TYPE_CHECKING:
+    from camgeo.cam.disc import Disc
+    from camgeo.check.cures.cure import Cure
+    from camgeo.check.finding import Finding
+    from camgeo.design import Design
+    from camgeo.outline.outline import Outline
+    from camgeo.outline.path import Path, Pivot
+    from camgeo.scene.scene import Scene
 
 
 @dataclass(frozen=True, slots=True)
