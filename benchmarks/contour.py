@@ -324,7 +324,7 @@ def print_times(design: Design, flank: Flank, forms: Sequence[Form], rounds: int
     """Table of the fits in times of the curve; True if the targets are reached."""
     pitch, curve = design.cam.disc.pitch_curve, flank.curve
 
-    starts = itertools.cycle((0.0, 1e-9))  # a plan keeps its last answer
+    starts = itertools.count(0.0, 1e-9)  # none twice
 
     def evaluate(count: int) -> None:
         pitch.jet(next(starts) + np.linspace(0.0, TURN, count, endpoint=False))

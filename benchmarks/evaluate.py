@@ -123,7 +123,7 @@ def measure(design: Design, curve: PitchCurve, plan: MotionPlan, points: int, ro
     phi = np.linspace(0.0, TURN, points, endpoint=False)
     out = np.empty_like(phi)
     inner = WorkingCurve(curve, -design.cam.follower.roller_radius)
-    asked = itertools.cycle((phi, phi + 1e-9))  # a plan keeps its last answer
+    asked = (phi + start for start in itertools.count(0.0, 1e-9))  # none twice
     work: dict[str, Callable[[], object]] = {
         "pitch curve, 3 derivatives": lambda: curve.jet(next(asked)),
         "working curve": lambda: inner.point(next(asked)),

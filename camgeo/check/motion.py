@@ -12,7 +12,7 @@ from itertools import pairwise
 from camgeo.check.finding import TOLD, Finding
 from camgeo.motion.joints import Joint, breaks, joints
 from camgeo.motion.laws.characteristic import characteristic
-from camgeo.motion.plan import Course, Dwell, MotionPlan, Move
+from camgeo.motion.plan import Course, Dwell, MotionPlan, Move, kept_with_plan
 from camgeo.motion.time_course import ConstantSpeed, LiftUnit, TimeCourse, plan_extremes
 from camgeo.numeric.extremes import Extremes
 
@@ -29,6 +29,7 @@ OVER_ANGLE = ConstantSpeed(1.0)
 """At 1 rad/s derivatives over time are those over the cam angle."""
 
 
+@kept_with_plan
 def check_motion(plan: MotionPlan, unit: LiftUnit) -> tuple[Finding, ...]:
     """Shocks (jumps of s'), jerks (jumps of s''), overshoots, and deviations from lift tables.
 
@@ -151,6 +152,7 @@ def _deviation(course: Course, start: float, length: float, scale: float, unit: 
     return Finding("lift-table", "ok", told, largest, unit=unit, cam_angle=angle)
 
 
+@kept_with_plan
 def check_speed(plan: MotionPlan, course: TimeCourse | None, unit: LiftUnit) -> tuple[Finding, ...]:
     """Smallest and largest velocity, acceleration and jerk, and the torque that a mass asks for.
 

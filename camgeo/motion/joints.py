@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from camgeo.motion.plan import MotionPlan
+from camgeo.motion.plan import MotionPlan, kept_with_plan
 from camgeo.motion.spans import FULL_TURN
 from camgeo.motion.task import End, end_of
 from camgeo.numeric import checked
@@ -47,11 +47,13 @@ class Joint(Pickled):
         checked.hold(self, left=frozen(self.left, np.float64), right=frozen(self.right, np.float64))
 
 
+@kept_with_plan
 def joints(plan: MotionPlan) -> tuple[Joint, ...]:
     """The joints of `plan`, by ascending cam angle; a segment of no length has none of its own."""
     return _joints_at(plan, _angles(plan))
 
 
+@kept_with_plan
 def breaks(plan: MotionPlan) -> tuple[Joint, ...]:
     """As `joints`, with the places inside the laws at which a derivative may jump among them."""
     return _joints_at(plan, ascending(np.append(_angles(plan), plan.breaks)))

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from camgeo.motion.laws.law import Formula, Values
+from camgeo.motion.laws.law import Formula
 from camgeo.motion.motion import Jet, Side
 from camgeo.numeric.arrays import FloatArray, IntArray
 from camgeo.units import TURN
@@ -32,8 +32,9 @@ SNAP: Final = 4.0 * math.ulp(TURN)
 """Two cam angles [rad] closer than this are the same angle, rounded differently on the way from
 degrees; the angle counts as the joint itself. A millionth of a degree is 5 million times wider."""
 
-REST: Final = -1
-"""Stands for the formula of a piece that rests."""
+COLUMNS: Final = 8
+"""Numbers of a piece before those of its formula: start and end of the segment, one over its
+length, origin, and what the near value and the derivatives are multiplied with."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,9 +87,8 @@ class Piece:
 def spline_piece(spline: Spline, position: float, start: float, end: float) -> Piece:
     """The piece of a motion by data: `spline` over z in [0, 1], from `position`."""
 
-    def formula(z: FloatArray, _w: FloatArray, _: Any) -> Values:
-        s, s1, s2, s3 = spline.values(np.clip(z, 0.0, 1.0))
-        return s, s1, s2, s3
+    def formula(z: FloatArray, _w: FloatArray, _: Any) -> FloatArray:
+        return spline.values(np.clip(z, 0.0, 1.0))
 
     return Piece(
         start, end, position, 1.0, formula, (), start, end,
@@ -107,30 +107,27 @@ class Pieces:
 
     def __init__(self, pieces: Sequence[Piece]) -> None:
         self.starts = np.array([piece.start for piece in pieces])
-        self._start = np.array([piece.segment_start for piece in pieces])
-        self._end = np.array([piece.segment_end for piece in pieces])
-        self._origin = np.array([piece.origin for piece in pieces])
-        lift, length = np.array([piece.lift for piece in pieces]), self._end - self._start
+        start = np.array([piece.segment_start for piece in pieces])
+        end = np.array([piece.segment_end for piece in pieces])
+        lift, length = np.array([piece.lift for piece in pieces]), end - start
         near = np.where([piece.from_end for piece in pieces], -lift, lift)
-        self._rate = 1.0 / length
         # Python's power and numpy's differ in the last bit.
-        squares, cubes = ([float(span) ** order for span in length] for order in (2, 3))
-        self._scale = np.stack((near, lift / length, lift / squares, lift / cubes))
+        squares, cubes = (np.array([float(span) ** k for span in length]) for k in (2, 3))
         bounds = np.array([piece.jerk_bound for piece in pieces])
         self.jerk_limits = np.abs(lift) / cubes * bounds
-        formulas: dict[Formula, int] = {}
-        numbers: list[list[tuple[float, ...]]] = []
-        self._group = np.full(len(pieces), REST)
-        self._row = np.zeros(len(pieces), dtype=np.intp)
-        for place, piece in enumerate(pieces):
-            if piece.formula is not None:
-                group = formulas.setdefault(piece.formula, len(formulas))
-                if group == len(numbers):
-                    numbers.append([])
-                self._group[place], self._row[place] = group, len(numbers[group])
-                numbers[group].append(piece.numbers)
-        self._formulas = tuple(formulas)
-        self._numbers = [np.array(rows).T for rows in numbers]
+        origin = np.array([piece.origin for piece in pieces])
+        scale = (near, lift / length, lift / squares, lift / cubes)
+        columns = np.stack((start, end, 1.0 / length, origin, *scale))
+        self._formulas = [*dict.fromkeys(piece.formula for piece in pieces)]
+        numbers = {formula: group for group, formula in enumerate(self._formulas)}
+        self._group = np.array([numbers[piece.formula] for piece in pieces])
+        self._row = np.empty(len(pieces), dtype=np.intp)
+        self._tables = []
+        for group in range(len(self._formulas)):
+            own = np.flatnonzero(self._group == group)
+            self._row[own] = np.arange(len(own))
+            rest = np.array([pieces[place].numbers for place in own.tolist()]).T
+            self._tables.append(np.concatenate((columns[:, own], rest)))
 
     def jet(self, phi: FloatArray, side: Side) -> Jet:
         """(4, n) lift and derivatives at `phi` (n,) in [0, 2 pi] [rad]."""
@@ -140,17 +137,20 @@ class Pieces:
             here, there = phi[block], out[:, block]
             if len(here) > MANY * len(self.starts):
                 for piece, places in self._parts(here, side):
-                    self._write(int(self._group[piece]), piece, here, there, places)
-            else:
-                pieces = self.at(here, side)
-                for group, places in places_of(self._group[pieces]):
-                    self._write(group, pieces[places], here, there, places)
+                    group, row = int(self._group[piece]), int(self._row[piece])
+                    there[:, places] = self._values(group, row, here[places])
+                continue
+            pieces = self.at(here, side)
+            groups, rows = self._group[pieces], self._row[pieces]
+            for group in np.flatnonzero(np.bincount(groups)).tolist():
+                places = np.flatnonzero(groups == group)
+                there[:, places] = self._values(group, rows[places], here[places])
         return out
 
     def at(self, phi: FloatArray, side: Side) -> IntArray:
         """(n,) the number of the piece in which each of `phi` (n,) lies."""
         nudge = SNAP if side == "right" else -SNAP
-        return np.maximum(np.searchsorted(self.starts, phi + nudge, side=side) - 1, 0)
+        return self.starts[1:].searchsorted(phi + nudge, side=side)
 
     def _parts(self, phi: FloatArray, side: Side) -> list[tuple[int, slice | IntArray]]:
         """Each piece in which some of `phi` (n,) lie, with where they stand there."""
@@ -162,25 +162,17 @@ class Pieces:
         found = enumerate(zip([0, *ends], [*ends, len(phi)], strict=True))
         return [(piece, slice(*bounds)) for piece, bounds in found if bounds[0] < bounds[1]]
 
-    def _write(
-        self,
-        group: int,
-        rows: int | IntArray,
-        phi: FloatArray,
-        out: Jet,
-        places: slice | IntArray,
-    ) -> None:
-        """Write to some places what one formula gives there, for a piece or for each its own."""
-        if group == REST:
-            out[0, places], out[1:, places] = self._origin[rows], 0.0
-            return
-        phi, rate = phi[places], self._rate[rows]
-        z, w = (phi - self._start[rows]) * rate, (self._end[rows] - phi) * rate
-        values = self._formulas[group](z, w, self._numbers[group][:, self._row[rows]])
-        for row, value, scale in zip(out, values, self._scale[:, rows], strict=True):
-            value *= scale
-            row[places] = value
-        out[0, places] += self._origin[rows]
+    def _values(self, group: int, rows: int | IntArray, phi: FloatArray) -> Jet:
+        """(4, n) of one formula, for the piece in that row of its table or for each its own."""
+        numbers, formula = self._tables[group][:, rows], self._formulas[group]
+        if formula is None:
+            values = np.zeros((4, len(phi)))
+        else:
+            start, end, rate = numbers[:3]
+            values = formula((phi - start) * rate, (end - phi) * rate, numbers[COLUMNS:])
+            values *= numbers[4:COLUMNS].reshape(4, -1)
+        values[0] += numbers[3]
+        return values
 
 
 def places_of(keys: IntArray) -> list[tuple[int, IntArray]]:

@@ -7,12 +7,14 @@ is accumulated in floating point (VDI 2143-1, eqs. 5 to 18).
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from decimal import Decimal
-from functools import cached_property
+from functools import cached_property, wraps
 from itertools import groupby
 from operator import attrgetter
-from typing import TYPE_CHECKING, Final
+from threading import Lock
+from typing import TYPE_CHECKING, Any, Concatenate, Final, ParamSpec, TypeVar
 
 import numpy as np
 
@@ -30,6 +32,10 @@ from camgeo.units import TURN
 if TYPE_CHECKING:  # only a motion by data needs splines
     from camgeo.motion.points import FitReport
     from camgeo.motion.spline import Spline
+
+
+P = ParamSpec("P")
+Out = TypeVar("Out")
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,8 +95,33 @@ Segment = Dwell | Move | Course
 
 
 MOST_KEPT: Final = 65_536
-"""Cam angles whose lift is kept [3 MB]; more are evaluated each time, for comparing and keeping
-them would cost memory that no one asked for."""
+"""Cam angles in all, of the questions asked last, whose lift is kept [3 MB]."""
+
+
+class Answers:
+    """The lift at the cam angles asked for last, by the question; threads may ask at one time."""
+
+    def __init__(self) -> None:
+        self._kept: dict[tuple[Side, bytes], Jet] = {}
+        self._angles = 0
+        self._lock = Lock()
+
+    def find(self, question: tuple[Side, bytes]) -> Jet | None:
+        """The answer, if it is kept still."""
+        with self._lock:
+            found = self._kept.pop(question, None)
+            if found is not None:
+                self._kept[question] = found  # behind those that were asked for before
+            return found
+
+    def keep(self, question: tuple[Side, bytes], answer: Jet) -> None:
+        """Keep an answer, and forget those that were asked for the longest time ago."""
+        with self._lock:
+            if question not in self._kept:
+                self._kept[question] = answer
+                self._angles += answer.shape[1]
+            while self._angles > MOST_KEPT:
+                self._angles -= self._kept.pop(next(iter(self._kept))).shape[1]
 
 
 @dataclass(frozen=True)
@@ -100,6 +131,7 @@ class MotionPlan(Pickled):
     Attributes
     ----------
     segments : in the order of the cam angle.
+    told : what was told of it last, and what for, by the function; see `kept_with_plan`.
 
     Raises
     ------
@@ -110,7 +142,8 @@ class MotionPlan(Pickled):
 
     segments: tuple[Segment, ...]
     joints_deg: tuple[Decimal, ...] = field(init=False, repr=False)
-    _last: dict[Side, tuple[FloatArray, Jet]] = field(
+    _answers: Answers = field(default_factory=Answers, init=False, repr=False, compare=False)
+    told: dict[Callable[..., Any], tuple[Any, Any]] = field(
         default_factory=dict, init=False, repr=False, compare=False
     )
 
@@ -220,18 +253,17 @@ class MotionPlan(Pickled):
         """(4, n) lift and derivatives at the cam angles `phi` (n,) [rad], any number of turns.
 
         All orders, as the higher ones cost little once the law's sines are there. Read-only, and
-        the same array for the question asked last from that side: forces, contact and torque at
-        the same cam angles each ask for the lift there. Threads need no lock: an answer is kept
-        and found together with its question.
+        the same array for questions asked lately: forces, contact and torque at the same cam angles
+        each ask for the lift there, and so does another follower of the same motion.
         """
-        last = self._last.get(side)
-        if last is not None and np.array_equal(last[0], phi):
-            return last[1]
-        phi = np.array(phi, dtype=np.float64)  # of our own, before it is evaluated
-        found = self._columns.jet(in_turn(phi, side), side)
-        found.flags.writeable = False
-        if found.shape[1] <= MOST_KEPT:
-            self._last[side] = phi, found
+        phi = np.array(phi, dtype=np.float64, ndmin=1)  # of our own, before it is evaluated
+        question = (side, phi.tobytes()) if len(phi) <= MOST_KEPT else None
+        found = None if question is None else self._answers.find(question)
+        if found is None:
+            found = self._columns.jet(in_turn(phi, side), side)
+            found.flags.writeable = False
+            if question is not None:
+                self._answers.keep(question, found)
         return found
 
     def jet_and_bounds(self, low: FloatArray, high: FloatArray) -> tuple[Jet, Jet]:
@@ -262,12 +294,32 @@ class MotionPlan(Pickled):
         return any(piece.spline is not None for piece in self._pieces)
 
 
+def kept_with_plan(
+    make: Callable[Concatenate[MotionPlan, P], Out],
+) -> Callable[Concatenate[MotionPlan, P], Out]:
+    """`make` of a plan, kept with the plan until something else is asked of `make` beside it.
+
+    A follower that is edited leaves the plan as it is, and so all that depends on it alone.
+    """
+
+    @wraps(make)
+    def once(plan: MotionPlan, /, *rest: P.args, **named: P.kwargs) -> Out:
+        question = rest, named
+        kept = plan.told.get(make)  # one look: another thread may put another answer there
+        if kept is None or kept[0] != question:
+            kept = plan.told[make] = question, make(plan, *rest, **named)
+        found: Out = kept[1]
+        return found
+
+    return once
+
+
 def in_turn(phi: FloatArray, side: Side = "right") -> FloatArray:
     """The cam angles `phi` (n,) [rad] reduced to [0, 2 pi), or (0, 2 pi] for the left-hand side."""
     phi = np.atleast_1d(np.asarray(phi, dtype=np.float64))
-    if not np.all(np.isfinite(phi)):
-        raise GeometryError("cam angles must be finite numbers")
-    if len(phi) and (np.min(phi) < 0.0 or np.max(phi) >= TURN - SNAP):
+    if len(phi) and not (phi.min() >= 0.0 and phi.max() < TURN - SNAP):
+        if not np.all(np.isfinite(phi)):
+            raise GeometryError("cam angles must be finite numbers")
         phi = phi - TURN * np.floor(phi / TURN)
         phi = np.where(phi >= TURN - SNAP, 0.0, phi)
     if side == "left":

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
@@ -9,7 +10,7 @@ import pytest
 
 from camgeo import load
 from camgeo.motion import plan as plans
-from camgeo.motion.plan import MotionPlan
+from camgeo.motion.plan import MotionPlan, kept_with_plan
 from camgeo.units import TURN
 from tests.effects.scenes import SCENES
 
@@ -40,7 +41,35 @@ def test_the_same_question_is_answered_once(recalling: MotionPlan) -> None:
     assert recalling.jet(PHI, "left") is not first
     assert recalling.jet(PHI) is first
     recalling.jet(PHI[1:])
-    assert recalling.jet(PHI) is not first
+    assert recalling.jet(PHI) is first
+
+
+def test_what_was_asked_the_longest_time_ago_is_forgotten(
+    recalling: MotionPlan, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(plans, "MOST_KEPT", 2 * len(PHI))
+    first, second = recalling.jet(PHI), recalling.jet(PHI, "left")
+    assert recalling.jet(PHI) is first
+    recalling.jet(PHI + 0.1)
+    assert recalling.jet(PHI) is first
+    assert recalling.jet(PHI, "left") is not second
+
+
+def test_what_is_told_of_a_plan_is_kept_for_the_question_asked_last(plan: MotionPlan) -> None:
+    asked = []
+
+    @kept_with_plan
+    def told(plan: MotionPlan, factor: float, *, offset: float = 0.0) -> float:
+        asked.append(factor)
+        return factor * float(plan.joints_deg[-1]) + offset
+
+    own, other = MotionPlan(plan.segments), MotionPlan(plan.segments)
+    assert [told(own, 2.0), told(own, 2.0), told(own, 3.0)] == [720.0, 720.0, 1080.0]
+    assert asked == [2.0, 3.0]
+    assert told(own, 3.0, offset=1.0) == 1081.0
+    assert told(other, 3.0) == 1080.0
+    assert asked == [2.0, 3.0, 3.0, 3.0]
+    assert pickle.loads(pickle.dumps(own)).told == {}
 
 
 def test_what_is_recalled_cannot_be_changed(recalling: MotionPlan, plan: MotionPlan) -> None:

@@ -20,34 +20,35 @@ JERK = 4.0 * math.pi**3
 """More than |f'''| = pi^3 |s c (3 - 8 s^2)| anywhere."""
 
 
-def _derivatives(sine: FloatArray, cosine: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+def _stacked(near: FloatArray, sine: FloatArray, cosine: FloatArray) -> Values:
+    """`near` with f', f'', f'''."""
     square = sine * sine
     product = sine * cosine
-    return (
+    return np.stack((
+        near,
         2.0 * math.pi * square * product,
         math.pi**2 * square * (3.0 - 4.0 * square),
         math.pi**3 * product * (3.0 - 8.0 * square),
-    )
+    ))  # fmt: skip
 
 
-def _from_start(z: FloatArray, _w: FloatArray, _: Any) -> Values:
-    half = 0.5 * math.pi * z
-    sine = np.sin(half)
-    return sine**4, *_derivatives(sine, np.cos(half))
-
-
-def _from_end(_z: FloatArray, w: FloatArray, _: Any) -> Values:
-    half = 0.5 * math.pi * w
-    cosine, sine = np.sin(half), np.cos(half)
-    return cosine * cosine * (1.0 + sine * sine), *_derivatives(sine, cosine)
+def _lift(z: FloatArray, _w: FloatArray) -> FloatArray:
+    return np.asarray(np.sin(0.5 * math.pi * z) ** 4)
 
 
 def _complement(_z: FloatArray, w: FloatArray) -> FloatArray:
-    return _from_end(_z, w, ())[0]
+    cosine, sine = np.sin(0.5 * math.pi * w), np.cos(0.5 * math.pi * w)
+    return np.asarray(cosine * cosine * (1.0 + sine * sine))
 
 
-def _lift(z: FloatArray, w: FloatArray) -> FloatArray:
-    return _from_start(z, w, ())[0]
+def _from_start(z: FloatArray, w: FloatArray, _: Any) -> Values:
+    half = 0.5 * math.pi * z
+    return _stacked(_lift(z, w), np.sin(half), np.cos(half))
+
+
+def _from_end(z: FloatArray, w: FloatArray, _: Any) -> Values:
+    half = 0.5 * math.pi * w
+    return _stacked(_complement(z, w), np.cos(half), np.sin(half))
 
 
 def _turns() -> tuple[float, ...]:
@@ -74,8 +75,9 @@ def _mirrored(region: Region) -> Region:
     """
 
     def formula(z: FloatArray, w: FloatArray, numbers: Any) -> Values:
-        near, f1, f2, f3 = region.formula(w, z, numbers)
-        return near, f1, -f2, f3
+        values = region.formula(w, z, numbers)
+        values[2] *= -1.0
+        return values
 
     return Region(
         start=1.0 - region.end,

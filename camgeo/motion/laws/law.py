@@ -16,9 +16,10 @@ import numpy as np
 
 from camgeo.numeric.arrays import FloatArray
 
-Values = tuple[FloatArray, FloatArray, FloatArray, FloatArray]
+Values = FloatArray
+"""(4, n)."""
 Formula = Callable[[FloatArray, FloatArray, Any], Values]
-"""z (n,), w = 1 - z (n,), k numbers, each one or (n,) -> near value, f', f'', f''' each (n,)."""
+"""z (n,), w = 1 - z (n,), k numbers, each one or (n,) -> (4, n) near value, f', f'', f'''."""
 Complement = Callable[[FloatArray, FloatArray], FloatArray]
 Turns = Callable[[], tuple[float, ...]]
 Recipe = tuple[Callable[..., "Law"], tuple[Any, ...]]
@@ -52,8 +53,8 @@ class Region:
     turns: Turns = tuple
 
     def values(self, z: FloatArray) -> Values:
-        """Near value, f', f'', f''' at `z` (n,) in the region, its ends included."""
-        return self.formula(z, 1.0 - z, self.numbers)
+        """(4, n) near value, f', f'', f''' at `z` (n,) in the region, its ends included."""
+        return self.formula(z, 1.0 - z, np.array(self.numbers))
 
     @property
     def places(self) -> FloatArray:
@@ -108,16 +109,17 @@ class Law:
         return self.recipe
 
     def __call__(self, z: FloatArray) -> Values:
-        """f, f', f'', f''' at `z` (n,) in [0, 1]; right-hand values at the borders."""
+        """(4, n) f, f', f'', f''' at `z` (n,) in [0, 1]; right-hand values at the borders."""
         return self._evaluate(z, complement=False)
 
     def complement(self, z: FloatArray) -> FloatArray:
         """g = 1 - f at `z` (n,), to the last digits also where f rounds to 1."""
-        return self._evaluate(z, complement=True)[0]
+        rest: FloatArray = self._evaluate(z, complement=True)[0]
+        return rest
 
     def _evaluate(self, z: FloatArray, *, complement: bool) -> Values:
         z = np.asarray(z, dtype=np.float64)
-        out = np.empty((4, *z.shape))
+        out: Values = np.empty((4, *z.shape))
         starts = np.array([region.start for region in self.regions])
         index = np.clip(np.searchsorted(starts, z, side="right") - 1, 0, len(starts) - 1)
         for number, region in enumerate(self.regions):
@@ -125,4 +127,4 @@ class Law:
             out[:, here] = region.values(z[here])
             if region.from_end != complement:
                 out[0, here] = region.far(z[here], 1.0 - z[here])
-        return out[0], out[1], out[2], out[3]
+        return out

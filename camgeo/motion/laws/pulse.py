@@ -30,8 +30,6 @@ from camgeo.numeric.polynomial import (
     roots_inside,
 )
 
-Motion = tuple[FloatArray, FloatArray, FloatArray, FloatArray]
-
 PI: Final = Decimal("3.14159265358979323846264338327950288419716939937510582097494459")
 
 DIGITS: Final = Context(prec=50)
@@ -45,7 +43,7 @@ class Stretch:
     Attributes
     ----------
     start, end : in x, with 50 digits.
-    formula : u (n,) -> p, v, a, a' each (n,), with u = x - start, or u = end - x if `from_end`.
+    formula : u (n,) -> (4, n) p, v, a, a', with u = x - start, or u = end - x if `from_end`.
     from_end : from which end u is counted: where a value has a zero there, it is exact to its last
         digits only if u is.
     back : r (n,) -> q (n,).
@@ -57,7 +55,7 @@ class Stretch:
 
     start: Decimal
     end: Decimal
-    formula: Callable[[FloatArray], Motion]
+    formula: Callable[[FloatArray], FloatArray]
     from_end: bool
     back: Callable[[FloatArray], FloatArray]
     jerk: float
@@ -175,17 +173,17 @@ def _sine_stretch(shares: _Shares) -> Stretch:
     tail = float(1 - shares.sine)
     w, q = (float(value) for value in shares.before_constant)
 
-    def formula(u: FloatArray) -> Motion:
+    def formula(u: FloatArray) -> FloatArray:
         angle = rate * u
         half = 0.5 * angle
         sine, cosine = np.sin(half), np.cos(half)
         twice = 2.0 * sine * sine
-        return (
+        return np.stack((
             length * length * x_minus_sin(angle),
             length * twice,
             2.0 * sine * cosine,
             rate * (1.0 - twice),
-        )
+        ))  # fmt: skip
 
     def back(r: FloatArray) -> FloatArray:
         # Backwards a falls like a cosine from 1.
@@ -209,8 +207,9 @@ def _constant_stretch(shares: _Shares) -> Stretch:
     w, q = (float(value) for value in shares.before_cosine)
     tail = float(shares.still + shares.cosine)
 
-    def formula(u: FloatArray) -> Motion:
-        return position + u * (velocity + 0.5 * u), velocity + u, np.ones_like(u), np.zeros_like(u)
+    def formula(u: FloatArray) -> FloatArray:
+        lift = position + u * (velocity + 0.5 * u)
+        return np.stack((lift, velocity + u, np.ones_like(u), np.zeros_like(u)))
 
     def back(r: FloatArray) -> FloatArray:
         y = r - tail
@@ -246,29 +245,29 @@ def _cosine_stretches(shares: _Shares) -> tuple[Stretch, Stretch]:
     middle, end = start + shares.cosine / 2, start + shares.cosine
     last = float(shares.after_constant[1] + shares.after_constant[0] * shares.cosine)
 
-    def from_start(u: FloatArray) -> Motion:
+    def from_start(u: FloatArray) -> FloatArray:
         half = 0.5 * rate * u
         sine, cosine = np.sin(half), np.cos(half)
         double = 2.0 * sine * cosine
         square = 2.0 * sine * sine
-        return (
+        return np.stack((
             position + velocity * u + length * length * square,
             velocity + length * double,
             1.0 - square,
             -rate * double,
-        )
+        ))  # fmt: skip
 
-    def from_end(u: FloatArray) -> Motion:
+    def from_end(u: FloatArray) -> FloatArray:
         half = 0.5 * rate * u
         sine, cosine = np.sin(half), np.cos(half)
         difference = cosine - sine
         turned = difference * (cosine + sine)  # sine of the angle from the start
-        return (
+        return np.stack((
             last - velocity * u + length * length * difference * difference,
             velocity + length * turned,
             2.0 * sine * cosine,
             -rate * turned,
-        )
+        ))  # fmt: skip
 
     def back(r: FloatArray) -> FloatArray:
         return length * length * x_minus_sin(rate * (r - still))
@@ -290,9 +289,9 @@ def _still_stretch(shares: _Shares) -> Stretch:
     """a = 0."""
     velocity, position = (float(value) for value in shares.after_cosine)
 
-    def formula(u: FloatArray) -> Motion:
+    def formula(u: FloatArray) -> FloatArray:
         zero = np.zeros_like(u)
-        return position + velocity * u, np.full_like(u, velocity), zero, zero.copy()
+        return np.stack((position + velocity * u, np.full_like(u, velocity), zero, zero))
 
     return Stretch(
         1 - shares.still,
@@ -333,13 +332,11 @@ def polynomial_pulse(acceleration: tuple[int, ...]) -> Pulse:
     def turns(_base: float, _scale: float) -> tuple[float, ...]:
         return found()
 
-    def from_start(u: FloatArray) -> Motion:
-        p, v, a, j = horner(columns_of_x, u)
-        return p, v, a, j
+    def from_start(u: FloatArray) -> FloatArray:
+        return horner(columns_of_x, u)
 
-    def from_end(u: FloatArray) -> Motion:
-        p, v, a, j = horner(columns_of_r, u)
-        return p, v, a, j
+    def from_end(u: FloatArray) -> FloatArray:
+        return horner(columns_of_r, u)
 
     def back(r: FloatArray) -> FloatArray:
         return horner(backwards, r)

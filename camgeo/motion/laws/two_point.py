@@ -167,8 +167,7 @@ class _Half:
             size = max(self.size - order, 1)
             values.append(scaled_horner(coefficients[:size], small, large))
             coefficients = coefficients[size:]
-        near, f1, f2, f3 = values
-        return near, f1, f2, f3
+        return np.stack(values)
 
 
 def _regions(

@@ -28,7 +28,7 @@ from camgeo.numeric.arrays import FloatArray
 
 HALF = Decimal("0.5")
 
-STILL = 9
+STILL = 8
 """Numbers that a part needs of which the border is at rest; those of its velocity come behind."""
 
 
@@ -246,24 +246,30 @@ class _Part:
             y = x * self.lengths[0]
             return float(1 - y if from_end else y)
 
-    def _count(self, stretch: Stretch) -> tuple[float, float, float, float]:
+    def _count(self, stretch: Stretch, *, from_end: bool) -> tuple[float, float, float, float]:
         """The numbers of `_place_in` for the u of a stretch, exact to the last digits at its zero.
 
-        Whether it is counted along the other way, from where, with what that leaves of 50 digits,
-        and the length that is 1, negative where u falls along that way.
+        Whether it is counted in w, from where, with what that leaves of 50 digits, and the length
+        that is 1, negative where u falls along that way.
         """
-        length, other = (float(value) for value in self.lengths)
         if stretch.from_end and stretch.end == 1:
-            return (0.0, length, 0.0, -length) if self.kept else (1.0, other, 0.0, length)
+            return self._count_back(from_end=from_end)
+        length = float(self.lengths[0])
         with localcontext(DIGITS):
             zero = (stretch.end if stretch.from_end else stretch.start) * self.lengths[0]
             high = float(zero)
             low = float(zero - Decimal(high))
-        return 0.0, high, low, -length if stretch.from_end else length
+        return float(from_end), high, low, -length if stretch.from_end else length
+
+    def _count_back(self, *, from_end: bool) -> tuple[float, float, float, float]:
+        """The same for r, which is counted from the inflection point."""
+        length, other = (float(value) for value in self.lengths)
+        if self.kept:
+            return float(from_end), length, 0.0, -length
+        return float(not from_end), other, 0.0, length
 
     def _region(self, stretch: Stretch, start: float, end: float, *, from_end: bool) -> Region:
-        length, other = (float(value) for value in self.lengths)
-        base = self.base
+        length, base = float(self.lengths[0]), self.base
         to_speed = self.amplitude * length
         to_lift = to_speed * length
         to_jerk = self.amplitude / length
@@ -272,17 +278,16 @@ class _Part:
         # inflection point: the two sums would cancel there.
         from_middle = stretch.from_end and base * self.amplitude < 0.0
         formula = _Run(stretch, moves=base != 0.0, from_middle=from_middle)
-        back = (0.0, length, 0.0, -length) if self.kept else (1.0, other, 0.0, length)
-        numbers = (
-            *(float(from_end), -self.amplitude if from_end else self.amplitude),
-            *(to_lift, to_speed, to_jerk, *self._count(stretch)),
-            *(base, self.reached[0], length, self.speed, *back),
-        )
+        numbers = np.array((
+            *self._count(stretch, from_end=from_end),
+            *(to_lift, to_speed, -self.amplitude if from_end else self.amplitude, to_jerk),
+            *(float(from_end), base, self.reached[0], length, self.speed),
+            *self._count_back(from_end=from_end),
+        ))  # fmt: skip
 
         def far(z: FloatArray, w: FloatArray) -> FloatArray:
             near = formula(z, w, numbers)[0]
-            way = formula.to_inflection(*((w, z) if from_end else (z, w)), numbers)
-            return np.where(near < 0.5, 1.0 - near, far_at + way)
+            return np.where(near < 0.5, 1.0 - near, far_at + formula.to_inflection(z, w, numbers))
 
         def turns() -> tuple[float, ...]:
             ys = (length * x for x in stretch.turns(base, to_speed))
@@ -295,7 +300,7 @@ class _Part:
             far=far,
             jerk_bound=abs(to_jerk) * stretch.jerk,
             from_end=from_end,
-            numbers=numbers if base else numbers[:STILL],
+            numbers=tuple((numbers if base else numbers[:STILL]).tolist()),
             turns=turns,
         )
 
@@ -315,43 +320,37 @@ class _Run:
     from_middle: bool
 
     def __call__(self, z: FloatArray, w: FloatArray, numbers: Any) -> Values:
-        from_end, to_acceleration, to_lift, to_speed, to_jerk = numbers[:5]
-        y, rest = np.where(from_end, w, z), np.where(from_end, z, w)
-        p, v, a, j = self.stretch.formula(_place_in(y, rest, *numbers[5:9]))
-        v *= to_speed
-        a *= to_acceleration
-        j *= to_jerk
-        if self.from_middle:
-            p = numbers[10] - self.to_inflection(y, rest, numbers)
-        else:
-            p *= to_lift
-            if self.moves:
-                p += numbers[9] * y
+        values = self.stretch.formula(_place_in(z, w, *numbers[:4]))
+        values *= numbers[4:8].reshape(4, -1)
         if self.moves:
-            v += numbers[9]
-        return p, v, a, j
+            from_end, base = numbers[8:10]
+            values[1] += base
+            if self.from_middle:
+                values[0] = numbers[10] - self.to_inflection(z, w, numbers)
+            else:
+                values[0] += base * np.where(from_end, w, z)
+        return values
 
-    def to_inflection(self, y: FloatArray, rest: FloatArray, numbers: Any) -> FloatArray:
-        """The way (n,) from y to the inflection point."""
+    def to_inflection(self, z: FloatArray, w: FloatArray, numbers: Any) -> FloatArray:
+        """The way (n,) to the inflection point."""
         length, speed = numbers[11:13]
-        r = _place_in(y, rest, *numbers[13:])
-        way: FloatArray = length * r * speed - numbers[2] * self.stretch.back(r)
+        r = _place_in(z, w, *numbers[13:])
+        way: FloatArray = length * r * speed - numbers[4] * self.stretch.back(r)
         return way
 
 
 def _place_in(
-    y: FloatArray,
-    rest: FloatArray,
-    other: FloatArray,
-    high: FloatArray,
-    low: FloatArray,
-    length: FloatArray,
+    z: FloatArray, w: FloatArray, by_w: Any, high: Any, low: Any, length: Any
 ) -> FloatArray:
-    """(n,) the part of a pulse's length from `high` + `low` on; `rest` counts if `other` is not 0.
+    """(n,) the part of a pulse's length from `high` + `low` on, which are a z or, if `by_w`, a w.
 
     Not -0, which a negative length would make of 0.
     """
-    place: FloatArray = ((np.where(other, rest, y) - high) - low) / length + 0.0
+    place = np.where(by_w, w, z)
+    place -= high
+    place -= low
+    place /= length
+    place += 0.0
     return place
 
 
