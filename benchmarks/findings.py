@@ -5,7 +5,9 @@ scenes. They are asked in turns, scene by scene, the first one first in every ot
 
 - "again": the findings of a fresh `Design` of a scene that was judged before;
 - "varied": the same after an edit by `with_values`, which makes the base circle or the roller a
-  little larger each time, as a designer does who looks at the findings meanwhile. The edit counts.
+  little larger each time, as a designer does who looks at the findings meanwhile. The edit counts;
+- "moved": the same after an edit of the motion, which makes each of its strokes a little longer:
+  nothing that was known of the plan is known of the new one.
 
 Told is the median of the rounds, and the median of the ratios of the rounds; below the table their
 geometric mean. What the findings say is compared too: by how much any value differs at most, as a
@@ -39,7 +41,7 @@ SCENES: Final = sorted(
     path for room in ("scenes", "effects") for path in (ROOT / "fixtures" / room).glob("*.toml")
 )
 
-WAYS: Final = ("again", "varied")
+WAYS: Final = ("again", "varied", "moved")
 
 WORKER: Final = """
 import json, sys, time
@@ -47,10 +49,15 @@ import camgeo
 
 scenes, edits = {}, {}
 
-def edited(scene, number):
+def edited(scene, way, number):
+    factor = 1.0 + 1e-6 * number
+    if way == "moved":
+        places = enumerate(scene.values["motion"], start=1)
+        ends = {f"motion[{k}].to": float(each["to"]) * factor for k, each in places if "to" in each}
+        return scene.with_values(ends) if any(ends.values()) else None
     follower = scene.values["follower"]
     key = next(k for k in ("base_radius", "roller_radius", "arm") if k in follower)
-    return scene.with_values({f"follower.{key}": float(follower[key]) * (1.0 + 1e-6 * number)})
+    return scene.with_values({f"follower.{key}": float(follower[key]) * factor})
 
 for line in sys.stdin:
     path, way = json.loads(line)
@@ -59,11 +66,11 @@ for line in sys.stdin:
         camgeo.Design(scenes[path]).findings
     scene = scenes[path]
     began = time.process_time()
-    if way == "varied":
+    if way != "again":
         edits[path] = edits.get(path, 0) + 1
-        scene = edited(scene, edits[path])
-    found = camgeo.Design(scene).findings
-    took = time.process_time() - began
+        scene = edited(scene, way, edits[path])
+    found = camgeo.Design(scene).findings if scene else ()
+    took = time.process_time() - began if scene else None
     told = [(each.name, each.value, each.cam_angle) for each in found]
     print(json.dumps([took, told]), flush=True)
 """
@@ -83,8 +90,8 @@ class Worker:
             cwd=root, env=environment, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
         )  # fmt: skip
 
-    def ask(self, path: Path, way: str) -> tuple[float, Told]:
-        """CPU time [s] of the findings of a scene, and what they say."""
+    def ask(self, path: Path, way: str) -> tuple[float | None, Told]:
+        """CPU time [s] of the findings, None if the scene has nothing to edit; what they say."""
         assert self._process.stdin is not None
         assert self._process.stdout is not None
         self._process.stdin.write(json.dumps([str(path), way]) + "\n")
@@ -106,9 +113,12 @@ def measure(workers: dict[str, Worker], path: Path, rounds: int) -> dict[str, fl
             told = {}
             for name in sorted(workers, reverse=bool(number % 2)):
                 took, told[name] = workers[name].ask(path, way)
-                if number:  # the first round loads
+                if number and took is not None:  # the first round loads
                     times[name].append(took)
             differs = max(differs, difference(*told.values()))
+        if not times["here"]:
+            cells += f"{'-':>10}{'-':>10}{'-':>8}"
+            continue
         here, before = (statistics.median(times[name]) for name in ("here", "before"))
         pairs = zip(times["here"], times["before"], strict=True)
         ratios[way] = statistics.median(a / b for a, b in pairs)
@@ -153,7 +163,9 @@ def main() -> None:
         for worker in workers.values():
             stack.callback(worker.close)
         found = [measure(workers, path.resolve(), arguments.rounds) for path in arguments.scenes]
-    means = [statistics.geometric_mean(ratios[way] for ratios in found) for way in WAYS]
+    means = [
+        statistics.geometric_mean(ratios[way] for ratios in found if way in ratios) for way in WAYS
+    ]
     print(f"{'geometric mean':<22}" + "".join(f"{mean:28.3f}" for mean in means))
 
 

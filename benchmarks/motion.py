@@ -71,9 +71,7 @@ def main() -> None:
     for points in map(int, arguments.points.split(",")):
         phi = np.linspace(0.0, TURN, points, endpoint=False)
         out = np.empty_like(phi)
-        asked = (
-            phi + start for start in itertools.count(0.0, 1e-9)
-        )  # none twice
+        asked = (phi + start for start in itertools.count(0.0, 1e-9))  # none twice
         work: dict[str, Callable[[], object]] = {
             "jet": lambda asked=asked: plan.jet(next(asked)),  # type: ignore[misc]
             "sin": functools.partial(np.sin, phi, out=out),
