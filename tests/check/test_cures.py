@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable
 from dataclasses import replace
 from decimal import Decimal
+from functools import cache
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -106,7 +107,12 @@ CASES: dict[str, Cam] = {
     "neck of a wide curve": hard("HC22b"),
 }
 
-FOUND = {name: cures(cam) for name, cam in CASES.items()}
+
+@cache
+def found_for(name: str) -> tuple[Cure, ...]:
+    """The cures of a case, searched for once."""
+    return cures(CASES[name])
+
 
 each_case = pytest.mark.parametrize("name", CASES)
 
@@ -171,7 +177,7 @@ def check_lengths(cam: Cam, found: tuple[Cure, ...]) -> None:
 
 @each_case
 def test_each_length_is_at_its_limit(name: str) -> None:
-    check_lengths(CASES[name], FOUND[name])
+    check_lengths(CASES[name], found_for(name))
 
 
 @each_case
@@ -180,7 +186,7 @@ def test_the_margin_is_zero_at_a_limit_of_local_undercut(name: str) -> None:
     least = margin(cam)
     assert least is not None
     zeros = []
-    for cure in FOUND[name]:
+    for cure in found_for(name):
         if cure.knob in LENGTHS and isinstance(cure.value_to, float):
             zeros.append(margin(turned(cam, cure, cure.value_to)))
     assert zeros
@@ -193,7 +199,7 @@ def test_the_margin_is_zero_at_a_limit_of_local_undercut(name: str) -> None:
 @each_case
 def test_a_longer_segment_is_the_shortest_that_cures(name: str) -> None:
     cam = CASES[name]
-    cure = by_knob(FOUND[name])["longer segment"]
+    cure = by_knob(found_for(name))["longer segment"]
     assert cure.works, cure.sentence
     assert isinstance(cure.value_to, Decimal)
     longer = applied(cam, cure)
@@ -215,7 +221,7 @@ def test_a_longer_segment_is_the_shortest_that_cures(name: str) -> None:
 @each_case
 def test_another_law_cures_and_none_does_it_for_less(name: str) -> None:
     cam = CASES[name]
-    cure = by_knob(FOUND[name])["other law"]
+    cure = by_knob(found_for(name))["other law"]
     if cure.works:
         assert is_good(applied(cam, cure))
     number = int(cure.key.partition("[")[2].partition("]")[0]) - 1
@@ -242,19 +248,19 @@ def test_laws_offered_keep_the_joints_and_make_no_jerk() -> None:
 
 @each_case
 def test_the_cheapest_comes_first_and_what_does_not_work_last(name: str) -> None:
-    costs = [math.inf if cure.cost is None else cure.cost for cure in FOUND[name]]
+    costs = [math.inf if cure.cost is None else cure.cost for cure in found_for(name)]
     assert costs == sorted(costs)
     assert min(costs) >= 0.0
-    for cure in FOUND[name]:
+    for cure in found_for(name):
         assert cure.works == (cure.cost is not None) == (cure.value_to is not None)
         assert cure.sentence
         assert cure.works or not cure.also
-    assert len(by_knob(FOUND[name])) == 5
+    assert len(by_knob(found_for(name))) == 5
 
 
 def test_the_roller_is_that_of_the_reference() -> None:
     _, expected = hard_case("HC21a")
-    cure = by_knob(FOUND["translating"])["roller radius"]
+    cure = by_knob(found_for("translating"))["roller radius"]
     assert cure.value_to == pytest.approx(float(expected["rho_min"]), rel=1e-12)
     assert "below 14.1365 mm instead of 14.8433 mm" in cure.sentence
 
@@ -275,12 +281,12 @@ def test_the_roller_of_a_neck_is_half_its_width(name: str, axis: int) -> None:
         flat = mpmath.findroot(lambda phi: mpmath.diff(half_width, phi), 14)
         narrow = half_width(flat)
         assert mpmath.diff(half_width, flat, 2) > 0
-    cure = by_knob(FOUND[name])["roller radius"]
+    cure = by_knob(found_for(name))["roller radius"]
     assert cure.value_to == pytest.approx(float(narrow), rel=1e-12)
 
 
 def test_several_moves_grow_together() -> None:
-    cure = by_knob(FOUND["neck"])["longer segment"]
+    cure = by_knob(found_for("neck"))["longer segment"]
     spans = {change.key: change for change in cure.also} | {
         cure.key: Change(cure.key, cure.value_from, cure.value_to or "")
     }

@@ -91,9 +91,11 @@ def test_every_effect_has_a_table_here() -> None:
 
 
 @pytest.mark.parametrize("names", SETS, ids="+".join)
-def test_only_what_is_needed_runs_and_once(names: tuple[str, ...]) -> None:
+@pytest.mark.usefixtures("no_effect_imported")
+def test_only_what_is_needed_runs_and_once_and_is_imported(names: tuple[str, ...]) -> None:
     named = with_data(*names)
     found = subject(named)
+    assert computing(sys.modules) == set()
     for name in names:
         found.effect(name)
     runs = [run.name for run in found.ledger.runs if run.name.startswith("effects.")]
@@ -106,6 +108,10 @@ def test_only_what_is_needed_runs_and_once(names: tuple[str, ...]) -> None:
                 waiting.append(each)
     assert sorted(runs) == sorted(node_name(name) for name in needed)
     assert needed <= expected(named)
+    assert computing(sys.modules) == needed
+    for name in named:
+        found.effect(name)
+    assert computing(sys.modules) == expected(named)
 
 
 @pytest.fixture
@@ -122,17 +128,6 @@ def computing(modules: Iterable[str]) -> set[str]:
     """The effects among whose `modules` is the one that computes them."""
     found = (COMPUTES.fullmatch(name) for name in modules)
     return {each[1].replace("_", "-") for each in found if each}
-
-
-@pytest.mark.parametrize("names", SETS, ids="+".join)
-@pytest.mark.usefixtures("no_effect_imported")
-def test_only_what_is_needed_is_imported(names: tuple[str, ...]) -> None:
-    named = with_data(*names)
-    found = subject(named)
-    assert computing(sys.modules) == set()
-    for name in named:
-        found.effect(name)
-    assert computing(sys.modules) == expected(named)
 
 
 RUN = """
@@ -190,9 +185,16 @@ def test_a_drawing_of_a_scene_with_all_effects_imports_none_that_computes(tmp_pa
     assert computing(json.loads(done.stdout.splitlines()[-1])) == set()
 
 
-@pytest.mark.parametrize("name", EFFECTS)
-def test_a_fresh_interpreter_imports_one_effect_and_its_needs(name: str, tmp_path: Path) -> None:
-    named = with_data(name)
+@pytest.mark.parametrize(
+    "names", [("kinematics",), ("vibration",), ("lift-off",), EFFECTS], ids=len
+)
+def test_a_fresh_interpreter_imports_effects_and_their_needs(
+    names: tuple[str, ...], tmp_path: Path
+) -> None:
+    """As above, where each effect alone and each two stand for all that they need; and no library
+    that none of them needs.
+    """
+    named = with_data(*names)
     scene = tmp_path / "scene.toml"
     text = (SCENES / f"{SCENE}.toml").read_text("utf-8")
     scene.write_text(f"{text}\n{text_of(named)}\n", "utf-8")

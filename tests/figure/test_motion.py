@@ -6,6 +6,7 @@ import itertools
 import math
 from dataclasses import replace
 from decimal import Decimal
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -17,6 +18,7 @@ from matplotlib.figure import Figure
 
 import camgeo
 from camgeo.cam.drive import Drive
+from camgeo.design import Design
 from camgeo.figure import motion
 from camgeo.figure.motion_plan import plan_sketch, spread
 from camgeo.files.product import Product
@@ -151,10 +153,16 @@ def test_a_second_scale_tells_values_over_time() -> None:
         )
 
 
+@cache
+def drawn_scene(path: Path) -> tuple[Design, Figure]:
+    """The design of a scene and its figure, drawn once."""
+    design = camgeo.load(path)
+    return design, drawn(design.disc)
+
+
 @pytest.mark.parametrize("scene", SCENES, ids=lambda path: path.stem)
 def test_every_scene_is_drawn_with_titles_that_say_whose_motion(scene: Path) -> None:
-    design = camgeo.load(scene)
-    figure = drawn(design.disc)
+    design, figure = drawn_scene(scene)
     plan, diagram = (text.get_text() for text in figure.texts)
     linked = design.drive.linkage is not None
     demanded = "follower" if design.cam.drive.linkage is None else design.cam.drive.linkage.member
@@ -170,7 +178,7 @@ def test_every_scene_is_drawn_with_titles_that_say_whose_motion(scene: Path) -> 
 
 @pytest.mark.parametrize("scene", SCENES, ids=lambda path: path.stem)
 def test_names_of_laws_do_not_lie_on_each_other(scene: Path) -> None:
-    names = drawn(camgeo.load(scene).disc).axes[0]
+    names = drawn_scene(scene)[1].axes[0]
     boxes = sorted(
         (text.get_window_extent().x0, text.get_window_extent().x1) for text in names.texts
     )

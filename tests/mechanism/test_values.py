@@ -205,6 +205,11 @@ def bad_values(name: str, annotation: str, owner: str) -> list[Any]:
 
 REFUSALS = list(refusals())
 
+DOORS: dict[str, list[Refusal]] = {}
+"""The refusals by the field, or by the argument, that they are of."""
+for _refusal in REFUSALS:
+    DOORS.setdefault(_refusal[0].partition("=")[0], []).append(_refusal)
+
 
 def bounded(call: Callable[[], object]) -> None:
     """Make the call; fail as soon as it needs more work than refusing takes."""
@@ -230,12 +235,36 @@ def test_there_are_values_enough() -> None:
     assert len(REFUSALS) >= 500
 
 
-@pytest.mark.parametrize(("name", "call"), REFUSALS, ids=[name for name, _ in REFUSALS])
-def test_what_is_no_value_is_refused_with_its_key(name: str, call: Callable[[], object]) -> None:
-    with pytest.raises(GeometryError) as caught:
+def answer(call: Callable[[], object]) -> str:
+    """What is wrong with how a value is refused; nothing if it is as it should be."""
+    try:
         bounded(call)
-    assert caught.value.key
-    assert caught.value.message
+    except GeometryError as error:
+        return "" if error.key and error.message else f"no key or message: {error!r}"
+    except Exception as error:  # told with the value's name
+        return repr(error)
+    return "accepted"
+
+
+@pytest.mark.parametrize("door", DOORS)
+def test_what_is_no_value_is_refused_with_its_key(door: str) -> None:
+    answers = {name: answer(call) for name, call in DOORS[door]}
+    assert answers
+    assert {name: told for name, told in answers.items() if told} == {}
+
+
+@pytest.mark.parametrize(
+    ("call", "told"),
+    [
+        (lambda: 5.0, "accepted"),
+        (lambda: TranslatingRoller("5", 10.0).no_such_name, ""),  # type: ignore[arg-type,attr-defined]
+        (lambda: math.sqrt(-1.0), "ValueError"),
+        (lambda: [len("") for _ in range(MOST_CALLS)], "AssertionError"),
+        (lambda: bytearray(2 * MOST_BYTES), "AssertionError"),
+    ],
+)
+def test_a_value_that_is_not_refused_is_seen(call: Callable[[], object], told: str) -> None:
+    assert answer(call).partition("(")[0] == told
 
 
 def test_degrees_are_told_from_radians() -> None:
