@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable
 from typing import Final
 
-import numpy as np
-
-from camgeo.answers.answer import FINE
+from camgeo.answers.render import text
+from camgeo.answers.table import ValueTable, table_of_law, table_of_scene
 from camgeo.cli.command import (
     CallError,
     add_json,
@@ -17,17 +15,12 @@ from camgeo.cli.command import (
     decimal,
     deliver,
     opened,
-    print_json,
+    show,
     tell_main_disc,
 )
 from camgeo.cli.law_options import add_law_options, given_options, law_from
-from camgeo.files.value_table import Table
 from camgeo.formats.csv import LARGEST_STEP, SMALLEST_STEP
-from camgeo.motion.value_table import NAMES, PRINTED_STEP, law_table
-
-PRINTED_NAMES = NAMES[:4]
-"""The guideline prints no f'''."""
-
+from camgeo.motion.value_table import PRINTED_STEP
 
 SUMMARY: Final = (
     "print the value table as CSV: motion, curves, transmission angle, curvature; or that of a"
@@ -64,36 +57,22 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.scene is not None and arguments.law is not None:
         raise CallError("SCENE and --law are both given; only one of them is allowed")
     if arguments.scene is None:
-        return _of_law(arguments)
+        step = PRINTED_STEP if arguments.step is None else arguments.step
+        return _deliver(
+            table_of_law(law_from(arguments), step, printed=arguments.printed), arguments
+        )
     only_with_law = given_options(arguments) + ["--printed"] * arguments.printed
     if only_with_law:
         raise CallError(f"{', '.join(only_with_law)}: allowed with --law only, not with SCENE")
-    return _of_scene(arguments)
-
-
-def _of_scene(arguments: argparse.Namespace) -> int:
     check_step(arguments.step, SMALLEST_STEP, LARGEST_STEP)
     design = opened(arguments)
-    table = design.tabulated.table(arguments.step)
+    found = table_of_scene(design, arguments.step)
     tell_main_disc(design, "curves")
-    return _deliver(table, table.csv, arguments)
+    return _deliver(found, arguments)
 
 
-def _of_law(arguments: argparse.Namespace) -> int:
-    step = PRINTED_STEP if arguments.step is None else arguments.step
-    exact = law_table(law_from(arguments), step)
-    if not arguments.printed:
-        table = Table(NAMES, exact.values)
-        return _deliver(table, table.csv, arguments)
-    rows = exact.printed()
-    table = Table(PRINTED_NAMES, np.array(rows, dtype=np.float64))
-    lines = [",".join(row) + "\n" for row in (PRINTED_NAMES, *rows)]
-    return _deliver(table, lambda: "".join(lines), arguments)
-
-
-def _deliver(table: Table, text: Callable[[], str], arguments: argparse.Namespace) -> int:
-    """Print the table as JSON, or its text to the terminal or into a file."""
+def _deliver(found: ValueTable, arguments: argparse.Namespace) -> int:
+    """Print the table as JSON, or as CSV to the terminal or into a file."""
     if arguments.json:
-        print_json(dict(zip(table.names, table.values.T.tolist(), strict=True)))
-        return FINE
-    return deliver(text(), arguments, f"{len(table.values)} rows")
+        return show(found, arguments)
+    return deliver(f"{text(found)}\n", arguments, f"{len(found.table.values)} rows")

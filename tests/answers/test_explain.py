@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 
@@ -10,15 +11,20 @@ from camgeo.answers.explain import GOALS, explain
 from camgeo.answers.render import text
 from camgeo.design import Design
 from camgeo.scene.load import load_scene
-from tests.answers.documents import FIXTURES, document
+from tests.answers.documents import FIXTURES, SCENES, document
 
 SPRUNG = FIXTURES / "effects" / "press.toml"
 PAIR = FIXTURES / "scenes" / "conjugate_lever.toml"
 
 
+@pytest.mark.parametrize("scene", SCENES, ids=lambda path: path.stem)
+def test_documents_are_what_their_schema_says(scene: Path) -> None:
+    document(explain(Design(load_scene(scene))))
+
+
 @pytest.mark.parametrize("scene", [SPRUNG, PAIR], ids=lambda path: path.stem)
 @pytest.mark.parametrize("goal", [goal for goal in GOALS if goal != "build"])
-def test_text_and_document_are_of_one_result(goal: str, scene: str) -> None:
+def test_text_and_document_are_of_one_result(goal: str, scene: Path) -> None:
     found = explain(Design(load_scene(scene)), goal)
     told = document(found)
     assert told["command"] == goal

@@ -180,7 +180,7 @@ def test_table_has_a_row_for_each_step(tmp_path: Path, capsys: Capture) -> None:
     assert target.read_text() == text
     assert main(["table", SETZHUB, "--step", "90", "--json"]) == 0
     document = json.loads(capsys.readouterr().out)
-    assert document["phi [deg]"] == [0.0, 90.0, 180.0, 270.0]
+    assert document["columns"]["phi [deg]"] == [0.0, 90.0, 180.0, 270.0]
 
 
 def test_table_in_inches(capsys: Capture) -> None:

@@ -94,11 +94,11 @@ def test_json(capsys: Capture) -> None:
     head, rows = read(capsys.readouterr().out)
     columns = {name: [float(row[place]) for row in rows] for place, name in enumerate(head)}
     assert main([*call, "--json"]) == 0
-    assert json.loads(capsys.readouterr().out) == columns
+    assert json.loads(capsys.readouterr().out)["columns"] == columns
     assert main([*call, "--json", "--printed"]) == 0
     document = json.loads(capsys.readouterr().out)
     # VDI 2143-1, the printed row z = 0.250: 0.1171785 1.0998 4.7874 (4.787351 exact).
-    assert {name: values[1] for name, values in document.items()} == {
+    assert {name: values[1] for name, values in document["columns"].items()} == {
         "z": 0.25, "f": 0.1171785, "f1": 1.0998, "f2": 4.7874,
     }  # fmt: skip
 
@@ -122,13 +122,16 @@ def test_file(tmp_path: Path, capsys: Capture) -> None:
 
 
 def refused(call: list[str], capsys: Capture) -> str:
-    """What a wrong call is told; its exit code must be 2, and nothing be printed."""
+    """What a wrong call is told; its exit code must be 2, and nothing else be printed."""
     try:
         code: object = main(["table", *call])
     except SystemExit as stopped:
         code = stopped.code
     captured = capsys.readouterr()
     assert code == 2
+    if "--json" in call:
+        assert captured.err == ""
+        return str(json.loads(captured.out)["message"])
     assert captured.out == ""
     return captured.err
 

@@ -1,0 +1,48 @@
+"""What `camgeo table` finds: one result, told as CSV and as JSON."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from decimal import Decimal
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from camgeo.answers.render import table, text
+from camgeo.answers.table import ValueTable, table_of_law, table_of_scene
+from camgeo.design import Design
+from camgeo.files.value_table import Table
+from camgeo.motion.laws import make_law
+from camgeo.scene.load import load_scene
+from tests.answers.documents import SCENES, document
+
+
+def changed(found: ValueTable) -> ValueTable:
+    values = found.table.values.copy()
+    values[1, 1] = 12345.5
+    return replace(found, table=Table(found.table.names, values))
+
+
+@pytest.mark.parametrize("scene", SCENES, ids=lambda path: path.stem)
+def test_text_and_document_are_of_one_result(scene: Path) -> None:
+    design = Design(load_scene(scene))
+    if any(finding.severity == "invalid" for finding in design.findings):
+        pytest.skip("there is no such mechanism")
+    found = table_of_scene(design, Decimal(45))
+    columns = document(found)["columns"]
+    head, *rows = text(found).splitlines()
+    assert head.split(",") == list(columns)
+    assert [float(row.split(",")[1]) for row in rows] == list(columns.values())[1]
+    other = changed(found)
+    assert list(document(other)["columns"].values())[1][1] == 12345.5
+    assert text(other).splitlines()[2].split(",")[1] == "12345.5"
+    assert table(other) is other.table
+
+
+def test_the_printed_table_of_a_law_has_rounded_values() -> None:
+    found = table_of_law(make_law("modified-sine"), Decimal("0.25"), printed=True)
+    assert text(found).splitlines()[2] == "0.250,0.1171785,1.0998,4.7874"
+    assert np.array(list(document(found)["columns"].values()))[:, 1].tolist() == [
+        0.25, 0.1171785, 1.0998, 4.7874,
+    ]  # fmt: skip
