@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 
 from camgeo.cli.main import main
+from tests.answers.documents import validator
 from tests.end_to_end import damage as d
 from tests.end_to_end.built import SCENES, Built
 
@@ -111,6 +112,7 @@ def _verify(capsys: pytest.CaptureFixture[str], *words: object) -> tuple[int, di
     capsys.readouterr()
     code = main(["verify", *(str(word) for word in words), "--json"])
     document = json.loads(capsys.readouterr().out)
+    validator("camgeo.answers.verify").validate(document)
     assert document["passed"] == (code == 0)
     return code, document["files"][0]
 
@@ -143,9 +145,13 @@ def test_what_is_built_passes(
     capsys.readouterr()
     scene = FOLDER / f"{built.design.name}.toml"
     assert main(["verify", str(tmp_path), "--scene", str(scene), "--json"]) == 0
-    told = capsys.readouterr().out
-    assert (tmp_path / "verification.json").read_text() == told
-    records = {record["file"]: record for record in json.loads(told)["files"]}
+    told = json.loads(capsys.readouterr().out)
+    validator("camgeo.answers.verify").validate(told)
+    kept = json.loads((tmp_path / "verification.json").read_text())
+    assert [kept[key] for key in ("camgeo", "passed", "files")] == [
+        told[key] for key in ("camgeo", "passed", "files")
+    ]
+    records = {record["file"]: record for record in told["files"]}
     assert set(records) == {path.name for path in built.folder.iterdir()} - {"certificate.json"}
     for suffix in (".dxf", ".ngc", ".stl", ".3mf"):
         record = records[built.file(suffix).name]
