@@ -16,7 +16,7 @@ from camgeo.cam.cam import Cam
 from camgeo.cam.drive import Demanded, Drive, LiftUnit
 from camgeo.curve.curvature import radius_of_curvature
 from camgeo.formats.csv import CsvSpec
-from camgeo.lazy import Ledger
+from camgeo.lazy import Ledger, lazy
 from camgeo.motion.motion import Jet
 from camgeo.motion.time_course import in_time
 from camgeo.numeric.arrays import FloatArray, frozen
@@ -112,8 +112,15 @@ class TabulatedCam(Pickled):
         With a speed also the time, and velocity, acceleration and jerk in time; then what the cam
         has, if there is one, and the effects. In the scene's unit and degrees.
         """
-        spec = self.spec if step is None else CsvSpec(step)
-        return self.ledger.run("table", lambda: self._table(cam_angles(spec.step)))
+        if step is None:
+            return self.value_table
+        degrees = cam_angles(CsvSpec(step).step)
+        return self.ledger.run("value_table", lambda: self._table(degrees))
+
+    @lazy
+    def value_table(self) -> Table:
+        """The table at the scene's step."""
+        return self._table(cam_angles(self.spec.step))
 
     def _table(self, degrees: FloatArray) -> Table:
         phi = np.radians(degrees)

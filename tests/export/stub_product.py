@@ -242,6 +242,10 @@ class StubProduct(Product):
             operations.append(Operation(cut, tuple(divided(moves, largest))))
         return Toolpath(self.gcode.safe_height, tuple(operations))
 
+    @property
+    def value_table(self) -> Table:
+        return self.table()
+
     def table(self) -> Table:
         phi = np.linspace(0.0, 2.0 * math.pi, 73)
         radius = self.pitch_radius - self.roller_radius
