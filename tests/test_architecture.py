@@ -346,6 +346,15 @@ def test_check_imports_nothing_that_it_does_not_need(tmp_path: Path) -> None:
     assert loaded & UNASKED == set()
 
 
+def test_a_build_imports_no_library_of_verification(tmp_path: Path) -> None:
+    scene, out = "fixtures/scenes/setzhub.toml", str(tmp_path / "out")
+    words = ("build", scene, "-o", out, "--only", "dxf,gcode,stl,3mf,csv,asc")
+    code, loaded = run(ROOT, tmp_path / "report.json", *words)
+    assert code in {0, 1}
+    assert "manifold3d" in loaded
+    assert loaded & FORMAT_LIBRARIES == {"manifold3d"}
+
+
 # -- the rules find what they are for ------------------------------------------------------------
 
 SOUND = {
