@@ -376,20 +376,6 @@ INSERTS: Final[dict[str, Callable[..., str]]] = {
 # Pictures ---------------------------------------------------------------------------------------
 
 
-class Excerpt:
-    """A design with some of its effects' columns."""
-
-    def __init__(self, whole: Design, names: Sequence[str]) -> None:
-        self._whole = whole.disc
-        pictured = self._whole.pictured
-        columns = {column.name: column for column in pictured.effect_columns}
-        chosen = tuple(columns[name] for name in names)
-        self.pictured = replace(pictured, columns=lambda: chosen)
-
-    def __getattr__(self, name: str) -> Any:
-        return getattr(self._whole, name)
-
-
 def picture(file: str) -> bytes:
     """The picture of that name."""
     from camgeo_export.plots.render import render
@@ -398,12 +384,14 @@ def picture(file: str) -> bytes:
 
 
 def drawn(file: str) -> Figure:
-    """Columns of effects over the cam angle."""
+    """Some of the columns of a design's effects over the cam angle."""
     from camgeo.figure import effects
 
     scene, names = PICTURES[file]
-    shown: Any = Excerpt(design(scene), names)
-    return effects.figure(shown)
+    whole = design(scene).disc
+    columns = {column.name: column for column in whole.columns()}
+    chosen = tuple(columns[name] for name in names)
+    return effects.figure(replace(whole, columns=lambda: chosen))
 
 
 CURVES: Final[tuple[tuple[str, tuple[float, ...]], ...]] = (

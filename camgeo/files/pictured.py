@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
@@ -22,7 +21,6 @@ from camgeo.units import TURN
 
 if TYPE_CHECKING:
     from camgeo.cam.cam import Cam
-    from camgeo.effects.effect import Column
 
 SAMPLES = 721
 """Points of what is cut off from a flank: finer than a printed line."""
@@ -75,17 +73,10 @@ class PicturedCam(Pickled):
     ----------
     cam : the cam.
     returning : the follower on the return disc of a conjugate pair; None if there is none.
-    columns : gives the effects over the cam angle.
     """
 
     cam: Cam
     returning: Follower | None
-    columns: Callable[[], tuple[Column, ...]]
-
-    @property
-    def effect_columns(self) -> tuple[Column, ...]:
-        """The effects over the cam angle; nothing of those that have no answer."""
-        return self.columns()
 
     def curve(self, what: str, phi: FloatArray) -> FloatArray:
         """(n, 2) [mm] points of "pitch", "inner" or "outer" at `phi` (n,) [rad]."""

@@ -43,7 +43,7 @@ class Product(Pickled):
     cam : the cam whose disc it is.
     judgement : what is found of it, and whether there is such a disc.
     others : the discs that turn with it: of a conjugate pair's main disc the return disc.
-    columns : gives the effects over the cam angle.
+    columns : gives the effects over the cam angle; nothing of those that have no answer.
     ledger : where it is entered what was computed, and how long it took.
     """
 
@@ -130,7 +130,7 @@ class Product(Pickled):
         from camgeo.files.pictured import PicturedCam
 
         returning = self.others[0].cam.follower if self.others else None
-        return PicturedCam(self.cam, returning, self.columns)
+        return PicturedCam(self.cam, returning)
 
 
 def disc_of(discs: Sequence[Product], stem: str) -> Product:

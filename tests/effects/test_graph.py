@@ -320,7 +320,7 @@ def test_a_design_has_one_graph_and_one_ledger(fakes: Fakes) -> None:
     plate = design("plate_translating", "")
     assert plate.effects.names == ()
     assert plate.effect_findings == ()
-    assert plate.pictured.effect_columns == ()
+    assert plate.disc.columns() == ()
     assert plate.effects is plate.effects
     assert plate.effects.subject.cam.follower is plate.cam.follower
 

@@ -221,7 +221,7 @@ def test_a_rest_of_no_length_changes_nothing() -> None:
     one, other = made(none, every(text)), made(zero, every(text))
     assert assert_sound(other) == {}
     phi = np.linspace(0.0, TURN, 500, endpoint=False)
-    for here, there in zip(one.pictured.effect_columns, other.pictured.effect_columns, strict=True):
+    for here, there in zip(one.disc.columns(), other.disc.columns(), strict=True):
         assert np.array_equal(here.values(phi, "right"), there.values(phi, "right")), here.name
 
 

@@ -552,7 +552,7 @@ def test_a_scene_and_its_mirror_image_have_the_same_forces(scene: str) -> None:
     one = design(scene, effects, *speed)
     other = design(scene, mirrored, *speed, *MIRRORS[scene])
     phi = np.linspace(0.0, TURN, 333, endpoint=False) + 0.003
-    pairs = list(zip(one.pictured.effect_columns, other.pictured.effect_columns, strict=True))
+    pairs = list(zip(one.disc.columns(), other.disc.columns(), strict=True))
     assert len(pairs) >= 15
     for here, there in pairs:
         assert here.name == there.name

@@ -83,7 +83,7 @@ def test_table_has_the_columns_and_finite_numbers(
     assert main(["table", str(scene), "--step", "5"]) == 0
     head, values = rows(capsys.readouterr().out)
     names = [each.rpartition(" [")[0] or each for each in head]
-    for each in subject.pictured.effect_columns:
+    for each in subject.disc.columns():
         assert each.name in names
     assert len(set(head)) == len(head)
     finite = [k for k, each in enumerate(head) if not each.startswith("r_K")]

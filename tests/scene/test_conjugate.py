@@ -131,7 +131,7 @@ def test_the_drive_torque_of_a_pair_is_that_of_the_motion() -> None:
     table = LEVER[LEVER.index("[follower.return]") : LEVER.index("[[motion]]")]
     alone = Design(parse_scene(LEVER.replace(table, "") + effects))
     phi = np.linspace(0.0, TURN, 721)
-    for one, two in zip(pair.pictured.effect_columns, alone.pictured.effect_columns, strict=True):
+    for one, two in zip(pair.disc.columns(), alone.disc.columns(), strict=True):
         assert one.name == two.name
         assert np.array_equal(one.values(phi, "right"), two.values(phi, "right"))
     assert "torque-without-contact" in {each.name for each in alone.effect_findings}
@@ -144,7 +144,7 @@ def test_the_return_disc_is_a_design_of_its_own() -> None:
     main, other = design.discs
     assert main.discs == design.discs
     assert other.name == "conjugate_lever-return"
-    assert other.pictured.effect_columns == ()
+    assert other.columns() == ()
     assert other.discs == (other,)
     assert other.cam.drive.motion == design.cam.drive.motion
     assert (other.scene_hash, other.cam.rotation) == (design.disc.scene_hash, design.cam.rotation)

@@ -188,7 +188,7 @@ damping = 0.05
 def test_effects_at_the_follower_itself_work(text: str, tables: str, prefix: str) -> None:
     made = loaded(text, ("[part]", f"{tables}[part]"))
     assert {each.severity for each in made.effect_findings} <= {"ok", "warning"}
-    names = {column.name: column for column in made.pictured.effect_columns}
+    names = {column.name: column for column in made.disc.columns()}
     phi = np.radians(np.arange(0.5, 360.0, 7.0))
     own = names[f"{prefix} velocity"].values(phi, "right")
     speed = made.scene.speed
