@@ -49,21 +49,18 @@ def test_the_same_bytes_each_time(product: StubProduct) -> None:
     assert WRITER.write(product, 0.01).data == WRITER.write(product, 0.01).data
 
 
-def ezdxf_writes_it_again(data: bytes, monkeypatch: pytest.MonkeyPatch) -> None:
-    """And finds nothing to mend: layers, handles, header and tables are as it makes them."""
-    options = ezdxf.options  # type: ignore[attr-defined] # exported, but not said so
-    monkeypatch.setattr(options, "write_fixed_meta_data_for_testing", True)
-    document = ezdxf.read(io.StringIO(data.decode()))  # type: ignore[attr-defined]
-    again = io.StringIO()
-    document.write(again)
-    assert again.getvalue().encode() == data
+def test_ezdxf_setting_is_put_back() -> None:
+    before = ezdxf.options.write_fixed_meta_data_for_testing  # type: ignore[attr-defined]
+    WRITER.write(StubProduct(), 0.01)
+    assert ezdxf.options.write_fixed_meta_data_for_testing == before  # type: ignore[attr-defined]
+
+
+def test_ezdxf_finds_nothing_to_mend(product: StubProduct) -> None:
+    text = WRITER.write(product, 0.01).data.decode()
+    document = ezdxf.read(io.StringIO(text))  # type: ignore[attr-defined]
     audit = document.audit()
     assert not audit.errors
     assert not audit.fixes
-
-
-def test_ezdxf_writes_the_same(product: StubProduct, monkeypatch: pytest.MonkeyPatch) -> None:
-    ezdxf_writes_it_again(WRITER.write(product, 0.01).data, monkeypatch)
 
 
 def test_entities_layers_and_units() -> None:
