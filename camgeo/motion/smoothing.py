@@ -17,7 +17,6 @@ from camgeo.motion.spline_energy import (
 )
 from camgeo.numeric import checked
 from camgeo.numeric.arrays import BoolArray, FloatArray
-from camgeo.numeric.banded import banded
 
 LONGEST: Final = 1e4
 """Largest cut-off length in mean distances of points; rounding grows with its cube and leaves
@@ -63,6 +62,8 @@ class Smoothing:
 
     def solve(self, length: float) -> tuple[FloatArray, FloatArray]:
         """(n, 3) nodal values, and (m, 3) moments d0, d1, d2 of each piece."""
+        from scipy.linalg import solve_banded
+
         unit = self.scale[:, np.newaxis] ** np.arange(3.0)
         weight = (length / self.mean) ** 3 * (self.mean / self.step) ** 2.5
         # With all pieces at a point soft, the rows of its s' and s'' have small numbers only.
@@ -73,23 +74,25 @@ class Smoothing:
         rows = self.moments * weight[:, np.newaxis, np.newaxis]
         columns = rows * balance[self.ends].reshape(-1, 1, 6)
         width = self.width
-        diagonals = np.zeros((2 * width + 1, self.size))
+        banded = np.zeros((2 * width + 1, self.size))
         right = np.zeros(self.size)
-        diagonals[width, self.of_piece] = 1.0
+        banded[width, self.of_piece] = 1.0
         for k in range(3):
             for j in range(6):
                 node, piece = self.of_ends[:, j], self.of_piece[:, k]
-                diagonals[width + piece - node, node] = -rows[:, k, j]
-                diagonals[width + node - piece, piece] = columns[:, k, j]
-        diagonals[width, self.of_node[:, 0]] = 1.0  # the sum of squares
+                banded[width + piece - node, node] = -rows[:, k, j]
+                banded[width + node - piece, piece] = columns[:, k, j]
+        banded[width, self.of_node[:, 0]] = 1.0  # the sum of squares
         right[self.of_node[:, 0]] = self.nodes[:, 0]
         held = self.of_node[self.fixed]
         for offset in range(-width, width + 1):  # a prescribed value: its row becomes value = given
             column = held - offset
             inside = (column >= 0) & (column < self.size)
-            diagonals[width + offset, column[inside]] = 1.0 if offset == 0 else 0.0
+            banded[width + offset, column[inside]] = 1.0 if offset == 0 else 0.0
         right[held] = (self.nodes * unit)[self.fixed]
-        solution = banded(diagonals, right, width)
+        solution = solve_banded(
+            (width, width), banded, right, overwrite_ab=True, overwrite_b=True, check_finite=False
+        )
         found = np.where(self.fixed, self.nodes, solution[self.of_node] / unit)
         return found, solution[self.of_piece] / weight[:, np.newaxis]
 

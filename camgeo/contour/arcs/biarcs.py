@@ -23,7 +23,6 @@ from camgeo.contour.chain import Chain
 from camgeo.contour.hermite import highest
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, IntArray
-from camgeo.numeric.banded import tridiagonal
 
 OUTERMOST = 0.5
 """Weight of a piece's outermost spans, whose outer tangent is given. With less, the turns beside
@@ -59,10 +58,22 @@ def tangent_turns(apart: FloatArray, lengths: FloatArray, last: IntArray) -> Flo
     both = joined[:-1] & joined[1:]
     own = float(ahead @ ahead) * (square[:-1] + square[1:])
     cross = np.where(both, float(ahead @ behind) * square[1:-1], 0.0)
-    found = tridiagonal(cross, own, np.where(joined, -(before[:-1] + after[1:]), 0.0))
+    found = _tridiagonal(cross, own, np.where(joined, -(before[:-1] + after[1:]), 0.0))
     turns[1, :-1] = found
     turns[0, 1:] = found
     return turns
+
+
+def _tridiagonal(beside: FloatArray, middle: FloatArray, right: FloatArray) -> FloatArray:
+    """Solution (n,) with the bands `middle` (n,) and on both sides of it `beside` (n - 1,)."""
+    from scipy.linalg import solveh_banded  # only where a contour is made
+
+    if len(middle) == 1:  # which scipy does not take
+        return right / middle
+    bands = np.zeros((2, len(middle)))
+    bands[0, 1:], bands[1] = beside, middle
+    found: FloatArray = solveh_banded(bands, right, overwrite_ab=True, check_finite=False)
+    return found
 
 
 PARTS = 6

@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 from camgeo.contour.joints import Bends
 from camgeo.curve.pieces import Piece
 from camgeo.numeric.arrays import BoolArray, FloatArray, IntArray
-from camgeo.numeric.banded import banded
 
 Scalar = TypeVar("Scalar", bound=np.generic)
 
@@ -242,6 +241,8 @@ class ArcSystem:
         square, pull, bond, gap : (n, 4, 4) A, (n, 4) b, (n, 4) c and (n,) d of each arc.
         free : (j,) False for joints whose unknowns are zero.
         """
+        from scipy.linalg import solve_banded  # only where files are made
+
         left, right = self.layout.left, self.layout.left + 1
         mask = np.stack((free[left], free[left], free[right], free[right]), axis=1)
         square = np.where(mask[:, :, None] & mask[:, None, :], square, 0.0)
@@ -254,11 +255,17 @@ class ArcSystem:
         matrix = np.bincount(
             self.cells, weights=np.concatenate(values), minlength=(2 * BAND + 1) * held.size
         )
-        diagonals = matrix.reshape(2 * BAND + 1, held.size).astype(np.float64, copy=False)
         sides = np.zeros_like(held)
         sides[left, :2] += pull[:, :2]
         sides[right, :2] += pull[:, 2:]
         sides[left, 2] = np.where(bound, gap, 0.0)
-        unknowns = banded(diagonals, sides.ravel(), BAND)
+        unknowns = solve_banded(
+            (BAND, BAND),
+            matrix.reshape(2 * BAND + 1, held.size),
+            sides.ravel(),
+            overwrite_ab=True,
+            overwrite_b=True,
+            check_finite=False,
+        )
         found: FloatArray = unknowns.reshape(-1, 3)[:, :2]
         return found
