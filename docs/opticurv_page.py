@@ -178,21 +178,22 @@ HEAD = """# opticurv
 
 <!-- Made by docs/opticurv_page.py; change it there. -->
 
-opticurv 1.0.3 is the program of Wirsig's thesis ([sources.md](sources.md)): a slider's stroke, a
-slider-crank, a rocker with a roller, a plate cam. `camgeo import` turns its projects into scenes,
-and format `asc` writes its two point files, with correct values:
+opticurv 1.0.3 is the program of Wirsig's thesis ([sources.md](sources.md)): the stroke of a slider,
+a slider-crank, a rocker with a roller, a plate cam. `camgeo import` turns its projects into scenes,
+and the format `asc` writes its two point files with correct values:
 
 ```sh
 camgeo import fixtures/reference/ocv/setzhub.ocv -o setzhub.toml
 camgeo build setzhub.toml -o out --only asc       # setzhub1.asc, setzhub2.asc
 ```
 
-`fixtures/reference/ocv` has the projects of Tables 4 to 7. The print of Table 4 is damaged beyond
-repair, and `querhub.ocv` is one completion of it, not the source's cam.
+`fixtures/reference/ocv` has the projects of Tables 4 to 7. The printed Table 4 is corrupt beyond
+repair, and `querhub.ocv` is one way to complete it, not the cam of the source.
 
 ## The project file
 
-24 doubles, 192 bytes, nothing else. An answer is 1 for the first choice and 2 for the second. The
+24 double-precision numbers, 192 bytes, nothing else. An answer is 1 for the first choice and 2 for
+the second. The
 source calls the crank l_4 and the coupler l_3, and the roller lever l; the thesis calls them l_sk,
 l_4 and l_3, and so does this page.
 
@@ -201,24 +202,25 @@ l_4 and l_3, and so does this page.
 """
 
 OPEN = """
-Refused, with every fault named: another size; a number that is not finite or beyond its range; an
-answer other than 1 or 2; spans that do not add up to 360 degrees; a triangle or a linkage that does
-not close. An empty file is told as such: opticurv empties a project as soon as it opens it.
+Rejected, with every fault reported: another file size; a number that is not finite or out of range;
+an answer other than 1 or 2; spans that do not add up to 360 degrees; a triangle or a linkage that
+does not close. An empty file is reported as empty: opticurv truncates a project as soon as it opens
+it.
 
-What the source leaves open, and what is made of it:
+What the source leaves open, and how camgeo resolves it:
 
-- **The order of the bytes** is that of the machine. Little-endian is read, as on the PCs of its
-  time; a project that makes sense only the other way round is refused.
-- **The 24th double** has no value in the source's list, which makes it 0; the program never reads
-  it. Anything else is refused as another program's.
-- **phi_H45** is not heeded by the program: after the return it rests to 360 degrees. A plan that
-  does not add up may mean that, or have a typing error in another span, and is refused.
-- **Question 25** is not heeded where the answer to question 21 is nein. The scene gets the side
-  that is computed, `slider_side = "left"`, and says so.
-- **x_H, y_H and beta** do not change the cam. They stand in a comment of the scene.
-- Sense of rotation: the program computes a cam that turns clockwise, the text one that turns the
-  other way. The scene has `rotation = "cw"`.
-- Speed, thickness and bore are not in a project. Limits are camgeo's defaults, which are those of
+- **The byte order** is that of the machine. camgeo reads little-endian, as on PCs of the time; a
+  project that makes sense only in the other order is rejected.
+- **The 24th number** has no value in the source's list, which makes it 0; the program never reads
+  it. A file with any other value is rejected as not from opticurv.
+- **phi_H45** is ignored by the program: after the return it rests until 360 degrees. A plan that
+  does not add up may rely on that, or have a typing error in another span, so it is rejected.
+- **Question 25** is ignored if the answer to question 21 is nein. The scene gets the side that the
+  program uses, `slider_side = "left"`, and says so.
+- **x_H, y_H and beta** do not affect the cam. They are kept in a comment of the scene.
+- Sense of rotation: the program computes a cam that turns clockwise, the text one that turns
+  counter-clockwise. The scene has `rotation = "cw"`.
+- A project has no speed, thickness or bore. The limits are camgeo's defaults, which are those of
   equation (3.36).
 
 ## The point files
@@ -228,10 +230,10 @@ What the source leaves open, and what is made of it:
 Points are in mm from the cam axis, x_Bik and y_Bik from the pivot; psi' and psi'' are per radian;
 `i`, `B` and `a` are the inner working curve, the pitch curve and the outer working curve; mue is
 the transmission angle; r_K is positive where the pitch curve is convex and `inf` where its
-curvature is exactly 0. The program prints six digits; camgeo prints all that a double has, and its
-files, read back, are 0 mm off. The program appends to files of an earlier run; camgeo writes them
-anew. The working curves are whole, also what undercut takes from the disc. Only a rocker behind a
-linkage has all these columns; other scenes are refused.
+curvature is exactly 0. The program prints six digits; camgeo prints all digits of a
+double, and its files, read back, are exact. The program appends to the files of an earlier run;
+camgeo replaces them. The working curves are complete, with what undercut takes from the disc. Only
+a rocker behind a slider-crank has all these columns; other scenes are rejected.
 
 ## Where the program's numbers are wrong
 
@@ -242,15 +244,16 @@ linkage has all these columns; other scenes are refused.
 """
 
 CURVES = """
-As distances between points that should be the same:
+As distances between points that should coincide:
 
 | curve | {heads} |
 |---|{rules}|
 """
 
 RADII = """
-r_K passes infinity at inflections, so that its differences say little. What a designer reads off
-it, against the roller, is its smallest value of either sign; and of mue the smallest:
+r_K passes through infinity at inflections, so its differences say little. What a designer reads
+from it, to compare with the roller, is its smallest value of either sign; and from mue the
+smallest:
 
 | | {heads} |
 |---|{rules}|
@@ -259,9 +262,9 @@ it, against the roller, is its smallest value of either sign; and of mue the sma
 CAUSES = """
 ## Why
 
-Six faults in the derivatives. With all of them mended, the program agrees with camgeo to {agree}
-in every column but mue. With all but one mended, that one still moves the inner working curve, and
-the curvature 1/r_K, by as much as this:
+There are six errors in the derivatives. With all of them corrected, the program agrees with camgeo
+to {agree} in every column except mue. With all but one corrected, that one still changes the inner
+working curve and the curvature 1/r_K by this much:
 
 | fault | curve [mm] | | | 1/r_K [1/mm] | | |
 |---|---|---|---|---|---|---|
@@ -269,26 +272,26 @@ the curvature 1/r_K, by as much as this:
 """
 
 REST = """
-`sign` needs the answer negativ to question 24, which none of these tables has. `M` and `RT` bear on
-psi'' alone, which no point depends on. With `y` alone r_K is wrong in the dwells too.
+`sign` needs the answer negativ to question 24, which none of these tables has. `M` and `RT` affect
+psi'' only, on which no point depends. With `y` alone r_K is wrong in the dwells too.
 
-mue is no transmission angle: it is the angle between the radius and the tangent, 90 degrees in
+mue is not a transmission angle: it is the angle between the radius and the tangent, 90 degrees in
 every dwell, whatever the derivatives.
 
 ## What else differs
 
-- The label of question 21 is the other way round: ja is a crank that leans away from the slider.
-- The angle psi_sk0 is printed as degrees and is in rad; the headings of psi' and psi'' say [rad].
-- r_G is not computed from the angles, as the text has it: it is an input, here too.
-- The angle of the cam axis is an arc tangent of y/x, half a turn off for x_A0 < 0. No point depends
-  on it.
-- The cam angle is counted up by n, so that roundings add up, and a row too many is possible. camgeo
-  rounds each angle once.
-- Nothing is checked: neither the plan, nor the closing of triangle and linkage, nor undercut, nor
-  the program's own criterion (3.36). `camgeo import` refuses what does not exist, `camgeo check`
-  tells the rest.
-- The crank's angle has a pole at 180 degrees, 0/0 for a coupler as long as the crank. camgeo's has
-  none.
+- The label of question 21 is reversed: ja is a crank that leans away from the slider.
+- The angle psi_sk0 is labelled as degrees but is in rad; the headings of psi' and psi'' say [rad].
+- r_G is an input, as in camgeo; the text computes it from the angles.
+- The angle of the cam axis is an arc tangent of y/x, wrong by half a turn for x_A0 < 0. No point
+  depends on it.
+- The cam angle is incremented by n, so rounding errors accumulate and one row too many is possible.
+  camgeo rounds each angle once.
+- Nothing is checked: neither the plan, nor whether triangle and linkage close, nor undercut, nor
+  the program's own criterion (3.36). `camgeo import` rejects what does not exist, `camgeo check`
+  reports the rest.
+- The formula for the crank's angle has a pole at 180 degrees, and is 0/0 for a coupler as long as
+  the crank. camgeo's has no pole.
 """
 
 
@@ -311,15 +314,15 @@ def page() -> str:
             f"| {place} | {field.name} | `{field.code}` | {field.meaning} | {words} | {key} |\n"
         )
     files = (
-        "Plain rows of numbers with commas, one for each step n of the cam angle (`[output.csv]"
-        f" step`), no heading. `NAME1.asc` has {len(COLUMNS)} columns: {_listed(COLUMNS)}."
+        "Plain rows of comma-separated numbers, one for each step n of the cam angle (`[output.csv]"
+        f" step`), without a heading. `NAME1.asc` has {len(COLUMNS)} columns: {_listed(COLUMNS)}."
         f" `NAME2.asc` has {len(POINTS)}: {_listed(POINTS)}."
     )
     compared = (
         "The largest difference between the published program and the correct values on the cams"
         f" of {', '.join(TABLES.values())}, at steps of 0.5 degrees, with its cam angle."
-        f" {_listed([column for column in COLUMNS if column not in wrong])} are right: they differ"
-        " by rounding only."
+        f" {_listed([column for column in COLUMNS if column not in wrong])} are correct, up to"
+        " rounding."
     )
     wrapped = {"files": _wrapped(files), "compared": _wrapped(compared)}
     parts.append(OPEN.format(**wrapped, heads=heads, rules=rules))

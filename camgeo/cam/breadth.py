@@ -1,12 +1,12 @@
 """How wide a cam of constant breadth is between the two sides of its yoke.
 
 A yoke holds two parallel faces, or two rollers in line with the cam axis, at a fixed distance b.
-The follower's height over the axis is h(phi) = h_0 + kappa_F s(phi) on one side, and what the cam
-asks for on the other side is h(phi + pi), as the yoke does not turn: the cam is as wide as
+The follower's height above the axis is h(phi) = h_0 + kappa_F s(phi) on one side; on the other side
+the cam requires h(phi + pi), as the yoke does not turn. So the width of the cam is
 
     w(phi) = h(phi) + h(phi + pi),
 
-which must be b at every cam angle.
+and it must be b at every cam angle.
 """
 
 from __future__ import annotations
@@ -28,12 +28,12 @@ HALF = 0.5 * TURN
 
 @dataclass(frozen=True)
 class Breadth:
-    """How wide a cam is between the two sides of a yoke, over the cam angle.
+    """How wide a cam is between the two sides of a yoke, as a function of the cam angle.
 
     Attributes
     ----------
     motion : the follower's lift [mm].
-    height : h_0, of the face or the roller centre over the cam axis at lift 0 [mm].
+    height : h_0, of the face or the roller centre above the cam axis at lift 0 [mm].
     reach : +1 if a positive lift moves the yoke's first side outward, -1 inward.
     """
 
@@ -49,7 +49,7 @@ class Breadth:
 
     @property
     def dwells(self) -> tuple[Dwell, ...]:
-        """None: where both sides rest the slope is 0 as where they do not."""
+        """None: where both sides rest the slope is simply 0."""
         return ()
 
     def width(self, phi: FloatArray, side: Side = "right") -> FloatArray:
@@ -73,24 +73,24 @@ class Breadth:
 
     @property
     def best(self) -> float:
-        """Breadth of the yoke [mm] whose largest error is least."""
+        """The breadth of the yoke [mm] with the smallest largest error."""
         (least, _), (most, _) = self.range
         return 0.5 * (least + most)
 
 
 @dataclass(frozen=True, slots=True)
 class Yoke:
-    """What a scene says of a yoke.
+    """A yoke as a scene describes it.
 
     Attributes
     ----------
-    breadth : distance of its two faces, or of its two roller centres [mm]; None for the one with
-        the least closing error.
+    breadth : distance between its two faces, or its two roller centres [mm]; None for the one
+        with the smallest closing error.
 
     Raises
     ------
     GeometryError
-        With key "follower.yoke.breadth", if that is no length above 0.
+        With key "follower.yoke.breadth", if that is not a length above 0.
     """
 
     breadth: Length | None = None

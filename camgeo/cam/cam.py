@@ -1,4 +1,4 @@
-"""A cam: a drive, a follower with its contact, and the body that moves it."""
+"""A cam: a drive, a follower with its contact, and the body that moves the follower."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Cam(Pickled):
-    """One disc with what it moves; a conjugate pair is two of them, of one drive.
+    """One disc with what it moves; a conjugate pair is two cams with one drive.
 
     Attributes
     ----------
-    drive : what is demanded.
+    drive : the motion that is demanded.
     follower : what touches the disc.
-    rotation, contact, clearance : as of `Disc`.
+    rotation, contact, clearance : as for `Disc`.
     yoke : the other side of the follower on a cam of constant breadth; None if there is none.
     """
 
@@ -69,15 +69,16 @@ class Cam(Pickled):
 
     @property
     def yoke_breadth(self) -> float:
-        """Distance of the two sides of the yoke [mm], see `Yoke`; 0 without."""
+        """Distance between the two sides of the yoke [mm], see `Yoke`; 0 without one."""
         if self.yoke is None or self.breadth is None:
             return 0.0
         return self.breadth.best if self.yoke.breadth is None else self.yoke.breadth
 
     def sized(self, **sizes: complex) -> Cam:
-        """The same cam with other dimensions of the follower; GeometryError if it has none.
+        """The same cam with other dimensions of the follower; GeometryError if there is no such
+        follower.
 
-        The drive, whose linkage is looked at all round when its motion is made, is shared.
+        The drive is shared, so its linkage is not checked over the turn again.
         """
         changes: dict[str, Any] = dict(sizes)
         follower: Any = self.follower  # a frozen dataclass

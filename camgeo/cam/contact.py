@@ -1,4 +1,4 @@
-"""On which flank of the disc the follower runs."""
+"""The flank or flanks of the disc on which the follower runs."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from camgeo.outline.path import Flank
 
 
 class Contact(StrEnum):
-    """A contact by its name in scenes."""
+    """A contact, by its name in scenes."""
 
     INNER = "inner"
     OUTER = "outer"
@@ -27,7 +27,7 @@ class Contact(StrEnum):
 
     @property
     def runs_inside(self) -> bool:
-        """Whether there is a flank round the cam axis; else the axis lies in the open."""
+        """Whether a flank in use encloses material about the cam axis; not so in a ring."""
         return Flank.INNER in self.flanks
 
     @property

@@ -1,4 +1,4 @@
-"""A disc: the body of a cam that turns in a plane, its curves and what is left of its flanks."""
+"""A disc: the body of a cam that turns in a plane, its curves, and what remains of its flanks."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Disc(Pickled):
-    """The curves of a disc, on demand; GeometryError where the mechanism does not exist.
+    """The curves of a disc, on demand; GeometryError if there is no such mechanism.
 
     Attributes
     ----------
@@ -33,7 +33,7 @@ class Disc(Pickled):
     follower : what touches the disc.
     rotation : sense in which the disc turns: +1 counter-clockwise, -1 clockwise.
     contact : the flank on which the follower runs; both for a groove.
-    clearance : groove's width less the roller's diameter [mm].
+    clearance : width of the groove minus the diameter of the roller [mm].
     """
 
     drive: Drive
@@ -53,7 +53,7 @@ class Disc(Pickled):
 
     @lazy
     def pitch_curve(self) -> PitchCurve:
-        """The pitch curve in cam coordinates; of a flat face the outline itself."""
+        """The pitch curve in cam coordinates; for a flat face the outline itself."""
         return PitchCurve(self.drive.motion, self.follower, self.rotation)
 
     @lazy
@@ -77,7 +77,7 @@ class Disc(Pickled):
 
     @lazy
     def bends(self) -> Extremes:
-        """The extremes of the pitch curve's curvature; GeometryError where it stands still.
+        """The extremes of the pitch curve's curvature; GeometryError if it stands still somewhere.
 
         Guaranteed to include every extreme behind which undercut on a flank in use could hide.
         """
@@ -92,30 +92,30 @@ class Disc(Pickled):
 
     @lazy
     def inner_outline(self) -> Outline:
-        """What is left of the inner flank, see `camgeo.outline.outline.real_outline`."""
+        """What remains of the inner flank, see `camgeo.outline.outline.real_outline`."""
         from camgeo.outline.outline import real_outline
 
         return real_outline(self.inner_curve, self.bends if self.follower.has_pitch_curve else None)
 
     @lazy
     def outer_outline(self) -> Outline:
-        """What is left of the outer flank, see `camgeo.outline.outline.real_outline`."""
+        """What remains of the outer flank, see `camgeo.outline.outline.real_outline`."""
         from camgeo.outline.outline import real_outline
 
         return real_outline(self.outer_curve, self.bends)
 
     def outline(self, flank: str) -> Outline:
-        """What is left of the "inner" or "outer" flank."""
+        """What remains of the "inner" or "outer" flank."""
         own: Outline = getattr(self, f"{Flank(flank)}_outline")
         return own
 
     def replay(self, flank: str) -> Replay:
-        """The roller pressed against what is left of the "inner" or "outer" flank.
+        """The roller pressed against what remains of the "inner" or "outer" flank.
 
-        In a groove with side clearance it is a roller without play: what it loses comes on top of
+        In a groove with side clearance the roller is taken without play: what it loses adds to
         the play.
         """
-        from camgeo.outline.replay import replay_outline  # only what undercuts needs it
+        from camgeo.outline.replay import replay_outline  # only a disc that undercuts needs it
 
         path = self.outline(flank).path
         return self.ledger.run(

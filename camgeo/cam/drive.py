@@ -1,4 +1,4 @@
-"""A drive: the motion that is demanded, the linkage in front of the follower, and the cam's speed.
+"""A drive: the motion demanded, the linkage ahead of the follower, and the speed of the cam.
 
 It needs no disc: motion, time and kinematics follow from it alone.
 """
@@ -28,12 +28,12 @@ if TYPE_CHECKING:
 LiftUnit = Literal["mm", "rad"]
 
 Demanded = Literal["follower"] | Member
-"""Whose motion is demanded: the follower's, or with a linkage that of its far end."""
+"""Whose motion is demanded: the follower's, or that of the far end of a linkage."""
 
 
 @dataclass(frozen=True)
 class Drive(Pickled):
-    """What moves the follower, on demand; nothing is computed before it is asked for.
+    """What moves the follower; everything is computed on demand.
 
     Cam angles are in radians, any number of turns, arrays (n,); lengths in mm.
 
@@ -42,9 +42,9 @@ class Drive(Pickled):
     plan : the motion demanded: of the far end of a linkage if there is one, else of the follower.
     linkage : between plan and follower, or None.
     unit : of the plan's positions.
-    speed : of the cam, positive [rad/s], the mean one if it varies; None if there is none.
+    speed : of the cam, positive [rad/s], the mean if it varies; None if none is given.
     speed_curve : how the speed varies over the turn; None if it does not.
-    ledger : where it is entered what was computed.
+    ledger : records what has been computed.
 
     Raises
     ------
@@ -79,7 +79,7 @@ class Drive(Pickled):
 
     @lazy
     def time_course(self) -> TimeCourse | None:
-        """How the cam turns; None if there is no speed."""
+        """How the cam turns in time; None if no speed is given."""
         if self.speed_curve is not None:
             return self.speed_curve
         from camgeo.motion.time_course import ConstantSpeed
@@ -102,8 +102,8 @@ class Drive(Pickled):
     def smooth_angles(self) -> FloatArray:
         """(k,) cam angles [rad] from 0 to 2 pi, both included, ascending.
 
-        Between two neighbours all derivatives of motion and time course are smooth, and the
-        follower's velocity keeps its sign.
+        Between two neighbours all derivatives of the motion and of the time course are smooth, and
+        the follower's velocity keeps its sign.
         """
         from camgeo.motion.extremes import turning_angles
 

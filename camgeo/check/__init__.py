@@ -1,1 +1,1 @@
-"""Checks: values of the design held against limits, each answered by a `Finding`."""
+"""Checks: values of the design compared with limits, each answered by a `Finding`."""

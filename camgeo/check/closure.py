@@ -1,4 +1,4 @@
-"""Checks of how the pitch curve joins at the breaks and after one turn."""
+"""Checks of how the pitch curve joins at its breaks and after a full turn."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from camgeo.curve.closure import joints
 from camgeo.curve.pitch_curve import PitchCurve
 
 POINT_LIMIT = 1e-12
-"""Largest gap as a share of the base radius: four hundred times the rounding of the curve."""
+"""Largest gap as a fraction of the base radius: four hundred times the rounding of the curve."""
 
 TANGENT_LIMIT = 1e-9
 """Largest angle between the tangents at a joint [rad]."""
@@ -20,7 +20,7 @@ TANGENT_LIMIT = 1e-9
 def check_closure(curve: PitchCurve, severity: Severity = "no-disc") -> tuple[Finding, ...]:
     """Closure of the pitch curve and of its tangent.
 
-    `severity` is that of a corner of the pitch curve: "no-disc" if no disc is made of it, else
+    `severity` is that of a corner in the pitch curve: "no-disc" if no disc is made then, else
     "broken".
     """
     join = joints(curve)

@@ -1,9 +1,9 @@
-"""Checks of the curvature of the flank in use: roller against r_K, cusp and local undercut.
+"""Checks of the curvature of a flank in use: roller radius against r_K, cusp, local undercut.
 
 All of them read 1 + d kappa of the flank, d = -r_R for the inner, +r_R for the outer working
-curve: 1 - (that) is r_R / r_K of the sign of curvature that matters, at most 0.7 by the rule of
+curve: 1 minus that is r_R / r_K for the sign of curvature that matters, at most 0.7 by the rule of
 thumb (Wirsig eq. 3.36); 1 is a cusp, more is undercut. The flanks of a groove with side clearance
-c lie at d = -+(r_R + c/2): cusp and undercut are of that d, the rule of thumb is of the roller.
+c lie at d = -+(r_R + c/2): cusp and undercut follow from that d, the rule of thumb from the roller.
 """
 
 from __future__ import annotations
@@ -26,9 +26,9 @@ def check_radius_ratio(
     limit: float,
     roller_radius: float | None = None,
 ) -> Finding:
-    """Hold the roller radius to the smallest r_K that matters: r_R <= `limit` r_K (eq. 3.36).
+    """Compare the roller radius with the smallest r_K that matters: r_R <= `limit` r_K (eq. 3.36).
 
-    `roller_radius` [mm] is that of the roller if it has play; None if the flank is its envelope.
+    `roller_radius` [mm] is that of a roller with play; None if the flank is its envelope.
     """
     kappa, phi = _tightest(flank, bends)
     roller = abs(flank.distance) if roller_radius is None else roller_radius
@@ -51,7 +51,7 @@ def check_undercut(
 ) -> tuple[Finding, ...]:
     """Cusps and local undercut of a flank: where 1 + d kappa is zero or negative.
 
-    `severity` is that of undercut: "no-disc" if no disc is made of it, else "broken".
+    `severity` is that of undercut: "no-disc" if no disc is made then, else "broken".
     """
     kappa, phi = _tightest(flank, bends)
     margin = 1.0 + flank.distance * kappa
@@ -76,10 +76,10 @@ def _undercut(
     cam_range: tuple[float, float],
     severity: Severity,
 ) -> Finding:
-    """The finding of one range: its margin is that of an extreme, as one lies in every range."""
+    """The finding of one range; its margin is that of an extreme, of which every range has one."""
     start, end = cam_range
     span = end - start if end > start else end - start + TURN
-    # It may lie at a break that ends the range, whose angle has been rounded on another way.
+    # It may lie at a break that ends the range, whose angle has been rounded differently.
     inside = np.flatnonzero((bends.phi - start + INSIDE) % TURN <= span + 2.0 * INSIDE)
     margins = 1.0 + flank.distance * bends.values[inside]
     worst = int(np.argmin(margins))
@@ -101,5 +101,5 @@ def _what(flank: WorkingCurve) -> str:
 
 
 def _tightest(flank: WorkingCurve, bends: Extremes) -> tuple[float, float]:
-    """Curvature [1/mm] that is worst for the flank, and its cam angle."""
+    """The curvature [1/mm] worst for the flank, and its cam angle."""
     return bends.largest() if flank.distance < 0.0 else bends.smallest()

@@ -1,4 +1,4 @@
-"""Check that a flat face can touch the cam: convex all round, and the cam axis inside."""
+"""Checks of a flat face: whether a convex cam exists for it, how long it must be, and its lever."""
 
 from __future__ import annotations
 
@@ -10,15 +10,15 @@ from camgeo.mechanism.face import flat_follower
 from camgeo.outline.convex import SMALLEST, Convexity, contact_extremes, convexity
 
 ROUNDING = 1e-12
-"""Rounding of the contact's place, as a share of the base radius."""
+"""Rounding of the contact's position, as a fraction of the base radius."""
 
 
 def check_convexity(curve: PitchCurve) -> tuple[Finding, ...]:
     """Findings of a flat follower's cam; with "no-disc" among them there is no such cam.
 
-    The smallest radius of curvature is told in any case. An outline whose face lies D farther from
-    the cam axis throughout is the parallel of this one, and has radii larger by D: so much more
-    base radius, and for a rocker as much more face offset, mends what is missing, exactly.
+    The smallest radius of curvature is always reported. Moving the face outward by D gives the
+    parallel outline, whose radii are larger by D: so exactly that much more base radius, and on a
+    rocker as much more face offset, supplies what is missing.
     """
     found = convexity(curve)
     if found.turn[0] <= 0.0:
@@ -35,7 +35,7 @@ def _turns_back(found: Convexity) -> Finding:
     turn, phi = found.turn
     sentence = (
         f"the face turns back in the cam at cam angle {degrees(phi)} deg: the rocker turns with"
-        f" the cam and {1.0 - turn:.4g} times as fast, and no convex cam makes a flat face do that;"
+        f" the cam, {1.0 - turn:.4g} times as fast, and no convex cam makes a flat face do that;"
         " give the move a larger span or a smaller swing"
     )
     return Finding("convexity", "no-disc", sentence, turn, 0.0, cam_angle=phi)
@@ -52,7 +52,7 @@ def _radius(found: Convexity, sizes: tuple[str, ...]) -> Finding:
     if radius >= -least:
         sentence = (
             f"the outline has a cusp {place}: its radius of curvature is 0 there; make {keys}"
-            " larger a little"
+            " a little larger"
         )
     else:
         sentence = (
@@ -66,9 +66,9 @@ def _jump(found: Convexity) -> Finding:
     length, phi = found.jump
     others = f", the worst of {found.jumps} jumps" if found.jumps > 1 else ""
     which = (
-        "back, against the way in which it runs along the outline"
+        "back, against its direction along the outline"
         if length < 0.0
-        else "ahead, over a straight stretch that would be flush with it"
+        else "ahead, over a straight part of the outline flush with the face"
     )
     sentence = (
         f"the velocity of the follower jumps at cam angle {degrees(phi)} deg, and the contact by"
@@ -81,28 +81,28 @@ def _jump(found: Convexity) -> Finding:
 def _over_axis(found: Convexity) -> Finding:
     lowest, phi = found.clearance
     sentence = (
-        f"the face comes as near as {lowest:.6g} mm to the cam axis at cam angle {degrees(phi)}"
+        f"the face comes within {lowest:.6g} mm of the cam axis at cam angle {degrees(phi)}"
         " deg: the cam does not go round its axis; make follower.base_radius larger"
     )
     return Finding("face-over-axis", "no-disc", sentence, lowest, 0.0, "mm", phi)
 
 
 def degrees(angle: float) -> str:
-    """A cam angle [rad] in words."""
+    """A cam angle [rad] as messages write it."""
     return f"{math.degrees(angle):.4f}"
 
 
 def check_face(curve: PitchCurve) -> tuple[Finding, ...]:
-    """The stretch of the face that the contact runs over; on a rocker also that it has a lever.
+    """The part of the face that the contact runs over; on a rocker, also whether it has a lever.
 
-    The cam must be convex. Places are counted along the face as `FlatFollower` counts them.
+    The cam must be convex. Positions along the face are measured as in `FlatFollower`.
     """
     follower = flat_follower(curve.follower)
     places = contact_extremes(curve)
     (low, at_low), (high, at_high) = places.smallest(), places.largest()
     sentence = (
         f"the contact runs along the face from {low:.6g} mm at cam angle {degrees(at_low)} deg to"
-        f" {high:.6g} mm at {degrees(at_high)} deg, counted from the {follower.origin}: a face of"
+        f" {high:.6g} mm at {degrees(at_high)} deg, measured from the {follower.origin}: a face of"
         f" {high - low:.6g} mm is needed"
     )
     found = Finding("face-length", "ok", sentence, high - low, unit="mm")
@@ -123,6 +123,6 @@ def check_face(curve: PitchCurve) -> tuple[Finding, ...]:
     told = (
         f"the contact comes to the pivot's foot on the face ({low:.6g} mm at cam angle"
         f" {degrees(at_low)} deg): it has no lever about the pivot there, and the cam cannot move"
-        " the rocker on"
+        " the rocker any further"
     )
     return found, Finding("contact-lever", "broken", told, low, 0.0, "mm", at_low)

@@ -1,4 +1,4 @@
-"""A finding: a value of the design held against a limit, with its place."""
+"""A finding: a value of the design compared with a limit, with its place."""
 
 from __future__ import annotations
 
@@ -21,28 +21,28 @@ NO_OUTLINE: Final = ("invalid", "no-disc")
 """Severities with which no outline is written."""
 
 
-TOLD: Final[dict[LiftUnit, tuple[float, str]]] = {
+STATED: Final[dict[LiftUnit, tuple[float, str]]] = {
     "mm": (1.0, "mm"),
     "rad": (math.degrees(1.0), "deg"),
 }
-"""Factor and unit with which lifts are told, by their own unit."""
+"""Factor and unit with which messages state lifts, by the unit of the lift."""
 
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """One check's answer.
+    """The answer of one check.
 
     Attributes
     ----------
     name : of the check, e.g. "transmission-angle".
     severity : see `Severity`.
     sentence : the finding in words, with value, limit and place.
-    value : what was found, in `unit`; None where the check has no figure.
-    limit : what it is held to, in `unit`; None where there is none.
+    value : what was found, in `unit`; None if the check has no number.
+    limit : what it is compared with, in `unit`; None if there is none.
     unit : "deg", "mm", "" ...
     cam_angle : where, [rad] in [0, 2 pi); None for the whole turn.
-    cam_range : from, to [rad] where the limit is broken all along, the end below the start if the
-        range passes cam angle 0; None where a single angle says it.
+    cam_range : start and end [rad] of the range over which the limit is broken, the end below the
+        start if it passes cam angle 0; None where a single angle says it.
     """
 
     name: str
@@ -65,8 +65,8 @@ def held(
     *,
     least: bool = False,
 ) -> Finding:
-    """The finding that holds `value` to a `limit` that it must not exceed, or with `least` not fall
-    below; to none if that is None. The sentence is `told` with the verdict.
+    """The finding that compares `value` with a `limit` that it must not exceed, or with `least` not
+    fall below; with none if that is None. The sentence is `told` with the verdict.
     """
     if limit is None:
         return Finding(name, "ok", told, value, unit=unit, cam_angle=cam_angle)
@@ -78,5 +78,5 @@ def held(
 
 
 def forbidding(findings: Iterable[Finding]) -> tuple[Finding, ...]:
-    """The findings that say that there is no such disc."""
+    """The findings that rule out the disc."""
     return tuple(each for each in findings if each.severity in NO_OUTLINE)

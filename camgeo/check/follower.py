@@ -1,4 +1,4 @@
-"""Checks that roller and guide leave the cam a mechanism at all."""
+"""Checks that roller and guide make a cam mechanism at all."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ from camgeo.check.finding import Finding
 from camgeo.mechanism.follower import Follower
 
 LOCKED = 1e-9
-"""A guide within this share of the base radius of a tangent to the base circle is one."""
+"""A guide this close to tangent to the base circle, as a fraction of its radius, is tangent."""
 
 
 def check_follower(
     follower: Follower, *, runs_on_inner: bool, clearance: float = 0.0
 ) -> tuple[Finding, ...]:
-    """A roller that reaches over the cam axis, a guide on which the follower locks; else nothing.
+    """Whether the roller covers the cam axis, or the follower locks on its guide; else nothing.
 
     `runs_on_inner` is True if the roller runs on the inner working curve, alone or in a groove,
     which is wider than the roller by `clearance` [mm].

@@ -1,9 +1,9 @@
 """Checks of what holds a follower both ways: the two discs of a conjugate pair, or a yoke.
 
-A normal force N of a disc on its roller does the work N dn on the follower, n counted outward and
-dn/dq the leverage (`camgeo.curve.pitch_curve.PitchCurve.leverage`). Discs only push. So the pair
-holds the follower both ways where the two leverages have opposite signs, and a disc whose flank is
-off by t along its normal lets the follower off by t / |dn/dq|.
+A normal force N of a disc on its roller does the work N dn on the follower, n positive outward and
+dn/dq the leverage (`camgeo.curve.pitch_curve.PitchCurve.leverage`). Discs can only push. So a pair
+holds the follower both ways where the two leverages have opposite signs, and an error t of a flank
+along its normal moves the follower by t / |dn/dq|.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray
 
 VANISHING: Final = 1e-12
-"""A product of sines of transmission angles up to this is 0: rounding of the rollers' places."""
+"""A product of sines of transmission angles up to this is 0: rounding of the rollers' positions."""
 
 
 def check_pair(
@@ -31,9 +31,9 @@ def check_pair(
 
     Parameters
     ----------
-    main, other : pitch curves of the main disc and of the return disc, of one motion.
-    tolerance : by which either flank may be off along its normal [mm].
-    limit : largest closing error allowed, as way of the main roller [mm].
+    main, other : pitch curves of the main disc and of the return disc, from one motion.
+    tolerance : largest error of either flank along its normal [mm].
+    limit : largest closing error allowed, as travel of the main roller [mm].
 
     Without form closure there is no closing error. Raises GeometryError where Z' of one of the
     curves vanishes.
@@ -56,7 +56,7 @@ def leverage_slope(curve: PitchCurve, phi: FloatArray, side: Side) -> FloatArray
 
 
 def _check_form_closure(main: PitchCurve, other: PitchCurve) -> Finding:
-    """Hold the product of the leverages, as sines of the transmission angles, below 0."""
+    """Whether the product of the leverages, as sines of the transmission angles, is below 0."""
     scale = 1.0 / abs(main.follower.reach * other.follower.reach)
 
     def product(phi: FloatArray, side: Side) -> FloatArray:
@@ -85,7 +85,7 @@ def _check_form_closure(main: PitchCurve, other: PitchCurve) -> Finding:
 def _check_closing_error(
     main: PitchCurve, other: PitchCurve, tolerance: float, limit: float
 ) -> Finding:
-    """Hold the play or squeeze that two discs true to `tolerance` may have to `limit`."""
+    """Compare the play or squeeze of two discs true to `tolerance` with `limit`."""
     scale = tolerance * abs(main.follower.reach)
 
     def play(phi: FloatArray, side: Side) -> FloatArray:
@@ -102,13 +102,13 @@ def _check_closing_error(
     value, phi = extremes(main, play, slope).largest()
     told = (
         f"with both discs true to {tolerance:g} mm the rollers have at most {value:.6f} mm of"
-        f" play or squeeze, as way of the main roller, at cam angle {math.degrees(phi):.4f} deg"
+        f" play or squeeze, as travel of the main roller, at cam angle {math.degrees(phi):.4f} deg"
     )
     return held("closing-error", told, value, limit, "mm", phi)
 
 
 def check_breadth(cam: Breadth, breadth: float, limit: float) -> Finding:
-    """Hold the difference of the width of `cam` from the `breadth` [mm] of a yoke to `limit` [mm].
+    """Compare how far the width of `cam` is from the `breadth` [mm] of a yoke with `limit` [mm].
 
     Where the cam is wider the yoke is squeezed, where it is narrower the yoke has play.
     """

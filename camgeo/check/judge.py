@@ -1,4 +1,4 @@
-"""What the checks find of a cam, or of the two cams of a conjugate pair."""
+"""What the checks find in a cam, or in the two cams of a conjugate pair."""
 
 from __future__ import annotations
 
@@ -26,13 +26,13 @@ if TYPE_CHECKING:
     from camgeo.curve.working_curve import WorkingCurve
 
 WORST_FIRST: Final = ("invalid", "no-disc", "broken", "warning", "ok")
-"""Order of the findings by their severity."""
+"""Order of the findings, by severity."""
 
 UNDERCUT: Final = ("cusp-", "undercut-", "global-undercut-")
-"""How the names of findings begin that a cure can be looked for."""
+"""Beginnings of the names of findings for which a cure can be sought."""
 
 RETURN: Final = "return"
-"""What marks the return disc: its files are NAME-return, its findings begin with "return: "."""
+"""Marks the return disc: its files are NAME-return, its findings begin with "return: "."""
 
 
 @dataclass(frozen=True)
@@ -42,11 +42,11 @@ class Judgement(Pickled):
     Attributes
     ----------
     drive : what moves the follower.
-    cams : the cam; of a conjugate pair the main one and the return one, of that drive; none without
+    cams : the cam; for a conjugate pair the main and the return one, with that drive; empty without
         a follower.
-    limits : what they are held to.
-    tolerance : by which a flank may be off along its normal [mm], for the closing error of a pair.
-    ledger : where it is entered what was computed.
+    limits : what they are compared with.
+    tolerance : largest error of a flank along its normal [mm], for the closing error of a pair.
+    ledger : records what has been computed.
     """
 
     drive: Drive
@@ -57,10 +57,10 @@ class Judgement(Pickled):
 
     @lazy
     def findings(self) -> tuple[Finding, ...]:
-        """All findings, the good with the bad, worst first.
+        """All findings, good and bad, worst first.
 
-        Of a conjugate pair also those of the return disc, and of both together; without a follower
-        those of the linkage and of the motion.
+        For a conjugate pair also those of the return disc, and of both together; without a
+        follower those of the linkage and of the motion.
         """
         found = [*self._of_main(), *self._of_pair()]
         return _worst_first([*found, *motion_findings(self.drive)])
@@ -72,13 +72,13 @@ class Judgement(Pickled):
         return (*disc_findings(main, self.limits), *_of_yoke(main, self.limits))
 
     def _of_pair(self) -> list[Finding]:
-        """What is found of the return disc and of both discs together; nothing of one."""
+        """What is found in the return disc and in both discs together; nothing if there is one."""
         if len(self.cams) < 2:
             return []
         from camgeo.check.form_closure import check_pair  # few cams are pairs
 
         main, other = self.cams
-        # The linkage, which both discs share, is told once.
+        # The linkage, which both discs share, is reported once.
         shared = _of_linkage(self.drive)
         found = [
             replace(each, name=f"{RETURN}: {each.name}", sentence=f"{RETURN} disc: {each.sentence}")
@@ -90,16 +90,16 @@ class Judgement(Pickled):
         curves = main.disc.pitch_curve, other.disc.pitch_curve
         try:
             return [*found, *check_pair(*curves, self.tolerance, self.limits.closing_error)]
-        except GeometryError:  # a cusp, which the findings of its disc tell
+        except GeometryError:  # a cusp, which the findings of its disc report
             return found
 
     @property
     def has_outline(self) -> bool:
-        """False if a finding says that there is no such disc."""
+        """Whether no finding rules out the disc."""
         return not forbidding(self.findings)
 
     def require_outline(self, cam: Cam) -> None:
-        """Raise UndercutError if there is no such disc; of a return cam also if no main disc is."""
+        """Raise UndercutError if there is no such disc; for a return cam, also no main disc."""
         found = [
             each.sentence
             for each in forbidding(self.findings)
@@ -110,32 +110,32 @@ class Judgement(Pickled):
 
     @lazy
     def cures(self) -> tuple[Cure, ...]:
-        """What would cure the undercut, one for each knob, the cheapest first; empty without any.
+        """What would cure undercut, one for each knob, cheapest first; empty if there is none.
 
-        Raises GeometryError if it cannot be decided whether the flanks cross.
+        Raises GeometryError if whether the flanks cross cannot be decided.
         """
         if not any(f.name.startswith(UNDERCUT) and f.severity != "ok" for f in self.findings):
             return ()
-        from camgeo.check.cures.smallest import cures  # a search, and few cams need one
+        from camgeo.check.cures.smallest import cures  # a search that few cams need
 
         return cures(self.cams[0])
 
 
 def transmission_angle_limit(cam: Cam, limits: Limits) -> float:
-    """Smallest transmission angle that is allowed [rad], the one stated or the sources'."""
+    """Smallest transmission angle allowed [rad]: the one stated, or the default of the sources."""
     if limits.transmission_angle is not None:
         return limits.transmission_angle
     return default_transmission_angle(cam.follower.lift_unit, cam.drive.speed)
 
 
 def motion_findings(drive: Drive) -> tuple[Finding, ...]:
-    """What the checks find of the motion and of the speed, without any disc."""
+    """What the checks find in the motion and the speed, without any disc."""
     speed = check_speed(drive.plan, drive.time_course, drive.unit)
     return (*check_motion(drive.plan, drive.unit), *speed)
 
 
 def disc_findings(cam: Cam, limits: Limits) -> tuple[Finding, ...]:
-    """What the checks find of the mechanism and of the disc, without the motion."""
+    """What the checks find in the mechanism and the disc, without the motion."""
     inside = cam.contact.runs_inside
     found = [*check_follower(cam.follower, runs_on_inner=inside, clearance=cam.clearance)]
     of_linkage = _of_linkage(cam.drive)
@@ -155,7 +155,7 @@ def _of_linkage(drive: Drive) -> tuple[Finding, ...]:
 
 
 def _of_yoke(cam: Cam, limits: Limits) -> list[Finding]:
-    """Whether both sides of a yoke touch all through the turn; nothing without one."""
+    """Whether both sides of a yoke touch throughout the turn; nothing without one."""
     if cam.breadth is None:
         return []
     from camgeo.check.form_closure import check_breadth
@@ -177,13 +177,13 @@ def _of_face(cam: Cam, limits: Limits, _: list[Finding]) -> list[Finding]:
 
 
 def _of_roller(cam: Cam, limits: Limits, before: list[Finding]) -> list[Finding]:
-    """Whether the curve is one that a roller can follow, and what is left of the flanks in use."""
+    """Whether a roller can follow the curve, and what remains of the flanks in use."""
     disc = cam.disc
     curve = disc.pitch_curve
     stands = check_standstill(curve)
     if stands:
         return [*stands]
-    # Of a disc that undercuts: whether it is made all the same.
+    # A disc that undercuts may be made all the same.
     severity: Severity = "broken" if limits.undercut == "trim" else "no-disc"
     found = [check_transmission_angle(curve, transmission_angle_limit(cam, limits))]
     mechanism = not any(finding.severity == "invalid" for finding in (*before, *found))
@@ -201,7 +201,7 @@ def _of_roller(cam: Cam, limits: Limits, before: list[Finding]) -> list[Finding]
 
 
 def _of_outline(cam: Cam, name: str, flank: WorkingCurve, severity: Severity) -> list[Finding]:
-    """What is left of a flank, and what the follower does on it."""
+    """What remains of a flank, and what the follower does on it."""
     from camgeo.check.outline import check_lost_stroke, check_outline, no_outline
     from camgeo.outline.cusps import undercut_ranges
 
@@ -220,4 +220,4 @@ def _of_outline(cam: Cam, name: str, flank: WorkingCurve, severity: Severity) ->
 
 
 OF_DISC: Final = {"roller": _of_roller, "face": _of_face}
-"""What is found of a disc, by what touches it."""
+"""The findings of a disc, by what touches it."""

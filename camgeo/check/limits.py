@@ -1,4 +1,4 @@
-"""The limits that a design is held to, with the defaults of the sources."""
+"""The limits that a design is checked against, with the defaults of the sources."""
 
 from __future__ import annotations
 
@@ -24,20 +24,20 @@ OF_FAST: Final = 60.0
 
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """What a scene demands; None takes the default.
+    """The limits of a scene; None takes the default.
 
     Attributes
     ----------
     transmission_angle : smallest allowed [rad], up to pi/2.
     radius_ratio : largest allowed r_R / r_K (Wirsig eq. 3.36: r_K >= r_R / 0.7).
-    undercut : whether a disc that undercuts is refused, or trimmed to what is left of it.
+    undercut : whether a disc that undercuts is refused, or trimmed to what remains of it.
     closing_error : largest allowed play or squeeze of a conjugate pair whose discs are true to the
-        tolerance, as way of the main roller [mm].
+        tolerance, as travel of the main roller [mm].
 
     Raises
     ------
     GeometryError
-        With the key, if a value is not what it has to be.
+        With the key of an invalid value.
     """
 
     transmission_angle: RightAngle | None = None
@@ -54,9 +54,8 @@ class Limits:
 def default_transmission_angle(unit: Unit, speed: float | None) -> float:
     """Smallest transmission angle to aim for [rad] (Wirsig, section 2.4).
 
-    60 degrees for translating followers, of whose lift the `unit` is mm, at any speed; for the
-    others 45 degrees for slow mechanisms, or where no `speed` [rad/s] is given, and 60 degrees for
-    fast ones.
+    60 degrees at any speed for translating followers, whose lift has the `unit` mm; for the others
+    45 degrees if the mechanism is slow, or no `speed` [rad/s] is given, else 60 degrees.
     """
     slow = speed is None or speed <= SLOW
     return math.radians(OF_SLOW[unit] if slow else OF_FAST)

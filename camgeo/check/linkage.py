@@ -1,4 +1,4 @@
-"""Checks of the linkage: dead centres, how far it keeps from them, and the branch."""
+"""Checks of the linkage: dead centres, the distance from them, and the branch."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 
 from camgeo.check.finding import Finding
 from camgeo.mechanism.linkage import LinkedMotion
-from camgeo.mechanism.positions import Course, course_of, position_told
+from camgeo.mechanism.positions import Course, course_of, position_text
 from camgeo.motion.extremes import turning_angles
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray, dot, merged
@@ -19,25 +19,25 @@ if TYPE_CHECKING:
     from camgeo.mechanism.linkage_protocol import Linkage
 
 DEAD_CENTRE = 1e-9
-"""Crank and coupler within this share of their lengths of a straight line are at a dead centre."""
+"""Crank and coupler are at a dead centre within this fraction of their lengths."""
 
 PARALLEL = math.radians(0.1)
 """The coupler counts as parallel to the guide within this angle: printed dimensions are rounded."""
 
 
 LINES: Final = {
-    "slider": ("crank and coupler come to lie on one line", "the rocker's acceleration"),
-    "lever": ("crank and coupler come to lie on one line", "the rocker's acceleration"),
-    "crank": ("the coupler comes to stand across the guide", "the slider's velocity"),
+    "slider": ("crank and coupler come to be in line", "the rocker's acceleration"),
+    "lever": ("crank and coupler come to be in line", "the rocker's acceleration"),
+    "crank": ("the coupler comes to be square to the guide", "the slider's velocity"),
 }
-"""What a dead centre is, by whose motion is demanded, and what becomes infinite there."""
+"""What a dead centre is and what becomes infinite there, by the member whose motion is demanded."""
 
 
 def check_linkage(motion: LinkedMotion) -> tuple[Finding, ...]:
-    """Dead centre in the motion (no disc), else how far it keeps from one, and the smallest angle
-    between coupler and crank; coupler not parallel to the guide (warning).
+    """A dead centre within the motion (no disc), else the distance from one and the smallest angle
+    between coupler and crank; a coupler not parallel to the guide (warning).
 
-    No limit is set to that angle: force flows from the cam, and what suits the crank need not suit
+    That angle has no limit: the force comes from the cam, and what suits the crank need not suit
     the far end.
     """
     course = course_of(motion.demanded)
@@ -48,14 +48,14 @@ def check_linkage(motion: LinkedMotion) -> tuple[Finding, ...]:
 
 
 def _to_dead_centre(motion: LinkedMotion, course: Course) -> Finding:
-    """What is spare where the linkage is nearest to a dead centre."""
+    """The length to spare where the linkage is nearest to a dead centre."""
     linkage = motion.linkage
     position, missing = motion.tightest(course.range)
     spare = max(0.0, -missing)
     limit = DEAD_CENTRE * (linkage.crank + linkage.coupler)
     phi = course.first_angle(position)
     what, infinite = LINES[linkage.member]
-    place = f"at {position_told(linkage, position)}, cam angle {math.degrees(phi):.6g} deg"
+    place = f"at {position_text(linkage, position)}, cam angle {math.degrees(phi):.6g} deg"
     phi = math.fmod(phi, TURN)
     if spare > limit:
         sentence = f"the linkage keeps {spare:.6g} mm from a dead centre, nearest {place}"
@@ -63,7 +63,7 @@ def _to_dead_centre(motion: LinkedMotion, course: Course) -> Finding:
     from camgeo.mechanism.closing import clear_range, kept_between  # few linkages reach one
 
     sentence = f"{what} {place}: a dead centre, {infinite} becomes infinite there"
-    # Where the motion starts in one, it cannot keep clear of it.
+    # If the motion starts in one, it cannot stay clear of it.
     kept = [] if 0.0 in clear_range(linkage) else kept_between(linkage)
     sentence += f"; {kept[0]} there is none" if kept else ""
     return Finding("dead-centre", "no-disc", sentence, spare, limit, "mm", phi)
@@ -84,9 +84,9 @@ def _transmission_angle(motion: LinkedMotion, course: Course) -> Finding:
 def _smallest_sine(motion: LinkedMotion, course: Course) -> tuple[float, float]:
     """Smallest magnitude of the sine of the angle from crank to coupler, and its cam angle [rad].
 
-    Where crank and coupler close a triangle to the pin its area is concave in the square of the
-    pin's distance: smallest where that is extreme, as the missing length. For a crank that a slider
-    turns it is looked for over the turn.
+    The area of the triangle that crank and coupler close is concave in the square of the pin's
+    distance: smallest where that is extreme, as is the missing length. For a slider-driven crank
+    the whole turn is searched.
     """
     linkage, demanded = motion.linkage, motion.demanded
     if linkage.member != "crank":
@@ -124,6 +124,6 @@ def _branch(linkage: Linkage) -> tuple[Finding, ...]:
         return ()
     told = (
         f"at stroke 0 the coupler is {tilt:.3f} deg off the guide's direction, though the"
-        " dimensions are defined by a parallel one: the other `branch` may be meant"
+        " dimensions are defined for a parallel one: the other `branch` may be meant"
     )
     return (Finding("linkage-branch", "warning", told, tilt, limit, "deg", cam_angle=0.0),)

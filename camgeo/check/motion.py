@@ -1,6 +1,6 @@
-"""Checks of the motion plan: how it joins, whether it overshoots, how near it is to its data.
+"""Checks of the motion plan: its joints, overshoots, and how closely it follows its data.
 
-And its extremes, in time once the cam has a speed; there is no limit to hold them to.
+And its extremes, in time if the cam has a speed; these have no limit.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ import math
 from collections.abc import Sequence
 from itertools import pairwise
 
-from camgeo.check.finding import TOLD, Finding
+from camgeo.check.finding import STATED, Finding
 from camgeo.motion.joints import Joint, breaks, joints
 from camgeo.motion.laws.characteristic import characteristic
 from camgeo.motion.plan import Course, Dwell, MotionPlan, Move, kept_with_plan
@@ -17,10 +17,10 @@ from camgeo.motion.time_course import ConstantSpeed, LiftUnit, TimeCourse, plan_
 from camgeo.numeric.extremes import Extremes
 
 OVERSHOOT = 1e-9
-"""Part of the stroke beyond which a move overshoots; rounding stays a million times below."""
+"""Fraction of the stroke beyond which a move overshoots; rounding is a million times smaller."""
 
 SHOCK, JERK = 0, 1
-"""Orders up to which the motion is continuous where it has a shock, and where it has a jerk."""
+"""Order of continuity of the motion at a shock, and at a jerk."""
 
 
 NAMES = ("velocity", "acceleration", "jerk")
@@ -36,10 +36,10 @@ def check_motion(plan: MotionPlan, unit: LiftUnit) -> tuple[Finding, ...]:
     Parameters
     ----------
     plan : in mm or rad.
-    unit : which of them; findings have degrees for rad.
+    unit : which of the two; findings give degrees for rad.
     """
     found = [_laws(plan), _continuity(plan)]
-    scale, told = TOLD[unit]
+    scale, told = STATED[unit]
     for joint in breaks(plan):
         if joint.order == SHOCK:
             found.append(_jump(joint, 1, scale, told))
@@ -58,7 +58,7 @@ def check_motion(plan: MotionPlan, unit: LiftUnit) -> tuple[Finding, ...]:
 
 
 def _laws(plan: MotionPlan) -> Finding:
-    """What each move is made of, with what was chosen or worked out for it."""
+    """The law of each move, with the parameters chosen or computed for it."""
     told = [
         f"{float(start):g} to {float(end):g} deg {_made_of(segment)}"
         for segment, (start, end) in zip(plan.segments, pairwise(plan.joints_deg), strict=True)
@@ -81,7 +81,7 @@ def _made_of(segment: Move | Course) -> str:
 
 
 def _continuity(plan: MotionPlan) -> Finding:
-    """The classes at all joints, and up to which derivative the motion is continuous there."""
+    """The classes of all joints, and the order of continuity of the motion there."""
     met = joints(plan)
     worst = min(joint.order for joint in met)
     listed = ", ".join(f"{_angle(joint)}: {_both(joint)} C{joint.order}" for joint in met[:LISTED])
@@ -90,7 +90,7 @@ def _continuity(plan: MotionPlan) -> Finding:
 
 
 LISTED = 12
-"""Joints listed in a sentence."""
+"""Most joints or moves listed in a sentence."""
 
 
 def _both(joint: Joint) -> str:
@@ -117,7 +117,7 @@ def _jump(joint: Joint, order: int, scale: float, unit: str) -> Finding:
 
 
 def _overshoot(move: Move, position: float, start: float, scale: float, unit: str) -> list[Finding]:
-    """How far a move leaves the positions between its start and its end."""
+    """How far a move goes beyond its start and its end."""
     stroke = move.to - position
     if stroke == 0.0:
         return []
@@ -142,27 +142,28 @@ def _overshoot(move: Move, position: float, start: float, scale: float, unit: st
 
 def _deviation(course: Course, start: float, length: float, scale: float, unit: str) -> Finding:
     report = course.report
-    assert report is not None  # asked for those only
+    assert report is not None  # only those are passed
     angle = start + report.place * length
     largest = scale * report.largest_deviation
     told = (
         f"the motion is at most {largest:.3g} {unit} off the rows of its lift table, at cam angle"
-        f" {math.degrees(angle):.6g} deg (root of the mean square {scale * report.rms:.3g} {unit})"
+        f" {math.degrees(angle):.6g} deg (root mean square {scale * report.rms:.3g} {unit})"
     )
     return Finding("lift-table", "ok", told, largest, unit=unit, cam_angle=angle)
 
 
 @kept_with_plan
 def check_speed(plan: MotionPlan, course: TimeCourse | None, unit: LiftUnit) -> tuple[Finding, ...]:
-    """Smallest and largest velocity, acceleration and jerk, and the torque that a mass asks for.
+    """Smallest and largest velocity, acceleration and jerk, and the torque to move a unit of mass.
 
     Parameters
     ----------
-    plan : in mm, or in rad with the `unit` "deg".
-    course : how the cam turns; None tells the derivatives over the cam angle, and no torque.
+    plan : in mm or rad.
+    course : how the cam turns; None gives the derivatives over the cam angle, and no torque.
+    unit : mm or rad.
     """
     extremes = plan_extremes(plan, course or OVER_ANGLE, unit)
-    scale, told = TOLD[unit]
+    scale, told = STATED[unit]
     base = "rad" if course is None else "s"
     order = min(joint.order for joint in breaks(plan))
     found = []

@@ -1,4 +1,4 @@
-"""Check of what is left of a flank: global undercut, and what the real disc leaves out."""
+"""Checks of what remains of a flank: global undercut, and the stroke lost on the real disc."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from camgeo.check.finding import TOLD, Finding, Severity
+from camgeo.check.finding import STATED, Finding, Severity
 from camgeo.motion.time_course import LiftUnit
 from camgeo.outline.outline import Outline
 from camgeo.units import TURN
@@ -25,13 +25,13 @@ def check_outline(
     severity: Severity,
     kinks: Sequence[float] = (),
 ) -> tuple[Finding, ...]:
-    """Where the flank `name` is cut off though its curvature holds, and lobes that fall away.
+    """Where the flank `name` is cut off in spite of its curvature, and lobes that fall away.
 
     Parameters
     ----------
-    undercut : ranges of local undercut, which `check_undercut` tells.
-    severity : of a flank that is cut off: "no-disc" if no disc is made of it, else "broken".
-    kinks : cam angles [rad] at which the velocity jumps, which `check_closure` tells.
+    undercut : ranges of local undercut, which `check_undercut` reports.
+    severity : of a flank that is cut off: "no-disc" if no disc is made then, else "broken".
+    kinks : cam angles [rad] at which the velocity jumps, which `check_closure` reports.
     """
     found, crossing = [], f"global-undercut-{name}"
     told = [*(start for start, _ in undercut), *kinks]
@@ -41,7 +41,7 @@ def check_outline(
         width, where = math.degrees(end - start), (start, end % TURN)
         sentence = (
             f"{name} flank: cut off from cam angle {_degrees(start)} to {_degrees(end)} deg though"
-            " its radius of curvature holds: two of its sides are closer than the roller is wide"
+            " its radius of curvature suffices: two of its sides are closer than the roller is wide"
             " (global undercut)"
         )
         found.append(Finding(crossing, severity, sentence, width, 0.0, "deg", start, where))
@@ -58,18 +58,18 @@ def check_outline(
 
 
 def check_lost_stroke(replay: Replay, name: str, unit: LiftUnit, severity: Severity) -> Finding:
-    """How much of its lift the follower loses on the real disc, and what that does to it.
+    """How much of its lift the follower loses on the real disc, with shocks and drops.
 
     `unit` is that of the lift.
     """
     loss = replay.largest_loss
-    scale, shown = TOLD[unit]
+    scale, shown = STATED[unit]
     value = scale * loss.value
     jumps = []
     if len(replay.shocks):
-        jumps.append(f"{len(replay.shocks)} shocks")
+        jumps.append(_counted(len(replay.shocks), "shock"))
     if len(replay.drops):
-        jumps.append(f"{len(replay.drops)} drops off an edge")
+        jumps.append(_counted(len(replay.drops), "drop") + " off an edge")
     told = (
         f"{name} flank: on the real disc the follower loses up to {value:.4g} {shown} of its lift,"
         f" at cam angle {_degrees(loss.place)} deg"
@@ -80,8 +80,12 @@ def check_lost_stroke(replay: Replay, name: str, unit: LiftUnit, severity: Sever
 
 
 def no_outline(name: str, reason: str) -> Finding:
-    """The finding that a flank leaves no disc, or none that can be told."""
+    """The finding that a flank leaves no disc, or none that can be determined."""
     return Finding(name=f"outline-{name}", severity="no-disc", sentence=f"{name} flank: {reason}")
+
+
+def _counted(number: int, noun: str) -> str:
+    return f"{number} {noun}" if number == 1 else f"{number} {noun}s"
 
 
 def _degrees(angle: float) -> str:

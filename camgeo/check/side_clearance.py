@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from camgeo.check.finding import TOLD, Finding
+from camgeo.check.finding import STATED, Finding
 from camgeo.check.transmission_angle import transmission_angle_extremes
 from camgeo.curve.pitch_curve import PitchCurve
 
@@ -12,10 +12,10 @@ from camgeo.curve.pitch_curve import PitchCurve
 def largest_deviation(curve: PitchCurve, clearance: float) -> tuple[float, float]:
     """Largest deviation of the lift to either side [mm or rad], and its cam angle [rad].
 
-    With half the `clearance` c [mm] on each side the roller centre may be c/2 off the pitch curve
-    along its normal, which is (c/2)/|dn/dq| of lift, to first order in c. |dn/dq|, the leverage,
-    is sin mu, or l_3 sin mu for a rocker, so that it is least with the transmission angle mu.
-    Infinite where mu is 0.
+    With half the `clearance` c [mm] on each side the roller centre may be c/2 from the pitch
+    curve along its normal, which is (c/2)/|dn/dq| of lift, to first order in c. The leverage
+    |dn/dq| is sin mu, or l_3 sin mu for a rocker, so it is smallest where the transmission angle
+    mu is. Infinite where mu is 0.
     """
     angle, phi = transmission_angle_extremes(curve).smallest()
     lever = abs(curve.follower.reach) * math.sin(angle)
@@ -23,12 +23,12 @@ def largest_deviation(curve: PitchCurve, clearance: float) -> tuple[float, float
 
 
 def check_side_clearance(curve: PitchCurve, clearance: float) -> Finding:
-    """Tell what the side clearance [mm] comes to as lift, worst over the turn; Z' must not vanish.
+    """Report what the side clearance [mm] amounts to as lift at its worst; Z' must not vanish.
 
-    Nothing is held to a limit: how much play is good is not a matter of geometry.
+    There is no limit: how much play is acceptable is not a matter of geometry.
     """
     deviation, phi = largest_deviation(curve, clearance)
-    scale, unit = TOLD[curve.follower.lift_unit]
+    scale, unit = STATED[curve.follower.lift_unit]
     who = curve.follower.mover
     place = f"at cam angle {math.degrees(phi):.4f} deg"
     head = f"side clearance {clearance:g} mm: the play lets the {who} deviate from its motion by"

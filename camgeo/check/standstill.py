@@ -14,7 +14,7 @@ from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray
 
 SMALLEST = math.sqrt(STANDSTILL)
-"""Smallest |Z'| as a share of the base radius per rad; the curvature has no digits below it."""
+"""Smallest |Z'| as a fraction of the base radius per rad; below it the curvature has no digits."""
 
 
 def check_standstill(curve: PitchCurve) -> tuple[Finding, ...]:

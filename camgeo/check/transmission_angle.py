@@ -20,7 +20,7 @@ def transmission_angle_extremes(curve: PitchCurve) -> Extremes:
 
 
 def _of_roller(curve: PitchCurve) -> tuple[Quantity, ...]:
-    """What vanishes where the angle under a roller can be extreme."""
+    """What vanishes where the angle of a roller can be extreme."""
 
     def slope(phi: FloatArray, side: Side) -> FloatArray:
         motion = curve.motion.jet(phi, side)
@@ -37,7 +37,7 @@ def _of_roller(curve: PitchCurve) -> tuple[Quantity, ...]:
 
 
 def _of_face(curve: PitchCurve) -> tuple[Quantity, ...]:
-    """The same under a flat face, where the angle depends on the place of the contact alone."""
+    """The same for a flat face, where the angle depends on the position of the contact alone."""
     from camgeo.outline.convex import touch  # few cams have a flat face
 
     def wander(phi: FloatArray, side: Side) -> FloatArray:
@@ -53,7 +53,7 @@ SLOPES: Final = {"roller": _of_roller, "face": _of_face}
 
 
 def check_transmission_angle(curve: PitchCurve, limit: float) -> Finding:
-    """Hold the smallest transmission angle to `limit` [rad]."""
+    """Compare the smallest transmission angle with `limit` [rad]."""
     smallest, phi = transmission_angle_extremes(curve).smallest()
     value, bound = math.degrees(smallest), math.degrees(limit)
     told = f"smallest transmission angle {value:.4f} deg at cam angle {math.degrees(phi):.4f} deg"

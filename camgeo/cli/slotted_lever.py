@@ -55,7 +55,7 @@ def options(parser: argparse.ArgumentParser) -> None:
         metavar="MM",
         type=decimal,
         required=True,
-        help="a, distance of the axes of crank and lever",
+        help="a, distance between the axes of crank and lever",
     )
     size = parser.add_mutually_exclusive_group(required=True)
     size.add_argument(

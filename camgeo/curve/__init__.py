@@ -1,1 +1,1 @@
-"""Plane curves over the cam angle: pitch curve, working curves, curvature, closure."""
+"""Plane curves as functions of the cam angle: pitch curve, working curves, curvature, closure."""

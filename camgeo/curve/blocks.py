@@ -1,4 +1,4 @@
-"""Long arrays in blocks that stay in the processor's cache."""
+"""Long arrays evaluated in blocks that fit the processor's cache."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ from camgeo.numeric.arrays import FloatArray
 Method = TypeVar("Method", bound=Callable[..., NDArray[Any]])
 
 BLOCK = 8192
-"""Points a block: a dozen real arrays of that length fit into a second-level cache of 1 MB, and the
-overhead of numpy's calls is spread over many points (benchmarks/evaluate.py shows both)."""
+"""Points per block: a dozen real arrays of that length fit into a second-level cache of 1 MB, and
+the overhead of numpy's calls is spread over many points (benchmarks/evaluate.py shows both)."""
 
 
 def in_blocks(method: Method) -> Method:
-    """`method(self, phi, side)`, (n,) -> (..., n), computed block by block; a number is (1,)."""
+    """`method(self, phi, side)`, (n,) -> (..., n), evaluated in blocks; a number becomes (1,)."""
 
     @wraps(method)
     def whole(owner: Any, phi: FloatArray, side: Side = "right") -> NDArray[Any]:

@@ -1,4 +1,4 @@
-"""Closure: how a curve joins at the breaks and after a turn."""
+"""Closure: how a curve joins at its breaks and after a full turn."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from camgeo.numeric.arrays import FloatArray, ascending, frozen
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Joints:
-    """What jumps at the joints of the turn, cam angle 0 among them.
+    """What jumps at the joints of the turn, including cam angle 0.
 
     Attributes
     ----------
     phi : (m,) cam angles [rad].
-    gaps : (m,) distance of the curve's two ends [mm].
-    turns : (m,) angle between its two tangents [rad], in [0, pi].
+    gaps : (m,) distance between the curve's two ends [mm].
+    turns : (m,) angle between their two tangents [rad], in [0, pi].
     """
 
     phi: FloatArray
@@ -27,7 +27,7 @@ class Joints:
 
 
 def joints(curve: PitchCurve) -> Joints:
-    """Compare both one-sided values at each break of `curve` and at cam angle 0."""
+    """Compare the one-sided values at each break of `curve` and at cam angle 0."""
     phi = ascending(np.append(curve.breaks, 0.0))
     after, before = curve.jet(phi, "right"), curve.jet(phi, "left")
     turned = after[1] * np.conj(before[1])

@@ -1,4 +1,4 @@
-"""Extremes of a quantity over the turn, exactly: bracketed roots of its slope per smooth piece."""
+"""Exact extremes of a quantity over the turn: bracketed roots of its slope in each smooth piece."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from camgeo.numeric.roots import roots_on_grid
 from camgeo.units import TURN
 
 SAMPLES = 257
-"""Grid points per smooth piece on which sign changes of a slope are looked for."""
+"""Grid points per smooth piece on which sign changes of a slope are sought."""
 
 INSIDE = 1e-8
-"""How far inside a piece its ends are looked at, as a share of its length: far beyond the rounding
-of a cam angle, and what lies between is as extreme at the end itself to this share squared."""
+"""How far inside a piece its ends are taken, as a fraction of its length: far beyond the rounding
+of a cam angle, and an extreme in between differs from the end value by this fraction squared."""
 
 Quantity = Callable[[FloatArray, Side], FloatArray]
 
@@ -31,7 +31,7 @@ class Extremes:
     ----------
     phi : (k,) cam angles [rad], ascending over one turn from the first break on, which appears
         again as the last; a break appears twice in a row, for its two sides.
-    values : (k,).
+    values : (k,) of the quantity there.
     """
 
     phi: FloatArray
@@ -55,8 +55,8 @@ def extremes(curve: HasBreaks, value: Quantity, *slopes: Quantity) -> Extremes:
     ----------
     curve : gives the smooth pieces.
     value : the quantity, (n,) at n cam angles, from the side asked for.
-    slopes : functions whose zeros inside the pieces are the places to look at, besides the ends
-        of the pieces from inside.
+    slopes : functions whose zeros inside the pieces are candidates, besides the ends of the
+        pieces seen from inside.
     """
     pieces = smooth_pieces(curve)
     starts = np.array([piece.start for piece in pieces])

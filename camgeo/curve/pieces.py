@@ -1,4 +1,4 @@
-"""The smooth pieces of a curve: stretches of the turn between neighbouring breaks."""
+"""The smooth pieces of a curve: the parts of the turn between neighbouring breaks."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from camgeo.units import TURN
 
 
 class HasBreaks(Protocol):
-    """Anything over the cam angle that knows its breaks and rests."""
+    """Any function of the cam angle that knows its breaks and dwells."""
 
     @property
     def breaks(self) -> FloatArray: ...
@@ -22,9 +22,10 @@ class HasBreaks(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class Piece:
-    """A smooth piece over the cam angles [start, end] [rad]; end may exceed 2 pi, start not.
+    """A smooth piece over the cam angles [start, end] [rad]; end may exceed 2 pi, start may
+    not.
 
-    At `start` the right-hand values count, at `end` the left-hand ones.
+    Its values are the right-hand ones at `start`, the left-hand ones at `end`.
     """
 
     start: float

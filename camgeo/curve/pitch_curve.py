@@ -1,6 +1,6 @@
 """Pitch curve: the path of the roller centre in the turning cam, Z(phi).
 
-Of a flat face it is the path of the contact: the outline of the cam itself.
+For a flat face it is the path of the contact: the outline of the cam itself.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.numeric.checked import hold
 
 STANDSTILL = 1e-13
-"""|Z'| below this share of the base radius, per rad, is a zero: its digits are rounding."""
+"""|Z'| below this fraction of the base radius, per rad, is zero: its digits are rounding."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,13 +30,13 @@ class PitchCurve:
     ----------
     motion : the lift as the follower makes it.
     follower : from lift to roller centre.
-    rotation : sigma, +1 if the cam turns counter-clockwise, -1 clockwise. The curve itself is run
-        through the other way, clockwise for sigma = +1.
+    rotation : sigma, +1 if the cam turns counter-clockwise, -1 clockwise. The curve itself is
+        traversed in the opposite sense, clockwise for sigma = +1.
 
     Raises
     ------
     GeometryError
-        With key "motion", "follower" or "cam.rotation", if it is not what it has to be.
+        With key "motion", "follower" or "cam.rotation", if that value is invalid.
     """
 
     motion: Motion
@@ -60,7 +60,7 @@ class PitchCurve:
 
     @property
     def dwells(self) -> tuple[Dwell, ...]:
-        """Rests: the curve is a circle about the cam axis there."""
+        """Dwells: there the curve is an arc about the cam axis."""
         return self.motion.dwells
 
     def relative_jet(
@@ -74,7 +74,7 @@ class PitchCurve:
     def jet(self, phi: FloatArray, side: Side = "right") -> ComplexArray:
         """(4, n) complex [mm/rad^k]: Z, Z', Z'', Z''' at the cam angles `phi` (n,) [rad].
 
-        (3, n) of a flat face, which has no Z'''.
+        (3, n) for a flat face, which has no Z'''.
         """
         relative = self.relative_jet(phi, side)
         return self.in_cam(relative, phi, relative.along, relative.across)
@@ -88,7 +88,7 @@ class PitchCurve:
     def in_cam(
         self, relative: RelativeJet, phi: FloatArray, along: FloatArray, across: FloatArray
     ) -> ComplexArray:
-        """Complex (..., n): vectors given in the axes of `relative`, in the axes of the cam."""
+        """Complex (..., n): vectors in the axes of `relative`, turned into those of the cam."""
         angle = relative.axis - self.rotation * phi
         cosine, sine = np.cos(angle), np.sin(angle)
         out = np.empty(along.shape, dtype=np.complex128)
@@ -122,8 +122,8 @@ class PitchCurve:
     def transmission_angle(self, phi: FloatArray, side: Side = "right") -> FloatArray:
         """(n,) [rad] in [0, pi/2]: acute angle between rocker, or guide normal, and curve normal.
 
-        mu = atan2(|u|, |v|) (Wirsig section 3.3.4, corrected). Raises GeometryError where Z' = 0:
-        there is no normal.
+        mu = atan2(|u|, |v|) (Wirsig section 3.3.4, corrected). Raises GeometryError where Z' = 0,
+        for there is no normal.
         """
         relative = self.relative_jet(phi, side, order=1)
         self.speed(relative)
@@ -131,21 +131,21 @@ class PitchCurve:
 
     @in_blocks
     def pressure_angle(self, phi: FloatArray, side: Side = "right") -> FloatArray:
-        """(n,) [rad] in [0, pi/2]: pi/2 - mu, to its own last digits where it is tiny."""
+        """(n,) [rad] in [0, pi/2]: pi/2 - mu, accurate where it is tiny."""
         relative = self.relative_jet(phi, side, order=1)
         self.speed(relative)
         return np.arctan2(np.abs(relative.v), np.abs(relative.u))
 
     @in_blocks
     def leverage(self, phi: FloatArray, side: Side = "right") -> FloatArray:
-        """(n,) [1 or mm/rad] dn/dq: way of the roller centre along the outward normal of the pitch
-        curve a unit of lift q, at `phi` (n,) [rad].
+        """(n,) [1 or mm/rad] dn/dq: displacement of the roller centre along the outward normal of
+        the pitch curve per unit of lift q, at `phi` (n,) [rad].
 
         A normal force N of the cam on the roller, positive outwards, does the work N dn on the
-        follower, and asks for the torque N dn/dq q' at the cam (principle of virtual work). Its
-        magnitude is sin mu, or l_3 sin mu for an oscillating follower, and of a flat face that
-        rocks the lever of the contact about the pivot; it is positive where a positive lift moves
-        the follower outwards. Raises GeometryError where Z' = 0.
+        follower, and requires the torque N dn/dq q' at the cam (principle of virtual work). The
+        magnitude of dn/dq is sin mu, or l_3 sin mu for an oscillating follower; for a rocking flat
+        face it is the lever of the contact about the pivot. It is positive where a positive lift
+        moves the follower outwards. Raises GeometryError where Z' = 0.
         """
         relative = self.relative_jet(phi, side, order=1)
         along: FloatArray = relative.reach * relative.u / self.speed(relative)
@@ -158,8 +158,8 @@ class PitchCurve:
         ------
         GeometryError
             Where the roller centre stands still in the cam: the rocker lies on the line of centres
-            and l_3 (1 - sigma psi') = l_1 (hard case HC18). Or where
-            the contact of a flat face does.
+            and l_3 (1 - sigma psi') = l_1 (hard case HC18); or where the contact of a flat face
+            does.
         """
         size = np.sqrt(relative.u * relative.u + relative.v * relative.v)
         if len(size) and np.min(size) <= STANDSTILL * self.follower.base_radius:
@@ -174,7 +174,7 @@ class PitchCurve:
     def jet_and_bounds(self, low: FloatArray, high: FloatArray) -> tuple[ComplexArray, FloatArray]:
         """(4, n) Z to Z''' in the middle of the cells [low, high] (n,) [rad], and `speed_bounds`.
 
-        (3, n) of a flat face, as `jet`. The motion, most of the work, is evaluated once for both.
+        (3, n) for a flat face, as `jet`. The motion, most of the work, is evaluated once for both.
         """
         middle, bounds = self.motion.jet_and_bounds(low, high)
         relative = self.follower.relative_jet(middle, self.rotation)
@@ -187,8 +187,8 @@ def curvature_slope(tangent: TangentJet, rotation: int) -> FloatArray:
     """dkappa/dphi (n,) [1/(mm rad)].
 
     kappa = (1 - sigma (turning + q)) / |Z'| with q = (u w' - w u') / |Z'|^2: the tangent turns with
-    the cam, with the follower, and against the follower. No part of the slope is left in a rest, so
-    that nothing cancels where the motion is small.
+    the cam, with the follower, and relative to the follower. Every part of the slope vanishes at
+    rest, so nothing cancels where the motion is small.
     """
     (u, u1), (w, w1) = tangent.u, tangent.w
     square = u * u + w * w

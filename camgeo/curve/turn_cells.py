@@ -1,4 +1,4 @@
-"""One turn in cells of cam angle, none across a border: where bounds are taken."""
+"""One turn in cells of cam angle, none across a border, over which bounds are taken."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ WIDEST = np.pi / 32.0
 """Longest cell [rad]."""
 
 MOST = 1_000_000
-"""Cells halved at a time; a curve takes some hundred, and as many as its motion has segments."""
+"""Most cells halved at once; a curve needs some hundred, plus one per segment of its motion."""
 
 
 def turn_cells(pitch: PitchCurve, *marks: float) -> tuple[FloatArray, FloatArray]:
@@ -24,19 +24,19 @@ def turn_cells(pitch: PitchCurve, *marks: float) -> tuple[FloatArray, FloatArray
 
 
 def halves(low: FloatArray, high: FloatArray, which: BoolArray) -> tuple[FloatArray, FloatArray]:
-    """Ends (2 k,), (2 k,) of the halves of those cells [low, high] (n,) [rad] that are asked for.
+    """Ends (2 k,), (2 k,) of the halves of the cells [low, high] (n,) [rad] selected by `which`.
 
-    GeometryError if there are more than `MOST`.
+    GeometryError if those are more than `MOST`.
     """
     low, high = low[which], high[which]
     if len(low) > MOST:
-        raise GeometryError("the pitch curve is too steep to be looked into: it has no outline")
+        raise GeometryError("the pitch curve is too steep to be analysed: it has no outline")
     middle = 0.5 * (low + high)
     return np.concatenate((low, middle)), np.concatenate((middle, high))
 
 
 def slowest(pitch: PitchCurve) -> float:
-    """A lower bound of |Z'| [mm/rad] over the turn; negative where the cells are too wide for one.
+    """A lower bound of |Z'| [mm/rad] over the turn; negative where the cells are too wide to tell.
 
     |Z'| changes over half a cell of width 2 h by at most h |Z''| + h^2/2 max |Z'''|.
     """

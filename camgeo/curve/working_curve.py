@@ -1,8 +1,8 @@
 """Working curves and other offsets: parallels of the pitch curve.
 
-One scalar decides an offset by d: 1 + d kappa. It is positive where the offset is regular, zero at
-a cusp and negative in undercut. The inner working curve is the offset by -r_R, the outer one by
-+r_R; the path of a cutter is one more offset.
+One scalar characterizes an offset by d: 1 + d kappa. It is positive where the offset is regular,
+zero at a cusp and negative in undercut. The inner working curve is the offset by -r_R, the outer
+one by +r_R; the path of a cutter is another offset.
 """
 
 from __future__ import annotations
@@ -24,8 +24,8 @@ from camgeo.numeric.checked import check_fields
 class WorkingCurve:
     """The parallel of a pitch curve at a signed distance (Wirsig eqs. 2.53, 2.54, sign corrected).
 
-    With t = Z'/|Z'| the outward normal is n = i sigma t, and the curve is Z + d n: outward means to
-    the side of traversal away from the cam axis, also where the polar angle runs backwards.
+    With t = Z'/|Z'| the outward normal is n = i sigma t, and the curve is Z + d n: outward means
+    away from the cam axis, also where the polar angle runs backwards.
 
     Attributes
     ----------
@@ -35,7 +35,7 @@ class WorkingCurve:
     Raises
     ------
     GeometryError
-        With key "pitch" or "distance", if it is not what it has to be.
+        With key "pitch" or "distance", if that value is invalid.
     """
 
     pitch: PitchCurve
@@ -56,7 +56,7 @@ class WorkingCurve:
 
     @property
     def dwells(self) -> tuple[Dwell, ...]:
-        """Rests: arcs of a circle about the cam axis."""
+        """Dwells: arcs about the cam axis."""
         return self.pitch.dwells
 
     @in_blocks
@@ -71,7 +71,7 @@ class WorkingCurve:
     def offset_parts(
         self, relative: RelativeJet, speed: FloatArray
     ) -> tuple[FloatArray, FloatArray]:
-        """Parts (n,), (n,) [mm] of the curve's points in the axes of `relative`."""
+        """Components (n,), (n,) [mm] of the curve's points in the axes of `relative`."""
         scale = (self.distance * self.pitch.rotation) / speed
         along = relative.along[0] - scale * relative.across[1]
         across = relative.across[0] + scale * relative.along[1]
@@ -79,9 +79,9 @@ class WorkingCurve:
 
     @in_blocks
     def tangent(self, phi: FloatArray, side: Side = "right") -> ComplexArray:
-        """(n,) complex unit tangents in the direction of growing cam angle, of the pitch curve.
+        """(n,) complex unit tangents of the pitch curve, in the direction of increasing cam angle.
 
-        Those of the curve itself wherever it is regular; in undercut it runs against them.
+        They are those of this curve wherever it is regular; in undercut it runs against them.
         """
         relative = self.pitch.relative_jet(phi, side, order=1)
         speed = self.pitch.speed(relative)
@@ -105,9 +105,9 @@ class WorkingCurve:
         return speed * (1.0 + self.distance * kappa)
 
     def points_and_tangents(self, phi: FloatArray) -> tuple[ComplexArray, ComplexArray]:
-        """`point` and `tangent` (n,) at `phi` (n,) [rad], right-hand, by one evaluation.
+        """`point` and `tangent` (n,) at `phi` (n,) [rad], right-hand, from one evaluation.
 
-        In one go, without blocks, as `traced`; it needs no curvature.
+        Not in blocks, like `traced`; needs no curvature.
         """
         pitch = self.pitch
         relative = pitch.relative_jet(phi, order=1)
@@ -121,9 +121,9 @@ class WorkingCurve:
     def traced(
         self, phi: FloatArray, side: Side = "right"
     ) -> tuple[ComplexArray, ComplexArray, FloatArray]:
-        """`point`, `tangent` and `pace` (n,) at `phi` (n,) [rad], for hardly more than one of them.
+        """`point`, `tangent` and `pace` (n,) at `phi` (n,) [rad], for little more than one of them.
 
-        In one go, without blocks: for some thousand points, where calls cost more than numbers.
+        Not in blocks: for up to some thousand points, where calls cost more than arithmetic.
         """
         pitch = self.pitch
         relative = pitch.relative_jet(np.atleast_1d(phi), side, order=2)

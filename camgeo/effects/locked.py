@@ -13,12 +13,12 @@ if TYPE_CHECKING:
 
 POSES: Final[dict[Member, tuple[str, str, str]]] = {
     "slider": (
-        "the coupler stands across the guide of the slider",
+        "the coupler is square to the guide of the slider",
         "stroke",
         "the rocker cannot move the slider",
     ),
-    "lever": ("coupler and lever lie on one line", "angle", "the rocker cannot move the lever"),
-    "crank": ("crank and coupler lie on one line", "angle", "the slider cannot turn the crank"),
+    "lever": ("coupler and lever are in line", "angle", "the rocker cannot move the lever"),
+    "crank": ("crank and coupler are in line", "angle", "the slider cannot turn the crank"),
 }
 """How the linkage stands, what its positions are, and what the follower cannot do; by the member at
 the far end."""

@@ -1,4 +1,4 @@
-"""Where a linkage does not close, exactly, and what would close it."""
+"""Exactly where a linkage does not close, and what would close it."""
 
 from __future__ import annotations
 
@@ -22,17 +22,17 @@ from camgeo.units import TURN
 SIZES: Final[tuple[Size, ...]] = ("coupler", "crank")
 
 DIGITS: Final = 6
-"""Significant digits of the figures of a cure, rounded to the side on which the linkage closes."""
+"""Significant digits of the numbers in a cure, rounded to the side on which the linkage closes."""
 
 FARTHEST: Final = 1e6
-"""A length so many times that of crank and coupler counts as infinite, so small a part as 0."""
+"""A length this many times that of crank and coupler counts as infinite, its reciprocal as 0."""
 
-MOST_TOLD: Final = 4
-"""Ranges of cam angles that a message lists."""
+MOST_LISTED: Final = 4
+"""Most ranges of cam angles that a message lists."""
 
 AT_START: Final = 1e-7
-"""A dead centre this near to position 0, as a share of a turn or of crank and coupler, is there:
-where it is a turning position too it is known to half the digits."""
+"""A dead centre this close to position 0, as a fraction of a turn or of crank and coupler, is at 0:
+where it is also a turning position, only half its digits are known."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,7 +43,7 @@ class Opening:
     ----------
     start, end : its first and last cam angle [rad].
     missing : the largest missing length in it [mm].
-    place : the cam angle of that [rad].
+    place : the cam angle at which it is that large [rad].
     """
 
     start: float
@@ -55,8 +55,8 @@ class Opening:
 def openings(linkage: Linkage, motion: Motion) -> tuple[Opening, ...]:
     """The ranges of cam angles in which `linkage` does not close, by ascending cam angle.
 
-    Empty if it closes. The turn is cut where the motion turns back, where the
-    missing length is 0 and where it may turn: between two cuts it has one sign.
+    Empty if it closes everywhere. The turn is cut where the motion reverses, where the missing
+    length is 0 and where it may have an extreme: between two cuts it keeps its sign.
     """
     course = course_of(motion)
     low, high = course.range
@@ -70,10 +70,10 @@ def openings(linkage: Linkage, motion: Motion) -> tuple[Opening, ...]:
     found = []
     for first, after in edges.reshape(-1, 2):
         worst = int(first + np.argmax(missing[first:after]))
-        # Cuts have even numbers: a range that is open in a middle reaches to the cuts beside it.
+        # Cuts have even indices: a range open in a middle reaches to the cuts on either side.
         start, end = places[first - first % 2], places[after - 1 + (after - 1) % 2]
         found.append(Opening(float(start), float(end), float(missing[worst]), float(places[worst])))
-    if not found:  # narrower than rounding of the cam angle
+    if not found:  # narrower than the rounding of the cam angle
         worst = int(np.argmax(missing))
         if missing[worst] > 0.0:
             place = float(places[worst])
@@ -82,9 +82,9 @@ def openings(linkage: Linkage, motion: Motion) -> tuple[Opening, ...]:
 
 
 def clear_range(linkage: Linkage) -> tuple[float, float]:
-    """The positions [mm or rad] up to which, from 0, no dead centre is reached; infinite if none.
+    """The range of positions [mm or rad] about 0 without a dead centre; infinite if there is none.
 
-    Where position 0 is one itself, the range on the side to which the linkage closes.
+    Where position 0 is a dead centre itself, the range on the side on which the linkage closes.
     """
     scale = linkage.crank + linkage.coupler
     far, about = (math.inf, scale) if linkage.unit == "mm" else (TURN, math.pi)
@@ -102,9 +102,9 @@ def clear_range(linkage: Linkage) -> tuple[float, float]:
 def closing_sizes(
     linkage: Linkage, size: Size, low: float, high: float
 ) -> tuple[float, float] | None:
-    """Least and largest length [mm] of that member with which the linkage closes.
+    """Smallest and largest length [mm] of that member with which the linkage closes.
 
-    Over all positions from `low` to `high`, all else as it is stated; of several ranges of lengths
+    At all positions from `low` to `high`, everything else unchanged; of several ranges of lengths
     the one nearest to the present length. 0 and infinity where nothing bounds it; None if there is
     no such length, or none is known.
     """
@@ -127,27 +127,27 @@ def closing_sizes(
 
 
 def why_open(linkage: Linkage, motion: Motion) -> str:
-    """Where `linkage`, which does not close all over `motion`, is open, and what would close it."""
+    """Where `linkage`, which does not close throughout `motion`, is open; what would close it."""
     found = openings(linkage, motion)
     told = [
         f"{math.degrees(each.start):.10g} and {math.degrees(each.end):.10g}"
-        for each in found[:MOST_TOLD]
+        for each in found[:MOST_LISTED]
     ]
-    more = f" and in {len(found) - MOST_TOLD} more ranges" if len(found) > MOST_TOLD else ""
+    more = f" and in {len(found) - MOST_LISTED} more ranges" if len(found) > MOST_LISTED else ""
     missing = max(each.missing for each in found)
     low, high = lift_range(motion)
-    cures = [*_sizes_told(linkage, low, high), *kept_between(linkage)]
+    cures = [*_size_texts(linkage, low, high), *kept_between(linkage)]
     cured = f"; it closes {_listed(cures)}" if cures else ""
     return (
         f"the linkage does not close between cam angles {' and between '.join(told)} degrees{more}:"
-        f" up to {missing:.6g} mm are missing{cured}"
+        f" it misses by up to {missing:.6g} mm{cured}"
     )
 
 
 def kept_between(linkage: Linkage) -> list[str]:
-    """In words, the positions that keep `linkage` clear of dead centres.
+    """In words, the range of positions that keeps `linkage` clear of dead centres.
 
-    Empty if all do, or none that could be told apart.
+    Empty if all positions do, or if the range is too narrow to be printed.
     """
     low, high = clear_range(linkage)
     scale, unit = (1.0, "mm") if linkage.unit == "mm" else (math.degrees(1.0), "degrees")
@@ -163,11 +163,11 @@ def kept_between(linkage: Linkage) -> list[str]:
 
 
 def printed(value: float, rounding: str) -> str:
-    """`value` in a few digits, rounded up (`ROUND_CEILING`) or down (`ROUND_FLOOR`)."""
+    """`value` to a few digits, rounded up (`ROUND_CEILING`) or down (`ROUND_FLOOR`)."""
     return f"{Context(prec=DIGITS, rounding=rounding).create_decimal(value).normalize():f}"
 
 
-def _sizes_told(linkage: Linkage, low: float, high: float) -> Iterator[str]:
+def _size_texts(linkage: Linkage, low: float, high: float) -> Iterator[str]:
     for size in SIZES:
         found = closing_sizes(linkage, size, low, high)
         if found is None:

@@ -1,13 +1,13 @@
-"""Conjugate cams: the second roller of a follower, which a second disc on the same shaft drives.
+"""Conjugate cams: a second roller on the follower, driven by a second disc on the same shaft.
 
-The main disc pushes the follower one way, the return disc pushes it back, so that no spring is
-needed. Both rollers are fixed to one carriage or one lever and make one motion; the return roller
-is therefore a follower of its own, with the geometry of where it sits and the same lift:
+The main disc pushes the follower one way and the return disc pushes it back, so no spring is
+needed. Both rollers are fixed to one carriage or one lever and share its motion; the return roller
+is therefore a follower in its own right, with its own geometry and the same lift:
 
-- on a carriage its centre is B_2 = B_1 - spacing g, g the guide's direction, perhaps on a parallel
-  line: a guide in the direction -g, on which what moves the main roller outward moves it inward;
-- on a lever its arm makes a fixed angle with the main arm: the same pivot, another triangle, the
-  same sense of swing.
+- on a carriage its centre is B_2 = B_1 - spacing g, g the direction of the guide, possibly on a
+  parallel line: its guide points along -g, and what moves the main roller outward moves it inward;
+- on a lever its arm is at a fixed angle to the main arm: same pivot, another triangle, same sense
+  of swing.
 """
 
 from __future__ import annotations
@@ -32,8 +32,8 @@ from camgeo.numeric.checked import instance
 from camgeo.units import TURN
 
 FLAT: Final = 1e-6
-"""Angle [rad], and share of the spacing, by which the return roller must keep off the places where
-its disc cannot drive it; nearer to them the geometry has lost six of its sixteen digits."""
+"""Angle [rad], and fraction of the spacing, by which the return roller must stay clear of where its
+disc cannot drive it; closer than that, the geometry has lost six of its sixteen digits."""
 
 
 def return_on_carriage(
@@ -55,7 +55,7 @@ def return_on_carriage(
     Raises
     ------
     GeometryError
-        With the key, if a value is not what it has to be; with "follower.return.spacing" also if
+        With the key of an invalid value; with "follower.return.spacing" also if
         the return roller does not lie on the other side of the cam axis at cam angle 0.
     """
     instance("follower.kind", main, TranslatingRoller, "a roller on a carriage")
@@ -76,7 +76,7 @@ def return_on_carriage(
     return TranslatingRoller(
         base_radius=math.hypot(across, height),
         roller_radius=size,
-        offset=-across,  # looked at along the other direction
+        offset=-across,  # seen along the opposite direction
         guide_angle=main.guide_angle + (math.pi if main.guide_angle <= math.pi else -math.pi),
         direction=-main.direction,
     )
@@ -99,9 +99,9 @@ def return_on_lever(
     Raises
     ------
     GeometryError
-        With the key, if a value is not what it has to be; with "follower.return.arm_angle" also if
-        the return arm lies on the line from the pivot to the cam axis at cam angle 0: there is no
-        triangle, and its disc could not move it.
+        With the key of an invalid value; with "follower.return.arm_angle" also if
+        the return arm lies on the line from the pivot to the cam axis at cam angle 0: without a
+        triangle its disc could not move it.
     """
     instance("follower.kind", main, OscillatingRoller, "a roller on a lever")
     arm_angle = angle("follower.return.arm_angle", arm_angle)
@@ -109,7 +109,7 @@ def return_on_lever(
     size = _size(main, roller_radius)
     chi = math.remainder(main.arm_side * main.start_angle + arm_angle, TURN)
     side = 1 if chi > 0.0 else -1
-    # |A_0 B_2| by the law of cosines, in the form that keeps its digits for small angles.
+    # |A_0 B_2| by the law of cosines, in the form that stays accurate for small angles.
     apart = 4.0 * main.centre_distance * own * math.sin(0.5 * chi) ** 2
     base_radius = math.sqrt((main.centre_distance - own) ** 2 + apart)
     flat = not FLAT < abs(chi) < math.pi - FLAT
@@ -124,7 +124,7 @@ def return_on_lever(
                 direction=None if main.direction is None else main.swing_sense * side,
             )
     except GeometryError:
-        pass  # a triangle that is flat but for rounding
+        pass  # a triangle that is flat up to rounding
     raise GeometryError(
         "the return arm lies on the line from the pivot to the cam axis at cam angle 0, where its"
         f" disc cannot move it: the main arm is at {math.degrees(main.start_angle):.6g} degrees"

@@ -6,19 +6,19 @@ the point of contact follows from the face and its rate, theta' = nu' - sigma:
 
     Z = (h + i h'/theta') exp(i theta).
 
-With the turn tau = 1 - sigma nu' of the normal in the cam, against the sense in which the cam
-turns,
+With the rotation tau = 1 - sigma nu' of the normal in the cam, against the sense in which the
+cam turns,
 
     Z' = p t, t = -i sigma exp(i theta), p = tau h + (h'/tau)',
 
 so that rho = p / tau is the signed radius of curvature of the outline. The cam is convex, and the
-face can touch it all along, where tau > 0 and p > 0; p = 0 is a cusp, p < 0 undercut, and with
+face can touch it everywhere, where tau > 0 and p > 0; p = 0 is a cusp, p < 0 undercut, and where
 tau <= 0 the face turns back in the cam.
 
-What a bound of Z''' is where there is none. Z'' takes the lift's third derivative, which has no
-derivative that a motion tells. Let |Z''(x) - Z''(m)| <= A |x - m| + D over a cell of half-width H
-about its middle m: A from all that is smooth, D from the change of the third derivative. The bound
-that is given for |Z'''| is V = A + 3 D / H. All that is ever done with it holds:
+How Z''' is bounded though it does not exist. Z'' contains the third derivative of the lift, and a
+motion has no derivative of that. Let |Z''(x) - Z''(m)| <= A |x - m| + D over a cell of half-width
+H about its middle m: A from all that is smooth, D from the change of the third derivative. What is
+returned for |Z'''| is V = A + 3 D / H. Everything it is used for still holds:
 
 - The remainder of the parabola that Z osculates in the middle is at most A H^3/6 + D H^2/2, which
   is V H^3/6.
@@ -26,7 +26,7 @@ that is given for |Z'''| is V = A + 3 D / H. All that is ever done with it holds
 - Z'' changes by at most A H + D <= V H.
 
 The same three hold for a scalar product of Z with a fixed vector, for its distance from a point and
-for the direction of Z', whose own parts are smooth: there A is the part that needs no Z'''.
+for the direction of Z', whose other parts are smooth: there A is the part that needs no Z'''.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ from camgeo.numeric.arrays import FloatArray
 from camgeo.numeric.checked import shown
 
 HIGHEST = FULL_ORDER - 1
-"""Order of the highest derivative of Z: each takes one more of the lift."""
+"""Order of the highest derivative of Z: each needs one more derivative of the lift."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -58,7 +58,7 @@ class Touch:
     distance : (n,) h [mm], cam axis to face.
     contact : (2, n) [mm/rad^k] place of the contact along the face, and its derivative, see
         `FlatFollower`.
-    turn : (2, n) tau and tau' [1/rad]; tau is positive where the face turns onward in the cam.
+    turn : (2, n) tau and tau' [1/rad]; tau is positive where the face turns forward in the cam.
     pace : (2, n) [mm/rad^k] p and p'; p is infinite where tau = 0.
     """
 
@@ -69,15 +69,15 @@ class Touch:
 
 
 class FlatFollower(Follower):
-    """A follower with a flat face; its `face` counts as `Touch.contact`.
+    """A follower with a flat face; its `face` is measured as `Touch.contact` is.
 
     Attributes
     ----------
-    origin : from where the place of the contact counts, in words.
-    least_place : of the contact [mm]; there and beyond the cam cannot move the follower on.
-    raised_by : keys of the lengths that, all larger by the same, move the face outward by it.
-    facing : +1 if the place of the contact counts to the right, looking along the normal away from
-        the cam axis, -1 to the left.
+    origin : where the position of the contact is measured from, in words.
+    least_place : position of the contact [mm] at and below which the cam cannot move the follower.
+    raised_by : keys of the lengths that, increased by the same amount, move the face out by it.
+    facing : +1 if the position of the contact is positive to the right, looking along the normal
+        away from the cam axis, -1 to the left.
     """
 
     __slots__ = ()
@@ -110,7 +110,7 @@ class FlatFollower(Follower):
     def curvature(self, relative: RelativeJet, speed: FloatArray, rotation: int) -> FloatArray:
         """See `Follower.curvature`: of the envelope of the face, which is its tangent.
 
-        Nothing cancels where the face nearly stands still in the cam and Z'' is long.
+        Nothing cancels where the face nearly stands still in the cam and Z'' is large.
         """
         kappa: FloatArray = (1.0 - rotation * relative.turning) / speed
         return kappa
@@ -129,12 +129,12 @@ class FlatFollower(Follower):
 
 
 def spread(change: FloatArray, half: FloatArray) -> FloatArray:
-    """(n,) 3 D / H, see the module; 0 for cells without width, in which nothing changes."""
+    """(n,) 3 D / H, see the module; 0 for cells of zero width, in which nothing changes."""
     return np.divide(3.0 * change, half, out=np.zeros_like(change), where=half > 0.0)
 
 
 def face_ends(key: str, face: Any) -> tuple[float, float]:
-    """Where a face begins and ends [mm], checked; GeometryError unless it ends behind its start."""
+    """Where a face begins and ends [mm]; GeometryError unless it ends beyond its beginning."""
     if not isinstance(face, tuple | list) or len(face) != 2:
         raise GeometryError("must be two lengths, (from, to)", key, shown(face))
     start, end = (coordinate(key, each) for each in face)
@@ -147,13 +147,13 @@ FaceEnds = Annotated[tuple[float, float], face_ends]
 
 
 def face_line(start: complex, along: complex, ends: tuple[float, float]) -> tuple[complex, complex]:
-    """The ends of a face [mm] whose places count from `start` in the direction `along`."""
+    """The ends of a face [mm] that is measured from `start` in the direction `along`."""
     return start + along * ends[0], start + along * ends[1]
 
 
 def flat_follower(follower: Follower) -> FlatFollower:
     """`follower`, which has a flat face; GeometryError with key "follower.kind" if it has none."""
     if not hasattr(follower, "touch"):
-        message = "what is asked for is for flat-faced followers, and this one has a roller"
+        message = "this needs a flat-faced follower, and this one has a roller"
         raise GeometryError(message, key="follower.kind")
     return cast("FlatFollower", follower)

@@ -1,6 +1,6 @@
-"""What the followers of a family have in common: guided or rocking, and with a roller.
+"""What the followers of a family share: those on a guide, those on a pivot, those with a roller.
 
-Flat faces are a family too, see `camgeo.mechanism.face`.
+Flat faces are another family, see `camgeo.mechanism.face`.
 """
 
 from __future__ import annotations
@@ -17,13 +17,13 @@ from camgeo.motion.motion import Jet
 from camgeo.numeric.arrays import FloatArray
 
 GUIDE = 0.8
-"""Way from a carriage at its farthest to its guide, in base radii."""
+"""Distance from a carriage in its farthest position to its guide, in base radii."""
 
 ROD = 0.3
-"""By so much the rod of a carriage stands out of its guide at lift 0, in base radii."""
+"""How far the rod of a carriage protrudes from its guide at lift 0, in base radii."""
 
 BRACKET = 1.2
-"""Way round the discs from the one roller of a carriage to the other, in their largest radii."""
+"""How far the bracket between two rollers clears the discs, in their largest radii."""
 
 
 class Guided(Follower):
@@ -43,7 +43,7 @@ class Guided(Follower):
     farthest = math.inf
     swing_sense = 0
 
-    if TYPE_CHECKING:  # fields of every kind
+    if TYPE_CHECKING:  # fields that every kind has
         guide_angle: float
         direction: int
 
@@ -80,7 +80,7 @@ class Guided(Follower):
         return MechanismSketch(links=((here, end),), guides=(guide,))
 
     def across(self, lift: float, breadth: float) -> tuple[complex, MechanismSketch]:
-        """The far side of its yoke at `lift` [mm], and what joins both."""
+        """The far side of its yoke at `lift` [mm], and the bracket that joins both."""
         here = self.traced_point(lift)
         there = here - breadth * here / abs(here)
         return there, MechanismSketch(links=(bracket(here, there, 0.6 * breadth),))
@@ -95,7 +95,7 @@ class Rocking(Follower):
     arm_side : +1 if its arm or face lies counter-clockwise of the line pivot -> cam axis, -1
         clockwise.
     direction : +1 if a positive lift [rad] moves it outward (F-cam), -1 inward (P-cam); None if the
-        lift is its own angle, counter-clockwise positive, as a linkage gives.
+        lift is its own angle, counter-clockwise positive, as behind a linkage.
     """
 
     __slots__ = ()
@@ -106,7 +106,7 @@ class Rocking(Follower):
     lift_scale = 1.0
     way = 0j
 
-    if TYPE_CHECKING:  # fields of every kind
+    if TYPE_CHECKING:  # fields that every kind has
         pivot: complex
         arm_side: int
         direction: int | None
@@ -131,7 +131,7 @@ class Rocking(Follower):
 
 
 class WithRoller(Follower):
-    """A follower with a roller, whose centre runs along the pitch curve."""
+    """A follower with a roller, whose centre follows the pitch curve."""
 
     __slots__ = ()
 
@@ -157,7 +157,7 @@ class WithRoller(Follower):
     def contact_radius(self, kappa: FloatArray, half: float) -> FloatArray:
         """See `Follower.contact_radius`.
 
-        1/R = 1/r_R + kappa/(1 - d kappa), d the flank's distance: r_R but in a groove with play.
+        1/R = 1/r_R + kappa/(1 - d kappa), d the flank's distance: r_R except in a groove with play.
         """
         radius = self.roller_radius * (1.0 - half * kappa)
         share = 1.0 - (half - self.roller_radius) * kappa

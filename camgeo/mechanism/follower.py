@@ -12,10 +12,10 @@ across and along the follower's own direction: |Z'|^2 = u^2 + v^2, and the trans
 the acute angle between rocker (or the normal of the guide) and the normal of the pitch curve, is
 tan mu = |u| / |v|.
 
-For a flat face W is the point of contact, so that Z is the cam's own outline; u and v are then the
-parts of R_1 that tell the transmission angle, with u^2 + v^2 = |Z'|^2 as well.
+For a flat face W is the point of contact, so that Z is the outline of the cam itself; u and v are
+then the parts of R_1 that give the transmission angle, again with u^2 + v^2 = |Z'|^2.
 
-The R_k are kept as two real arrays: a third of the cost of complex ones, as most terms are real.
+The R_k are stored as two real arrays: a third of the cost of complex ones, as most terms are real.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ from camgeo.numeric.arrays import FloatArray
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RelativeJet:
-    """The roller centre at n cam angles as the turning cam sees it, in axes that do not turn.
+    """The roller centre at n cam angles as seen from the turning cam, in axes that do not turn.
 
     Attributes
     ----------
@@ -45,7 +45,7 @@ class RelativeJet:
     u, v : (n,) [mm/rad], see the module.
     turning : (n,) or a number, rate at which the follower's direction turns in the fixed frame,
         per unit cam speed, counter-clockwise; 0 for a guide.
-    reach : (n,) or a number, way of the roller centre, or of the follower's point in contact, a
+    reach : (n,) or a number, distance that the roller centre, or the point of contact, moves per
         unit of lift [1 or mm/rad], signed as `Follower.reach`.
     """
 
@@ -62,8 +62,8 @@ class RelativeJet:
 class TangentJet:
     """Z' in the axes of the follower's own direction, which turns with the rocker.
 
-    R_1 = sigma (u + i w) times the direction across the follower's path. All but u and w themselves
-    vanishes in a rest, so that what a small motion does to the curvature keeps its digits.
+    R_1 = sigma (u + i w) times the direction across the follower's path. Everything but u and w
+    themselves vanishes at rest, so that the effect of a small motion on curvature stays accurate.
 
     Attributes
     ----------
@@ -71,7 +71,7 @@ class TangentJet:
     turning : (n,) rate at which the follower's direction turns in the fixed frame, per unit cam
         speed, counter-clockwise; 0 for a guide.
     swerve : (n,) [mm^2/rad^3] sigma (u w'' - w u'') + u u' + w w' + sigma turning' |Z'|^2, in which
-        all that is linear in the follower's acceleration has cancelled.
+        every term linear in the follower's acceleration has cancelled.
     """
 
     u: FloatArray
@@ -83,37 +83,37 @@ class TangentJet:
 class Follower(ABC):
     """A follower; lengths in mm.
 
-    A kind is a frozen dataclass of its sizes on the classes of `camgeo.mechanism.families`, or of
-    `camgeo.mechanism.face`, that answer for all of its family.
+    A kind is a frozen dataclass of its sizes. It inherits from the classes of
+    `camgeo.mechanism.families`, or of `camgeo.mechanism.face`, what its whole family answers alike.
 
     Attributes
     ----------
-    base_radius : r_G, cam axis to roller centre, or square across to a flat face, at cam angle 0.
+    base_radius : r_G, from the cam axis to the roller centre, or to a flat face, at cam angle 0.
     roller_radius : r_R; 0 for a flat face, whose contact is the curve itself.
     pivot : what it swings about, seen from the cam axis, complex [mm]; None on a guide.
-    offset : e, signed distance of the roller's guide from the cam axis [mm]; 0 without any.
-    face : where a flat face begins and ends [mm], None if it is as long as it needs to be; zeros
-        for a roller.
-    reach : way of the roller centre a unit of lift [1 or mm/rad], positive if a positive lift moves
-        the rocker counter-clockwise, or the roller outward along the guide. Of a flat face that
-        rocks, whose contact wanders, the one at cam angle 0 if the cam rests there.
-    farthest : base radius [mm] with which a rocker lies stretched out; infinite on a guide.
-    lift_scale : a large lift [mm or rad], for what is small beside it.
-    way : direction of a positive lift, complex; 0 of a rocker.
-    start_arm : at lift 0 from the pivot, or on a guide from the cam axis, to the roller centre, the
-        pivot's foot on a face, or that of the cam axis, complex [mm].
-    swing_sense : sense in which a positive lift turns it, +1 counter-clockwise, -1; 0 on a guide.
+    offset : e, signed distance of the roller's guide from the cam axis [mm]; 0 if there is none.
+    face : where a flat face begins and ends [mm], None if it is as long as needed; zeros for a
+        roller.
+    reach : distance that the roller centre moves per unit of lift [1 or mm/rad], positive if a
+        positive lift turns the rocker counter-clockwise, or moves the roller outward along the
+        guide. For a rocking flat face, whose contact wanders, the value at cam angle 0 in a dwell.
+    farthest : base radius [mm] at which a rocker lies stretched out; infinite on a guide.
+    lift_scale : a large lift [mm or rad], against which others are small.
+    way : direction of a positive lift, complex; 0 for a rocker.
+    start_arm : at lift 0, from the pivot or on a guide from the cam axis, to the roller centre, or
+        to the foot of the perpendicular on a flat face, complex [mm].
+    swing_sense : sense in which a positive lift turns it: +1 counter-clockwise, -1; 0 on a guide.
     has_edge : whether it is a knife edge, a roller without radius.
     kind : its name in scenes.
     lift_unit : of its lift.
-    touching : what of it touches the cam, "roller" or "face", as sentences call it.
-    mover : what of it moves, "follower" or "rocker", as sentences call it.
+    touching : the part that touches the cam, "roller" or "face", as messages call it.
+    mover : the part that moves, "follower" or "rocker", as messages call it.
     rolls : whether what touches the cam rolls on it; a flat face slides.
     has_pitch_curve : whether the flanks are parallels of the curve that it traces, and may cross
-        themselves; a flat face touches the outline itself, which has to be convex.
+        themselves; a flat face touches the outline itself, which must be convex.
     standstill : what it means where Z' = 0, in words.
-    ahead : derivatives of the lift that R_k takes beyond the k-th. A flat face takes one, so that
-        it has no R_3: a motion has three.
+    ahead : how many derivatives of the lift R_k needs beyond the k-th. A flat face needs one, so
+        it has no R_3: a motion has three derivatives.
     """
 
     __slots__ = ()
@@ -127,7 +127,7 @@ class Follower(ABC):
     standstill: ClassVar[str]
     ahead: ClassVar[int]
 
-    if TYPE_CHECKING:  # fields of the kinds that have them, which would take these for defaults
+    if TYPE_CHECKING:  # at run time these would become defaults of the kinds' own fields
         base_radius: float
         roller_radius: float
         pivot: complex | None
@@ -163,7 +163,7 @@ class Follower(ABC):
     def relative_jet(self, jet: Jet, rotation: int, order: int = FULL_ORDER) -> RelativeJet:
         """R_0 to R_`order`, order at least 1, for lifts `jet` (order + 1 or more, n).
 
-        As far as there are any: `ahead` rows more of the lift are needed, up to the third.
+        As many as exist: `ahead` more rows of the lift are needed, up to the third.
         `rotation` is sigma, +1 for a cam that turns counter-clockwise, -1 clockwise.
         """
 
@@ -182,7 +182,7 @@ class Follower(ABC):
 
         `jet` is the lift in the middle of the cells, `bounds` as of `Motion.jet_and_bounds`, `half`
         (n,) half their widths [rad]. Where there is no Z''' the third one says how far Z'' may be
-        off its value in the middle, see `camgeo.mechanism.face`.
+        from its value in the middle, see `camgeo.mechanism.face`.
         """
 
     @abstractmethod
@@ -191,7 +191,7 @@ class Follower(ABC):
 
     @abstractmethod
     def contact_radius(self, kappa: FloatArray, half: float) -> FloatArray:
-        """(n,) [mm] R of 1/R = 1/r_R + the curvature of the flank, as of Hertz's pressure.
+        """(n,) [mm] R of 1/R = 1/r_R + the curvature of the flank, as in Hertz's pressure.
 
         kappa (n,) [1/mm] is the curvature of the pitch curve seen from the flank, which lies `half`
         [mm] from it. Not above 0 where the flank undercuts.
@@ -203,8 +203,8 @@ class Follower(ABC):
 
     @abstractmethod
     def on_one_side(self, lifts: FloatArray) -> bool:
-        """Whether at these lifts the roller stays before the foot of its guide, or on its side of
-        the line of centres; of a flat face, whose contact does not, False.
+        """Whether at these lifts the roller stays beyond the foot of its guide, or on its own side
+        of the line of centres; False for a flat face, whose contact does not.
         """
 
     @abstractmethod
@@ -212,7 +212,7 @@ class Follower(ABC):
         """The follower at the lift `lift` [mm or rad].
 
         `farthest` is the lift farthest from the cam; `ends` are where a flat face begins and ends
-        [mm], as its contact is counted, and of no meaning for a roller.
+        [mm], measured as its contact is, and without meaning for a roller.
         """
 
     @abstractmethod
@@ -225,16 +225,16 @@ class Follower(ABC):
     def linked_at(self, farthest: float) -> tuple[complex, complex]:
         """Where a linkage takes hold of it at lift 0 [mm], and the direction of a positive lift.
 
-        The pivot of a rocker, of which the direction is 0.
+        For a rocker, the pivot and 0.
         """
 
     @abstractmethod
     def far_side(self, lift: float, ends: tuple[float, float], breadth: float) -> MechanismSketch:
-        """The second side of a yoke of `breadth` [mm] at `lift` [mm]; nothing of a rocker."""
+        """The second side of a yoke of `breadth` [mm] at `lift` [mm]; nothing for a rocker."""
 
     @abstractmethod
     def beside(self, first: complex, lift: float, reach: float) -> MechanismSketch:
-        """The second roller of the body whose first one is at `first` [mm]; nothing of a face.
+        """The second roller of the body whose first one is at `first` [mm]; nothing for a face.
 
         `reach` [mm] is how far their centres come from the cam axis.
         """
@@ -243,7 +243,7 @@ class Follower(ABC):
 def bend_of_path(relative: RelativeJet, speed: FloatArray, rotation: int) -> FloatArray:
     """(n,) [1/mm] curvature of the path of a roller centre, from R_1 and R_2."""
     (_, a1, a2), (_, b1, b2) = relative.along[:3], relative.across[:3]
-    # conj(Z') Z'' does not see the rotation, so R_k stand for Z^(k).
+    # conj(Z') Z'' is invariant under rotation, so R_k can stand for Z^(k).
     cross = b1 * a2
     cross -= a1 * b2
     kappa: FloatArray = cross

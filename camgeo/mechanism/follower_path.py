@@ -1,8 +1,8 @@
-"""The path on which a follower holds its roller, seen from the cam: where it meets a curve.
+"""The path along which a follower guides its roller, seen from the cam, and where it meets a curve.
 
-At the cam angle phi the follower lets the roller centre run on one path only: a straight guide, or
-a circle about the rocker's pivot. A coordinate q along it grows outward: the height h over the cam
-axis of a guide, or the angle psi_t between line pivot -> cam axis and arm. It is linear in the
+At a cam angle phi the follower leaves the roller centre one path only: a straight guide, or a
+circle about the rocker's pivot. A coordinate q along it grows outward: the height h above the cam
+axis on a guide, or the angle psi_t from the line pivot -> cam axis to the arm. It is linear in the
 lift. As long as the follower stays on its own side (h > 0; psi_t in (0, pi)), the distance from the
 cam axis gives q and the polar angle gives phi: (phi, q) are coordinates of the plane, and a curve
 of roller centres is a lift over the cam angle.
@@ -28,16 +28,16 @@ from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, IntArray,
 from camgeo.units import TURN
 
 ROUNDING = 1e-9
-"""By so much may the square of a cosine be negative: two curves that touch within this share of
+"""How negative the square of a cosine may come out: curves that miss each other by this fraction of
 their size touch."""
 
 PLACE = 2.0**-46
-"""Share by which a point is known, 64 ulps: what is lost in the sums here."""
+"""Relative accuracy of a point, 64 ulps: what the sums here lose."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Bows:
-    """Lines and circles, each known by one of its points: well conditioned however flat it is.
+    """Lines and circles, each given by one of its points: well conditioned however flat it is.
 
     A point Z lies on it if Re(conj(n) d) + kappa |d|^2 / 2 = 0, d = Z - A; its normal there is
     n + kappa d.
@@ -46,7 +46,7 @@ class Bows:
     ----------
     points : (n,) A, complex [mm].
     normals : (n,) n, complex unit normals at A.
-    curvatures : (n,) kappa [1/mm], positive where the normal points away from the centre, 0 of a
+    curvatures : (n,) kappa [1/mm], positive where the normal points away from the centre, 0 for a
         line.
     """
 
@@ -58,13 +58,13 @@ class Bows:
         return len(self.points)
 
     def take(self, index: IntArray) -> Bows:
-        """Those of the numbers `index` (k,)."""
+        """Those with the indices `index` (k,)."""
         return Bows(self.points[index], self.normals[index], self.curvatures[index])
 
     def at(self, t: FloatArray) -> ComplexArray:
         """(n,) [mm] the points at the parameters t (n,) [mm]: 2 tan(beta/2) / kappa.
 
-        beta is the angle turned from A on; on a line t is the way from A, in the direction i n.
+        beta is the angle turned from A; on a line t is the distance from A, in the direction i n.
         """
         return self.points + 1j * self.normals * t / (1.0 - 0.5j * self.curvatures * t)
 
@@ -73,18 +73,18 @@ class Bows:
         return self.normals + self.curvatures * (points - self.points)
 
     def crossings(self, others: Bows) -> FloatArray:
-        """(2, n) parameters at which each meets its partner of `others`; infinite where it none."""
+        """(2, n) parameters at which each meets its partner of `others`; infinite if not."""
         return _roots(*self._against(others))
 
     def crossing(self, others: Bows, rising: FloatArray) -> FloatArray:
-        """(n,) the one of the two parameters at which each comes out of (`rising` = 1), or goes
-        into (-1), the side of its partner that the partner's normal points to.
+        """(n,) the one of the two parameters at which each passes to (`rising` = 1), or leaves
+        (-1), the side of its partner to which the partner's normal points.
 
         Raises GeometryError where they do not meet.
         """
         square, linear, value = self._against(others)
         radicand = linear * linear - 4.0 * square * value
-        # A small circle is known to the rounding of its place.
+        # A small circle is known to the rounding of its position.
         lost = ROUNDING + PLACE * np.abs(others.curvatures * others.points)
         _require_meeting(radicand >= -lost)
         root = rising * np.sqrt(np.maximum(radicand, 0.0))
@@ -96,7 +96,7 @@ class Bows:
         return np.divide(top, bottom, out=np.zeros_like(top), where=bottom != 0.0)
 
     def _against(self, others: Bows) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """What the parameter of a point solves that lies on a partner: square, linear, constant."""
+        """Coefficients of the quadratic for the parameter of a point on a partner."""
         apart = others.points - self.points
         turned = others.normals - others.curvatures * apart
         value = 0.5 * others.curvatures * _square(apart) - dot(others.normals, apart)
@@ -164,15 +164,15 @@ class FollowerPath(Protocol):
     def meet(self, phi: FloatArray, bows: Bows, facing: FloatArray) -> FloatArray:
         """(n,) q at which the path at `phi` (n,) [rad] meets each of `bows`.
 
-        Of two such places the one where the bow's normal has a part along the path outward
-        (`facing` = 1) or inward (-1). Raises GeometryError where they do not meet.
+        Of two such points, the one where the bow's normal has a component along the path that is
+        outward (`facing` = 1) or inward (-1). Raises GeometryError where they do not meet.
         """
 
     def touching(self, bows: Bows) -> FloatArray:
-        """(4, n) parameters of `bows` where a path is tangent to them; infinite where there is
+        """(4, n) parameters of `bows` at which a path is tangent to them; infinite where there is
         none.
 
-        Those too at which the rest of a path is tangent, on the side where the follower never is.
+        Including tangency with the rest of a path, on the side where the follower never is.
         """
 
 
@@ -182,8 +182,8 @@ def path_of(follower: Follower, rotation: int) -> FollowerPath:
 
     Raises GeometryError if none is registered for its class.
     """
-    del rotation  # of those that are registered
-    message = f'what is asked for is for roller followers, and this one is "{follower.kind}"'
+    del rotation  # used by the registered ones
+    message = f'this needs a roller follower, and this one is "{follower.kind}"'
     raise GeometryError(message, key="follower.kind", value=follower.kind)
 
 
@@ -255,9 +255,9 @@ class GuidePath:
 
 @dataclass(frozen=True, slots=True)
 class SwingPath:
-    """The circle of a rocker's tip: Z = u (l_3 exp(i chi) - l_1), u = exp(i (alpha - sigma phi)).
+    """The circle about a rocker's pivot: Z = u (l_3 exp(i chi) - l_1).
 
-    chi = h psi_t, h the arm's side.
+    u = exp(i (alpha - sigma phi)), chi = h psi_t, h the arm's side.
     """
 
     follower: OscillatingRoller
@@ -332,7 +332,7 @@ path_of.register(OscillatingRoller, SwingPath)
 
 
 def lift_jet(path: FollowerPath, phi: FloatArray, q: FloatArray, bows: Bows) -> FloatArray:
-    """(3, n) lift with two derivatives [mm or rad per rad^k] where the path meets `bows` at q.
+    """(3, n) lift and two derivatives [mm or rad per rad^k] where the path meets `bows` at q.
 
     By implicit differentiation of F(phi, q) = 0: q' = -F_phi / F_q, and once more.
 
@@ -347,7 +347,7 @@ def lift_jet(path: FollowerPath, phi: FloatArray, q: FloatArray, bows: Bows) -> 
     turn = -1j * path.rotation
     steep = dot(normal, along)
     if np.any(steep == 0.0):
-        raise GeometryError("the contour runs along the follower's own path: it has no velocity")
+        raise GeometryError("the contour runs along the path of the follower: its lift jumps there")
     first = -dot(normal, turn * point) / steep
     speed = turn * point + along * first
     rest = -point + 2.0 * turn * along * first + bend * first * first
@@ -388,6 +388,6 @@ def _require_reach(distance: FloatArray, reach: tuple[float, float]) -> None:
     if not np.all((distance >= low - slack) & (distance <= high + slack)):
         allowed = f"at least {low:.6g} mm" if math.isinf(high) else f"{low:.6g} mm to {high:.6g} mm"
         raise GeometryError(
-            "the follower cannot hold its roller there: the centre must lie"
+            "the follower cannot reach that place: the roller centre must lie"
             f" {allowed} from the cam axis"
         )

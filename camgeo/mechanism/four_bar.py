@@ -1,8 +1,8 @@
 """Four-bar linkage between a lever, whose angle is demanded, and the rocker that follows the cam.
 
-Frame of the formulas: the rocker shaft B_0 at the origin, axes of the drawing of the cam. The pin
-on the lever is P = D_0 + l_c exp(i chi), chi = chi_0 + h x with the demanded angle x; the crank tip
-is T = l_a exp(i theta), |P - T| = l_b.
+Frame of the formulas: the rocker shaft B_0 at the origin, axes as in the drawing of the cam. The
+pin on the lever is P = D_0 + l_c exp(i chi), chi = chi_0 + h x with the demanded angle x; the
+crank's tip is T = l_a exp(i theta), |P - T| = l_b.
 """
 
 from __future__ import annotations
@@ -52,12 +52,12 @@ class FourBar(RockerCrank):
         [rad].
     lever_sense : h, +1 if a positive motion turns the lever counter-clockwise, -1 clockwise.
     branch : +1 if the crank tip lies clockwise of the pin seen from the rocker shaft, -1
-        counter-clockwise; it stays so over the whole motion.
+        counter-clockwise; it does so throughout the motion.
 
     Raises
     ------
     GeometryError
-        With the key, if a value is not what it has to be; with "linkage", if the linkage does not
+        With the key of an invalid value; with "linkage", if the linkage does not
         close at motion 0.
     """
 
@@ -77,14 +77,14 @@ class FourBar(RockerCrank):
             distance = abs(self.shaft + cmath.rect(self.lever, self.lever_angle))
             least, most = abs(distance - self.crank), distance + self.crank
             raise GeometryError(
-                f"the linkage does not close at motion 0: {gap:.6g} mm are missing; the coupler"
+                f"the linkage does not close at motion 0: it misses by {gap:.6g} mm; the coupler"
                 f" must be {least:.6g} to {most:.6g} mm long",
                 key="linkage",
             )
 
     @cached_property
     def _start_bend(self) -> float:
-        """beta at motion 0 [rad]: the lever's direction from that of the second shaft."""
+        """beta at motion 0 [rad]: the lever's direction, measured from that of the second shaft."""
         return self.lever_angle - cmath.phase(self.shaft)
 
     def _bend(self, motion: FloatArray) -> FloatArray:
@@ -98,9 +98,9 @@ class FourBar(RockerCrank):
 
     @cached_property
     def _start_gaps(self) -> tuple[float, float]:
-        """(l_a + l_b)^2 - d^2 and d^2 - (l_a - l_b)^2 [mm^2] at motion 0; 0 but for rounding is 0.
+        """(l_a + l_b)^2 - d^2 and d^2 - (l_a - l_b)^2 [mm^2] at motion 0, without rounding.
 
-        A dead centre at the start is one however its lengths are rounded.
+        A gap that is only rounding is 0: a dead centre at the start remains one.
         """
         d = float(self._distance(np.zeros(1))[0])
         total, difference = self.crank + self.coupler, abs(self.crank - self.coupler)
@@ -110,15 +110,15 @@ class FourBar(RockerCrank):
         return outer * (total + d), inner * (d + difference)
 
     def _growth(self, motion: FloatArray) -> FloatArray:
-        """d^2 less its value at motion 0 [mm^2], as a product."""
+        """d^2 minus its value at motion 0 [mm^2], as a product."""
         half = 0.5 * self.lever_sense * motion
         growth = np.sin(self._start_bend + half) * np.sin(half)
         growth *= -4.0 * self.lever * abs(self.shaft)
         return np.asarray(growth)
 
     def _pin_angle(self, motion: FloatArray) -> FloatArray:
-        """arg P (n,) [rad], continuous over any motion: of the longer of D_0 and l_c, which P turns
-        with, and less than a quarter turn.
+        """arg P (n,) [rad], continuous over any motion: that of the longer of D_0 and l_c, with
+        which P turns, plus less than a quarter turn.
         """
         bend, distance = self._bend(motion), abs(self.shaft)
         if distance > self.lever:
@@ -158,26 +158,26 @@ class FourBar(RockerCrank):
         Raises
         ------
         GeometryError
-            With key "linkage", where coupler and lever lie on one line, but for rounding.
+            With key "linkage", where coupler and lever are in line, up to rounding.
         """
         sine, cosine = self.half_angle_at(motion)
         across = self._across_lever(motion)
         if np.any(np.abs(across) <= ROUNDING * self.lever * (self.lever + self.coupler)):
             raise GeometryError(
-                "coupler and lever lie on one line: the rocker cannot move the lever",
+                "coupler and lever are in line: the rocker cannot move the lever",
                 key="linkage",
             )
         return np.asarray(0.5 * self.branch * self.lever_sense * sine * cosine / across)
 
     def _across_lever(self, motion: FloatArray) -> FloatArray:
-        """Re(conj(D) i (P - D_0)) (n,) [mm^2]: l_b l_c by the sine of their angle."""
+        """Re(conj(D) i (P - D_0)) (n,) [mm^2]: l_b l_c times the sine of their angle."""
         pin, tip = self.joints(motion)
         return dot(pin - tip, 1j * (pin - self.shaft))
 
     def locked_positions(self, low: float, high: float) -> tuple[float, ...]:
-        """See `Linkage.locked_positions`: coupler and lever lie on one line.
+        """See `Linkage.locked_positions`: coupler and lever are in line.
 
-        The crank's tip is l_c + l_b or |l_c - l_b| from the second shaft then.
+        The crank's tip is then l_c + l_b or |l_c - l_b| from the second shaft.
         """
         bends: list[float] = []
         for signed in (self.lever + self.coupler, self.lever - self.coupler):
@@ -193,8 +193,8 @@ class FourBar(RockerCrank):
         `jet` (4, n) is the demanded angle and its derivatives [rad/rad^k]; order is at least 1.
         psi is counted from motion 0, counter-clockwise positive, continuous over the motion.
 
-        With the rod D = P - T, N = Re(conj(D) i T) = l_a l_b sin(v - theta), and the derivatives of
-        |D|^2 = l_b^2:
+        With the coupler D = P - T, N = Re(conj(D) i T) = l_a l_b sin(v - theta), and the
+        derivatives of |D|^2 = l_b^2:
 
             theta'   = Re(conj(D) P') / N
             theta''  = (Re(conj(D) (P'' + theta'^2 T)) + |D'|^2) / N
@@ -212,7 +212,7 @@ class FourBar(RockerCrank):
         leverage = passed_at_rest(
             0.5 * self.branch * (sine * cosine),
             jet,
-            "crank and coupler lie on one line while the lever starts to move, the rocker's"
+            "crank and coupler are in line while the lever starts to move, the rocker's"
             " acceleration is",
         )
         arm = self.lever * np.exp(1j * (self.lever_angle + self.lever_sense * motion))
@@ -242,8 +242,8 @@ class FourBar(RockerCrank):
     def transform_bounds(self, jet: Jet, bounds: Jet) -> Jet:
         """See `Linkage.transform_bounds`.
 
-        The triangle inequality over the formulas of `transform`, with N smallest at one end of the
-        range of d, as it is concave in d^2.
+        By the triangle inequality from the formulas of `transform`; N is smallest at one end of the
+        range of d, for it is concave in d^2.
         """
         bend, reach = self._bend(jet[0]), bounds[0]
         distance = abs(self.shaft)
@@ -280,8 +280,8 @@ class FourBar(RockerCrank):
         return self._motions(bends, low, high)
 
     def _bends(self, arm: float, reach: float) -> tuple[float, ...]:
-        """Angles [rad] from the direction of the second shaft to an `arm` [mm] on it whose end has
-        the distance `reach` [mm] from the rocker shaft; none if the shafts are one.
+        """Angles [rad] from the direction of the second shaft to an `arm` [mm] on it whose end is
+        `reach` [mm] from the rocker shaft; none if the shafts coincide.
         """
         distance = abs(self.shaft)
         # |D_0|, arm and reach make a triangle; half its outer angle at D_0, no cancellation
@@ -295,7 +295,7 @@ class FourBar(RockerCrank):
     def _motions(
         self, bends: tuple[float, ...] | list[float], low: float, high: float
     ) -> tuple[float, ...]:
-        """The motions in [low, high] [rad] at which beta is one of `bends`, turns apart."""
+        """The motions in [low, high] [rad] at which beta is one of `bends`, up to whole turns."""
         angles = [self.lever_sense * (bend - self._start_bend) for bend in bends]
         return within(angles, low, high)
 

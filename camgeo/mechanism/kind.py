@@ -1,7 +1,7 @@
 """What a kind of follower or linkage declares: its name, the keys of its table, how it is built.
 
-A declaration imports nothing that computes; what it builds is imported when it is built. Rooms
-that read scenes know kinds by their declarations alone.
+A declaration imports nothing that computes; what it builds is imported when it is built. What reads
+scenes knows kinds by their declarations alone.
 """
 
 from __future__ import annotations
@@ -15,19 +15,19 @@ if TYPE_CHECKING:
     from camgeo.mechanism.values import Values
 
 Unit = Literal["mm", "rad"]
-"""Of a lift or of a demanded position."""
+"""Unit of a lift or of a demanded position."""
 
 Touching = Literal["roller", "face"]
-"""What of a follower touches the cam."""
+"""The part of a follower that touches the cam."""
 
 Mover = Literal["follower", "rocker"]
-"""What of a follower moves."""
+"""The part of a follower that moves."""
 
 UNIT_OF: Final[Mapping[Member, Unit]] = {"slider": "mm", "lever": "rad", "crank": "rad"}
-"""Of the positions of a linkage's far end."""
+"""Unit of the positions of a linkage's far end."""
 
 Rule = Callable[[Mapping[str, Any]], Iterator[tuple[str, str]]]
-"""The key at fault in a table and why; a value that is known to be wrong is missing in it."""
+"""Yields the keys at fault in a table and why; values known to be wrong are left out of it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,20 +36,20 @@ class FollowerKind:
 
     Attributes
     ----------
-    name : in scenes.
-    told : what it is, a sentence.
+    name : as scenes write it.
+    description : what it is, in a sentence.
     unit : of its lift.
-    touching : what touches the cam.
+    touching : the part that touches the cam.
     schema : JSON Schema of its table, without its kind.
-    build : the follower of a table.
-    build_return : the second roller of a conjugate pair, of the main follower and the table
-        [follower.return]; None if there is none for this kind.
-    sizes : keys of the lengths that a tolerance is held against, those of tables in it with a dot.
-    rules : what its keys have to do with each other.
+    build : makes the follower of a table.
+    build_return : the second roller of a conjugate pair, from the main follower and the table
+        [follower.return]; None if this kind has none.
+    sizes : keys of the lengths that a tolerance is compared with; nested ones with a dot.
+    rules : conditions that relate its keys.
     """
 
     name: str
-    told: str
+    description: str
     unit: Unit
     touching: Touching
     schema: Mapping[str, Any]
@@ -65,16 +65,16 @@ class LinkageKind:
 
     Attributes
     ----------
-    name : in scenes.
-    told : what it is, a sentence or two.
-    members : whose motion is demanded, for the units of lift of the followers that it drives.
+    name : as scenes write it.
+    description : what it is, in a sentence or two.
+    members : whose motion is demanded, by the unit of lift of the follower that it drives.
     schema : JSON Schema of its table, without its kind.
-    build : the linkage of a table, for a follower whose lift has that unit.
-    templates : names of the scenes that `camgeo new` has of it.
+    build : makes the linkage of a table, for a follower whose lift has that unit.
+    templates : names of the scenes with it that `camgeo new` writes.
     """
 
     name: str
-    told: str
+    description: str
     members: Mapping[Unit, Member]
     schema: Mapping[str, Any]
     build: Callable[[Values, Unit], Linkage]

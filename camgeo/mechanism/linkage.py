@@ -1,4 +1,4 @@
-"""A linkage in front of the follower: a motion made from another motion, by the chain rule."""
+"""A linkage ahead of the follower: a motion derived from another by the chain rule."""
 
 from __future__ import annotations
 
@@ -20,20 +20,20 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class LinkedMotion:
-    """The follower's motion behind a linkage whose far end makes the demanded motion.
+    """The follower's motion, given the motion demanded of the far end of its linkage.
 
     Attributes
     ----------
-    demanded : the motion of the linkage's far end [mm or rad, as `Linkage.unit` says].
-    linkage : what turns it into the follower's own: a rocker's angle [rad], counter-clockwise
+    demanded : the motion of the linkage's far end [mm or rad, see `Linkage.unit`].
+    linkage : turns it into the follower's own motion: a rocker's angle [rad], counter-clockwise
         positive, or a stroke [mm].
 
     Raises
     ------
     GeometryError
-        With key "motion" or "linkage", if it is none; with "linkage" also if the linkage does not
-        close somewhere in the turn; it names each range
-        of cam angles, the missing length, and what would close it.
+        With key "motion" or "linkage", if the value is no such thing; with "linkage" also if the
+        linkage fails to close somewhere in the turn, with each range of cam angles, the missing
+        length, and what would close it.
     """
 
     demanded: Motion
@@ -50,10 +50,10 @@ class LinkedMotion:
         raise GeometryError(why_open(self.linkage, self.demanded), key="linkage")
 
     def tightest(self, within: tuple[float, float] | None = None) -> tuple[float, float]:
-        """The position [mm or rad] nearest to a dead centre, or beyond it, and what is missing.
+        """The position [mm or rad] nearest to a dead centre, or farthest beyond it, and the missing
+        length there [mm], negative if there is some to spare.
 
-        The missing length [mm] is negative where there is some to spare. `within` is the range of
-        the demanded motion, if it is known.
+        `within` is the range of the demanded motion, if it is already known.
         """
         low, high = lift_range(self.demanded) if within is None else within
         positions = np.array([low, high, *self.linkage.turning_positions(low, high)])

@@ -1,8 +1,8 @@
 """What a linkage is: a motion from a motion, as long as it closes.
 
 At one end of a linkage a member makes the motion that the scene demands: a slider, a lever or a
-crank. At the other end the follower is held, a rocker or a guided one, and the linkage computes its
-motion back. Positions of the demanded motion are in mm for a slider and in rad for what turns.
+crank. At the other end is the follower, on a pivot or on a guide, whose motion the linkage computes
+backwards. Positions of the demanded motion are in mm for a slider and in rad for what turns.
 """
 
 from __future__ import annotations
@@ -26,8 +26,8 @@ class Linkage(Protocol):
     crank, coupler : their lengths.
     member : whose motion is demanded.
     unit : of the demanded positions.
-    coupler_tilt : angle of the coupler to the direction that it has at position 0 as the
-        dimensions are defined [rad], in [0, pi/2].
+    coupler_tilt : angle between the coupler at position 0 and the direction that the definition of
+        the dimensions gives it [rad], in [0, pi/2].
     """
 
     @property
@@ -48,8 +48,8 @@ class Linkage(Protocol):
     def transform(self, jet: Jet, order: int = FULL_ORDER) -> Jet:
         """(order + 1, n) the follower's motion for demanded positions and derivatives `jet` (4, n).
 
-        Counted from the demanded position 0; a rocker's angle counter-clockwise positive. order is
-        at least 1. GeometryError with key "linkage" at a dead centre that is not passed at rest.
+        Measured from the demanded position 0; a rocker's angle is positive counter-clockwise.
+        order is at least 1. GeometryError with key "linkage" at a dead centre not passed at rest.
         """
 
     def transform_bounds(self, jet: Jet, bounds: Jet) -> Jet:
@@ -58,12 +58,12 @@ class Linkage(Protocol):
         """
 
     def missing_length(self, position: FloatArray) -> FloatArray:
-        """(n,) [mm] by how much the linkage misses to close; <= 0 where it closes, 0 at a dead
+        """(n,) [mm] by how much the linkage fails to close; <= 0 where it closes, 0 at a dead
         centre.
         """
 
     def turning_positions(self, low: float, high: float) -> tuple[float, ...]:
-        """The positions in [low, high] at which the missing length may turn."""
+        """The positions in [low, high] at which the missing length may have an extreme."""
 
     def dead_positions(self, low: float, high: float) -> tuple[float, ...]:
         """The positions in [low, high] at which the missing length is 0."""
@@ -72,19 +72,19 @@ class Linkage(Protocol):
         """Lengths [mm] of that member at which the linkage just closes at one position of the
         range.
 
-        If all others stay as they are: between two neighbouring ones it closes all over the
-        positions [low, high], or for none of these lengths. Empty if they are not known.
+        With all other lengths unchanged. Between two neighbouring values the linkage closes at all
+        positions in [low, high] for every length, or for none. Empty if they are not known.
         """
 
     def resized(self, size: Size, length: float) -> Linkage:
-        """The linkage with another `length` [mm] of that member, all else as it is stated.
+        """The linkage with another `length` [mm] of that member, everything else unchanged.
 
         GeometryError with key "linkage" if it does not close at position 0.
         """
 
     def joints(self, position: FloatArray) -> tuple[ComplexArray, ComplexArray]:
         """The coupler's far pin P and the crank's tip T (n,) [mm], seen from the crank's shaft with
-        the axes of the drawing of the cam.
+        axes as in the drawing of the cam.
         """
 
     def sketch(self, place: complex, outward: complex, position: float) -> MechanismSketch:
@@ -96,17 +96,17 @@ class Linkage(Protocol):
     def joint_rates(
         self, position: FloatArray, demanded: FloatArray, own: FloatArray
     ) -> tuple[ComplexArray, ComplexArray]:
-        """(2, n) first and second derivatives of P and of T, over what the rates are over.
+        """(2, n) first and second derivatives of P and of T.
 
-        The rates (2, n) are the same derivatives of the demanded coordinate and of the follower's
-        `own`.
+        With respect to the same variable as those of the demanded coordinate and of the
+        follower's `own`, both (2, n).
         """
 
     def per_follower(self, position: FloatArray) -> FloatArray:
-        """(n,) dx/dq: way of the demanded motion x a unit of the follower's coordinate q.
+        """(n,) dx/dq: change of the demanded motion x per unit of the follower's coordinate q.
 
-        The reciprocal of `transform`, from the velocities of the closed loop: it is not 0/0 in a
-        rest, and 0 at a dead centre. GeometryError with key "linkage" where the follower cannot
+        The reciprocal of `transform`, from the velocities of the closed loop: so it is not 0/0
+        at rest, and 0 at a dead centre. GeometryError with key "linkage" where the follower cannot
         move the far end, see `locked_positions`.
         """
 

@@ -1,4 +1,4 @@
-"""Oscillating flat-faced follower: a rocker with a flat face about a fixed pivot."""
+"""Oscillating flat-faced follower: a flat face on a rocker with a fixed pivot."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class OscillatingFlat(Rocking, FlatFollower):
     """Oscillating follower with a flat face.
 
     The face's direction d points from the foot of the pivot on it to the contact. chi is its angle
-    from the line pivot -> cam axis, counted on the rocker's own side m = `arm_side`:
+    from the line pivot -> cam axis, positive on the rocker's own side m = `arm_side`:
     d = exp(i (alpha + m chi)), alpha the direction of that line, and n = i m d. The face lies f
     (`face_offset`) beyond the parallel through the pivot, so that in `camgeo.mechanism.face`
 
@@ -43,14 +43,14 @@ class OscillatingFlat(Rocking, FlatFollower):
         runs through the pivot, negative if it lies towards the axis.
     arm_side : m, +1 if the face lies counter-clockwise of the line pivot -> cam axis, -1 clockwise.
     direction : +1 if a positive lift [rad] moves the face outward (F-cam), -1 inward (P-cam); None
-        if the lift is the rocker's own angle, counter-clockwise positive, as a linkage gives.
+        if the lift is the rocker's own angle, counter-clockwise positive, as behind a linkage.
     face : where the face begins and ends [mm], along d from the pivot's foot; None if it is as long
-        as it needs to be.
+        as needed.
 
     Raises
     ------
     GeometryError
-        With the key, if a value is not what it has to be; with "follower.base_radius" also if the
+        With the key of an invalid value; with "follower.base_radius" also if the
         face cannot be that far from the cam axis, with "follower.pivot" or "follower.face_offset"
         if it can be at no distance.
     """
@@ -71,7 +71,7 @@ class OscillatingFlat(Rocking, FlatFollower):
         check_fields(self, "follower.")
         l1, f = self.centre_distance, self.face_offset
         if l1 == 0.0:
-            message = "the pivot lies on the cam axis: no rocker there moves its face outward"
+            message = "the pivot lies on the cam axis, where no rocker can move its face outward"
             raise GeometryError(message, key="follower.pivot")
         if f <= -l1:
             raise GeometryError(
@@ -125,7 +125,7 @@ class OscillatingFlat(Rocking, FlatFollower):
         return self._touch(jet, rotation, 1)[0]
 
     def _touch(self, jet: Jet, rotation: int, order: int) -> tuple[Touch, FloatArray, FloatArray]:
-        """The contact, p' only for an `order` of 1, with sine and cosine of chi."""
+        """The contact, p' only if `order` is 1, and sine and cosine of chi."""
         l1, f = self.centre_distance, self.face_offset
         own, sense = self.arm_side * self.swing_sense, rotation * self.arm_side
         chi, chi1, chi2 = own * jet[:3]
@@ -152,7 +152,7 @@ class OscillatingFlat(Rocking, FlatFollower):
         """See `Follower.relative_jet`. Axes along the line pivot -> cam axis and across it.
 
         R_0 = (q + i m f) exp(i m chi) - l_1, its first part sigma m chi' q cos chi - h sin chi so
-        that a far pivot takes no digits, R_1 = sigma m p exp(i m chi) and
+        that a distant pivot costs no digits, R_1 = sigma m p exp(i m chi) and
         R_2 = (sigma m p' - i m tau p) exp(i m chi). u and v are p times sine and cosine of the
         angle between the lever, pivot -> contact, and the normal.
         """
@@ -197,7 +197,7 @@ class OscillatingFlat(Rocking, FlatFollower):
 
         Z'' = (p' - i sigma tau p) t and p' = a + b chi''' with b = l_1 w^2 cos chi and a free of
         chi'''. The rates of a, b, tau, p and of t, which turns by tau, are bounded term by term;
-        chi''' changes by no more than what it is in the middle and its bound together.
+        chi''' changes by no more than the sum of its value in the middle and its bound.
         """
         l1, f = self.centre_distance, abs(self.face_offset)
         _, x1, x2, x3 = bounds
@@ -235,14 +235,14 @@ class OscillatingFlat(Rocking, FlatFollower):
         return np.asarray(slide - rotation * self.face_offset * self.swing_sense * jet[1])
 
     def _face(self, lift: float) -> tuple[complex, complex]:
-        """The pivot's foot on the face [mm], and the way in which places count from it."""
+        """The pivot's foot on the face [mm], and the direction in which places are measured."""
         line = -self.pivot / abs(self.pivot)
         chi = self.arm_side * float(self.face_angle(np.array([lift]))[0])
         along = line * cmath.exp(1j * chi)
         return self.pivot + 1j * self.arm_side * along * self.face_offset, along
 
     def _face_line(self, lift: float, ends: tuple[float, float]) -> tuple[complex, complex]:
-        """The ends of the face [mm], which reaches to the pivot."""
+        """The ends of the face [mm], extended to the pivot's foot."""
         return face_line(*self._face(lift), (min(0.0, ends[0]), max(0.0, ends[1])))
 
     def sketch(self, lift: float, _: float, ends: tuple[float, float]) -> MechanismSketch:

@@ -1,4 +1,4 @@
-"""Oscillating roller follower: a rocker carries the roller about a fixed pivot."""
+"""Oscillating roller follower: a roller on a rocker with a fixed pivot."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from camgeo.numeric.checked import check_fields
 class OscillatingRoller(Rocking, WithRoller):
     """Oscillating roller follower (Wirsig eqs. 2.43 to 2.52).
 
-    The rocker's angle chi is counted counter-clockwise from the line pivot -> cam axis:
+    The rocker's angle chi is measured counter-clockwise from the line pivot -> cam axis:
     chi = h psi_G + (its swing), h = `arm_side`, with psi_G in (0, pi) from the triangle of l_1
     (pivot to cam axis), l_3 (`arm`) and r_G; W = exp(i alpha) (l_3 exp(i chi) - l_1), alpha the
     direction of that line.
@@ -36,12 +36,12 @@ class OscillatingRoller(Rocking, WithRoller):
     roller_radius : r_R [mm].
     arm_side : h, +1 if the arm lies counter-clockwise of the line pivot -> cam axis, -1 clockwise.
     direction : +1 if a positive lift [rad] moves the roller outward (F-cam), -1 inward (P-cam);
-        None if the lift is the rocker's own angle, counter-clockwise positive, as a linkage gives.
+        None if the lift is the rocker's own angle, counter-clockwise positive, as behind a linkage.
 
     Raises
     ------
     GeometryError
-        With the key, if a value is not what it has to be; with "follower.base_radius" also if the
+        With the key of an invalid value; with "follower.base_radius" also if the
         triangle cannot close, or closes only stretched out.
     """
 
@@ -97,9 +97,9 @@ class OscillatingRoller(Rocking, WithRoller):
     def relative_jet(self, jet: Jet, rotation: int, order: int = FULL_ORDER) -> RelativeJet:
         """See `Follower.relative_jet`.
 
-        Axes along the line pivot -> cam axis and across it. The rocker carries the tip round with
-        omega = chi' - sigma, as the cam sees it: R_k = l_3 (e^{i gamma})^(k) e^{-i gamma} e^{i chi}
-        plus what turns with the cam alone, gamma = chi - sigma phi.
+        Axes along the line pivot -> cam axis and across it. Seen from the cam the rocker turns at
+        omega = chi' - sigma: R_k = l_3 (e^{i gamma})^(k) e^{-i gamma} e^{i chi}
+        plus the part that turns with the cam alone, gamma = chi - sigma phi.
         """
         l1, l3, sense = self.centre_distance, self.arm, float(self.swing_sense)
         chi = sense * jet[0]

@@ -1,4 +1,4 @@
-"""Positions of a demanded motion: where it passes them, and how they are told."""
+"""Positions of a demanded motion: where it passes them, and how messages write them."""
 
 from __future__ import annotations
 
@@ -27,13 +27,13 @@ POSITIONS: Final[dict[Member, str]] = {
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Course:
-    """A motion cut where it turns back.
+    """A motion cut where it reverses.
 
     Attributes
     ----------
     motion : the demanded motion.
     ends : (k,) cam angles [rad], ascending from 0 to a turn; between two of them the motion has one
-        formula and runs one way.
+        formula and one direction.
     at_ends : (k,) positions there [mm or rad].
     """
 
@@ -72,7 +72,7 @@ class Course:
 
 
 def course_of(motion: Motion) -> Course:
-    """`motion` with its ends."""
+    """`motion` with the cam angles at which it is cut."""
     ends = merged(np.array([0.0, *(end for _, end in pieces(motion)), *turning_angles(motion)]))
     return Course(motion, ends, np.asarray(motion.jet(ends)[0]))
 
@@ -81,16 +81,16 @@ def locked_at(linkage: Linkage, demanded: Motion) -> tuple[float, float] | None:
     """First cam angle [rad] and position [mm or rad] at which the follower cannot move the far end.
 
     There dx/dq of `Linkage.per_follower` is infinite: a mass or a load at the far end needs an
-    infinite force of the follower. None if the motion that is `demanded` of the far end keeps clear
-    of all such positions.
+    infinite force of the follower. None if the motion `demanded` of the far end stays clear of all
+    such positions.
     """
     course = course_of(demanded)
     found = linkage.locked_positions(*course.range)
     return min(((course.first_angle(each), each) for each in found), default=None)
 
 
-def position_told(linkage: Linkage, position: float) -> str:
-    """In words, a position of the demanded motion [mm or rad]."""
+def position_text(linkage: Linkage, position: float) -> str:
+    """A position of the demanded motion [mm or rad], in words."""
     if linkage.unit == "mm":
         return f"stroke {position:.6g} mm"
     return f"{POSITIONS[linkage.member]} {math.degrees(position):.6g} deg"

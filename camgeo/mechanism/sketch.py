@@ -1,4 +1,4 @@
-"""What a picture shows of a mechanism in one position: links, joints, guides, and what touches."""
+"""What a picture shows of a mechanism in one position: links, joints, guides, rollers, faces."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ class Guide:
 
     Attributes
     ----------
-    middle : a place on it [mm]; that of the slider, if there is one.
-    direction : unit.
-    block : whether a slider runs on it, instead of a rod through it.
+    middle : a point on it [mm]; that of the slider, if there is one.
+    direction : unit vector.
+    block : whether a slider runs on it, rather than a rod through it.
     """
 
     middle: complex
@@ -27,9 +27,9 @@ class MechanismSketch:
 
     Attributes
     ----------
-    links : of each moving body the points to join by a line, two or more.
+    links : for each moving body, two or more points to join by a line.
     joints : moving joints.
-    shafts : fixed joints, without the cam's.
+    shafts : fixed joints, except the cam's.
     guides : straight guides.
     rollers : centre and radius of each roller; the radius of a knife edge is 0.
     faces : start and end of each flat face.
@@ -50,7 +50,7 @@ class MechanismSketch:
 
     @property
     def points(self) -> tuple[complex, ...]:
-        """All points that a picture has to have room for."""
+        """All points that must fit into a picture."""
         ends = [point for line in (*self.links, *self.faces) for point in line]
         rims = [
             centre + radius * side for centre, radius in self.rollers for side in (1, 1j, -1, -1j)

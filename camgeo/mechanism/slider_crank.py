@@ -1,6 +1,6 @@
 """Slider-crank between the slider, whose stroke is demanded, and the rocker that follows the cam.
 
-Frame of the formulas (that of the thesis's program): the rocker shaft B_0 at the origin, the
+Frame of the formulas (as in the thesis's program): the rocker shaft B_0 at the origin, the
 slider's guide horizontal at height e_sk above it. The pin on the slider is P = -X + i e_sk with
 X = s_0 + eps_s s, positive X to the left; the crank tip is T = l_sk exp(i theta), |P - T| = l_4.
 """
@@ -58,7 +58,7 @@ class SliderCrank(RockerCrank):
     Raises
     ------
     GeometryError
-        With the key, if a value is not what it has to be; with "linkage", if the linkage does not
+        With the key of an invalid value; with "linkage", if the linkage does not
         close at stroke 0.
     """
 
@@ -77,7 +77,7 @@ class SliderCrank(RockerCrank):
         gap = self.missing_length(np.zeros(1))[0]
         if gap > 0.0:
             raise GeometryError(
-                f"the linkage does not close at stroke 0: {gap:.6g} mm are missing",
+                f"the linkage does not close at stroke 0: it misses by {gap:.6g} mm",
                 key="linkage",
             )
 
@@ -97,8 +97,8 @@ class SliderCrank(RockerCrank):
     def coupler_angle(self) -> float:
         """Angle of the coupler, tip to pin, at stroke 0 [rad]; 0 or pi if parallel to the guide.
 
-        The dimensions are defined by a coupler parallel to the guide at stroke 0; if it is not, the
-        other branch was meant.
+        The dimensions are defined for a coupler parallel to the guide at stroke 0; if it is not,
+        the other branch was meant.
         """
         pin = -self.start_position + 1j * self.guide_height
         tip = self.crank * complex(math.cos(self.start_angle), math.sin(self.start_angle))
@@ -106,7 +106,7 @@ class SliderCrank(RockerCrank):
 
     @cached_property
     def dead_strokes(self) -> tuple[float, ...]:
-        """The strokes [mm] at which crank and coupler lie on one line."""
+        """The strokes [mm] at which crank and coupler are in line."""
         return tuple(
             self.stroke_direction * (x - self.start_position)
             for reach in (self.crank + self.coupler, abs(self.crank - self.coupler))
@@ -137,7 +137,7 @@ class SliderCrank(RockerCrank):
 
     @cached_property
     def _start_gaps(self) -> tuple[float, float]:
-        """(l_sk + l_4)^2 - d^2 and d^2 - (l_sk - l_4)^2 [mm^2] at stroke 0, tiny where they are."""
+        """(l_sk + l_4)^2 - d^2 and d^2 - (l_sk - l_4)^2 [mm^2] at stroke 0, accurate where tiny."""
         lean = -self.deflection if self.leans_away else self.deflection
         outer = math.sin(0.5 * (0.5 * math.pi - lean))
         inner = math.sin(0.5 * (0.5 * math.pi + lean))
@@ -145,7 +145,7 @@ class SliderCrank(RockerCrank):
         return product * outer * outer, product * inner * inner
 
     def _growth(self, stroke: FloatArray) -> FloatArray:
-        """d^2 less its value at stroke 0 [mm^2]."""
+        """d^2 minus its value at stroke 0 [mm^2]."""
         return np.asarray(stroke * (2.0 * self.stroke_direction * self.start_position + stroke))
 
     def transform(self, jet: Jet, order: int = FULL_ORDER) -> Jet:
@@ -153,7 +153,7 @@ class SliderCrank(RockerCrank):
 
         `jet` (4, n) is the slider's stroke and its derivatives [mm/rad^k]; order is at least 1.
 
-        psi is counted from stroke 0, counter-clockwise positive, in (-pi, pi].
+        psi is measured from stroke 0, counter-clockwise positive, in (-pi, pi].
 
         Raises
         ------
@@ -177,12 +177,12 @@ class SliderCrank(RockerCrank):
         cosine = height * cross - x * versor
         sine = height * versor + x * cross
         cos_v = (-1.0 / coupler) * x - (crank / coupler) * cosine
-        # cos(v - theta) by the law of cosines, sin(v - theta) from the triangle's area.
+        # cos(v - theta) from the law of cosines, sin(v - theta) from the triangle's area.
         cos_between = cos_v * cosine + (height / coupler - (crank / coupler) * sine) * sine
         leverage = passed_at_rest(
             (self.branch / (2.0 * crank * coupler)) * product,
             jet,
-            "crank and coupler lie on one line while the slider starts to move, the rocker's"
+            "crank and coupler are in line while the slider starts to move, the rocker's"
             " acceleration is",
         )
         p1 = jet[1]
@@ -219,8 +219,8 @@ class SliderCrank(RockerCrank):
         """(4, n) bounds for psi of what `Motion.jet_and_bounds` bounds for the stroke.
 
         `jet` is the stroke in the middle of each cell. Infinite where a cell may touch a dead
-        centre. The triangle inequality over the formulas of `transform`, with |sin(v - theta)|
-        smallest at one end of the range of d, as it is concave in d^2.
+        centre. By the triangle inequality from the formulas of `transform`; |sin(v - theta)| is
+        smallest at one end of the range of d, for it is concave in d^2.
         """
         x = self.start_position + self.stroke_direction * jet[0]
         nearest = np.maximum(np.abs(x) - bounds[0], 0.0)
@@ -243,10 +243,10 @@ class SliderCrank(RockerCrank):
 
     @property
     def slider_sense(self) -> int:
-        """Sense of x in which a positive stroke moves the slider in the drawing of the cam.
+        """Sign of the slider's displacement along x, in the drawing of the cam, per stroke.
 
-        The frame of the formulas is the drawing with the origin in the rocker shaft; a `mirrored`
-        linkage is seen from behind, left and right changed there.
+        The frame of the formulas is the drawing with its origin in the rocker shaft; a `mirrored`
+        linkage is seen from behind, with left and right exchanged.
         """
         return self.stroke_direction if self.mirrored else -self.stroke_direction
 
@@ -288,37 +288,37 @@ class SliderCrank(RockerCrank):
         Raises
         ------
         GeometryError
-            With key "linkage", where the coupler stands across the guide, cos v = 0 but for
+            With key "linkage", where the coupler is square to the guide, cos v = 0 up to
             rounding, see `locked_positions`.
         """
         x, _ = self.pin(stroke)
         across = -x - self.crank * np.cos(self.crank_angle(stroke))  # l_4 cos v
         if np.any(np.abs(across) <= self._rounding):
             raise GeometryError(
-                "the coupler stands across the guide: the rocker cannot move the slider",
+                "the coupler is square to the guide: the rocker cannot move the slider",
                 key="linkage",
             )
-        # 2 l_sk l_4 sin(v - theta) is the product, its sign the branch's.
+        # The product is 2 l_sk l_4 sin(v - theta) in magnitude; the branch gives its sign.
         product = np.multiply(*self.half_angle_at(stroke))
         slide = -0.5 * self.stroke_direction * self.branch * product / across
         return np.asarray(-slide if self.mirrored else slide)
 
     def locked_positions(self, low: float, high: float) -> tuple[float, ...]:
-        """See `Linkage.locked_positions`: the strokes [mm] with the coupler across the guide.
+        """See `Linkage.locked_positions`: the strokes [mm] with the coupler square to the guide.
 
-        Then the pin is above or below the crank's tip, Im T = e_sk -+ l_4: however hard the rocker
-        pushes, it cannot move the slider.
+        There the pin is right above or below the crank's tip, Im T = e_sk -+ l_4: however hard the
+        rocker pushes, it cannot move the slider.
         """
         low, high = low - self._rounding, high + self._rounding
         return tuple(each for each in self._across_strokes() if low <= each <= high)
 
     @property
     def _rounding(self) -> float:
-        """What is left of a length [mm] that vanishes."""
+        """The size [mm] up to which a length counts as zero."""
         return ROUNDING * (self.crank + self.coupler)
 
     def _across_strokes(self) -> list[float]:
-        """The strokes [mm] at which, on this branch, the coupler stands across the guide."""
+        """The strokes [mm] at which, on this branch, the coupler is square to the guide."""
         # The tip (-x, e_sk - down) is clockwise of the pin (-x, e_sk) where x and `down` have
         # opposite signs.
         return [

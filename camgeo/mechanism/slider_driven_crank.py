@@ -1,4 +1,4 @@
-"""The slider-crank the other way round: the crank's angle is demanded, the cam drives the slider.
+"""The slider-crank the other way round: the cam drives the slider, the crank's angle is demanded.
 
 Frame as in `camgeo.mechanism.slider_crank`: crank shaft at the origin, pin P = -X + i e_sk,
 X = s_0 + eps_s s, tip T = l_sk exp(i theta), |P - T| = l_4.
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from camgeo.mechanism.linkage_protocol import Size
 
 PARALLEL = 1e-9
-"""Sine of the coupler's angle to the guide at stroke 0 up to which it counts as parallel."""
+"""Largest sine of the coupler's angle to the guide at stroke 0 that counts as parallel."""
 
 
 @dataclass(frozen=True)
@@ -44,17 +44,17 @@ class SliderDrivenCrank:
 
     Attributes
     ----------
-    inner : the same linkage, computed from the stroke to the angle; the crank's angle psi and the
-        slider's stroke s of the two belong to each other.
+    inner : the same linkage, computed from stroke to angle; the crank's angle psi and the slider's
+        stroke s are those of both.
 
-    Of the two strokes that close the loop it is the one with the coupler on the side of the guide
-    on which it is at angle 0, so that cos v keeps its sign.
+    Of the two strokes that close the loop it takes the one with the coupler on the same side as at
+    angle 0, so that cos v keeps its sign.
 
     Raises
     ------
     GeometryError
-        With key "linkage", if the coupler stands across the guide at angle 0: a dead centre, the
-        slider could go either way.
+        With key "linkage", if the coupler is square to the guide at angle 0: a dead centre, from
+        which the slider could go either way.
     """
 
     member: ClassVar[Literal["crank"]] = "crank"
@@ -67,7 +67,7 @@ class SliderDrivenCrank:
         drop = float(self._drop(np.zeros(1))[0])
         if self.coupler - abs(drop) <= ROUNDING * (self.crank + self.coupler):
             raise GeometryError(
-                "dead centre at stroke 0: the coupler stands across the guide of the slider",
+                "dead centre at stroke 0: the coupler is square to the guide of the slider",
                 key="linkage",
             )
 
@@ -83,12 +83,12 @@ class SliderDrivenCrank:
 
     @cached_property
     def side(self) -> int:
-        """Sign of cos v, v the angle of the coupler from tip to pin: it stays."""
+        """Sign of cos v, v the angle of the coupler from tip to pin; it never changes."""
         return 1 if math.cos(self.inner.coupler_angle) > 0.0 else -1
 
     @property
     def _sense(self) -> float:
-        """Of theta for a positive psi."""
+        """Sense of theta for a positive psi."""
         return -1.0 if self.inner.mirrored else 1.0
 
     def _theta(self, angle: FloatArray) -> FloatArray:
@@ -96,7 +96,7 @@ class SliderDrivenCrank:
         return theta
 
     def _drop(self, angle: FloatArray) -> FloatArray:
-        """(n,) [mm] height of the guide over the crank's tip, l_4 sin v."""
+        """(n,) [mm] height of the guide above the crank's tip, l_4 sin v."""
         drop: FloatArray = self.inner.guide_height - self.crank * np.sin(self._theta(angle))
         return drop
 
@@ -105,7 +105,7 @@ class SliderDrivenCrank:
         return np.abs(self._drop(angle)) - self.coupler
 
     def _along(self, drop: FloatArray) -> FloatArray:
-        """(n,) [mm] part of the coupler along the guide, l_4 cos v; 0 at a dead centre."""
+        """(n,) [mm] component of the coupler along the guide, l_4 cos v; 0 at a dead centre."""
         coupler = self.coupler
         return self.side * np.sqrt(np.maximum((coupler - drop) * (coupler + drop), 0.0))
 
@@ -116,10 +116,10 @@ class SliderDrivenCrank:
         return float(drop[0]), float(self._along(drop)[0])
 
     def _way(self, angle: FloatArray, drop: FloatArray, along: FloatArray) -> FloatArray:
-        """Re P (n,) [mm] less what it is at angle 0, to its own last digits.
+        """Re P (n,) [mm] minus its value at angle 0, accurate to its own last digits.
 
-        The differences of cosines and sines of theta are products, and that of l_4 cos v is the one
-        of its square, (l_4 sin v)^2, over the sum: nothing is left of a long coupler.
+        The differences of cosines and sines of theta are written as products, and that of l_4 cos v
+        as the difference of (l_4 sin v)^2 over a sum, so that a long coupler cancels out.
         """
         start_drop, start_along = self._start
         half = 0.5 * self._sense * angle
@@ -174,24 +174,24 @@ class SliderDrivenCrank:
         Raises
         ------
         GeometryError
-            With key "linkage", where crank and coupler lie on one line, but for rounding.
+            With key "linkage", where crank and coupler are in line, up to rounding.
         """
         across = self._across_crank(angle)
         if np.any(np.abs(across) <= ROUNDING * self.crank * (self.crank + self.coupler)):
             raise GeometryError(
-                "crank and coupler lie on one line: the slider cannot turn the crank",
+                "crank and coupler are in line: the slider cannot turn the crank",
                 key="linkage",
             )
         turned = -self.inner.stroke_direction * self._sense
         return np.asarray(turned * self._along(self._drop(angle)) / across)
 
     def _across_crank(self, angle: FloatArray) -> FloatArray:
-        """Re(conj(D) i T) (n,) [mm^2]: l_sk l_4 by the sine of their angle."""
+        """Re(conj(D) i T) (n,) [mm^2]: l_sk l_4 times the sine of their angle."""
         tip, drop = self.crank * np.exp(1j * self._theta(angle)), self._drop(angle)
         return dot(self._along(drop) + 1j * drop, 1j * tip)
 
     def locked_positions(self, low: float, high: float) -> tuple[float, ...]:
-        """See `Linkage.locked_positions`: crank and coupler lie on one line."""
+        """See `Linkage.locked_positions`: crank and coupler are in line."""
         thetas: list[float] = []
         for signed in (self.crank + self.coupler, self.crank - self.coupler):
             ahead = 0.0 if signed > 0.0 else math.pi  # the tip towards the pin, or opposite
@@ -205,7 +205,7 @@ class SliderDrivenCrank:
 
         `jet` (4, n) is the demanded angle and its derivatives [rad/rad^k]; order is at least 1.
 
-        With the rod D = P - T, P' = p' real, and the derivatives of |D|^2 = l_4^2:
+        With the coupler D = P - T, P' = p' real, and the derivatives of |D|^2 = l_4^2:
 
             p'   = Re(conj(D) T') / Re D
             p''  = (Re(conj(D) T'') - |D'|^2) / Re D
@@ -225,7 +225,7 @@ class SliderDrivenCrank:
         below = passed_at_rest(
             along,
             jet,
-            "the coupler stands across the guide while the crank moves, the slider's velocity is",
+            "the coupler is square to the guide while the crank moves, the slider's velocity is",
         )
         out = np.empty((order + 1, jet.shape[1]))
         out[0] = self._way(angle, drop, along)
@@ -266,11 +266,11 @@ class SliderDrivenCrank:
         return where_bounded((way, p1, p2, p3), bounds)
 
     def turning_positions(self, low: float, high: float) -> tuple[float, ...]:
-        """See `Linkage.turning_positions`: where the crank stands across the guide."""
+        """See `Linkage.turning_positions`: where the crank is square to the guide."""
         return self._angles((0.5 * math.pi, -0.5 * math.pi), low, high)
 
     def dead_positions(self, low: float, high: float) -> tuple[float, ...]:
-        """See `Linkage.dead_positions`: the coupler stands across the guide."""
+        """See `Linkage.dead_positions`: the coupler is square to the guide."""
         found: list[float] = []
         for down in (self.coupler, -self.coupler):
             found += _rising(self.inner.guide_height - down, self.crank)
@@ -279,7 +279,7 @@ class SliderDrivenCrank:
     def _angles(
         self, thetas: tuple[float, ...] | list[float], low: float, high: float
     ) -> tuple[float, ...]:
-        """The angles in [low, high] [rad] at which theta is one of `thetas`, turns apart."""
+        """The angles in [low, high] [rad] at which theta is one of `thetas`, up to whole turns."""
         return within([self._sense * (each - self.inner.start_angle) for each in thetas], low, high)
 
     def size_limits(self, size: Size, low: float, high: float) -> tuple[float, ...]:

@@ -1,22 +1,22 @@
 """Crank and slotted lever: the crank's pin runs in the slot of a lever with an axis of its own.
 
 The inversion of the slider-crank in which the guide turns: it swings in a shaper, and turns round
-in a Whitworth quick return. The crank of radius R turns about A_0, the lever about C at the
-distance a, beta = a/R. theta is the
-crank's angle from the direction A_0 -> C; phi is the lever's angle, that of the line C -> pin from
-the direction C -> A_0, counted the other way round: clockwise where theta is counter-clockwise.
+in a Whitworth quick return. The crank of radius R turns about A_0, the lever about C at a distance
+a, beta = a/R. theta is the angle of the crank from the direction A_0 -> C; phi is the angle of the
+lever, that of the line C -> pin from the direction C -> A_0, measured in the opposite sense:
+clockwise where theta is counter-clockwise.
 With s = sin(theta/2), shares p = R/(a + R), q = a/(a + R) and d = (a - R)/(a + R) = q - p
 
     phi   = atan2(p sin theta, q - p cos theta)
     phi'  = p (q cos theta - p)/N,    N = d^2 + 4 p q s^2
     phi'' = -p q d sin theta/N^2,
 
-which are the equations (1) to (3) of the SAM exercise on the slotted lever divided by the crank's
-speed. Of two nearly equal lengths a - R is exact, and near theta = 0 so are the differences
-q cos theta - p = d - 2 q s^2 and q - p cos theta = d + 2 p s^2: nothing else is lost there.
+which are equations (1) to (3) of the SAM exercise divided by the crank's speed. For nearly equal
+lengths a - R is exact, and near theta = 0 so are the differences q cos theta - p = d - 2 q s^2 and
+q - p cos theta = d + 2 p s^2: nothing else loses digits there.
 
-a > R: the lever swings. a < R: it turns with the crank. a = R: phi = pi/2 - theta/2, and at theta =
-0 the pin lies in the lever's axis, where phi has no value.
+a > R: the lever swings. a < R: it turns round with the crank. a = R: phi = pi/2 - theta/2, and at
+theta = 0 the pin is on the lever's axis, where phi is undefined.
 """
 
 from __future__ import annotations
@@ -33,8 +33,8 @@ from camgeo.numeric.checked import check_fields
 from camgeo.numeric.extremes import Extreme, Extremes
 
 NEAR = 0.5
-"""Above this cosine the differences are taken by the half angle, below as they stand: either way
-no term is more than twice the result where a and R are nearly equal, or far apart."""
+"""Above this cosine the differences are taken by the half angle, below it directly: either way no
+term exceeds twice the result, whether a and R are nearly equal or far apart."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,22 +69,22 @@ class SlottedLever:
         return self.distance > self.crank
 
     def angle(self, theta: FloatArray) -> FloatArray:
-        """phi (n,) [rad] at the crank angles `theta` (n,) [rad], without jumps over any turns.
+        """phi (n,) [rad] at the crank angles `theta` (n,) [rad], continuous over all turns.
 
-        In (-pi/2, pi/2) for a lever that swings. A lever that turns loses a turn with every one of
+        In (-pi/2, pi/2) for a lever that swings. A lever that turns round loses a turn with each of
         the crank, and half a turn if a = R; over the first it runs from pi (pi/2) to -pi (-pi/2).
 
         Raises
         ------
         GeometryError
-            Where the pin lies in the lever's axis (a = R, theta a multiple of 2 pi), or a crank
-            angle is no number.
+            Where the pin is on the lever's axis (a = R, theta a multiple of 2 pi), or a crank angle
+            is not a finite number.
         """
         theta, half = self._angles(theta)
         p, q, d = self._shares()
-        sine, cosine = np.sin(theta) + 0.0, np.cos(theta)  # no -0, which is on the other side
+        sine, cosine = np.sin(theta) + 0.0, np.cos(theta)  # no -0, which would be on the other side
         if d == 0.0:
-            # Between 0 and 2 pi the arc cotangent is the angle; past them it is the same line's.
+            # Between 0 and 2 pi the arc cotangent is the angle; beyond, that of the same line.
             line = np.arctan(np.cos(0.5 * theta) / half)
             line += math.pi * np.rint((0.5 * (math.pi - theta) - line) / math.pi)
             return np.asarray(line)
@@ -106,7 +106,7 @@ class SlottedLever:
         return np.asarray(p * lead / self._square(half))
 
     def acceleration(self, theta: FloatArray) -> FloatArray:
-        """phi'' = eps_2/omega_0^2 (n,) [rad/rad^2] for a crank that turns evenly.
+        """phi'' = eps_2/omega_0^2 (n,) [rad/rad^2] at a constant crank speed.
 
         `theta` (n,) [rad]; raises as `angle` does.
         """
@@ -118,7 +118,7 @@ class SlottedLever:
         return np.asarray(-p * q * d * np.sin(theta) / (square * square))
 
     def in_time(self, theta: FloatArray, speed: float) -> FloatArray:
-        """(3, n): phi [rad], omega_2 [rad/s], eps_2 [rad/s^2] for a crank of even `speed` [rad/s].
+        """(3, n): phi [rad], omega_2 [rad/s], eps_2 [rad/s^2] at a constant crank `speed` [rad/s].
 
         `theta` (n,) [rad]; raises as `angle` does.
         """
@@ -145,9 +145,9 @@ class SlottedLever:
 
     @property
     def velocity_extremes(self) -> Extremes:
-        """Smallest and largest phi' [rad/rad]: at theta = pi -1/(beta + 1), at 0 1/(beta - 1).
+        """Smallest and largest phi' [rad/rad]: -1/(beta + 1) at theta = pi, 1/(beta - 1) at 0.
 
-        The one at 0 is the smallest of all for a lever that turns. All alike for a = R.
+        For a lever that turns round the one at 0 is the smallest. Both are the same for a = R.
         """
         difference = self.distance - self.crank
         far = Extreme(-self.crank / (self.distance + self.crank), math.pi)
@@ -160,8 +160,8 @@ class SlottedLever:
     def largest_acceleration(self) -> Extreme:
         """phi'' [rad/rad^2] of the largest magnitude, with theta in (0, pi] [rad].
 
-        Negative for a lever that swings, positive for one that turns; at -theta it has the other
-        sign. 0 for a = R.
+        Negative for a lever that swings, positive for one that turns round; at -theta the sign is
+        opposite. 0 for a = R.
 
         cos theta is the root of 2 beta c^2 + (beta^2 + 1) c - 4 beta; written for s^2, the same
         root is d^2/(B + 4 p q + sqrt(B^2 + 32 p^2 q^2)), B = p^2 + q^2, in which nothing cancels.
@@ -175,7 +175,7 @@ class SlottedLever:
         )
         theta = 2.0 * math.asin(half)
         square = d * d + 4.0 * product * half * half
-        # By the sine of the half angle itself, so that no digit of a tiny theta is lost.
+        # From the sine of the half angle itself, so that a tiny theta keeps all its digits.
         sine = 2.0 * half * math.sqrt((1.0 - half) * (1.0 + half))
         return Extreme(-product * d * sine / (square * square), theta)
 
@@ -194,7 +194,7 @@ class SlottedLever:
 
     def _shares(self) -> tuple[float, float, float]:
         """p, q, d, see the module."""
-        total = 0.5 * self.distance + 0.5 * self.crank  # half of it: no overflow
+        total = 0.5 * self.distance + 0.5 * self.crank  # halved against overflow
         return (
             0.5 * self.crank / total,
             0.5 * self.distance / total,
@@ -207,16 +207,16 @@ class SlottedLever:
         return np.asarray(d * d + 4.0 * p * q * half * half)
 
     def _angles(self, theta: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """`theta` as an array, and sin(theta/2); never where phi has no value."""
+        """`theta` as an array, and sin(theta/2); raises where phi is undefined."""
         theta = np.atleast_1d(np.asarray(theta, dtype=np.float64))
         if not np.all(np.isfinite(theta)):
             raise GeometryError("crank angles must be finite numbers")
         half = np.sin(0.5 * theta)
-        # A multiple of 2 pi comes rounded, from degrees twice: by two spacings at most.
+        # A multiple of 2 pi, converted from degrees, is rounded twice: by two spacings at most.
         if self.distance == self.crank and np.any(np.abs(half) <= np.spacing(np.abs(theta))):
             raise GeometryError(
-                "the crank is as long as the distance of the axes, and at a crank angle of 0 its"
-                " pin lies in the axis of the lever: the lever's angle is undefined there",
+                "the crank is as long as the distance between the axes: at a crank angle of 0 its"
+                " pin is on the axis of the lever, whose angle is undefined there",
                 key="distance",
                 value=f"{self.distance:g}",
             )
@@ -225,7 +225,7 @@ class SlottedLever:
     def _must_swing(self, what: str) -> None:
         if not self.swings:
             raise GeometryError(
-                f"there is {what}: the lever turns round, for the distance of the axes,"
+                f"there is {what}: the lever turns round, because the distance between the axes,"
                 f" {self.distance:g} mm, does not exceed the crank, {self.crank:g} mm",
                 key="distance",
                 value=f"{self.distance:g}",

@@ -1,8 +1,8 @@
 """A slotted lever whose crank turns at constant speed: motion in time, extremes, strokes, table.
 
-All angles are counted the way round that the crank turns, as the table and the text of the SAM
-exercise count them. `camgeo.mechanism.slotted_lever` counts the lever's angle the other way round,
-as equation (1) of the exercise does: here phi, omega_2 and eps_2 are the negatives of its values.
+All angles are positive in the sense in which the crank turns, as in the table and the text of the
+SAM exercise. `camgeo.mechanism.slotted_lever` takes the lever's angle in the opposite sense, as
+equation (1) of the exercise does: here phi, omega_2 and eps_2 are the negatives of its values.
 """
 
 from __future__ import annotations
@@ -35,10 +35,10 @@ PRINTED_STEP: Final = Decimal(1)
 """The step of the exercise's table [deg]."""
 
 PRINTED_DECIMALS: Final = 3
-"""Decimals of all its columns but the crank angle."""
+"""Decimals in all its columns except the crank angle."""
 
 MOST_DECIMALS: Final = 12
-"""Of a step and of the ends of a table."""
+"""Most decimals of a step and of the ends of a table."""
 
 FULL_TURN: Final = Decimal(360)
 
@@ -82,18 +82,18 @@ class Stroke:
 
 @dataclass(frozen=True, slots=True)
 class DrivenLever:
-    """A slotted lever and the even speed of its crank.
+    """A slotted lever and the constant speed of its crank.
 
     Attributes
     ----------
-    lever : its lengths.
+    lever : the mechanism.
     speed : omega_0 [rad/s], positive.
 
     Raises
     ------
     GeometryError
-        With key "speed", if that is not a positive number, or so large that a velocity or an
-        acceleration exceeds what a double holds.
+        With key "speed", if that is not a positive number, or is so large that a velocity or an
+        acceleration overflows.
     """
 
     lever: SlottedLever
@@ -108,8 +108,8 @@ class DrivenLever:
         )
         if not all(math.isfinite(value) for value in largest):
             raise GeometryError(
-                "with this speed a time, a velocity or an acceleration of the lever is too large"
-                " for a number",
+                "at this speed a time, a velocity or an acceleration of the lever is too large for"
+                " a floating-point number",
                 key="speed",
                 value=f"{self.speed:g}",
             )
@@ -125,7 +125,7 @@ class DrivenLever:
         Raises
         ------
         GeometryError
-            Where phi has no value, or a crank angle is no number: see `SlottedLever.angle`.
+            Where phi is undefined, or a crank angle is not finite: see `SlottedLever.angle`.
         """
         return np.asarray(0.0 - self.lever.in_time(theta, self.speed))
 
@@ -133,8 +133,8 @@ class DrivenLever:
     def extremes(self) -> tuple[LeverExtreme, ...]:
         """All extremes of one turn: angle, velocity, acceleration, each by ascending crank angle.
 
-        No angle for a lever that turns round. None at all for a = R, where the velocity is the same
-        everywhere, half the crank's, and the acceleration 0.
+        No angle for a lever that turns round. None at all for a = R, where the velocity is half the
+        crank's throughout, and the acceleration 0.
         """
         lever, speed = self.lever, self.speed
         if lever.crank == lever.distance:
@@ -144,7 +144,7 @@ class DrivenLever:
             angle = lever.largest_angle
             found += self._pair("angle", -angle.value, angle.place)
         velocities = lever.velocity_extremes
-        # The smallest phi' is the largest omega_2: the sense of counting is the other one.
+        # The smallest phi' is the largest omega_2, for the sense of the angles is opposite.
         at_ends = [
             self._extreme(
                 "velocity", True, -speed * velocities.lowest.value, velocities.lowest.place
@@ -177,7 +177,7 @@ class DrivenLever:
     def _extreme(
         self, quantity: Quantity, largest: bool, value: float, theta: float
     ) -> LeverExtreme:
-        # sin pi is no zero in doubles, the lever's angle there is.
+        # sin(pi) is not zero in floating point, but the lever's angle there is.
         angle = 0.0 if theta == math.pi else float(self.output(np.array([theta]))[0, 0])
         if quantity == "angle":
             angle = value
@@ -187,18 +187,18 @@ class DrivenLever:
 def crank_for_swing(distance: float, swing: float) -> float:
     """R = a sin(swing/2) [mm]: equation (4) of the SAM exercise, for the whole swing 2 phi_max.
 
-    R is rounded, and near 180 degrees with it the swing: by about an ulp over the cosine of half of
-    it.
+    R is rounded, and with it the swing: near 180 degrees by about an ulp over the cosine of half
+    the swing.
 
     Parameters
     ----------
-    distance : a, of the axes [mm], positive.
+    distance : a, between the axes [mm], positive.
     swing : from one end to the other [deg], above 0, at most 180.
 
     Raises
     ------
     GeometryError
-        With key "swing", outside this range, or so near 180 that no double between R and a is left.
+        With key "swing", outside this range, or so close to 180 that R rounds to a.
     """
     if not 0.0 < swing <= 180.0:
         raise GeometryError(
@@ -207,14 +207,14 @@ def crank_for_swing(distance: float, swing: float) -> float:
             key="swing",
             value=f"{swing:.17g}",
         )
-    # The sine of 30 degrees is the only rational one of a rational angle between 0 and 90, and
-    # sin(pi/6) misses it by one spacing.
+    # Of all rational angles between 0 and 90 degrees only 30 has a rational sine, and sin(pi/6)
+    # misses it by one spacing.
     share = 0.5 if swing == 60.0 else math.sin(math.radians(0.5 * swing))
     crank = distance * share
     if crank >= distance and swing < 180.0:
         raise GeometryError(
-            "so near to 180 degrees the crank cannot be told from the distance of the axes; state"
-            " the crank instead",
+            "so close to 180 degrees the crank is not distinguishable from the distance between the"
+            " axes; give the crank instead",
             key="swing",
             value=f"{swing:.17g}",
         )
@@ -228,8 +228,8 @@ class LeverTable:
     Attributes
     ----------
     crank : (n,) crank angles [deg], exact.
-    values : (n, 5), the columns `NAMES`; angles are counted as the crank turns, the time from the
-        crank angle 0. Finite, no -0.0.
+    values : (n, 5), the columns `NAMES`; angles are positive as the crank turns, time
+        starts at the crank angle 0. Finite, no -0.0.
     """
 
     crank: tuple[Decimal, ...]
@@ -241,7 +241,7 @@ class LeverTable:
     def printed(self) -> list[tuple[str, ...]]:
         """The rows rounded as in the exercise, to three decimals.
 
-        A double is rounded from all its digits; what rounds to zero has no sign. The crank angle is
+        A number is rounded from all its digits; what rounds to zero has no sign. The crank angle is
         exact, with as many decimals as the rows need.
         """
         places = max(_places(angle) for angle in self.crank)
@@ -259,10 +259,10 @@ def lever_table(
 ) -> LeverTable:
     """Tabulate a slotted lever at first, first + step, ... below last, and at last.
 
-    The multiples are exact, so no row is lost or doubled by rounding; a step that does not divide
-    the range makes the last interval a shorter one. Past 180 degrees the values are those of 360
-    degrees less the angle with the signs that symmetry gives, so that both halves agree to the last
-    digit and phi and eps_2 at 180 degrees are 0.
+    The multiples are exact, so rounding neither drops nor duplicates a row; a step that does not
+    divide the range makes the last interval shorter. Beyond 180 degrees the values are those at 360
+    degrees minus the angle with the signs of the symmetry, so that both halves agree to the last
+    digit and phi and eps_2 are 0 at 180 degrees.
 
     Parameters
     ----------
@@ -275,7 +275,8 @@ def lever_table(
     ------
     GeometryError
         With key "step", "from" or "to" outside these limits; with key "from" or "to", if the crank
-        is as long as the distance of the axes and the range has 0 or 360, where phi is undefined.
+        is as long as the distance between the axes and the range includes 0 or 360, where phi is
+        undefined.
     """
     _check(step, first, last)
     with localcontext() as context:
@@ -291,9 +292,9 @@ def lever_table(
         for key, end in (("from", first), ("to", last)):
             if end % FULL_TURN == 0:
                 raise GeometryError(
-                    "the crank is as long as the distance of the axes, and at 0 and 360 degrees its"
-                    " pin lies in the axis of the lever, whose angle is undefined there; allowed is"
-                    " what lies between",
+                    "the crank is as long as the distance between the axes: at 0 and 360 degrees"
+                    " its pin is on the axis of the lever, whose angle is undefined there; angles"
+                    " between the two are allowed",
                     key=key,
                     value=str(end),
                 )
@@ -330,7 +331,7 @@ def _check(step: Decimal, first: Decimal, last: Decimal) -> None:
 
 
 def _places(number: Decimal) -> int:
-    """Decimals of a finite number, those that are 0 at its end left out."""
+    """Decimals of a finite number, without trailing zeros."""
     exponent = number.normalize().as_tuple().exponent
-    assert isinstance(exponent, int)  # it is a letter for what is no number
+    assert isinstance(exponent, int)  # a letter if it is not finite
     return max(0, -exponent)

@@ -1,4 +1,4 @@
-"""Translating flat-faced follower: a flat face square across a straight guide."""
+"""Translating flat-faced follower: a flat face square to a straight guide."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from camgeo.numeric.checked import check_fields
 
 @dataclass(frozen=True, slots=True)
 class TranslatingFlat(Guided, FlatFollower):
-    """Translating follower whose face is square across the guide.
+    """Translating follower whose face is square to the guide.
 
     With nu = `guide_angle` and h = r_G + kappa_F s in `camgeo.mechanism.face` the turn is 1, and
 
@@ -29,7 +29,7 @@ class TranslatingFlat(Guided, FlatFollower):
 
     The contact lies h' sigma to the right of the foot of the cam axis, looking along the guide
     outward: a cam that turns counter-clockwise lifts the follower with its right-hand side. Where
-    the guide itself lies has no influence on the cam, but on the moments in the guide.
+    the guide itself lies affects the moments in the guide, but not the cam.
 
     Attributes
     ----------
@@ -37,17 +37,17 @@ class TranslatingFlat(Guided, FlatFollower):
     guide_angle : direction of the guide away from the cam, from the x axis [rad], -2 pi to 2 pi.
     direction : kappa_F, +1 if a positive lift moves the face outward (F-cam), -1 inward (P-cam).
     face : where the face begins and ends [mm], along the face from the foot of the cam axis on it,
-        positive to the right when looking along the guide; None if it is as long as it needs to be.
+        positive to the right when looking along the guide; None if it is as long as needed.
 
     Raises
     ------
     GeometryError
-        With the key, if a value is not what it has to be.
+        With the key of an invalid value.
     """
 
     kind: ClassVar = "translating-flat"
     origin: ClassVar = "cam axis"
-    least_place: ClassVar = -math.inf  # it moves by its guide wherever it is pressed
+    least_place: ClassVar = -math.inf  # it moves on its guide wherever it is pushed
     raised_by: ClassVar = ("follower.base_radius",)
     facing: ClassVar = 1
 
@@ -65,7 +65,7 @@ class TranslatingFlat(Guided, FlatFollower):
         return 1j * self.base_radius * cmath.rect(1.0, self.guide_angle - 0.5 * math.pi)
 
     def _distance(self, jet: Jet) -> Jet:
-        """h and its derivatives, as many as of the lift."""
+        """h and as many of its derivatives as the lift has."""
         distance = self.direction * jet
         distance[0] += self.base_radius
         return distance
@@ -102,9 +102,9 @@ class TranslatingFlat(Guided, FlatFollower):
     def speed_bounds(self, jet: Jet, bounds: Jet, half: FloatArray, rotation: int) -> FloatArray:
         """See `Follower.speed_bounds`.
 
-        Z'' = (sigma (h' + h''') - i (h + h'')) exp(i (axis - sigma phi)): with h''' as it is in the
-        middle its rate is at most |h| + 2 (|h'| + |h''| + |h'''|), and h''' changes by no more than
-        what it is there and its bound together.
+        Z'' = (sigma (h' + h''') - i (h + h'')) exp(i (axis - sigma phi)): with h''' fixed at
+        its value in the middle the rate is at most |h| + 2 (|h'| + |h''| + |h'''|), and h'''
+        changes by no more than the sum of that value and its bound.
         """
         height = np.abs(self.base_radius + self.direction * jet[0]) + bounds[0]
         rest = bounds[1] + bounds[2] + bounds[3]
@@ -118,8 +118,8 @@ class TranslatingFlat(Guided, FlatFollower):
         return self.touch(jet, rotation).distance
 
     def _face(self, lift: float) -> tuple[complex, complex]:
-        """The foot of the cam axis on the face [mm], and the way in which places count."""
-        foot = self.traced_point(lift)  # at rest the contact lies there
+        """The foot of the cam axis on the face [mm], and the direction in which places count."""
+        foot = self.traced_point(lift)  # in a dwell the contact lies there
         return foot, -1j * foot / abs(foot)
 
     def sketch(self, lift: float, farthest: float, ends: tuple[float, float]) -> MechanismSketch:

@@ -23,7 +23,7 @@ from camgeo.numeric.checked import check_fields
 class TranslatingRoller(Guided, WithRoller):
     """Translating roller follower (Wirsig eqs. 2.56 to 2.63, sign of e corrected).
 
-    With the guide upwards (`guide_angle` pi/2) the guide line is x = e and the follower lies above
+    With the guide upright (`guide_angle` pi/2) the guide line is x = e and the follower lies above
     the cam axis: W = e + i (s_G + kappa_F s), s_G = sqrt(r_G^2 - e^2). Other guide angles turn
     this about the cam axis.
 
@@ -38,7 +38,7 @@ class TranslatingRoller(Guided, WithRoller):
     Raises
     ------
     GeometryError
-        With the key, if a value is not what it has to be, or the offset exceeds the base radius.
+        With the key, if a value is invalid, or the offset exceeds the base radius.
     """
 
     kind: ClassVar = "translating-roller"

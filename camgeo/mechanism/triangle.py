@@ -22,30 +22,30 @@ if TYPE_CHECKING:
     from camgeo.mechanism.linkage_protocol import Size
 
 ROUNDING = 8.0 * 2.0**-52
-"""A difference of lengths of this share of crank and coupler is zero, rounded."""
+"""A difference of lengths up to this fraction of crank and coupler is zero up to rounding."""
 
 SLACK = 64.0 * 2.0**-52
-"""An angle [rad] beyond the end of a range by no more lies at its end."""
+"""An angle [rad] beyond the end of a range by no more than this lies at its end."""
 
 IN_LINE = 1e-6
-"""Sine of the angle between two members up to which they are those that were looked for in line;
-on the other branch of the linkage they are far from it."""
+"""Largest sine of the angle between two members that are in line on this branch of the linkage;
+on the other branch they are far from it."""
 
 
 @dataclass(frozen=True)
 class RockerCrank(ABC):
-    """What linkages have in common whose crank turns the rocker: the triangle shaft, pin and tip.
+    """What linkages share whose crank turns the rocker: the triangle of shaft, pin and tip.
 
     Attributes
     ----------
     crank : from the rocker's shaft to the tip [mm].
-    coupler : from the tip to the pin, on which the far end moves [mm].
+    coupler : from the tip to the pin, by which the far end moves [mm].
     """
 
     crank: Length
     coupler: Length
 
-    if TYPE_CHECKING:  # fields of each
+    if TYPE_CHECKING:  # a field of each
 
         @property
         def branch(self) -> int: ...
@@ -60,7 +60,7 @@ class RockerCrank(ABC):
 
     @abstractmethod
     def _growth(self, position: FloatArray) -> FloatArray:
-        """(n,) d^2 less its value at position 0 [mm^2]."""
+        """(n,) d^2 minus its value at position 0 [mm^2]."""
 
     @property
     @abstractmethod
@@ -75,9 +75,9 @@ class RockerCrank(ABC):
     def half_angle(self, growth: FloatArray, d: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Sine and cosine, times a common factor, of half the angle pin - shaft - tip, in (0, pi).
 
-        `d` (n,) is the distance shaft - pin [mm], `growth` (n,) its square less the one at the
-        start [mm^2]: with `_start_gaps` a dead centre at the start keeps the digits of the motion,
-        which d has no longer.
+        `d` (n,) is the distance shaft - pin [mm], `growth` (n,) its square minus that at
+        the start [mm^2]: with `_start_gaps` a dead centre at the start keeps the digits of the
+        motion, which d has lost.
 
         The squares add up to 4 l_sk d; the product is D/2, twice the area of the triangle shaft,
         pin, tip, zero at a dead centre (D as in the robust form of Wirsig eq. 3.10).
@@ -86,7 +86,7 @@ class RockerCrank(ABC):
         difference = self.crank - self.coupler
         reach = d + abs(difference)
         near = (inner + growth) / reach  # d - |l_sk - l_4|
-        cancels = inner + np.abs(growth) > reach * reach  # the pin has come near to the shaft
+        cancels = inner + np.abs(growth) > reach * reach  # the pin has come close to the shaft
         near = np.where(cancels, d - abs(difference), near)
         short, long = (near, reach) if difference > 0.0 else (reach, near)
         total = d + (self.crank + self.coupler)
@@ -116,9 +116,9 @@ class RockerCrank(ABC):
 
 
 def passed_at_rest(divisor: FloatArray, jet: Jet, what: str) -> FloatArray:
-    """`divisor` (n,), 1 in its place where it is 0 and the motion `jet` rests: a dead centre.
+    """`divisor` (n,), replaced by 1 where it is 0, at a dead centre, and the motion `jet` rests.
 
-    GeometryError with key "linkage", which says `what`, if the motion does not rest there.
+    GeometryError with key "linkage", which says that `what` is infinite, if it does not rest there.
     """
     if np.all(divisor):
         return divisor
@@ -129,23 +129,23 @@ def passed_at_rest(divisor: FloatArray, jet: Jet, what: str) -> FloatArray:
 
 
 def where_bounded(rows: tuple[FloatArray, ...], bounds: Jet) -> Jet:
-    """(4, n) bounds of a linkage's motion of their `rows`, 0 in a rest, infinite where unknown."""
+    """(4, n) bounds of a linkage's motion from their `rows`: 0 at rest, infinite where unknown."""
     out = np.stack(rows)
     resting = np.all(bounds == 0.0, axis=0)
     return np.where(resting, 0.0, np.where(np.isnan(out), np.inf, out))
 
 
 def level(height: float, length: float) -> tuple[float, ...]:
-    """How far aside [mm] a `length` of any sign ends that ends `height` above its start, if any."""
+    """Horizontal offsets [mm] of the end of a `length` that rises by `height`, if it can."""
     square = (length - height) * (length + height)
     return (math.sqrt(square), -math.sqrt(square)) if square >= 0.0 else ()
 
 
 def in_line(places: tuple[float, ...], areas: FloatArray, full: float) -> tuple[float, ...]:
-    """Those of `places` at which two members of the product `full` [mm^2] lie on one line.
+    """Those of `places` at which two members, whose lengths multiply to `full` [mm^2], are in line.
 
-    `areas` (n,) [mm^2] are `full` times the sine of their angle there. The other places are on the
-    other branch.
+    `areas` (n,) [mm^2] are `full` times the sine of their angle there. The remaining places are on
+    the other branch.
     """
     sines = np.abs(areas) / full
     return tuple(each for each, sine in zip(places, sines, strict=True) if sine <= IN_LINE)
@@ -161,13 +161,13 @@ def turning(joint: ComplexArray, rates: FloatArray) -> ComplexArray:
 
 
 def drawn(shaft: complex, joints: tuple[ComplexArray, ComplexArray]) -> MechanismSketch:
-    """Crank and coupler of a linkage on the rocker's `shaft` [mm], its `joints` seen from there."""
+    """Crank and coupler of a linkage on the rocker's `shaft` [mm]; `joints` are seen from there."""
     pin, tip = (shaft + complex(joint[0]) for joint in joints)
     return MechanismSketch(links=((shaft, tip), (tip, pin)), joints=(tip, pin), shafts=(shaft,))
 
 
 def within(angles: Iterable[float], low: float, high: float) -> tuple[float, ...]:
-    """Those in [low, high] [rad] of `angles` and all that lie whole turns from them, ascending."""
+    """Those in [low, high] [rad] of `angles`, and of all whole turns away from them, ascending."""
     found = {
         angle + TURN * turns
         for angle in angles

@@ -1,6 +1,6 @@
-"""What followers, linkages and parts are made of, checked where it comes in.
+"""The values of followers, linkages and parts: checked on the way in, and converted from a scene.
 
-Lengths in mm and angles in rad. Each function returns the value as it is kept, or raises
+Lengths in mm and angles in rad. Each check returns the value as it is stored, or raises
 `GeometryError` with the key, the value and what is allowed.
 """
 
@@ -32,7 +32,7 @@ Built = TypeVar("Built")
 RADIANS: Final = "radians"
 
 SIGNS: Final = {"ccw": 1, "cw": -1, "outward": 1, "inward": -1, "left": 1, "right": -1}
-"""The engine's signs for the words of a table."""
+"""The sign for each word of a table."""
 
 
 def length(key: str, value: Any) -> float:
@@ -41,7 +41,7 @@ def length(key: str, value: Any) -> float:
 
 
 def any_size(key: str, value: Any) -> float:
-    """A number above 0, of any size that a double has: of formulas that take ratios alone."""
+    """A number above 0 of any size, for formulas that use ratios only."""
     real = isinstance(value, Real) and not isinstance(value, bool)
     if not (real and 0.0 < value <= sys.float_info.max):
         raise GeometryError("must be a positive number", key, shown(value))
@@ -72,7 +72,7 @@ def angle(key: str, value: Any, low: float = -TURN, high: float = TURN) -> float
 
 
 def right_angle(key: str, value: Any) -> float:
-    """An angle above 0 up to a right one [rad]."""
+    """An angle above 0, a right angle at most [rad]."""
     return number(key, value, above=0.0, most=0.5 * math.pi, unit=RADIANS)
 
 
@@ -82,7 +82,7 @@ def sense(key: str, value: Any) -> int:
 
 
 def truth(key: str, value: Any) -> bool:
-    """True or False, and no number."""
+    """True or False, but not a number."""
     return instance(key, value, bool, "true or false")
 
 
@@ -92,7 +92,7 @@ def branch(key: str, value: Any) -> int:
 
 
 def of_table(check: Check, value: Any, mm: float) -> Any:
-    """A value of a scene's table as the field that `check` guards takes it; `mm` a unit."""
+    """A value of a scene's table, converted for the field that `check` guards; `mm` per unit."""
     check = getattr(check, "func", check)  # of a range of angles
     if isinstance(value, str):
         return -SIGNS[value] if check is branch else SIGNS.get(value)
@@ -127,12 +127,12 @@ Truth = Annotated[bool, truth]
 
 @dataclass(frozen=True, slots=True)
 class Values:
-    """A table whose values are of the right types and in range, in the units of the scene.
+    """A table with values of the right types and in range, in the units of the scene.
 
     Attributes
     ----------
     table : the values by their keys.
-    mm : millimetres a unit of length.
+    mm : millimetres per unit of length.
     linked : whether a linkage drives the follower.
     """
 
@@ -141,10 +141,10 @@ class Values:
     linked: bool = False
 
     def build(self, make: Callable[..., Built], *first: Any, **others: Any) -> Built:
-        """What `make`, a class or a function, makes of the values that its annotations name.
+        """Call `make`, a class or a function, with the values that its annotations name.
 
-        In mm and rad, as the annotations of `camgeo.mechanism.values` say. `first` and `others` go
-        before the values and in place of them.
+        Converted to mm and rad by the annotations of `camgeo.mechanism.values`. `first` are passed
+        before them, `others` in place of them.
         """
         own = {
             name: of_table(check, self.table[key], self.mm)
@@ -159,5 +159,5 @@ class Values:
 
     @property
     def own_direction(self) -> dict[str, None]:
-        """The direction of a rocker behind a linkage, which gives its own angle: None."""
+        """For a rocker: behind a linkage, which gives its own angle, the direction is None."""
         return {"direction": None} if self.linked else {}

@@ -87,7 +87,7 @@ def _with_kinds(frame: Mapping[str, Any]) -> Node:
 
 def _choice(node: Mapping[str, Any], kinds: Iterable[FollowerKind] | Iterable[LinkageKind]) -> Node:
     """A table whose other keys depend on its kind."""
-    told = [(kind.name, kind.told) for kind in kinds]
+    told = [(kind.name, kind.description) for kind in kinds]
     kind = {
         "description": " ".join(f'"{name}": {text}' for name, text in told),
         "enum": [name for name, _ in told],

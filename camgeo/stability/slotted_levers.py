@@ -42,7 +42,7 @@ LEVERS: Final = {
     "HC04 beta 1e8": (1e-6, 100.0),
     "beta 1e-8": (1e6, 1e-2),
 }
-"""Crank and distance of the axes [mm]."""
+"""Crank and distance between the axes [mm]."""
 
 GUESS: Final = 7
 """Digits of a crank angle at which an exact root is looked for: an extreme lies as near to 0 as the

@@ -19,7 +19,7 @@ from hypothesis import strategies as st
 
 import camgeo
 from camgeo.cam.cam import Cam
-from camgeo.check.cures.cure import Change, Cure, digits_for, told_beyond
+from camgeo.check.cures.cure import Change, Cure, digits_for, rounded_beyond
 from camgeo.check.cures.laws import offers_for
 from camgeo.check.cures.margin import flanks_of, is_sound, margin
 from camgeo.check.cures.search import NARROW
@@ -436,7 +436,7 @@ def test_a_straight_line_between_rests_is_cured_by_another_law() -> None:
 def test_lengths_are_rounded_to_the_safe_side(
     value: float, digits: int, upward: bool, told: str
 ) -> None:
-    assert told_beyond(value, digits, upward=upward) == told
+    assert rounded_beyond(value, digits, upward=upward) == told
 
 
 @given(old=st.floats(1e-3, 1e3), change=st.floats(1e-9, 10.0), upward=st.booleans())
@@ -445,7 +445,7 @@ def test_the_rounded_length_is_beyond_the_limit_by_little(
 ) -> None:
     limit = old * (1.0 + change) if upward else old / (1.0 + change)
     assume(limit != old)
-    told = float(told_beyond(limit, digits_for(old, limit), upward=upward))
+    told = float(rounded_beyond(limit, digits_for(old, limit), upward=upward))
     beyond = told - limit if upward else limit - told
     # To the last digit told, a hundredth of the change; the text itself is rounded once more.
     assert -math.ulp(limit) <= beyond <= 0.011 * abs(limit - old) + 1e-15 * old

@@ -82,7 +82,7 @@ def test_other_followers_are_refused(kind: str, tmp_path: Path, capsys: Capture)
     assert main(["size", str(scene)]) == 2
     told = capsys.readouterr().err
     assert f"follower.kind = {kind}" in told
-    assert "is for roller followers" in told
+    assert "needs a roller follower" in told
 
 
 def test_infeasible_is_1_and_writes_no_scene(tmp_path: Path, capsys: Capture) -> None:

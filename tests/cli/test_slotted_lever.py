@@ -371,7 +371,7 @@ def test_a_very_short_crank(capsys: Capture) -> None:
         (("--frame", "150", "--crank", "0", "--speed", "90"), "crank = 0: must be from"),
         (("--frame", "150", "--swing", "0", "--speed", "90"), "swing = 0: "),
         (("--frame", "150", "--swing", "180.5", "--speed", "90"), "at most 180 degrees"),
-        (("--frame", "150", "--swing", "179.9999999999", "--speed", "90"), "state the crank"),
+        (("--frame", "150", "--swing", "179.9999999999", "--speed", "90"), "give the crank"),
         (("--frame", "1e-99", "--swing", "0.1", "--speed", "90"), "swing = 0.1: makes a crank"),
         (("--frame", "150", "--swing", "60", "--speed", "0"), "speed = 0: must be from"),
         (("--frame", "150", "--swing", "60", "--speed", "-90"), "speed = -90: must be from"),

@@ -232,7 +232,7 @@ def test_a_far_end_that_cannot_be_moved_has_no_answer(scene: str, effect: str) -
         "inertia": "[effects.inertia]\noutput_moment = 0.01",
     }
     made = design(scene, tables[effect], *changes)
-    with pytest.raises(EffectError, match="lie on one line at cam angle") as caught:
+    with pytest.raises(EffectError, match="are in line at cam angle") as caught:
         made.effect(effect)
     assert caught.value.finding == f"locked-{member}"
 

@@ -470,7 +470,7 @@ def test_a_slider_that_cannot_be_moved() -> None:
     (locked,) = (each for each in linkages if locked_at(each, plan) is not None)
 
     drive = Changed(made.cam.drive, plan=plan, linkage=locked)
-    with pytest.raises(EffectError, match="across the guide"):
+    with pytest.raises(EffectError, match="square to the guide"):
         friction(with_cam(made, drive=drive), slider=3.0)
 
 

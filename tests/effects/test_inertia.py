@@ -449,7 +449,7 @@ LOCKED = (
 
 def test_a_slider_that_the_rocker_cannot_move_has_no_force() -> None:
     made = design("schnitt", "[effects.inertia]\nmass = 1\n", *LOCKED)
-    with pytest.raises(EffectError, match="stands across the guide") as caught:
+    with pytest.raises(EffectError, match="is square to the guide") as caught:
         made.effect("inertia")
     stroke = 60.0 + math.sqrt(100.0**2 - 40.0**2)
     assert caught.value.value == pytest.approx(stroke, rel=1e-14)

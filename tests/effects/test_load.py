@@ -204,7 +204,7 @@ def test_a_file_of_torques_loads_a_rocker(tmp_path: Path) -> None:
 
 def test_a_load_on_a_slider_that_cannot_be_moved_has_no_force() -> None:
     made = design("schnitt", "[effects.load]\nconstant = 1\n", *LOCKED)
-    with pytest.raises(EffectError, match="stands across the guide") as caught:
+    with pytest.raises(EffectError, match="is square to the guide") as caught:
         made.effect("load")
     assert caught.value.finding == "locked-slider"
     assert caught.value.unit == "mm"

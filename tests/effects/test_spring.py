@@ -289,7 +289,7 @@ def test_a_slider_that_turns_back_cannot_close_all_round() -> None:
         if locked_at(linkage, plan) is None:
             continue
         subject: Any = SimpleNamespace(cam=SimpleNamespace(drive=SimpleNamespace(plan=plan)))
-        with pytest.raises(GeometryError, match="across the guide") as error:
+        with pytest.raises(GeometryError, match="square to the guide") as error:
             along_slider(subject, linkage)
         refused.append(error.value.key)
     assert refused == ["effects.spring"]

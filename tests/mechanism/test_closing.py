@@ -150,11 +150,11 @@ def test_three_linkages_tell_their_cures() -> None:
     bar = FourBar(40.0, 90.0, 40.0, 100.0 + 0.0j, math.radians(100.0), 1, -1)
     told = why_open(bar, moving(-math.radians(100.0)))
     assert "with a coupler of 100 to" in told
-    assert "up to 10 mm are missing" in told
+    assert "misses by up to 10 mm" in told
     crank = SliderDrivenCrank(SliderCrank(50.0, 30.0, 0.0, True, 1, -1, 1))
     # The crank upright, the guide at its tip: 50 (1 - cos x) <= 30.
     told = why_open(crank, moving(math.radians(90.0)))
-    assert "up to 20 mm are missing" in told
+    assert "misses by up to 20 mm" in told
     assert "with a coupler of at least 50 mm, with a crank of at most 30 mm" in told
     edge = math.degrees(math.acos(0.4))
     assert f"crank's angle kept between -{edge:.4f}" in told

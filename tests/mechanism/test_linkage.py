@@ -48,7 +48,7 @@ def test_a_stroke_too_long_is_refused_also_where_both_ends_of_it_fit() -> None:
     assert caught.value.key == "linkage"
     # Folded, crank and coupler keep the pin 50 mm off; the guide passes the shaft at 39.4 mm.
     missing = 50.0 - linkage.guide_height
-    assert f"up to {missing:.6g} mm are missing" in caught.value.message
+    assert f"misses by up to {missing:.6g} mm" in caught.value.message
 
 
 def test_a_slider_that_never_moves_needs_no_room() -> None:
@@ -63,7 +63,7 @@ def test_however_short_the_gap_the_cam_angles_are_named(stroke: float) -> None:
     linkage = SliderCrank(40.0, 80.0, 0.01, True, 1, -1, 1)
     half = Decimal(180)
     plan = MotionPlan((Move(half, stroke, POLYNOMIAL), Move(half, 0.0, POLYNOMIAL)))
-    with pytest.raises(GeometryError, match=r"up to 0.00199998 mm are missing") as caught:
+    with pytest.raises(GeometryError, match=r"misses by up to 0.00199998 mm") as caught:
         LinkedMotion(plan, linkage)
     angles = [float(text) for text in re.findall(r"\d+\.\d+", caught.value.message)[:4]]
     at_ends = plan.jet(np.radians(angles))[0]

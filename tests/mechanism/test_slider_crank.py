@@ -331,7 +331,7 @@ def test_a_stroke_that_ends_there_is_locked_at_its_end() -> None:
 
 
 def test_exactly_across_there_is_no_ratio() -> None:
-    with pytest.raises(GeometryError, match="across the guide") as caught:
+    with pytest.raises(GeometryError, match="square to the guide") as caught:
         HANGING.per_follower(np.array([0.0, ACROSS]))
     assert caught.value.key == "linkage"
     # Next to it the ratio has a pole of the first order, whose next term is a 1e-7th of it;

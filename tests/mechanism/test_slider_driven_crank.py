@@ -148,6 +148,6 @@ def test_a_coupler_across_the_guide_at_stroke_0_is_refused() -> None:
     inner = SliderCrank(100.0, 100.0, 0.0, True, 1, -1, -1)
     # d^2 = 2 l^2: the second tip is at (-l, 0), straight below the pin at (-l, l).
     assert abs(math.cos(inner.coupler_angle)) < 1e-14
-    with pytest.raises(GeometryError, match="across the guide") as caught:
+    with pytest.raises(GeometryError, match="square to the guide") as caught:
         SliderDrivenCrank(inner)
     assert caught.value.key == "linkage"

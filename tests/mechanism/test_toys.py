@@ -71,7 +71,7 @@ def head_is_a_cap(table):
 
 KIND = FollowerKind(
     name="mushroom",
-    told="a round head on a straight guide.",
+    description="a round head on a straight guide.",
     unit="mm",
     touching="roller",
     schema=schema_beside(__file__),
@@ -131,7 +131,7 @@ def build(values, unit):
 
 KIND = LinkageKind(
     name="toggle",
-    told="the motion is the stroke of a slider that a toggle turns into a swing.",
+    description="the motion is the stroke of a slider that a toggle turns into a swing.",
     members={"rad": "slider"},
     schema=schema_beside(__file__),
     build=build,

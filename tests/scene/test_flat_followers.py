@@ -147,7 +147,7 @@ def test_commands_for_rollers_say_so(command: str, capsys: pytest.CaptureFixture
     assert main([command, str(SCENES / "tappet.toml")]) == 2
     told = capsys.readouterr().err
     assert "follower.kind = translating-flat" in told
-    assert "for roller followers" in told
+    assert "needs a roller follower" in told
 
 
 def test_a_cam_that_is_not_convex_is_not_made(tmp_path: Path) -> None:

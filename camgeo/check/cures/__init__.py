@@ -1,1 +1,1 @@
-"""The smallest cure of undercut, one for each knob of the design, the cheapest first."""
+"""The smallest cures of undercut, one for each knob of the design, cheapest first."""

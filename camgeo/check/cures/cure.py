@@ -1,4 +1,4 @@
-"""What a cure is: one knob of the design, turned as little as removes cusps and undercut."""
+"""A cure: one knob of the design, turned just far enough to remove cusps and undercut."""
 
 from __future__ import annotations
 
@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from decimal import ROUND_CEILING, ROUND_FLOOR, Decimal
 
 DIGITS = 6
-"""Significant digits of a length in a sentence, where the change does not ask for more."""
+"""Significant digits of a length in a sentence, unless the change needs more."""
 
 OF_CHANGE = 3
-"""Significant digits of a change that can be read from the lengths before and after."""
+"""Significant digits of a change that the lengths before and after must show."""
 
 Value = float | Decimal | str
 
@@ -22,7 +22,7 @@ class Change:
     Attributes
     ----------
     key : path of the key in the scene, e.g. "motion[2].span".
-    value_from, value_to : the present value and the other one [mm or degrees], or names of laws.
+    value_from, value_to : the present and the new value [mm or degrees], or names of laws.
     """
 
     key: str
@@ -32,27 +32,27 @@ class Change:
     def cure(
         self, knob: str, unit: str, cost: float, sentence: str, also: tuple[Change, ...]
     ) -> Cure:
-        """The cure that it is, `also` the other changes that go with it."""
+        """The change as a cure, with `also` the changes that go with it."""
         return Cure(knob, self.key, self.value_from, self.value_to, unit, cost, sentence, also)
 
 
 @dataclass(frozen=True, slots=True)
 class Cure:
-    """The smallest turn of one knob that removes cusps and undercut; or that none does.
+    """The smallest change of one knob that removes cusps and undercut; or that there is none.
 
     Attributes
     ----------
     knob : "base radius", "roller radius", "offset", "arm", "longer segment" or "other law".
-    key : path of its key in the scene; empty if no single key is at fault.
-    value_from : the present value, in `unit`; the name of a law.
-    value_to : of a length the limit itself, where the finding is about to disappear; of a span the
-        next millionth of a degree beyond the limit; of a law its name. None if the knob has no
-        cure.
+    key : path of its key in the scene.
+    value_from : the present value, in `unit`; for a law its name.
+    value_to : for a length the limit itself, at which the finding is about to disappear; for a span
+        the next millionth of a degree beyond the limit; for a law its name. None if the knob has
+        no cure.
     unit : "mm", "deg" or "".
-    cost : share of the present value by which it changes, of the base radius for an offset; of a
-        law the share by which the peak of its acceleration grows, 0 if it does not. The largest
-        one if several moves change. None if the knob has no cure.
-    sentence : all this in words.
+    cost : relative change, referred to the base radius for an offset; for a law the relative
+        increase of its peak acceleration, 0 if that does not grow. The largest one if several
+        moves change. None if the knob has no cure.
+    sentence : all of this in words.
     also : the other keys that change with it, e.g. the dwells beside a longer move.
     """
 
@@ -76,37 +76,37 @@ def length_cure(
 ) -> Cure:
     """The cure by the follower's length `knob` [mm]: above `limit` if `upward`, else below.
 
-    The cost is the change as a share of `scale` [mm]. Without a limit it is none, and says `none`.
+    The cost is the change relative to `scale` [mm]. Without a limit it is no cure, as `none` says.
     """
     key = f"follower.{knob.replace(' ', '_')}"
     if limit is None:
         return no_cure(knob, key, old, "mm", none)
     near = "just " if knob in ("offset", "arm") else ""
     digits = digits_for(old, limit)
-    told, present = told_beyond(limit, digits, upward=upward), f"{old:.{digits}g}"
+    told, present = rounded_beyond(limit, digits, upward=upward), f"{old:.{digits}g}"
     cost = abs(limit - old) / scale
     sentence = (
         f"{knob} {near}{'above' if upward else 'below'} {told} mm instead of {present} mm"
-        f" ({key}, a change by {told_share(cost)})"
+        f" ({key}, a change by {percent(cost)})"
     )
     return Cure(knob, key, old, limit, "mm", cost, sentence)
 
 
 def no_cure(knob: str, key: str, old: Value, unit: str, reason: str) -> Cure:
-    """That a knob has no cure, with the reason as a sentence."""
+    """The statement that a knob has no cure, with the reason as a sentence."""
     return Cure(knob, key, old, None, unit, None, reason)
 
 
 def digits_for(old: float, new: float) -> int:
-    """Significant digits in which the change from `old` to `new` can be read."""
+    """Significant digits that show the change from `old` to `new`."""
     change, size = abs(new - old), max(abs(old), abs(new))
     if change == 0.0:
         return DIGITS
     return min(max(DIGITS, OF_CHANGE + math.ceil(math.log10(size / change))), 17)
 
 
-def told_beyond(value: float, digits: int, *, upward: bool) -> str:
-    """`value` rounded up, or down, to significant digits: to the side where the cure is."""
+def rounded_beyond(value: float, digits: int, *, upward: bool) -> str:
+    """`value` rounded up or down to significant digits, to the side on which it cures."""
     exact = Decimal(value)
     if not exact:
         return "0"
@@ -115,6 +115,6 @@ def told_beyond(value: float, digits: int, *, upward: bool) -> str:
     return f"{rounded.normalize():f}"
 
 
-def told_share(share: float) -> str:
-    """A share in per cent, for a sentence."""
+def percent(share: float) -> str:
+    """A fraction in per cent, for a sentence."""
     return f"{100.0 * share:.3g} %"

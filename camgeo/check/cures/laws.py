@@ -1,4 +1,4 @@
-"""Cure by another law of the moves in which undercut lies, at unchanged sizes and spans."""
+"""Cure by another law for the moves that undercut, with sizes and spans unchanged."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 from camgeo.cam.cam import Cam
-from camgeo.check.cures.cure import Change, Cure, no_cure, told_share
+from camgeo.check.cures.cure import Change, Cure, no_cure, percent
 from camgeo.check.cures.margin import Pairs, bends_of, is_sound, margin_within
 from camgeo.check.cures.moves import (
     angles_of,
@@ -29,11 +29,12 @@ TASK = "R-R"
 
 @dataclass(frozen=True, slots=True)
 class Offer:
-    """A law with its default parameters, and what it would cost in place of another.
+    """A law that could replace another, and what that would cost.
 
     Attributes
     ----------
-    growth : share by which the peak of the acceleration grows, 0 if it does not.
+    law : with its default parameters.
+    growth : relative increase of the peak acceleration, 0 if it does not grow.
     """
 
     law: Law
@@ -43,16 +44,16 @@ class Offer:
 def other_law(cam: Cam, pairs: Pairs) -> Cure:
     """Another family for the moves from rest to rest that have undercut, with default parameters.
 
-    Of those that leave none the one whose acceleration grows least; one whose acceleration jumps
-    only where the present one's does. Each move has its own against local undercut; if the flank
-    still crosses itself, all get the same.
+    Of those that leave none, the one whose peak acceleration grows least; one whose acceleration
+    jumps only if the present one's does. Against local undercut each move gets its own; if the
+    flank still crosses itself, all get the same.
     """
     plan, places = cam.drive.plan, undercut_segments(cam, pairs)
     for number in places:
         move = plan.segments[number]
         if not (isinstance(move, Move) and move.law.task == TASK and _at_rest(plan, number, move)):
             key = key_of(number, move, "law")
-            reason = f"another law: {key} has undercut and is no law from rest to rest"
+            reason = f"another law: {key} undercuts and is not a law from rest to rest"
             present = move.law.name if isinstance(move, Move) else ""
             return no_cure(KNOB, key, present, "", reason)
     fitting = {number: _fitting(cam, number) for number in places}
@@ -71,7 +72,7 @@ def other_law(cam: Cam, pairs: Pairs) -> Cure:
 
 
 def offers_for(plan: MotionPlan, number: int) -> list[Offer]:
-    """All laws that could stand in a move's place, the cheapest first."""
+    """All laws that could take a move's place, cheapest first."""
     move = plan.segments[number]
     assert isinstance(move, Move)
     present = _peak(move.law)
@@ -89,7 +90,7 @@ def offers_for(plan: MotionPlan, number: int) -> list[Offer]:
 
 
 def _fitting(cam: Cam, number: int) -> list[Offer]:
-    """The offers that leave no cusp and no local undercut in a move, the cheapest first."""
+    """The offers that leave no cusp and no local undercut in a move, cheapest first."""
     found = []
     for offer in offers_for(cam.drive.plan, number):
         changed = _with(cam, {number: offer})
@@ -101,7 +102,7 @@ def _fitting(cam: Cam, number: int) -> list[Offer]:
 
 
 def _same_for_all(fitting: Mapping[int, list[Offer]]) -> list[dict[int, Offer]]:
-    """One law for all moves, each that fits them all, the cheapest first."""
+    """Each law that fits all moves, for all of them, cheapest first."""
     by_name = [{offer.law.name: offer for offer in offers} for offers in fitting.values()]
     names = [name for name in by_name[0] if all(name in offers for offers in by_name)]
     every = [
@@ -121,7 +122,7 @@ def _with(cam: Cam, offers: Mapping[int, Offer]) -> Cam:
 
 
 def _at_rest(plan: MotionPlan, number: int, move: Move) -> bool:
-    """Whether another law can stand there: beside a dwell, or where this one rests as well."""
+    """Whether another law can take its place: beside a dwell, or where this one also rests."""
     sides = zip((move.law.start, move.law.end), dwells_beside(plan, number), strict=True)
     return all(dwells or end.velocity == end.acceleration == 0.0 for end, dwells in sides)
 
@@ -152,7 +153,7 @@ def _cure(plan: MotionPlan, offers: Mapping[int, Offer]) -> Cure:
         f'{change.key} "{change.value_to}" instead of "{change.value_from}"'
         for change in changes.values()
     )
-    grows = f"grows by {told_share(cost)}" if cost > 0.0 else "does not grow"
+    grows = f"grows by {percent(cost)}" if cost > 0.0 else "does not grow"
     sentence = f"{told}, with default parameters (the peak of the acceleration {grows})"
     also = tuple(change for number, change in changes.items() if number != leading)
     return changes[leading].cure(KNOB, "", cost, sentence, also)

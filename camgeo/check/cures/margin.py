@@ -19,7 +19,7 @@ from camgeo.units import TURN
 Flanks = tuple[WorkingCurve, ...]
 
 Pairs = tuple[tuple[float, float], ...]
-"""Crossings of the flanks in use, each by the two cam angles [rad] in [0, 2 pi)."""
+"""Crossings of the flanks in use, each given by its two cam angles [rad] in [0, 2 pi)."""
 
 
 def flanks_of(cam: Cam) -> Flanks:
@@ -28,17 +28,18 @@ def flanks_of(cam: Cam) -> Flanks:
 
 
 def margin(cam: Cam) -> float | None:
-    """Smallest 1 + d kappa over the flanks in use; positive without cusp and local undercut.
+    """Smallest 1 + d kappa over the flanks in use; positive if there is no cusp and no
+    local undercut.
 
     None if there is no such mechanism: it does not close, its roller covers the cam axis, its guide
-    touches the base circle, or its roller centre stands still at an angle that is looked at.
+    touches the base circle, or its roller centre stands still at an angle examined.
     """
     bends = bends_of(cam)
     return None if bends is None else float(np.min(margins(cam, bends)))
 
 
 def bends_of(cam: Cam) -> Extremes | None:
-    """The extremes of the pitch curve's curvature; None as of `margin`."""
+    """The extremes of the pitch curve's curvature; None as for `margin`."""
     inside = cam.contact.runs_inside
     if check_follower(cam.follower, runs_on_inner=inside, clearance=cam.clearance):
         return None
@@ -49,7 +50,7 @@ def bends_of(cam: Cam) -> Extremes | None:
 
 
 def margins(cam: Cam, bends: Extremes) -> FloatArray:
-    """The smaller 1 + d kappa (k,) of the flanks in use at the places of `bends`."""
+    """The smallest 1 + d kappa (k,) of the flanks in use at each of `bends`."""
     every = [1.0 + distance * bends.values for distance in cam.distances]
     return np.asarray(np.min(every, axis=0))
 
@@ -57,7 +58,7 @@ def margins(cam: Cam, bends: Extremes) -> FloatArray:
 def margin_within(cam: Cam, bends: Extremes, start: float, end: float) -> float:
     """Smallest 1 + d kappa over the cam angles [start, end] [rad], its ends seen from inside.
 
-    `start` and `end` are breaks, or the ends of a rest.
+    `start` and `end` are breaks, or the ends of a dwell.
     """
     shift = TURN if start < bends.phi[0] - SNAP else 0.0
     first = int(np.searchsorted(bends.phi, start + shift + SNAP, side="right")) - 1
@@ -66,10 +67,10 @@ def margin_within(cam: Cam, bends: Extremes, start: float, end: float) -> float:
 
 
 def crossings_of(cam: Cam) -> Pairs | None:
-    """The crossings of the flanks in use: none of a sound cam.
+    """The crossings of the flanks in use; a sound cam has none, ().
 
-    None if there is worse: no mechanism, cusp, local undercut, standstill, or crossings that
-    cannot be decided.
+    None if there is worse: no mechanism, a cusp, local undercut, a standstill, or undecidable
+    crossings.
     """
     least = margin(cam)
     if least is None or least <= CUSP:
@@ -84,12 +85,12 @@ def crossings_of(cam: Cam) -> Pairs | None:
 
 
 def is_sound(cam: Cam) -> bool:
-    """True if the cam exists without cusp, undercut, crossing or standstill, and that is sure."""
+    """Whether the cam certainly exists without cusp, undercut, crossing or standstill."""
     return crossings_of(cam) == ()
 
 
 def crossings(flanks: Flanks) -> Pairs:
     """The crossings of each flank with itself, see `camgeo.outline.crossings`."""
-    from camgeo.outline.crossings import find_crossings  # only a regular flank asks for them
+    from camgeo.outline.crossings import find_crossings  # only regular flanks need it
 
     return tuple((each.first, each.second) for flank in flanks for each in find_crossings(flank))

@@ -1,4 +1,4 @@
-"""The moves in which undercut lies, and what may change of them and leave their joints alone."""
+"""The moves that undercut, and what may change in them without disturbing their joints."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from camgeo.outline.cusps import CUSP
 
 
 def undercut_segments(cam: Cam, pairs: Pairs) -> tuple[int, ...]:
-    """Positions in the plan of the segments in which undercut lies.
+    """Indices in the plan of the segments that undercut.
 
-    Those with a cusp or local undercut; if there are none, those of the crossings `pairs`, of which
-    dwells are left out where a move is among them: what it does, its neighbour has to bear.
+    Those with a cusp or local undercut; if there are none, those of the crossings `pairs`, without
+    the dwells if there is a move among them: the move next to a dwell is what can change.
     """
     bends = bends_of(cam)
     if bends is None:
@@ -41,7 +41,7 @@ def angles_of(plan: MotionPlan, number: int) -> tuple[float, float]:
 
 
 def segment_at(plan: MotionPlan, angle: float) -> int:
-    """Position of the segment that holds the cam angle [rad]; the first one of no other."""
+    """Index of the segment that contains the cam angle [rad]; the last if none does."""
     for number, segment in enumerate(plan.segments):
         start, end = angles_of(plan, number)
         if segment.span and start <= angle < end:
@@ -50,7 +50,7 @@ def segment_at(plan: MotionPlan, angle: float) -> int:
 
 
 def from_rest_to_rest(plan: MotionPlan, number: int) -> bool:
-    """Whether a segment is a move whose span can change and leave its joints what they are."""
+    """Whether a segment is a move whose span can change without affecting its joints."""
     move = plan.segments[number]
     if not isinstance(move, Move) or move.span == 0:
         return False
@@ -58,9 +58,9 @@ def from_rest_to_rest(plan: MotionPlan, number: int) -> bool:
 
 
 def rests_beside(plan: MotionPlan, number: int, law: Law) -> bool:
-    """Whether `law` in place of a segment joins with what is beside it, as from rest to rest.
+    """Whether `law` joins with its neighbours in place of a segment, going from rest to rest.
 
-    Its velocity is 0 at both ends; its acceleration is so too where no dwell is beside it.
+    Its velocity is 0 at both ends, and its acceleration too at an end without a dwell next to it.
     """
     sides = zip((law.start, law.end), dwells_beside(plan, number), strict=True)
     return all(
@@ -69,9 +69,9 @@ def rests_beside(plan: MotionPlan, number: int, law: Law) -> bool:
 
 
 def dwells_beside(plan: MotionPlan, number: int) -> tuple[list[int], list[int]]:
-    """Positions of the dwells next to a segment, before and after it, nearest first.
+    """Indices of the dwells adjacent to a segment, before and after it, nearest first.
 
-    Those of no length are left out, and looked past.
+    Dwells of length zero are skipped.
     """
 
     def run(step: int) -> list[int]:
@@ -88,16 +88,16 @@ def dwells_beside(plan: MotionPlan, number: int) -> tuple[list[int], list[int]]:
 
 
 def dwells_around(plan: MotionPlan, number: int) -> tuple[int, ...]:
-    """Positions of the dwells next to a segment on either side, each once."""
+    """Indices of the dwells adjacent to a segment on either side, each once."""
     before, after = dwells_beside(plan, number)
     return tuple(dict.fromkeys(before + after))
 
 
 def key_of(number: int, segment: Segment, what: str) -> str:
-    """The scene's key of a segment, e.g. "motion[2].span"; that of a dwell is its length."""
+    """The scene's key of a segment, e.g. "motion[2].span"; for a dwell that of its length."""
     return f"motion[{number + 1}].{'dwell' if isinstance(segment, Dwell) else what}"
 
 
 def degrees(value: Decimal) -> str:
-    """An angle as written, for a sentence."""
+    """An angle as a scene would write it, for a sentence."""
     return f"{value.normalize():f}" if value else "0"

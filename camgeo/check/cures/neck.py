@@ -1,8 +1,8 @@
 """Necks: chords of the pitch curve at right angles to it at both ends, where two flanks touch.
 
 A flank at the distance d touches itself where such a chord is 2 |d| long and d points into it, and
-crosses itself where it is shorter. That makes a smooth figure of a global undercut, so that its
-limit is a root and need not be enclosed by trial.
+crosses itself where it is shorter. So global undercut is measured by a smooth number, whose root is
+the limit, which need not be enclosed by trial.
 """
 
 from __future__ import annotations
@@ -19,20 +19,20 @@ from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.errors import GeometryError
 
 STEPS = 40
-"""Newton steps; from a crossing near by ten are many."""
+"""Most Newton steps; from a nearby crossing ten are plenty."""
 
 LONGEST = 0.1
-"""Longest Newton step [rad]: 6 degrees, so that it stays among the moves where it began."""
+"""Longest Newton step [rad]: 6 degrees, so that it stays in the moves where it began."""
 
 SQUARE = 1e-10
-"""Cosine between chord and tangent that counts as a right angle; its square is lost in rounding."""
+"""Largest cosine between chord and tangent that counts as a right angle; its square is rounding."""
 
 TOGETHER = 1e-3
-"""Ends closer than this [rad] run into each other: between those of a neck the curve turns half
-round, and where they meet the equations for the two become one."""
+"""Ends closer than this [rad] are running into each other: between the ends of a neck the curve
+makes half a turn, and where they meet their two equations become one."""
 
 Place = tuple[int, float]
-"""A cam angle as position of its segment in the plan and share of the segment's span."""
+"""A cam angle as the index of its segment in the plan and the fraction of the segment's span."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,8 +41,8 @@ class Neck:
 
     Attributes
     ----------
-    first, second : its ends; as shares of segments they outlast a change of the spans.
-    clearance : its length less twice the distance of the flanks from the pitch curve [mm].
+    first, second : its ends; as fractions of segments they survive a change of the spans.
+    clearance : its length minus twice the distance of the flanks from the pitch curve [mm].
     """
 
     first: Place
@@ -51,7 +51,7 @@ class Neck:
 
 
 def narrowest(cam: Cam, pairs: Pairs) -> Neck | None:
-    """The neck with the least clearance near the crossings; None if none is found."""
+    """The neck with the smallest clearance near the crossings; None if none is found."""
     found = [_neck(cam, *pair) for pair in pairs]
     necks = [neck for neck in found if neck is not None]
     return min(necks, key=lambda neck: neck.clearance, default=None)
@@ -83,7 +83,7 @@ def _neck(cam: Cam, first: float, second: float) -> Neck | None:
 
 
 def _square_chord(pitch: PitchCurve, first: float, second: float) -> tuple[float, float] | None:
-    """Ends [rad] of the shortest chord near by, by Newton's method; None if it leads nowhere."""
+    """Ends [rad] of a nearby shortest chord, by Newton's method; None if it does not converge."""
     angles = np.array([first, second])
     for _ in range(STEPS):
         if abs(math.remainder(float(angles[1] - angles[0]), math.tau)) < TOGETHER:

@@ -15,29 +15,29 @@ from camgeo.numeric.roots import bracketed_roots
 from camgeo.outline.cusps import CUSP
 
 FIRST = 0.005
-"""First step away from the present value, as a share of the scale. A range of cures narrower than
-a step may be passed over; half a per cent is less than what a designer rounds to."""
+"""First step away from the present value, as a fraction of the scale. A range of cures narrower
+than a step may be missed; half a per cent is less than what a designer rounds to."""
 
 GROWTH = 2.0
-"""Each step ends this much farther from the present value than the one before it."""
+"""Each step ends this many times farther from the present value than the one before it."""
 
 BEYOND = 1e-7
-"""Crossings are looked for this share beyond the limit: at the limit itself the flank has a cusp or
-touches itself, and nearer to it rounding of the curve decides."""
+"""Crossings are sought this fraction beyond the limit: at the limit itself the flank has a cusp or
+touches itself, and closer to it the rounding of the curve decides."""
 
 NARROW = 1e-9
-"""Width, as a share of the scale, to which a limit that is no root is enclosed."""
+"""Width, as a fraction of the scale, to which a limit that is not a root is enclosed."""
 
 Make = Callable[[float], Cam]
-"""The cam at a value of the knob; GeometryError where there is none."""
+"""The cam for a value of the knob; GeometryError where there is none."""
 
 
 def nearest_cure(make: Make, start: float, end: float, scale: float) -> float | None:
     """The limit nearest to `start` on the way to `end` beyond which the cam is sound.
 
-    Of local undercut it is the root of the margin; of global undercut that of the neck's clearance,
-    or, where there is no such neck, a sound value within `NARROW` of the limit. None if there is
-    none on the way. A value at which there is no mechanism is not sound.
+    For local undercut it is the root of the margin; for global undercut that of the neck's
+    clearance, or, if there is no such neck, a sound value within `NARROW` of the limit. None if
+    there is none on the way. A value without a mechanism is not sound.
     """
     away = 1.0 if end > start else -1.0
     before, regular, neck = start, False, None
@@ -58,7 +58,7 @@ def nearest_cure(make: Make, start: float, end: float, scale: float) -> float | 
             regular, neck = True, narrowest(make(before), pairs) if pairs else None
         following = None if neck is None else followed(make(value), neck)
         if following is not None and following.clearance <= 0.0:
-            before, neck = value, following  # it crosses, no need to look
+            before, neck = value, following  # it crosses for certain
             continue
         pairs = _pairs(make, value)
         if pairs == ():
@@ -68,7 +68,7 @@ def nearest_cure(make: Make, start: float, end: float, scale: float) -> float | 
 
 
 def _last_crossing(make: Make, bad: float, good: float, scale: float, neck: Neck | None) -> float:
-    """The limit of global undercut between a value that has it and a sound one."""
+    """The limit of global undercut between a value that has it and one that is sound."""
 
     def clearance(value: float) -> float:
         here = None if neck is None else followed(make(value), neck)
@@ -91,7 +91,7 @@ def _last_crossing(make: Make, bad: float, good: float, scale: float, neck: Neck
 
 
 def steps(start: float, end: float, scale: float) -> FloatArray:
-    """Values from `start` (left out) to `end`, at distances that grow geometrically."""
+    """Values from `start`, excluded, to `end`, at geometrically growing distances."""
     reach = abs(end - start)
     if reach == 0.0:
         return np.empty(0)
@@ -103,7 +103,7 @@ def steps(start: float, end: float, scale: float) -> FloatArray:
 
 
 def root(function: Callable[[float], float], low: float, high: float) -> float:
-    """Where `function` passes zero between `low` and `high`, at which it has opposite signs."""
+    """The root of `function` between `low` and `high`, where it has opposite signs."""
 
     def values(x: FloatArray) -> FloatArray:
         return np.array([function(float(each)) for each in x])
@@ -112,7 +112,7 @@ def root(function: Callable[[float], float], low: float, high: float) -> float:
 
 
 def _margin(make: Make, value: float) -> float:
-    """The margin; -1 where there is no mechanism, as there is none that is good."""
+    """The margin; -1 where there is no mechanism."""
     try:
         least = margin(make(value))
     except GeometryError:

@@ -1,4 +1,4 @@
-"""Cures by a dimension of the follower: base radius, roller radius, offset, arm."""
+"""Cures by one dimension of the follower: base radius, roller radius, offset or arm."""
 
 from __future__ import annotations
 
@@ -13,21 +13,21 @@ from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.mechanism.translating_roller import TranslatingRoller
 
 MOST = 100.0
-"""Times the present base radius up to which a larger one is looked for."""
+"""Largest base radius tried, as a multiple of the present one."""
 
 INSIDE = 1e-6
-"""Share of the base radius by which an offset, arm or base radius stays off the value at which the
-mechanism locks or lies stretched out."""
+"""Fraction of the base radius by which an offset, arm or base radius stays clear of the value at
+which the mechanism locks or is stretched out."""
 
 
 def base_radius(cam: Cam, _: Pairs) -> Cure:
-    """A larger base circle; an oscillating follower keeps pivot and arm."""
+    """A larger base circle; an oscillating follower keeps its pivot and arm."""
     old = cam.follower.base_radius
     end, why = MOST * old, f"up to {MOST:g} times the present one"
     stretched = cam.follower.farthest
     if stretched * (1.0 - INSIDE) < end:
         end = max(stretched * (1.0 - INSIDE), old)
-        why = f"up to {stretched:g} mm, where the rocker lies stretched out,"
+        why = f"up to {stretched:g} mm, where the rocker is stretched out,"
     limit = nearest_cure(lambda r: cam.sized(base_radius=r), old, end, old)
     return length_cure("base radius", old, limit, old, f"no larger base radius {why} cures it")
 
@@ -35,8 +35,8 @@ def base_radius(cam: Cam, _: Pairs) -> Cure:
 def roller_radius(cam: Cam, _: Pairs) -> Cure:
     """A smaller roller: at most the smallest r_K that matters, in closed form (Wirsig eq. 3.36).
 
-    In a groove with side clearance c at most r_K - c/2; the clearance is kept. Smaller still, by
-    bisection, where the flank of that roller crosses itself.
+    In a groove with side clearance c at most r_K - c/2; the clearance is kept. Smaller still, by a
+    search, if the flank of that roller crosses itself.
     """
     knob, old, none = (
         "roller radius",
@@ -59,9 +59,9 @@ def roller_radius(cam: Cam, _: Pairs) -> Cure:
 
 
 def offset_or_arm(cam: Cam, _: Pairs) -> Cure:
-    """Another offset |e| < r_G of a guide, another arm of a rocker with the same pivot and r_G.
+    """Another offset |e| < r_G of a guide, or another arm of a rocker with the same pivot and r_G.
 
-    The nearer one of the two directions in which it can be changed.
+    In whichever direction the change is smaller.
     """
     knob, old, low, high, scale = _knob(cam.follower)
     none = f"no other {knob} between {low:g} and {high:g} mm cures it"
@@ -79,7 +79,7 @@ def offset_or_arm(cam: Cam, _: Pairs) -> Cure:
 
 @singledispatch
 def _knob(follower: Any) -> tuple[str, float, float, float, float]:
-    """Key of what may be changed beside radii, its value, its bounds, and a scale for it [mm]."""
+    """The dimension to change besides the radii: key, value, bounds, and a scale for it [mm]."""
     raise TypeError(type(follower))
 
 

@@ -16,19 +16,15 @@ KNOBS = (base_radius, roller_radius, offset_or_arm, longer_segment, other_law)
 
 
 def cures(cam: Cam) -> tuple[Cure, ...]:
-    """The smallest cure by each knob, all others left alone; the cheapest first.
+    """The smallest cure by each knob with all others unchanged, cheapest first.
 
     Knobs that have no cure come last and say why. Empty if there is nothing to cure, or if there is
-    no mechanism whose undercut could be told.
-
-    Parameters
-    ----------
-    crossed : finds the crossings of the flanks in use; asked only where they are regular.
+    no mechanism.
 
     Raises
     ------
     GeometryError
-        If the flanks are regular and it cannot be decided whether they cross.
+        If the flanks are regular and whether they cross cannot be decided.
     """
     least = margin(cam)
     if least is None:

@@ -1,4 +1,4 @@
-"""Cure by longer segments: the moves with undercut take cam angle from the dwells beside them."""
+"""Cure by longer segments: moves that undercut take cam angle from the dwells next to them."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import replace
 from decimal import ROUND_FLOOR, Decimal, localcontext
 
 from camgeo.cam.cam import Cam
-from camgeo.check.cures.cure import Change, Cure, no_cure, told_share
+from camgeo.check.cures.cure import Change, Cure, no_cure, percent
 from camgeo.check.cures.margin import Pairs, bends_of, is_sound, margin_within
 from camgeo.check.cures.moves import (
     angles_of,
@@ -25,28 +25,28 @@ from camgeo.outline.cusps import CUSP
 KNOB = "longer segment"
 
 STEP = Decimal("0.000001")
-"""Spans are given in millionths of a degree, the next one beyond the limit."""
+"""Spans are rounded to millionths of a degree, to the next one beyond the limit."""
 
 MOST = 1e-6
-"""Share of a span to which the largest growth is known that the dwells have room for."""
+"""Accuracy, as a fraction of a span, of the largest growth for which the dwells have room."""
 
 EXACT = 400
-"""Digits in which spans are added and taken apart, as in `camgeo.motion.plan`."""
+"""Digits with which spans are added and subtracted, as in `camgeo.motion.plan`."""
 
 
 def longer_segment(cam: Cam, pairs: Pairs) -> Cure:
-    """Longer spans of the moves in which undercut lies, at the cost of the dwells beside them.
+    """Longer spans for the moves that undercut, at the expense of the dwells next to them.
 
-    The curvature over a move depends on its own span and on no other, so that against local
-    undercut each move has a limit of its own. Against global undercut all of them grow by one
-    factor. Each takes from the dwells before and after it in proportion to what these have.
+    The curvature over a move depends on its own span only, so against local undercut each move has
+    its own limit. Against global undercut all of them grow by one factor. Each takes from the
+    dwells before and after it in proportion to their length.
     """
     plan, places = cam.drive.plan, undercut_segments(cam, pairs)
     for number in places:
         segment = plan.segments[number]
         if not from_rest_to_rest(plan, number):
             key = key_of(number, segment, "span")
-            reason = f"the span of a segment: {key} has undercut and is no move from rest to rest"
+            reason = f"the span of a segment: {key} undercuts and is not a move from rest to rest"
             return no_cure(KNOB, key, segment.span, "deg", reason)
     spans: dict[int, Decimal] = {}
     for number in places:
@@ -63,14 +63,14 @@ def longer_segment(cam: Cam, pairs: Pairs) -> Cure:
             return _too_short(plan, places[0])
         spans = grown
         longer = longer_plan(plan, spans)
-        assert longer is not None  # it has been looked at
+        assert longer is not None  # it has been made once before
     return _cure(plan, longer, places)
 
 
 def longer_plan(plan: MotionPlan, spans: Mapping[int, Decimal]) -> MotionPlan | None:
-    """The plan with other spans of the moves at some positions; None if the dwells do not suffice.
+    """The plan with other spans of the moves at some indices; None if the dwells are too short.
 
-    A move takes first from dwells that no other one of them has beside it.
+    A move takes first from dwells that are next to no other of these moves.
     """
     segments = list(plan.segments)
     beside = {number: dwells_around(plan, number) for number in spans}
@@ -92,7 +92,7 @@ def longer_plan(plan: MotionPlan, spans: Mapping[int, Decimal]) -> MotionPlan | 
 
 
 def _take(rests: dict[int, Decimal], among: list[int], wanted: Decimal) -> Decimal:
-    """Take `wanted` degrees from the dwells in proportion to their length; what is missing."""
+    """Take `wanted` degrees from the dwells in proportion to their length; return what lacks."""
     there = sum((rests[place] for place in among), Decimal(0))
     part = min(wanted, there)
     if part <= 0:
@@ -111,7 +111,7 @@ def _take(rests: dict[int, Decimal], among: list[int], wanted: Decimal) -> Decim
 
 
 def _local_limit(cam: Cam, number: int) -> Decimal | None:
-    """Least span of one move without cusp or local undercut in it; None if the dwells are short."""
+    """Shortest span of a move without cusp or local undercut in it; None if dwells are short."""
     plan = cam.drive.plan
     span = plan.segments[number].span
     room = sum((plan.segments[each].span for each in dwells_around(plan, number)), Decimal(0))
@@ -137,7 +137,7 @@ def _local_limit(cam: Cam, number: int) -> Decimal | None:
 
 
 def _grown(cam: Cam, spans: dict[int, Decimal]) -> dict[int, Decimal] | None:
-    """The spans times the least factor that leaves no crossing; None if the dwells are short."""
+    """The spans times the smallest factor that leaves no crossing; None if dwells are short."""
 
     def plan(growth: float) -> MotionPlan | None:
         with localcontext() as context:
@@ -165,7 +165,7 @@ def _grown(cam: Cam, spans: dict[int, Decimal]) -> dict[int, Decimal] | None:
 
 
 def _rounded_up(span: float) -> Decimal:
-    """The next step of a span that is larger."""
+    """The next larger multiple of the step."""
     with localcontext() as context:
         context.prec = EXACT
         return Decimal(span).quantize(STEP, rounding=ROUND_FLOOR) + STEP
@@ -187,7 +187,7 @@ def _cure(old: MotionPlan, new: MotionPlan, places: tuple[int, ...]) -> Cure:
     moves = " and ".join(_told(changes[number]) for number in places if number in changes)
     taken = " and ".join(_told(change) for change in dwells)
     cost = shares[leading]
-    sentence = f"longer: {moves} (a change by {told_share(cost)}), taken from {taken}"
+    sentence = f"longer: {moves} (a change by {percent(cost)}), taken from {taken}"
     return changes[leading].cure(KNOB, "deg", cost, sentence, (*also, *dwells))
 
 
@@ -201,5 +201,5 @@ def _told(change: Change) -> str:
 def _too_short(plan: MotionPlan, number: int) -> Cure:
     segment = plan.segments[number]
     key = key_of(number, segment, "span")
-    reason = f"no longer {key} cures it: the dwells beside the undercut leave too little room"
+    reason = f"no longer {key} cures it: the dwells next to the undercut leave too little room"
     return no_cure(KNOB, key, segment.span, "deg", reason)

@@ -1,5 +1,5 @@
-"""Sizing of a mechanism: Flocke's construction, the exact region of the cam axis, its best place.
+"""Sizing a mechanism: Flocke's construction, the exact region of the cam axis, its best place.
 
-It lies in the stage of the checks, for the rule r_R <= ratio r_K needs the curvature of the pitch
-curve, which the stage of the mechanisms does not know.
+It is part of the checks, because the rule r_R <= ratio r_K needs the curvature of the pitch curve,
+which the stage of the mechanisms does not know.
 """

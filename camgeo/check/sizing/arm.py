@@ -1,10 +1,10 @@
-"""The arm of an oscillating follower, looked for within a range together with the cam axis.
+"""The arm of an oscillating follower, sought within a range together with the cam axis.
 
-All lengths of a rocker whose swing is given scale with the arm l_3: places of the cam axis as
-P/l_3, curvatures as kappa l_3. For the transmission angle alone the smallest base circle is
-therefore proportional to the arm, and the shortest arm has the smallest. The roller does not scale:
-to a shorter arm it is larger, so that with r_R <= ratio r_K the best arm may lie inside the range.
-No arm above r_G,best/r_G,mu of the shortest one can be better, which ends the search.
+For a given swing all lengths of a rocker scale with the arm l_3: places of the cam axis as P/l_3,
+curvatures as kappa l_3. For the transmission angle alone the smallest base circle is therefore
+proportional to the arm, and the shortest arm gives the smallest. The roller does not scale: it is
+large relative to a short arm, so with r_R <= ratio r_K the best arm may lie inside the range.
+No arm above r_G,best/r_G,mu times the shortest one can be better, which bounds the search.
 """
 
 from __future__ import annotations
@@ -18,19 +18,19 @@ from camgeo.check.sizing.task import Task, task_of
 from camgeo.errors import GeometryError
 
 ARMS = 7
-"""Tried first, in equal ratios from the shortest to the longest that can be better."""
+"""Number tried first, in equal ratios from the shortest to the longest that can be better."""
 
 SECTIONS = 14
-"""Golden sections of the two ratios about the best of them: to 1e-3 of a ratio."""
+"""Golden sections of the two intervals about the best of them: to 1e-3 of an interval."""
 
 CLOSE = 1e-3
-"""If an arm longer than the shortest by this share is no better, the shortest one is the best."""
+"""If an arm longer than the shortest by this fraction is no better, the shortest is the best."""
 
 GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
 
 
 def with_arm(task: Task, arm: float) -> Task:
-    """The same mechanism with an arm of `arm` [mm], pivot and base circle scaled alike."""
+    """The same mechanism with an arm of `arm` [mm], pivot and base circle scaled with it."""
     follower = task.follower
     scale = arm / follower.arm
     pivot, base_radius = follower.pivot * scale, follower.base_radius * scale
@@ -40,22 +40,22 @@ def with_arm(task: Task, arm: float) -> Task:
 def size_with_arm(
     task: Task, angle: float, ratio: float, low: float, high: float
 ) -> tuple[Task, Sizing]:
-    """The mechanism with the arm of the smallest base circle, and its sizing.
+    """The mechanism with the arm that gives the smallest base circle, and its sizing.
 
     Parameters
     ----------
-    angle, ratio : as of `size`.
+    angle, ratio : as for `size`.
     low, high : the shortest and the longest arm [mm].
 
     Raises
     ------
     GeometryError
-        With key "follower.kind" for a follower without an arm, "arm" if the range is none or lets
-        the roller reach the pivot; and as `size` does.
+        With key "follower.kind" for a follower without an arm, "arm" if the range is invalid or
+        lets the roller reach the pivot; and as `size` does.
     """
     if task.held is None:
         raise GeometryError(
-            "an arm is looked for where there is one: with an oscillating roller follower",
+            "only an oscillating roller follower has an arm to be sized",
             key="follower.kind",
             value=task.follower.kind,
         )

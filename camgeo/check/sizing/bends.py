@@ -1,10 +1,10 @@
-"""The smallest base circle where the roller against r_K decides too: no convex problem.
+"""The smallest base circle where r_R against r_K matters too: not a convex problem.
 
 Seen from the roller centre at cam angle 0 the cam axis lies in a direction theta in (-pi, 0). Cells
-of places that surely break a condition at one of some cam angles are excluded, which leaves the
-neighbourhoods of the nearest places (`cells`); there the nearest place is looked for along each
-direction, and the direction with the smallest of them is enclosed. Then the cam angles at which the
-found place is extreme join the set, until it meets the conditions at all of them.
+of places that certainly break a condition at one of some cam angles are excluded, which leaves the
+neighbourhoods of the nearest places (`cells`); there the nearest place is sought along each
+direction, and the direction with the smallest is enclosed. Then the cam angles at which the place
+found is extreme join the set, until it meets the conditions at all of them.
 """
 
 from __future__ import annotations
@@ -22,32 +22,32 @@ from camgeo.errors import GeometryError
 from camgeo.numeric.arrays import FloatArray
 
 REACH, ROOM = 40.0, 4.0
-"""The largest base radius that is looked at: in times of that for the transmission angle, and of
-r_R/ratio. Far out the pitch curve is a circle but for little: r_K is there the base radius."""
+"""The largest base radius searched: as a multiple of that for the transmission angle, and of
+r_R/ratio. Far out the pitch curve is nearly a circle, and r_K nearly the base radius."""
 
 DIRECTIONS, RADII = 61, 81
-"""Of the grid of places on which the least ratio is looked for where none is small enough."""
+"""Size of the grid of places on which the smallest ratio is sought if none is small enough."""
 
 ZOOM, STEPS = 8.0, 15
 """Each step encloses the direction eight times closer."""
 
 WIDTH = 1e-2
-"""Half the directions [rad] about the last place in which the next one is looked for."""
+"""Half the range of directions [rad] about the last place in which the next one is sought."""
 
 JUMP = 1e-3
-"""A nearest place that lies this much beyond the bound of the cells sends them out again."""
+"""If the nearest place is this fraction beyond the bound of the cells, they are searched again."""
 
 BELOW, ABOVE = 0.06, 0.03
-"""How far about the last radius the next one is looked for at first; a third of it each step."""
+"""Range about the last radius in which the next one is sought at first; a third of it each step."""
 
 HALVINGS = 48
 ROUNDS = 60
 CLOSE = 1e-12
-"""Conditions broken by this share of what they are made of are met."""
+"""Conditions broken by this fraction of their terms count as met."""
 
 
 def worst_ratio(task: Task, place: complex) -> tuple[float, float]:
-    """Largest r_R/r_K of the sign that matters, at least 0, and its cam angle [rad].
+    """Largest r_R/r_K for the sign that matters, at least 0, and its cam angle [rad].
 
     Raises GeometryError if the roller centre stands still in the cam.
     """
@@ -64,11 +64,11 @@ class Nearest:
     Attributes
     ----------
     place : [mm]; None if none was found.
-    bound : base radius [mm] below which there surely is no place; infinite if there is none up to
-        the largest that is looked at.
+    bound : base radius [mm] below which there certainly is no place; infinite if there is none up
+        to the largest one searched.
     least_ratio : without a place, the smallest r_R/r_K of a grid of places that keep the
         transmission angle; infinite if there are none.
-    reach : largest base radius [mm] that was looked at.
+    reach : largest base radius [mm] searched.
     """
 
     place: complex | None
@@ -84,12 +84,12 @@ def smallest_with_bends(task: Task, tangent: float, ratio: float, least: float) 
     ----------
     tangent : T of the transmission angle.
     ratio : largest r_R/r_K.
-    least : base radius [mm] below which there is no place, that for the transmission angle alone.
+    least : base radius [mm] for the transmission angle alone, below which there is no place.
 
     Raises
     ------
     GeometryError
-        If the search does not settle.
+        If the search does not converge.
     """
     reach = max(REACH * least, ROOM * (task.follower.roller_radius / ratio + abs(task.start)))
     phi = samples_of(task)
@@ -99,8 +99,8 @@ def smallest_with_bends(task: Task, tangent: float, ratio: float, least: float) 
         now = conditions(task, tangent, ratio, phi)
         reached = [_enclosed(task, now, start, least) for start in last]
         radius = min((each[1] for each in reached), default=math.inf)
-        # Conditions are only added, so the nearest place only moves away; the cells are asked again
-        # where it has moved by more than they left open.
+        # Conditions are only added, so the nearest place can only move away; the cells are searched
+        # again if it has moved by more than they left open.
         if not radius <= bound * (1.0 + JUMP):
             found = nearest_cells(now, task.start, least, reach)
             if not found.starts:
@@ -115,7 +115,7 @@ def smallest_with_bends(task: Task, tangent: float, ratio: float, least: float) 
             return Nearest(place, bound, 0.0, reach)
         last = ((theta, radius, WIDTH),)
         phi = np.unique(np.concatenate((phi, extreme)))
-    raise GeometryError("the smallest base circle could not be enclosed: the search did not settle")
+    raise GeometryError("the smallest base circle was not enclosed: the search did not converge")
 
 
 def _extreme_angles(
@@ -150,7 +150,7 @@ def _enclosed(task: Task, now: Conditions, start: Start, least: float) -> tuple[
     best, radius, width = start
     share = 1.0
     for step in range(STEPS):
-        # Cam angles at which all of the neighbourhood keeps the conditions need not be asked.
+        # Cam angles at which the whole neighbourhood meets the conditions can be skipped.
         places = np.array([task.start + radius * np.exp(1j * best)])
         near = within(now, places, 1.1 * radius * (width + BELOW * share))
         theta = np.clip(best + width * np.linspace(-1.0, 1.0, 33), -np.pi, 0.0)
@@ -168,7 +168,7 @@ def _enclosed(task: Task, now: Conditions, start: Start, least: float) -> tuple[
 def _nearest_along(
     task: Task, now: Conditions, theta: FloatArray, scan: FloatArray, halvings: int
 ) -> FloatArray:
-    """(k,) smallest base radius of the range of `scan` in each direction; infinite if none."""
+    """(k,) smallest base radius within `scan` in each direction; infinite if there is none."""
     ways = np.exp(1j * theta)
     met = now.met((task.start + scan * ways[:, np.newaxis]).ravel()).reshape(len(theta), -1)
     some = np.any(met, axis=1)

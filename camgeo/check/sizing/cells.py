@@ -1,17 +1,16 @@
-"""Where the smallest base circle may be: cells of places that surely break a condition fall away.
+"""Where the smallest base circle may be: cells that certainly break a condition are excluded.
 
-A cell is a patch of directions and distances seen from the roller centre at cam angle 0. Going
-from its middle to any of its places changes (u, v) by at most its half diagonal h, so that it
-breaks
+A cell is a patch of directions and distances seen from the roller centre at cam angle 0. Between
+its middle and any of its places (u, v) changes by at most half the diagonal, h, so all of it breaks
 
-- the transmission angle all over where u - T |v| + h sqrt(1 + T^2) < 0 at one cam angle;
-- the curvature of a sign all over where the largest value of
+- the transmission angle, if u - T |v| + h sqrt(1 + T^2) < 0 at one cam angle;
+- the curvature of one sign, if the largest value of
   K rho^3 - sign (rho^2 - alpha u + beta v), K = ratio/r_R, rho = |(u, v)|,
-  is below 0 at one cam angle: the linear terms change by at most h |(alpha, beta)|, and what is
-  left has no maximum inside the range of rho.
+  is below 0 at one cam angle: the linear terms change by at most h |(alpha, beta)|, and the rest
+  has no maximum inside the range of rho.
 
-Cells that are left are halved both ways. What is never excluded is not looked away from: only
-places nearer than the best one found, and by more than `GAP` of its distance, can decide.
+The remaining cells are halved both ways. No place is dropped without proof: only those nearer than
+the best one found, by more than `GAP` of its distance, still matter.
 """
 
 from __future__ import annotations
@@ -26,23 +25,23 @@ from camgeo.check.sizing.task import Terms
 from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray
 
 DIRECTIONS = 32
-"""Of the first cells, which are as long as they are wide."""
+"""Number of directions of the first cells, which are as long as they are wide."""
 
 LEVELS = 11
 """The last cells are 1e-4 of their distance wide."""
 
 GAP = 2e-4
-"""A place that is nearer by less than this share is left to the search along directions."""
+"""A place nearer by less than this fraction is left to the search along directions."""
 
 MOST_CELLS = 40_000
 MOST_RUNS = 4
 """Neighbourhoods of the nearest places that are searched further."""
 
 BLOCK = 2_000_000
-"""Values at a time."""
+"""Most values computed at once."""
 
 Start = tuple[float, float, float]
-"""Direction, base radius, and half the width of directions to look in."""
+"""Direction, base radius, and half the range of directions to search."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,7 +50,7 @@ class Found:
 
     Attributes
     ----------
-    starts : of the nearest ones, none if no middle of a cell meets the conditions.
+    starts : one for each, empty if the middle of no cell meets the conditions.
     bound : base radius [mm] below which every place breaks a condition; infinite if all do.
     """
 
@@ -127,9 +126,9 @@ def _excluded(now: Conditions, places: ComplexArray, half: FloatArray) -> BoolAr
 
 
 def within(now: Conditions, place: ComplexArray, half: float) -> Conditions:
-    """`now` without the cam angles at which all places within `half` [mm] of `place` (1,) keep it.
+    """`now` without the cam angles at which all places within `half` [mm] of `place` (1,) meet it.
 
-    At least one cam angle is left.
+    At least one cam angle remains.
     """
     terms = now.terms
     u, v = terms.across_and_along(place)
@@ -141,7 +140,7 @@ def within(now: Conditions, place: ComplexArray, half: float) -> Conditions:
         linear = terms.alpha * u - terms.beta * v
         slack = half * np.hypot(terms.alpha, terms.beta)
         for sign in now.signs:
-            # The lowest point of slope rho^3 - sign rho^2, at 2/(3 slope) if that is in the range.
+            # The minimum of slope rho^3 - sign rho^2, at 2/(3 slope) if that is in the range.
             end = np.clip(2.0 / (3.0 * slope), low, high) if sign > 0.0 else low
             asked |= end * end * (slope * end - sign) + sign * linear - slack < 0.0
     if not np.any(asked):
@@ -151,7 +150,7 @@ def within(now: Conditions, place: ComplexArray, half: float) -> Conditions:
 
 
 def _starts(good: FloatArray, best: float, width: float) -> tuple[Start, ...]:
-    """Runs of directions of the places that are about as near as the nearest."""
+    """Runs of neighbouring directions whose places are about as near as the nearest."""
     near = good[:, good[1] <= (1.0 + 4.0 * GAP) * best]
     if not near.shape[1]:
         return ()

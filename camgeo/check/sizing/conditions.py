@@ -1,4 +1,4 @@
-"""All conditions of a place of the cam axis, at a set of cam angles."""
+"""All conditions on a place of the cam axis, at a set of cam angles."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from camgeo.curve.pieces import smooth_pieces
 from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray
 
 SAMPLES = 17
-"""Cam angles per piece to begin with; the exchange adds those that matter."""
+"""Cam angles per piece to start with; the exchange adds those that matter."""
 
 BLOCK = 4_000_000
-"""Values at a time."""
+"""Most values computed at once."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -28,7 +28,7 @@ class Conditions:
     signs: tuple[float, ...]
 
     def met(self, places: ComplexArray) -> BoolArray:
-        """(k,) whether the places (k,) keep all of them."""
+        """(k,) whether the places (k,) meet all of them."""
         parts = np.array_split(places, 1 + len(places) * len(self.terms.q) // BLOCK)
         return np.concatenate([self._met(part) for part in parts])
 
@@ -40,14 +40,14 @@ class Conditions:
         return met
 
     def worst_ratio(self, places: ComplexArray) -> FloatArray:
-        """(k,) largest r_R/r_K of the sign that matters; Z' must not vanish."""
+        """(k,) largest r_R/r_K for the sign that matters; Z' must not vanish."""
         kappa = self.terms.curvature(places[:, np.newaxis])
         worst = [np.max(sign * kappa, axis=1) for sign in self.signs]
         return np.asarray(self.roller * np.max(worst, axis=0))
 
 
 def samples_of(task: Task) -> FloatArray:
-    """(n,) cam angles [rad] inside all pieces, the ends of each among them but for rounding."""
+    """(n,) cam angles [rad] inside all pieces, including their ends up to rounding."""
     share = np.linspace(0.0, 1.0, SAMPLES)
     share[0], share[-1] = 1e-9, 1.0 - 1e-9
     found = [

@@ -1,9 +1,8 @@
 """The smallest base circle for a transmission angle: a convex problem, solved by exchange.
 
-All cam angles give half-planes of which the cam axis has to lie in each. The place nearest to the
-roller centre is found for some of them, the ones it violates most are added, and so on until none
-is violated; the places of the worst violation are roots of a slope, so that this converges like
-Newton's method.
+Every cam angle gives half-planes in which the cam axis must lie. The place nearest to the roller
+centre is found for some of them, those it violates most are added, and so on until none is
+violated. The worst violations are roots of a slope, so this converges like Newton's method.
 """
 
 from __future__ import annotations
@@ -19,10 +18,10 @@ from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 
 CLOSE = 2e-14
-"""A condition broken by this share of its terms is met, but for rounding."""
+"""A condition broken by this fraction of its terms is met up to rounding."""
 
 MOST = 80
-"""Rounds; a dozen is usual."""
+"""Most rounds; a dozen is usual."""
 
 BISECTIONS = 26
 
@@ -32,7 +31,7 @@ SIDES: Final[tuple[Side, ...]] = ("right", "left")
 def smallest_place(task: Task, tangent: float) -> complex | None:
     """Place [mm] of the cam axis with the smallest base circle and mu >= atan(`tangent`).
 
-    None if there is no place that keeps it all round.
+    None if no place keeps that angle over the whole turn.
     """
     normals: ComplexArray = np.empty(0, dtype=np.complex128)
     bounds: FloatArray = np.empty(0)
@@ -63,7 +62,7 @@ def smallest_place(task: Task, tangent: float) -> complex | None:
 
 
 def largest_angle(task: Task) -> float:
-    """The largest transmission angle [rad] that some place keeps all round, from below."""
+    """The largest transmission angle [rad] that some place keeps over the turn, from below."""
     low, high = 0.0, math.radians(89.0)
     for _ in range(BISECTIONS):
         middle = 0.5 * (low + high)

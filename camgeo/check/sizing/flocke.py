@@ -1,8 +1,8 @@
 """Flocke's construction of the cam axis (Wirsig section 2.4.1, eqs. 2.41 and 2.42 corrected).
 
 It takes the largest velocities of both senses at both end positions of the follower: more than any
-cam angle asks, so that its place always keeps the transmission angle, and lies farther out than it
-need. Only one end position, or velocities in the middle of the stroke, would not be safe.
+cam angle demands, so its place always keeps the transmission angle, and lies farther out than
+necessary. A single end position, or velocities in the middle of the stroke, would not be safe.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ class Flocke:
     Attributes
     ----------
     normals, bounds : (8,) half-planes Re(conj(n) P) >= c of the region, see `Task`.
-    place : of the cam axis with the smallest base circle in it [mm]; None if it is empty.
+    place : the place of the cam axis in it with the smallest base circle [mm]; None if it is empty.
     """
 
     normals: ComplexArray

@@ -7,7 +7,7 @@ import numpy as np
 from camgeo.numeric.arrays import ComplexArray, FloatArray, dot
 
 ROUNDING = 1e-13
-"""A point outside a half-plane by this share of the size of all of them lies on its border."""
+"""A point outside a half-plane by this fraction of the size of all of them lies on its border."""
 
 
 def nearest_point(normals: ComplexArray, bounds: FloatArray, start: complex) -> complex | None:
@@ -20,8 +20,8 @@ def nearest_point(normals: ComplexArray, bounds: FloatArray, start: complex) -> 
 
     Returns
     -------
-    None if no point lies in all half-planes. It is `start`, its foot on one of the lines, or where
-    two of the lines cross; each of them is looked at.
+    None if no point lies in all half-planes. It is `start`, its foot on one of the lines, or a
+    crossing of two lines; all of these are tried.
     """
     length = np.abs(normals)
     normals, bounds = normals / length, bounds / length

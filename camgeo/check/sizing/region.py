@@ -1,4 +1,4 @@
-"""Where the cam axis may lie, row by row of a grid: exact borders, not the grid's.
+"""Where the cam axis may lie, for each row of a grid, with exact borders.
 
 The region of the transmission angle is convex: a row of equal Im P meets it in one interval. Its
 ends are the largest lower and the smallest upper bound of Re P over the cam angles.
@@ -16,14 +16,14 @@ from camgeo.numeric.arrays import FloatArray
 
 SAMPLES = 65
 SECTIONS, STEPS = 8, 12
-"""A bracket is cut into sections, and the two about the best cut are the next one."""
+"""A bracket is divided into sections; the two about the best cut form the next one."""
 
 
 def row_limits(task: Task, tangent: float, rows: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Lower and upper end (k,), (k,) of Re P [mm] at Im P = `rows` (k,) [mm].
 
-    A row that does not meet the region has a lower end above its upper one. Ends are exact but for
-    rounding where the bound that decides is smooth over the cam angle.
+    In a row that does not meet the region the lower end is above the upper one. Ends are exact up
+    to rounding where the decisive bound is smooth over the cam angle.
     """
     share = np.linspace(1e-9, 1.0 - 1e-9, SAMPLES)
     pieces = [
@@ -55,7 +55,7 @@ def _bound(
 ) -> FloatArray:
     """Lower bound of Re P, or minus the upper one, from u >= `tangent` v; -inf where it has none.
 
-    `phi` and `rows` are broadcast; each cam angle is asked of the motion once.
+    `phi` and `rows` are broadcast; the motion is evaluated once at each cam angle.
     """
     terms = task.terms(phi.ravel())
     factor = (tangent + 1j) * terms.turn
@@ -94,9 +94,9 @@ def _refined(
 
 
 def ratio_map(task: Task, columns: FloatArray, rows: FloatArray, most: float) -> FloatArray:
-    """(rows, columns) largest r_R/r_K of the sign that matters, for a picture.
+    """(rows, columns) largest r_R/r_K for the sign that matters, for a picture.
 
-    At a grid of cam angles, and `most` where it is larger or the roller centre stands still.
+    On a grid of cam angles; `most` where it is larger or the roller centre stands still.
     """
     places = columns + 1j * rows[:, np.newaxis]
     now = conditions(task, 0.0, most, samples_of(task))

@@ -17,10 +17,10 @@ from camgeo.errors import GeometryError
 from camgeo.units import TURN
 
 ACTIVE = 1e-9
-"""A condition this near to its limit decides: in rad for the angle, as a share for the ratio."""
+"""A condition this close to its limit is active: in rad for the angle, absolute for the ratio."""
 
 SAME = 1e-7
-"""Cam angles [rad] closer than this are the same place."""
+"""Cam angles [rad] closer than this are the same."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,7 +30,7 @@ class Active:
     Attributes
     ----------
     name : "transmission-angle" or "radius-ratio".
-    cam_angle : where it is at its limit [rad] in [0, 2 pi); in a rest, its beginning.
+    cam_angle : where it is at its limit [rad] in [0, 2 pi); in a dwell, its beginning.
     """
 
     name: str
@@ -39,7 +39,7 @@ class Active:
 
 @dataclass(frozen=True, slots=True)
 class Rating:
-    """What a place of the cam axis gives.
+    """What a place of the cam axis results in.
 
     Attributes
     ----------
@@ -66,11 +66,11 @@ class Sizing:
     flocke : its proposal rated; None if its region is empty.
     for_angle : the smallest base circle for the transmission angle alone; None if there is none.
     answer : that for both; None if there is none.
-    active : the conditions that decide it, at most two but for symmetry.
-    nearest_angle : largest transmission angle [rad] that can be had, if the required one cannot.
-    nearest_ratio : least r_R/r_K of a grid of places, if the required one was not found.
-    none_below : base radius [mm] below which there surely is no place for both.
-    reach : largest base radius [mm] that was looked at for both; None if the angle decides alone.
+    active : the conditions that decide it, at most two except by symmetry.
+    nearest_angle : largest transmission angle [rad] that can be kept, if the required one cannot.
+    nearest_ratio : smallest r_R/r_K of a grid of places, if the required one was not found.
+    none_below : base radius [mm] below which there certainly is no place for both.
+    reach : largest base radius [mm] searched for both; None if the angle alone decides.
     """
 
     angle: float
@@ -144,7 +144,7 @@ def size(task: Task, angle: float, ratio: float) -> Sizing:
 
 
 def rate(task: Task, place: complex) -> Rating | None:
-    """What the cam axis at `place` gives; None if there is no such mechanism."""
+    """What the cam axis at `place` results in; None if there is no such mechanism."""
     try:
         curve = task.pitch_curve_at(place)
         angle = transmission_angle_extremes(curve).smallest()

@@ -1,4 +1,4 @@
-"""What is to be sized, and the conditions that a place of the cam axis has to meet.
+"""What is to be sized, and the conditions that a place of the cam axis must meet.
 
 The place is a complex number P [mm] in axes in which the follower starts at a fixed point:
 
@@ -77,7 +77,7 @@ class Task(ABC):
     Attributes
     ----------
     cam : the present design; the follower's arm, roller radius and directions are kept.
-    second : what tells a place besides the base radius.
+    second : the quantity that, with the base radius, determines a place.
     held : the pivot [mm]; None on a guide.
     start : roller centre at cam angle 0 [mm].
     present : place of the cam axis in the present design [mm].
@@ -89,7 +89,7 @@ class Task(ABC):
     second: ClassVar[str]
     held: ClassVar[complex | None]
 
-    if TYPE_CHECKING:  # of each kind
+    if TYPE_CHECKING:  # that every kind has
 
         @property
         def start(self) -> complex: ...
@@ -104,7 +104,7 @@ class Task(ABC):
 
     @abstractmethod
     def second_of(self, place: complex) -> float:
-        """That length [mm] of `place`."""
+        """That quantity [mm] at `place`."""
 
     @abstractmethod
     def moved(self, place: complex) -> dict[str, float | complex]:
@@ -112,11 +112,11 @@ class Task(ABC):
 
     @abstractmethod
     def record(self, place: complex) -> dict[str, Any]:
-        """The same with its names for JSON."""
+        """The same for JSON, with units in the names."""
 
     @abstractmethod
     def terms_of(self, lift: Jet) -> Terms:
-        """What the conditions are made of for lifts (3, n), which need not belong together."""
+        """What the conditions are made of for lifts (3, n), not necessarily of one motion."""
 
     @property
     def motion(self) -> Motion:
@@ -134,7 +134,7 @@ class Task(ABC):
         return tuple(-float(flank.sign) for flank in self.cam.contact.flanks)
 
     def follower_at(self, place: complex) -> Any:
-        """The follower with the cam axis at `place` [mm]; a rocker keeps the way to its pivot.
+        """The follower with the cam axis at `place` [mm]; a rocker keeps its pivot's direction.
 
         GeometryError if there is no such mechanism.
         """
@@ -166,7 +166,7 @@ class Task(ABC):
 
 
 class OnGuide(Task):
-    """A guide upwards, beside which the axis lies anywhere below."""
+    """On a guide, upright, below which the axis lies anywhere."""
 
     __slots__ = ()
 
@@ -201,7 +201,7 @@ class OnGuide(Task):
 
 
 class OnRocker(Task):
-    """A rocker, about whose pivot the axis lies anywhere in the direction that the pivot has."""
+    """On a rocker: the axis lies anywhere about its pivot, whose direction from it is kept."""
 
     __slots__ = ()
 
@@ -259,17 +259,17 @@ TASKS: Final[dict[type[Follower], type[Task]]] = {
     TranslatingRoller: OnGuide,
     OscillatingRoller: OnRocker,
 }
-"""By the class of the follower."""
+"""The task by the class of the follower."""
 
 
 def task_of(cam: Cam) -> Task:
-    """The task to place the axis of `cam`.
+    """The task of placing the axis of `cam`.
 
     GeometryError with key "follower.kind" if its follower has no roller.
     """
     kind = TASKS.get(type(cam.follower))
     if kind is None:
         name = cam.follower.kind
-        message = f'what is asked for is for roller followers, and this one is "{name}"'
+        message = f'this needs a roller follower, and this one is "{name}"'
         raise GeometryError(message, key="follower.kind", value=name)
     return kind(cam)

@@ -118,8 +118,8 @@ def _of_slider(subject: Subject, spec: Spec, linkage: SliderCrank) -> Coefficien
     if locked is not None:
         raise EffectError(
             "the rocker cannot move the slider against its friction: at cam angle"
-            f" {math.degrees(locked[0]):.4f} deg, stroke {locked[1]:.6g} mm, the coupler stands"
-            " across the guide",
+            f" {math.degrees(locked[0]):.4f} deg, stroke {locked[1]:.6g} mm, the coupler is"
+            " square to the guide",
             cam_angle=locked[0] % TURN,
         )
     strokes = senses_of(plan, subject.cam.drive.smooth_angles)

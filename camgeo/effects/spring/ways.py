@@ -147,14 +147,14 @@ def along_slider(subject: Subject, linkage: SliderCrank) -> Along:
     ------
     GeometryError
         With key "effects.spring", if the way of the slider that closes the contact is not the same
-        all round: where the coupler stands across the guide, or the arm on the line of centres.
+        all round: where the coupler is square to the guide, or the arm on the line of centres.
     """
     plan = subject.cam.drive.plan
     locked = locked_at(linkage, plan)
     if locked is not None:
         raise GeometryError(
             "the slider cannot close the contact all round: at cam angle"
-            f" {np.degrees(locked[0]):.4f} deg the coupler stands across the guide",
+            f" {np.degrees(locked[0]):.4f} deg the coupler is square to the guide",
             key="effects.spring",
         )
 

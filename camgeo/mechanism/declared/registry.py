@@ -89,7 +89,7 @@ FOLLOWERS: Final = {
     for kind in (
         FollowerKind(
             name="translating-roller",
-            told="the roller moves along a straight guide.",
+            description="the roller moves along a straight guide.",
             unit="mm",
             touching="roller",
             schema=schema_beside(__file__, "translating_roller"),
@@ -106,7 +106,7 @@ FOLLOWERS: Final = {
         ),
         FollowerKind(
             name="oscillating-roller",
-            told="the roller sits on a rocker.",
+            description="the roller sits on a rocker.",
             unit="rad",
             touching="roller",
             schema=schema_beside(__file__, "oscillating_roller"),
@@ -123,7 +123,7 @@ FOLLOWERS: Final = {
         ),
         FollowerKind(
             name="translating-flat",
-            told="a flat face square across a straight guide.",
+            description="a flat face square across a straight guide.",
             unit="mm",
             touching="face",
             schema=schema_beside(__file__, "translating_flat"),
@@ -133,7 +133,7 @@ FOLLOWERS: Final = {
         ),
         FollowerKind(
             name="oscillating-flat",
-            told="a flat face on a rocker.",
+            description="a flat face on a rocker.",
             unit="rad",
             touching="face",
             schema=schema_beside(__file__, "oscillating_flat"),
@@ -149,7 +149,7 @@ LINKAGES: Final = {
     for kind in (
         LinkageKind(
             name="slider-crank",
-            told=(
+            description=(
                 "with an oscillating follower the motion is the stroke of a slider; coupler and"
                 " crank turn the rocker shaft. With a translating follower it is the angle of the"
                 " crank [degrees], from its place at stroke 0, counter-clockwise; the slider"
@@ -162,7 +162,7 @@ LINKAGES: Final = {
         ),
         LinkageKind(
             name="four-bar",
-            told=(
+            description=(
                 "the motion is the angle of a lever [degrees]; coupler and crank turn the rocker"
                 " shaft."
             ),
