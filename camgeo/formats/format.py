@@ -22,17 +22,17 @@ Spec = TypeVar("Spec")
 class Values(Protocol):
     """The values of a scene, as needs and rules see them; paths are keys and positions from 0."""
 
-    def sound(self, *path: str | int) -> bool:
+    def valid(self, *path: str | int) -> bool:
         """Whether nothing is wrong at `path`, around it or in it."""
 
     def lacks(self, *path: str | int) -> bool:
         """Whether the scene neither names the key nor meant to."""
 
     def get(self, *path: str | int) -> Any:
-        """Value in the scene's unit; None if it is absent or not sound."""
+        """Value in the scene's unit; None if it is absent or not valid."""
 
     def exact(self, *path: str | int) -> Decimal | None:
-        """Number exactly as written; None if it is absent or not sound."""
+        """Number exactly as written; None if it is absent or not valid."""
 
     @property
     def flat(self) -> bool:
@@ -77,7 +77,7 @@ class Format(Generic[Spec]):
         found = [
             f"needs {_spelled(key)}"
             for key, path in paths.items()
-            if values.lacks(*path) and values.sound(*path)
+            if values.lacks(*path) and values.valid(*path)
         ]
         return found + [message for rule in self.rules for key, message in rule(values) if not key]
 

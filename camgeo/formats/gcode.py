@@ -29,7 +29,7 @@ def tool_fits(values: Values) -> Iterator[tuple[str, str]]:
         return
     contact = values.get("follower", "contact")
     roller = values.exact("follower", "roller_radius")
-    if contact == "groove" and roller and values.sound("follower", "side_clearance"):
+    if contact == "groove" and roller and values.valid("follower", "side_clearance"):
         play = values.exact("follower", "side_clearance") or Decimal(0)
         width = 2 * roller + play  # as they are written: a cutter may fill the groove
         written = values.exact("output", "gcode", key)

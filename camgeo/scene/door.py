@@ -24,8 +24,8 @@ from camgeo.scene.keys import Path, path_of
 from camgeo.scene.motion import MotionRequests
 from camgeo.scene.rules import broken_rules
 from camgeo.scene.schema import definition, schema_for
-from camgeo.scene.sound import SoundValues
-from camgeo.scene.words import judge
+from camgeo.scene.schema_faults import judge
+from camgeo.scene.valid_values import ValidValues
 from camgeo.units import RPM, TURN
 
 if TYPE_CHECKING:
@@ -58,7 +58,7 @@ def enter(document: Document, source: Source, earlier: Attributes | None = None)
         # A scene of another version has other keys; what this schema says of them misleads.
         found = [f for f in (*document.faults, *verdict.faults) if f.key == VERSION_KEY]
         raise SceneError(found, source.file)
-    values = SoundValues(document, verdict.bad, verdict.meant)
+    values = ValidValues(document, verdict.bad, verdict.meant)
     faults = [*document.faults, *verdict.faults, *broken_rules(values)]
     inside = Inside(values, source.folder, source.contents)
     builder = Builder(inside, earlier or {})
@@ -90,7 +90,7 @@ def enter(document: Document, source: Source, earlier: Attributes | None = None)
 
 
 class Builder:
-    """Builds the objects of a scene from what of it is sound; the faults are those of `inside`."""
+    """Builds the objects of a scene from what of it is valid; the faults are those of `inside`."""
 
     def __init__(self, inside: Inside, earlier: Attributes) -> None:
         self.inside = inside
@@ -107,9 +107,9 @@ class Builder:
         return all(now.get(name) is then.get(name) for name in ("units", *tables))
 
     def plan(self) -> MotionPlan | None:
-        """The motion plan; None if the motion is not sound."""
+        """The motion plan; None if the motion is not valid."""
         values = self.values
-        if not values.sound("motion") or not values.sound("follower", "kind"):
+        if not values.valid("motion") or not values.valid("follower", "kind"):
             return None
         earlier = self._earlier
         if self._unchanged("motion") and earlier["stated"].angular == values.angular:
@@ -124,7 +124,7 @@ class Builder:
         return self._engine(("motion",), lambda: plan_motion(requests.all, requests.unit))
 
     def speed_curve(self) -> SpeedCurve | None:
-        """How the speed varies; None if it does not, or its file is not sound."""
+        """How the speed varies; None if it does not, or its file is not valid."""
         key = ("cam", "speed_curve")
         if self.values.get(*key) is None:
             return None
@@ -137,9 +137,9 @@ class Builder:
         return self._engine(key, lambda: read_speed_table(data, name))
 
     def follower(self) -> Follower | None:
-        """The follower; None if its table is not sound or there is no such mechanism."""
+        """The follower; None if its table is not valid or there is no such mechanism."""
         values = self.values
-        if not values.sound("follower") or not values.has("follower"):
+        if not values.valid("follower") or not values.has("follower"):
             return None
         if self._unchanged("follower", "linkage"):
             follower: Follower = self._earlier["follower"]
@@ -182,7 +182,7 @@ class Builder:
         return self._engine(("linkage",), lambda: kind.build(given, unit))
 
     def _table(self, *place: str) -> Values:
-        """The sound table at `place`."""
+        """The valid table at `place`."""
         return Values(self.values.get(*place), self._mm, linked=self.values.has("linkage"))
 
     def join(self, plan: MotionPlan, follower: Follower, linkage: Linkage) -> None:
@@ -214,7 +214,7 @@ class Builder:
         return effect_tables(self.inside, faulted)
 
     def rest(self, speed_curve: SpeedCurve | None) -> dict[str, Any]:
-        """The rest of what a scene has, all of whose values are sound."""
+        """The rest of what a scene has, all of whose values are valid."""
         get = self.values.get
         speed = get("cam", "speed")
         if speed_curve is not None:
@@ -240,7 +240,7 @@ class Builder:
         return PartSpec(**given) if self.values.has("part") else None
 
     def output(self) -> OutputSpec:
-        """What is written, and how; the defaults, if anything of it is not sound."""
+        """What is written, and how; the defaults, if anything of it is not valid."""
         given = self._top("output")
         options: dict[str, Any] = {}
         for form in self._schema.formats:
@@ -252,7 +252,7 @@ class Builder:
         return OutputSpec(options=Options(options), accuracy_ripple=ripple, **given)
 
     def _top(self, name: str) -> dict[str, Any]:
-        """One of the scene's tables in the units inside; empty if it is missing or not sound."""
+        """One of the scene's tables in the units inside; empty if it is missing or not valid."""
         if self.values.get(name) is None:
             return {}
         return self.inside.table((name,), self._schema.root["properties"][name])

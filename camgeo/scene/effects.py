@@ -12,7 +12,7 @@ from camgeo.errors import GeometryError
 from camgeo.scene.inside import Inside
 from camgeo.scene.keys import Path
 from camgeo.scene.schema import EFFECTS, schema_for
-from camgeo.scene.sound import SoundValues
+from camgeo.scene.valid_values import ValidValues
 
 
 def effect_tables(inside: Inside, faulted: Collection[str] = ()) -> dict[str, dict[str, Any]]:
@@ -26,7 +26,7 @@ def effect_tables(inside: Inside, faulted: Collection[str] = ()) -> dict[str, di
     named = given if isinstance(given, dict) else {}
     found: dict[str, dict[str, Any]] = {}
     for name in named:
-        if f"{EFFECTS}.{name}" in faulted or not values.sound(EFFECTS, name):
+        if f"{EFFECTS}.{name}" in faulted or not values.valid(EFFECTS, name):
             continue
         effect = find_effect(name)
         own = inside.table((EFFECTS, name), effect.schema)
@@ -54,7 +54,7 @@ def _judge(effect: Effect, table: dict[str, Any], named: Mapping[str, Any], insi
                 inside.fault(place, f"{who}needs {_spelled(keys)}")
 
 
-def misfits(values: SoundValues) -> Iterator[tuple[Path, str]]:
+def misfits(values: ValidValues) -> Iterator[tuple[Path, str]]:
     """Effects that a scene names, or keys of their tables, that have no place on its machine.
 
     Each with the reason.
@@ -74,7 +74,7 @@ def misfits(values: SoundValues) -> Iterator[tuple[Path, str]]:
             yield (EFFECTS, name, *filter(None, [key])), message
 
 
-def _machine(values: SoundValues) -> Machine:
+def _machine(values: ValidValues) -> Machine:
     """The machine as far as it is known."""
     kind = values.follower_kind
     return Machine(

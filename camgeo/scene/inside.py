@@ -10,7 +10,7 @@ from typing import Any, Final
 from camgeo.errors import Fault, unreadable
 from camgeo.scene.keys import Path
 from camgeo.scene.schema import Node, schema
-from camgeo.scene.sound import SoundValues
+from camgeo.scene.valid_values import ValidValues
 from camgeo.units import RPM
 
 SCALES: Final[dict[str, float]] = {
@@ -61,7 +61,7 @@ class Inside:
 
     def __init__(
         self,
-        values: SoundValues,
+        values: ValidValues,
         folder: pathlib.Path | None = None,
         known: Mapping[str, bytes] | None = None,
     ) -> None:
@@ -114,7 +114,7 @@ class Inside:
         return str(path)
 
     def table(self, path: Path, node: Mapping[str, Any]) -> dict[str, Any]:
-        """The sound table at `path`, by its schema `node`; None where a file cannot be read."""
+        """The valid table at `path`, by its schema `node`; None where a file cannot be read."""
         found: dict[str, Any] = self._value(path, self.values.get(*path), dict(node))
         return found
 

@@ -29,7 +29,7 @@ UNITS: Final = {
 
 
 class MotionRequests:
-    """The segments of a sound scene as requests.
+    """The segments of a valid scene as requests.
 
     Attributes
     ----------
@@ -93,7 +93,7 @@ class MotionRequests:
         last = Decimal(0)
         for index in range(len(table["points"])):
             at = self.values.exact(*place, "points", index, "at")
-            assert at is not None  # the scene is sound
+            assert at is not None  # the scene is valid
             if not last < at < span:
                 message = f"must ascend, inside the span of {span.normalize():f} degrees"
                 self.inside.fault((*place, "points", index, "at"), message)

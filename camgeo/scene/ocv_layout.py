@@ -133,8 +133,8 @@ def _beyond(numbers: tuple[float, ...]) -> list[Fault]:
     faults = []
     for place, (field, number) in enumerate(zip(FIELDS, numbers, strict=True), 1):
         lowest, highest, words = RANGES[field.kind]
-        sound = math.isfinite(number) and lowest <= number <= highest
-        if not sound or (field.kind == "choice" and number not in (1.0, 2.0)):
+        valid = math.isfinite(number) and lowest <= number <= highest
+        if not valid or (field.kind == "choice" and number not in (1.0, 2.0)):
             name = "" if field.name == "-" else f" ({field.name})"
             faults.append(Fault(f"number {place}{name}", shortest(number), f"must be {words}"))
     return faults

@@ -14,7 +14,7 @@ from camgeo.motion.laws import find_family
 from camgeo.motion.planning.request import AUTO
 from camgeo.scene.keys import Path
 from camgeo.scene.schema import BY_DATA, EFFECTS, SHAPES, schema_for
-from camgeo.scene.sound import SoundValues
+from camgeo.scene.valid_values import ValidValues
 
 TURN: Final = Decimal(360)
 """What the spans add up to [degrees]."""
@@ -57,15 +57,15 @@ DRIVES: Final = {"mm": "turns a rocker", "rad": "moves a guided follower"}
 Broken = tuple[Path, str]
 """The place at fault, and why."""
 
-Rule = Callable[[SoundValues], Iterator[Broken]]
+Rule = Callable[[ValidValues], Iterator[Broken]]
 
 
-def broken_rules(values: SoundValues) -> list[Fault]:
+def broken_rules(values: ValidValues) -> list[Fault]:
     """Return the faults of all rules."""
     return [values.scene.fault(*broken) for rule in RULES for broken in rule(values)]
 
 
-def spans_add_up(values: SoundValues) -> Iterator[Broken]:
+def spans_add_up(values: ValidValues) -> Iterator[Broken]:
     """The spans add up to one turn, exactly as they are written."""
     spans: list[Decimal] = []
     for index in range(values.segments):
@@ -94,7 +94,7 @@ def spans_add_up(values: SoundValues) -> Iterator[Broken]:
         yield ("motion",), message
 
 
-def motion_returns(values: SoundValues) -> Iterator[Broken]:
+def motion_returns(values: ValidValues) -> Iterator[Broken]:
     """The motion starts at 0 and ends there."""
     for index in reversed(range(values.segments)):
         place = ("motion", index, "to")
@@ -104,23 +104,23 @@ def motion_returns(values: SoundValues) -> Iterator[Broken]:
             if values.get(*place):
                 yield place, "the motion starts at 0 and must return to 0 with its last move"
             return
-        if not values.sound("motion", index):
+        if not values.valid("motion", index):
             return
 
 
-def positions_can_be_told_from_0(values: SoundValues) -> Iterator[Broken]:
+def positions_can_be_told_from_0(values: ValidValues) -> Iterator[Broken]:
     """A position is 0, or no smaller than what laws can be scaled to."""
     for place, end in _ends(values):
         if 0.0 < abs(end) < SMALLEST_POSITION:
             yield place, "must be 0, or at least 1e-30 in magnitude"
 
 
-def laws_have_their_parameters(values: SoundValues) -> Iterator[Broken]:
+def laws_have_their_parameters(values: ValidValues) -> Iterator[Broken]:
     """A law takes the parameters that stand beside it."""
     for index in range(values.segments):
         place = ("motion", index)
         name = values.get(*place, "law")
-        if name is None or not values.sound(*place) or name in BY_DATA:
+        if name is None or not values.valid(*place) or name in BY_DATA:
             continue
         if name != AUTO and values.has(*place, "optimise"):
             yield (*place, "optimise"), f'belongs to law "{AUTO}"'
@@ -136,13 +136,13 @@ def laws_have_their_parameters(values: SoundValues) -> Iterator[Broken]:
             yield (*place, key), f'is no parameter of "{name}"; {known}'
 
 
-def one_speed(values: SoundValues) -> Iterator[Broken]:
+def one_speed(values: ValidValues) -> Iterator[Broken]:
     """The disc turns evenly or by a table."""
     if values.has("cam", "speed") and values.has("cam", "speed_curve"):
         yield ("cam", "speed_curve"), "contradicts speed; give one of them"
 
 
-def swing_is_possible(values: SoundValues) -> Iterator[Broken]:
+def swing_is_possible(values: ValidValues) -> Iterator[Broken]:
     """A rocker's own motion is given in degrees and stays on its side of the cam axis."""
     if not values.angular:
         return
@@ -158,7 +158,7 @@ def swing_is_possible(values: SoundValues) -> Iterator[Broken]:
             yield place, message
 
 
-def positions_have_one_unit(values: SoundValues) -> Iterator[Broken]:
+def positions_have_one_unit(values: ValidValues) -> Iterator[Broken]:
     """What positions are is stated where neither follower nor linkage decides it."""
     for name in ("linkage", "follower"):
         if values.has("units", "motion") and values.has(name):
@@ -167,7 +167,7 @@ def positions_have_one_unit(values: SoundValues) -> Iterator[Broken]:
             return
 
 
-def a_return_disc_has_a_main_disc(values: SoundValues) -> Iterator[Broken]:
+def a_return_disc_has_a_main_disc(values: ValidValues) -> Iterator[Broken]:
     """A conjugate pair is two plate cams."""
     place = ("follower", "return")
     if not values.has(*place):
@@ -180,7 +180,7 @@ def a_return_disc_has_a_main_disc(values: SoundValues) -> Iterator[Broken]:
         yield place, 'belongs to contact "inner": both discs of a conjugate pair are plate cams'
 
 
-def a_yoke_stands_astride(values: SoundValues) -> Iterator[Broken]:
+def a_yoke_stands_astride(values: ValidValues) -> Iterator[Broken]:
     """Both sides of a yoke lie in line with the cam axis, on one plate cam."""
     if not values.has(*YOKE):
         return
@@ -193,7 +193,7 @@ def a_yoke_stands_astride(values: SoundValues) -> Iterator[Broken]:
         yield YOKE, "contradicts [follower.return]: one disc leads a yoke both ways"
 
 
-def followers_keep_their_own_rules(values: SoundValues) -> Iterator[Broken]:
+def followers_keep_their_own_rules(values: ValidValues) -> Iterator[Broken]:
     """What the follower's kind declares of its keys."""
     kind = values.follower_kind
     if kind is None:
@@ -205,7 +205,7 @@ def followers_keep_their_own_rules(values: SoundValues) -> Iterator[Broken]:
             yield ("follower", key), message
 
 
-def rollers_have_what_is_theirs(values: SoundValues) -> Iterator[Broken]:
+def rollers_have_what_is_theirs(values: ValidValues) -> Iterator[Broken]:
     """What a flat face does not have: a ratio to its radius, undercut to be trimmed.
 
     A flat face touches only what is convex: of a cam that is not, nothing can be left.
@@ -219,7 +219,7 @@ def rollers_have_what_is_theirs(values: SoundValues) -> Iterator[Broken]:
         yield ("limits", "radius_ratio"), FOR_ROLLERS
 
 
-def linkage_drives_the_follower(values: SoundValues) -> Iterator[Broken]:
+def linkage_drives_the_follower(values: ValidValues) -> Iterator[Broken]:
     """A linkage may drive rockers only, or guided followers only."""
     linkage, follower = values.get("linkage", "kind"), values.follower_kind
     if linkage is None or follower is None or follower.unit in LINKAGES[linkage].members:
@@ -229,7 +229,7 @@ def linkage_drives_the_follower(values: SoundValues) -> Iterator[Broken]:
     yield ("follower", "kind"), f"a {linkage} {DRIVES[follower.unit]}: it needs kind = {fitting}"
 
 
-def effects_suit_the_machine(values: SoundValues) -> Iterator[Broken]:
+def effects_suit_the_machine(values: ValidValues) -> Iterator[Broken]:
     """What effects declare as for machines of a kind alone is asked for of no other."""
     if isinstance(values.scene.plain.get(EFFECTS), dict):
         from camgeo.scene.effects import misfits  # few scenes name an effect
@@ -237,7 +237,7 @@ def effects_suit_the_machine(values: SoundValues) -> Iterator[Broken]:
         yield from misfits(values)
 
 
-def formats_have_what_they_need(values: SoundValues) -> Iterator[Broken]:
+def formats_have_what_they_need(values: ValidValues) -> Iterator[Broken]:
     """Formats that are named, and the tables of their options, keep to what they declare."""
     listed: list[str] = values.get("output", "formats") or []
     for form in schema_for(values.scene.plain).formats:
@@ -249,7 +249,7 @@ def formats_have_what_they_need(values: SoundValues) -> Iterator[Broken]:
             yield ("output", form.name, key), message
 
 
-def contact_and_part_agree(values: SoundValues) -> Iterator[Broken]:
+def contact_and_part_agree(values: ValidValues) -> Iterator[Broken]:
     """The part has the boundaries that its contact asks for, and no others."""
     contact = values.contact
     if contact is None or values.lacks("follower"):
@@ -266,7 +266,7 @@ def contact_and_part_agree(values: SoundValues) -> Iterator[Broken]:
         yield ("part", "bore"), message
 
 
-def roller_is_possible(values: SoundValues) -> Iterator[Broken]:
+def roller_is_possible(values: ValidValues) -> Iterator[Broken]:
     """A roller or a knife edge, and a groove about a roller that it does not dwarf."""
     groove = values.contact is not None and values.contact.closed_by_form
     radius = values.get("follower", "roller_radius")
@@ -287,7 +287,7 @@ def roller_is_possible(values: SoundValues) -> Iterator[Broken]:
         yield ("follower", "side_clearance"), message
 
 
-def part_is_possible(values: SoundValues) -> Iterator[Broken]:
+def part_is_possible(values: ValidValues) -> Iterator[Broken]:
     """Groove within the thickness, keyway within the bore."""
     depth = values.get("part", "groove_depth")
     thickness = values.get("part", "thickness")
@@ -301,10 +301,10 @@ def part_is_possible(values: SoundValues) -> Iterator[Broken]:
         yield ("part", "keyway", "width"), f"must be less than the bore, {bore:g}"
 
 
-def tolerance_is_possible(values: SoundValues) -> Iterator[Broken]:
+def tolerance_is_possible(values: ValidValues) -> Iterator[Broken]:
     """The tolerance is within its limits, and in proportion to the mechanism."""
     place = ("output", "tolerance")
-    if not values.sound("units"):
+    if not values.valid("units"):
         return
     if values.has(*place):
         given = values.get(*place)
@@ -333,9 +333,9 @@ def tolerance_is_possible(values: SoundValues) -> Iterator[Broken]:
         yield place, what + message
 
 
-def _largest_length(values: SoundValues) -> float | None:
+def _largest_length(values: ValidValues) -> float | None:
     """The mechanism's largest length, in the scene's unit."""
-    if not (values.sound("follower") and values.sound("motion")):
+    if not (values.valid("follower") and values.valid("motion")):
         return None
     kind = values.follower_kind
     if kind is None:
@@ -347,7 +347,7 @@ def _largest_length(values: SoundValues) -> float | None:
     return max(lengths)
 
 
-def _ends(values: SoundValues) -> Iterator[tuple[Path, float]]:
+def _ends(values: ValidValues) -> Iterator[tuple[Path, float]]:
     """The positions at which segments end, where they are known, with their keys."""
     for index in range(values.segments):
         end = values.get("motion", index, "to")

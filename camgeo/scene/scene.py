@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from camgeo.motion.plan import MotionPlan
     from camgeo.motion.time_course import SpeedCurve
     from camgeo.part.spec import PartSpec
-    from camgeo.scene.sound import SoundValues
+    from camgeo.scene.valid_values import ValidValues
     from camgeo.units import LengthUnit
 
 
@@ -62,7 +62,7 @@ class Scene:
     """
 
     source: Source
-    stated: SoundValues
+    stated: ValidValues
     files: tuple[tuple[str, str], ...]
     name: str
     unit: LengthUnit

@@ -33,7 +33,7 @@ from camgeo.motion.laws import make_law
 from camgeo.part.part import Layer, Part
 from camgeo.scene.document import document
 from camgeo.scene.scene import Scene
-from camgeo.scene.sound import SoundValues
+from camgeo.scene.valid_values import ValidValues
 from camgeo.toolpath import machine
 from camgeo.toolpath.cut import Cut
 from camgeo.toolpath.moves import ArcFeed, Feed, Move, Operation, Rapid, Toolpath
@@ -154,7 +154,7 @@ class StubProduct(Product):
         ]
         keys += [f"part.thickness = {self.thickness}"] if self.thickness else []
         text = "\n".join(keys)
-        return SoundValues(document(text.encode()))
+        return ValidValues(document(text.encode()))
 
     @property
     def drawn(self) -> DrawnDisc:

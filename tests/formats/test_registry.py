@@ -16,7 +16,7 @@ from camgeo.formats.format import Format, Options, no_options
 from camgeo.formats.registry import FORMATS, find_format, foreign_names
 from camgeo.scene.document import document
 from camgeo.scene.load import parse_scene
-from camgeo.scene.sound import SoundValues
+from camgeo.scene.valid_values import ValidValues
 from tests.scene.scenes import PLATE
 
 
@@ -109,7 +109,7 @@ def test_a_writer_that_cannot_be_loaded_is_told(monkeypatch: pytest.MonkeyPatch)
 
 @pytest.mark.parametrize("name", FORMATS)
 def test_all_but_the_value_table_need_a_follower(name: str) -> None:
-    without = SoundValues(document(b'name = "drive"'))
+    without = ValidValues(document(b'name = "drive"'))
     assert ("needs [follower]" in find_format(name).lacking(without)) == (name != "csv")
 
 

@@ -15,8 +15,8 @@ from camgeo.formats.format import OutputSpec
 from camgeo.motion.laws import ALIASES, FAMILIES
 from camgeo.motion.planning.request import AUTO
 from camgeo.scene.schema import Node, definition, resolved, schema
+from camgeo.scene.schema_faults import allowed
 from camgeo.scene.whole_schema import whole_schema
-from camgeo.scene.words import allowed
 from camgeo.toolpath.spec import GcodeSpec
 
 

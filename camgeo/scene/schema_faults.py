@@ -75,7 +75,7 @@ def judge(scene: Document) -> Verdict:
             if fault not in faults:
                 faults.append(fault)
     if len(errors) == MOST_FAULTS or len(faults) >= MOST_FAULTS:
-        # What was not looked at may be wrong too: nothing of the scene counts as sound.
+        # What was not looked at may be wrong too: nothing of the scene counts as valid.
         bad.add(())
         faults = [*faults[:MOST_FAULTS], Fault("", "", "there are more faults than are told here")]
     return Verdict(tuple(faults), frozenset(bad), frozenset(meant))

@@ -1,4 +1,4 @@
-"""The sound values of a scene: its rules are checked beside what is known to be wrong."""
+"""The valid values of a scene: its rules are checked beside what is known to be wrong."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from camgeo.mechanism.linkage_protocol import Member
 
 
-class SoundValues:
+class ValidValues:
     """A scene without the values that are known to be wrong.
 
     A rule asks for what it compares and keeps silent where anything is missing, so that no fault
@@ -32,7 +32,7 @@ class SoundValues:
         self._around_bad = {path[:end] for path in bad for end in range(len(path) + 1)}
         self._meant = frozenset(meant)
 
-    def sound(self, *path: str | int) -> bool:
+    def valid(self, *path: str | int) -> bool:
         """Tell whether nothing is wrong at `path`, around it or in it."""
         if path in self._around_bad:
             return False
@@ -48,20 +48,20 @@ class SoundValues:
         return not meant and not self.has(*path)
 
     def get(self, *path: str | int) -> Any:
-        """Value at `path`; None if it is absent or not sound."""
-        if not self.sound(*path):
+        """Value at `path`; None if it is absent or not valid."""
+        if not self.valid(*path):
             return None
         return value_at(self.scene.plain, path)
 
     def exact(self, *path: str | int) -> Decimal | None:
-        """Number at `path` exactly as written; None if it is absent or not sound."""
+        """Number at `path` exactly as written; None if it is absent or not valid."""
         if self.get(*path) is None:
             return None
         return Decimal(self.scene.at(path))
 
     @property
     def unit(self) -> LengthUnit:
-        """The scene's unit of length, mm if it is not sound."""
+        """The scene's unit of length, mm if it is not valid."""
         return "inch" if self.get("units", "length") == "inch" else "mm"
 
     @property
@@ -83,7 +83,7 @@ class SoundValues:
     @property
     def contact(self) -> Contact | None:
         """The flank on which the follower runs; None if that is not known."""
-        if not self.sound("follower", "contact"):
+        if not self.valid("follower", "contact"):
             return None
         return Contact(self.get("follower", "contact") or Contact.INNER)
 
