@@ -14,6 +14,7 @@ from camgeo.figure.layout import Size, grid
 from camgeo.figure.marks import Arrow, Circle, Fill, Line, Mark, Style, plane
 from camgeo.figure.model import Axis, Entry, Figure, Frame, Inset, Legend, Panel
 from camgeo.figure.style import AUXILIARY, LEFT, RETURN_STYLE, RIGHT, TOP, cam_angles
+from camgeo.files.pictured import CutOff, FollowerSketch
 from camgeo.files.product import Product
 from camgeo.numeric.arrays import ComplexArray
 from camgeo.part.part import Part
@@ -49,34 +50,35 @@ SIZE = (7.0, 7.0)
 def figure(product: Product, size: Size = SIZE) -> Figure:
     """The cam at cam angle 0, to scale, in the product's unit."""
     scale = 1.0 / MM_PER[product.unit]
-    part = _part(product)
-    found = product.pictured.cut_off
-    marks, lines = (
-        flanks.whole(product, found, scale)
-        if part is None
-        else disc.whole(part, scale, SAGITTA * product.cam.follower.base_radius)
-    )
+    part, rolls = _part(product), product.cam.follower.has_pitch_curve
+    found, sketch = product.pictured.cut_off, product.pictured.follower_sketch
+    if part is None:
+        marks, lines = flanks.whole(product, found, scale)
+    else:
+        marks, lines = disc.whole(part, scale, SAGITTA * product.cam.follower.base_radius)
     for beside in product.others:
         other, return_lines = _return_disc(beside, scale)
         marks, lines = [*marks, *other], [*lines, *return_lines]
     pitch = product.cam.disc.pitch_curve.point(cam_angles()) * scale
-    if product.cam.follower.has_pitch_curve:
+    if rolls:
         marks.append(Line(plane(pitch), PITCH_STYLE))
     base = product.cam.follower.base_radius * scale
     circle = base * np.exp(1j * cam_angles())
     marks.append(Line(plane(circle), BASE_STYLE))
     if found:
         marks += cut_off.marks(found, scale)
-    roller = complex(pitch[0])
-    draw = _follower if product.cam.follower.has_pitch_curve else _flat
-    follower, end = draw(product, roller, scale)
+    roller, radius = complex(pitch[0]), _size(product) * scale
+    if rolls:
+        follower, end = _follower(product, sketch, roller, radius, scale)
+    else:
+        follower, end = _flat(sketch, roller, scale)
     arrow = 0.45 * base * np.exp(1j * ARROW)
     cross = 0.1 * base * np.array([-1.0, 1.0, 0.0, 1j, -1j])
     marks += follower
     marks.append(Arrow(plane(arrow[:: product.cam.rotation]), Style("black", 1.0), 12.0, layer=4.0))
     marks += [Line(plane(each), Style(AUXILIARY, 0.8)) for each in (cross[:2], cross[:2:-1])]
-    rim = roller + _size(product) * scale * np.exp(1j * cam_angles())
-    ends = [point * scale for point in product.pictured.follower_sketch.face or ()]
+    rim = roller + radius * np.exp(1j * cam_angles())
+    ends = [point * scale for point in sketch.face or ()]
     drawn = [*lines, circle, pitch, *(each.course * scale for each in found)]
     drawn += [np.array([roller, end, *ends]), rim]
     x, y = _limits(drawn)
@@ -98,7 +100,7 @@ def figure(product: Product, size: Size = SIZE) -> Figure:
         Axis(y, f"y [{product.unit}]"),
         (*marks, *insets),
         product.name,
-        legend=_legend(product, part, _height(size, frame, x, y)),
+        legend=_legend(product, part, found, _height(size, frame, x, y)),
         equal=True,
     )
     return Figure(size, (panel,))
@@ -132,30 +134,27 @@ def _return_disc(beside: Product, scale: float) -> tuple[list[Mark], list[Comple
     return [*marks, Line(plane([roller]), RETURN_CROSS, layer=2.8)], lines
 
 
-def _legend(product: Product, part: Part | None, height: float) -> Legend:
+def _legend(
+    product: Product, part: Part | None, found: tuple[CutOff, ...], height: float
+) -> Legend:
     """The legend of axes of that `height` [inch]."""
     if part is None:
-        edges, marked = (
-            Entry("flanks", flanks.FLANK),
-            flanks.names(product, product.pictured.cut_off),
-        )
+        edges, marked = Entry("flanks", flanks.FLANK), flanks.names(product, found)
     else:
         edges = Entry("edges of the disc", disc.EDGE)
-        marked = cut_off.names("cut off") if product.pictured.cut_off else []
+        marked = cut_off.names("cut off") if found else []
     if product.others:
         edges = Entry("edges of the main disc", edges.style)
         marked = [Entry("return disc and its roller", RETURN_STYLE), *marked]
-    base = Entry("base circle", BASE_STYLE)
-    if not product.cam.follower.has_pitch_curve:
-        found = [edges, base, Entry("face at φ = 0", FACE), *marked]
+    follower, base = product.cam.follower, Entry("base circle", BASE_STYLE)
+    if not follower.has_pitch_curve:
+        drawn = [edges, base, Entry("face at φ = 0", FACE), *marked]
     else:
-        name, marker = (
-            ("roller", "o") if product.cam.follower.roller_radius > 0.0 else ("knife edge", "+")
-        )
+        name, marker = ("roller", "o") if follower.roller_radius > 0.0 else ("knife edge", "+")
         style = Style("black", 0.0, marker=marker, size=9.0, face="white")
         roller = Entry(f"{name} at φ = 0", style)
-        found = [edges, Entry("pitch curve", PITCH_STYLE), base, roller, *marked]
-    return Legend(tuple(found), "upper center", (0.5, -BELOW / height), 4, gap=0.0)
+        drawn = [edges, Entry("pitch curve", PITCH_STYLE), base, roller, *marked]
+    return Legend(tuple(drawn), "upper center", (0.5, -BELOW / height), 4, gap=0.0)
 
 
 def _height(size: Size, frame: Frame, x: cut_off.Limits, y: cut_off.Limits) -> float:
@@ -169,10 +168,10 @@ def _size(product: Product) -> float:
     return product.cam.follower.roller_radius or KNIFE * product.cam.follower.base_radius
 
 
-def _follower(product: Product, roller: complex, scale: float) -> tuple[list[Mark], complex]:
+def _follower(
+    product: Product, sketch: FollowerSketch, roller: complex, radius: float, scale: float
+) -> tuple[list[Mark], complex]:
     """The roller at cam angle 0 and the line to its pivot, or along its guide; where that ends."""
-    radius = _size(product) * scale
-    sketch = product.pictured.follower_sketch
     end = sketch.end * scale
     along = (end - roller) / abs(end - roller)
     marks: list[Mark] = []
@@ -186,12 +185,11 @@ def _follower(product: Product, roller: complex, scale: float) -> tuple[list[Mar
     if product.cam.follower.roller_radius > 0.0:
         rim = Fill("white", "black", 1.2)
         marks.append(Circle((roller.real, roller.imag), radius, rim, layer=4.0))
-    return [*marks, *_held(product, roller, end)], end
+    return [*marks, *_held(sketch, roller, end)], end
 
 
-def _flat(product: Product, contact: complex, scale: float) -> tuple[list[Mark], complex]:
+def _flat(sketch: FollowerSketch, contact: complex, scale: float) -> tuple[list[Mark], complex]:
     """The flat face at cam angle 0, with the stem along its guide or the lever to its pivot."""
-    sketch = product.pictured.follower_sketch
     assert sketch.face is not None  # of a flat follower
     start, stop = (point * scale for point in sketch.face)
     end = sketch.end * scale
@@ -202,13 +200,13 @@ def _flat(product: Product, contact: complex, scale: float) -> tuple[list[Mark],
         Line(plane([start, stop]), FACE, layer=3.0),
         Line(plane([foot, end]), ROD, layer=3.0),
     ]
-    return [*marks, *_held(product, contact, end)], end
+    return [*marks, *_held(sketch, contact, end)], end
 
 
-def _held(product: Product, contact: complex, end: complex) -> list[Mark]:
+def _held(sketch: FollowerSketch, contact: complex, end: complex) -> list[Mark]:
     """Roller centre or contact, and the pivot if there is one."""
     marks: list[Mark] = [Line(plane([contact]), CROSS, layer=5.0)]
-    if product.pictured.follower_sketch.kind == "pivot":
+    if sketch.kind == "pivot":
         marks.append(Line(plane([end]), PIVOT, layer=5.0))
     return marks
 
