@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Final, TypeVar
 
 from camgeo.accuracy.rows import EFFORTS, FORMS, ContourRow, Count, FileCost, Form
@@ -19,7 +19,7 @@ from camgeo.outline.path import Flank, Path
 from camgeo.outline.replay import replay_contour
 from camgeo.part.boundaries import CurveBoundary
 from camgeo.toolpath.machine import load
-from camgeo.toolpath.machining_time import Dynamics, contour_time
+from camgeo.toolpath.machining_time import contour_time
 
 Tell = Callable[[str], None]
 
@@ -44,34 +44,9 @@ PROGRAM: Final = "gcode"
 """Names of the writers."""
 
 
-@dataclass(frozen=True, slots=True)
-class Milling:
-    """With what the machining time is estimated.
-
-    Attributes
-    ----------
-    feed : in the plane [mm/min].
-    dynamics : of the machine; None if they are not known.
-    """
-
-    feed: float
-    dynamics: Dynamics | None
-
-
 def flanks_of(design: Design) -> tuple[CurveBoundary, ...]:
     """The boundaries of the part that are flanks; bore and rim are exact at any tolerance."""
     return tuple(each for each in design.drawn.part.boundaries if isinstance(each, CurveBoundary))
-
-
-def milling_of(design: Design) -> Milling:
-    """Feed and machine of the scene, or those that a scene has if it says nothing."""
-    spec = design.disc.options[gcode.FORMAT]
-    return Milling(spec.feed, load(spec.machine).dynamics)
-
-
-def has_program(design: Design) -> bool:
-    """True if the scene tells all that a milling program needs."""
-    return not gcode.FORMAT.lacking(design.disc.values)
 
 
 def contour_rows(
@@ -81,7 +56,6 @@ def contour_rows(
 
     What cannot be reached is told in the row.
     """
-    milling = milling_of(design)
     rows = []
     for form in FORMS:
         for effort in EFFORTS:
@@ -89,7 +63,7 @@ def contour_rows(
             _warm(drawn, form, effort, max(tolerances))
             for tolerance in tolerances:
                 tell(f"{form}, {effort}, {tolerance:g} mm")
-                rows.append(_row(drawn, milling, form, effort, tolerance, ripple=ripple))
+                rows.append(_row(drawn, ContourRow(form, effort, tolerance), ripple=ripple))
     return tuple(rows)
 
 
@@ -114,16 +88,12 @@ def fitted(flank: CurveBoundary, form: Form, effort: Effort, tolerance: float) -
     return fit(tolerance, effort)
 
 
-def _row(
-    design: Design,
-    milling: Milling,
-    form: Form,
-    effort: Effort,
-    tolerance: float,
-    *,
-    ripple: bool,
-) -> ContourRow:
-    row = ContourRow(form, effort, tolerance)
+def _row(design: Design, row: ContourRow, *, ripple: bool) -> ContourRow:
+    """The row with all that can be had."""
+    form, effort, tolerance = row.form, row.effort, row.tolerance
+    # Feed and machine of the scene, or those that a scene has if it says nothing.
+    spec = design.disc.options[gcode.FORMAT]
+    dynamics = load(spec.machine).dynamics
     flanks = flanks_of(design)
     try:
         fits, seconds = timed(lambda: [fitted(each, form, effort, tolerance) for each in flanks])
@@ -146,14 +116,13 @@ def _row(
             ),
         )
         plain = [contour for contour in contours if isinstance(contour, Contour)]
-        if plain and milling.dynamics is not None:
-            acceleration = milling.dynamics.acceleration
-            spent = sum(contour_time(each, milling.feed, acceleration) for each in plain)
+        if plain and dynamics is not None:
+            spent = sum(contour_time(each, spec.feed, dynamics.acceleration) for each in plain)
             row = replace(row, round_seconds=spent)
         if plain and ripple:
             row = replace(row, ripple=_ripple(design, flanks, plain))
         row = replace(row, drawing=file_cost(design.disc, DRAWING, tolerance))
-        if form == "arcs" and has_program(design):
+        if form == "arcs" and not gcode.FORMAT.lacking(design.disc.values):
             row = replace(row, program=file_cost(design.disc, PROGRAM, tolerance))
     except (ToleranceError, GeometryError) as error:
         return replace(row, fault=reason(error))
