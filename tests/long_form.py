@@ -8,6 +8,6 @@ from typing import Final
 LONG: Final = os.environ.get("CAMGEO_LONG", "0") != "0"
 
 
-def examples(usual: int, long: int) -> int:
-    """How many examples hypothesis draws of a property."""
+def examples(usual: int, *, long: int) -> int:
+    """How many examples of a property are drawn, or how many steps of a ladder are taken."""
     return long if LONG else usual

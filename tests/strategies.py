@@ -23,10 +23,11 @@ from camgeo.motion.laws import FAMILIES, make_law
 from camgeo.motion.laws.law import Law
 from camgeo.motion.plan import Dwell, MotionPlan, Move
 from tests.laws import LAWS
+from tests.long_form import examples
 from tests.reference import shift
 
 attack = settings(
-    max_examples=60,
+    max_examples=examples(24, long=60),
     deadline=None,  # the speed of a shared machine is no property of the code
     suppress_health_check=[HealthCheck.too_slow, HealthCheck.filter_too_much],
 )

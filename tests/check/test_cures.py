@@ -39,6 +39,7 @@ from camgeo.motion.plan import Dwell, MotionPlan, Move
 from camgeo.outline.crossings import find_crossings
 from tests.cams import cam_of
 from tests.laws import LAWS
+from tests.long_form import examples
 from tests.reference import hard_case, pitch_curve_of, stroke_of, thesis_params
 from tests.strategies import SMOOTH, attack, pitch_curves
 
@@ -451,7 +452,7 @@ def test_the_rounded_length_is_beyond_the_limit_by_little(
     assert -math.ulp(limit) <= beyond <= 0.011 * abs(limit - old) + 1e-15 * old
 
 
-@settings(attack, max_examples=12)
+@settings(attack, max_examples=examples(6, long=12))
 @given(
     curve=pitch_curves(SMOOTH),
     contact=st.sampled_from(["inner", "outer", "groove"]),

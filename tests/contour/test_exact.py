@@ -15,8 +15,9 @@ from camgeo.errors import GeometryError, ToleranceError
 from camgeo.part.build import bore_outline
 from camgeo.part.spec import Keyway
 from tests.contour.cams import outline
+from tests.long_form import examples
 
-some = settings(max_examples=40, deadline=None)
+some = settings(max_examples=examples(20, long=40), deadline=None)
 
 few = settings(max_examples=15, deadline=None)
 """For what is measured at every size of tolerance, down to thousands of chords."""

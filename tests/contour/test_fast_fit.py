@@ -32,11 +32,12 @@ from tests.contour.cams import FLANKS, TURN, curves, dense_flank, flank, move, o
 from tests.contour.cams import translating as cam
 from tests.contour.paths import break_count
 from tests.laws import LAWS
+from tests.long_form import examples
 
 Fitter = Callable[[Path, float], Fit]
 
 some = settings(
-    max_examples=10,
+    max_examples=examples(6, long=10),
     deadline=None,
     suppress_health_check=[HealthCheck.too_slow, HealthCheck.filter_too_much],
 )
@@ -50,7 +51,8 @@ def _counts(curve: WorkingCurve, fitter: Fitter, tolerances: list[float]) -> lis
 
 
 @pytest.mark.parametrize(
-    ("fitter", "finest", "steps"), [(fit_arcs, 1e-6, 61), (fit_polyline, 1e-4, 41)]
+    ("fitter", "finest", "steps"),
+    [(fit_arcs, 1e-6, examples(21, long=61)), (fit_polyline, 1e-4, examples(14, long=41))],
 )
 @pytest.mark.parametrize("name", FLANKS, ids=str)
 def test_counts_never_grow_with_the_tolerance(
@@ -80,7 +82,7 @@ def test_arcs_are_near_their_law(name: tuple[str, int], tolerance: float) -> Non
     _check_arcs(whole(flank(*name)), tolerance)
 
 
-@settings(some, max_examples=20)
+@settings(some, max_examples=examples(10, long=20))
 @given(curves(), st.floats(-6.0, -2.0))
 def test_arcs_of_any_cam_are_near_their_law(curve: WorkingCurve, size: float) -> None:
     _check_arcs(whole(curve), 10.0**size)

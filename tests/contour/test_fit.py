@@ -28,6 +28,7 @@ from tests.contour.cams import FLANKS, TURN, Dense, curves, dwell, flank, move, 
 from tests.contour.cams import translating as cam
 from tests.contour.paths import break_count
 from tests.contour.tangents import PLACE, check_shared_ends, check_tangent
+from tests.long_form import examples
 from tests.reference import hard_case
 
 Fitter = Callable[[Path, float], Fit]
@@ -40,7 +41,7 @@ SAGITTA = 2e-6
 """Chords of the dense curve by which is measured, see `Dense` [mm]."""
 
 some = settings(
-    max_examples=15,
+    max_examples=examples(8, long=15),
     deadline=None,
     suppress_health_check=[HealthCheck.too_slow, HealthCheck.filter_too_much],
 )

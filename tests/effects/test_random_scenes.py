@@ -32,6 +32,7 @@ from camgeo.scene.schema import schema
 from camgeo.scene.whole_schema import whole_schema
 from camgeo.units import TURN
 from tests.effects.scenes import SCENES, only_for
+from tests.long_form import examples
 
 NAMES: Final = tuple(sorted(path.stem for path in SCENES.glob("*.toml")))
 
@@ -372,7 +373,7 @@ def sound_or_refused(file: str, text: str) -> dict[str, str]:
     return {fault.key: "fault" for fault in faults}
 
 
-@settings(max_examples=25)
+@settings(max_examples=examples(12, long=25))
 @given(st.randoms(use_true_random=False))
 def test_effects_of_any_scene_are_finite_or_refused(rng: Random) -> None:
     sound_or_refused(*scene_of(rng))

@@ -17,6 +17,7 @@ from camgeo.mechanism.follower_path import path_of
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.units import TURN
+from tests.long_form import examples
 from tests.pairs import Lever, Pair, pairs
 from tests.strategies import attack
 
@@ -42,7 +43,7 @@ def rounding(pair: Pair) -> float:
     return 20.0 * EPS * (size + 130.0) ** 2 / 15.0
 
 
-@settings(attack, max_examples=40)
+@settings(attack, max_examples=examples(16, long=40))
 @given(pairs(), st.lists(st.floats(0.0, TURN), min_size=20, max_size=20))
 def test_both_rollers_are_where_the_rigid_follower_holds_them(
     pair: Pair, angles: list[float]
@@ -54,7 +55,7 @@ def test_both_rollers_are_where_the_rigid_follower_holds_them(
     assert np.max(np.abs(pair.other.point(phi) - other)) <= slack
 
 
-@settings(attack, max_examples=40)
+@settings(attack, max_examples=examples(16, long=40))
 @given(pairs(), st.lists(st.floats(0.0, TURN), min_size=20, max_size=20))
 def test_the_main_disc_puts_the_return_roller_onto_its_disc(
     pair: Pair, angles: list[float]

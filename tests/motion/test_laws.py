@@ -30,6 +30,7 @@ from camgeo.motion.task import TASKS
 from camgeo.numeric.arrays import FloatArray
 from camgeo.numeric.extremes import Extreme
 from tests.laws import LAWS
+from tests.long_form import examples
 from tests.motion.oracle import (
     DIGITS,
     decimal,
@@ -64,7 +65,7 @@ by_task = pytest.mark.parametrize(
     ("name", "task"), FAMILY_TASKS, ids=[f"{name} {task}" for name, task in FAMILY_TASKS]
 )
 by_family = pytest.mark.parametrize("name", FAMILIES)
-many = settings(attack, max_examples=150)
+many = settings(attack, max_examples=examples(40, long=150))
 
 
 def ulp_limit(name: str) -> float:

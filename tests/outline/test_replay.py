@@ -26,6 +26,7 @@ from camgeo.outline.path import Path, Pivot, Stretch, whole
 from camgeo.outline.replay import replay_contour, replay_outline
 from camgeo.outline.replay_result import AS_DEMANDED_ELEMENT, Replay
 from tests.contour.cams import curves, dwell, flank, move, outline, polyline, translating
+from tests.long_form import examples
 from tests.measuring import Outline, polygon
 from tests.reference import angles, hard_case, inner_of, number, pitch_curve_of
 from tests.strategies import attack
@@ -153,7 +154,7 @@ def star(rng: np.random.Generator) -> Outline:
     return Outline.through(points, np.where(np.abs(sweeps) < 0.5, 0.0, sweeps))
 
 
-@settings(attack, max_examples=40)
+@settings(attack, max_examples=examples(16, long=40))
 @given(st.integers(0, 10**9), st.booleans(), st.sampled_from([1, -1]))
 def test_lift_by_the_smallest_distance(seed: int, rocker: bool, sigma: int) -> None:
     """From outside the roller is let in until its centre is a roller radius from the contour."""
@@ -257,7 +258,7 @@ def test_corners_below_the_limit_do_not_count() -> None:
     assert lenient == pytest.approx(exact, rel=0.05)
 
 
-@settings(attack, max_examples=12)  # each takes two fits
+@settings(attack, max_examples=examples(6, long=12))  # each takes two fits
 @given(curves(), st.floats(-3.0, 3.0))
 def test_a_turned_contour_shifts_the_motion(curve: WorkingCurve, angle: float) -> None:
     contact = "inner" if curve.distance < 0.0 else "outer"

@@ -34,6 +34,7 @@ from tests.contour.paths import PATHS, break_count, measured
 from tests.contour.paths import SAGITTA as PATH_SAGITTA
 from tests.contour.tangents import PLACE, check_shared_ends, check_tangent
 from tests.laws import LAWS
+from tests.long_form import examples
 
 NOWHERE = np.empty(0, dtype=np.complex128)
 
@@ -131,7 +132,7 @@ def test_arcs_grow_by_the_third_root(name: tuple[str, int]) -> None:
 @pytest.mark.parametrize("name", [("setzhub", -1), ("ring", 1)], ids=str)
 def test_a_wider_tolerance_never_asks_for_more(name: tuple[str, int]) -> None:
     path = whole(flank(*name))
-    tolerances = np.logspace(-0.5, -4.5, 25)
+    tolerances = np.logspace(-0.5, -4.5, examples(13, long=25))
     counts = [len(fewest_arcs(path, tolerance).contour) for tolerance in tolerances]
     assert counts == sorted(counts)
     assert counts[0] < counts[-1]

@@ -19,11 +19,12 @@ from camgeo.outline.path import Path, whole
 from tests.contour.cams import FLANKS, Dense, curves, dense_flank, dwell, flank, move
 from tests.contour.cams import translating as cam
 from tests.contour.paths import PATHS, SAGITTA, measured
+from tests.long_form import examples
 
 flanks = pytest.mark.parametrize("name", FLANKS, ids=str)
 
 some = settings(
-    max_examples=12,
+    max_examples=examples(6, long=12),
     deadline=None,
     suppress_health_check=[HealthCheck.too_slow, HealthCheck.filter_too_much],
 )
@@ -86,7 +87,7 @@ def test_within_tolerance_on_both_sides(name: tuple[str, int]) -> None:
     assert fit.deviation <= 1.05 * found + 1e-9
 
 
-@settings(some, max_examples=8)
+@settings(some, max_examples=examples(5, long=8))
 @given(curves(), st.sampled_from([1e-2, 1e-3, 1e-4]))
 def test_any_cam(curve: WorkingCurve, tolerance: float) -> None:
     path = whole(curve)
@@ -130,7 +131,7 @@ def test_counts_never_grow_with_the_tolerance(path: Callable[[], Path]) -> None:
     exact = path()
     least, breaks = limit(exact, 1.0), len(exact.stretches[0].curve.breaks)
     counts = []
-    for tolerance in np.geomspace(0.3, 1e-4, 30):
+    for tolerance in np.geomspace(0.3, 1e-4, examples(10, long=30)):
         counts.append(len(fewest_chords(exact, float(tolerance)).contour))
         if tolerance < COARSE:
             assert counts[-1] <= 1.03 * least / math.sqrt(tolerance) + breaks

@@ -19,13 +19,16 @@ from camgeo.errors import GeometryError
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.outline.path import whole
 from tests.contour.cams import FLANKS, TURN, curves, dense_flank, flank, polyline
+from tests.long_form import examples
 
 TOLERANCE = 0.01
 
 SAGITTA = 2e-6
 """Of the dense curve by which is measured [mm]."""
 
-some = settings(max_examples=30, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+some = settings(
+    max_examples=examples(15, long=30), deadline=None, suppress_health_check=[HealthCheck.too_slow]
+)
 
 names = st.sampled_from(FLANKS)
 

@@ -25,6 +25,7 @@ from tests.contour.paths import (
     measured,
     swallow_tail,
 )
+from tests.long_form import examples
 from tests.strategies import attack
 
 TOLERANCE = 0.01
@@ -33,7 +34,7 @@ TRIMMED = tuple(name for name in PATHS if name != "cusp")
 
 names = pytest.mark.parametrize("name", TRIMMED)
 
-some = settings(attack, max_examples=25)
+some = settings(attack, max_examples=examples(12, long=25))
 
 
 def through(vertices: ComplexArray, sweeps: FloatArray) -> Contour:
