@@ -20,8 +20,10 @@ settings.load_profile("fixed")
 
 @pytest.hookimpl(tryfirst=True)  # before the groups are read
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Group tests by the scene that is built for them, by their module otherwise."""
+    """Group tests as their module says, by the scene that is built for them, or by their module."""
     for item in items:
+        if item.get_closest_marker("xdist_group") is not None:
+            continue
         shared = getattr(item, "callspec", None)
         built = shared.params.get("built") if shared is not None else None
         group = item.location[0] if built is None else f"built {built.stem}"

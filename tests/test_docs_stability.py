@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import re
-from functools import cache
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from camgeo.stability import suite
 from camgeo.stability.measure import Reading
 from camgeo.stability.suite import GROUPS, LIMIT, Row
 from tests.pages import page_maker
+from tests.stability.quick import CASES, quick, together
 
 DOCS = Path(__file__).resolve().parents[1] / "docs"
 PAGE = (DOCS / "stability.md").read_text(encoding="utf-8")
@@ -25,7 +24,7 @@ ROW = re.compile(
 
 CLAIMS = {row["quantity"]: row for row in ROW.finditer(PAGE)}
 
-CASES = suite.all_cases()
+pytestmark = together
 
 MEASURED = re.compile(r"\| \d+ \| <= [\de.]+ \| [\de.]+ \| <= [\de.]+ \| .+ \|$", re.MULTILINE)
 """What a quick run finds otherwise than a whole one."""
@@ -34,11 +33,6 @@ MEASURED = re.compile(r"\| \d+ \| <= [\de.]+ \| [\de.]+ \| <= [\de.]+ \| .+ \|$"
 def maker() -> Any:
     """The module docs/stability_page.py."""
     return page_maker("stability_page")
-
-
-@cache
-def quick() -> tuple[Reading, ...]:
-    return suite.run(CASES, quick=True)
 
 
 def test_the_page_is_made_from_its_texts_and_the_suite() -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +20,8 @@ Capture = pytest.CaptureFixture[str]
 
 FEW = ["--only", "scca, b 0.3, d 0.2", "place of a cusp", "--quick"]
 """A law and the cusps: what is quick to run, with places of both kinds."""
+
+RUN = suite.run
 
 
 def call(*words: str) -> int:
@@ -38,6 +41,17 @@ def found(monkeypatch: pytest.MonkeyPatch) -> list[Reading]:
     monkeypatch.setattr(suite, "run", lambda *_, **__: tuple(readings))
     monkeypatch.setattr(suite, "all_cases", tuple)
     return readings
+
+
+@cache
+def readings_of_few() -> tuple[Reading, ...]:
+    return RUN(suite.all_cases(), FEW[1:3], quick=True)
+
+
+@pytest.fixture
+def few(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What `FEW` asks for is run once for all tests of how it is told."""
+    monkeypatch.setattr(suite, "run", lambda *_, **__: readings_of_few())
 
 
 def test_it_is_a_command() -> None:
@@ -60,6 +74,7 @@ def test_the_table(capsys: Capture) -> None:
     assert " deg " in cusp
 
 
+@pytest.mark.usefixtures("few")
 def test_the_rows_are_sorted_by_the_ratio(capsys: Capture) -> None:
     call(*FEW)
     lines = capsys.readouterr().out.splitlines()
@@ -67,6 +82,7 @@ def test_the_rows_are_sorted_by_the_ratio(capsys: Capture) -> None:
     assert ratios == sorted(ratios, reverse=True)
 
 
+@pytest.mark.usefixtures("few")
 def test_json_has_the_same(capsys: Capture) -> None:
     assert call(*FEW, "--json") == 0
     document: dict[str, Any] = json.loads(capsys.readouterr().out, parse_constant=pytest.fail)

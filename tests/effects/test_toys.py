@@ -109,12 +109,10 @@ def tree(folder: Path) -> Path:
     return folder
 
 
-@pytest.fixture(params=[distribution, tree])
-def home(request: pytest.FixtureRequest, tmp_path: Path) -> Path:
+@pytest.fixture(scope="module", params=[distribution, tree])
+def home(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder that has the effect, for the path of an interpreter."""
-    folder = tmp_path / "home"
-    folder.mkdir()
-    found: Path = request.param(folder)
+    found: Path = request.param(tmp_path_factory.mktemp("home"))
     return found
 
 
@@ -167,27 +165,45 @@ def test_its_columns_are_in_the_table(home: Path, tmp_path: Path) -> None:
     assert max(float(row[name]) for row in rows) > GAIN * 80.0
 
 
-@pytest.mark.parametrize(
-    ("text", "name", "message"),
-    [
-        ("gap = 1", "plate_translating", "effects.noise.gain: is missing: By force"),
-        ("gain = -1", "plate_translating", "effects.noise.gain = -1: must be a number, at least 0"),
-        (
-            "gain = 1\ngab = 1",
-            "plate_translating",
-            "effects.noise.gab = 1: is not a known key (did",
-        ),
-        ("gain = 1\ngap = 0", "plate_translating", "effects.noise.gap = 0: must be a positive"),
-        ("gain = 1", "conjugate_lever", "effects.noise: knows one disc"),
-        ("gain = 1", "ring", "effects.noise: needs [cam] speed"),
-    ],
+REFUSED: Final = (
+    ("gap = 1", "plate_translating", "effects.noise.gain: is missing: By force"),
+    ("gain = -1", "plate_translating", "effects.noise.gain = -1: must be a number, at least 0"),
+    (
+        "gain = 1\ngab = 1",
+        "plate_translating",
+        "effects.noise.gab = 1: is not a known key (did",
+    ),
+    ("gain = 1\ngap = 0", "plate_translating", "effects.noise.gap = 0: must be a positive"),
+    ("gain = 1", "conjugate_lever", "effects.noise: knows one disc"),
+    ("gain = 1", "ring", "effects.noise: needs [cam] speed"),
 )
-def test_its_table_is_refused_in_the_words_of_all_others(
-    home: Path, tmp_path: Path, text: str, name: str, message: str
-) -> None:
-    code, told = run(home, "check", scene(tmp_path, f"[effects.noise]\n{text}\n", name))
-    assert code == 2
-    assert message in told
+"""Tables of the effect, the scenes to which they are added, and what is said of them."""
+
+CHECK_EACH: Final = """
+import contextlib, io, json, sys
+from camgeo.cli.main import main
+answers = []
+for path in sys.argv[1:]:
+    with contextlib.redirect_stderr(io.StringIO()) as told:
+        answers.append((main(["check", path]), told.getvalue()))
+print(json.dumps(answers))
+"""
+"""One interpreter for many scenes."""
+
+
+def test_its_table_is_refused_in_the_words_of_all_others(home: Path, tmp_path: Path) -> None:
+    files = []
+    for number, (text, name, _) in enumerate(REFUSED):
+        folder = tmp_path / str(number)
+        folder.mkdir()
+        files.append(scene(folder, f"[effects.noise]\n{text}\n", name))
+    done = subprocess.run(
+        [sys.executable, "-c", CHECK_EACH, *map(str, files)],
+        cwd=home, env={"PYTHONPATH": str(home)}, capture_output=True, text=True, check=True,
+    )  # fmt: skip
+    for (code, told), (_, _, message) in zip(json.loads(done.stdout), REFUSED, strict=True):
+        assert code == 2
+        assert message in told
 
 
 def test_editors_know_it(home: Path) -> None:

@@ -25,7 +25,6 @@ from camgeo.stability.measure import Case, Found, Reading, measure
 from camgeo.stability.suite import (
     GROUPS,
     LIMIT,
-    all_cases,
     names,
     run,
     table,
@@ -33,8 +32,9 @@ from camgeo.stability.suite import (
 )
 from camgeo.units import TURN
 from tests.reference import reference
+from tests.stability.quick import CASES, quick, together
 
-CASES = all_cases()
+pytestmark = together
 
 
 def spec(name: str) -> CamSpec:
@@ -43,7 +43,7 @@ def spec(name: str) -> CamSpec:
 
 @pytest.mark.parametrize("group", GROUPS)
 def test_no_digits_are_lost_that_the_inputs_have(group: str) -> None:
-    readings = run(CASES, [group], quick=True)
+    readings = [each for each in quick() if each.group == group]
     assert readings
     poor = [each for each in readings if each.ratio > LIMIT]
     assert poor == []
