@@ -120,6 +120,9 @@ def _attribute(value: Any, key: str, node: Node, *, needed: bool) -> Any:
         return value.get(key)
     unit = node.get("x-unit", "").replace("/", " per ").replace("^", "")
     name = node.get("x-attribute", key.removesuffix("_" + "_".join(unit.split())))
-    if not needed:
-        return getattr(value, name, None)
-    return attrgetter(name)(value)
+    try:
+        return attrgetter(name)(value)
+    except AttributeError:
+        if needed:
+            raise
+        return None

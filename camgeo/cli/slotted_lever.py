@@ -4,38 +4,16 @@ from __future__ import annotations
 
 import argparse
 import sys
-from decimal import Decimal
 from pathlib import Path
 from typing import Final
 
+from camgeo.answers import render
 from camgeo.answers.answer import FINE
-from camgeo.cli.command import (
-    CallError,
-    add_json,
-    decimal,
-    print_json,
-    require_beside,
-    write_told,
-)
+from camgeo.answers.slotted_lever import FULL_TURN, LeverMotion, slotted_lever
+from camgeo.cli.command import CallError, add_json, decimal, require_beside, show, write_told
 from camgeo.cli.plot import add_picture, drawn
-from camgeo.cli.slotted_lever_told import document, lines
-from camgeo.errors import GeometryError
-from camgeo.mechanism.slotted_lever import SlottedLever
-from camgeo.mechanism.slotted_lever_drive import (
-    FULL_TURN,
-    NAMES,
-    PRINTED_STEP,
-    DrivenLever,
-    LeverTable,
-    crank_for_swing,
-    lever_table,
-)
-from camgeo.units import RPM
 
-LOWEST, HIGHEST = 1e-100, 1e100
-"""Of lengths [mm] and speeds [rev/min]: what is made of them is far from overflow."""
-
-TABLE_OPTIONS: Final = {"step": PRINTED_STEP, "from": Decimal(0), "to": FULL_TURN}
+TABLE_OPTIONS: Final = dict(zip(("step", "from", "to"), FULL_TURN, strict=True))
 """With their defaults."""
 
 
@@ -90,85 +68,36 @@ def options(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Print extremes or table; write table and picture, both or none."""
-    _check_options(arguments)
-    driven = _driven(arguments)
-    table = None
-    if arguments.table or arguments.csv is not None:
-        table = _table(driven, arguments)
-    _write(driven, table, arguments)
-    shown = table if arguments.table else None
-    if arguments.json:
-        print_json(document(driven, shown, printed=arguments.printed))
-    elif shown is not None:
-        sys.stdout.write(_csv(shown, printed=arguments.printed))
-    else:
-        print("\n".join(lines(driven)))
-    return FINE
-
-
-# What is given ------------------------------------------------------------------------------------
-
-
-def _check_options(arguments: argparse.Namespace) -> None:
-    if not arguments.table and arguments.csv is None:
-        given = [f"--{name}" for name in TABLE_OPTIONS if getattr(arguments, name) is not None]
-        given += ["--printed"] * arguments.printed
-        if given:
-            raise CallError(f"{', '.join(given)}: allowed with --table or --csv only")
-    require_beside("--csv", arguments.csv, arguments.output)
-
-
-def _driven(arguments: argparse.Namespace) -> DrivenLever:
-    frame = _length("frame", arguments.frame, "mm")
-    if arguments.swing is None:
-        crank = _length("crank", arguments.crank, "mm")
-    else:
-        crank = crank_for_swing(frame, float(arguments.swing))
-        if crank < LOWEST:
-            raise GeometryError(
-                f"makes a crank of {crank:g} mm; from {LOWEST:g} mm is allowed",
-                key="swing",
-                value=str(arguments.swing),
-            )
-    speed = _length("speed", arguments.speed, "rev/min")
-    return DrivenLever(SlottedLever(crank, frame), speed * RPM)
-
-
-def _length(key: str, given: Decimal, unit: str) -> float:
-    value = float(given)
-    if not LOWEST <= value <= HIGHEST:
-        message = f"must be from {LOWEST:g} to {HIGHEST:g} {unit}"
-        raise GeometryError(message, key=key, value=str(given))
-    return value
-
-
-def _table(driven: DrivenLever, arguments: argparse.Namespace) -> LeverTable:
+    tabled = arguments.table or arguments.csv is not None
     given = {key: getattr(arguments, key) for key in TABLE_OPTIONS}
     known = {key: value for key, value in given.items() if value is not None}
-    return lever_table(driven, *(TABLE_OPTIONS | known).values())
+    if not tabled and (known or arguments.printed):
+        names = [f"--{name}" for name in known] + ["--printed"] * arguments.printed
+        raise CallError(f"{', '.join(names)}: allowed with --table or --csv only")
+    require_beside("--csv", arguments.csv, arguments.output)
+    step, first, last = (TABLE_OPTIONS | known).values()
+    found = slotted_lever(
+        arguments.frame,
+        arguments.speed,
+        crank=arguments.crank,
+        swing=arguments.swing,
+        rows=(step, first, last) if tabled else None,
+        printed=arguments.printed,
+    )
+    _write(found, arguments)
+    if arguments.table and not arguments.json:
+        sys.stdout.write(render.table(found).csv())
+        return FINE
+    return show(found, arguments)
 
 
-# Files --------------------------------------------------------------------------------------------
-
-
-def _write(driven: DrivenLever, table: LeverTable | None, arguments: argparse.Namespace) -> None:
+def _write(found: LeverMotion, arguments: argparse.Namespace) -> None:
     files = []
     if arguments.csv is not None:
-        assert table is not None  # made for this file
-        data = _csv(table, printed=arguments.printed).encode()
-        files.append((Path(arguments.csv), data, f"{len(table.values)} rows"))
+        table = render.table(found)
+        files.append((Path(arguments.csv), table.csv().encode(), f"{len(table.values)} rows"))
     if arguments.output is not None:
-        from camgeo.figure import slotted_lever
-
         target = Path(arguments.output)
-        picture = drawn(slotted_lever.figure(driven), target.suffix)
+        picture = drawn(render.figure(found), target.suffix)
         files.append((target, picture, "phi, omega2, eps2"))
     write_told(files, force=arguments.force)
-
-
-def _csv(table: LeverTable, *, printed: bool) -> str:
-    if printed:
-        return "".join(",".join(row) + "\n" for row in (NAMES, *table.printed()))
-    from camgeo.files.value_table import Table
-
-    return Table(NAMES, table.values).csv()

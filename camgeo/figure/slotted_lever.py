@@ -35,9 +35,9 @@ HEADROOM: Final = 0.18
 """Above and below a curve, as a share of its range: room for the values."""
 
 PANELS: Final[tuple[tuple[Quantity, str, str], ...]] = (
-    ("angle", "lever angle φ", "°"),
-    ("velocity", "angular velocity ω$_2$", "rad/s"),
-    ("acceleration", "angular acceleration ε$_2$", "rad/s²"),
+    ("phi", "lever angle φ", "°"),
+    ("omega2", "angular velocity ω$_2$", "rad/s"),
+    ("eps2", "angular acceleration ε$_2$", "rad/s²"),
 )
 """Quantity, its name and its unit, in the order of `DrivenLever.output`."""
 

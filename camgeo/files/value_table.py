@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from decimal import Decimal
 from typing import TYPE_CHECKING
@@ -52,23 +52,34 @@ class Table:
     ----------
     names : of the columns, with their unit in brackets, e.g. "phi [deg]".
     values : (n, k), one column a name; NaN-free.
+    cells : the same as text, for numbers that are written rounded; None for the shortest form that
+        reads back the same, in which no number is -0.0.
     """
 
     names: tuple[str, ...]
     values: FloatArray
+    cells: Sequence[Sequence[str]] | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "values", frozen(self.values, np.float64))
 
-    def csv(self) -> str:
-        """The table as CSV: one header line, numbers in the shortest form that reads back the same.
+    @classmethod
+    def rounded(cls, names: tuple[str, ...], cells: Sequence[Sequence[str]]) -> Table:
+        """A table of rounded numbers."""
+        return cls(names, np.array(cells, dtype=np.float64), cells)
 
-        No number is written as -0.0.
-        """
+    @property
+    def columns(self) -> dict[str, FloatArray]:
+        """By their names, (n,) each."""
+        return dict(zip(self.names, self.values.T, strict=True))
+
+    def csv(self) -> str:
+        """The table as CSV, below one header line."""
         stream = io.StringIO()
         rows = csv.writer(stream, lineterminator="\n")
         rows.writerow(self.names)
-        rows.writerows([repr(value) for value in row] for row in (self.values + 0.0).tolist())
+        shortest = ([repr(value) for value in row] for row in (self.values + 0.0).tolist())
+        rows.writerows(self.cells or shortest)
         return stream.getvalue()
 
 

@@ -8,6 +8,7 @@ equation (1) of the exercise does: here phi, omega_2 and eps_2 are the negatives
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from decimal import Decimal, localcontext
 from fractions import Fraction
@@ -22,8 +23,10 @@ from camgeo.numeric.arrays import FloatArray, frozen
 from camgeo.numeric.checked import check_fields, hold
 from camgeo.units import TURN
 
-Quantity = Literal["angle", "velocity", "acceleration"]
-"""phi [rad], omega_2 [rad/s], eps_2 [rad/s^2]: the rows of `DrivenLever.output`, in this order."""
+Quantity = Literal["phi", "omega2", "eps2"]
+"""Angle, velocity, acceleration of the lever: the rows of `DrivenLever.output`, in this order."""
+
+UNITS: Final[Mapping[Quantity, str]] = {"phi": "rad", "omega2": "rad/s", "eps2": "rad/s^2"}
 
 NAMES: Final = ("crank [deg]", "time [s]", "phi [deg]", "omega2 [rad/s]", "eps2 [rad/s^2]")
 """Columns in the order of the exercise's table."""
@@ -63,6 +66,11 @@ class LeverExtreme:
     crank: float
     angle: float
     time: float
+
+    @property
+    def unit(self) -> str:
+        """Of the value."""
+        return UNITS[self.quantity]
 
 
 @dataclass(frozen=True, slots=True)
@@ -142,20 +150,20 @@ class DrivenLever:
         found = []
         if lever.swings:
             angle = lever.largest_angle
-            found += self._pair("angle", -angle.value, angle.place)
+            found += self._pair("phi", -angle.value, angle.place)
         velocities = lever.velocity_extremes
         # The smallest phi' is the largest omega_2, for the sense of the angles is opposite.
         at_ends = [
             self._extreme(
-                "velocity", True, -speed * velocities.lowest.value, velocities.lowest.place
+                "omega2", True, -speed * velocities.lowest.value, velocities.lowest.place
             ),
             self._extreme(
-                "velocity", False, -speed * velocities.highest.value, velocities.highest.place
+                "omega2", False, -speed * velocities.highest.value, velocities.highest.place
             ),
         ]
         found += sorted(at_ends, key=lambda extreme: extreme.crank)
         acceleration = lever.largest_acceleration
-        found += self._pair("acceleration", -speed * speed * acceleration.value, acceleration.place)
+        found += self._pair("eps2", -speed * speed * acceleration.value, acceleration.place)
         return tuple(found)
 
     @property
@@ -179,7 +187,7 @@ class DrivenLever:
     ) -> LeverExtreme:
         # sin(pi) is not zero in floating point, but the lever's angle there is.
         angle = 0.0 if theta == math.pi else float(self.output(np.array([theta]))[0, 0])
-        if quantity == "angle":
+        if quantity == "phi":
             angle = value
         return LeverExtreme(quantity, largest, value, theta, angle, theta / self.speed)
 

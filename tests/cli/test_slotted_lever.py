@@ -344,7 +344,7 @@ def test_a_lever_that_turns_round(capsys: Capture) -> None:
     exact = {row[0]: row for row in rows_of(told(capsys, *words, "--table", "--step", "30"))}
     for angle, phi in expected["phi_deg_unwrapped"].items():
         assert float(exact[f"{angle}.0"][2]) == pytest.approx(-float(phi), rel=1e-12)
-    assert "time ratio, for" in told(capsys, *words)
+    assert "time ratio, because" in told(capsys, *words)
 
 
 def test_a_very_short_crank(capsys: Capture) -> None:

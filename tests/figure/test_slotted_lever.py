@@ -59,7 +59,7 @@ def test_a_dot_lies_on_the_curve_at_every_extreme(name: str) -> None:
         texts = [text.get_text() for text in axes.texts]
         assert len(texts) == len(own)
         for extreme in own:
-            scale = 180.0 / math.pi if quantity == "angle" else 1.0
+            scale = 180.0 / math.pi if quantity == "phi" else 1.0
             place, value = math.degrees(extreme.crank), scale * extreme.value
             assert min(abs(x - place) + abs(y - value) for x, y in dots) <= 1e-9 * abs(value)
             # Nothing drawn goes beyond it, and the curve reaches it.

@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from decimal import Decimal
 from typing import ClassVar, Final
-
-import numpy as np
 
 from camgeo.answers.answer import Answer
 from camgeo.design import Design
 from camgeo.files.value_table import Table
 from camgeo.motion.laws.law import Law
 from camgeo.motion.value_table import NAMES, PRINTED_STEP, law_table
-from camgeo.numeric.arrays import FloatArray
 
 PRINTED_NAMES: Final = NAMES[:4]
 """The guideline prints no f'''."""
@@ -27,18 +23,11 @@ class ValueTable(Answer):
     Attributes
     ----------
     table : its columns.
-    printed : its rows as a guideline prints them; None for all digits.
     """
 
     command: ClassVar[str] = "table"
 
     table: Table
-    printed: tuple[tuple[str, ...], ...] | None = None
-
-    @property
-    def columns(self) -> Mapping[str, FloatArray]:
-        """The values by the names of the columns."""
-        return dict(zip(self.table.names, self.table.values.T, strict=True))
 
 
 def table_of_scene(design: Design, step: Decimal | None = None) -> ValueTable:
@@ -52,7 +41,6 @@ def table_of_law(law: Law, step: Decimal = PRINTED_STEP, *, printed: bool = Fals
     Raises GeometryError if the step is none.
     """
     exact = law_table(law, step)
-    if not printed:
-        return ValueTable(Table(NAMES, exact.values))
-    rows = tuple(exact.printed())
-    return ValueTable(Table(PRINTED_NAMES, np.array(rows, dtype=np.float64)), rows)
+    if printed:
+        return ValueTable(Table.rounded(PRINTED_NAMES, exact.printed()))
+    return ValueTable(Table(NAMES, exact.values))

@@ -8,9 +8,7 @@ from camgeo.files.value_table import Table
 
 def text(answer: ValueTable) -> str:
     """The table as CSV."""
-    if answer.printed is None:
-        return answer.table.csv().rstrip("\n")
-    return "\n".join(",".join(row) for row in (answer.table.names, *answer.printed))
+    return answer.table.csv().rstrip("\n")
 
 
 def table(answer: ValueTable) -> Table:
