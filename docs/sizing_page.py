@@ -8,11 +8,11 @@ from pathlib import Path
 from typing import Final
 
 import camgeo
-from camgeo.check.judge import transmission_angle_limit
+from camgeo.answers.render import figure
+from camgeo.answers.size import CamSize, size
 from camgeo.check.sizing.arm import size_with_arm
-from camgeo.check.sizing.smallest import Rating, Sizing, rate, size
-from camgeo.check.sizing.task import Task, task_of
-from camgeo.design import Design
+from camgeo.check.sizing.smallest import Rating
+from camgeo.check.sizing.task import task_of
 
 HERE: Final = Path(__file__).parent
 PAGE: Final = HERE / "sizing.md"
@@ -102,18 +102,17 @@ other rollers.
 {arms}"""
 
 
-def sized() -> tuple[Design, Task, Sizing]:
-    """The scene of the page and its answer."""
-    design = camgeo.load(HERE.parent / SCENE)
-    task, limits = task_of(design.cam), design.scene.limits
-    return design, task, size(task, transmission_angle_limit(task.cam, limits), limits.radius_ratio)
+def sized() -> CamSize:
+    """The answer for the scene of the page."""
+    return size(camgeo.load(HERE.parent / SCENE))
 
 
 def page() -> str:
     """The text of docs/sizing.md."""
-    _, task, sizing = sized()
+    found = sized()
+    sizing = found.sizing
     rated = {
-        "present design": rate(task, task.present),
+        "present design": found.present,
         "Flocke": sizing.flocke,
         "transmission angle alone, exact": sizing.for_angle,
         "both, exact": sizing.answer,
@@ -127,7 +126,7 @@ def page() -> str:
         answer=sizing.answer.base_radius,
         low=ARMS[0],
         high=ARMS[1],
-        arms="".join(_arms(task, sizing, share) for share in ROLLERS),
+        arms="".join(_arms(found, share) for share in ROLLERS),
     )
     return "\n\n".join(_wrapped(each) for each in text.split("\n\n"))
 
@@ -141,12 +140,13 @@ def _wrapped(paragraph: str) -> str:
 
 def _row(name: str, rating: Rating | None) -> str:
     assert rating is not None
-    mu, ratio = math.degrees(rating.transmission_angle[0]), rating.radius_ratio[0]
+    mu, ratio = math.degrees(rating.transmission_angle.value), rating.radius_ratio.value
     lengths = f"{rating.base_radius:.3f} | {abs(rating.place):.3f}"
     return f"| {name} | {lengths} | {mu:.3f} | {ratio:.3f} |\n"
 
 
-def _arms(task: Task, sizing: Sizing, share: float) -> str:
+def _arms(present: CamSize, share: float) -> str:
+    task, sizing = present.task, present.sizing
     roller = share * task.follower.roller_radius
     other = task_of(task.cam.sized(roller_radius=roller))
     best, found = size_with_arm(other, sizing.angle, sizing.ratio, *ARMS)
@@ -159,11 +159,9 @@ def _arms(task: Task, sizing: Sizing, share: float) -> str:
 
 def picture() -> bytes:
     """The region."""
-    from camgeo.figure import size as region
     from camgeo_export.plots.render import render
 
-    design, task, sizing = sized()
-    return render(region.figure(design.name, task, sizing), PICTURE.suffix)
+    return render(figure(sized()), PICTURE.suffix)
 
 
 if __name__ == "__main__":

@@ -4,39 +4,25 @@ from __future__ import annotations
 
 import argparse
 import math
-from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
-from camgeo.answers.answer import BROKEN, FINE
-from camgeo.check.judge import transmission_angle_limit
-from camgeo.check.sizing.arm import size_with_arm
-from camgeo.check.sizing.smallest import Sizing, rate, size
-from camgeo.check.sizing.task import Task, task_of
+from camgeo.answers import render
+from camgeo.answers.size import CamSize, size, sized_scene
 from camgeo.cli.command import (
     CallError,
     add_json,
     add_scene,
     opened,
-    print_json,
     require_beside,
+    show,
     tell,
     tell_main_disc,
     write_told,
 )
 from camgeo.cli.plot import add_picture, drawn
-from camgeo.cli.size_told import document, lines
-from camgeo.design import Design
-from camgeo.errors import Fault, GeometryError, SceneError
+from camgeo.errors import Fault, SceneError
 from camgeo.units import MM_PER
-
-if TYPE_CHECKING:
-    from camgeo.scene.scene import Scene
-
-MARGIN: Final = 1e-11
-"""By how much [rad, and as a share of the ratio] a scene that is written keeps its limits: at the
-limit itself rounding would decide what `camgeo check` says."""
-
 
 SUMMARY: Final = (
     "tell the smallest base circle, with offset or pivot, that keeps the limits, and Flocke's"
@@ -90,91 +76,31 @@ def run(arguments: argparse.Namespace) -> int:
         )
     design = opened(arguments)
     tell_main_disc(design, "sizes")
-    angle, ratio = _required(design, arguments)
-    task = task_of(design.cam)
-    present = rate(task, task.present)
-    if arguments.arm is not None:
-        low, high = (MM_PER[design.scene.unit] * arm for arm in arguments.arm)
-        task, sizing = size_with_arm(task, angle, ratio, low, high)
-    else:
-        sizing = size(task, angle, ratio)
-    _write(design, task, sizing, arguments)
-    if arguments.json:
-        print_json(document(design, task, sizing, present))
-    else:
-        print("\n".join(lines(design, task, sizing, present)))
-    return FINE if sizing.answer is not None else BROKEN
-
-
-def _required(design: Design, arguments: argparse.Namespace) -> tuple[float, float]:
-    """Transmission angle [rad] and ratio that are asked for."""
-    angle, ratio = (
-        transmission_angle_limit(design.cam, design.scene.limits),
-        design.scene.limits.radius_ratio,
+    angle, arm, unit = arguments.transmission_angle, arguments.arm, MM_PER[design.scene.unit]
+    found = size(
+        design,
+        transmission_angle=None if angle is None else math.radians(angle),
+        radius_ratio=arguments.radius_ratio,
+        arms=None if arm is None else (unit * arm[0], unit * arm[1]),
     )
-    if arguments.transmission_angle is not None:
-        angle = math.radians(arguments.transmission_angle)
-    if arguments.radius_ratio is not None:
-        ratio = arguments.radius_ratio
-    return angle, ratio
+    _write(found, arguments)
+    return show(found, arguments)
 
 
-def _write(design: Design, task: Task, sizing: Sizing, arguments: argparse.Namespace) -> None:
-    files = []
-    if arguments.target is not None and sizing.answer is not None:
-        target = Path(arguments.target)
-        scene = _scene(design, task, sizing, arguments, target)
-        told = f"base radius {_told(design, sizing.answer.base_radius)}"
-        files.append((target, scene, told))
+def _write(found: CamSize, arguments: argparse.Namespace) -> None:
+    files, unit = [], found.scene.unit
+    if arguments.target is not None and found.sizing.answer is not None:
+        target, source = Path(arguments.target), Path(arguments.scene)
+        if found.scene.files and target.resolve().parent != source.resolve().parent:
+            raise SceneError(
+                [Fault("--scene", str(target), "must lie beside SCENE, which reads files there")]
+            )
+        told = f"base radius {found.sizing.answer.base_radius / MM_PER[unit]:.6g} {unit}"
+        files.append((target, sized_scene(found).to_toml().encode(), told))
     elif arguments.target is not None:
         tell(f"{arguments.target}: not written, there is no such mechanism")
     if arguments.output is not None:
-        from camgeo.figure import size as region
-
         target = Path(arguments.output)
-        picture = drawn(region.figure(design.name, task, sizing), target.suffix)
+        picture = drawn(render.figure(found), target.suffix)
         files.append((target, picture, "region of the cam axis"))
     write_told(files, force=arguments.force)
-
-
-def _scene(
-    design: Design, task: Task, sizing: Sizing, arguments: argparse.Namespace, target: Path
-) -> bytes:
-    """The scene with the answer, which keeps its requirement."""
-    source = Path(arguments.scene)
-    if design.disc.scene_files and target.resolve().parent != source.resolve().parent:
-        raise SceneError(
-            [Fault("--scene", str(target), "must lie beside SCENE, which reads files there")]
-        )
-    kept = size(task, sizing.angle + MARGIN, sizing.ratio * (1.0 - MARGIN))
-    if kept.answer is None:
-        raise GeometryError("the requirement can only just be met: no scene keeps it surely")
-    lengths = {"base_radius": kept.answer.base_radius, **task.moved(kept.answer.place)}
-    if arguments.arm is not None:
-        lengths["arm"] = task.follower.arm
-    written = resized(design.scene, lengths)
-    again = task_of(Design(written).cam)
-    rating = rate(again, again.present)
-    if (
-        rating is None
-        or rating.transmission_angle[0] < sizing.angle
-        or rating.radius_ratio[0] > sizing.ratio
-    ):
-        raise GeometryError("the scene cannot be written back: rounding breaks its requirement")
-    return written.to_toml().encode()
-
-
-def resized(scene: Scene, lengths: Mapping[str, complex]) -> Scene:
-    """The scene with other lengths of its follower [mm], by their keys; points are complex."""
-
-    def told(length: complex) -> float | list[float]:
-        inside = length / MM_PER[scene.unit]
-        if isinstance(inside, float):
-            return inside + 0.0  # 0, and not -0
-        return [inside.real + 0.0, inside.imag + 0.0]
-
-    return scene.with_values({f"follower.{key}": told(each) for key, each in lengths.items()})
-
-
-def _told(design: Design, length: float) -> str:
-    return f"{length / MM_PER[design.scene.unit]:.6g} {design.scene.unit}"

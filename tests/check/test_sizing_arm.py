@@ -37,8 +37,8 @@ def test_no_other_arm_of_the_range_is_better(contact: str) -> None:
     assert isinstance(sized.follower, OscillatingRoller)
     assert low <= sized.follower.arm <= high
     assert sizing.answer is not None
-    assert sizing.answer.transmission_angle[0] >= angle - 1e-9
-    assert sizing.answer.radius_ratio[0] <= ratio + 1e-9
+    assert sizing.answer.transmission_angle.value >= angle - 1e-9
+    assert sizing.answer.radius_ratio.value <= ratio + 1e-9
     for arm in (low, 40.0, *(sized.follower.arm * np.array([0.97, 1.03]))):
         if low <= arm <= high:
             other = size(with_arm(task, float(arm)), angle, ratio).answer

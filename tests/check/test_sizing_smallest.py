@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 import camgeo
+from camgeo.answers.size import CamSize
 from camgeo.check.sizing import bends
 from camgeo.check.sizing.conditions import conditions
 from camgeo.check.sizing.smallest import active_conditions, rate, size
 from camgeo.check.sizing.task import task_of
-from camgeo.cli.size_told import reason
 from camgeo.errors import GeometryError
 from tests.check.sizing_scenes import BENT, EASY, SCENES, required
 
@@ -23,8 +23,8 @@ def test_the_answer_keeps_its_requirement_and_no_smaller_one_does(name: str) -> 
     found = size(task, angle, ratio)
     assert found.answer is not None
     best = found.answer.place
-    assert found.answer.transmission_angle[0] >= angle - 1e-9
-    assert found.answer.radius_ratio[0] <= ratio + 1e-9
+    assert found.answer.transmission_angle.value >= angle - 1e-9
+    assert found.answer.radius_ratio.value <= ratio + 1e-9
     assert {each.name for each in found.active} == (
         {"transmission-angle"} if name in EASY else {"transmission-angle", "radius-ratio"}
     )
@@ -41,8 +41,8 @@ def test_the_answer_keeps_its_requirement_and_no_smaller_one_does(name: str) -> 
             rating = rate(task, complex(place))
             assert (
                 rating is None
-                or rating.transmission_angle[0] < angle
-                or rating.radius_ratio[0] > ratio
+                or rating.transmission_angle.value < angle
+                or rating.radius_ratio.value > ratio
             ), (shrink, turn)
 
 
@@ -81,7 +81,7 @@ def test_however_large_the_roller_a_large_cam_takes_it() -> None:
         roller = task.follower.roller_radius
         found = size(task, angle, 1e-3)
         assert found.answer is not None
-        assert found.answer.radius_ratio[0] <= 1e-3 * (1.0 + 1e-9)
+        assert found.answer.radius_ratio.value <= 1e-3 * (1.0 + 1e-9)
         assert found.answer.base_radius == pytest.approx(roller / 1e-3, rel=0.1)
     huge = task_of(task.cam.sized(roller_radius=500.0))
     answer = size(huge, angle, 0.7).answer
@@ -105,9 +105,10 @@ def test_a_ratio_that_no_place_keeps(monkeypatch: pytest.MonkeyPatch) -> None:
     assert found.nearest_ratio is not None
     assert found.nearest_ratio > 1e-3
     design = camgeo.load(SCENES / "vorschub.toml")
-    told = reason(design, found)
+    told = CamSize(design.scene, task, found, None).infeasible
+    assert told is not None
     assert "there is no place with r_R/r_K at most 0.001 up to a base radius of" in told
-    assert f"the least that was found is about {found.nearest_ratio:.3g}" in told
+    assert f"the smallest ratio found is about {found.nearest_ratio:.3g}" in told
 
 
 @pytest.mark.parametrize(

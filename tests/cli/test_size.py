@@ -9,9 +9,9 @@ from pathlib import Path
 import pytest
 
 import camgeo
+from camgeo.answers.size import resized
 from camgeo.check.judge import transmission_angle_limit
 from camgeo.cli.main import main
-from camgeo.cli.size import resized
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.scene.new import template
 
@@ -44,7 +44,7 @@ def test_json(capsys: Capture) -> None:
     told = json.loads(capsys.readouterr().out)
     assert told["required"]["transmission_angle_deg"] == pytest.approx(45.0)
     smallest = told["smallest"]
-    assert smallest["transmission_angle_deg"]["value"] == pytest.approx(45.0, abs=1e-9)
+    assert smallest["transmission_angle"]["smallest_deg"] == pytest.approx(45.0, abs=1e-9)
     assert math.hypot(*smallest["pivot_mm"]) == pytest.approx(smallest["pivot_distance_mm"])
     x, y = smallest["pivot_mm"]
     assert y / x == pytest.approx(62.0 / 40.46)  # the pivot stays in its direction
@@ -57,7 +57,7 @@ def test_an_arm_is_looked_for_and_written(tmp_path: Path, capsys: Capture) -> No
     target = tmp_path / "sized.toml"
     call = ["size", SETZHUB, "--arm", "40", "60", "--scene", str(target)]
     assert main(call) == 0
-    assert "all but the present design with an arm of 40.0000 mm" in capsys.readouterr().out
+    assert "all but the present design have an arm of 40.0000 mm" in capsys.readouterr().out
     after = camgeo.load(target)
     assert isinstance(after.cam.follower, OscillatingRoller)
     assert after.cam.follower.arm == 40.0

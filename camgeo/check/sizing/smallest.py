@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -14,6 +15,7 @@ from camgeo.check.sizing.task import Task
 from camgeo.check.transmission_angle import transmission_angle_extremes
 from camgeo.curve.curvature import curvature_extremes
 from camgeo.errors import GeometryError
+from camgeo.numeric.extremes import Extreme
 from camgeo.units import TURN
 
 ACTIVE = 1e-9
@@ -44,15 +46,21 @@ class Rating:
     Attributes
     ----------
     place : see `Task` [mm].
-    base_radius : r_G [mm].
+    follower : with the cam axis there.
     transmission_angle : the smallest [rad], with its cam angle [rad].
     radius_ratio : the largest r_R/r_K, with its cam angle [rad].
     """
 
     place: complex
-    base_radius: float
-    transmission_angle: tuple[float, float]
-    radius_ratio: tuple[float, float]
+    follower: Any
+    transmission_angle: Extreme
+    radius_ratio: Extreme
+
+    @property
+    def base_radius(self) -> float:
+        """r_G [mm]."""
+        radius: float = self.follower.base_radius
+        return radius
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -123,7 +131,7 @@ def size(task: Task, angle: float, ratio: float) -> Sizing:
         raise GeometryError("there is nothing to size: the follower does not move", key="motion")
     for_angle = rate(task, place)
     covered = inner and base <= half
-    if for_angle is not None and for_angle.radius_ratio[0] <= ratio and not covered:
+    if for_angle is not None and for_angle.radius_ratio.value <= ratio and not covered:
         decided = active_conditions(task, for_angle, angle, ratio)
         return Sizing(angle, ratio, construction, proposal, for_angle, for_angle, decided)
     least = max(base, half * (1.0 + 1e-9)) if inner else base
@@ -151,7 +159,7 @@ def rate(task: Task, place: complex) -> Rating | None:
         ratio = worst_ratio(task, place)
     except GeometryError:
         return None
-    return Rating(place, abs(place - task.start), angle, ratio)
+    return Rating(place, curve.follower, Extreme(*angle), Extreme(*ratio))
 
 
 def active_conditions(task: Task, rating: Rating, angle: float, ratio: float) -> tuple[Active, ...]:

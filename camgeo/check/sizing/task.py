@@ -111,10 +111,6 @@ class Task(ABC):
         """Values [mm] of the follower, by its scene's keys, with the cam axis at `place`."""
 
     @abstractmethod
-    def record(self, place: complex) -> dict[str, Any]:
-        """The same for JSON, with units in the names."""
-
-    @abstractmethod
     def terms_of(self, lift: Jet) -> Terms:
         """What the conditions are made of for lifts (3, n), not necessarily of one motion."""
 
@@ -188,10 +184,6 @@ class OnGuide(Task):
         """See `Task`."""
         return {"offset": place.real}
 
-    def record(self, place: complex) -> dict[str, Any]:
-        """See `Task`."""
-        return {"offset_mm": place.real}
-
     def terms_of(self, lift: Jet) -> Terms:
         """See `Task`."""
         one, none = np.ones(lift.shape[1], dtype=np.complex128), np.zeros(lift.shape[1])
@@ -231,15 +223,6 @@ class OnRocker(Task):
         """See `Task`."""
         away = self.follower.pivot / self.follower.centre_distance
         return {"pivot": away * abs(place)}
-
-    def record(self, place: complex) -> dict[str, Any]:
-        """See `Task`."""
-        pivot = self.moved(place)["pivot"]
-        return {
-            "arm_mm": self.follower.arm,
-            "pivot_mm": [pivot.real, pivot.imag],
-            "pivot_distance_mm": abs(place),
-        }
 
     def terms_of(self, lift: Jet) -> Terms:
         """See `Task`."""
