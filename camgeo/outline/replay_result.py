@@ -51,6 +51,11 @@ class Jumps:
     def __len__(self) -> int:
         return len(self.phi)
 
+    def scaled(self, factor: float) -> Jumps:
+        """The same in another unit."""
+        return Jumps(self.phi, factor * self.before, factor * self.after)
+
+    @property
     def largest(self) -> Extreme | None:
         """The largest jump (after - before) with its cam angle; None if there is none."""
         if not len(self):
@@ -175,7 +180,7 @@ class Replay:
         """Largest jump of the velocity as a share of its demanded peak; None if that is 0."""
         if self.demanded_velocity == 0.0:
             return None
-        jump = self.shocks.largest()
+        jump = self.shocks.largest
         return 0.0 if jump is None else abs(jump.value) / self.demanded_velocity
 
     def _beyond_joints(self) -> FloatArray:

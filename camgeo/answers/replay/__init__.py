@@ -1,0 +1,244 @@
+"""What `camgeo replay` finds: what the follower does on a disc, beside what is demanded."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from decimal import Decimal
+from pathlib import Path
+from typing import ClassVar, Final
+
+import numpy as np
+
+from camgeo.answers.answer import Answer
+from camgeo.answers.replay.contours import Reading, contour_of
+from camgeo.cam.cam import Cam
+from camgeo.design import Design
+from camgeo.errors import Fault, SceneError
+from camgeo.files.product import Product, disc_of
+from camgeo.mechanism.follower_path import path_of
+from camgeo.motion.time_course import in_time
+from camgeo.numeric.extremes import Extreme, Extremes
+from camgeo.outline.path import Flank
+from camgeo.outline.replay import CORNER, replay_contour, replay_outline
+from camgeo.outline.replay_result import Jumps, Replay, closing_error
+from camgeo.scene.scene import Scene
+from camgeo.units import MM_PER, TURN
+
+STEP: Final = Decimal("0.1")
+"""Of the cam angle [deg]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Peak:
+    """A largest magnitude.
+
+    Attributes
+    ----------
+    actual : with its sign and cam angle [rad]; None where the roller falls off an edge: no bound.
+    demanded : magnitude.
+    """
+
+    actual: Extreme | None
+    demanded: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class DiscReplay:
+    """What the follower does on one disc; lifts in `unit`, derivatives per rad, cam angles in rad.
+
+    Attributes
+    ----------
+    name : of the disc.
+    cam : that demands the motion.
+    contour : on which the roller runs, in words.
+    note : which contour of a file was taken; empty if there is no choice.
+    replay : the motion itself [mm or rad].
+    of : "rocker" behind a linkage, else "follower".
+    unit : that of the scene, or "deg".
+    factor : how many of it are in 1 mm or rad.
+    lost_stroke : the largest, see `Replay`.
+    lift_error : actual - demanded lift of the largest magnitude.
+    velocity, acceleration : largest magnitudes.
+    ripple : largest error of the acceleration as a share of its demanded peak; None if that is 0,
+        or there is no bound.
+    shocks, drops : jumps of the velocity and of the lift.
+    shock_share : largest shock as a share of the demanded peak velocity; None if that is 0.
+    in_time : "actual_velocity" and the like [`unit` per s^k]; None without a speed or a bound.
+    """
+
+    name: str
+    cam: Cam
+    contour: str
+    note: str
+    replay: Replay
+    of: str
+    unit: str
+    factor: float
+    lost_stroke: Extreme
+    lift_error: Extreme
+    velocity: Peak
+    acceleration: Peak
+    ripple: Extreme | None
+    shocks: Jumps
+    drops: Jumps
+    shock_share: float | None
+    in_time: Mapping[str, float] | None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FollowerReplay(Answer):
+    """What the follower does on real discs.
+
+    Attributes
+    ----------
+    scene : which demands the motion.
+    flank : on which the roller runs.
+    step : of the cam angle in the table [deg].
+    discs : one, or both of a conjugate pair, the main one first.
+    closing : smallest and largest play between a pair as travel of the main roller [mm], negative
+        where the rollers are squeezed, with cam angles [rad]; None of one disc.
+    """
+
+    command: ClassVar[str] = "replay"
+
+    scene: Scene
+    flank: Flank
+    step: Decimal
+    discs: tuple[DiscReplay, ...]
+    closing: Extremes | None
+
+
+def replay(
+    design: Design,
+    files: Sequence[str | Path] = (),
+    flank: str | None = None,
+    *,
+    step: Decimal = STEP,
+    reading: Reading | None = None,
+) -> FollowerReplay:
+    """Roll the roller over the real outline, or over contours from files.
+
+    Parameters
+    ----------
+    files : one of each disc, or of one disc alone; none for the real outlines.
+    flank : "inner" or "outer"; None for that of the scene.
+    step : of the cam angle [deg].
+    reading : how the files are read.
+
+    Raises
+    ------
+    SceneError
+        If there are more files than discs, or one has no contour of a disc.
+    GeometryError
+        If the follower has no roller, or as `replay_contour` and `replay_outline`.
+    """
+    path_of(design.cam.follower, design.cam.rotation)  # of rollers alone
+    side, reading = Flank(flank or design.cam.contact.main), reading or Reading()
+    found = tuple(
+        _replayed(disc, file, side, math.radians(step), reading)
+        for disc, file in _discs(design, side, tuple(map(Path, files)))
+    )
+    closing = None
+    if len(found) == 2:
+        main, other = (each.replay for each in found)
+        closing = _closing(design.cam, main, other)
+    return FollowerReplay(design.scene, side, step, found, closing)
+
+
+def _discs(
+    design: Design, flank: Flank, files: tuple[Path, ...]
+) -> list[tuple[Product, Path | None]]:
+    """The discs to replay, the main one first, each with its file or None for its real outline."""
+    discs = design.discs
+    if len(files) > len(discs):
+        allowed = "two files at most, one of each disc"
+        if len(discs) == 1:
+            allowed = "one file at most, because the scene has one disc"
+        raise SceneError([Fault("CONTOUR", "", allowed)])
+    if len(discs) == 1 or flank is Flank.OUTER:
+        return [(design.disc, files[0] if files else None)]
+    if not files:
+        return [(disc, None) for disc in discs]
+    named = [disc_of(discs, file.stem) for file in files]
+    if len(files) == 1:
+        return [(named[0], files[0])]
+    return list(zip(discs, files[::-1] if named == [*reversed(discs)] else files, strict=True))
+
+
+def _replayed(
+    disc: Product, file: Path | None, flank: Flank, step: float, reading: Reading
+) -> DiscReplay:
+    """The roller of a disc on its outline, or on the contour of a file; `step` in rad."""
+    cam, pitch = disc.cam, disc.cam.disc.pitch_curve
+    if file is None:
+        outline = cam.disc.outline(flank).path
+        found = replay_outline(pitch, outline, step=step, clearance=cam.clearance)
+        return _told(disc, "the real outline", "", found)
+    contour, note = contour_of(disc, flank, file, reading)
+    corner = max(reading.corner, CORNER)
+    found = replay_contour(pitch, contour, flank, step=step, corner=corner)
+    return _told(disc, file.name, note, found)
+
+
+def _told(disc: Product, contour: str, note: str, replay: Replay) -> DiscReplay:
+    """What is told of a replay, in the unit of the scene."""
+    cam, unit = disc.cam, disc.scene.unit
+    turns = cam.lift_unit == "rad"
+    factor = math.degrees(1.0) if turns else 1.0 / MM_PER[unit]
+    falls = bool(len(replay.drops))
+
+    def scaled(extreme: Extreme) -> Extreme:
+        return Extreme(extreme.value * factor + 0.0, extreme.place)
+
+    def peak(actual: Extreme, demanded: float) -> Peak:
+        return Peak(None if falls else scaled(actual), demanded * factor)
+
+    ripple = None
+    if not falls and replay.ripple is not None:
+        ripple = Extreme(replay.ripple, replay.largest_acceleration_error.place)
+    return DiscReplay(
+        name=disc.name,
+        cam=cam,
+        contour=contour,
+        note=note,
+        replay=replay,
+        of="rocker" if cam.drive.linkage is not None and turns else "follower",
+        unit="deg" if turns else unit,
+        factor=factor,
+        lost_stroke=scaled(replay.largest_loss),
+        lift_error=scaled(replay.largest_error),
+        velocity=peak(replay.velocity, replay.demanded_velocity),
+        acceleration=peak(replay.acceleration, replay.demanded_acceleration),
+        ripple=ripple,
+        shocks=replay.shocks.scaled(factor),
+        drops=replay.drops.scaled(factor),
+        shock_share=replay.largest_shock,
+        in_time=None if falls else _in_time(cam, replay, factor),
+    )
+
+
+def _closing(cam: Cam, main: Replay, other: Replay) -> Extremes:
+    """Play and squeeze of a conjugate pair, see `FollowerReplay`."""
+    scale = abs(cam.follower.reach)
+
+    def travel(play: Extreme) -> Extreme:
+        return Extreme(scale * play.value + 0.0, play.place % TURN)
+
+    found = closing_error(main, other)
+    return Extremes(travel(found.lowest), travel(found.highest))
+
+
+def _in_time(cam: Cam, replay: Replay, factor: float) -> dict[str, float] | None:
+    """Largest velocity and acceleration per second, actual and demanded at the samples."""
+    course = cam.drive.time_course
+    if course is None:
+        return None
+    out = {}
+    for name, jet in (("actual", replay.actual), ("demanded", replay.demanded)):
+        full = np.vstack((jet, np.zeros_like(jet[:1])))
+        timed = np.abs(in_time(full, course, replay.phi)) * factor
+        out[f"{name}_velocity"] = float(np.max(timed[1]))
+        out[f"{name}_acceleration"] = float(np.max(timed[2][replay.smooth]))
+    return out

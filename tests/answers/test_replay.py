@@ -1,0 +1,103 @@
+"""What `camgeo replay` finds: one result, told as text, JSON, table and picture."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from decimal import Decimal
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from camgeo.answers.render import figure, table, text
+from camgeo.answers.replay import DiscReplay, FollowerReplay, replay
+from camgeo.design import Design
+from camgeo.errors import GeometryError
+from camgeo.mechanism.follower_path import path_of
+from camgeo.numeric.extremes import Extreme
+from camgeo.outline.replay_result import Jumps
+from camgeo.scene.load import load_scene
+from tests.answers.documents import FIXTURES, SCENES, document
+
+FOLDER = FIXTURES / "scenes"
+
+DEGREE = Decimal(1)
+
+
+def rolls(design: Design) -> bool:
+    """Whether a roller runs on real outlines of the discs."""
+    try:
+        path_of(design.cam.follower, design.cam.rotation)
+    except GeometryError:
+        return False
+    return design.judgement.has_outline
+
+
+def replayed(name: str) -> FollowerReplay:
+    return replay(Design(load_scene(FOLDER / f"{name}.toml")), step=DEGREE)
+
+
+def changed(found: FollowerReplay, disc: DiscReplay) -> FollowerReplay:
+    return replace(found, discs=(disc, *found.discs[1:]))
+
+
+@pytest.mark.parametrize("scene", [s for s in SCENES if s.parent == FOLDER], ids=lambda p: p.stem)
+def test_documents_are_what_their_schema_says(scene: Path) -> None:
+    design = Design(load_scene(scene))
+    if not rolls(design):
+        pytest.skip("no roller runs on a real outline")
+    found = replay(design, step=DEGREE)
+    told = document(found)
+    assert [each["name"] for each in told["discs"]] == [each.name for each in design.discs]
+    assert ("closing" in told) == (len(design.discs) == 2) == ("play" in text(found))
+    for each, disc in zip(told["discs"], found.discs, strict=True):
+        assert each["lift_error"]["value"] == disc.lift_error.value
+        assert ("in_time" in each) == (design.drive.time_course is not None)
+    columns = table(found).columns
+    assert len(columns["phi [deg]"]) == 360
+    assert any(name.startswith("play [") for name in columns) == (len(design.discs) == 2)
+    json.dumps(figure(found).to_data(), allow_nan=False)
+
+
+def test_text_and_document_are_of_one_result() -> None:
+    found = replayed("swallow_tail")
+    first = found.discs[0]
+    other = changed(found, replace(first, lost_stroke=Extreme(12.345, 0.0), note="one of two"))
+    assert document(other)["discs"][0]["lost_stroke"] == {"value": 12.345, "cam_angle_deg": 0.0}
+    assert document(other)["discs"][0]["note"] == "one of two"
+    assert "lost stroke           12.345 mm at cam angle 0 deg" in text(other).splitlines()
+    assert "12.345" not in text(found)
+    assert [a for a, b in zip(text(found).split("\n"), text(other).split("\n"), strict=True)
+            if a != b] == [text(found).split("\n")[1]]  # fmt: skip
+
+
+def test_a_roller_that_falls_off_an_edge_has_no_bounds() -> None:
+    found = replayed("plate_translating")
+    first = found.discs[0]
+    twice = Jumps(np.array([1.0, 2.0]), np.zeros(2), np.array([0.5, -0.75]))
+    once = Jumps(np.array([1.0]), np.zeros(1), np.array([0.5]))
+    unbounded = replace(first.velocity, actual=None)
+    for drops, often in ((twice, "2 times, the largest -0.75 mm"), (once, "once, 0.5 mm")):
+        other = changed(found, replace(first, drops=drops, velocity=unbounded, ripple=None))
+        (told,) = document(other)["discs"]
+        assert told["drops"]["count"] == len(drops)
+        assert drops.largest is not None
+        assert told["drops"]["largest"]["value"] == drops.largest.value
+        assert (told["velocity"]["actual"], told["ripple"]) == (None, None)
+        lines = {line[:22].strip(): line[22:] for line in text(other).splitlines()}
+        assert lines["falls off an edge"].startswith(often)
+        assert lines["velocity"].startswith("unbounded; demanded")
+        assert "ripple" not in lines
+
+
+def test_a_pair_is_told_with_its_play() -> None:
+    found = replayed("conjugate_lever")
+    assert found.closing is not None
+    squeezed = replace(found.closing, lowest=Extreme(-0.25, 0.0))
+    other = replace(found, closing=squeezed)
+    assert document(other)["closing"]["smallest_play"]["travel_mm"] == -0.25
+    last = text(other).splitlines()[-1]
+    assert "-0.25 mm" in last
+    assert last.endswith("the rollers are squeezed there")
+    assert "squeezed" not in text(found)
