@@ -136,7 +136,7 @@ class Design(Pickled):
     def effect_findings(self) -> tuple[Finding, ...]:
         """What the effects find that the scene calls for, in the order of the scene.
 
-        What keeps several of them from an answer is told once.
+        What keeps several of them from an answer is reported once.
         """
         names = self.scene.effects
         found = [each for name in names for each in self.effects.findings(name)]
@@ -174,7 +174,7 @@ class Design(Pickled):
 
     @property
     def tabulated(self) -> TabulatedCam:
-        """The cam as value tables tell it; of a scene without follower its motion alone."""
+        """The cam as value tables show it; of a scene without follower its motion alone."""
         if self.scene.follower is not None:
             return self.disc.tabulated
         from camgeo.files.value_table import TabulatedCam
@@ -198,7 +198,7 @@ class Design(Pickled):
         for name in self.scene.effects:
             try:
                 found += self.effect(name).columns
-            except EffectError:  # which the findings tell
+            except EffectError:  # which the findings report
                 continue
         return tuple(found)
 

@@ -51,7 +51,7 @@ class Fault:
 
 
 class SceneError(CamgeoError, ValueError):
-    """The scene is wrong; all its faults are told at once and nothing is written."""
+    """The scene is invalid; it reports all its faults at once, and nothing is written."""
 
     def __init__(self, faults: tuple[Fault, ...] | list[Fault], file: str = "") -> None:
         self.faults = tuple(faults)

@@ -42,7 +42,7 @@ class Ledger:
 
     Parameters
     ----------
-    progress : is told the name of each quantity that starts.
+    progress : is called with the name of each quantity that starts.
     cancelled : is asked when a quantity starts whether all is to end.
     beside : the ledger of an owner whose quantities ask for those of this one, and the other way
         round: of both together one thread computes at a time.

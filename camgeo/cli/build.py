@@ -30,7 +30,7 @@ def options(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Write the files; findings beyond a limit are told, a disc that cannot be is refused."""
+    """Write the files; report findings beyond a limit, and refuse a disc that cannot exist."""
     design = opened(arguments)
     for line in finding_lines(each for each in design.findings if each.severity != "ok"):
         tell(line)

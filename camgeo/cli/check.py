@@ -10,7 +10,8 @@ from camgeo.cli.command import add_json, add_scene, opened, show
 from camgeo.cli.progress import Progress
 
 SUMMARY: Final = (
-    "hold a scene to its limits; exit 0 fine, 1 a limit is broken, 2 the scene is wrong"
+    "check a scene against its limits; exits with 0 if all are kept, 1 if one is broken, 2 if the"
+    " scene is invalid"
 )
 
 EXAMPLE: Final = "camgeo check fixtures/scenes/setzhub.toml"

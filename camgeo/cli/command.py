@@ -26,7 +26,7 @@ class CallError(Exception):
 def opened(arguments: argparse.Namespace, progress: Callable[[str], None] | None = None) -> Design:
     """The design of the scene file that the command is called with; SceneError as `load_scene`.
 
-    `progress` is told each quantity that is computed.
+    `progress` is called with the name of each quantity that is computed.
     """
     from camgeo.scene.load import load_scene  # some commands need no scene
 
@@ -101,7 +101,7 @@ def decimal(text: str) -> Decimal:
     except InvalidOperation:
         number = Decimal("NaN")
     if not number.is_finite():
-        raise argparse.ArgumentTypeError(f"{text!r} is no number")
+        raise argparse.ArgumentTypeError(f"{text!r} is not a number")
     return number
 
 

@@ -10,7 +10,7 @@ from camgeo.cli.command import add_json, add_scene, opened, show, tell_main_disc
 from camgeo.cli.progress import Progress
 
 SUMMARY: Final = (
-    "show what a command computes of a scene, for whom, how long it takes, and what is left alone"
+    "show what a command computes for a scene, why, how long it takes, and what it leaves out"
 )
 
 EXAMPLE: Final = "camgeo explain fixtures/scenes/setzhub.toml build"

@@ -8,7 +8,7 @@ from types import TracebackType
 from typing import Self
 
 PATIENCE = 1.0
-"""Seconds before the first line: what is done sooner needs no telling."""
+"""Seconds before the first line: shorter work needs no progress line."""
 
 
 class Progress:

@@ -65,7 +65,7 @@ def run(arguments: argparse.Namespace) -> int:
     code = show(found, arguments)
     if any(verdict.measured for verdict in found.verdicts):
         write_verification(target, __version__, found.verdicts, force=arguments.force)
-        tell(f"{target}: what was found")
+        tell(f"{target}: the results")
     else:
         tell("nothing was measured, and nothing was written")
     return code

@@ -142,6 +142,6 @@ class OutputSpec:
 
 
 def _spelled(key: str) -> str:
-    """A key as messages tell it: "[part] thickness", "[linkage]"."""
+    """A key as messages show it: "[part] thickness", "[linkage]"."""
     table, _, last = key.rpartition(".")
     return f"[{table}] {last}" if table else f"[{last}]"

@@ -53,7 +53,9 @@ def format_of(entry: EntryPoint) -> tuple[Any, Format[Any]]:
         raise CamgeoError(message) from error
     found: Any = getattr(writer, "format", None)
     if not isinstance(found, Format) or found.name != entry.name:
-        message = f"the entry point {entry.value} of {GROUP} is no writer of format {entry.name!r}"
+        message = (
+            f"the entry point {entry.value} of {GROUP} is not a writer of format {entry.name!r}"
+        )
         raise CamgeoError(message)
     return writer, found
 

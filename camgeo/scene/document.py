@@ -186,7 +186,7 @@ def _trouble(value: Any) -> str:
             return "is too large for a number"
     elif isinstance(value, str):
         if not value.isascii() and value != value.encode(errors="replace").decode():
-            return "is no text that UTF-8 can hold"
+            return "is not text that UTF-8 can encode"
     elif isinstance(value, dt.date | dt.time):
         return "a date or time has no place in a scene"
     else:

@@ -174,7 +174,7 @@ class Builder:
         kind = LINKAGES[self.values.get("linkage", "kind")]
         given, unit = self._table("linkage"), self.values.lift_unit
         if unit not in kind.members:
-            return None  # which is told
+            return None  # which is reported
         earlier = self._earlier
         if self._unchanged("linkage") and earlier["stated"].far_end == self.values.far_end:
             linkage: Linkage = earlier["linkage"]
@@ -205,7 +205,7 @@ class Builder:
     def effects(self, faulted: Collection[str] = ()) -> dict[str, dict[str, Any]]:
         """The tables of the effects that the scene names, in the units inside.
 
-        Of those whose keys are among `faulted` nothing more is told.
+        Of those whose keys are among `faulted` nothing more is reported.
         """
         if not self.values.has("effects"):
             return {}

@@ -18,8 +18,7 @@ from camgeo.scene.valid_values import ValidValues
 def effect_tables(inside: Inside, faulted: Collection[str] = ()) -> dict[str, dict[str, Any]]:
     """The tables under ``[effects]`` by the names of the effects, in the units inside.
 
-    Only those of which nothing is wrong; of those whose keys are among `faulted` nothing more is
-    told.
+    Only valid ones; of those whose keys are among `faulted` nothing more is reported.
     """
     values = inside.values
     given = values.scene.plain.get(EFFECTS)
@@ -31,7 +30,7 @@ def effect_tables(inside: Inside, faulted: Collection[str] = ()) -> dict[str, di
         effect = find_effect(name)
         own = inside.table((EFFECTS, name), effect.schema)
         if any(item is None for item in own.values()):
-            continue  # a file that cannot be read, which is told
+            continue  # a file that cannot be read, which is reported
         _judge(effect, own, named, inside)
         found[name] = own
     return found
@@ -101,7 +100,7 @@ def _with_inputs(effect: Effect, named: Mapping[str, Any]) -> list[Effect]:
 
 
 def _spelled(keys: tuple[str, ...]) -> str:
-    """The keys of which one is needed, as messages tell them."""
+    """The keys of which one is needed, as messages show them."""
     tables = [f"[{key}]" if key.startswith(f"{EFFECTS}.") else f"[{head}] {tail}"
               for key in keys for head, _, tail in [key.rpartition(".")]]  # fmt: skip
     return tables[0] if len(tables) == 1 else f"one of {', '.join(tables)}"

@@ -21,7 +21,7 @@ FORM: Final = "camgeo scene 1"
 """Of what is hashed; another one would give other hashes of the same values."""
 
 TOLD_ONLY: Final = (("effects",), ("output", "accuracy"))
-"""Tables that decide only what is computed and told, and nothing of a drawing, a program or a body.
+"""Tables that affect only what is computed and reported, not drawings, programs or bodies.
 
 An effect adds its columns to a value table; so that a scene's other files stay the same to the last
 byte, with and without it, neither does the hash that stands in them know it.

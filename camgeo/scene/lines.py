@@ -1,4 +1,4 @@
-"""Line numbers of the keys of a scene, which tomllib does not tell."""
+"""Line numbers of the keys of a scene, which tomllib does not report."""
 
 from __future__ import annotations
 

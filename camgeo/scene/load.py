@@ -1,4 +1,4 @@
-"""Reading of a scene: everything that is wrong with it is told at once."""
+"""Reading a scene file: all its faults are reported at once."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ def load_scene(path: str | PathLike[str]) -> Scene:
     Raises
     ------
     SceneError
-        If the file cannot be read or anything in it is wrong; it tells all faults.
+        If the file cannot be read or anything in it is wrong; it lists all faults.
     """
     return Scene.from_text(read_file(path, MOST_BYTES), str(path))
 
@@ -51,6 +51,6 @@ def parse_scene(text: str, file: str = "", folder: str | Path | None = None) -> 
     try:
         data = text.encode()
     except UnicodeEncodeError as error:
-        fault = Fault("", "", "the scene is no text that UTF-8 can hold")
+        fault = Fault("", "", "the scene is not text that UTF-8 can encode")
         raise SceneError([fault], file) from error
     return Scene.from_text(data, file, folder)

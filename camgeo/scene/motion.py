@@ -25,7 +25,7 @@ UNITS: Final = {
     "inch": ("inch", "in", '"'),
     "deg": ("deg", "degree", "degrees", "°"),
 }
-"""Spellings of the units that a lift table's heading may tell."""
+"""Spellings of the units that the heading of a lift table may name."""
 
 
 class MotionRequests:

@@ -36,7 +36,7 @@ RANGES: Final[dict[Kind, tuple[float, float, str]]] = {
     "choice": (1.0, 2.0, "1 for the first or 2 for the second answer"),
     "unused": (0.0, 0.0, "0: opticurv 1.0.3 leaves it empty, so that another program wrote this"),
 }
-"""Lowest and highest value of each kind of number, both allowed, and what is told of it."""
+"""Lowest and highest value of each kind of number, both allowed, and how messages describe it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,7 +100,7 @@ def project_numbers(data: bytes, file: str = "") -> dict[str, float]:
     Raises
     ------
     SceneError
-        If `data` is no project, or any number is beyond its range; it tells all faults.
+        If `data` is not a project, or any number is out of range; it lists all faults.
     """
     if not data:
         message = (

@@ -99,7 +99,7 @@ def motion_returns(values: ValidValues) -> Iterator[Broken]:
     for index in reversed(range(values.segments)):
         place = ("motion", index, "to")
         if values.get("motion", index, "law") == "table":
-            return  # where it ends is told by its file
+            return  # its file says where it ends
         if values.has(*place):
             if values.get(*place):
                 yield place, "the motion starts at 0 and must return to 0 with its last move"

@@ -202,7 +202,7 @@ def _composed(effects: Named[Effect], formats: Named[Format[Any]]) -> Composed:
     try:
         validator = Draft202012Validator(root)
     except ValueError as error:
-        message = f"an effect or format of another distribution declares no JSON Schema: {error}"
+        message = f"a declaration of another distribution has no valid JSON Schema: {error}"
         raise CamgeoError(message) from error
     return Composed(
         root,

@@ -1,4 +1,4 @@
-"""Faults of a scene against its schema, in the words of a designer."""
+"""The faults of a scene against its schema, in terms that a designer uses."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ UNKNOWN: Final = "additionalProperties"
 """What the validator calls an unknown key."""
 
 MOST_FAULTS: Final = 1000
-"""Faults told of one scene; a file with more is no scene with mistakes, but something else."""
+"""Most faults reported of one scene; a file with more is something else than a scene."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,9 +48,9 @@ class Verdict:
 def judge(scene: Document) -> Verdict:
     """Hold a scene against the schema."""
     schema = schema_for(scene.plain)
-    told = itertools.islice(schema.validator.iter_errors(scene.plain), MOST_FAULTS)
+    found = itertools.islice(schema.validator.iter_errors(scene.plain), MOST_FAULTS)
     errors = [(tuple(each.instance_path), each, node_at(schema.root, each.evaluation_path))
-              for each in told]  # fmt: skip
+              for each in found]  # fmt: skip
     faults: list[Fault] = []
     bad = set(scene.bad)
     meant: set[Path] = set()
@@ -77,7 +77,10 @@ def judge(scene: Document) -> Verdict:
     if len(errors) == MOST_FAULTS or len(faults) >= MOST_FAULTS:
         # What was not looked at may be wrong too: nothing of the scene counts as valid.
         bad.add(())
-        faults = [*faults[:MOST_FAULTS], Fault("", "", "there are more faults than are told here")]
+        faults = [
+            *faults[:MOST_FAULTS],
+            Fault("", "", "there are more faults than are listed here"),
+        ]
     return Verdict(tuple(faults), frozenset(bad), frozenset(meant))
 
 
@@ -100,8 +103,8 @@ def _refused(scene: Document, path: Path, error: ValidationError, node: Node) ->
             hint = close
         elif error.kind.name == "type" and _reads_as_number(value):
             hint = "leave out the quotes"
-    told = {"x-allowed", "enum", "type"} & node.keys()  # of what other distributions declare
-    return scene.fault(path, allowed(node) if told else str(error.message), hint)
+    known = {"x-allowed", "enum", "type"} & node.keys()  # of what other distributions declare
+    return scene.fault(path, allowed(node) if known else str(error.message), hint)
 
 
 def allowed(node: Node) -> str:

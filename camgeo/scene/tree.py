@@ -106,7 +106,7 @@ def _path(tree: Tree, key: Any) -> Path:
     """The path of `key`; a position may be written as a name too, motion.2.law."""
     path = path_of(key) if isinstance(key, str) else None
     if not path:
-        raise _NoPlaceError("is no key; write it as messages do, e.g. motion[2].law")
+        raise _NoPlaceError("is not a key; write it as messages do, e.g. motion[2].law")
     node: Any = tree
     found: Path = ()
     for step in path:
@@ -119,10 +119,10 @@ def _path(tree: Tree, key: Any) -> Path:
             node = node[step]
         elif isinstance(node, dict | None):
             if isinstance(step, int):
-                raise _NoPlaceError(f"{spelled(found) or 'the scene'} is no list")
+                raise _NoPlaceError(f"{spelled(found) or 'the scene'} is not a list")
             node = None if node is None else node.get(step)
         else:
-            raise _NoPlaceError(f"{spelled(found)} is no table")
+            raise _NoPlaceError(f"{spelled(found)} is not a table")
         found = (*found, step)
     return found
 

@@ -79,7 +79,7 @@ def test_the_text_tells_the_tree(sprung: str, capsys: Capture) -> None:
     place = torque.index("effects.drive-torque")
     (force,) = [line for line in lines if "effects.contact-force  (needed" in line]
     assert force.index("effects.contact-force") > place
-    assert lines[-1].startswith("Left alone: ")
+    assert lines[-1].startswith("Not computed: ")
     assert "effects.vibration" in lines[-1]
 
 

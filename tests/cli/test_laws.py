@@ -383,9 +383,9 @@ def test_the_table_needs_no_matplotlib() -> None:
 @pytest.mark.parametrize(
     ("call", "told"),
     [
-        (["--law", "modified-sin"], "is no motion law; did you mean modified-sine?"),
+        (["--law", "modified-sin"], "is not a motion law; did you mean modified-sine?"),
         (["--task", "X-X"], "argument --task: invalid choice: 'X-X'"),
-        (["--inflection", "x"], "argument --inflection: 'x' is no number"),
+        (["--inflection", "x"], "argument --inflection: 'x' is not a number"),
         (["--speed", "60"], "physical values need --span and --stroke too"),
         (
             ["--speed", "0", "--span", "60", "--stroke", "1"],

@@ -43,7 +43,7 @@ def test_verdict_and_certificate(folder: Path, capsys: pytest.CaptureFixture[str
     for name in ("unit", "closure", "deviation outline", "kink outline", "area outline"):
         assert name in names
     assert all(line.rpartition("ok")[1] for line in lines[3:])
-    assert err.endswith("verification.json: what was found\n")
+    assert err.endswith("verification.json: the results\n")
 
     document = json.loads((folder / "verification.json").read_text())
     assert document["passed"] is True

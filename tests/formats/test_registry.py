@@ -93,7 +93,7 @@ def test_others_are_loaded_when_they_are_named(monkeypatch: pytest.MonkeyPatch) 
 @pytest.mark.parametrize("writer", [None, Writer(None), Writer(Format("iges", ".i", no_options))])
 def test_what_is_no_writer_of_its_format(writer: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     register(monkeypatch, Entry("step", writer))
-    with pytest.raises(CamgeoError, match=r"toy:WRITER of camgeo.writers is no writer of format"):
+    with pytest.raises(CamgeoError, match=r"toy:WRITER of camgeo.writers is not a writer of "):
         find_format("step")
 
 

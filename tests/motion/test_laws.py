@@ -753,12 +753,12 @@ def test_names_and_aliases() -> None:
     for alias, name in ALIASES.items():
         assert find_family(alias) is FAMILIES[name]
         assert make_law(alias).name == name
-    with pytest.raises(GeometryError, match="is no motion law"):
+    with pytest.raises(GeometryError, match="is not a motion law"):
         find_family("cycloid")
 
 
 def test_an_unknown_law_task_or_parameter_is_refused() -> None:
-    with pytest.raises(GeometryError, match="is no motion law") as caught:
+    with pytest.raises(GeometryError, match="is not a motion law") as caught:
         make_law("cycloid")
     assert caught.value.key == "law"
     with pytest.raises(GeometryError, match="is made for R-R"):

@@ -59,14 +59,14 @@ def test_impossible_path() -> None:
 
 
 def test_text_that_no_file_can_hold() -> None:
-    with pytest.raises(SceneError, match="no text that UTF-8 can hold"):
+    with pytest.raises(SceneError, match="not text that UTF-8 can encode"):
         parse_scene('name = "\ud800"')
 
 
 @pytest.mark.parametrize("line", ["key{} = 1\n", "[[motion]]\nkey{} = 1\n", "[[motion]]\n#{}\n"])
 def test_no_more_faults_than_anyone_reads(line: str) -> None:
     text = PLATE + "".join(line.format(number) for number in range(3000))
-    with pytest.raises(SceneError, match="more faults than are told here") as caught:
+    with pytest.raises(SceneError, match="more faults than are listed here") as caught:
         parse_scene(text)
     assert len(caught.value.faults) <= 1001
 

@@ -55,7 +55,7 @@ def build(
 ) -> Build:
     """Write the files, as `Design.write` does; nothing of a cam that has no outline.
 
-    `progress` is told each step. Raises as `Design.write`.
+    `progress` is called with the name of each step. Raises as `Design.write`.
     """
     output = design.scene.output
     asked = output.tolerance if tolerance is None else tolerance

@@ -16,7 +16,7 @@ def text(answer: Build) -> str:
     folder = Path(answer.folder)
     lines = [f"{folder / file.name!s:{WIDTH}} {_size(file)}" for file in answer.files]
     if answer.certificate is not None:
-        lines.append(f"{folder / answer.certificate!s:{WIDTH}} proof of the above")
+        lines.append(f"{folder / answer.certificate!s:{WIDTH}} the proof of these deviations")
     return "\n".join(lines)
 
 

@@ -64,7 +64,7 @@ class Check(Answer):
     scene : that was checked.
     findings : the good with the bad, worst first.
     discs : of each disc, the main one first, what is left of its flanks in use, by names; None if
-        nothing is, or it cannot be told. No discs without a follower.
+        nothing is, or if that is not known. No discs without a follower.
     cures : what would cure undercut, the cheapest first, then the knobs that do not.
     effects : what each effect finds that the scene names; none if there is no such mechanism.
     """

@@ -47,7 +47,7 @@ class Explanation(Answer):
 
 
 def explain(design: Design, goal: str = "check") -> Explanation:
-    """Do what a command of `GOALS` does with a new design, and tell what that took."""
+    """Do what a command of `GOALS` does with a new design, and report what that took."""
     GOALS[goal](design)
     runs = tuple(design.ledger.runs)
     ran = {each.name for each in runs}

@@ -17,15 +17,15 @@ def text(answer: Explanation) -> str:
     command = f"camgeo {answer.goal}"
     return "\n".join(
         (
-            f"What `{command}` computes of {answer.scene.name}, each below what asked for it",
-            "first. Times in ms: with all that it asked for, and its own.",
+            f"What `{command}` computes for {answer.scene.name}, each quantity below the one",
+            "that first asked for it. Times in ms: with all that it asked for, and its own.",
             "",
             f"{'all':>10}{'own':>10}",
             *tree_lines(answer),
             "",
-            f"{MILLI * total:10.3f}  in all, of {len(answer.computed)} quantities",
+            f"{MILLI * total:10.3f}  in total, for {len(answer.computed)} quantities",
             "",
-            f"Left alone: {', '.join(answer.left_alone) or 'nothing'}",
+            f"Not computed: {', '.join(answer.left_alone) or 'nothing'}",
         )
     )
 

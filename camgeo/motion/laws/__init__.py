@@ -69,7 +69,7 @@ def find_family(name: str) -> Family:
     known = (*FAMILIES, *ALIASES)
     if not checked.among(name, known):
         hint = meant(str(name), known) or f"there are {', '.join(known)}"
-        raise GeometryError(f"is no motion law; {hint}", "law", checked.shown(name))
+        raise GeometryError(f"is not a motion law; {hint}", "law", checked.shown(name))
     return FAMILIES[ALIASES.get(name, name)]
 
 
