@@ -8,7 +8,6 @@ from typing import Final
 from camgeo.answers.build import build
 from camgeo.answers.finding_lines import finding_lines
 from camgeo.cli.command import add_scene, opened, show, tell
-from camgeo.cli.progress import Progress
 
 SUMMARY: Final = "write the files of a scene and certificate.json beside them"
 
@@ -37,15 +36,14 @@ def run(arguments: argparse.Namespace) -> int:
     formats = arguments.only
     if formats is not None:
         formats = tuple(name.strip() for name in formats.split(",") if name.strip())
-    with Progress() as progress:
-        found = build(
-            design,
-            arguments.output,
-            formats,
-            tolerance=arguments.tolerance,
-            force=arguments.force,
-            progress=progress,
-        )
+    found = build(
+        design,
+        arguments.output,
+        formats,
+        tolerance=arguments.tolerance,
+        force=arguments.force,
+        progress=arguments.progress,
+    )
     if found.certificate is None:
         tell("nothing was written: the cam has no outline")
     return show(found, arguments)

@@ -7,7 +7,6 @@ from typing import Final
 
 from camgeo.answers.check import check
 from camgeo.cli.command import add_json, add_scene, opened, show
-from camgeo.cli.progress import Progress
 
 SUMMARY: Final = (
     "check a scene against its limits; exits with 0 if all are kept, 1 if one is broken, 2 if the"
@@ -25,6 +24,4 @@ def options(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Print the findings, and what would cure undercut."""
-    with Progress() as progress:
-        found = check(opened(arguments, progress))
-    return show(found, arguments)
+    return show(check(opened(arguments)), arguments)

@@ -5,13 +5,14 @@ from __future__ import annotations
 import argparse
 import json
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from decimal import Decimal, InvalidOperation
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from camgeo._version import __version__
 from camgeo.answers.answer import FINE, Answer
+from camgeo.cli.progress import clear
 from camgeo.design import Design
 from camgeo.lazy import Ledger
 
@@ -23,14 +24,14 @@ class CallError(Exception):
     """The call is wrong, in a way that none of its options shows by itself."""
 
 
-def opened(arguments: argparse.Namespace, progress: Callable[[str], None] | None = None) -> Design:
+def opened(arguments: argparse.Namespace) -> Design:
     """The design of the scene file that the command is called with; SceneError as `load_scene`.
 
-    `progress` is called with the name of each quantity that is computed.
+    The quantities that it computes are shown as they start.
     """
     from camgeo.scene.load import load_scene  # some commands need no scene
 
-    return Design(load_scene(arguments.scene), Ledger(progress))
+    return Design(load_scene(arguments.scene), Ledger(arguments.progress))
 
 
 def add_scene(parser: argparse.ArgumentParser) -> None:
@@ -64,6 +65,7 @@ def add_output(
 def deliver(text: str, arguments: argparse.Namespace, told: str) -> int:
     """Print the text, or write it into the file of `-o`, and tell it with what is `told`."""
     if arguments.output is None:
+        clear()
         sys.stdout.write(text)
     else:
         write_told([(Path(arguments.output), text.encode(), told)], force=arguments.force)
@@ -116,6 +118,7 @@ def show(answer: Answer, arguments: argparse.Namespace) -> int:
     """Print the answer, as text or with `--json` as JSON; the exit code."""
     from camgeo.answers import render
 
+    clear()
     if arguments.json:
         print_json(render.to_json(answer))
     elif told := render.text(answer):
@@ -130,6 +133,7 @@ def print_json(document: object) -> None:
 
 def tell(message: str) -> None:
     """A line for the person at the terminal, on standard error."""
+    clear()
     print(message, file=sys.stderr)
 
 

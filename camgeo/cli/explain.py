@@ -7,7 +7,6 @@ from typing import Final
 
 from camgeo.answers.explain import GOALS, explain
 from camgeo.cli.command import add_json, add_scene, opened, show, tell_main_disc
-from camgeo.cli.progress import Progress
 
 SUMMARY: Final = (
     "show what a command computes for a scene, why, how long it takes, and what it leaves out"
@@ -28,8 +27,7 @@ def options(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Run what the command would, and print what it took."""
-    with Progress() as progress:
-        design = opened(arguments, progress)
-        found = explain(design, arguments.command)
+    design = opened(arguments)
+    found = explain(design, arguments.command)
     tell_main_disc(design, "times and quantities")
     return show(found, arguments)

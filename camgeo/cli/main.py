@@ -14,6 +14,7 @@ from camgeo._version import __version__
 from camgeo.answers.answer import WRONG
 from camgeo.cli.command import CallError, print_json, tell
 from camgeo.cli.earlier import present_name
+from camgeo.cli.progress import Progress
 from camgeo.errors import CamgeoError
 
 INTERRUPTED = 130
@@ -42,7 +43,7 @@ COMMANDS = (
 """In the order of the help; each a module of `camgeo.cli`, with `-` for `_`.
 
 It has a `SUMMARY` and an `EXAMPLE`, `options`, which adds to the command's parser, and `run`, which
-takes the arguments and returns the exit code.
+takes the arguments and returns the exit code; `arguments.progress` shows the steps of long work.
 """
 
 MODULES = {"import": "import_"}
@@ -72,7 +73,7 @@ def parser(commands: Sequence[str] = COMMANDS) -> argparse.ArgumentParser:
             formatter_class=argparse.RawDescriptionHelpFormatter,
         )
         module.options(own)
-        own.set_defaults(run=module.run, parser=own)
+        own.set_defaults(run=module.run, parser=own, progress=Progress())
     return top
 
 

@@ -10,13 +10,15 @@ from typing import Self
 PATIENCE = 1.0
 """Seconds before the first line: shorter work needs no progress line."""
 
+CLEARED = "\r\x1b[K"
+"""Makes a terminal empty its line."""
+
 
 class Progress:
     """Shows the step at hand, once the work has taken longer than a second; silent in a pipe."""
 
     def __init__(self) -> None:
         self._start = time.monotonic()
-        self._width = 0
 
     def __enter__(self) -> Self:
         return self
@@ -24,10 +26,8 @@ class Progress:
     def __call__(self, step: str) -> None:
         elapsed = time.monotonic() - self._start
         if elapsed > PATIENCE and sys.stderr.isatty():
-            line = f"{elapsed:5.1f} s  {step}"
-            sys.stderr.write("\r" + line.ljust(self._width))
+            sys.stderr.write(f"{CLEARED}{elapsed:5.1f} s  {step}")
             sys.stderr.flush()
-            self._width = len(line)
 
     def __exit__(
         self,
@@ -35,6 +35,11 @@ class Progress:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        if self._width:
-            sys.stderr.write("\r" + " " * self._width + "\r")
-            sys.stderr.flush()
+        clear()
+
+
+def clear() -> None:
+    """Take away the line of progress, if there is one, before something else is printed."""
+    if sys.stderr.isatty():
+        sys.stderr.write(CLEARED)
+        sys.stderr.flush()
