@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+import io
+import json
+from contextlib import redirect_stdout
+
 import pytest
 
 from camgeo import load
 from camgeo.cli.main import main
+from tests.answers.documents import validator
 from tests.end_to_end.built import SCENES, Built
 
 
@@ -16,5 +21,7 @@ def built(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFacto
     built = Built(load(request.param), folder)
     # A disc that is trimmed breaks a limit, and is made.
     broken = 1 if built.is_trimmed else 0
-    assert main(["build", str(request.param), "-o", str(folder)]) == broken
+    with redirect_stdout(io.StringIO()) as told:
+        assert main(["build", str(request.param), "-o", str(folder), "--json"]) == broken
+    validator("camgeo.answers.build").validate(json.loads(told.getvalue()))
     return built
