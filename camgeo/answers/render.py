@@ -10,7 +10,6 @@ that is not required is left out where the answer has nothing of it.
 from __future__ import annotations
 
 import math
-import sys
 from collections.abc import Iterable, Mapping
 from decimal import Decimal
 from functools import cache
@@ -62,7 +61,7 @@ def to_json(answer: Answer) -> dict[str, Any]:
 @cache
 def schema_of(package: str) -> dict[str, Any]:
     """The JSON Schema of the answers of a package; it must not be changed."""
-    file = sys.modules[package].__file__
+    file = import_module(package).__file__
     assert file is not None  # it is no namespace
     return schema_beside(file)
 

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 
 from camgeo._version import __version__
 from camgeo.answers.answer import WRONG
-from camgeo.cli.command import CallError, print_json, tell
+from camgeo.cli.command import CallError, show, tell
 from camgeo.cli.earlier import present_name
 from camgeo.cli.progress import Progress
 from camgeo.errors import CamgeoError
@@ -94,7 +94,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         parsed.parser.error(str(error))
         return WRONG  # which is how it has ended already
     except CamgeoError as error:
-        return _refused(error, as_json=getattr(parsed, "json", False))
+        return _refused(error, parsed)
     except KeyboardInterrupt:
         tell("camgeo: interrupted; nothing half-written was left behind")
         return INTERRUPTED
@@ -104,14 +104,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 0
 
 
-def _refused(error: CamgeoError, *, as_json: bool) -> int:
-    """Tell why there is no answer; the exit code."""
+def _refused(error: CamgeoError, arguments: argparse.Namespace) -> int:
+    """Report why there is no answer; the exit code."""
     from camgeo.answers import render
     from camgeo.answers.refusal import refusal
 
     found = refusal(error)
-    if as_json:
-        print_json(render.to_json(found))
-    else:
-        tell(render.text(found))
+    if getattr(arguments, "json", False):
+        return show(found, arguments)
+    tell(render.text(found))
     return found.exit_code
