@@ -19,7 +19,7 @@ from camgeo.cli.command import (
     tell_main_disc,
 )
 from camgeo.cli.plot import add_picture, write_picture
-from camgeo.cli.progress import Progress
+from camgeo.cli.progress import clear
 from camgeo.design import Design
 from camgeo.formats.format import LARGEST_TOLERANCE, SMALLEST_TOLERANCE
 from camgeo.units import MM_PER
@@ -94,14 +94,15 @@ def run(arguments: argparse.Namespace) -> int:
 
     tell_main_disc(design, "figures")
     ripple = arguments.ripple or design.scene.output.accuracy_ripple
-    with Progress() as progress:
-        found = survey(design, arguments.tolerances or TOLERANCES, ripple=ripple, tell=progress)
+    tolerances = arguments.tolerances or TOLERANCES
+    found = survey(design, tolerances, ripple=ripple, tell=arguments.progress)
     if arguments.output is not None:
         from camgeo.figure import accuracy
 
         figure = accuracy.figure(found, title=f"{design.name}: what accuracy costs")
         told = "pieces, bytes, seconds"
         write_picture(figure, Path(arguments.output), told, force=arguments.force)
+    clear()
     if arguments.json:
         print_json({**identity(design.scene), **_document(design, found)})
     else:

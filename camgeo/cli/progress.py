@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import sys
 import time
-from types import TracebackType
-from typing import Self
 
 PATIENCE = 1.0
 """Seconds before the first line: shorter work needs no progress line."""
@@ -20,22 +18,11 @@ class Progress:
     def __init__(self) -> None:
         self._start = time.monotonic()
 
-    def __enter__(self) -> Self:
-        return self
-
     def __call__(self, step: str) -> None:
         elapsed = time.monotonic() - self._start
         if elapsed > PATIENCE and sys.stderr.isatty():
             sys.stderr.write(f"{CLEARED}{elapsed:5.1f} s  {step}")
             sys.stderr.flush()
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        clear()
 
 
 def clear() -> None:

@@ -17,7 +17,7 @@ from camgeo.cli.command import (
 )
 from camgeo.cli.earlier import present_name
 from camgeo.cli.plot import add_picture, write_picture
-from camgeo.cli.progress import Progress
+from camgeo.cli.progress import clear
 from camgeo.errors import meant
 
 if TYPE_CHECKING:  # the suite is imported when it is run
@@ -70,8 +70,7 @@ def run(arguments: argparse.Namespace) -> int:
 
     cases = suite.all_cases()
     only = _known(arguments.only, suite.names(cases))
-    with Progress() as progress:
-        readings = suite.run(cases, only, quick=arguments.quick, tell=progress)
+    readings = suite.run(cases, only, quick=arguments.quick, tell=arguments.progress)
     rows = suite.table(readings)
     if arguments.output is not None:
         from camgeo.figure import stability
@@ -80,6 +79,7 @@ def run(arguments: argparse.Namespace) -> int:
         figure = stability.figure(points, suite.LIMIT)
         told = f"{len(points)} points"
         write_picture(figure, Path(arguments.output), told, force=arguments.force)
+    clear()
     if arguments.json:
         print_json(_document(rows, suite.LIMIT, quick=arguments.quick))
     else:

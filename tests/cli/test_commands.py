@@ -16,7 +16,7 @@ import pytest
 
 import camgeo
 from camgeo.cli.main import COMMANDS, main
-from camgeo.cli.progress import CLEARED, Progress
+from camgeo.cli.progress import CLEARED, Progress, clear
 from camgeo.files import transaction
 from camgeo.scene.new import KINDS
 from camgeo.units import MM_PER
@@ -217,9 +217,10 @@ def test_progress_only_on_a_terminal_and_late(
     monkeypatch.setattr("camgeo.cli.progress.time.monotonic", lambda: next(seconds))
     terminal = stream()
     monkeypatch.setattr(sys, "stderr", terminal)
-    with Progress() as progress:
-        for step in ("early", "dxf: computing", "stl"):
-            progress(step)
+    progress = Progress()
+    for step in ("early", "dxf: computing", "stl"):
+        progress(step)
+    clear()
     text = terminal.getvalue()
     assert "early" not in text
     assert ("dxf: computing" in text) == (stream is Terminal)
