@@ -16,37 +16,28 @@ from camgeo.numeric.arrays import FloatArray
 
 def transmission_angle_extremes(curve: PitchCurve) -> Extremes:
     """All local extremes of the transmission angle [rad]; Z' must not vanish."""
-    return extremes(curve, curve.transmission_angle, *SLOPES[curve.follower.touching](curve))
+    return extremes(curve, curve.transmission_angle, SLOPES[curve.follower.touching](curve))
 
 
-def _of_roller(curve: PitchCurve) -> tuple[Quantity, ...]:
+def _of_roller(curve: PitchCurve) -> Quantity:
     """What vanishes where the angle of a roller can be extreme."""
 
-    def slope(phi: FloatArray, side: Side) -> FloatArray:
+    def slopes(phi: FloatArray, side: Side) -> FloatArray:
+        """Rows: slope of the angle; what vanishes where it is 0, and where it is 90 degrees."""
         motion = curve.motion.jet(phi, side)
         tangent = curve.follower.tangent_jet(motion, curve.rotation)
-        return np.asarray(tangent.u[0] * tangent.w[1] - tangent.w[0] * tangent.u[1])
+        turning = tangent.u[0] * tangent.w[1] - tangent.w[0] * tangent.u[1]
+        relative = curve.follower.relative_jet(motion, curve.rotation, 1)
+        return np.stack((turning, relative.u, relative.v))
 
-    def across(phi: FloatArray, side: Side) -> FloatArray:
-        return curve.relative_jet(phi, side, order=1).u  # the angle is 0 where this vanishes
-
-    def along(phi: FloatArray, side: Side) -> FloatArray:
-        return curve.relative_jet(phi, side, order=1).v  # and 90 degrees where this does
-
-    return slope, across, along
+    return slopes
 
 
-def _of_face(curve: PitchCurve) -> tuple[Quantity, ...]:
+def _of_face(curve: PitchCurve) -> Quantity:
     """The same for a flat face, where the angle depends on the position of the contact alone."""
     from camgeo.outline.convex import touch  # few cams have a flat face
 
-    def wander(phi: FloatArray, side: Side) -> FloatArray:
-        return np.asarray(touch(curve, phi, side).contact[1])
-
-    def place(phi: FloatArray, side: Side) -> FloatArray:
-        return np.asarray(touch(curve, phi, side).contact[0])
-
-    return wander, place
+    return lambda phi, side: touch(curve, phi, side).contact
 
 
 SLOPES: Final = {"roller": _of_roller, "face": _of_face}

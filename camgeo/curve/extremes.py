@@ -48,15 +48,15 @@ class Extremes:
         return float(self.values[index]), float(self.phi[index]) % TURN
 
 
-def extremes(curve: HasBreaks, value: Quantity, *slopes: Quantity) -> Extremes:
+def extremes(curve: HasBreaks, value: Quantity, slopes: Quantity) -> Extremes:
     """All local extremes of `value` over one turn.
 
     Parameters
     ----------
     curve : gives the smooth pieces.
     value : the quantity, (n,) at n cam angles, from the side asked for.
-    slopes : functions whose zeros inside the pieces are candidates, besides the ends of the
-        pieces seen from inside.
+    slopes : what vanishes inside the pieces at the candidates, besides the ends of the pieces seen
+        from inside: (n,), or (k, n) for several such quantities.
     """
     pieces = smooth_pieces(curve)
     starts = np.array([piece.start for piece in pieces])
@@ -68,7 +68,7 @@ def extremes(curve: HasBreaks, value: Quantity, *slopes: Quantity) -> Extremes:
         inside = INSIDE * (ends - starts)[moving]
         grid[:, 0] += inside  # from inside, where a slope may jump
         grid[:, -1] -= inside
-        found += [roots_on_grid(_right(slope), grid) for slope in slopes]
+        found.append(roots_on_grid(lambda phi: slopes(phi, "right"), grid))
     middle = np.sort(np.concatenate(found))
     phi = np.concatenate((starts, middle, ends))
     values = [value(starts, "right"), value(middle, "right"), value(ends, "left")]
@@ -80,7 +80,3 @@ def extremes(curve: HasBreaks, value: Quantity, *slopes: Quantity) -> Extremes:
     return Extremes(
         frozen(phi[order], np.float64), frozen(np.concatenate(values)[order], np.float64)
     )
-
-
-def _right(quantity: Quantity) -> Callable[[FloatArray], FloatArray]:
-    return lambda phi: quantity(phi, "right")

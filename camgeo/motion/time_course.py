@@ -19,7 +19,7 @@ from camgeo.motion.motion import Jet, Motion, Side
 from camgeo.motion.plan import Course, MotionPlan, Move
 from camgeo.numeric import checked
 from camgeo.numeric.arrays import FloatArray, ascending
-from camgeo.numeric.extremes import Extremes, extremes_of, grid_of, peaks
+from camgeo.numeric.extremes import Extremes, climbed, extremes_of, grid_of, tops
 from camgeo.numeric.roots import bracketed_roots, sign_changes
 from camgeo.pickled import Pickled
 from camgeo.units import TURN
@@ -30,7 +30,8 @@ if TYPE_CHECKING:
 CLOSING: Final = 1e-9
 """By this much [rad] may the table of a speed curve miss a full turn: rounding of its degrees."""
 
-VELOCITY, ACCELERATION, JERK, TORQUE = 1, 2, 3, 4
+SMOOTH, SHARP = (1, 2), (3, 4)
+"""Rows of velocity and acceleration, which turn where the next one vanishes; of jerk and torque."""
 
 LiftUnit = Literal["mm", "rad"]
 
@@ -253,19 +254,22 @@ def time_extremes(motion: Motion, course: TimeCourse, unit: LiftUnit = "mm") -> 
             np.concatenate((right[row], left[row], flat[row], timed(turning)[row])),
         )
 
-    def at_roots(row: int) -> Extremes:
-        cells = sign_changes(inside, grid[row + 1])
-        return extremes(row, bracketed_roots(lambda phi: timed(phi)[row + 1], *cells))
+    # Both searches go on together, as each asks for the motion and for the time at its places.
+    cells = [sign_changes(inside, grid[row + 1]) for row in SMOOTH]
+    rows = np.repeat(SMOOTH, [len(low) for low, _ in cells])
+    low, high = (np.concatenate(each) for each in zip(*cells, strict=True))
+    roots = bracketed_roots(timed, low, high, rows + 1)
+    velocity, acceleration = (extremes(row, roots[rows == row]) for row in SMOOTH)
 
-    def at_peaks(row: int) -> Extremes:
-        return extremes(row, peaks(lambda phi: timed(phi)[row], inside, grid[row]))
-
-    return TimeExtremes(
-        velocity=at_roots(VELOCITY),
-        acceleration=at_roots(ACCELERATION),
-        jerk=at_peaks(JERK),
-        torque=at_peaks(TORQUE),
+    turning = [tops(inside, grid[row]) for row in SHARP]
+    rows = np.repeat(SHARP, [len(sign) for sign, *_ in turning])
+    each = np.arange(len(rows))
+    places = climbed(
+        lambda phi: timed(phi).reshape(5, len(rows), -1)[rows, each].ravel(),
+        *(np.concatenate(part) for part in zip(*turning, strict=True)),
     )
+    jerk, torque = (extremes(row, places[rows == row]) for row in SHARP)
+    return TimeExtremes(velocity, acceleration, jerk, torque)
 
 
 def plan_extremes(plan: MotionPlan, course: TimeCourse, unit: LiftUnit = "mm") -> TimeExtremes:

@@ -120,6 +120,14 @@ def peaks(
     function: Callable[[FloatArray], FloatArray], grid: FloatArray, values: FloatArray
 ) -> FloatArray:
     """Places of the extremes that the turning points of `values` along the rows of `grid` show."""
+    return climbed(function, *tops(grid, values))
+
+
+def tops(grid: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Sign, +1 of a top and -1 of a bottom, and bracket of each turning point, (k,) each.
+
+    Of `values` along the rows of `grid`; what cannot be the largest or the smallest is left out.
+    """
     padded = np.concatenate((grid[:, :1], grid, grid[:, -1:]), axis=1)
     moving = np.ptp(values, axis=1, keepdims=True) > 0.0
     found = []
@@ -133,14 +141,22 @@ def peaks(
         falls = np.abs(np.diff(heights, axis=1, prepend=heights[:, :1], append=heights[:, -1:]))
         top &= heights + np.maximum(falls[:, :-1], falls[:, 1:]) >= np.max(heights)
         top &= moving
-        found.append(_sections(function, sign, padded[:, :-2][top], padded[:, 2:][top]))
-    return np.concatenate(found)
+        low = padded[:, :-2][top]
+        found.append((np.full(len(low), sign), low, padded[:, 2:][top]))
+    signs, lows, highs = (np.concatenate(each) for each in zip(*found, strict=True))
+    return signs, lows, highs
 
 
-def _sections(
-    function: Callable[[FloatArray], FloatArray], sign: float, low: FloatArray, high: FloatArray
+def climbed(
+    function: Callable[[FloatArray], FloatArray],
+    sign: FloatArray,
+    low: FloatArray,
+    high: FloatArray,
 ) -> FloatArray:
-    """Place of the largest sign * function in each bracket [low, high], which has one top."""
+    """Place of the largest sign * function in each bracket [low, high] (k,), which has one top.
+
+    The function is asked at equally many places of each bracket, one bracket after the other.
+    """
     if not len(low):
         return low
     share = np.arange(1.0, SECTIONS) / SECTIONS
@@ -148,7 +164,7 @@ def _sections(
     best = low
     for _ in range(STEPS):
         grid = low[:, np.newaxis] + (high - low)[:, np.newaxis] * share
-        heights = sign * function(grid.ravel()).reshape(grid.shape)
+        heights = sign[:, np.newaxis] * function(grid.ravel()).reshape(grid.shape)
         best = grid[each, np.argmax(heights, axis=1)]
         width = (high - low) / SECTIONS
         low, high = best - width, best + width

@@ -11,7 +11,7 @@ from typing import Final
 
 import numpy as np
 
-from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.arrays import FloatArray, IntArray
 
 Function = Callable[[FloatArray], FloatArray]
 
@@ -19,7 +19,9 @@ MAX_STEPS = 200
 """Bisection alone would need 1,074 for any two doubles and 60 for neighbours of like size."""
 
 
-def bracketed_roots(function: Function, low: FloatArray, high: FloatArray) -> FloatArray:
+def bracketed_roots(
+    function: Function, low: FloatArray, high: FloatArray, rows: IntArray | None = None
+) -> FloatArray:
     """Return one root in each bracket.
 
     Parameters
@@ -27,6 +29,8 @@ def bracketed_roots(function: Function, low: FloatArray, high: FloatArray) -> Fl
     function : (k,) -> (k,), the values at k arguments. Element i is called for bracket i only
         through its argument, so any subset of the brackets may be asked for.
     low, high : (n,), ends of the brackets; the values there have opposite signs or are zero.
+    rows : (n,) for a function that gives (m, k) values, m quantities at once: which of them is
+        meant in each bracket.
 
     Returns
     -------
@@ -38,7 +42,8 @@ def bracketed_roots(function: Function, low: FloatArray, high: FloatArray) -> Fl
     if not len(low):
         return np.array(low, dtype=np.float64)
     # Of each bracket the newest place, the one across the root, and the one before: x, f(x).
-    a, b = (np.stack((x, function(x))) for x in (high, low))
+    every = np.arange(len(low))
+    a, b = (_at(function, x, every, rows) for x in (high, low))
     c = a.copy()
     step = np.full_like(a[0], 0.5)
     root: FloatArray = np.where(np.abs(a[1]) < np.abs(b[1]), a[0], b[0])
@@ -48,7 +53,7 @@ def bracketed_roots(function: Function, low: FloatArray, high: FloatArray) -> Fl
             break
         before, across = a[:, active], b[:, active]
         x = before[0] + step[active] * (across[0] - before[0])
-        new = np.stack((x, function(x)))
+        new = _at(function, x, active, rows)
         same = np.sign(new[1]) == np.sign(before[1])
         last = np.where(same, before, across)
         across = np.where(same, across, before)
@@ -59,6 +64,12 @@ def bracketed_roots(function: Function, low: FloatArray, high: FloatArray) -> Fl
         active = active[(new[1] != 0.0) & (width > 2.0 * floor)]
         step[active] = _next_step(a[:, active], b[:, active], c[:, active])
     return root
+
+
+def _at(function: Function, x: FloatArray, active: IntArray, rows: IntArray | None) -> FloatArray:
+    """(2, k) `x`, one of each active bracket, and the values there."""
+    found = function(x)
+    return np.stack((x, found if rows is None else found[rows[active], np.arange(len(x))]))
 
 
 def _next_step(newest: FloatArray, across: FloatArray, last: FloatArray) -> FloatArray:
@@ -92,10 +103,16 @@ def sign_changes(grid: FloatArray, values: FloatArray) -> tuple[FloatArray, Floa
 def roots_on_grid(function: Function, grid: FloatArray) -> FloatArray:
     """Roots of `function` that a sign change on a row of `grid` (..., m) shows, row by row.
 
-    One call of the function evaluates all rows, however many there are.
+    One call of the function evaluates all rows, however many there are. A function that gives
+    several quantities at once, (k, n), has the roots of all of them, one quantity after the other.
     """
-    values = function(grid.ravel()).reshape(grid.shape)
-    return bracketed_roots(function, *sign_changes(grid, values))
+    values = function(grid.ravel())
+    if values.ndim == 1:
+        return bracketed_roots(function, *sign_changes(grid, values.reshape(grid.shape)))
+    cells = [sign_changes(grid, row.reshape(grid.shape)) for row in values]
+    low, high = (np.concatenate(ends) for ends in zip(*cells, strict=True))
+    rows = np.repeat(np.arange(len(cells)), [len(ends[0]) for ends in cells])
+    return bracketed_roots(function, low, high, rows)
 
 
 MOST_STEPS: Final = 80

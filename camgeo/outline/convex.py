@@ -101,13 +101,10 @@ def contact_extremes(curve: PitchCurve) -> Extremes:
 def _distances(curve: PitchCurve) -> Extremes:
     """Extremes of h: where the follower turns, and where a rocker's face stands square."""
 
-    def velocity(phi: FloatArray, side: Side) -> FloatArray:
-        return np.asarray(curve.motion.jet(phi, side)[1])
+    def slopes(phi: FloatArray, side: Side) -> FloatArray:
+        return np.stack((curve.motion.jet(phi, side)[1], touch(curve, phi, side).contact[0]))
 
-    def contact(phi: FloatArray, side: Side) -> FloatArray:
-        return np.asarray(touch(curve, phi, side).contact[0])
-
-    return extremes(curve, lambda phi, side: touch(curve, phi, side).distance, velocity, contact)
+    return extremes(curve, lambda phi, side: touch(curve, phi, side).distance, slopes)
 
 
 def _smallest_radius(curve: PitchCurve) -> Extreme:

@@ -131,6 +131,9 @@ class Builder:
         data = self.inside.read(key)
         if data is None:
             return None
+        if self._unchanged("cam"):
+            curve: SpeedCurve | None = self._earlier["speed_curve"]
+            return curve
         from camgeo.motion.speed_table import read_speed_table  # few scenes have one
 
         name: str = self.values.get(*key)

@@ -9,7 +9,7 @@ from hypothesis import given
 
 from camgeo.check.transmission_angle import transmission_angle_extremes
 from camgeo.curve.curvature import curvature_extremes
-from camgeo.curve.extremes import Extremes, extremes
+from camgeo.curve.extremes import Extremes, Quantity, extremes
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.motion.motion import Side
 from camgeo.motion.plan import Dwell, MotionPlan, Move
@@ -73,6 +73,19 @@ def test_an_extreme_next_to_a_break_is_found() -> None:
     assert extremes(plan, value, slope).largest()[1] == pytest.approx(top, rel=1e-12)
 
 
+def test_slopes_of_several_quantities_are_looked_at_together() -> None:
+    half = Decimal(180)
+    law = LAWS["modified-sine"]
+    plan = MotionPlan((Move(half, 6.0, law), Move(half, 0.0, law)))
+
+    def rows(which: int | slice) -> Quantity:
+        return lambda phi, side: np.asarray(plan.jet(phi, side)[which])
+
+    both = extremes(plan, rows(1), rows(slice(2, 4)))
+    apart = [extremes(plan, rows(1), rows(order)) for order in (2, 3)]
+    assert set(both.phi) == {*apart[0].phi, *apart[1].phi}
+
+
 def test_entries_run_over_one_turn_with_both_sides_of_each_break() -> None:
     half = Decimal(180)
     law = LAWS["quadratic-parabola"]
@@ -81,7 +94,10 @@ def test_entries_run_over_one_turn_with_both_sides_of_each_break() -> None:
     def acceleration(phi: FloatArray, side: Side) -> FloatArray:
         return np.asarray(plan.jet(phi, side)[2])
 
-    found = extremes(plan, acceleration)
+    def jerk(phi: FloatArray, side: Side) -> FloatArray:
+        return np.asarray(plan.jet(phi, side)[3])
+
+    found = extremes(plan, acceleration, jerk)
     assert found.phi == pytest.approx(
         np.radians([0.0, 90.0, 90.0, 180.0, 180.0, 270.0, 270.0, 360.0]), rel=1e-15
     )

@@ -889,7 +889,7 @@ def error_of(case: dict[str, Any], law: Law, key: str) -> float:
 
 def test_the_printed_inclined_sine_fails_at_small_z() -> None:
     def printed(z: FloatArray, values: Values) -> Values:
-        return (z - np.sin(2.0 * np.pi * z) / (2.0 * np.pi), *values[1:])
+        return np.stack((z - np.sin(2.0 * np.pi * z) / (2.0 * np.pi), *values[1:]))
 
     law = make_law("inclined-sine")
     case = case_of("inclined-sine")
@@ -909,7 +909,7 @@ def test_the_acceleration_by_a_cosine_fails_at_the_inflection() -> None:
     law = make_law("simple-sine")
 
     def printed(z: FloatArray, values: Values) -> Values:
-        return values[0], values[1], 0.5 * np.pi**2 * np.cos(np.pi * z), values[3]
+        return np.stack((*values[:2], 0.5 * np.pi**2 * np.cos(np.pi * z), values[3]))
 
     assert error_of(case_of("simple-sine"), law, "f2") <= LIMIT
     assert error_of(case_of("simple-sine"), spoiled(law, printed), "f2") > 1e15
@@ -920,9 +920,9 @@ def test_an_error_of_20_ulp_is_seen(key: str, order: int) -> None:
     law = make_law("modified-sine")
 
     def stretched(_: FloatArray, values: Values) -> Values:
-        changed = list(values)
-        changed[order] = changed[order] * (1.0 + 20.0 * EPS)
-        return changed[0], changed[1], changed[2], changed[3]
+        changed = values.copy()
+        changed[order] *= 1.0 + 20.0 * EPS
+        return changed
 
     assert error_of(case_of("modified-sine"), law, key) <= LIMIT
     assert error_of(case_of("modified-sine"), spoiled(law, stretched), key) > LIMIT
@@ -934,10 +934,9 @@ def test_an_error_of_the_last_digits_is_seen(order: int) -> None:
     true = pieces_of(law)
 
     def shifted(_: FloatArray, values: Values) -> Values:
-        changed = list(values)
-        limit = SCALED[order + 1] * scales(true)[order + 1]
-        changed[order] = changed[order] + 2.0 * limit
-        return changed[0], changed[1], changed[2], changed[3]
+        changed = values.copy()
+        changed[order] += 2.0 * SCALED[order + 1] * scales(true)[order + 1]
+        return changed
 
     for z in (0.05, 0.2, 0.7):
         assert excess(values_at(law, z), true, z) <= 1.0

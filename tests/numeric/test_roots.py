@@ -9,7 +9,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from camgeo.numeric.arrays import FloatArray
-from camgeo.numeric.roots import MAX_STEPS, bracketed_roots, inverse, roots_on_grid, sign_changes
+from camgeo.numeric.roots import (
+    MAX_STEPS,
+    Function,
+    bracketed_roots,
+    inverse,
+    roots_on_grid,
+    sign_changes,
+)
 from tests.strategies import attack
 
 ODD: dict[str, Callable[[FloatArray], FloatArray]] = {
@@ -124,3 +131,12 @@ def test_a_flat_place_is_closed_in_on_by_halving() -> None:
     y = np.array([1e-30, -1e-12, 0.5])
     got = inverse(lambda x: x**3, lambda x: np.maximum(3.0 * x * x, 1e-300), edges, y)
     assert got == pytest.approx([1e-10, -1e-4, 0.5 ** (1.0 / 3.0)], abs=1e-9)
+
+
+def test_the_roots_of_several_quantities_are_those_of_each() -> None:
+    """Their brackets are searched together, each for its own quantity."""
+    grid = np.linspace(0.1, 7.0, 24).reshape(2, 12)
+    each: tuple[Function, ...] = (np.sin, np.cos, lambda x: x - 10.0, lambda x: x * x - 4.0)
+    alone = np.concatenate([roots_on_grid(function, grid) for function in each])
+    together = roots_on_grid(lambda x: np.stack([function(x) for function in each]), grid)
+    assert np.array_equal(together, alone)

@@ -198,6 +198,15 @@ def test_an_edit_shares_what_does_not_change() -> None:
         assert output.linkage is scene.linkage
 
 
+def test_an_edit_shares_a_speed_that_comes_from_a_file() -> None:
+    scene = load_scene(FIXTURES / "points.toml")
+    assert scene.speed_curve is not None
+    roller = scene.with_values({"follower.roller_radius": 8.5})
+    assert roller.speed_curve is scene.speed_curve
+    assert roller.files == scene.files
+    assert scene.with_values({"cam.rotation": "cw"}).speed_curve is not scene.speed_curve
+
+
 def test_an_edit_shares_nothing_that_depends_on_it() -> None:
     scene = loaded(LINKED)
     inches = scene.with_values({"units.length": "inch"})
