@@ -138,13 +138,13 @@ class Pieces:
             if len(here) > MANY * len(self.starts):
                 for piece, places in self._parts(here, side):
                     group, row = int(self._group[piece]), int(self._row[piece])
-                    there[:, places] = self._values(group, row, here[places])
+                    self._write(group, row, here, there, places)
                 continue
             pieces = self.at(here, side)
             groups, rows = self._group[pieces], self._row[pieces]
             for group in np.flatnonzero(np.bincount(groups)).tolist():
                 places = np.flatnonzero(groups == group)
-                there[:, places] = self._values(group, rows[places], here[places])
+                self._write(group, rows[places], here, there, places)
         return out
 
     def at(self, phi: FloatArray, side: Side) -> IntArray:
@@ -162,17 +162,26 @@ class Pieces:
         found = enumerate(zip([0, *ends], [*ends, len(phi)], strict=True))
         return [(piece, slice(*bounds)) for piece, bounds in found if bounds[0] < bounds[1]]
 
-    def _values(self, group: int, rows: int | IntArray, phi: FloatArray) -> Jet:
-        """(4, n) of one formula, for the piece in that row of its table or for each its own."""
+    def _write(
+        self,
+        group: int,
+        rows: int | IntArray,
+        phi: FloatArray,
+        out: Jet,
+        places: slice | IntArray,
+    ) -> None:
+        """Write a formula's values to some places: of one piece, by its row, or of each its own."""
         numbers, formula = self._tables[group][:, rows], self._formulas[group]
         if formula is None:
-            values = np.zeros((4, len(phi)))
-        else:
-            start, end, rate = numbers[:3]
-            values = formula((phi - start) * rate, (end - phi) * rate, numbers[COLUMNS:])
-            values *= numbers[4:COLUMNS].reshape(4, -1)
-        values[0] += numbers[3]
-        return values
+            out[0, places], out[1:, places] = numbers[3], 0.0
+            return
+        phi, (start, end, rate) = phi[places], numbers[:3]
+        values = formula((phi - start) * rate, (end - phi) * rate, numbers[COLUMNS:])
+        target = out[:, places] if isinstance(places, slice) else values
+        np.multiply(values, numbers[4:COLUMNS].reshape(4, -1), out=target)
+        target[0] += numbers[3]
+        if target is values:
+            out[:, places] = values
 
 
 def places_of(keys: IntArray) -> list[tuple[int, IntArray]]:

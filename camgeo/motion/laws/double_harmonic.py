@@ -24,7 +24,7 @@ def _stacked(near: FloatArray, sine: FloatArray, cosine: FloatArray) -> Values:
     """`near` with f', f'', f'''."""
     square = sine * sine
     product = sine * cosine
-    return np.stack((
+    return np.array((
         near,
         2.0 * math.pi * square * product,
         math.pi**2 * square * (3.0 - 4.0 * square),

@@ -178,7 +178,7 @@ def _sine_stretch(shares: _Shares) -> Stretch:
         half = 0.5 * angle
         sine, cosine = np.sin(half), np.cos(half)
         twice = 2.0 * sine * sine
-        return np.stack((
+        return np.array((
             length * length * x_minus_sin(angle),
             length * twice,
             2.0 * sine * cosine,
@@ -209,7 +209,7 @@ def _constant_stretch(shares: _Shares) -> Stretch:
 
     def formula(u: FloatArray) -> FloatArray:
         lift = position + u * (velocity + 0.5 * u)
-        return np.stack((lift, velocity + u, np.ones_like(u), np.zeros_like(u)))
+        return np.array((lift, velocity + u, np.ones_like(u), np.zeros_like(u)))
 
     def back(r: FloatArray) -> FloatArray:
         y = r - tail
@@ -250,7 +250,7 @@ def _cosine_stretches(shares: _Shares) -> tuple[Stretch, Stretch]:
         sine, cosine = np.sin(half), np.cos(half)
         double = 2.0 * sine * cosine
         square = 2.0 * sine * sine
-        return np.stack((
+        return np.array((
             position + velocity * u + length * length * square,
             velocity + length * double,
             1.0 - square,
@@ -262,7 +262,7 @@ def _cosine_stretches(shares: _Shares) -> tuple[Stretch, Stretch]:
         sine, cosine = np.sin(half), np.cos(half)
         difference = cosine - sine
         turned = difference * (cosine + sine)  # sine of the angle from the start
-        return np.stack((
+        return np.array((
             last - velocity * u + length * length * difference * difference,
             velocity + length * turned,
             2.0 * sine * cosine,
@@ -291,7 +291,7 @@ def _still_stretch(shares: _Shares) -> Stretch:
 
     def formula(u: FloatArray) -> FloatArray:
         zero = np.zeros_like(u)
-        return np.stack((position + velocity * u, np.full_like(u, velocity), zero, zero))
+        return np.array((position + velocity * u, np.full_like(u, velocity), zero, zero))
 
     return Stretch(
         1 - shares.still,

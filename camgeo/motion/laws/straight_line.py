@@ -17,7 +17,7 @@ from camgeo.numeric.arrays import FloatArray
 
 def _from_start(z: FloatArray, _w: FloatArray, _: Any) -> Values:
     zero = np.zeros_like(z)
-    return np.stack((z, np.ones_like(z), zero, zero))
+    return np.array((z, np.ones_like(z), zero, zero))
 
 
 def _from_end(z: FloatArray, w: FloatArray, _: Any) -> Values:

@@ -167,7 +167,7 @@ class _Half:
             size = max(self.size - order, 1)
             values.append(scaled_horner(coefficients[:size], small, large))
             coefficients = coefficients[size:]
-        return np.stack(values)
+        return np.array(values)
 
 
 def _regions(

@@ -346,8 +346,8 @@ def _place_in(
 
     Not -0, which a negative length would make of 0.
     """
-    place = np.where(by_w, w, z)
-    place -= high
+    chosen = np.where(by_w, w, z) if np.ndim(by_w) else w if by_w else z
+    place: FloatArray = chosen - high
     place -= low
     place /= length
     place += 0.0
