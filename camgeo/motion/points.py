@@ -29,9 +29,8 @@ import numpy as np
 
 from camgeo.errors import GeometryError
 from camgeo.motion.boundary import FREE, Boundary, boundaries_of, boundary_of
-from camgeo.motion.smoothing import HIGHEST, Smoothing, from_stress
 from camgeo.motion.spline import Spline
-from camgeo.motion.spline_energy import hermite, interpolate
+from camgeo.motion.spline_energy import HIGHEST, Smoothing, from_stress, hermite, interpolate
 from camgeo.numeric import checked
 from camgeo.numeric.arrays import BoolArray, FloatArray
 

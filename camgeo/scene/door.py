@@ -134,7 +134,7 @@ class Builder:
         if self._unchanged("cam"):
             curve: SpeedCurve | None = self._earlier["speed_curve"]
             return curve
-        from camgeo.motion.speed_table import read_speed_table  # few scenes have one
+        from camgeo.motion.motion_tables import read_speed_table  # few scenes have one
 
         name: str = self.values.get(*key)
         return self._engine(key, lambda: read_speed_table(data, name))

@@ -114,7 +114,7 @@ class MotionRequests:
         )
 
     def _table(self, place: Path, table: dict[str, Any], span: Decimal) -> TableRequest | None:
-        from camgeo.motion.lift_table import read_lift_table  # few scenes have one
+        from camgeo.motion.motion_tables import read_lift_table  # few scenes have one
 
         key = (*place, "file")
         data = self.inside.read(key)

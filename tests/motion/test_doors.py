@@ -22,12 +22,11 @@ from camgeo.motion.laws import FAMILIES, make_law
 from camgeo.motion.laws.balance import balanced
 from camgeo.motion.laws.characteristic import characteristic
 from camgeo.motion.laws.comparison import Running, compare
-from camgeo.motion.lift_table import read_lift_table
+from camgeo.motion.motion_tables import read_lift_table, read_speed_table
 from camgeo.motion.plan import Course, Dwell, MotionPlan, Move
 from camgeo.motion.planning.planner import plan_motion
 from camgeo.motion.planning.request import MoveRequest, PointsRequest, TableRequest
 from camgeo.motion.points import clamped_spline, periodic_spline, smooth_clamped_spline
-from camgeo.motion.speed_table import read_speed_table
 from camgeo.motion.spline import Spline
 from camgeo.motion.time_course import ConstantSpeed, SpeedCurve, plan_extremes, time_extremes
 from camgeo.motion.value_table import law_table

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from camgeo.errors import GeometryError
-from camgeo.motion.lift_table import read_lift_table
+from camgeo.motion.motion_tables import read_lift_table
 from camgeo.motion.points import periodic_spline
 from camgeo.motion.two_columns import MOST_BYTES, MOST_ROWS, TwoColumns
 from camgeo.units import TURN

@@ -28,8 +28,8 @@ from camgeo.motion.points import (
     smooth_clamped_spline,
     smooth_periodic_spline,
 )
-from camgeo.motion.smoothing import NEAR_ENOUGH, Smoothing, from_stress
 from camgeo.motion.spline import DEGREE, Spline
+from camgeo.motion.spline_energy import NEAR_ENOUGH, Smoothing, from_stress
 from camgeo.numeric.arrays import BoolArray, FloatArray
 from camgeo.units import TURN
 from tests.strategies import attack

@@ -20,8 +20,8 @@ from camgeo.mechanism.linkage import LinkedMotion
 from camgeo.motion.joints import joints
 from camgeo.motion.laws import FAMILIES, make_law
 from camgeo.motion.laws.law import Law
-from camgeo.motion.lift_table import read_lift_table
 from camgeo.motion.motion import Motion
+from camgeo.motion.motion_tables import read_lift_table
 from camgeo.motion.plan import Course, Dwell, MotionPlan, Move
 from camgeo.motion.planning.planner import plan_motion
 from camgeo.motion.time_course import ConstantSpeed, SpeedCurve

@@ -1,4 +1,4 @@
-"""A lift given by a table in a CSV file."""
+"""What tables in CSV files tell of a motion: a lift, or how the disc turns."""
 
 from __future__ import annotations
 
@@ -7,6 +7,8 @@ from typing import Final
 
 import numpy as np
 
+from camgeo.errors import GeometryError
+from camgeo.motion.time_course import SpeedCurve
 from camgeo.motion.two_columns import (
     ANGLE,
     LAST_ROW,
@@ -14,10 +16,13 @@ from camgeo.motion.two_columns import (
     TwoColumns,
     check_from_zero,
     read_two_columns,
+    turn_of,
 )
 from camgeo.numeric import checked
 
 LIFT: Final = Column("lift", ("s", "lift", "psi", "swing"))
+
+TIME: Final = Column("time", ("t", "time"), ("s", "sec", "second", "seconds"))
 
 
 def read_lift_table(
@@ -59,3 +64,26 @@ def read_lift_table(
         message = f"the last angle; allowed is the end of the span, {span:.17g} degrees"
         raise table.fault(-1, angles, message)
     return table
+
+
+def read_speed_table(data: bytes | str, file: str) -> SpeedCurve:
+    """Read a table of time [s] and cam angle [degrees] over one turn, from 0 and 0.
+
+    The file is written as `camgeo.motion.two_columns` tells; a heading may call the columns "t" or
+    "time" [s], and "phi", "angle" or "cam angle" [deg].
+
+    Raises
+    ------
+    GeometryError
+        With file and line, if a row is not as said there, times or angles do not start at 0,
+        ascend, or end at 360 degrees; and if the disc would stand still or run backwards between
+        the rows.
+    """
+    table = read_two_columns(data, file, (TIME, ANGLE))
+    times = table.first
+    check_from_zero(table, times, "time")
+    radians = turn_of(table, table.second)
+    try:
+        return SpeedCurve(times, radians)
+    except GeometryError as error:
+        raise GeometryError(f"{file}: {error.message}", error.key, error.value) from error
