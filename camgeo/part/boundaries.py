@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -23,22 +24,27 @@ from camgeo.errors import GeometryError
 from camgeo.lazy import Ledger
 from camgeo.numeric.checked import instance, positive
 from camgeo.outline.path import Path
+from camgeo.pickled import Pickled
+
+Found = TypeVar("Found", Fit, SplineFit)
 
 
 @dataclass(frozen=True, slots=True)
-class CurveBoundary:
+class CurveBoundary(Pickled):
     """The outline of a flank as boundary, see `camgeo.part.part.Boundary`.
 
     Attributes
     ----------
     path : the outline.
     ledger : where its fits are entered.
+    known : the fits that were made, by function and tolerance: several files want the same one.
     """
 
     name: str
     hole: bool
     path: Path
     ledger: Ledger = field(default_factory=Ledger, repr=False, compare=False)
+    known: dict[Any, Any] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         instance("part", self.name, str, "the name of a boundary")
@@ -49,24 +55,34 @@ class CurveBoundary:
     def arcs(self, tolerance: float, effort: Effort = "fewest") -> Fit:
         """Lines and arcs; raises UndercutError if the path is no outline, ToleranceError."""
         fit = fit_arcs if effort == "fast" else fewest_arcs
-        return self._simple("arcs", fit, tolerance)
+        return self._fitted("arcs", fit, tolerance, lambda found: found.contour)
 
     def polyline(self, tolerance: float, effort: Effort = "fewest") -> Fit:
         """Straight pieces; raises as `arcs`."""
         fit = fit_polyline if effort == "fast" else fewest_chords
-        return self._simple("chords", fit, tolerance)
+        return self._fitted("chords", fit, tolerance, lambda found: found.contour)
 
     def spline(self, tolerance: float, effort: Effort = "fewest") -> SplineFit:
         """Cubic splines and arcs; raises as `arcs`."""
         fit = fit_spline if effort == "fast" else fewest_cubics
-        found = self.ledger.run(f"cubics of {self.name}", lambda: fit(self.path, tolerance))
-        require_simple(arcs_beside(found.contour, tolerance).contour, self.name)
-        return found
+        return self._fitted(
+            "cubics", fit, tolerance, lambda found: arcs_beside(found.contour, tolerance).contour
+        )
 
-    def _simple(self, what: str, fit: Callable[[Path, float], Fit], tolerance: float) -> Fit:
-        found = self.ledger.run(f"{what} of {self.name}", lambda: fit(self.path, tolerance))
-        require_simple(found.contour, self.name)
-        return found
+    def _fitted(
+        self,
+        what: str,
+        fit: Callable[[Path, float], Found],
+        tolerance: float,
+        drawn: Callable[[Found], Contour],
+    ) -> Found:
+        """The fit, whose contour as lines and arcs, `drawn`, does not cross itself."""
+        if (fit, tolerance) not in self.known:
+            found = self.ledger.run(f"{what} of {self.name}", lambda: fit(self.path, tolerance))
+            require_simple(drawn(found), self.name)
+            self.known[fit, tolerance] = found
+        known: Found = self.known[fit, tolerance]
+        return known
 
     def deviation(self, contour: Contour | SplineContour) -> float:
         """Proved bound [mm], see `camgeo.contour.proof.deviation`."""

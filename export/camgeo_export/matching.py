@@ -33,7 +33,8 @@ def deviation(contours: Sequence[AnyContour], boundaries: tuple[Boundary, ...]) 
     if len(contours) != len(boundaries):
         names = ", ".join(boundary.name for boundary in boundaries)
         raise FileError(f"{len(contours)} closed contours, expected {len(boundaries)}: {names}")
-    loose = LOOSE * max(reach_of(contour) for contour in contours)
+    # A power of 2: so all files of a part ask for the same polygons, which are made once.
+    loose = LOOSE * 2.0 ** math.floor(math.log2(max(reach_of(contour) for contour in contours)))
     outlines = [boundary.polyline(loose, "fast").contour for boundary in boundaries]
     pairs = zip(boundaries, paired(contours, outlines), strict=True)
     return max(boundary.deviation(contour.counter_clockwise()) for boundary, contour in pairs)
