@@ -3,31 +3,48 @@
 A reader who runs the tests is told of faults of the code, not of a rare example that no one else
 can see again; whoever hunts for such examples asks for them.
 
-And how the tests are dealt out with `-n`: what is shared is made in one process alone.
+And which tests are quick, and how all are dealt out with `-n`: what is shared is made in one
+process alone.
 """
 
 from __future__ import annotations
 
 import gc
+from pathlib import Path
+from typing import Any
 
 import pytest
 from hypothesis import settings
+
+from tests.quick import BUILDS, BUILT, QUICK, TESTS
 
 settings.register_profile("fixed", derandomize=True, deadline=None)
 settings.register_profile("random", derandomize=False, deadline=None, print_blob=True)
 settings.load_profile("fixed")
 
 
-@pytest.hookimpl(tryfirst=True)  # before the groups are read
+def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:
+    """With `-m quick`, modules that have no quick tests are not imported."""
+    if config.option.markexpr != "quick" or not collection_path.name.startswith("test_"):
+        return None
+    module = collection_path.relative_to(TESTS).as_posix()
+    return True if module not in QUICK and not module.startswith(BUILDS) else None
+
+
+@pytest.hookimpl(tryfirst=True)  # before marks are asked for and groups are read
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Group tests as their module says, by the scene that is built for them, or by their module."""
+    """Mark the quick tests; group tests as their module says, by the scene that is built for them,
+    or by their module.
+    """
     for item in items:
-        if item.get_closest_marker("xdist_group") is not None:
-            continue
-        shared = getattr(item, "callspec", None)
-        built = shared.params.get("built") if shared is not None else None
-        group = item.location[0] if built is None else f"built {built.stem}"
-        item.add_marker(pytest.mark.xdist_group(group))
+        call: Any = getattr(item, "callspec", None)
+        built = Path(call.params["built"]).stem if call and "built" in call.params else None
+        module = item.path.relative_to(TESTS).as_posix()
+        if built == BUILT or (built is None and module in QUICK):
+            item.add_marker(pytest.mark.quick)
+        if item.get_closest_marker("xdist_group") is None:
+            group = module if built is None else f"built {built}"
+            item.add_marker(pytest.mark.xdist_group(group))
 
 
 def pytest_collection_finish() -> None:

@@ -1,0 +1,123 @@
+"""CPU of the test command, user and system with all that it starts, by folder and by module.
+
+    python benchmarks/test_suite.py [--against TREE] [--processes N] [--quick] [--write]
+
+`--against` runs the tests of another checkout too, with the .venv in it, and prints the ratio.
+`--write` keeps the modules that take more than a second in tests/dear_modules.json, by which
+`-m quick` leaves modules out. Seconds on the clock depend on what else the machine does; these
+hardly do.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import resource
+import subprocess
+import sys
+import tempfile
+from collections import Counter
+from collections.abc import Generator
+from pathlib import Path
+from typing import Any, Final
+
+import pytest
+
+ROOT: Final = Path(__file__).resolve().parents[1]
+
+DEAR: Final = ROOT / "tests" / "dear_modules.json"
+
+LIMIT: Final = 1.0
+"""A module that takes more [s] is dear."""
+
+INTO: Final = "CAMGEO_CPU_OF_TESTS"
+"""Names the folder into which each process of a run writes what its tests took."""
+
+LARGEST: Final = 40
+
+
+def used() -> float:
+    """CPU of this process and of those that it started and that have ended [s]."""
+    both = (resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
+    return sum(each.ru_utime + each.ru_stime for each in both)
+
+
+SPENT: Counter[str] = Counter()
+
+
+@pytest.hookimpl(wrapper=True, tryfirst=True)
+def pytest_runtest_protocol(item: pytest.Item) -> Generator[None, Any, Any]:
+    """Count what a test takes with its fixtures: as a plugin of the run that is measured."""
+    before = used()
+    try:
+        return (yield)
+    finally:
+        SPENT[item.nodeid.partition("@")[0]] += used() - before
+
+
+def pytest_sessionfinish() -> None:
+    """Write what was counted."""
+    (Path(os.environ[INTO]) / f"{os.getpid()}.json").write_text(json.dumps(SPENT), "utf-8")
+
+
+def measured(tree: Path, python: str, *words: str) -> tuple[float, Counter[str]]:
+    """CPU of the tests in `tree` as a whole [s], and of each test without collecting it [s]."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = os.pathsep.join(filter(None, (str(Path(__file__).parent), os.getenv("PYTHONPATH"))))
+        before = resource.getrusage(resource.RUSAGE_CHILDREN)
+        done = subprocess.run(
+            (python, "-m", "pytest", "-q", "-p", Path(__file__).stem, *words),
+            cwd=tree, env={**os.environ, "PYTHONPATH": path, INTO: folder}, check=False,
+        )  # fmt: skip
+        after = resource.getrusage(resource.RUSAGE_CHILDREN)
+        if done.returncode:
+            raise SystemExit(f"{tree}: tests fail")
+        spent: Counter[str] = Counter()
+        for each in Path(folder).iterdir():
+            spent.update(json.loads(each.read_text("utf-8")))
+    return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime, spent
+
+
+def by(spent: Counter[str], parts: int) -> Counter[str]:
+    """By folder (2 parts of the path) or module (all of them)."""
+    found: Counter[str] = Counter()
+    for test, seconds in spent.items():
+        found["/".join(test.partition("::")[0].split("/")[:parts])] += seconds
+    return found
+
+
+def main() -> None:
+    """Run, print, and keep if asked to."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--against", metavar="TREE", type=Path)
+    parser.add_argument("--processes", metavar="N", default="2")
+    parser.add_argument("--quick", action="store_true", help="the quick subset alone, here")
+    parser.add_argument("--write", action="store_true")
+    arguments = parser.parse_args()
+    words = ["-n", arguments.processes]
+    here, spent = measured(ROOT, sys.executable, *words, *(["-m", "quick"] * arguments.quick))
+    for title, found in (
+        ("folder", by(spent, 2)),
+        ("module", by(spent, 9)),
+        ("test", Counter({test: seconds for test, seconds in spent.items() if "::" in test})),
+    ):
+        print(f"\nCPU by {title} [s]")
+        for name, seconds in found.most_common(LARGEST):
+            print(f"{seconds:8.1f}  {name}")
+    print(f"\nCPU of {len(spent)} tests as a whole: {here:.0f} s")
+    if arguments.write:
+        dear = {
+            name.removeprefix("tests/"): round(seconds, 1)
+            for name, seconds in sorted(by(spent, 9).items())
+            if seconds > LIMIT
+        }
+        DEAR.write_text(json.dumps(dear, indent=2) + "\n", "utf-8")
+    if arguments.against:
+        tree = arguments.against.resolve()
+        there, tests = measured(tree, str(tree / ".venv" / "bin" / "python"), *words)
+        print(f"{tree}, {len(tests)} tests: {there:.0f} s; here {here / there:.2f} of it")
+
+
+if __name__ == "__main__":
+    main()
