@@ -7,7 +7,7 @@ camgeo can still catch it.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import KW_ONLY, dataclass
 from typing import Any
 
 
@@ -126,6 +126,7 @@ class Cancelled(CamgeoError, RuntimeError):
     """A computation was told to stop before it was done."""
 
 
+@dataclass(eq=False, repr=False)
 class EffectError(CamgeoError, ArithmeticError):
     """An effect has no answer for this design, e.g. a follower that jams has no contact force.
 
@@ -136,25 +137,17 @@ class EffectError(CamgeoError, ArithmeticError):
     value, limit, unit, cam_angle, cam_range : as of `camgeo.check.finding.Finding`.
     """
 
-    def __init__(
-        self,
-        message: str,
-        *,
-        finding: str = "",
-        value: float | None = None,
-        limit: float | None = None,
-        unit: str = "",
-        cam_angle: float | None = None,
-        cam_range: tuple[float, float] | None = None,
-    ) -> None:
-        super().__init__(message)
-        self.message = message
-        self.finding = finding
-        self.value = value
-        self.limit = limit
-        self.unit = unit
-        self.cam_angle = cam_angle
-        self.cam_range = cam_range
+    message: str
+    _: KW_ONLY
+    finding: str = ""
+    value: float | None = None
+    limit: float | None = None
+    unit: str = ""
+    cam_angle: float | None = None
+    cam_range: tuple[float, float] | None = None
+
+    def __post_init__(self) -> None:
+        super().__init__(self.message)
 
 
 def unreadable(error: OSError | ValueError) -> str:

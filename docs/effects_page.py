@@ -34,7 +34,7 @@ from camgeo.effects.gravity import STANDARD_GRAVITY
 from camgeo.effects.lift_off.of_groove import LISTED
 from camgeo.effects.materials import MATERIALS, PER_CUBIC_CM
 from camgeo.effects.registry import EFFECTS, find_effect
-from camgeo.effects.shock_spectrum.measures import QUIET, measured
+from camgeo.effects.shock_spectrum.result import QUIET, measured
 from camgeo.effects.vibration.findings import AMPLIFICATION, SETTLED
 from camgeo.motion.laws import FAMILIES, make_law
 from camgeo.motion.laws.law import Law

@@ -55,18 +55,16 @@ FORMAT_LIBRARIES = {"ezdxf", "lxml", "manifold3d", "matplotlib", "networkx", "tr
 
 EFFECT_FRAME = {
     "",
-    "carrier",
     "effect",
-    "face",
     "force",
     "graph",
-    "locked",
+    "immovable",
     "materials",
     "registry",
     "results",
     "rules",
-    "shocks",
     "told",
+    "touching",
 }
 """What is in `effects` and no effect: effects are imported by the registry alone."""
 

@@ -127,7 +127,7 @@ def written_of(name: str) -> list[str]:
     """The texts in the code of an effect as patterns: anything may stand for what they put in."""
     place = ROOT / "camgeo" / "effects" / name.replace("-", "_")
     files = sorted(place.glob("*.py")) if place.is_dir() else [place.with_suffix(".py")]
-    files.append(ROOT / "camgeo" / "effects" / "locked.py")  # shared
+    files.append(ROOT / "camgeo" / "effects" / "immovable.py")  # shared
     found = [text for file in files for text in re.findall(r'"([^"\n]+)"', file.read_text("utf-8"))]
     parts = [re.split(r"\{[^}]*\}", text) for text in found]
     return ["[a-z]+".join(map(re.escape, each)) for each in parts if any(each)]

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from inspect import signature
-from typing import TYPE_CHECKING, Any, Final, Generic, Literal, Protocol, TypeVar
+from typing import TYPE_CHECKING, Any, Final, Generic, Protocol, TypeVar
 
 import numpy as np
 
@@ -77,11 +77,6 @@ class Subject:
     def cam(self) -> Cam:
         """The cam; GeometryError with key "follower" if there is none."""
         return self.made.cam
-
-
-def toucher(subject: Subject) -> Literal["face", "roller"]:
-    """What touches the cam, as sentences name it; a knife edge is a roller of radius 0."""
-    return subject.cam.follower.touching
 
 
 def driving_slider(subject: Subject) -> SliderCrank | None:

@@ -20,7 +20,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from camgeo.motion.motion import Side
-from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.arrays import FloatArray, merged
 
 Coefficients = Callable[[FloatArray, Side], FloatArray]
 """(4, n) c0 to c3 at n cam angles [rad]."""
@@ -70,6 +70,11 @@ def total(forces: Sequence[Force], phi: FloatArray, side: Side) -> FloatArray:
     for force in forces:
         out += force.coefficients(phi, side)
     return out
+
+
+def smooth_edges(smooth: FloatArray, forces: Sequence[Force]) -> FloatArray:
+    """(k,) cam angles [rad]: those of the motion, `smooth`, and the borders of all `forces`."""
+    return merged(np.concatenate((smooth, all_borders(forces))))
 
 
 def all_borders(forces: Sequence[Force]) -> FloatArray:

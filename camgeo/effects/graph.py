@@ -128,6 +128,8 @@ class Effects:
             raise GeometryError(
                 f"is missing: without it there is no {effect.title}", key=node_name(name)
             )
+        if self.subject.disc is None and not effect.of_drive:
+            raise GeometryError("needs [follower]", key="follower")
         results = Results({each: self.result(each) for each in self._inputs(name)})
         table = self.tables.get(name, {})
         tolerance = float(table.get("tolerance", TOLERANCE))

@@ -12,19 +12,17 @@ no limit, and the scene has to give one.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Final
 
-from camgeo.errors import GeometryError
+from camgeo.errors import GeometryError, meant
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
 PER_CUBIC_CM: Final = 1e-9
 """From g/cm^3 to t/mm^3."""
-
-NEARNESS: Final = 0.5
-"""Likeness from which on a known name is proposed for an unknown one, see `difflib`."""
 
 _STEEL: Final = "E, nu: EN 1993-1-1, 3.2.6; density: EN 1993-1-2, 3.2.2; "
 
@@ -52,43 +50,38 @@ class Material:
     pressure: float | None
     source: str
 
+    @property
+    def compliance(self) -> float:
+        """(1 - nu^2)/E [1/MPa]."""
+        return (1.0 - self.poisson * self.poisson) / self.modulus
+
+
+_steel: Final = partial(Material, modulus=210e3, poisson=0.3, density=7.85 * PER_CUBIC_CM)
 
 _ROWS: Final = (
-    Material(
+    _steel(
         "steel",
         "structural or plain carbon steel, normalised, 180 HBW",
-        210e3,
-        0.3,
-        7.85 * PER_CUBIC_CM,
-        370.0,
-        f"{_STEEL}limit: ISO 6336-5, normalised low carbon steel, 1.000 x + 190",
+        pressure=370.0,
+        source=f"{_STEEL}limit: ISO 6336-5, normalised low carbon steel, 1.000 x + 190",
     ),
-    Material(
+    _steel(
         "steel-tempered",
         "alloy steel, quenched and tempered, e.g. 42CrMo4, 300 HV",
-        210e3,
-        0.3,
-        7.85 * PER_CUBIC_CM,
-        767.0,
-        f"{_STEEL}limit: ISO 6336-5, through-hardened wrought alloy steel, 1.313 x + 373",
+        pressure=767.0,
+        source=f"{_STEEL}limit: ISO 6336-5, through-hardened wrought alloy steel, 1.313 x + 373",
     ),
-    Material(
+    _steel(
         "steel-nitrided",
         "nitriding steel, quenched, tempered and gas nitrided, 650 to 900 HV",
-        210e3,
-        0.3,
-        7.85 * PER_CUBIC_CM,
-        1250.0,
-        f"{_STEEL}limit: ISO 6336-5, nitrided nitriding steel, 1250 at any hardness",
+        pressure=1250.0,
+        source=f"{_STEEL}limit: ISO 6336-5, nitrided nitriding steel, 1250 at any hardness",
     ),
-    Material(
+    _steel(
         "steel-hardened",
         "case hardened steel, e.g. 16MnCr5, 58 to 62 HRC",
-        210e3,
-        0.3,
-        7.85 * PER_CUBIC_CM,
-        1500.0,
-        f"{_STEEL}limit: ISO 6336-5, case hardened wrought steel, 1500 at any hardness",
+        pressure=1500.0,
+        source=f"{_STEEL}limit: ISO 6336-5, case hardened wrought steel, 1500 at any hardness",
     ),
     Material(
         "steel-100cr6",
@@ -178,11 +171,10 @@ def find_material(name: str, key: str = "") -> Material:
     """
     if name in MATERIALS:
         return MATERIALS[name]
-    from difflib import get_close_matches  # only for a message
-
-    near = get_close_matches(name, MATERIALS, n=1, cutoff=NEARNESS)
-    meant = f", did you mean {near[0]}?" if near else ""
-    known = ", ".join(MATERIALS)
+    hint = meant(name, MATERIALS)
     raise GeometryError(
-        f"there is no material {name}{meant or ';'} known are {known}", key=key, value=name
+        f"there is no material {name}{f', {hint}' if hint else ';'} known are"
+        f" {', '.join(MATERIALS)}",
+        key=key,
+        value=name,
     )

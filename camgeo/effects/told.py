@@ -3,19 +3,47 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 from camgeo.check.finding import Finding
-from camgeo.effects.carrier import holds_both_ways
-from camgeo.effects.effect import toucher
+from camgeo.effects.touching import holds_both_ways
+from camgeo.errors import EffectError
 from camgeo.numeric.extremes import piecewise_extremes
 from camgeo.units import TURN
 
 if TYPE_CHECKING:
     from camgeo.check.finding import Severity
     from camgeo.effects.effect import Quantity, Subject
+    from camgeo.mechanism.kind import Unit
     from camgeo.numeric.arrays import FloatArray
     from camgeo.numeric.extremes import Extreme, Extremes
+
+N_M: Final = 1e-3
+"""N m, or J, in an N mm; W in an N mm/s."""
+
+KG: Final = 1e3
+"""kg in a t."""
+
+KG_M2: Final = 1e-3
+"""kg m^2 in a t mm^2."""
+
+
+@dataclass(frozen=True, slots=True)
+class Shown:
+    """What a quantity is called, in which unit it is shown, and how many of it are one inside."""
+
+    word: str
+    unit: str
+    scale: float
+
+
+FORCES: Final[Mapping[Unit, Shown]] = {
+    "mm": Shown("force", "N", 1.0),
+    "rad": Shown("torque", "N m", N_M),
+}
+"""The generalised force on a follower, by the unit of its lift."""
 
 TOUCH: Final = 1e-9
 """A contact force on the wrong side of zero by less than this share of the largest is rounding."""
@@ -29,6 +57,12 @@ def at(phi: float) -> str:
 def degrees(phi: float) -> str:
     """The cam angle `phi` [rad], of any turn, in degrees."""
     return f"{math.degrees(phi % TURN):.4f} deg"
+
+
+def between(stretch: tuple[float, float]) -> str:
+    """The stretch from, to [rad], in words."""
+    first, last = (math.degrees(each) for each in stretch)
+    return f"from cam angle {first:.4f} to {last:.4f} deg"
 
 
 def placed(
@@ -59,6 +93,18 @@ def extreme_findings(
     ]
 
 
+def missed(
+    what: str, error: float, of: str, tolerance: float, cam_angle: float | None = None
+) -> EffectError:
+    """The error of a numerical effect that reaches no more than `error`, a share of `of`."""
+    return EffectError(
+        f"{what} has an error of {error:.3g} of {of}; the tolerance is {tolerance:g}",
+        value=error,
+        limit=tolerance,
+        cam_angle=cam_angle,
+    )
+
+
 def loss_of_contact(
     name: str, what: str, subject: Subject, normal: Quantity, edges: FloatArray
 ) -> tuple[Finding, ...]:
@@ -75,7 +121,7 @@ def loss_of_contact(
     if lowest.value >= -TOUCH * ends.magnitude:
         return ()
     sentence = (
-        f"the {toucher(subject)} leaves the flank, and the {what} holds only as long as it does"
-        f" not: contact force {lowest.value:.5g} N {at(lowest.place)}"
+        f"the {subject.cam.follower.touching} leaves the flank, and the {what} holds only as long"
+        f" as it does not: contact force {lowest.value:.5g} N {at(lowest.place)}"
     )
     return (placed(name, sentence, lowest, "N", 0.0, "warning"),)

@@ -156,6 +156,12 @@ class SpeedCurve(Pickled):
         return self.spline.inverse(phi)
 
 
+def period(course: TimeCourse) -> float:
+    """Duration of a turn [s]."""
+    start, end = course.time(np.array([0.0, TURN]))
+    return float(end - start)
+
+
 def in_time(jet: Jet, course: TimeCourse, phi: FloatArray) -> FloatArray:
     """Lift and its derivatives over time.
 

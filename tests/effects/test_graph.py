@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -16,7 +17,7 @@ from camgeo.lazy import Ledger
 from tests.effects.fakes import fake
 from tests.effects.scenes import design
 
-SUBJECT: Any = object()
+SUBJECT: Any = SimpleNamespace(disc=object())
 """None of the effects here asks anything of the design."""
 
 

@@ -211,7 +211,7 @@ def test_a_cam_that_never_moves_its_follower(name: str) -> None:
     smooth = made(head + REST + tail, re.sub(r"\[effects.friction\][^[]*", "", every(text)))
     assert not np.any(smooth.effect("drive-torque").torque(phi, "right"))
     assert np.all(design.effect("drive-torque").torque(phi, "right") > 0.0)
-    assert not np.any(design.effect("vibration").deflection(phi, "right"))
+    assert not np.any(design.effect("vibration").output.deflection(phi, "right"))
 
 
 def test_a_rest_of_no_length_changes_nothing() -> None:
@@ -258,9 +258,10 @@ def test_without_mass_nothing_vibrates_or_lifts_off() -> None:
     design = made(text, every(text, inertia="mass = 0"))
     assert assert_sound(design) == {}
     phi = np.linspace(0.0, TURN, 500)
-    assert not np.any(design.effect("vibration").deflection(phi, "right"))
+    assert not np.any(design.effect("vibration").output.deflection(phi, "right"))
     acceleration = in_time(design.cam.drive.plan.jet(phi), design.drive.time_course, phi)[2]  # type: ignore[arg-type]
-    assert np.array_equal(design.effect("vibration").acceleration(phi, "right"), acceleration)
+    output = design.effect("vibration").output
+    assert np.array_equal(output.acceleration(phi, "right"), acceleration)
     assert not np.any(design.effect("inertia").force.coefficients(phi, "right"))
     weight = found(design, "gravity", "weight")
     assert weight.value == 0.0
@@ -280,10 +281,10 @@ def test_an_all_but_rigid_train(stiffness: str) -> None:
     phi = np.linspace(0.0, TURN, 500)
     timed = in_time(design.cam.drive.plan.jet(phi), design.drive.time_course, phi)  # type: ignore[arg-type]
     most = float(np.max(np.abs(timed[2]))) * 1.1e-3 / float(stiffness)
-    bent = design.effect("vibration").deflection(phi, "right")
+    bent = design.effect("vibration").output.deflection(phi, "right")
     # 1.1e-3 t; jerks come next, with 1 / w^3, and at w > 9e5 rad/s are a thousandth at most.
     assert np.max(np.abs(bent)) <= 1.01 * most + 2.0**-52 * 20.0
-    heard = design.effect("vibration").acceleration(phi, "right")
+    heard = design.effect("vibration").output.acceleration(phi, "right")
     assert np.max(np.abs(heard - timed[2])) <= 0.02 * np.max(np.abs(timed[2]))
 
 
@@ -424,7 +425,7 @@ def test_a_rest_longer_than_the_transient() -> None:
     ends = np.radians([30.0, 170.0, 360.0])
     starts = np.radians([290.0, 130.0, 290.0])
     w = 400.0 * TURN
-    states = design.effect("vibration").source.states
+    states = design.effect("vibration").output.states
     left, begun = states(ends, "left"), states(starts, "right")
     for k, degrees in enumerate((100.0, 40.0, 70.0)):
         decay = math.exp(-0.2 * w * degrees / 360.0)
@@ -569,7 +570,7 @@ stall_torque = 287.8
     design = made(scene_text("trimmed_ring"), effects)
     assert assert_sound(design) == {}
     turn = design.effect("speed-fluctuation")
-    assert np.min(turn.omega(np.linspace(0.0, TURN, 5000))) > 0.0
+    assert np.min(turn.turn.omega(np.linspace(0.0, TURN, 5000))) > 0.0
     # Without friction and load the motor does no work over a turn.
     told = {each.name: each.value for each in turn.findings}
     assert abs(told["motor-work"]) <= 1e-5 * TURN * told["largest-motor-torque"]

@@ -193,7 +193,7 @@ def test_the_follower_crosses_its_play_as_a_free_body() -> None:
     effects = forces(scene, LOAD[scene]) + TELLING
     effects = effects.replace("[effects.lift-off]", f"[effects.lift-off]\nbacklash = {play}")
     made = design(scene, effects)
-    groove = made.effect("lift-off").groove
+    groove = made.effect("lift-off")
     assert groove is not None
     assert len(groove.changes) == len(groove.impacts) >= 2
     assert not [each for each in made.effect("lift-off").findings if each.severity == "broken"]

@@ -637,7 +637,7 @@ def test_a_heavy_flywheel_runs_at_the_speed_whose_mean_torque_is_the_motors() ->
         turn, drive = made.effect("speed-fluctuation"), made.effect("drive-torque")
         phi = inside(made)
         constant = np.full(len(phi), turn.mean_speed)
-        own = drive.at(phi, "right", turn.omega(phi), turn.alpha(phi))
+        own = drive.at(phi, "right", turn.turn.omega(phi), turn.alpha(phi, "right"))
         held = drive.at(phi, "right", constant, np.zeros(len(phi)))
         off.append(float(np.max(np.abs(own - held))))
         rev = turn.mean_speed / RPM
@@ -668,7 +668,7 @@ def test_a_stiff_train_bends_by_its_own_acceleration() -> None:
         w = frequency * TURN
         phi = np.linspace(0.0, TURN, 5000, endpoint=False)
         timed = in_time(made.cam.drive.plan.jet(phi), made.drive.time_course, phi)  # type: ignore[arg-type]
-        found = made.effect("vibration").deflection(phi, "right")
+        found = made.effect("vibration").output.deflection(phi, "right")
         left = np.max(np.abs(found + timed[2] / w**2))
         edges = made.drive.smooth_angles
         both = [

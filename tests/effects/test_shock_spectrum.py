@@ -7,8 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from camgeo.effects.shock_spectrum.measures import QUIET, measured
-from camgeo.effects.shock_spectrum.result import ShockSpectrum
+from camgeo.effects.shock_spectrum.result import QUIET, ShockSpectrum, measured
 from camgeo.motion.laws import make_law
 from tests.effects.scenes import design
 from tests.laws import LAWS

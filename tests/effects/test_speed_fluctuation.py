@@ -14,9 +14,8 @@ from scipy.integrate import solve_ivp
 from camgeo.design import Design
 from camgeo.effects.effect import DataFile, Request, Results
 from camgeo.effects.force import Force
-from camgeo.effects.speed_fluctuation.motor import Motor, parse_motor
 from camgeo.effects.speed_fluctuation.result import SpeedFluctuation, compute
-from camgeo.effects.speed_fluctuation.spec import parse
+from camgeo.effects.speed_fluctuation.spec import Motor, parse, parse_motor
 from camgeo.errors import EffectError, GeometryError
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray
@@ -86,9 +85,9 @@ def test_a_constant_load_is_met_on_the_motor_line(plate: Design) -> None:
     result = steady(plate, torque, 50.0, 2000.0)
     expected = NO_LOAD * (1.0 - 600.0 / 2000.0)
     phi = np.linspace(-1.0, 9.0, 333)
-    assert np.max(np.abs(result.omega(phi) / expected - 1.0)) <= 10.0 * EPS
+    assert np.max(np.abs(result.turn.omega(phi) / expected - 1.0)) <= 10.0 * EPS
     # In t, N, mm: alpha is a difference of torques of 600 N mm by J.
-    assert np.max(np.abs(result.alpha(phi))) <= 10.0 * EPS * 2000.0 / 50.0
+    assert np.max(np.abs(result.alpha(phi, "right"))) <= 10.0 * EPS * 2000.0 / 50.0
     assert result.fluctuation <= 20.0 * EPS
     assert result.mean_speed == pytest.approx(expected, rel=10.0 * EPS)
     # Power balance: what the motor gives a turn is the load's work.
@@ -107,7 +106,9 @@ def test_a_stiff_motor_keeps_the_speed(plate: Design, stall: float) -> None:
     # 50 * 12 * (20 / rad) * 12 / stall of it.
     share = 50.0 * NO_LOAD**2 * 20.0 / stall
     largest = float(np.max(np.abs(slip)))
-    assert np.max(np.abs(result.omega(phi) / NO_LOAD - 1.0 + slip)) <= share * largest + 8.0 * EPS
+    assert (
+        np.max(np.abs(result.turn.omega(phi) / NO_LOAD - 1.0 + slip)) <= share * largest + 8.0 * EPS
+    )
 
 
 def test_energy_is_kept_by_a_weak_motor(plate: Design) -> None:
@@ -117,7 +118,7 @@ def test_energy_is_kept_by_a_weak_motor(plate: Design) -> None:
     result = steady(plate, drive(plate, DefinedForce(plate, forces)), moment, stall, 1e-8)
     phi = np.linspace(0.0, TURN, 1000)
     q, q1 = plate.cam.drive.motion.jet(phi)[:2]
-    omega = result.omega(phi)
+    omega = result.turn.omega(phi)
     energy = 0.5 * (moment + mass * q1**2) * omega**2 + 90.0 * q + 2.0 * q**2
     allowed = TURN * stall * np.max(np.abs(1.0 - omega / NO_LOAD))
     allowed += 2.0 * (result.error + EPS) * np.max(energy)
@@ -148,7 +149,7 @@ def test_equation_of_motion_and_power_balance(plate: Design, share: float, prelo
     moment, stall = 60.0, 4000.0
     result = steady(plate, torque, moment, stall, 1e-11)
     phi = np.linspace(0.0, TURN, 999)
-    omega, alpha = result.omega(phi), result.alpha(phi)
+    omega, alpha = result.turn.omega(phi), result.alpha(phi, "right")
     motor = stall * (1.0 - omega / NO_LOAD)
     cam = torque.at(phi, "right", omega, alpha)
     scale = np.max(np.abs(cam)) + stall
@@ -157,14 +158,14 @@ def test_equation_of_motion_and_power_balance(plate: Design, share: float, prelo
     for end in (1.0, 2.0, 4.5):
         edges = result.turn.mesh.low
         edges = np.append(edges[edges < end], end)
-        found = piecewise_integral(lambda x: result.alpha(x), edges, 1e-12).value
-        gone = 0.5 * float(np.diff(result.omega(np.array([0.0, end])) ** 2)[0])
+        found = piecewise_integral(lambda x: result.alpha(x, "right"), edges, 1e-12).value
+        gone = 0.5 * float(np.diff(result.turn.omega(np.array([0.0, end])) ** 2)[0])
         largest = 0.5 * float(np.max(omega)) ** 2
         assert abs(found - gone) <= 4.0 * 1e-11 * largest
 
     def balance(x: FloatArray) -> FloatArray:
-        speed = result.omega(x)
-        taken = torque.at(x, "right", speed, result.alpha(x))
+        speed = result.turn.omega(x)
+        taken = torque.at(x, "right", speed, result.alpha(x, "right"))
         return np.asarray(stall * (1.0 - speed / NO_LOAD) - taken)
 
     # The cells end at the kinks of friction, which the edges do not know.
@@ -193,7 +194,7 @@ def test_against_a_general_integrator(plate: Design, moment: float) -> None:
         return [(motor - at_rest) / (moment + at_one - at_rest)]
 
     edges = plate.drive.smooth_angles
-    start = 0.5 * float(result.omega(np.zeros(1))[0]) ** 2
+    start = 0.5 * float(result.turn.omega(np.zeros(1))[0]) ** 2
     y = start
     for low, high in itertools.pairwise(edges):
         inset = 1e-12 * (high - low)
@@ -201,7 +202,7 @@ def test_against_a_general_integrator(plate: Design, moment: float) -> None:
             slope, (low + inset, high - inset), [y], method="DOP853", rtol=1e-8, atol=1e-8
         )
         y = float(solution.y[0, -1])
-        expected = float(result.omega(np.array([high]))[0])
+        expected = float(result.turn.omega(np.array([high]))[0])
         # Some dozen steps with errors of 1e-8 of y each.
         assert math.sqrt(2.0 * y) == pytest.approx(expected, rel=5e-7)
     assert y == pytest.approx(start, rel=1e-6)
@@ -214,12 +215,12 @@ def test_the_error_holds_as_the_tolerance_falls(plate: Design, kinked: bool) -> 
     file = DataFile("m.csv", b"n;M\n0;8\n60;7\n100;6\n112;2\n120;-3\n")
     more = {"file": file} if kinked else {}
     phi = np.linspace(0.0, TURN, 2000)
-    best = steady(plate, torque, 9.0, 6000.0, 1e-13, **more).omega(phi)
+    best = steady(plate, torque, 9.0, 6000.0, 1e-13, **more).turn.omega(phi)
     reached = []
     for tolerance in (1e-3, 1e-6, 1e-9):
         result = steady(plate, torque, 9.0, 6000.0, tolerance, **more)
         assert 0.0 < result.error <= tolerance
-        reached.append(float(np.max(np.abs(result.omega(phi) - best)) / np.max(best)))
+        reached.append(float(np.max(np.abs(result.turn.omega(phi) - best)) / np.max(best)))
         assert reached[-1] <= result.error + 1e-13
     assert reached[-1] < reached[0]
 
@@ -259,7 +260,7 @@ def test_the_slowest_orbits_are_found_where_newton_fails(plate: Design) -> None:
     peak = 1000.0 * value(torque, "largest-static-torque")
     result = steady(plate, torque, 5.0, 1.01 * peak, 1e-6)
     phi = np.linspace(0.0, TURN, 2000)
-    assert np.min(result.omega(phi)) > 0.0
+    assert np.min(result.turn.omega(phi)) > 0.0
     assert result.fluctuation > 0.5
 
 
@@ -271,7 +272,7 @@ def test_the_limit(plate: Design) -> None:
         found = finding(result, "speed-fluctuation")
         assert (found.severity, found.value) == (severity, fluctuation)
     speed, motor = (each.values(np.zeros(1), "right")[0] for each in result.columns)
-    assert speed * RPM == pytest.approx(float(result.omega(np.zeros(1))[0]), rel=4.0 * EPS)
+    assert speed * RPM == pytest.approx(float(result.turn.omega(np.zeros(1))[0]), rel=4.0 * EPS)
     assert 1000.0 * motor == pytest.approx(4000.0 * (1.0 - speed * RPM / NO_LOAD), abs=1e-9)
     low, high = value(result, "smallest-speed"), value(result, "largest-speed")
     assert (high - low) * RPM / result.mean_speed == pytest.approx(fluctuation, rel=1e-12)
@@ -392,7 +393,7 @@ tolerance = 1e-8
     assert result.error <= 1e-8
     torque = subject.effect("drive-torque")
     phi = np.linspace(0.0, TURN, 500)
-    omega, alpha = result.omega(phi), result.alpha(phi)
+    omega, alpha = result.turn.omega(phi), result.alpha(phi, "right")
     motor = 20e3 * (1.0 - omega / (80.0 * RPM))
     left = 50.0 * alpha - motor + torque.at(phi, "right", omega, alpha)
     assert np.max(np.abs(left)) <= 50.0 * EPS * 20e3
@@ -401,5 +402,5 @@ tolerance = 1e-8
 
 def test_the_same_scene_gives_the_same_numbers(plate: Design) -> None:
     phi = np.linspace(0.0, TURN, 100)
-    first, second = (steady(plate, driven(plate), 9.0, 4000.0).omega(phi) for _ in range(2))
+    first, second = (steady(plate, driven(plate), 9.0, 4000.0).turn.omega(phi) for _ in range(2))
     assert first.tobytes() == second.tobytes()

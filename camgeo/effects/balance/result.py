@@ -8,31 +8,32 @@ plane: a groove that is open on one side moves the plane and leaves U as it is.
 
 from __future__ import annotations
 
+import cmath
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass, field
+from itertools import groupby
 from typing import Final
 
 from camgeo.check.finding import Finding
-from camgeo.effects.balance.body import disc_moments
-from camgeo.effects.balance.findings import (
-    counterweight_finding,
-    disc_findings,
-    force_finding,
-    no_row_finding,
-    row_finding,
-    unbalance_finding,
-)
-from camgeo.effects.balance.holes import Row, most, rows
-from camgeo.effects.balance.room import Room
+from camgeo.effects.balance.holes import Room, Row, most, rows
 from camgeo.effects.balance.spec import BalanceSpec
 from camgeo.effects.balance.spin import Spin
 from camgeo.effects.effect import Request, Result
+from camgeo.effects.told import KG, at, missed
 from camgeo.errors import EffectError, GeometryError, ToleranceError
-from camgeo.part.part import Part
+from camgeo.motion.time_course import ConstantSpeed
+from camgeo.outline.moments import Moments, path_moments, total
+from camgeo.part.boundaries import CurveBoundary, ExactBoundary
+from camgeo.part.part import Boundary, Part
+from camgeo.units import RPM, TURN
 
 TAKEN: Final = 0.1
 """Share of the tolerance that a quadrature gets: the errors of the outlines add up, and holes make
 the disc smaller than the areas of which they are shares."""
+
+GRAM_MM: Final = 1e6
+"""One t mm in g mm."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,7 +74,7 @@ def compute(request: Request[BalanceSpec]) -> Balance:
         If there is no disc, or the tolerance cannot be reached.
     """
     spec, subject = request.spec, request.subject
-    course = subject.cam.drive.time_course
+    course = subject.drive.time_course
     if spec.grade is not None and course is None:
         raise GeometryError("needs [cam] speed or speed_curve", key="effects.balance.grade")
     part = _part(request)
@@ -82,13 +83,16 @@ def compute(request: Request[BalanceSpec]) -> Balance:
     mass, unbalance, unsure = moments.area, moments.first, moments.first_error
     radius = math.sqrt(mass / (per_area * math.pi))
     error = max(moments.area_error / mass, unsure / (mass * radius))
-    _require(error, request.tolerance)
+    if not error <= request.tolerance:
+        raise missed(
+            "mass or centre of mass of the disc", error, "mass or radius", request.tolerance
+        )
 
     balanced = abs(unbalance) <= unsure
     findings = [*disc_findings(mass, unbalance, balanced=balanced)]
     spin = None
     if course is not None:
-        spin = Spin(unbalance, subject.cam.rotation, course, subject.cam.drive.smooth_angles)
+        spin = Spin(unbalance, subject.cam.rotation, course, subject.drive.smooth_angles)
     findings.append(unbalance_finding(spec.grade, mass, unbalance, unsure, spin))
     if spin is not None:
         findings.append(force_finding(spin))
@@ -123,16 +127,6 @@ def _part(request: Request[BalanceSpec]) -> Part:
         raise EffectError(f"there is no disc to balance: {error.message}") from error
 
 
-def _require(error: float, tolerance: float) -> None:
-    if not error <= tolerance:
-        raise EffectError(
-            f"the error of mass and centre of mass, a share of {error:.3g}, stays above the"
-            f" tolerance {tolerance:g}",
-            value=error,
-            limit=tolerance,
-        )
-
-
 def _holes(
     part: Part, spec: BalanceSpec, unbalance: complex, per_area: float
 ) -> tuple[Row | None, Finding]:
@@ -154,3 +148,157 @@ def _holes(
         reason = str(error)
     reached = abs(most(per_area, radius, largest))
     return None, no_row_finding(radius, largest, reason, reached, abs(unbalance))
+
+
+def degrees(angle: float) -> float:
+    """`angle` [rad] in degrees, in [0, 360)."""
+    return math.degrees(angle) % 360.0
+
+
+def disc_findings(mass: float, unbalance: complex, *, balanced: bool) -> Iterator[Finding]:
+    """Mass [t] and centre of mass, from the unbalance [t mm]."""
+    yield Finding("disc-mass", "ok", f"mass of the disc {KG * mass:.6g} kg", KG * mass, unit="kg")
+    centre = unbalance / mass
+    where = f"at ({centre.real:.6g}, {centre.imag:.6g}) mm in cam coordinates"
+    yield Finding(
+        "centre-of-mass",
+        "ok",
+        "the centre of mass lies on the cam axis"
+        if balanced
+        else f"the centre of mass lies {abs(centre):.6g} mm from the cam axis, {where}",
+        0.0 if balanced else abs(centre),
+        unit="mm",
+    )
+
+
+def unbalance_finding(
+    grade: float | None, mass: float, unbalance: complex, unsure: float, spin: Spin | None
+) -> Finding:
+    """The unbalance [t mm], known to `unsure`, held to the grade [mm/s] if there is one.
+
+    Permissible is U = G m / omega at the largest speed (ISO 21940-11:2016, 6.3: the grade is
+    G = e_per omega, the permissible residual unbalance U_per = e_per m).
+    """
+    value = GRAM_MM * abs(unbalance)
+    if abs(unbalance) <= unsure:
+        told = f"unbalance of the disc 0 but for the error of {GRAM_MM * unsure:.2g} g mm"
+        value = 0.0
+    else:
+        direction = degrees(cmath.phase(unbalance))
+        told = f"unbalance of the disc {value:.6g} g mm, in the direction {direction:.4f} deg"
+    if grade is None or spin is None:
+        return Finding("unbalance", "ok", told, value, unit="g mm")
+    omega = spin.largest_speed()
+    allowed = GRAM_MM * grade * mass / omega
+    broken = value > allowed
+    return Finding(
+        name="unbalance",
+        severity="broken" if broken else "ok",
+        sentence=(
+            f"{told}, {'above' if broken else 'at most'} {allowed:.6g} g mm, balance quality grade"
+            f" G {grade:g} at {omega / RPM:.6g} rev/min"
+        ),
+        value=value,
+        limit=allowed,
+        unit="g mm",
+    )
+
+
+def force_finding(spin: Spin) -> Finding:
+    """The force of inertia on the shaft."""
+    force = spin.largest_force()
+    steady = isinstance(spin.course, ConstantSpeed)
+    place = "all round" if steady else at(force.place)
+    return Finding(
+        name="unbalance-force",
+        severity="ok",
+        sentence=f"largest force of the unbalance on the shaft {force.value:.6g} N, {place}",
+        value=force.value,
+        unit="N",
+        cam_angle=None if steady else force.place % TURN,
+    )
+
+
+def counterweight_finding(weight: float, radius: float, unbalance: complex) -> Finding:
+    """The counterweight [t] at `radius` [mm]."""
+    if weight == 0.0:
+        return Finding("counterweight", "ok", "no counterweight is needed", 0.0, unit="kg")
+    direction = degrees(cmath.phase(-unbalance))
+    return Finding(
+        name="counterweight",
+        severity="ok",
+        sentence=(
+            f"a counterweight of {KG * weight:.6g} kg with its centre of mass {radius:.6g} mm from"
+            f" the cam axis, in the direction {direction:.4f} deg, cancels the unbalance"
+        ),
+        value=KG * weight,
+        unit="kg",
+    )
+
+
+def row_finding(row: Row, wall: float, rest: float) -> Finding:
+    """Balancing holes that fit, with their least wall [mm] and the unbalance left over [t mm]."""
+    places = ", ".join(f"{degrees(angle):.4f}" for angle in row.directions)
+    what = "hole" if row.count == 1 else "holes"
+    return Finding(
+        name="balancing-holes",
+        severity="ok",
+        sentence=(
+            f"{row.count} {what} of {row.diameter:.6g} mm through the disc, {row.radius:.6g} mm"
+            f" from the cam axis in the direction {places} deg, cancel the unbalance"
+            f" ({GRAM_MM * rest:.2g} g mm left, thinnest wall {wall:.4g} mm)"
+        ),
+        value=row.diameter,
+        unit="mm",
+    )
+
+
+def no_row_finding(
+    radius: float, largest: float, fault: str, reached: float, unbalance: float
+) -> Finding:
+    """No balancing holes [mm]: by the fault of the row of fewest; without, by what they reach
+    [t mm].
+    """
+    reason = fault or (
+        f"they take off {GRAM_MM * reached:.6g} of {GRAM_MM * unbalance:.6g} g mm at most"
+    )
+    return Finding(
+        name="holes-do-not-fit",
+        severity="warning",
+        sentence=(
+            f"no holes up to {largest:.6g} mm in diameter, {radius:.6g} mm from the cam axis,"
+            f" cancel the unbalance: {reason}"
+        ),
+        value=None if fault else GRAM_MM * reached,
+        limit=None if fault else GRAM_MM * unbalance,
+        unit="" if fault else "g mm",
+    )
+
+
+def disc_moments(part: Part, density: float, tolerance: float) -> Moments:
+    """Mass [t] as the area, and mass times centre of mass [t mm] as the first moment.
+
+    Parameters
+    ----------
+    part : its thickness must be known. Each boundary counts with the height of its walls.
+    density : [t/mm^3].
+    tolerance : of the integrals over the outlines, see `camgeo.outline.moments.path_moments`.
+    """
+
+    def of_boundary(boundary: Boundary) -> Moments:
+        if isinstance(boundary, CurveBoundary):
+            return path_moments(boundary.path, tolerance).counter_clockwise()
+        if isinstance(boundary, ExactBoundary):
+            return boundary.exact.moments.counter_clockwise()
+        raise EffectError(
+            f"the mass inside the boundary {boundary.name!r}, a {type(boundary).__name__}, is not"
+            " known"
+        )
+
+    # Inside a boundary there is material all along its wall, inside of a hole there is none.
+    return total(
+        total(
+            of_boundary(wall.boundary).scaled(-1.0 if wall.boundary.hole else 1.0) for wall in walls
+        ).scaled(density * height)
+        for height, walls in groupby(part.walls, lambda wall: wall.z1 - wall.z0)
+    )

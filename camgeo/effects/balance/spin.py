@@ -7,10 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from camgeo.effects.effect import Column
-from camgeo.motion.motion import Side
 from camgeo.motion.time_course import TimeCourse
 from camgeo.numeric.arrays import ComplexArray, FloatArray, merged
-from camgeo.numeric.extremes import piecewise_extremes
+from camgeo.numeric.extremes import Extreme, piecewise_extremes
+from camgeo.numeric.roots import Function
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,26 +43,17 @@ class Spin:
         found: ComplexArray = self.unbalance * turned * (omega**2 - 1j * self.rotation * alpha)
         return found
 
-    def largest_force(self) -> tuple[float, float]:
+    def largest_force(self) -> Extreme:
         """Its largest magnitude [N], and at which cam angle [rad] it first is that."""
-
-        def magnitude(phi: FloatArray, _side: Side) -> FloatArray:
-            return np.abs(self.force(phi))
-
-        largest = piecewise_extremes(magnitude, self._edges()).highest
-        return largest.value, largest.place
+        return self._largest(lambda phi: np.abs(self.force(phi)))
 
     def largest_speed(self) -> float:
         """The largest omega [rad/s]."""
+        return self._largest(lambda phi: self.course.rates(phi)[0]).value
 
-        def omega(phi: FloatArray, _side: Side) -> FloatArray:
-            speed: FloatArray = self.course.rates(phi)[0]
-            return speed
-
-        return piecewise_extremes(omega, self._edges()).highest.value
-
-    def _edges(self) -> FloatArray:
-        return merged(np.concatenate((self.smooth_angles, self.course.borders)))
+    def _largest(self, values: Function) -> Extreme:
+        edges = merged(np.concatenate((self.smooth_angles, self.course.borders)))
+        return piecewise_extremes(lambda phi, _side: values(phi), edges).highest
 
     def columns(self) -> tuple[Column, ...]:
         """The force of inertia on the shaft, by its parts along the axes of the frame."""

@@ -22,10 +22,11 @@ from typing import Final, NoReturn
 
 import numpy as np
 
-from camgeo.effects.carrier import INNER, OUTER, carrier, leverage_of
-from camgeo.effects.effect import Subject, toucher
-from camgeo.effects.force import Force, all_borders, at_rates
+from camgeo.effects.effect import Subject
+from camgeo.effects.force import Force, at_rates, smooth_edges
 from camgeo.effects.results import Friction
+from camgeo.effects.told import at, between
+from camgeo.effects.touching import INNER, OUTER, carrier, leverage_of
 from camgeo.errors import EffectError, GeometryError
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray, merged
@@ -58,7 +59,7 @@ class Balance:
 
     def rates(self, phi: FloatArray) -> FloatArray:
         """(2 or more, n) omega [rad/s] and alpha [rad/s^2] of the scene; 0 if it has no speed."""
-        course = self.subject.cam.drive.time_course
+        course = self.subject.drive.time_course
         return np.zeros((2, len(phi))) if course is None else course.rates(phi)
 
     def demand(self, phi: FloatArray, side: Side, rates: FloatArray) -> FloatArray:
@@ -146,15 +147,12 @@ class Balance:
 
         value: float | None = transmission(angle)
         limit: float | None = 0.0
-        where = f"at cam angle {math.degrees(angle % TURN):.4f} deg"
-        if cam_range is not None:
-            first, last = (math.degrees(end) for end in cam_range)
-            where = f"from cam angle {first:.4f} to {last:.4f} deg"
+        where = at(angle) if cam_range is None else between(cam_range)
         if self.friction is not None and not self.subject.cam.follower.rolls:
             value = limit = None
             why = "friction takes all that the contact force gives"
         elif cam_range is None or self.friction is None:
-            what = toucher(self.subject)
+            what = self.subject.cam.follower.touching
             why = f"the transmission angle is {value:.4g} deg, and no force at the {what} moves it"
         else:
             limit = transmission(*cam_range)
@@ -173,14 +171,13 @@ class Balance:
         )
 
 
-def smooth_edges(balance: Balance) -> FloatArray:
+def edges_of(balance: Balance) -> FloatArray:
     """(k,) cam angles [rad] from 0 to 2 pi between which the normal force is smooth.
 
     Those of the motion, the borders of the forces, and the roots of R and of the leverage: at both
     the flank that carries changes.
     """
-    borders = all_borders(balance.forces)
-    edges = merged(np.concatenate((balance.subject.cam.drive.smooth_angles, borders)))
+    edges = smooth_edges(balance.subject.drive.smooth_angles, balance.forces)
     grid = grid_of(edges)
 
     def demand(phi: FloatArray) -> FloatArray:

@@ -5,15 +5,14 @@ from __future__ import annotations
 import numpy as np
 
 from camgeo.check.finding import Finding, Severity, held
-from camgeo.effects.carrier import INNER, OUTER, holds_both_ways, sides_of
 from camgeo.effects.contact_force import FORCES, Spec
-from camgeo.effects.contact_force.balance import Balance, refuse_jamming, smooth_edges
-from camgeo.effects.effect import Column, Quantity, Request, Subject, toucher
-from camgeo.effects.face import require_convex
+from camgeo.effects.contact_force.balance import Balance, edges_of, refuse_jamming
+from camgeo.effects.effect import Column, Quantity, Request, Subject
 from camgeo.effects.force import all_borders, total
+from camgeo.effects.immovable import shocks
 from camgeo.effects.results import FRICTION, INERTIA, ContactForce
-from camgeo.effects.shocks import shocks
 from camgeo.effects.told import at, placed
+from camgeo.effects.touching import INNER, OUTER, holds_both_ways, require_convex, sides_of
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray
 from camgeo.numeric.extremes import Extreme, Extremes, piecewise_extremes
@@ -35,7 +34,7 @@ def compute(request: Request[Spec]) -> ContactForce:
         forces.append(friction.force)
     require_convex(subject, "contact force")
     balance = Balance(subject, tuple(forces), friction)
-    edges = smooth_edges(balance)
+    edges = edges_of(balance)
     refuse_jamming(balance, edges)
 
     def normal(phi: FloatArray, side: Side) -> FloatArray:
@@ -94,12 +93,13 @@ def force_findings(extremes: Extremes, subject: Subject, limit: float | None) ->
         where = f"the {subject.cam.contact} flank"
         smallest = low if inner else Extreme(-high.value, high.place)
         largest = _largest(high if inner else mirrored, where, limit)
-        return [largest, _smallest(smallest, where, toucher(subject))]
+        return [largest, _smallest(smallest, where, subject.cam.follower.touching)]
     both = sorted(((high, INNER), (mirrored, OUTER)), key=lambda each: -each[0].value)
     found = [_largest(both[0][0], f"the {names[both[0][1]]} {noun}", limit)]
     for extreme, sense in both:
         if extreme.value > 0.0:
-            found.append(_on_side(extreme, names[sense], noun))
+            told = f"largest contact force {_told(extreme, f'the {names[sense]} {noun}')}"
+            found.append(placed(f"largest-contact-force-{names[sense]}", told, extreme, "N"))
     return found
 
 
@@ -114,11 +114,6 @@ def _smallest(extreme: Extreme, where: str, what: str) -> Finding:
     sentence = f"smallest contact force {_told(extreme, where)}{tail}"
     severity: Severity = "warning" if lost else "ok"
     return placed("smallest-contact-force", sentence, extreme, "N", severity=severity)
-
-
-def _on_side(extreme: Extreme, name: str, noun: str) -> Finding:
-    sentence = f"largest contact force {_told(extreme, f'the {name} {noun}')}"
-    return placed(f"largest-contact-force-{name}", sentence, extreme, "N")
 
 
 def _told(extreme: Extreme, where: str) -> str:

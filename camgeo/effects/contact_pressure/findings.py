@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import Final
 
-from camgeo.check.finding import Finding, Severity, held
+from camgeo.check.finding import Finding, held
 from camgeo.effects.contact_pressure.hertz import (
     SHEAR_DEPTH,
     SHEAR_SHARE,
@@ -55,18 +55,6 @@ class Worst:
         """In words."""
         return at(self.angle)
 
-    def finding(
-        self,
-        name: str,
-        sentence: str,
-        value: float,
-        unit: str,
-        limit: float | None = None,
-        severity: Severity = "ok",
-    ) -> Finding:
-        """A `value` [`unit`] that is found here."""
-        return placed(name, sentence, Extreme(value, self.angle), unit, limit, severity)
-
     def pressure(self, modulus: float) -> float:
         """p [MPa] for E* `modulus` [MPa]; without force the radius may be anything."""
         if not self.load > 0.0:
@@ -97,12 +85,12 @@ def pressure_findings(worst: Worst, spec: Spec) -> tuple[Finding, ...]:
     width = half_width(worst.load / worst.width, spec.modulus, worst.radius)
     depth = SHEAR_DEPTH * width
     return (
-        worst.finding(
+        placed(
             "largest-contact-pressure",
             f"largest contact pressure {pressure:.6g} MPa on the {worst.flank} flank {worst.place},"
             f" {'above' if beyond else 'at most'} {spec.limit:g} MPa; the force is"
             f" {worst.load:.6g} N, the radius of relative curvature {worst.radius:.6g} mm",
-            pressure,
+            Extreme(pressure, worst.angle),
             "MPa",
             spec.limit,
             "broken" if beyond else "ok",
@@ -116,22 +104,22 @@ def pressure_findings(worst: Worst, spec: Spec) -> tuple[Finding, ...]:
             cam_angle=worst.angle,
             least=True,
         ),
-        worst.finding(
+        placed(
             "largest-subsurface-shear",
             f"largest shear below the surface {shear:.6g} MPa {worst.place}, {depth:.6g} mm deep",
-            shear,
+            Extreme(shear, worst.angle),
             "MPa",
         ),
-        worst.finding(
+        placed(
             "subsurface-shear-depth",
             f"depth of the largest shear {depth:.6g} mm {worst.place}",
-            depth,
+            Extreme(depth, worst.angle),
             "mm",
         ),
-        worst.finding(
+        placed(
             "contact-half-width",
             f"half width of the contact {width:.6g} mm {worst.place}",
-            width,
+            Extreme(width, worst.angle),
             "mm",
         ),
         _needed_width(worst, pressure, spec),
@@ -145,7 +133,7 @@ def _needed_width(worst: Worst, pressure: float, spec: Spec) -> Finding:
         f"width of contact that is needed for {spec.allowed:.6g} MPa {worst.place}: {needed:.6g}"
         f" mm; it has {worst.width:g} mm"
     )
-    return worst.finding("needed-width", sentence, needed, "mm")
+    return placed("needed-width", sentence, Extreme(needed, worst.angle), "mm")
 
 
 def _needed_radius(worst: Worst, spec: Spec) -> Finding:
@@ -155,7 +143,7 @@ def _needed_radius(worst: Worst, spec: Spec) -> Finding:
         f"radius of curvature of the cam that is needed for {spec.allowed:.6g} MPa {worst.place}:"
         f" {needed:.6g} mm; it is {worst.radius:.6g} mm"
     )
-    return worst.finding("needed-radius-of-curvature", sentence, needed, "mm")
+    return placed("needed-radius-of-curvature", sentence, Extreme(needed, worst.angle), "mm")
 
 
 def _needed_roller(worst: Worst, spec: Spec) -> Finding:
@@ -182,7 +170,7 @@ def _needed_roller(worst: Worst, spec: Spec) -> Finding:
     sentence = (
         f"roller radius that is needed {told}: {low:.6g} mm {upper}; it is {worst.roller:g} mm"
     )
-    return worst.finding(name, sentence, nearest, "mm")
+    return placed(name, sentence, Extreme(nearest, worst.angle), "mm")
 
 
 def life_findings(life: Life, spec: Spec) -> tuple[Finding, ...]:

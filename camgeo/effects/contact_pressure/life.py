@@ -23,9 +23,9 @@ from typing import Final
 import numpy as np
 
 from camgeo.effects.contact_pressure.line_contact import LineContact
-from camgeo.errors import EffectError
+from camgeo.effects.told import missed
 from camgeo.motion.motion import Side
-from camgeo.motion.time_course import TimeCourse
+from camgeo.motion.time_course import TimeCourse, period
 from camgeo.numeric.arrays import FloatArray, merged
 from camgeo.numeric.extremes import grid_of
 from camgeo.numeric.quadrature import piecewise_integral
@@ -92,21 +92,16 @@ def rolling_life(
     borders = merged(np.concatenate((edges, roots_on_grid(turning, grid_of(edges)))))
     turns = piecewise_integral(lambda phi: np.abs(turning(phi)), borders, share)
     worn = piecewise_integral(wear, borders, share)
-    start, end = course.time(np.array([0.0, TURN]))
-    speed = turns.value / float(end - start)
+    duration = period(course)
+    speed = turns.value / duration
     if not worn.value > 0.0:
         return Life(0.0, speed, None, turns.error / turns.value)
     error = max(turns.error / turns.value, worn.error / worn.value)
     if error > tolerance:
-        raise EffectError(
-            f"the life of the roller's bearing has an error of {error:.3g} of its value, and"
-            f" {tolerance:.3g} is allowed",
-            value=error,
-            limit=tolerance,
-        )
+        raise missed("the life of the roller's bearing", error, "itself", tolerance)
     return Life(
         load=rating * (worn.value / turns.value) ** (1.0 / EXPONENT),
         speed=speed,
-        seconds=TURNS * TURN * float(end - start) / worn.value,
+        seconds=TURNS * TURN * duration / worn.value,
         error=error,
     )

@@ -21,15 +21,14 @@ more tightly than the roller that lies in it.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final, NoReturn
 
 import numpy as np
 
-from camgeo.effects.carrier import INNER, OUTER
-from camgeo.effects.effect import Subject
+from camgeo.effects.effect import Quantity, Subject
 from camgeo.effects.told import at
+from camgeo.effects.touching import INNER, OUTER
 from camgeo.errors import EffectError, GeometryError
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray
@@ -39,9 +38,6 @@ from camgeo.units import TURN
 CUSP: Final = 1e-12
 """1 + d kappa up to here is a cusp: its digits are rounding."""
 
-Normal = Callable[[FloatArray, Side], FloatArray]
-"""(n,) normal force [N], positive where the inner flank carries."""
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LineContact:
@@ -50,13 +46,13 @@ class LineContact:
     Attributes
     ----------
     subject : the design.
-    normal : force of the cam on the follower.
+    normal : force of the cam on the follower [N], positive where the inner flank carries.
     modulus : E* [MPa].
     width : L [mm].
     """
 
     subject: Subject
-    normal: Normal
+    normal: Quantity
     modulus: float
     width: float
 

@@ -13,14 +13,14 @@ from typing import Final
 
 import numpy as np
 
-from camgeo.effects.carrier import FLANKS
 from camgeo.effects.contact_pressure.findings import Worst, life_findings, pressure_findings
 from camgeo.effects.contact_pressure.hertz import SHEAR_SHARE
 from camgeo.effects.contact_pressure.life import Life, rolling_life
-from camgeo.effects.contact_pressure.line_contact import LineContact, Normal
+from camgeo.effects.contact_pressure.line_contact import LineContact
 from camgeo.effects.contact_pressure.spec import Spec
-from camgeo.effects.effect import SPEED, Column, Request, Result, Subject
+from camgeo.effects.effect import SPEED, Column, Quantity, Request, Result, Subject
 from camgeo.effects.results import CONTACT_FORCE
+from camgeo.effects.touching import FLANKS
 from camgeo.errors import EffectError, GeometryError
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray, merged
@@ -92,7 +92,7 @@ def compute(request: Request[Spec]) -> ContactPressure:
 
 
 def _of_disc(
-    request: Request[Spec], subject: Subject, normal: Normal, edges: FloatArray
+    request: Request[Spec], subject: Subject, normal: Quantity, edges: FloatArray
 ) -> ContactPressure:
     """The pressure on one disc, `subject`; `edges` are those of the force `normal`."""
     spec = request.spec
@@ -103,13 +103,13 @@ def _of_disc(
             value="0",
         )
     contact = LineContact(subject, normal, spec.modulus, _width(subject, spec))
-    edges = merged(np.concatenate((subject.cam.drive.smooth_angles, edges)))
+    edges = merged(np.concatenate((subject.drive.smooth_angles, edges)))
     contact.refuse_cusps(edges)
     highest = piecewise_extremes(contact.square, edges).highest
     worst = _worst(contact, highest.place, highest.value)
     life = None
     if spec.rating is not None:
-        if subject.cam.drive.time_course is None:
+        if subject.drive.time_course is None:
             raise GeometryError(
                 f"is missing: the life of the roller's bearing needs {SPEED[0]} or {SPEED[1]}",
                 key=SPEED[0],
@@ -137,21 +137,13 @@ def _of_disc(
 
 
 def _of_return(
-    request: Request[Spec], subject: Subject, normal: Normal, edges: FloatArray
+    request: Request[Spec], subject: Subject, normal: Quantity, edges: FloatArray
 ) -> ContactPressure:
     """As `_of_disc`; an error tells that it is the return disc's."""
     try:
         return _of_disc(request, subject, normal, edges)
     except EffectError as error:
-        raise EffectError(
-            f"return disc: {error.message}",
-            finding=error.finding,
-            value=error.value,
-            limit=error.limit,
-            unit=error.unit,
-            cam_angle=error.cam_angle,
-            cam_range=error.cam_range,
-        ) from error
+        raise replace(error, message=f"return disc: {error.message}") from error
 
 
 def _width(subject: Subject, spec: Spec) -> float:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Final
 
 from camgeo.effects.materials import Material, find_material
@@ -16,30 +16,12 @@ OF_ROLLER: Final = ("roller_material", "roller_modulus", "roller_poisson", "rati
 
 
 @dataclass(frozen=True, slots=True)
-class Body:
-    """One of the two: Young's modulus [MPa] above 0, and Poisson's ratio."""
-
-    modulus: float
-    poisson: float
-
-    @property
-    def compliance(self) -> float:
-        """(1 - nu^2)/E [1/MPa]."""
-        return (1.0 - self.poisson * self.poisson) / self.modulus
-
-
-def contact_modulus(first: Body, second: Body) -> float:
-    """E* [MPa]."""
-    return 1.0 / (first.compliance + second.compliance)
-
-
-@dataclass(frozen=True, slots=True)
 class Spec:
     """The table, numbers converted.
 
     Attributes
     ----------
-    cam, mate : elasticity of the cam, and of the roller or face.
+    cam, mate : materials of the cam, and of the roller or face.
     limit : largest pressure allowed [MPa].
     safety : against it, which is asked for.
     width : of the contact [mm]; None for that of the part.
@@ -47,8 +29,8 @@ class Spec:
     life : asked of it [s]; None for none.
     """
 
-    cam: Body
-    mate: Body
+    cam: Material
+    mate: Material
     limit: float
     safety: float = 1.0
     width: float | None = None
@@ -58,7 +40,7 @@ class Spec:
     @property
     def modulus(self) -> float:
         """Contact modulus E* [MPa], see `hertz`."""
-        return contact_modulus(self.cam, self.mate)
+        return 1.0 / (self.cam.compliance + self.mate.compliance)
 
     @property
     def allowed(self) -> float:
@@ -79,17 +61,15 @@ def parse(table: Mapping[str, Any]) -> Spec:
     both = [key for key in OF_ROLLER if key in table] if who == "face" else []
     if both:
         raise GeometryError("cannot stand beside those of a face: it is a roller's", key=both[0])
-    cam, mate = (
-        find_material(table.get(key, MATERIAL), key) for key in ("cam_material", f"{who}_material")
-    )
+    cam, mate = (_material(each, table) for each in ("cam", who))
     rating, life = table.get("rating"), table.get("life")
     if rating is not None and not rating > 0.0:
         raise GeometryError("the load rating must be above 0 N", key="rating", value=f"{rating:g}")
     if life is not None and rating is None:
         raise GeometryError("needs the load rating of the roller's bearing, `rating`", key="life")
     return Spec(
-        cam=_body(cam, "cam", table),
-        mate=_body(mate, who, table),
+        cam=cam,
+        mate=mate,
         limit=table["limit"] if "limit" in table else _common_limit(cam, mate),
         safety=table.get("safety", 1.0),
         width=table.get("width"),
@@ -98,9 +78,13 @@ def parse(table: Mapping[str, Any]) -> Spec:
     )
 
 
-def _body(material: Material, who: str, table: Mapping[str, Any]) -> Body:
-    return Body(
-        table.get(f"{who}_modulus", material.modulus), table.get(f"{who}_poisson", material.poisson)
+def _material(who: str, table: Mapping[str, Any]) -> Material:
+    key = f"{who}_material"
+    found = find_material(table.get(key, MATERIAL), key)
+    return replace(
+        found,
+        modulus=table.get(f"{who}_modulus", found.modulus),
+        poisson=table.get(f"{who}_poisson", found.poisson),
     )
 
 

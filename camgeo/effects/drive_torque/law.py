@@ -16,19 +16,21 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, NoReturn
 
 import numpy as np
 
-from camgeo.effects.carrier import INNER, OUTER, carrier, leverage_of
 from camgeo.effects.effect import Subject
-from camgeo.effects.force import all_borders, at_rates
+from camgeo.effects.force import at_rates, smooth_edges
 from camgeo.effects.results import ContactForce
+from camgeo.effects.told import at
+from camgeo.effects.touching import INNER, OUTER, carrier, leverage_of
 from camgeo.errors import EffectError
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray, merged
 from camgeo.numeric.extremes import grid_of
 from camgeo.numeric.roots import roots_on_grid
+from camgeo.units import TURN
 
 ROWS: Final = 6
 """Rows of the law: c0 to c3 of R, and the torque per R where R is positive and where it is not."""
@@ -54,7 +56,7 @@ class TorqueLaw:
         """
         out = np.empty((ROWS, len(phi)))
         out[:4] = self.contact.required(phi, side)
-        velocity = self.subject.cam.drive.motion.jet(phi, side, 1)[1]
+        velocity = self.subject.drive.motion.jet(phi, side, 1)[1]
         friction = self.contact.friction
         if friction is None:
             out[4:] = velocity
@@ -86,12 +88,26 @@ class TorqueLaw:
         torque: FloatArray = np.where(force == 0.0, 0.0, force * gain)
         jammed = np.isnan(torque)
         if np.any(jammed):
-            raise self.jamming(float(phi[int(np.argmax(jammed))]))
+            self._refuse(phi[jammed][:1])
         return torque
+
+    def _refuse(self, here: FloatArray) -> NoReturn:
+        """Raise that the follower jams at the cam angle `here` (1,) [rad]."""
+        curves = [carrier(self.subject, sense)[0].cam.disc.pitch_curve for sense in (INNER, OUTER)]
+        angle = math.degrees(min(curve.transmission_angle(here)[0] for curve in curves))
+        place = float(here[0]) % TURN
+        raise EffectError(
+            f"the follower jams {at(place)}: with a transmission angle of {angle:.4f} deg friction"
+            " takes all that the contact force gives",
+            finding="jamming",
+            value=angle,
+            unit="deg",
+            cam_angle=place,
+        )
 
     def torque(self, phi: FloatArray, side: Side) -> FloatArray:
         """(n,) [N mm] with the cam turning as the scene says; very slowly if it gives no speed."""
-        course = self.subject.cam.drive.time_course
+        course = self.subject.drive.time_course
         omega, alpha = (0.0, 0.0) if course is None else course.rates(phi)[:2]
         return self.at(phi, side, omega, alpha)
 
@@ -107,28 +123,11 @@ class TorqueLaw:
         """(k,) where the formula of the static part changes; with friction also where R does its
         sign.
         """
-        base = merged(
-            np.concatenate((self.subject.cam.drive.smooth_angles, all_borders(self.contact.forces)))
-        )
+        base = smooth_edges(self.subject.drive.smooth_angles, self.contact.forces)
         if self.contact.friction is None:
             return base
         roots = roots_on_grid(lambda phi: self.contact.required(phi, "right")[0], grid_of(base))
         return merged(np.concatenate((base, roots)))
-
-    def jamming(self, phi: float) -> EffectError:
-        """The error of a follower that jams at the cam angle `phi` [rad]."""
-        curves = [carrier(self.subject, sense)[0].cam.disc.pitch_curve for sense in (INNER, OUTER)]
-        here = np.array([phi])
-        angle = math.degrees(min(curve.transmission_angle(here)[0] for curve in curves))
-        place = float(np.mod(phi, 2.0 * math.pi))
-        return EffectError(
-            f"the follower jams at cam angle {math.degrees(place):.4f} deg: with a transmission"
-            f" angle of {angle:.4f} deg friction takes all that the contact force gives",
-            finding="jamming",
-            value=angle,
-            unit="deg",
-            cam_angle=place,
-        )
 
 
 def _gain(lever: FloatArray, velocity: FloatArray, per_normal: FloatArray) -> FloatArray:

@@ -8,29 +8,18 @@ rotation, negative where the follower drives it.
 
 from __future__ import annotations
 
-from typing import Final
-
 from camgeo.check.finding import Finding, Severity
 from camgeo.effects.drive_torque import Spec
 from camgeo.effects.drive_torque.law import TorqueLaw
 from camgeo.effects.drive_torque.summary import Summary, moment_of_inertia, summary
 from camgeo.effects.effect import Column, Quantity, Request
 from camgeo.effects.force import all_borders
+from camgeo.effects.immovable import torque_shocks
 from camgeo.effects.results import CONTACT_FORCE, DriveTorque
-from camgeo.effects.shocks import torque_shocks
-from camgeo.effects.told import at, degrees, loss_of_contact, placed
+from camgeo.effects.told import KG_M2, N_M, at, degrees, loss_of_contact, placed
 from camgeo.errors import GeometryError
 from camgeo.numeric.extremes import Extreme
 from camgeo.units import RPM, TURN
-
-N_M: Final = 1e-3
-"""N m in an N mm."""
-
-KG_M2: Final = 1e-3
-"""kg m^2 in a t mm^2."""
-
-WATT: Final = 1e-3
-"""W in an N mm/s."""
 
 
 def compute(request: Request[Spec]) -> DriveTorque:
@@ -45,7 +34,7 @@ def compute(request: Request[Spec]) -> DriveTorque:
         tolerance cannot be reached.
     """
     subject, spec = request.subject, request.spec
-    course = subject.cam.drive.time_course
+    course = subject.drive.time_course
     if spec.fluctuation is not None and course is None:
         raise GeometryError(
             "a flywheel needs the speed of the cam, [cam] speed or speed_curve",
@@ -75,7 +64,7 @@ def _columns(law: TorqueLaw, limit: float | None) -> tuple[Column, ...]:
         return Column(name, "N m", lambda phi, side: N_M * values(phi, side), limit, borders)
 
     total = column("drive torque", law.torque, most)
-    if law.subject.cam.drive.time_course is None:
+    if law.subject.drive.time_course is None:
         return (total,)
     return (
         total,
@@ -87,7 +76,7 @@ def _columns(law: TorqueLaw, limit: float | None) -> tuple[Column, ...]:
 def findings(law: TorqueLaw, found: Summary, spec: Spec) -> tuple[Finding, ...]:
     """All findings."""
     subject, contact = law.subject, law.contact
-    turning = subject.cam.drive.time_course is not None
+    turning = subject.drive.time_course is not None
     peaks, static = found.peaks, found.static_peaks
     out = [
         _peak("largest-torque", "largest drive torque", peaks.highest, spec.limit, 1.0),
@@ -104,7 +93,7 @@ def findings(law: TorqueLaw, found: Summary, spec: Spec) -> tuple[Finding, ...]:
         _value("work-per-turn", "work of the drive over a turn", N_M * TURN * found.mean, "J"),
     ]
     if turning:
-        power = WATT * found.mean * found.speed
+        power = N_M * found.mean * found.speed
         out.append(_value("mean-power", "mean power of the drive", power, "W"))
     out += _flywheel(found, spec.fluctuation)
     if turning:

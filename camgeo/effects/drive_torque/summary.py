@@ -20,7 +20,8 @@ from typing import Final
 import numpy as np
 
 from camgeo.effects.drive_torque.law import TorqueLaw
-from camgeo.errors import EffectError
+from camgeo.effects.told import missed
+from camgeo.motion.time_course import period
 from camgeo.numeric.arrays import FloatArray, merged
 from camgeo.numeric.extremes import Extremes, extremes_of, grid_of, piecewise_extremes
 from camgeo.numeric.quadrature import piecewise_integral, piecewise_integrals
@@ -85,7 +86,7 @@ def summary(law: TorqueLaw, fluctuation: float | None, tolerance: float) -> Summ
     EffectError
         If the tolerance cannot be reached.
     """
-    edges, course = law.contact.edges, law.subject.cam.drive.time_course
+    edges, course = law.contact.edges, law.subject.drive.time_course
 
     def values(phi: FloatArray) -> FloatArray:
         return law.torque(phi, "right")
@@ -94,10 +95,7 @@ def summary(law: TorqueLaw, fluctuation: float | None, tolerance: float) -> Summ
         slowness = 1.0 if course is None else 1.0 / course.rates(phi)[0]
         return np.asarray(values(phi) ** 2 * slowness)
 
-    duration = TURN
-    if course is not None:
-        start, end = course.time(np.array([0.0, TURN]))
-        duration = float(end - start)
+    duration = TURN if course is None else period(course)
     peaks = piecewise_extremes(law.torque, edges)
     static_peaks = piecewise_extremes(law.static, law.static_edges())
     largest = peaks.magnitude
@@ -120,12 +118,7 @@ def summary(law: TorqueLaw, fluctuation: float | None, tolerance: float) -> Summ
             errors.append(stored.error / TURN)
         error = max(errors) / largest
     if error > max(tolerance, ROUNDING):
-        raise EffectError(
-            f"the integrals of the drive torque reach an error of {error:.3g} of its largest value"
-            f" instead of the tolerance of {tolerance:g}",
-            value=error,
-            limit=tolerance,
-        )
+        raise missed("an integral of the drive torque", error, "its largest value", tolerance)
     speed = 0.0 if course is None else TURN / duration
     return Summary(peaks, static_peaks, mean, rms, speed, stored, error)
 

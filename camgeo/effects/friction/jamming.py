@@ -14,9 +14,10 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from camgeo.check.finding import Finding
-from camgeo.effects.carrier import holds_both_ways
 from camgeo.effects.effect import Column
 from camgeo.effects.friction.statics import Statics
+from camgeo.effects.told import between
+from camgeo.effects.touching import holds_both_ways
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray
 from camgeo.numeric.extremes import piecewise_extremes, stretch_below
@@ -110,8 +111,7 @@ def jamming_margin(statics: Statics, edges: FloatArray) -> tuple[Finding, ...]:
         cam_range = stretch_below(lambda phi: driven(phi, "right") - ROUNDING, edges, lowest.place)
         told = f"the follower jams: the {lacks} by {-value:.4f} deg at cam angle {angle:.4f} deg"
         if cam_range is not None:
-            first, last = (math.degrees(each) for each in cam_range)
-            told += f", and from cam angle {first:.4f} to {last:.4f} deg"
+            told += f", and {between(cam_range)}"
     elif lowest.value < NEAR:
         severity = "warning"
         told += f", less than {near:g} deg"

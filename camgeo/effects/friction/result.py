@@ -7,15 +7,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from camgeo.effects.carrier import INNER, OUTER
-from camgeo.effects.effect import Request, Subject, driving_slider, toucher
-from camgeo.effects.face import require_convex
+from camgeo.effects.effect import Request, Subject, driving_slider
 from camgeo.effects.force import Coefficients, Force
 from camgeo.effects.friction.jamming import column, jamming_margin
-from camgeo.effects.friction.senses import senses_of
 from camgeo.effects.friction.spec import Spec
-from camgeo.effects.friction.statics import Statics
+from camgeo.effects.friction.statics import Statics, senses_of
 from camgeo.effects.results import Friction
+from camgeo.effects.touching import INNER, OUTER, require_convex
 from camgeo.errors import EffectError, GeometryError
 from camgeo.mechanism.positions import locked_at
 from camgeo.motion.motion import Side
@@ -41,14 +39,14 @@ def compute(request: Request[Spec]) -> Friction:
     """
     subject, spec = request.subject, request.spec
     require_convex(subject, "friction of the face")
-    edges = subject.cam.drive.smooth_angles
+    edges = subject.drive.smooth_angles
     statics = statics_of(subject, spec)
     try:
         borders = _borders(statics, edges)
         findings = jamming_margin(statics, merged(np.concatenate((edges, borders))))
     except GeometryError as error:
         raise EffectError(
-            f"there is no friction of the {toucher(subject)}: {error.message}"
+            f"there is no friction of the {subject.cam.follower.touching}: {error.message}"
         ) from error
     return Friction(
         findings=findings,
@@ -60,12 +58,10 @@ def compute(request: Request[Spec]) -> Friction:
 
 def statics_of(subject: Subject, spec: Spec) -> Statics:
     """The friction that grows with the normal force."""
-    motion = subject.cam.drive.motion
-    senses = senses_of(motion, subject.cam.drive.smooth_angles)
+    motion = subject.drive.motion
+    senses = senses_of(motion, subject.drive.smooth_angles)
     start = float(motion.jet(np.zeros(1), "right", 1)[0, 0])
-    back = subject.returning
-    other = None if back is None else Statics(back, spec, senses, start)
-    return Statics(subject, spec, senses, start, other)
+    return Statics(subject, spec, senses, start)
 
 
 def _borders(statics: Statics, edges: FloatArray) -> FloatArray:
@@ -105,7 +101,7 @@ def _coefficients(subject: Subject, spec: Spec) -> Coefficients:
     def coefficients(phi: FloatArray, side: Side) -> FloatArray:
         out = np.zeros((4, len(phi)))
         if viscous:
-            out[1] = -viscous * subject.cam.drive.motion.jet(phi, side, 1)[1]
+            out[1] = -viscous * subject.drive.motion.jet(phi, side, 1)[1]
         return out
 
     return coefficients
@@ -113,7 +109,7 @@ def _coefficients(subject: Subject, spec: Spec) -> Coefficients:
 
 def _of_slider(subject: Subject, spec: Spec, linkage: SliderCrank) -> Coefficients:
     """Of slider and pivot."""
-    plan = subject.cam.drive.plan
+    plan = subject.drive.plan
     locked = locked_at(linkage, plan)
     if locked is not None:
         raise EffectError(
@@ -122,7 +118,7 @@ def _of_slider(subject: Subject, spec: Spec, linkage: SliderCrank) -> Coefficien
             " square to the guide",
             cam_angle=locked[0] % TURN,
         )
-    strokes = senses_of(plan, subject.cam.drive.smooth_angles)
+    strokes = senses_of(plan, subject.drive.smooth_angles)
 
     def coefficients(phi: FloatArray, side: Side) -> FloatArray:
         stroke = plan.jet(phi, side, 1)
@@ -131,7 +127,7 @@ def _of_slider(subject: Subject, spec: Spec, linkage: SliderCrank) -> Coefficien
         out[0] = -spec.slider * strokes(phi, side) * slide
         out[1] = -spec.guide_viscous * stroke[1] * slide
         if spec.pivot_viscous:
-            out[1] -= spec.pivot_viscous * subject.cam.drive.motion.jet(phi, side, 1)[1]
+            out[1] -= spec.pivot_viscous * subject.drive.motion.jet(phi, side, 1)[1]
         return out
 
     return coefficients

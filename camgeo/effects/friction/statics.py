@@ -17,7 +17,7 @@ act, per unit of |N|,
 rolling friction as a shifted normal force is any textbook's). The bearing of the roller, and that
 of the rocker, are loaded by |N|: the small f_t, and at the pivot all forces besides, are left out.
 
-A flat face slides: with its coefficient mu_f and the sliding g along t (see `camgeo.effects.face`)
+A flat face slides: with its coefficient mu_f and g along t (see `camgeo.effects.touching`)
 
     f_t = -mu_f sign(g),
 
@@ -41,19 +41,56 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from camgeo.effects.face import sliding
-from camgeo.effects.friction.senses import Senses
 from camgeo.effects.friction.spec import Spec
+from camgeo.effects.touching import carrier, sliding
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray
 from camgeo.units import TURN
 
 if TYPE_CHECKING:
     from camgeo.effects.effect import Subject
+    from camgeo.motion.motion import Motion
+
+SHARES: Final = (0.25, 0.5, 0.75)
+"""Of a piece at which its velocity is looked at; the fastest of them tells the sense."""
+
+ROUNDING: Final = 8.0 * math.ulp(TURN)
+"""An angle nearer to an edge [rad] is that edge, after full turns too."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Senses:
+    """The sense of a velocity over the turn, +1, -1, or 0 in a rest.
+
+    A velocity itself tells it badly: it is 0 at both ends of every move, where Coulomb's friction
+    is not.
+
+    Attributes
+    ----------
+    edges : (k,) cam angles [rad] from 0 to 2 pi, ascending, between which the sense is one.
+    signs : (k - 1,) the senses.
+    """
+
+    edges: FloatArray
+    signs: FloatArray
+
+    def __call__(self, phi: FloatArray, side: Side) -> FloatArray:
+        """(n,) the sense at `phi` (n,) [rad], on that side of it."""
+        nudge = ROUNDING if side == "right" else -ROUNDING
+        piece = np.searchsorted(self.edges, np.mod(phi, TURN) + nudge) - 1
+        return self.signs[piece % len(self.signs)]
+
+
+def senses_of(motion: Motion, edges: FloatArray) -> Senses:
+    """The senses of `motion` between `edges` (k,) [rad]."""
+    low, span = edges[:-1], np.diff(edges)
+    velocity = np.stack([motion.jet(low + share * span, "right", 1)[1] for share in SHARES])
+    fastest = np.argmax(np.abs(velocity), axis=0)
+    return Senses(edges, np.sign(velocity[fastest, np.arange(len(low))]))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -102,14 +139,12 @@ class Statics:
     spec : what the scene says of friction.
     senses : of the follower's motion.
     start : q at cam angle 0 [mm or rad].
-    other : that of the return disc of a conjugate pair, on whose inner flank the side -1 is.
     """
 
     subject: Subject
     spec: Spec
     senses: Senses
     start: float
-    other: Statics | None = None
 
     @property
     def swing(self) -> int:
@@ -117,18 +152,17 @@ class Statics:
         return self.subject.cam.follower.swing_sense
 
     def state(self, phi: FloatArray, side: Side, sense: int) -> State:
-        """The contact on the inner (+1) or outer (-1) flank.
+        """The contact on the side `sense`, see `camgeo.effects.touching`.
 
         Raises
         ------
         GeometryError
             Where the pitch curve has a cusp, Z' = 0.
         """
-        if self.other is not None and sense < 0:
-            return self.other.state(phi, side, 1)
-        subject, spec = self.subject, self.spec
+        subject, sense = carrier(self.subject, sense)
+        spec = self.spec
         follower, sigma = subject.cam.follower, subject.cam.rotation
-        jet = subject.cam.drive.motion.jet(phi, side, 1 + follower.ahead)
+        jet = subject.drive.motion.jet(phi, side, 1 + follower.ahead)
         relative = follower.relative_jet(jet, sigma, 1)
         speed = subject.cam.disc.pitch_curve.speed(relative)
         slip = np.zeros_like(speed)
@@ -173,8 +207,6 @@ class Statics:
         m_r, omega_r the roller's angular velocity. What the
         cam has to give more than the follower gets is what the bearings and the contact lose.
         """
-        if self.other is not None and sense < 0:
-            return self.other.per_normal(phi, side, 1)
         at = self.state(phi, side, sense)
         along = at.reach * at.tangential * at.cosine
         force = along - self.swing * at.pin_moment - self.senses(phi, side) * self.drag(at)
@@ -201,9 +233,8 @@ class Statics:
         chapter 6, tan alpha = b / (mu (2 a + b)). A pivot alone gives sin mu = mu_b d / (2 l_3),
         its circle of friction.
         """
-        if self.other is not None and sense < 0:
-            return self.other.margin(phi, side, 1)
         at, spec = self.state(phi, side, sense), self.spec
+        subject, sense = carrier(self.subject, sense)
         pushed = sense * _sign(at.sine)  # sense of q in which this flank pushes
         ahead = pushed * _sign(at.cosine)  # +1 where t points along the way that it is pushed
         helping = ahead * at.tangential
@@ -213,8 +244,8 @@ class Statics:
             third = loss / at.reach
         else:
             # S = turned (cos mu - helping sin mu)
-            outward = math.copysign(1.0, self.subject.cam.follower.reach)
-            turned = -self.subject.cam.rotation * outward * ahead * pushed * sense
+            outward = math.copysign(1.0, subject.cam.follower.reach)
+            turned = -subject.cam.rotation * outward * ahead * pushed * sense
             near, far = -_sign(at.near), _sign(at.far)
             length = spec.guide_length
             if length is None:

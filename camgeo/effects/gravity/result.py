@@ -8,8 +8,6 @@ frame does not turn.
 
 from __future__ import annotations
 
-from typing import Final
-
 import numpy as np
 
 from camgeo.check.finding import Finding
@@ -17,13 +15,10 @@ from camgeo.effects.effect import Column, Request
 from camgeo.effects.force import Force, unmoved
 from camgeo.effects.gravity import STANDARD_GRAVITY, GravitySpec
 from camgeo.effects.results import INERTIA, Acting
-from camgeo.effects.told import extreme_findings
+from camgeo.effects.told import FORCES, extreme_findings
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.numeric.extremes import piecewise_extremes
-
-N_M: Final = 1e-3
-"""N m a N mm."""
 
 
 def compute(request: Request[GravitySpec]) -> Acting:
@@ -45,27 +40,26 @@ def compute(request: Request[GravitySpec]) -> Acting:
             out -= each.mass * _along(each.place(phi, side) - first, pull)
         return out
 
-    rocks = subject.cam.lift_unit == "rad"
-    unit, what = ("N m", "torque") if rocks else ("N", "force")
+    shown = FORCES[subject.cam.lift_unit]
 
     def told(phi: FloatArray, side: Side) -> FloatArray:
-        return on_follower(phi, side) * (N_M if rocks else 1.0)
+        return on_follower(phi, side) * shown.scale
 
     weight = STANDARD_GRAVITY * sum(each.mass for each in masses)
-    extremes = piecewise_extremes(told, subject.cam.drive.smooth_angles)
+    extremes = piecewise_extremes(told, subject.drive.smooth_angles)
     return Acting(
         force=Force("gravity", unmoved(on_follower), potential),
         findings=(
             Finding("weight", "ok", f"weight of all masses {weight:.6g} N", weight, unit="N"),
             *extreme_findings(
                 "weight-force",
-                f"{what} of the weights on the follower",
+                f"{shown.word} of the weights on the follower",
                 extremes,
-                unit,
+                shown.unit,
                 ", positive with growing lift",
             ),
         ),
-        columns=(Column(f"weight {what}", unit, told),),
+        columns=(Column(f"weight {shown.word}", shown.unit, told),),
     )
 
 

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 def masses_of(subject: Subject, spec: InertiaSpec) -> tuple[Mass, ...]:
     """Those of `spec` that are not 0."""
     found: list[Mass] = []
-    follower, linkage = subject.cam.follower, subject.cam.drive.linkage
+    follower, linkage = subject.cam.follower, subject.drive.linkage
     pivot = follower.pivot
     if pivot is not None:
         centre = pivot if spec.rocker_centre is None else spec.rocker_centre
@@ -48,7 +48,7 @@ def _shaft_and_turn(subject: Subject) -> tuple[complex, complex]:
     The linkage is stated in a frame of its own; the pin is taken to be in the roller's centre, and
     its guide to be that of the follower.
     """
-    linkage, follower = subject.cam.drive.linkage, subject.cam.follower
+    linkage, follower = subject.drive.linkage, subject.cam.follower
     if linkage is None:
         return 0.0j, 1.0 + 0.0j
     still, one = np.zeros((2, 1)), np.array([[1.0], [0.0]])
@@ -113,9 +113,9 @@ class _OnCoupler:
     share: float
 
     def place(self, phi: FloatArray, side: Side) -> ComplexArray:
-        pin, tip = self.linkage.joints(self.subject.cam.drive.plan.jet(phi, side)[0])
+        pin, tip = self.linkage.joints(self.subject.drive.plan.jet(phi, side)[0])
         return np.asarray(self.shaft + self.turn * (tip + self.share * (pin - tip)))
 
     def per_lift(self, phi: FloatArray, side: Side) -> ComplexArray:
-        pin, tip = joints_per_lift(self.linkage, self.subject.cam.drive.plan.jet(phi, side)[0])
+        pin, tip = joints_per_lift(self.linkage, self.subject.drive.plan.jet(phi, side)[0])
         return np.asarray(self.turn * (tip + self.share * (pin - tip)))

@@ -53,10 +53,10 @@ def at_follower(subject: Subject, spec: InertiaSpec) -> float:
 def train_of(subject: Subject, spec: InertiaSpec) -> Train:
     """The train of `subject` with the masses of `spec`."""
     own = at_follower(subject, spec)
-    linkage = subject.cam.drive.linkage
+    linkage = subject.drive.linkage
     if linkage is not None and spec.beyond(linkage):
-        return LinkedTrain(subject.cam.drive.plan, linkage, own, spec)
-    return DirectTrain(subject.cam.drive.motion, own)
+        return LinkedTrain(subject.drive.plan, linkage, own, spec)
+    return DirectTrain(subject.drive.motion, own)
 
 
 @dataclass(frozen=True, slots=True)

@@ -20,6 +20,7 @@ from camgeo.motion.time_course import (
     TimeCourse,
     TimeExtremes,
     in_time,
+    period,
     plan_extremes,
     time_extremes,
 )
@@ -99,19 +100,14 @@ def compute(request: Request[object]) -> Result:
     """The motion in time at the speed of the scene."""
     subject, course = request.subject, request.course
     moving = _motions(subject, course)
-    start, end = course.time(np.array([0.0, TURN]))
-    turn = float(end - start)
+    turn = period(course)
     time = Finding("turn-time", "ok", f"a turn takes {turn:.6g} s", turn, unit="s")
 
-    def since_start(phi: FloatArray, _side: Side) -> FloatArray:
-        found: FloatArray = course.time(phi)
-        return found
-
-    columns = [Column("time", "s", since_start)]
+    columns = [Column("time", "s", lambda phi, _side: course.time(phi))]
     for each in moving:
         columns += each.columns(course)
     if subject.disc is not None and not subject.cam.follower.rolls:
-        from camgeo.effects.face import sliding
+        from camgeo.effects.touching import sliding
 
         def rubbing(phi: FloatArray, side: Side) -> FloatArray:
             return np.asarray(sliding(subject, phi, side) * course.rates(phi)[0])

@@ -21,12 +21,12 @@ from typing import Final
 
 import numpy as np
 
-from camgeo.effects.carrier import leverage_of
+from camgeo.effects.effect import Subject
 from camgeo.effects.force import at_rates
-from camgeo.effects.lift_off.flanks import Change
-from camgeo.effects.lift_off.inputs import Flank
-from camgeo.effects.results import Inertia
-from camgeo.errors import EffectError
+from camgeo.effects.lift_off.ranges import runs
+from camgeo.effects.results import ContactForce, Inertia
+from camgeo.effects.told import degrees, missed
+from camgeo.effects.touching import leverage_of
 from camgeo.numeric.arrays import FloatArray
 from camgeo.numeric.roots import bracketed_roots, sign_changes
 from camgeo.units import TURN
@@ -54,6 +54,43 @@ PROBES: Final = 65
 
 
 @dataclass(frozen=True, slots=True)
+class Change:
+    """The roller leaves one flank for the other.
+
+    Attributes
+    ----------
+    leaving : cam angle [rad] in [0, 2 pi) up to which the one carries.
+    carrying : from which the other does; the same if no force-free stretch lies between.
+    sense : of the flank that is left, +1 for the inner one, -1 for the outer one.
+    """
+
+    leaving: float
+    carrying: float
+    sense: int
+
+
+def flank_changes(contact: ContactForce) -> tuple[int, tuple[Change, ...]]:
+    """The flank that carries at first, 0 if none ever does, and the changes of a turn.
+
+    `contact.edges` has all places at which the force changes its sign. Stretches without force
+    belong to no flank.
+    """
+    edges = contact.edges
+    sign = np.sign(contact.normal(0.5 * (edges[:-1] + edges[1:]), "right")).astype(int)
+    both = [(pieces, sense) for sense in (1, -1) for pieces in runs(sign == sense)]
+    if not both:
+        return 0, ()
+    both.sort(key=lambda each: each[0][0])
+    found = []
+    for (pieces, sense), (others, other) in zip(both, both[1:] + both[:1], strict=True):
+        if sense != other:
+            leaving, carrying = edges[pieces[-1] + 1], edges[others[0]]
+            found.append(Change(float(leaving % edges[-1]), float(carrying), sense))
+    found.sort(key=lambda change: change.leaving)
+    return both[0][1], tuple(found)
+
+
+@dataclass(frozen=True, slots=True)
 class Impact:
     """The end of a flight.
 
@@ -73,107 +110,96 @@ class Impact:
     error: float
 
 
-def impact_after(
-    change: Change,
-    flank: Flank,
-    inertia: Inertia,
-    edges: FloatArray,
-    backlash: float,
-    tolerance: float,
-) -> Impact | None:
-    """The impact after `change`, None if the flight does not end within a turn.
+@dataclass(frozen=True, slots=True, eq=False)
+class Clearance:
+    """The clearance of a roller between the two flanks, or of a follower between two discs.
 
-    Parameters
+    Attributes
     ----------
-    flank : its contact and subject are looked at.
-    inertia : its mass must be above 0 all over the flight.
-    edges : (k,) cam angles [rad] from 0 to 2 pi between which forces are smooth.
+    subject : the design.
+    contact : the contact force.
+    inertia : its mass must be above 0 all over the turn.
     backlash : [mm], above 0.
-    tolerance : of the speed, as a share of it.
-
-    Raises
-    ------
-    EffectError
-        If the tolerance cannot be reached.
     """
-    for halvings in range(MOST_HALVINGS + 1):
-        rough, fine = (
-            _flight(change, flank, inertia, edges, backlash, nodes, halvings) for nodes in ORDERS
+
+    subject: Subject
+    contact: ContactForce
+    inertia: Inertia
+    backlash: float
+
+    def impact_after(self, change: Change, tolerance: float) -> Impact | None:
+        """The impact after `change`, None if the flight does not end within a turn.
+
+        Its speed is known to `tolerance`, as a share of it.
+
+        Raises
+        ------
+        EffectError
+            If the tolerance cannot be reached.
+        """
+        for halvings in range(MOST_HALVINGS + 1):
+            rough, fine = (self._flight(change, nodes, halvings) for nodes in ORDERS)
+            if fine is None and rough is None:
+                return None
+            error = 1.0
+            if fine is not None and rough is not None and rough[2] == fine[2]:
+                error = abs(rough[1] - fine[1]) / abs(fine[1])
+            if error <= max(tolerance, ROUNDING):
+                break
+        else:
+            left = f"the impact speed after cam angle {degrees(change.leaving)}"
+            raise missed(left, error, "itself", tolerance, change.leaving)
+        assert fine is not None  # its error would be 1
+        angle, speed, crossed = fine
+        return Impact(
+            cam_angle=angle % TURN,
+            duration=angle - change.leaving,
+            speed=abs(speed),
+            crossed=crossed,
+            error=max(error, 2.0**-52),
         )
-        if fine is None and rough is None:
-            return None
-        error = 1.0
-        if fine is not None and rough is not None and rough[2] == fine[2]:
-            error = abs(rough[1] - fine[1]) / abs(fine[1])
-        if error <= max(tolerance, ROUNDING):
-            break
-    else:
-        raise EffectError(
-            f"the impact speed after cam angle {math.degrees(change.leaving):.4f} deg reaches an"
-            f" error of {error:.3g} of itself instead of the tolerance of {tolerance:g}",
-            value=error,
-            limit=tolerance,
-            cam_angle=change.leaving,
+
+    def _flight(
+        self, change: Change, nodes: int, halvings: int
+    ) -> tuple[float, float, bool] | None:
+        """Cam angle [rad] of the impact, rate of the gap [mm/s] there, whether it has crossed."""
+        x = np.cos(np.pi * (np.arange(nodes) + 0.5) / nodes)[::-1]
+        fit = np.linalg.inv(np.polynomial.chebyshev.chebvander(x, nodes - 1))
+        course = self.subject.drive.time_course
+        assert course is not None  # there is inertia, which needs a speed
+        velocity = way = 0.0
+        for low, high in _cells(change.leaving, self.contact.edges, 0.5**halvings):
+            angles = 0.5 * (low + high) + 0.5 * (high - low) * x
+            phi = np.mod(angles, TURN)
+            rates = course.rates(phi)
+            # n of the side to carry next counts towards it; of a groove it is the other's gap.
+            lever = -leverage_of(self.subject, phi, "right", -change.sense)
+            needed = at_rates(self.contact.required(phi, "right"), rates)
+            push = -needed / self.inertia.to_follower(phi, "right")
+
+            def integral(values: FloatArray, start: float, ends: tuple[float, float]) -> Polynomial:
+                return Polynomial(fit @ values, ends).integ(lbnd=ends[0]) + start
+
+            rate = integral(push / rates[0], velocity, (low, high))
+            path = integral(rate(angles) / rates[0], way, (low, high))
+            gap = Polynomial(fit @ (lever * path(angles)), (low, high))
+            end = _first(gap, low, high, self.backlash)
+            if end is not None:
+                angle, crossed = end
+                omega = float(course.rates(np.array([angle % TURN]))[0, 0])
+                speed = float(gap.deriv()(angle)) * omega
+                return angle, speed if crossed else speed * self._share(change, angle), crossed
+            velocity, way = float(rate(high)), float(path(high))
+        return None
+
+    def _share(self, change: Change, angle: float) -> float:
+        """Way along the normal of the side left, by that of the one to come; 1 in a groove."""
+        here = np.array([angle % TURN])
+        left, met = (
+            float(leverage_of(self.subject, here, "right", sense)[0])
+            for sense in (change.sense, -change.sense)
         )
-    assert fine is not None  # its error would be 1
-    angle, speed, crossed = fine
-    return Impact(
-        cam_angle=angle % TURN,
-        duration=angle - change.leaving,
-        speed=abs(speed),
-        crossed=crossed,
-        error=max(error, 2.0**-52),
-    )
-
-
-def _flight(
-    change: Change,
-    flank: Flank,
-    inertia: Inertia,
-    edges: FloatArray,
-    backlash: float,
-    nodes: int,
-    halvings: int,
-) -> tuple[float, float, bool] | None:
-    """Cam angle [rad] of the impact, rate of the gap [mm/s] there, and whether it has crossed."""
-    x = np.cos(np.pi * (np.arange(nodes) + 0.5) / nodes)[::-1]
-    fit = np.linalg.inv(np.polynomial.chebyshev.chebvander(x, nodes - 1))
-    course = flank.subject.cam.drive.time_course
-    assert course is not None  # there is inertia, which needs a speed
-    velocity = way = 0.0
-    for low, high in _cells(change.leaving, edges, 0.5**halvings):
-        angles = 0.5 * (low + high) + 0.5 * (high - low) * x
-        phi = np.mod(angles, TURN)
-        rates = course.rates(phi)
-        # n of the side that is to carry next counts towards it; of a groove it is the other's gap.
-        lever = -leverage_of(flank.subject, phi, "right", -change.sense)
-        needed = at_rates(flank.contact.required(phi, "right"), rates)
-        push = -needed / inertia.to_follower(phi, "right")
-
-        def integral(values: FloatArray, start: float, ends: tuple[float, float]) -> Polynomial:
-            return Polynomial(fit @ values, ends).integ(lbnd=ends[0]) + start
-
-        rate = integral(push / rates[0], velocity, (low, high))
-        path = integral(rate(angles) / rates[0], way, (low, high))
-        gap = Polynomial(fit @ (lever * path(angles)), (low, high))
-        end = _first(gap, low, high, backlash)
-        if end is not None:
-            angle, crossed = end
-            omega = float(course.rates(np.array([angle % TURN]))[0, 0])
-            speed = float(gap.deriv()(angle)) * omega
-            return angle, speed if crossed else speed * _share(flank, change, angle), crossed
-        velocity, way = float(rate(high)), float(path(high))
-    return None
-
-
-def _share(flank: Flank, change: Change, angle: float) -> float:
-    """Way along the normal of the side that was left, by that of the one to come; 1 in a groove."""
-    here = np.array([angle % TURN])
-    left, met = (
-        float(leverage_of(flank.subject, here, "right", sense)[0])
-        for sense in (change.sense, -change.sense)
-    )
-    return -left / met
+        return -left / met
 
 
 def _first(

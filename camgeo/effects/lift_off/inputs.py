@@ -7,9 +7,9 @@ from typing import Final
 
 import numpy as np
 
-from camgeo.effects.effect import Subject, toucher
+from camgeo.effects.effect import Subject
+from camgeo.effects.immovable import shocks
 from camgeo.effects.results import ContactForce, Inertia
-from camgeo.effects.shocks import shocks
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray
 from camgeo.numeric.extremes import Extreme
@@ -43,7 +43,7 @@ class Flank:
     @property
     def toucher(self) -> str:
         """What touches the flank: "roller" or "face"."""
-        return toucher(self.subject)
+        return self.subject.cam.follower.touching
 
     def force(self, phi: FloatArray, side: Side) -> FloatArray:
         """(n,) [N] force on the flank at the scene's speed, negative where it had to pull."""
@@ -66,7 +66,7 @@ class Flank:
 
         No finite force holds it to the flank there.
         """
-        motion, found = self.subject.cam.drive.motion, []
+        motion, found = self.subject.drive.motion, []
         for angle in shocks(self.subject, self.inertia):
             here = np.array([angle])
             jump = motion.jet(here, "right")[1] - motion.jet(here, "left")[1]
@@ -83,7 +83,7 @@ class Flank:
         that of the margin, if the time course of the scene is run f times as fast: omega grows
         with f, alpha with f^2. It has the sign of the force on the flank less the margin.
         """
-        course = self.subject.cam.drive.time_course
+        course = self.subject.drive.time_course
         omega, alpha = np.zeros((2, len(phi))) if course is None else course.rates(phi)[:2]
         needed = np.zeros((3, len(phi)))
         size = np.zeros((3, len(phi)))

@@ -5,48 +5,43 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-import numpy as np
-
 from camgeo.check.finding import Finding
-from camgeo.effects.carrier import FLANKS
+from camgeo.effects.effect import Result
 from camgeo.effects.lift_off.inputs import TOUCH, Flank
 from camgeo.effects.lift_off.ranges import Range, ranges_below
-from camgeo.effects.lift_off.sizing import Least, least_of
-from camgeo.effects.lift_off.speed import LiftOffSpeed, lift_off_speed
+from camgeo.effects.lift_off.sizing import least_of, lift_off_speed
 from camgeo.effects.results import Spring
-from camgeo.effects.told import at, degrees, placed
-from camgeo.motion.time_course import TimeCourse
+from camgeo.effects.told import N_M, at, degrees, placed
+from camgeo.effects.touching import FLANKS
+from camgeo.motion.time_course import TimeCourse, period
 from camgeo.numeric.extremes import Extreme
 from camgeo.units import RPM, TURN
 
-N_M = 1e-3
-"""From N mm to N m."""
 
-
-@dataclass(frozen=True, slots=True)
-class OfFlank:
+@dataclass(frozen=True, slots=True, eq=False)
+class ForceClosed(Result):
     """What is found of a roller on one flank.
 
     Attributes
     ----------
-    findings : see `camgeo.effects.effect.Result`.
     lowest : smallest force [N] on the flank.
     lost : where it is below the margin.
-    speed : at which it first is; None if the scene gives no speed.
-    preload, stiffness : least values [N, N/mm or N mm, N mm/rad]; None if there is no spring.
+    speed : at which it first is, as a factor of the scene's, infinite if at none; None if the
+        scene gives no speed.
+    preload, stiffness : least values [N, N/mm or N mm, N mm/rad], infinite if none is enough; None
+        if there is no spring.
     """
 
-    findings: tuple[Finding, ...]
     lowest: Extreme
     lost: tuple[Range, ...]
-    speed: LiftOffSpeed | None
-    preload: Least | None
-    stiffness: Least | None
+    speed: Extreme | None
+    preload: Extreme | None
+    stiffness: Extreme | None
 
 
-def of_flank(flank: Flank, spring: Spring | None) -> OfFlank:
+def of_flank(flank: Flank, spring: Spring | None) -> ForceClosed:
     """All that is found of `flank`."""
-    edges, course = flank.contact.edges, flank.subject.cam.drive.time_course
+    edges, course = flank.contact.edges, flank.subject.drive.time_course
     lowest, least = flank.lowest, TOUCH * flank.contact.extremes.magnitude
     limit = flank.margin - least
     lost = ranges_below(flank.force, edges, limit, lowest) if lowest.value < limit else ()
@@ -58,13 +53,13 @@ def of_flank(flank: Flank, spring: Spring | None) -> OfFlank:
         found.append(_touching(lowest, flank.toucher))
     speed = None
     if course is not None:
-        speed = LiftOffSpeed(0.0, leaps[0]) if leaps else lift_off_speed(flank, edges)
+        speed = Extreme(0.0, leaps[0]) if leaps else lift_off_speed(flank, edges)
     if course is not None and speed is not None:
         found.append(_speed(flank, speed, course, bool(lost or leaps)))
     preload = stiffness = None
     if spring is not None:
         kept, rate = flank.toucher, spring.stiffness
-        never = Least(None, leaps[0]) if leaps else None
+        never = Extreme(math.inf, leaps[0]) if leaps else None
         preload = never or least_of(flank, spring.per_preload, spring.preload, edges)
         stiffness = never or least_of(flank, spring.per_stiffness, rate, edges)
         found.append(
@@ -73,7 +68,7 @@ def of_flank(flank: Flank, spring: Spring | None) -> OfFlank:
         found.append(
             _least("stiffness", stiffness, rate, spring.unit_of_stiffness, "preload", kept)
         )
-    return OfFlank(tuple(found), lowest, lost, speed, preload, stiffness)
+    return ForceClosed(lowest, lost, speed, preload, stiffness, findings=tuple(found))
 
 
 def _leaves(flank: Flank) -> str:
@@ -141,10 +136,10 @@ def _touching(low: Extreme, what: str) -> Finding:
     return placed("contact-touches-zero", sentence, Extreme(0.0, low.place), "N", 0.0, "warning")
 
 
-def _speed(flank: Flank, found: LiftOffSpeed, course: TimeCourse, lost: bool) -> Finding:
+def _speed(flank: Flank, found: Extreme, course: TimeCourse, lost: bool) -> Finding:
     """The speed of lift-off against that of the scene, as mean over a turn."""
-    mean = mean_speed(course) / RPM
-    if math.isinf(found.factor):
+    mean = TURN / period(course) / RPM
+    if math.isinf(found.value):
         return Finding(
             name="lift-off-speed",
             severity="ok",
@@ -152,12 +147,12 @@ def _speed(flank: Flank, found: LiftOffSpeed, course: TimeCourse, lost: bool) ->
             limit=mean,
             unit="rev/min",
         )
-    value = found.factor * mean
+    value = found.value * mean
     if value == 0.0:
         sentence = f"the {flank.toucher} {_short(flank)} at any speed,"
     else:
         sentence = f"the {flank.toucher} first {_short(flank)} at {value:.6g} rev/min,"
-    early = found.factor <= 1.0
+    early = found.value <= 1.0
     tail = f"; the cam turns at {mean:.6g} rev/min"
     if early and not lost:
         tail += ", beyond a range of speeds in which contact is lost"
@@ -171,16 +166,10 @@ def _speed(flank: Flank, found: LiftOffSpeed, course: TimeCourse, lost: bool) ->
     )
 
 
-def mean_speed(course: TimeCourse) -> float:
-    """A turn by the time it takes [rad/s]."""
-    times = course.time(np.array([0.0, TURN]))
-    return TURN / float(times[1] - times[0])
-
-
-def _least(what: str, least: Least, now: float, unit: str, other: str, kept: str) -> Finding:
+def _least(what: str, least: Extreme, now: float, unit: str, other: str, kept: str) -> Finding:
     scale = N_M if unit.startswith("N m") and not unit.startswith("N mm") else 1.0
     given = scale * now
-    if least.value is None:
+    if math.isinf(least.value):
         return Finding(
             name=f"least-{what}",
             severity="warning",

@@ -8,38 +8,33 @@ from typing import Final
 import numpy as np
 
 from camgeo.check.finding import Finding
-from camgeo.effects.carrier import sides_of
-from camgeo.effects.effect import Subject
-from camgeo.effects.lift_off.crossing import Impact, impact_after
-from camgeo.effects.lift_off.flanks import Change, flank_changes
-from camgeo.effects.lift_off.inputs import Flank
+from camgeo.effects.effect import Result, Subject
+from camgeo.effects.immovable import shocks
+from camgeo.effects.lift_off.crossing import Change, Clearance, Impact, flank_changes
 from camgeo.effects.results import ContactForce, Inertia
-from camgeo.effects.shocks import shocks
 from camgeo.effects.told import at, degrees, placed
+from camgeo.effects.touching import sides_of
 from camgeo.numeric.extremes import Extreme, piecewise_extremes
 
 LISTED: Final = 12
 """Changes that are told one by one."""
 
 
-@dataclass(frozen=True, slots=True)
-class OfGroove:
+@dataclass(frozen=True, slots=True, eq=False)
+class FormClosed(Result):
     """What is found of a roller in a groove, or of a follower between two discs.
 
     Attributes
     ----------
-    findings : see `camgeo.effects.effect.Result`.
+    error : of the impact speeds, as a share of the largest.
     first : side that carries at first in the turn, +1 inner, -1 outer or return, 0 if none does.
     changes : from one flank to the other.
     impacts : after each of them, None for one that does not come; empty if not asked for.
-    error : estimate of the largest error of the impact speeds, as a share of the largest.
     """
 
-    findings: tuple[Finding, ...]
     first: int
     changes: tuple[Change, ...]
     impacts: tuple[Impact | None, ...]
-    error: float | None
 
 
 def of_groove(
@@ -48,9 +43,9 @@ def of_groove(
     inertia: Inertia | None,
     backlash: float,
     tolerance: float,
-) -> OfGroove:
+) -> FormClosed:
     """All that is found of groove or pair; impact speeds to `tolerance`, as a share of them."""
-    told = _Told.of(subject)
+    told = _Told("roller" if subject.returning is None else "follower", *sides_of(subject))
     first, changes = flank_changes(contact)
     found = [told.change(change) for change in changes[:LISTED]]
     if len(changes) > LISTED:
@@ -61,25 +56,23 @@ def of_groove(
     if changes and backlash > 0.0:
         why = _why_not(subject, contact, inertia)
         if why or inertia is None:
-            found.append(_untold(why))
+            sentence = f"no impact speed is told: {why}"
+            found.append(Finding("impact-speed", "warning", sentence))
         else:
-            flank = Flank(subject, contact, 1, 0.0)
-            impacts = tuple(
-                impact_after(change, flank, inertia, contact.edges, backlash, tolerance)
-                for change in changes
-            )
+            clearance = Clearance(subject, contact, inertia, backlash)
+            impacts = tuple(clearance.impact_after(change, tolerance) for change in changes)
             found += told.impacts(changes, impacts, backlash)
     hits = [impact for impact in impacts if impact is not None]
     error = None
     if hits:
         fastest = max(each.speed for each in hits)
         error = max(each.error * each.speed for each in hits) / fastest
-    return OfGroove(tuple(found), first, changes, impacts, error)
+    return FormClosed(first, changes, impacts, findings=tuple(found), error=error)
 
 
 def _why_not(subject: Subject, contact: ContactForce, inertia: Inertia | None) -> str:
     """Why there is no impact speed; empty if there is."""
-    if inertia is None or subject.cam.drive.time_course is None:
+    if inertia is None or subject.drive.time_course is None:
         return "it needs [effects.inertia]: without a mass the clearance is crossed in no time"
     if not piecewise_extremes(inertia.to_follower, contact.edges).lowest.value > 0.0:
         return "the follower has no mass: the clearance is crossed in no time"
@@ -87,12 +80,6 @@ def _why_not(subject: Subject, contact: ContactForce, inertia: Inertia | None) -
     if jumps:
         return f"the velocity jumps {at(jumps[0])}, a shock of its own"
     return ""
-
-
-def _untold(why: str) -> Finding:
-    return Finding(
-        name="impact-speed", severity="warning", sentence=f"no impact speed is told: {why}"
-    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,11 +97,6 @@ class _Told:
     names: dict[int, str]
     noun: str
 
-    @classmethod
-    def of(cls, subject: Subject) -> _Told:
-        """Of a groove or of a conjugate pair."""
-        return cls("roller" if subject.returning is None else "follower", *sides_of(subject))
-
     def change(self, change: Change) -> Finding:
         free = change.leaving != change.carrying
         until = f", with no force on either up to {degrees(change.carrying)}" if free else ""
@@ -130,24 +112,14 @@ class _Told:
         )
 
     def more(self, count: int) -> Finding:
-        return Finding(
-            name="flank-change",
-            severity="ok",
-            sentence=f"the {self.who} goes from one {self.noun} to the other {count} times a turn",
-            value=float(count),
-        )
+        sentence = f"the {self.who} goes from one {self.noun} to the other {count} times a turn"
+        return Finding("flank-change", "ok", sentence, float(count))
 
     def steady(self, first: int) -> Finding:
-        return Finding(
-            name="flank-change",
-            severity="ok",
-            sentence=(
-                f"the {self.names[first]} {self.noun} carries all the turn"
-                if first
-                else f"there is no force on either {self.noun}"
-            ),
-            value=0.0,
-        )
+        sentence = f"there is no force on either {self.noun}"
+        if first:
+            sentence = f"the {self.names[first]} {self.noun} carries all the turn"
+        return Finding("flank-change", "ok", sentence, 0.0)
 
     def impacts(
         self, changes: tuple[Change, ...], impacts: tuple[Impact | None, ...], backlash: float

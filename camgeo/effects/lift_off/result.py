@@ -6,39 +6,21 @@ of the clearance.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Final
 
-from camgeo.effects.carrier import holds_both_ways
-from camgeo.effects.effect import Column, Request, Result
+from camgeo.effects.effect import Request
 from camgeo.effects.lift_off import Spec
 from camgeo.effects.lift_off.inputs import Flank
-from camgeo.effects.lift_off.of_flank import OfFlank, of_flank
-from camgeo.effects.lift_off.of_groove import OfGroove, of_groove
+from camgeo.effects.lift_off.of_flank import ForceClosed, of_flank
+from camgeo.effects.lift_off.of_groove import FormClosed, of_groove
 from camgeo.effects.results import CONTACT_FORCE, INERTIA, SPRING
+from camgeo.effects.touching import holds_both_ways
 from camgeo.errors import GeometryError
 
 NAME: Final = "lift-off"
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class LiftOff(Result):
-    """What is found of the contact.
-
-    Attributes
-    ----------
-    findings, columns, error : see `camgeo.effects.effect.Result`; the error is that of the impact
-        speeds.
-    flank : for a roller on one flank, else None.
-    groove : for a roller in a groove, or for a conjugate pair, else None.
-    """
-
-    flank: OfFlank | None = None
-    groove: OfGroove | None = None
-    columns: tuple[Column, ...] = ()
-
-
-def compute(request: Request[Spec]) -> LiftOff:
+def compute(request: Request[Spec]) -> ForceClosed | FormClosed:
     """What becomes of the contact.
 
     Raises
@@ -62,18 +44,15 @@ def compute(request: Request[Spec]) -> LiftOff:
                 value=f"{spec.margin:g}",
             )
         backlash = _backlash(spec, subject.cam.clearance)
-        groove = of_groove(subject, contact, inertia, backlash, request.tolerance)
-        return LiftOff(groove=groove, findings=groove.findings, error=groove.error)
+        return of_groove(subject, contact, inertia, backlash, request.tolerance)
     if spec.backlash is not None:
         raise GeometryError(
             'a backlash is for a roller in a groove, contact = "groove", or between two discs',
             key=f"effects.{NAME}.backlash",
             value=f"{spec.backlash:g}",
         )
-    spring = request.results.get(SPRING)
-    sense = subject.cam.contact.push
-    flank = of_flank(Flank(subject, contact, sense, spec.margin, inertia), spring)
-    return LiftOff(flank=flank, findings=flank.findings)
+    flank = Flank(subject, contact, subject.cam.contact.push, spec.margin, inertia)
+    return of_flank(flank, request.results.get(SPRING))
 
 
 def _backlash(spec: Spec, side_clearance: float) -> float:

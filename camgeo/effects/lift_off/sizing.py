@@ -1,14 +1,19 @@
-"""The smallest preload and the smallest stiffness of a spring that keep the roller on its flank.
+"""The speed at which the roller first leaves its flank, and the spring that keeps it there.
 
-The force on the flank is linear in both (Norton, Machine Design, chapter on cam design: spring rate
-and preload against follower jump): preload times a, stiffness times b, and the rest, each over the
-cam angle. Wherever a is above 0 the preload has to be at least the quotient of what is missing
-and a; wherever a is below 0, which a lever may bring about, the preload must not be above it.
+Run f times as fast as the scene has it, the contact force is a quadratic in f at every cam angle:
+weights and springs stay, viscous friction grows with f, inertia with f^2. The smallest f at which
+the force falls to its margin anywhere is sought ("jump speed" of the textbooks: Norton, Machine
+Design, chapter on cam design, follower jump; Rothbart, Cam Design Handbook, chapter on dynamics).
+
+The force on the flank is linear in preload and stiffness (Norton, Machine Design, chapter on cam
+design: spring rate and preload against follower jump): preload times a, stiffness times b, and the
+rest, each over the cam angle. Wherever a is above 0 the preload has to be at least the quotient of
+what is missing and a; wherever a is below 0, which a lever may bring about, the preload must not be
+above it.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -17,7 +22,7 @@ from camgeo.effects.effect import Quantity
 from camgeo.effects.lift_off.inputs import TOUCH, Flank
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray, merged
-from camgeo.numeric.extremes import grid_of, piecewise_extremes
+from camgeo.numeric.extremes import Extreme, grid_of, piecewise_extremes
 from camgeo.numeric.roots import roots_on_grid
 
 BOUNDLESS: Final = 1e200
@@ -27,25 +32,12 @@ BLUNT: Final = 1e-10
 """Where the spring does less than this share of its largest effect, it counts as none."""
 
 
-@dataclass(frozen=True, slots=True)
-class Least:
-    """The least value of a property of the spring.
-
-    Attributes
-    ----------
-    value : in its unit; None if none is enough.
-    place : cam angle [rad] that asks for it, or at which none helps.
-    """
-
-    value: float | None
-    place: float
-
-
-def least_of(flank: Flank, per_unit: Quantity, now: float, edges: FloatArray) -> Least:
+def least_of(flank: Flank, per_unit: Quantity, now: float, edges: FloatArray) -> Extreme:
     """The least preload or stiffness, of which the spring has `now` and gives `per_unit` of it.
 
     The least x >= 0 with rest + x effect >= 0 all over the turn, effect and rest generalised forces
-    in the sense in which the flank pushes; what else the spring has stays.
+    in the sense in which the flank pushes; what else the spring has stays. It comes with the cam
+    angle [rad] that asks for it; infinite, with the one at which none helps, if none is enough.
     """
 
     def parts(phi: FloatArray, side: Side) -> tuple[FloatArray, FloatArray]:
@@ -76,9 +68,65 @@ def least_of(flank: Flank, per_unit: Quantity, now: float, edges: FloatArray) ->
 
     least = piecewise_extremes(bound, cuts).highest
     if least.value >= BOUNDLESS:
-        return Least(None, least.place)
+        return Extreme(np.inf, least.place)
     if np.min(effects) < -blunt:
         over = piecewise_extremes(left, cuts)
         if over.lowest.value < -TOUCH * over.magnitude:
-            return Least(None, over.lowest.place)
-    return Least(least.value, least.place)
+            return Extreme(np.inf, over.lowest.place)
+    return least
+
+
+def lift_off_speed(flank: Flank, edges: FloatArray) -> Extreme:
+    """The smallest factor of the speed at which the force on `flank` falls below its margin, and
+    at which cam angle [rad]: 0 if at any speed, infinite if at none.
+
+    Parameters
+    ----------
+    edges : (k,) cam angles [rad] from 0 to 2 pi between which the coefficients are smooth.
+    """
+
+    def static(phi: FloatArray, side: Side) -> FloatArray:
+        at_rest: FloatArray = flank.reserve(phi, side)[0]
+        return at_rest
+
+    rest = piecewise_extremes(static, edges)
+    if rest.lowest.value < -TOUCH * rest.magnitude:
+        return Extreme(0.0, rest.lowest.place)
+
+    def discriminant(phi: FloatArray) -> FloatArray:
+        r0, r1, r2 = flank.reserve(phi, "right")
+        found: FloatArray = r1 * r1 - 4.0 * r0 * r2
+        return found
+
+    # Where the discriminant vanishes two roots meet and end: there the slowness jumps.
+    cuts = merged(np.concatenate((edges, roots_on_grid(discriminant, grid_of(edges)))))
+    slowest = piecewise_extremes(_slowness(flank), cuts).highest
+    if slowest.value <= 0.0:
+        return Extreme(np.inf, slowest.place)
+    if slowest.value >= BOUNDLESS:
+        return Extreme(0.0, slowest.place)
+    return Extreme(1.0 / slowest.value, slowest.place)
+
+
+def _slowness(flank: Flank) -> Quantity:
+    """(n,) 1 / f of the smallest positive f with r0 + f r1 + f^2 r2 = 0, 0 if there is none."""
+
+    def slowness(phi: FloatArray, side: Side) -> FloatArray:
+        r0, r1, r2 = flank.reserve(phi, side)
+        r0 = np.maximum(r0, 0.0)
+        # Divided by the largest coefficient, so that no square over- or underflows.
+        size = np.maximum(np.maximum(r0, np.abs(r1)), np.abs(r2))
+        r0, r1, r2 = np.stack((r0, r1, r2)) / np.where(size > 0.0, size, 1.0)
+        square = r1 * r1 - 4.0 * r0 * r2
+        root = np.sqrt(np.maximum(square, 0.0))
+        # The largest root of r0 k^2 + r1 k + r2, k = 1 / f, in the form that does not cancel.
+        falling = r1 < 0.0
+        above = np.where(falling, root - r1, -2.0 * r2)
+        below = np.where(falling, 2.0 * r0, r1 + root)
+        bounded = below * BOUNDLESS > above
+        found = np.where(above > 0.0, BOUNDLESS, 0.0)
+        np.divide(above, below, out=found, where=bounded & (below > 0.0))
+        found[square < 0.0] = 0.0
+        return np.clip(found, 0.0, BOUNDLESS)
+
+    return slowness

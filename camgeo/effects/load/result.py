@@ -14,9 +14,9 @@ import numpy as np
 
 from camgeo.effects.effect import Column, Request, Subject
 from camgeo.effects.force import Force, unmoved
-from camgeo.effects.load.course import Constant, Course, Steps
+from camgeo.effects.immovable import refuse_locked
+from camgeo.effects.load.course import Course, constant, steps
 from camgeo.effects.load.spec import LoadSpec
-from camgeo.effects.locked import refuse_locked
 from camgeo.effects.results import Acting
 from camgeo.effects.told import extreme_findings
 from camgeo.errors import GeometryError
@@ -43,9 +43,9 @@ def compute(request: Request[LoadSpec]) -> Acting:
         angle.
     """
     subject = request.subject
-    is_torque = subject.cam.drive.unit == "rad"
+    is_torque = subject.drive.unit == "rad"
     unit = "N m" if is_torque else "N"
-    course = course_of(request.spec, subject.cam.drive.plan, unit)
+    course = course_of(request.spec, subject.drive.plan, unit)
     scale = N_MM if is_torque else 1.0
     refuse_locked(subject, " against its load")
 
@@ -54,13 +54,11 @@ def compute(request: Request[LoadSpec]) -> Acting:
 
     def work(phi: FloatArray, side: Side) -> FloatArray:
         """Against a constant load, from the start of the stroke on."""
-        found: FloatArray = (
-            scale * course.values(phi, side) * subject.cam.drive.plan.jet(phi, side)[0]
-        )
+        found: FloatArray = scale * course.values(phi, side) * subject.drive.plan.jet(phi, side)[0]
         return found
 
-    potential = work if isinstance(course, Constant) else None
-    edges = merged(np.concatenate((subject.cam.drive.smooth_angles, course.borders)))
+    potential = None if request.spec.constant is None else work
+    edges = merged(np.concatenate((subject.drive.smooth_angles, course.borders)))
     extremes = piecewise_extremes(course.values, edges)
     return Acting(
         force=Force("load", unmoved(on_follower), potential, course.borders),
@@ -90,7 +88,7 @@ def course_of(spec: LoadSpec, plan: MotionPlan, unit: str) -> Course:
         return spec.table
     if spec.segments is None:
         assert spec.constant is not None  # `parse` sees to it
-        return Constant(spec.constant)
+        return constant(spec.constant)
     # A rest of no length has no load; the plan of a scene does not keep it either.
     starts = [start for _, start, _ in plan.stretches]
     if len(spec.segments) != len(starts):
@@ -99,11 +97,11 @@ def course_of(spec: LoadSpec, plan: MotionPlan, unit: str) -> Course:
             " have a length; allowed is one for each",
             key="effects.load.segments",
         )
-    return Steps(frozen(starts, np.float64), frozen(spec.segments, np.float64))
+    return steps(frozen(starts, np.float64), frozen(spec.segments, np.float64))
 
 
 def _way(subject: Subject, phi: FloatArray, side: Side) -> FloatArray:
     """ds/dq (n,): way of the demanded motion a unit of the follower's."""
-    if subject.cam.drive.linkage is None:
+    if subject.drive.linkage is None:
         return np.ones(len(phi))
-    return subject.cam.drive.linkage.per_follower(subject.cam.drive.plan.jet(phi, side)[0])
+    return subject.drive.linkage.per_follower(subject.drive.plan.jet(phi, side)[0])

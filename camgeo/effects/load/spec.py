@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Final
 from camgeo.errors import GeometryError
 
 if TYPE_CHECKING:
-    from camgeo.effects.load.course import Table
+    from camgeo.effects.load.course import Course
 
 KINDS: Final = ("constant", "segments", "file")
 
@@ -27,7 +27,7 @@ class LoadSpec:
 
     constant: float | None = None
     segments: tuple[float, ...] | None = None
-    table: Table | None = None
+    table: Course | None = None
 
 
 def parse(table: Mapping[str, Any]) -> LoadSpec:

@@ -50,9 +50,10 @@ def moves_of(subject: Subject, course: TimeCourse) -> list[RestToRest]:
 
 def _moves(subject: Subject, course: TimeCourse) -> Iterator[RestToRest]:
     rests = _rests(subject, course)
-    edges = merged(np.concatenate((subject.cam.drive.plan.borders, course.borders, [0.0, TURN])))
+    edges = merged(np.concatenate((subject.drive.plan.borders, course.borders, [0.0, TURN])))
     two_turns = np.concatenate((edges[:-1], edges + TURN))
-    for (_, start), (end, _) in zip(rests, [*rests[1:], *_next_turn(rests[:1])], strict=True):
+    next_turn = [(start + TURN, end + TURN) for start, end in rests[:1]]
+    for (_, start), (end, _) in zip(rests, [*rests[1:], *next_turn], strict=True):
         if not end - start > SLACK:
             continue
         inner = two_turns[(two_turns > start) & (two_turns < end)]
@@ -65,13 +66,9 @@ def _moves(subject: Subject, course: TimeCourse) -> Iterator[RestToRest]:
         yield RestToRest(start - TURN * turns, end - start, stroke, move)
 
 
-def _next_turn(rests: list[tuple[float, float]]) -> list[tuple[float, float]]:
-    return [(start + TURN, end + TURN) for start, end in rests]
-
-
 def _rests(subject: Subject, course: TimeCourse) -> list[tuple[float, float]]:
     """Start and end [rad] of all rests, in their order; the end equals the start for a joint."""
-    plan = subject.cam.drive.plan
+    plan = subject.drive.plan
     dwells = [(rest.start, rest.start + rest.span) for rest in plan.dwells if rest.span > 0.0]
     borders = plan.borders
     sides = [in_time(plan.jet(borders, side), course, borders) for side in ("right", "left")]
@@ -95,7 +92,7 @@ def _rests(subject: Subject, course: TimeCourse) -> list[tuple[float, float]]:
 
 def _shock(subject: Subject, course: TimeCourse, edges: FloatArray) -> tuple[Shock, float] | None:
     """The move over `edges` (m + 1,) [rad], normalised, and its stroke; None for no move at all."""
-    plan = subject.cam.drive.plan
+    plan = subject.drive.plan
     begin = plan.jet(edges[:1])[0]
 
     def way(phi: FloatArray, side: Side = "right") -> FloatArray:

@@ -8,14 +8,15 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_right
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
 from camgeo.effects.speed_fluctuation.mesh import Law
-from camgeo.effects.speed_fluctuation.motor import Motor
 from camgeo.effects.speed_fluctuation.rate import Shaft, StuckError
+from camgeo.effects.speed_fluctuation.spec import Motor
 from camgeo.numeric.arrays import FloatArray, frozen
 from camgeo.units import TURN
 
@@ -36,20 +37,6 @@ HALVINGS: Final = 40
 """Of the range of speeds in which the slowest orbit is sought that lasts a turn."""
 
 DOUBLINGS: Final = 60
-
-
-@dataclass(frozen=True, slots=True)
-class Orbit:
-    """A turn of the cam.
-
-    Attributes
-    ----------
-    y : at the ends of the steps as far as it came, the first at cam angle 0 [rad^2/s^2].
-    stalls : whether it comes to rest, with the last of these.
-    """
-
-    y: tuple[float, ...]
-    stalls: bool
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -84,35 +71,20 @@ def outcome(shaft: Shaft, law: Law, edges: FloatArray) -> Outcome:
     high = 0.5 * shaft.motor.no_load_speed**2
     for _ in range(DOUBLINGS):
         stalled = march.orbit(high)
-        if stalled.stalls or stalled.y[-1] < high:
+        if stalled[-1] < high:
             break
         high *= 2.0
     low = 0.0
     for _ in range(HALVINGS):
         middle = 0.5 * (low + high)
         orbit = march.orbit(middle)
-        if orbit.stalls:
+        if orbit[-1] == 0.0:
             low, stalled = middle, orbit
-        elif orbit.y[-1] < middle:
+        elif orbit[-1] < middle:
             high = middle
         else:
-            return Outcome(march.angles, frozen(orbit.y, np.float64), math.nan)
-    return Outcome(march.angles, None, float(march.angles[len(stalled.y) - 1]))
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Drive:
-    """A motor in plain numbers."""
-
-    speeds: list[float]
-    torques: list[float]
-    slopes: list[float]
-
-    def torque(self, omega: float) -> tuple[float, float]:
-        """Torque and its slope, as `Motor.torque`."""
-        row = min(max(bisect_right(self.speeds, omega) - 1, 0), len(self.slopes) - 1)
-        slope = self.slopes[row]
-        return self.torques[row] + slope * (omega - self.speeds[row]), slope
+            return Outcome(march.angles, frozen(orbit, np.float64), math.nan)
+    return Outcome(march.angles, None, float(march.angles[len(stalled) - 1]))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -120,12 +92,15 @@ class _March:
     """Steps over a turn, with the law at both stages of each."""
 
     inertia: float
-    drive: _Drive
+    torque: Callable[[float], tuple[float, float]]
     angles: FloatArray
     laws: list[list[list[float]]]
 
-    def orbit(self, y: float) -> Orbit:
-        """The turn that begins with `y` [rad^2/s^2]."""
+    def orbit(self, y: float) -> list[float]:
+        """y at the ends of the steps of the turn that begins with `y` [rad^2/s^2].
+
+        It ends with the first 0: the cam comes to rest there.
+        """
         course = [y]
         steps = np.diff(self.angles).tolist()
         for step, (inside, end) in zip(steps, self.laws, strict=True):
@@ -135,10 +110,10 @@ class _March:
                 slope = (first - y) / own
                 second = self._stage(end, y + (step - own) * slope, own, first)
             if first is None or second is None:
-                return Orbit((*course, 0.0), True)
+                return [*course, 0.0]
             y = second
             course.append(y)
-        return Orbit(tuple(course), False)
+        return course
 
     def _stage(self, law: list[float], known: float, step: float, y: float) -> float | None:
         """The y above 0 with y = known + step alpha(y), from a guess; None if there is none."""
@@ -158,7 +133,7 @@ class _March:
         """As `Shaft.rate`, of one number; the slope is 0 at rest."""
         c0, c1, c2, c3, ahead, behind = law
         omega = math.sqrt(2.0 * y)
-        drive, slope = self.drive.torque(omega)
+        drive, slope = self.torque(omega)
         rest = c0 + omega * (c1 + omega * c2)
         gain = ahead if self.inertia * rest + c3 * drive >= 0.0 else behind
         if rest == 0.0 and c3 == 0.0:
@@ -184,6 +159,13 @@ def _march(shaft: Shaft, law: Law, edges: FloatArray) -> _March:
     return _March(shaft.inertia, _plain(shaft.motor), angles, laws.transpose(2, 0, 1).tolist())
 
 
-def _plain(motor: Motor) -> _Drive:
-    slopes = np.diff(motor.torques) / np.diff(motor.speeds)
-    return _Drive(motor.speeds.tolist(), motor.torques.tolist(), slopes.tolist())
+def _plain(motor: Motor) -> Callable[[float], tuple[float, float]]:
+    """`Motor.torque` of one number."""
+    speeds, torques = motor.speeds.tolist(), motor.torques.tolist()
+    slopes = (np.diff(motor.torques) / np.diff(motor.speeds)).tolist()
+
+    def torque(omega: float) -> tuple[float, float]:
+        row = min(max(bisect_right(speeds, omega) - 1, 0), len(slopes) - 1)
+        return torques[row] + slopes[row] * (omega - speeds[row]), slopes[row]
+
+    return torque

@@ -104,6 +104,19 @@ class Mesh:
         high = np.stack((middle, self.high), axis=1).ravel()
         return Mesh(low, high, laws_of(law, low, high))
 
+    def cells(self, which: BoolArray) -> Mesh:
+        """Some of the cells, `which` (m,)."""
+        return Mesh(self.low[which], self.high[which], self.laws[:, which])
+
+    def replaced(self, split: BoolArray, halves: Mesh) -> Mesh:
+        """With both `halves` for each of the cells `split` (m,)."""
+        laws = interleaved(split, self.laws.swapaxes(0, 1), halves.laws.swapaxes(0, 1))
+        return Mesh(
+            interleaved(split, self.low, halves.low),
+            interleaved(split, self.high, halves.high),
+            laws.swapaxes(0, 1),
+        )
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class DoubleMesh:
@@ -114,29 +127,18 @@ class DoubleMesh:
 
     def refined(self, law: Law, split: BoolArray) -> DoubleMesh:
         """The cells `split` (m,) of the coarse mesh halved; what is known already is taken over."""
-        pieces = np.where(split, 2, 1)
-        source = np.repeat(np.arange(len(split)), pieces)
-        second = np.concatenate(([False], source[1:] == source[:-1]))
-        was_split = split[source]
-        half = 2 * source + second
-        coarse, fine = self.coarse, self.fine
-        low = np.where(was_split, fine.low[half], coarse.low[source])
-        high = np.where(was_split, fine.high[half], coarse.high[source])
-        laws = np.where(
-            was_split[np.newaxis, :, np.newaxis], fine.laws[:, half], coarse.laws[:, source]
-        )
-        new = Mesh(low[was_split], high[was_split], laws[:, was_split]).halved(law)
-        fine_low = np.stack((low, 0.5 * (low + high)), axis=1)
-        fine_high = np.stack((0.5 * (low + high), high), axis=1)
-        fine_laws = np.empty((len(laws), len(low), 2, NODES))
-        kept = source[~was_split]
-        shape = (len(laws), -1, 2, NODES)
-        fine_laws[:, ~was_split] = fine.laws.reshape(shape)[:, kept]
-        fine_laws[:, was_split] = new.laws.reshape(shape)
+        both = np.repeat(split, 2)
+        halves = self.fine.cells(both)
         return DoubleMesh(
-            Mesh(low, high, laws),
-            Mesh(fine_low.ravel(), fine_high.ravel(), fine_laws.reshape(len(laws), -1, NODES)),
+            self.coarse.replaced(split, halves), self.fine.replaced(both, halves.halved(law))
         )
+
+
+def interleaved(split: BoolArray, own: FloatArray, halves: FloatArray) -> FloatArray:
+    """The rows `own` (m, ...), but for those to `split` two each of `halves`, in order."""
+    places = np.concatenate((2 * np.flatnonzero(~split), np.flatnonzero(np.repeat(split, 2))))
+    found: FloatArray = np.concatenate((own[~split], halves))[np.argsort(places)]
+    return found
 
 
 def nodes_of(low: FloatArray, high: FloatArray) -> FloatArray:

@@ -19,7 +19,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from camgeo.effects.speed_fluctuation.motor import Motor
+from camgeo.effects.speed_fluctuation.spec import Motor
 from camgeo.numeric.arrays import FloatArray
 
 

@@ -8,19 +8,16 @@ from typing import Final
 import numpy as np
 
 from camgeo.effects.effect import Subject
-from camgeo.effects.shocks import torque_shocks
+from camgeo.effects.immovable import torque_shocks
 from camgeo.effects.speed_fluctuation.march import outcome
 from camgeo.effects.speed_fluctuation.mesh import Law, Mesh, double_mesh, rule
-from camgeo.effects.speed_fluctuation.newton import NoConvergenceError
 from camgeo.effects.speed_fluctuation.rate import Shaft, StuckError
-from camgeo.effects.speed_fluctuation.steady import SteadyTurn, steady_turn
+from camgeo.effects.speed_fluctuation.steady import NoConvergenceError, SteadyTurn, steady_turn
+from camgeo.effects.told import N_M, missed
 from camgeo.errors import EffectError
 from camgeo.numeric.arrays import FloatArray
 from camgeo.numeric.roots import bracketed_roots
 from camgeo.units import TURN
-
-N_M: Final = 1e-3
-"""N m in an N mm."""
 
 LONGEST: Final = TURN / 24.0
 """Of a cell to begin with."""
@@ -31,7 +28,7 @@ GUESSES: Final = 65
 
 def refuse_shocks(subject: Subject, law: Law) -> None:
     """Raise EffectError if the velocity of a mass jumps: by how much the speed does is unknown."""
-    edges = subject.cam.drive.smooth_angles
+    edges = subject.drive.smooth_angles
     places = torque_shocks(subject, lambda phi, side: law(phi, side)[3], edges)
     if len(places):
         first = float(places[0])
@@ -131,9 +128,4 @@ def _missed(reached: float | None, tolerance: float) -> EffectError:
         return EffectError(
             "no steady state of the cam's speed was found, though the motor does not stall"
         )
-    return EffectError(
-        f"the speed of the cam reaches an error of {reached:.3g} of its largest value instead of"
-        f" the tolerance of {tolerance:g}",
-        value=reached,
-        limit=tolerance,
-    )
+    return missed("the speed of the cam", reached, "its largest value", tolerance)

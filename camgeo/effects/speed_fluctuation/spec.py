@@ -4,10 +4,116 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Final
 
-from camgeo.effects.speed_fluctuation.motor import Motor, parse_motor
+import numpy as np
+
+from camgeo.effects.effect import DataFile
 from camgeo.errors import GeometryError
+from camgeo.motion.two_columns import Column, check_ascending, read_two_columns
+from camgeo.numeric.arrays import FloatArray, frozen
+from camgeo.units import RPM
+
+N_MM: Final = 1e3
+"""N mm in an N m."""
+
+SPEED: Final = Column(
+    "speed", ("n", "speed"), ("rev/min", "rpm", "1/min", "min-1", "min^-1", "r/min")
+)
+TORQUE: Final = Column("torque", ("m", "t", "torque"), ("n m", "nm", "n*m"))
+
+LINE: Final = ("stall_torque", "no_load_speed")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Motor:
+    """Torque on the camshaft over its speed.
+
+    Between two rows it is a straight line; the first and the last line go on beyond the rows.
+
+    Attributes
+    ----------
+    speeds : (k,) [rad/s], k >= 2, ascending.
+    torques : (k,) [N mm], descending.
+    """
+
+    speeds: FloatArray
+    torques: FloatArray
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "speeds", frozen(self.speeds, np.float64))
+        object.__setattr__(self, "torques", frozen(self.torques, np.float64))
+
+    def torque(self, omega: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Torque [N mm] and its derivative [N mm s] at the speeds `omega` (...) [rad/s]."""
+        row = np.clip(np.searchsorted(self.speeds, omega, "right") - 1, 0, len(self.speeds) - 2)
+        slope = (np.diff(self.torques) / np.diff(self.speeds))[row]
+        return self.torques[row] + slope * (omega - self.speeds[row]), slope
+
+    @property
+    def no_load_speed(self) -> float:
+        """Speed [rad/s] at which the torque is 0; 0 if it never is above 0."""
+        if self.torques[-1] > 0.0:
+            slope = (self.torques[-1] - self.torques[-2]) / (self.speeds[-1] - self.speeds[-2])
+            return float(self.speeds[-1] - self.torques[-1] / slope)
+        if self.torques[0] <= 0.0:
+            slope = (self.torques[1] - self.torques[0]) / (self.speeds[1] - self.speeds[0])
+            return max(float(self.speeds[0] - self.torques[0] / slope), 0.0)
+        return float(np.interp(0.0, self.torques[::-1], self.speeds[::-1]))
+
+
+def parse_motor(table: Mapping[str, Any]) -> Motor:
+    """The motor of the table, by a straight line or by a file.
+
+    Raises
+    ------
+    GeometryError
+        With the key, if there is neither or both; with file and line, if the curve does not fall.
+    """
+    given = [key for key in LINE if key in table]
+    if "file" in table:
+        if given:
+            raise GeometryError(
+                "contradicts file, which gives the torque of the motor too", key=given[0]
+            )
+        return read_motor(table["file"])
+    for key in LINE:
+        if key not in table:
+            raise GeometryError(
+                "is missing: the motor needs stall_torque and no_load_speed, or a file", key=key
+            )
+    if not table["stall_torque"] > 0.0:
+        raise GeometryError(
+            "the torque of the motor must fall to 0 at no_load_speed; allowed is above 0 N m",
+            key="stall_torque",
+            value="0",
+        )
+    return Motor(
+        np.array([0.0, table["no_load_speed"]]),
+        np.array([table["stall_torque"], 0.0]),
+    )
+
+
+def read_motor(file: DataFile) -> Motor:
+    """The motor of a CSV file: speed [rev/min] and torque [N m].
+
+    The file is written as `camgeo.motion.two_columns` tells; a heading may call the columns "n" or
+    "speed", and "M", "T" or "torque".
+    """
+    try:
+        table = read_two_columns(file.data, file.name, (SPEED, TORQUE))
+        check_ascending(table, table.first, "speed")
+        if table.first[0] < 0.0:
+            raise table.fault(0, table.first, "a speed below 0 rev/min")
+        rises = np.flatnonzero(np.diff(table.second) >= 0.0)
+        if len(rises):
+            row = int(rises[0]) + 1
+            before = float(table.second[row - 1])
+            message = f"the torque before is {before!r}; allowed is only falling"
+            raise table.fault(row, table.second, message)
+    except GeometryError as error:
+        raise GeometryError(error.message, "file", error.value) from error
+    return Motor(RPM * table.first, N_MM * table.second)
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,8 +10,15 @@ from typing import Final
 
 import numpy as np
 
-from camgeo.effects.speed_fluctuation.mesh import NODES, DoubleMesh, Law, Mesh, legendre, rule
-from camgeo.effects.speed_fluctuation.newton import NoConvergenceError, State, newton_step
+from camgeo.effects.speed_fluctuation.mesh import (
+    NODES,
+    DoubleMesh,
+    Law,
+    Mesh,
+    interleaved,
+    legendre,
+    rule,
+)
 from camgeo.effects.speed_fluctuation.rate import Shaft
 from camgeo.numeric.arrays import FloatArray
 from camgeo.units import TURN
@@ -35,6 +42,85 @@ NEAR: Final = 1e-3
 becoming smaller."""
 
 EPS: Final = float(np.finfo(np.float64).eps)
+
+
+class NoConvergenceError(ArithmeticError):
+    """Newton's method finds no periodic solution, or not to the tolerance.
+
+    Attributes
+    ----------
+    reached : the error that was reached as a share of the largest speed; None if there is no
+        solution.
+    """
+
+    def __init__(self, reached: float | None) -> None:
+        super().__init__("no periodic solution was found")
+        self.reached = reached
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class State:
+    """y = base + z, so that a small fluctuation keeps its digits.
+
+    Attributes
+    ----------
+    base : [rad^2/s^2]
+    starts : (m + 1,) z at the ends of the cells.
+    nodes : (m, n) z at their nodes.
+    """
+
+    base: float
+    starts: FloatArray
+    nodes: FloatArray
+
+    @property
+    def all_nodes(self) -> FloatArray:
+        """(m, n + 1) z at the start and at the nodes of each cell."""
+        return np.concatenate((self.starts[:-1, np.newaxis], self.nodes), axis=1)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Step:
+    """A step of Newton's: the changes, those that arise in each cell, the map's slope."""
+
+    starts: FloatArray
+    nodes: FloatArray
+    defects: FloatArray
+    slope: float
+
+
+def newton_step(shaft: Shaft, mesh: Mesh, state: State) -> Step:
+    """Newton's step from `state`."""
+    at = rule()
+    spans = mesh.spans
+    alpha, growth = shaft.rate(mesh.laws, state.base + state.nodes)
+    inner = spans[:, np.newaxis, np.newaxis] * at.integral
+    residual = (
+        state.starts[:-1, np.newaxis] + spans[:, np.newaxis] * (alpha @ at.integral.T) - state.nodes
+    )
+    matrix = np.eye(len(at.nodes)) - inner * growth[:, np.newaxis, :]
+    sides = np.stack((np.ones_like(residual), residual), axis=2)
+    solved = np.linalg.solve(matrix, sides)
+    weight = spans[:, np.newaxis] * at.weights * growth
+    factors = 1.0 + np.sum(weight * solved[:, :, 0], axis=1)
+    gaps = state.starts[:-1] + spans * (alpha @ at.weights) - state.starts[1:]
+    offsets = np.sum(weight * solved[:, :, 1], axis=1) + gaps
+    slope, shift = 1.0, 0.0
+    slopes, shifts = np.empty(len(spans) + 1), np.empty(len(spans) + 1)
+    slopes[0], shifts[0] = slope, shift
+    for k, (factor, offset) in enumerate(zip(factors.tolist(), offsets.tolist(), strict=True)):
+        slope, shift = factor * slope, factor * shift + offset
+        slopes[k + 1], shifts[k + 1] = slope, shift
+    if slope == 1.0:
+        raise NoConvergenceError(None)
+    # The turn closes: z at its end is z at its start.
+    missing = float(state.starts[-1] - state.starts[0])
+    first = (shift + missing) / (1.0 - slope)
+    starts = slopes * first + shifts
+    nodes = solved[:, :, 0] * starts[:-1, np.newaxis] + solved[:, :, 1]
+    # What the cell itself answers to its residual: a stiff motor takes most of it away.
+    defects = np.maximum(np.max(np.abs(solved[:, :, 1]), axis=1), np.abs(offsets))
+    return Step(starts, nodes, defects, slope)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -114,9 +200,8 @@ def steady_turn(
         largest = float(np.max(y_fine))
         # d omega / omega_max = dy / (omega omega_max)
         share = np.max(np.abs(step.nodes) / np.sqrt(y_fine * largest)) * 0.5
-        rounding = EPS * (
-            1.0 + float(np.max(np.abs(fine_state.nodes))) / largest / _off(step.slope)
-        )
+        off = max(abs(1.0 - step.slope), EPS)
+        rounding = EPS * (1.0 + float(np.max(np.abs(fine_state.nodes))) / largest / off)
         reached = float(share) + left + rounding
         if reached <= tolerance:
             fine_state, last = _solved(shaft, mesh.fine, fine_state, tolerance)
@@ -127,19 +212,11 @@ def steady_turn(
         if not np.max(worst) > EPS * EPS * largest or len(split) > MOST_CELLS:
             break
         mesh = mesh.refined(law, split)
-        keep = np.repeat(split, np.where(split, 2, 1))
-        source = np.repeat(np.arange(len(split)), np.where(split, 2, 1))
-        second = np.concatenate(([False], source[1:] == source[:-1]))
-        half = 2 * source + second
-        nodes = np.where(keep[:, np.newaxis], fine_state.nodes[half], state.nodes[source])
-        starts = np.where(keep, fine_state.starts[half], state.starts[source])
+        both = np.repeat(split, 2)
+        nodes = interleaved(split, state.nodes, fine_state.nodes[both])
+        starts = interleaved(split, state.starts[:-1], fine_state.starts[:-1][both])
         state = State(state.base, np.append(starts, state.starts[-1]), nodes)
     raise NoConvergenceError(reached)
-
-
-def _off(slope: float) -> float:
-    """1 - slope, never 0."""
-    return max(abs(1.0 - slope), EPS)
 
 
 def _solved(shaft: Shaft, mesh: Mesh, state: State, tolerance: float) -> tuple[State, float]:

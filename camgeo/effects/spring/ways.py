@@ -15,6 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -47,7 +48,7 @@ def closing_sense(subject: Subject) -> int:
 def outward(subject: Subject, phi: FloatArray, side: Side) -> FloatArray:
     """(n,) [mm^2/rad^2] of the sign of dn/dq, see `PitchCurve.leverage`; it needs no normal."""
     follower = subject.cam.follower
-    jet = subject.cam.drive.motion.jet(phi, side, 1 + follower.ahead)
+    jet = subject.drive.motion.jet(phi, side, 1 + follower.ahead)
     relative = follower.relative_jet(jet, subject.cam.rotation, 1)
     along: FloatArray = follower.reach * relative.u
     return along
@@ -126,7 +127,7 @@ class BetweenPoints:
 def along_guide(subject: Subject) -> Along:
     """Along the guide of a translating follower: it relaxes towards the flank in use."""
     sense = closing_sense(subject) * subject.cam.follower.reach
-    return Along(subject.cam.drive.motion, _start(subject.cam.drive.motion), sense)
+    return Along(subject.drive.motion, _start(subject.drive.motion), sense)
 
 
 def about_pivot(subject: Subject) -> Along:
@@ -137,7 +138,7 @@ def about_pivot(subject: Subject) -> Along:
     """
     lever = float(outward(subject, np.zeros(1), "right")[0])
     sense = closing_sense(subject) * float(np.sign(lever))
-    return Along(subject.cam.drive.motion, _start(subject.cam.drive.motion), sense)
+    return Along(subject.drive.motion, _start(subject.drive.motion), sense)
 
 
 def along_slider(subject: Subject, linkage: SliderCrank) -> Along:
@@ -149,7 +150,7 @@ def along_slider(subject: Subject, linkage: SliderCrank) -> Along:
         With key "effects.spring", if the way of the slider that closes the contact is not the same
         all round: where the coupler is square to the guide, or the arm on the line of centres.
     """
-    plan = subject.cam.drive.plan
+    plan = subject.drive.plan
     locked = locked_at(linkage, plan)
     if locked is not None:
         raise GeometryError(
@@ -157,12 +158,8 @@ def along_slider(subject: Subject, linkage: SliderCrank) -> Along:
             f" {np.degrees(locked[0]):.4f} deg the coupler is square to the guide",
             key="effects.spring",
         )
-
-    def lever(phi: FloatArray, side: Side) -> FloatArray:
-        """Of the sign of dn/ds; ds/dpsi itself may vanish in a dead centre, never change sign."""
-        return outward(subject, phi, side)
-
-    found = piecewise_extremes(lever, subject.cam.drive.smooth_angles)
+    # Of the sign of dn/ds; ds/dpsi itself may vanish in a dead centre, never change sign.
+    found = piecewise_extremes(partial(outward, subject), subject.drive.smooth_angles)
     if found.lowest.value < 0.0 < found.highest.value:
         raise GeometryError(
             "the slider closes the contact by moving one way at cam angle"
@@ -171,7 +168,7 @@ def along_slider(subject: Subject, linkage: SliderCrank) -> Along:
             key="effects.spring",
         )
     outwards = 1.0 if found.highest.value > 0.0 else -1.0
-    low = np.concatenate((np.zeros(1), subject.cam.drive.smooth_angles))
+    low = np.concatenate((np.zeros(1), subject.drive.smooth_angles))
     slopes = linkage.per_follower(plan.jet(low, "right", 1)[0])
     slope = float(slopes[np.argmax(np.abs(slopes))])
     sense = closing_sense(subject) * outwards * float(np.sign(slope))
@@ -199,10 +196,10 @@ def between_points(
             "is the pivot of the rocker: a spring there turns nothing",
             key="effects.spring.attachment",
         )
-    start = _start(subject.cam.drive.motion)
+    start = _start(subject.drive.motion)
     swing = subject.cam.follower.swing_sense
-    way = BetweenPoints(subject.cam.drive.motion, start, swing, lever, fixed, sense)
-    shortest = piecewise_extremes(way.length, subject.cam.drive.smooth_angles).lowest
+    way = BetweenPoints(subject.drive.motion, start, swing, lever, fixed, sense)
+    shortest = piecewise_extremes(way.length, subject.drive.smooth_angles).lowest
     if shortest.value <= SHORTEST * (abs(lever) + abs(fixed)):
         raise GeometryError(
             f"is {shortest.value:.3g} mm from the attachment at cam angle"

@@ -11,11 +11,12 @@ import numpy as np
 
 from camgeo.check.finding import Finding
 from camgeo.effects.told import at
-from camgeo.effects.vibration.output import Clock, Elastic, Output
-from camgeo.motion.motion import Dwell, Side
-from camgeo.motion.time_course import in_time
+from camgeo.effects.vibration.output import Clock, Output
+from camgeo.motion.motion import Dwell
+from camgeo.motion.plan import in_turn
 from camgeo.numeric.arrays import FloatArray, merged
 from camgeo.numeric.extremes import Extreme, Extremes, piecewise_extremes
+from camgeo.numeric.oscillator.steady import Response
 from camgeo.numeric.oscillator.train import Train
 from camgeo.units import RPM, TURN
 
@@ -69,16 +70,6 @@ def search_edges(smooth: FloatArray, train: Train | None, period: float) -> Floa
     return merged(edges)
 
 
-def largest(output: Output, order: int, edges: FloatArray) -> Extreme:
-    """Largest magnitude of the deflection, order 0, or the acceleration, 2, with its cam angle."""
-
-    def values(phi: FloatArray, side: Side) -> FloatArray:
-        found: FloatArray = output.states(phi, side)[order]
-        return found
-
-    return magnitude(piecewise_extremes(values, edges))
-
-
 def magnitude(both: Extremes) -> Extreme:
     """The larger one of two extremes, turned positive; its cam angle in [0, 2 pi)."""
     worst = max(both.lowest, both.highest, key=lambda each: abs(each.value))
@@ -119,14 +110,10 @@ def of_error(found: Extreme, limit: float | None, telling: Telling) -> Finding:
     )
 
 
-def of_acceleration(found: Extreme, clock: Clock, edges: FloatArray, telling: Telling) -> Finding:
+def of_acceleration(found: Extreme, clock: Clock, telling: Telling) -> Finding:
     """The largest acceleration of the output, against that of the demanded motion."""
-
-    def rigid(phi: FloatArray, side: Side) -> FloatArray:
-        timed: FloatArray = in_time(clock.plan.jet(phi, side), clock.course, phi)[2]
-        return timed
-
-    demanded = magnitude(piecewise_extremes(rigid, edges))
+    rigid = Output(clock, None)
+    demanded = magnitude(piecewise_extremes(rigid.acceleration, clock.edges))
     times = f", {found.value / demanded.value:.4g} times" if demanded.value > 0.0 else ", against"
     unit = f"{telling.unit}/s^2"
     return Finding(
@@ -143,13 +130,13 @@ def of_acceleration(found: Extreme, clock: Clock, edges: FloatArray, telling: Te
     )
 
 
-def of_rests(elastic: Elastic, telling: Telling) -> Iterator[Finding]:
+def of_rests(clock: Clock, response: Response, telling: Telling) -> Iterator[Finding]:
     """What of the vibration each rest starts with, the most of it, and what is left at the end."""
-    rests = [rest for rest in elastic.clock.plan.dwells if 0.0 < rest.span < TURN]
+    rests = [rest for rest in clock.plan.dwells if 0.0 < rest.span < TURN]
     if not rests:
         return
     starts = np.array([rest.start for rest in rests])
-    amplitudes = elastic.response.free_amplitude(elastic.time(starts, "right"), "right")
+    amplitudes = response.free_amplitude(clock.time(in_turn(starts, "right")), "right")
     for rest, amplitude in zip(rests, amplitudes.tolist(), strict=True):
         yield _residual("residual-vibration", "vibration", rest, amplitude, telling)
     worst = int(np.argmax(amplitudes))
@@ -160,16 +147,16 @@ def of_rests(elastic: Elastic, telling: Telling) -> Iterator[Finding]:
         float(amplitudes[worst]),
         telling,
     )
-    slowest = float(np.max(elastic.response.train.rates.real))
-    shortest = min(rests, key=lambda rest: _duration(elastic.clock, rest))
-    left = math.exp(slowest * _duration(elastic.clock, shortest))
+    slowest = float(np.max(response.train.rates.real))
+    shortest = min(rests, key=lambda rest: _duration(clock, rest))
+    left = math.exp(slowest * _duration(clock, shortest))
     lasts = "longer" if left <= SETTLED else "shorter"
     yield Finding(
         name="settling",
         severity="ok",
         sentence=(
             f"of a vibration {100.0 * left:.3g} % are left after the shortest rest,"
-            f" {1e3 * _duration(elastic.clock, shortest):.4g} ms{_from(shortest.start)}: it is"
+            f" {1e3 * _duration(clock, shortest):.4g} ms{_from(shortest.start)}: it is"
             f" {lasts} than the transient, which ends at {100.0 * SETTLED:g} %"
         ),
         value=left,
@@ -177,9 +164,8 @@ def of_rests(elastic: Elastic, telling: Telling) -> Iterator[Finding]:
     )
 
 
-def of_resonance(elastic: Elastic, most: float, telling: Telling) -> Iterator[Finding]:
+def of_resonance(response: Response, most: float, telling: Telling) -> Iterator[Finding]:
     """The harmonic of the cam's speed next to each natural frequency."""
-    response = elastic.response
     turn = TURN / response.base.period
     for rate in response.train.rates.tolist():
         number = max(1, round(abs(rate) / turn))

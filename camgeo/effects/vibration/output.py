@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 
@@ -15,13 +14,6 @@ from camgeo.numeric.arrays import FloatArray, merged
 from camgeo.numeric.oscillator.steady import Base, Response
 from camgeo.numeric.roots import inverse
 from camgeo.units import TURN
-
-
-class Output(Protocol):
-    """What the output does, against the demanded motion."""
-
-    def states(self, phi: FloatArray, side: Side) -> FloatArray:
-        """(3, n) deflection [mm or rad], its velocity, and the acceleration of the output."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -60,32 +52,37 @@ class Clock:
 
 def clock_of(subject: Subject, course: TimeCourse) -> Clock:
     """The demanded motion of `subject` over time."""
-    edges = merged(np.concatenate((subject.cam.drive.plan.borders, course.borders, [0.0, TURN])))
-    return Clock(subject.cam.drive.plan, course, edges)
+    edges = merged(np.concatenate((subject.drive.plan.borders, course.borders, [0.0, TURN])))
+    return Clock(subject.drive.plan, course, edges)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Elastic:
-    """The output of a train in its steady state."""
+class Output:
+    """The motion of the output.
+
+    Attributes
+    ----------
+    clock : the demanded motion over time.
+    response : of the train in its steady state; None if it is rigid, for it has no mass.
+    """
 
     clock: Clock
-    response: Response
+    response: Response | None
 
     def states(self, phi: FloatArray, side: Side) -> FloatArray:
-        return self.response.states(self.time(phi, side), side)
-
-    def time(self, phi: FloatArray, side: Side) -> FloatArray:
-        """(n,) time [s] within the turn."""
-        return self.clock.time(in_turn(phi, side))
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Rigid:
-    """The output of a train without mass: the demanded motion."""
-
-    clock: Clock
-
-    def states(self, phi: FloatArray, side: Side) -> FloatArray:
+        """(3, n) deflection [mm or rad], its velocity, and the acceleration of the output."""
+        if self.response is not None:
+            return self.response.states(self.clock.time(in_turn(phi, side)), side)
         out = np.zeros((3, len(phi)))
         out[2] = in_time(self.clock.plan.jet(phi, side), self.clock.course, phi)[2]
         return out
+
+    def deflection(self, phi: FloatArray, side: Side) -> FloatArray:
+        """(n,) output less demanded motion [mm or rad] at `phi` (n,) [rad]."""
+        found: FloatArray = self.states(phi, side)[0]
+        return found
+
+    def acceleration(self, phi: FloatArray, side: Side) -> FloatArray:
+        """(n,) acceleration of the output [mm/s^2 or rad/s^2]."""
+        found: FloatArray = self.states(phi, side)[2]
+        return found

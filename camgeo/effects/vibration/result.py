@@ -16,9 +16,10 @@ import numpy as np
 
 from camgeo.check.finding import Finding
 from camgeo.effects.effect import Column, Request, Result
+from camgeo.effects.results import INERTIA
 from camgeo.effects.vibration.findings import (
     Telling,
-    largest,
+    magnitude,
     of_acceleration,
     of_error,
     of_modes,
@@ -26,14 +27,14 @@ from camgeo.effects.vibration.findings import (
     of_rests,
     search_edges,
 )
-from camgeo.effects.vibration.output import Clock, Elastic, Output, Rigid, clock_of
+from camgeo.effects.vibration.output import Clock, Output, clock_of
 from camgeo.effects.vibration.spec import Spec
-from camgeo.effects.vibration.train import train_of
-from camgeo.errors import EffectError
+from camgeo.errors import EffectError, GeometryError
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray
-from camgeo.numeric.oscillator.steady import ResonanceError, steady_state
-from camgeo.numeric.oscillator.train import Train
+from camgeo.numeric.extremes import piecewise_extremes
+from camgeo.numeric.oscillator.steady import ResonanceError, Response, steady_state
+from camgeo.numeric.oscillator.train import Train, one_mass, two_masses
 from camgeo.units import TURN
 
 FORCING: Final = 1e-3
@@ -48,29 +49,11 @@ class Vibration(Result):
     ----------
     findings, columns : see `camgeo.effects.effect.Result`.
     error : estimate of the error of the deflection, as a share of the largest lift.
-    train : its modes; None if it is rigid.
-    source : the output over the cam angle.
+    output : over the cam angle.
     """
 
-    train: Train | None
-    source: Output
-    clock: Clock
+    output: Output
     error: float = field(kw_only=True)
-
-    def deflection(self, phi: FloatArray, side: Side) -> FloatArray:
-        """(n,) output less demanded motion [mm or rad] at `phi` (n,) [rad]."""
-        found: FloatArray = self.source.states(phi, side)[0]
-        return found
-
-    def output(self, phi: FloatArray, side: Side) -> FloatArray:
-        """(n,) motion of the output [mm or rad]."""
-        moved: FloatArray = self.clock.plan.jet(phi, side)[0] + self.deflection(phi, side)
-        return moved
-
-    def acceleration(self, phi: FloatArray, side: Side) -> FloatArray:
-        """(n,) acceleration of the output [mm/s^2 or rad/s^2]."""
-        found: FloatArray = self.source.states(phi, side)[2]
-        return found
 
 
 def compute(request: Request[Spec]) -> Vibration:
@@ -84,38 +67,35 @@ def compute(request: Request[Spec]) -> Vibration:
         If an undamped train is in resonance, or the tolerance cannot be reached.
     """
     subject, spec = request.subject, request.spec
-    turns = subject.cam.drive.unit == "rad"
+    turns = subject.drive.unit == "rad"
     limit = spec.limit_angle if turns else spec.limit
     telling = Telling("deg", math.degrees(1.0)) if turns else Telling("mm", 1.0)
     train = train_of(request)
     clock = clock_of(subject, request.course)
     period = float(clock.time(clock.edges[-1:])[0])
-    edges = search_edges(subject.cam.drive.smooth_angles, train, period)
+    edges = search_edges(subject.drive.smooth_angles, train, period)
     findings: list[Finding] = []
-    source: Output = Rigid(clock)
-    elastic, error = None, 0.0
+    response, error = None, 0.0
     if train is not None:
-        elastic, error = _elastic(clock, train, request.tolerance)
-        source = elastic
+        response, error = _response(clock, train, request.tolerance)
         findings += of_modes(train, period)
-    most = largest(source, 0, edges)
-    findings.append(of_error(most, limit, telling))
-    findings.append(of_acceleration(largest(source, 2, edges), clock, clock.edges, telling))
-    if elastic is not None:
-        findings += of_rests(elastic, telling)
-        findings += of_resonance(elastic, most.value, telling)
+    output = Output(clock, response)
+    most = magnitude(piecewise_extremes(output.deflection, edges))
+    fastest = magnitude(piecewise_extremes(output.acceleration, edges))
+    findings += [of_error(most, limit, telling), of_acceleration(fastest, clock, telling)]
+    if response is not None:
+        findings += of_rests(clock, response, telling)
+        findings += of_resonance(response, most.value, telling)
     return Vibration(
-        train,
-        source,
-        clock,
+        output,
         findings=tuple(findings),
-        columns=_columns(source, telling, limit),
+        columns=_columns(output, telling, limit),
         error=error,
     )
 
 
-def _elastic(clock: Clock, train: Train, tolerance: float) -> tuple[Elastic, float]:
-    """The output, and the error of its deflection as a share of the largest lift."""
+def _response(clock: Clock, train: Train, tolerance: float) -> tuple[Response, float]:
+    """The steady state, and the error of its deflection as a share of the largest lift."""
     lift = float(np.max(np.abs(clock.plan.jet(clock.edges)[0])))
     error = math.inf
     for share in (FORCING * tolerance, 0.0):
@@ -132,7 +112,7 @@ def _elastic(clock: Clock, train: Train, tolerance: float) -> tuple[Elastic, flo
             ) from None
         error = response.error / lift if lift > 0.0 else 0.0
         if error <= tolerance:
-            return Elastic(clock, response), error
+            return response, error
     raise EffectError(
         f"the deflection is known to {error:.3g} of the lift only, {tolerance:.3g} is asked: an"
         " undamped train so near to resonance magnifies all rounding",
@@ -142,15 +122,57 @@ def _elastic(clock: Clock, train: Train, tolerance: float) -> tuple[Elastic, flo
     )
 
 
-def _columns(source: Output, telling: Telling, limit: float | None) -> tuple[Column, ...]:
-    def column(name: str, unit: str, order: int, limit: float | None = None) -> Column:
-        def values(phi: FloatArray, side: Side) -> FloatArray:
-            return np.asarray(telling.scale * source.states(phi, side)[order])
+def _columns(output: Output, telling: Telling, limit: float | None) -> tuple[Column, ...]:
+    unit, scale = telling.unit, telling.scale
+    bound = None if limit is None else scale * limit
 
-        return Column(name, unit, values, limit)
+    def deflection(phi: FloatArray, side: Side) -> FloatArray:
+        return scale * output.deflection(phi, side)
 
-    bound = None if limit is None else telling.scale * limit
+    def acceleration(phi: FloatArray, side: Side) -> FloatArray:
+        return scale * output.acceleration(phi, side)
+
     return (
-        column("vibration deflection", telling.unit, 0, bound),
-        column("output acceleration", f"{telling.unit}/s^2", 2),
+        Column("vibration deflection", unit, deflection, bound),
+        Column("output acceleration", f"{unit}/s^2", acceleration),
     )
+
+
+def train_of(request: Request[Spec]) -> Train | None:
+    """The elastic train; None if it is rigid, for there is no mass.
+
+    With a stiffness k, w^2 = k / m for the mass m that [effects.inertia] gives. With a second mass
+    m is both of them together, so that the first one is m / (1 + mass_ratio).
+
+    Raises
+    ------
+    GeometryError
+        If the masses are missing.
+    """
+    spec = request.spec
+    frequency = spec.natural_frequency
+    if frequency is None:
+        stiffness = spec.stiffness if spec.stiffness is not None else spec.torsional_stiffness
+        assert stiffness is not None  # `parse` refuses a table without
+        inertia = request.results.get(INERTIA)
+        if inertia is None:
+            raise GeometryError(
+                "is missing: with a stiffness the natural frequency needs the masses",
+                key="effects.inertia",
+            )
+        linkage = request.subject.drive.linkage
+        if inertia.moved == 0.0 and linkage is not None and linkage.member != "slider":
+            raise GeometryError(
+                "is missing: with a stiffness the natural frequency needs the moment of inertia at"
+                " the far end of the linkage; or give natural_frequency",
+                key="effects.inertia.output_moment",
+            )
+        if inertia.moved == 0.0:
+            return None
+        share = 1.0 if spec.second is None else 1.0 + spec.second.mass_ratio
+        frequency = math.sqrt(share * stiffness / inertia.moved)
+    if math.isinf(frequency):
+        return None if spec.second is None else one_mass(spec.second.frequency, spec.second.damping)
+    if spec.second is None:
+        return one_mass(frequency, spec.damping)
+    return two_masses(frequency, spec.damping, spec.second)

@@ -1,0 +1,85 @@
+"""Masses that no finite force moves: where the velocity jumps, and behind a locked linkage."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from camgeo.errors import EffectError
+from camgeo.motion.joints import breaks
+
+if TYPE_CHECKING:
+    from camgeo.effects.effect import Quantity, Subject
+    from camgeo.effects.results import Inertia
+    from camgeo.mechanism.linkage_protocol import Member
+    from camgeo.numeric.arrays import FloatArray
+
+JUMP: Final = 1e-9
+"""A jump of the velocity by less than this share of the largest is rounding."""
+
+POSES: Final[dict[Member, tuple[str, str, str]]] = {
+    "slider": (
+        "the coupler is square to the guide of the slider",
+        "stroke",
+        "the rocker cannot move the slider",
+    ),
+    "lever": ("coupler and lever are in line", "angle", "the rocker cannot move the lever"),
+    "crank": ("crank and coupler are in line", "angle", "the slider cannot turn the crank"),
+}
+"""How the linkage stands, what its positions are, and what the follower cannot do; by the member at
+the far end."""
+
+
+def shocks(subject: Subject, inertia: Inertia | None) -> list[float]:
+    """The cam angles [rad] at which it does; none without any mass there."""
+    if inertia is None:
+        return []
+    jumps = [each.cam_angle for each in breaks(subject.drive.plan) if each.order < 1]
+    return [phi for phi in jumps if inertia.to_follower(np.array([phi]), "right")[0] > 0.0]
+
+
+def torque_shocks(subject: Subject, per_alpha: Quantity, edges: FloatArray) -> FloatArray:
+    """(k,) the cam angles [rad] at which the torque on the camshaft is infinite.
+
+    The velocity of the follower jumps there, and `per_alpha`, what its forces grow by with the
+    acceleration of the cam, is not 0; `edges` (m,) [rad] tell where it moves.
+    """
+    motion = subject.drive.motion
+    places = np.asarray(motion.breaks)
+    if not len(places):
+        return places
+    jump = np.abs(motion.jet(places, "right", 1)[1] - motion.jet(places, "left", 1)[1])
+    inside = np.abs(motion.jet(edges[:-1] + 0.5 * np.diff(edges), "right", 1)[1])
+    heavy = (per_alpha(places, "left") != 0.0) | (per_alpha(places, "right") != 0.0)
+    hit: FloatArray = places[
+        heavy & (jump > JUMP * max(float(np.max(inside)), float(np.max(jump))))
+    ]
+    return hit
+
+
+def refuse_locked(subject: Subject, burden: str) -> None:
+    """Raise EffectError if the follower cannot move the far end of its linkage somewhere.
+
+    `burden` is what it would have to be moved with, as the sentence goes on: "'s mass".
+    """
+    linkage = subject.drive.linkage
+    if linkage is None:
+        return
+    from camgeo.mechanism.positions import locked_at
+
+    locked = locked_at(linkage, subject.drive.plan)
+    if locked is None:
+        return
+    pose, what, cannot = POSES[linkage.member]
+    phi, position = locked
+    value, unit = (position, "mm") if linkage.unit == "mm" else (math.degrees(position), "deg")
+    raise EffectError(
+        f"{pose} at cam angle {math.degrees(phi):.6g} deg, {what} {value:.6g} {unit}:"
+        f" {cannot}{burden} there, at whatever force; the {what} must keep clear of it",
+        finding=f"locked-{linkage.member}",
+        value=value,
+        unit=unit,
+        cam_angle=phi,
+    )
