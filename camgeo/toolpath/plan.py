@@ -2,20 +2,16 @@
 
 from __future__ import annotations
 
-import cmath
-import math
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
 
 from camgeo.contour.contour import Effort
+from camgeo.contour.spline import Arc
 from camgeo.toolpath.cut import Cut
 from camgeo.toolpath.machine import ArcLimits
 from camgeo.toolpath.machining_time import arc_sweep
 from camgeo.toolpath.moves import ArcFeed, Move, Operation, Toolpath
 from camgeo.toolpath.strategies import STRATEGIES
-
-ROUNDED = 1e-12
-"""An arc that exceeds the largest one by this share of it is one of it, rounded."""
 
 
 def plan_toolpath(
@@ -55,11 +51,8 @@ def divided(moves: Iterable[Move], largest: float) -> Iterator[Move]:
 
 
 def _parts(start: complex, move: ArcFeed, largest: float) -> Iterator[ArcFeed]:
-    centre = complex(*move.centre)
-    arm = start - centre
-    sweep = arc_sweep(arm, complex(move.end[0], move.end[1]) - centre, ccw=move.ccw)
-    count = max(1, math.ceil(abs(sweep) / largest - ROUNDED))
-    for part in range(1, count):
-        point = centre + arm * cmath.exp(1j * sweep * part / count)
-        yield replace(move, end=(point.real, point.imag, move.end[2]))
+    centre, end = complex(*move.centre), complex(move.end[0], move.end[1])
+    sweep = arc_sweep(start - centre, end - centre, ccw=move.ccw)
+    for arc in Arc(start, end, sweep, centre).split(largest)[:-1]:
+        yield replace(move, end=(arc.end.real, arc.end.imag, move.end[2]))
     yield move

@@ -6,14 +6,12 @@ DXF. The last piece leads back to the first row. A header and lines that begin w
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from camgeo.contour.contour import Contour
 from camgeo.units import MM_PER, LengthUnit
 from camgeo_export.chain import chain
-from camgeo_export.errors import FileError
+from camgeo_export.errors import FileError, finite
 
 HEADERS = (("x", "y"), ("x", "y", "bulge"))
 
@@ -72,20 +70,10 @@ def _rows(data: bytes, name: str) -> list[tuple[int, list[float]]]:
                 continue
         if len(cells) != width:
             raise FileError(f"{name}, line {line}: {len(cells)} values where {width} are expected")
-        rows.append((line, [_number(cell, name, line) for cell in cells] + [0.0] * (3 - width)))
+        rows.append((line, [finite(cell, name, line) for cell in cells] + [0.0] * (3 - width)))
     if not rows:
         raise FileError(f"{name}: holds no points; allowed are rows x, y and x, y, bulge")
     return rows
-
-
-def _number(text: str, name: str, line: int) -> float:
-    try:
-        number = float(text)
-    except ValueError:
-        raise FileError(f"{name}, line {line}: {text[:40]!r} is no number") from None
-    if not math.isfinite(number):
-        raise FileError(f"{name}, line {line}: {text!r} is not a finite number")
-    return number
 
 
 READER = ContourCsvReader()

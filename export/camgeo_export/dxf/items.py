@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from camgeo_export.errors import FileError
+from camgeo_export.errors import FileError, finite
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,7 +43,11 @@ class Item:
             if default is None:
                 raise self.fault(f"has no group {code}")
             return default
-        return number_of(tag, self.name)
+        return self.value(tag)
+
+    def value(self, tag: Tag) -> float:
+        """The finite number that one of its tags has."""
+        return finite(tag.value, self.name, tag.line)
 
     @property
     def mirrored(self) -> bool:
@@ -53,17 +56,6 @@ class Item:
         if x or y or abs(z) != 1.0:
             raise self.fault("does not lie in the plane of the drawing")
         return z < 0.0
-
-
-def number_of(tag: Tag, name: str) -> float:
-    """The finite number that a tag of the file `name` has."""
-    try:
-        number = float(tag.value)
-    except ValueError:
-        number = math.nan
-    if not math.isfinite(number):
-        raise FileError(f"{name}, line {tag.line}: {tag.value[:40]!r} is no finite number")
-    return number
 
 
 def tags_of(data: bytes, name: str) -> Iterator[Tag]:

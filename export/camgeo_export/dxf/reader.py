@@ -18,8 +18,8 @@ from camgeo.contour.contour import Contour
 from camgeo.contour.spline import Arc, CubicSpline
 from camgeo.units import MM_PER, LengthUnit
 from camgeo_export.dxf.curves import Curve, Strand, arc_of, closed, spline_of
-from camgeo_export.dxf.items import Item, Tag, number_of, read_items
-from camgeo_export.errors import FileError
+from camgeo_export.dxf.items import Item, Tag, read_items
+from camgeo_export.errors import FileError, finite
 
 MM_PER_INSUNIT = {1: 25.4, 2: 304.8, 4: 1.0, 5: 10.0, 6: 1000.0}
 """Millimetres of the units that $INSUNITS names: inch, foot, mm, cm, m."""
@@ -87,7 +87,7 @@ class Drawing:
         Raises FileError if it is unknown, or not what the drawing says.
         """
         name, tag = self.name, self.header.get("$INSUNITS")
-        code = 0 if tag is None else int(number_of(tag, name))
+        code = 0 if tag is None else int(finite(tag.value, name, tag.line))
         if code == 0:
             if unit is None:
                 message = "does not say its unit ($INSUNITS); say mm or inch (--unit)"
@@ -197,7 +197,7 @@ def _arcs(item: Item, scale: float) -> list[Arc]:
 
 
 def _spline(item: Item, scale: float) -> CubicSpline:
-    numbers = [(tag.code, number_of(tag, item.name)) for tag in item.tags if 10 <= tag.code < 80]
+    numbers = [(tag.code, item.value(tag)) for tag in item.tags if 10 <= tag.code < 80]
     try:
         return spline_of(numbers, scale)
     except FileError as error:
@@ -216,9 +216,9 @@ def _polyline(item: Item, scale: float) -> list[Arc]:
     else:
         for tag in item.tags:
             if tag.code == 10:
-                rows.append([number_of(tag, item.name), 0.0, 0.0])
+                rows.append([item.value(tag), 0.0, 0.0])
             elif tag.code in (20, 42) and rows:
-                rows[-1][1 if tag.code == 20 else 2] = number_of(tag, item.name)
+                rows[-1][1 if tag.code == 20 else 2] = item.value(tag)
         if len(rows) != item.number(90, len(rows)):
             raise item.fault(f"has {len(rows)} vertices, not as many as it states")
     points = [complex(x, y) * scale for x, y, _ in rows]

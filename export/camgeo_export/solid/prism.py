@@ -12,6 +12,7 @@ from itertools import groupby
 
 import manifold3d
 import numpy as np
+import shapely
 
 from camgeo.errors import ToleranceError
 from camgeo.numeric.arrays import ComplexArray, FloatArray, IntArray
@@ -92,21 +93,14 @@ def _winds_up(ring: ComplexArray, rings: list[ComplexArray]) -> bool:
 
     A face that looks up has its outermost ring counter-clockwise and its holes clockwise.
     """
-    around = sum(_holds(other, complex(ring[0])) for other in rings if other is not ring)
-    return (_area(ring) > 0.0) == (around % 2 == 0)
+    start = shapely.Point(ring[0].real, ring[0].imag)
+    others = (_polygon(other) for other in rings if other is not ring)
+    around = sum(other.contains(start) for other in others)
+    return bool(shapely.is_ccw(_polygon(ring).exterior)) == (around % 2 == 0)
 
 
-def _area(ring: ComplexArray) -> float:
-    return 0.5 * float(np.sum((ring.conj() * np.roll(ring, -1)).imag))
-
-
-def _holds(ring: ComplexArray, point: complex) -> bool:
-    """Whether a ray from `point` along x crosses `ring` an odd number of times."""
-    start, end = ring - point, np.roll(ring, -1) - point
-    crossing = (start.imag > 0.0) != (end.imag > 0.0)
-    start, end = start[crossing], end[crossing]
-    ahead = (start.conj() * end).imag / (end.imag - start.imag)
-    return bool(np.count_nonzero(ahead > 0.0) % 2)
+def _polygon(ring: ComplexArray) -> shapely.Polygon:
+    return shapely.Polygon(np.column_stack((ring.real, ring.imag)))
 
 
 class _Mesh:
