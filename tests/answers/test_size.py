@@ -5,12 +5,13 @@ from __future__ import annotations
 import json
 import math
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 
 import pytest
 
 from camgeo.answers.render import figure, text
-from camgeo.answers.size import resized, size, sized_scene
+from camgeo.answers.size import CamSize, resized, size, sized_scene
 from camgeo.check.sizing.smallest import Sizing
 from camgeo.design import Design
 from camgeo.errors import GeometryError
@@ -21,6 +22,12 @@ NAMES = ("inch", "plate_translating", "ring", "setzhub", "vorschub")
 """Guides and rockers, with a linkage and without, in mm and inch, inside and outside."""
 
 SETZHUB = FIXTURES / "scenes" / "setzhub.toml"
+
+
+@cache
+def with_arm() -> CamSize:
+    """One whose arm was looked for."""
+    return size(Design(load_scene(SETZHUB)), arms=(40.0, 60.0))
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -49,7 +56,7 @@ def test_what_cannot_be_met_is_told_alike() -> None:
 
 
 def test_text_and_document_are_of_one_result() -> None:
-    found = size(Design(load_scene(SETZHUB)), arms=(40.0, 60.0))
+    found = with_arm()
     told = document(found)
     assert (told["present"]["arm_mm"], told["smallest"]["arm_mm"]) == (61.29, 40.0)
     answer = found.sizing.answer
@@ -64,7 +71,7 @@ def test_text_and_document_are_of_one_result() -> None:
 
 
 def test_the_scene_with_the_answer_keeps_what_was_required() -> None:
-    found = size(Design(load_scene(SETZHUB)), arms=(40.0, 60.0))
+    found = with_arm()
     written = sized_scene(found)
     assert found.sizing.answer is not None
     again = size(Design(written))
