@@ -123,7 +123,7 @@ FOLLOWERS: Final = {
         ),
         FollowerKind(
             name="translating-flat",
-            description="a flat face square across a straight guide.",
+            description="a flat face square to a straight guide.",
             unit="mm",
             touching="face",
             schema=schema_beside(__file__, "translating_flat"),
@@ -152,7 +152,7 @@ LINKAGES: Final = {
             description=(
                 "with an oscillating follower the motion is the stroke of a slider; coupler and"
                 " crank turn the rocker shaft. With a translating follower it is the angle of the"
-                " crank [degrees], from its place at stroke 0, counter-clockwise; the slider"
+                " crank [degrees], from its position at stroke 0, counter-clockwise; the slider"
                 " carries the roller."
             ),
             members={"rad": "slider", "mm": "crank"},
