@@ -64,34 +64,23 @@ def check_undercut(
             f" equals the pitch curve's radius of curvature, {1 / abs(kappa):.6g} mm"
         )
         return (Finding(f"cusp-{name}", severity, told, margin, 0.0, cam_angle=phi),)
-    return tuple(
-        _undercut(flank, name, bends, span, severity) for span in undercut_ranges(flank, bends)
-    )
-
-
-def _undercut(
-    flank: WorkingCurve,
-    name: str,
-    bends: Extremes,
-    cam_range: tuple[float, float],
-    severity: Severity,
-) -> Finding:
-    """The finding of one range; its margin is that of an extreme, of which every range has one."""
-    start, end = cam_range
-    span = end - start if end > start else end - start + TURN
-    # It may lie at a break that ends the range, whose angle has been rounded differently.
-    inside = np.flatnonzero((bends.phi - start + INSIDE) % TURN <= span + 2.0 * INSIDE)
-    margins = 1.0 + flank.distance * bends.values[inside]
-    worst = int(np.argmin(margins))
-    told = (
-        f"{name} flank: undercut from cam angle {math.degrees(start):.6f} to"
-        f" {math.degrees(end):.6f} deg, the roller is larger than the radius of curvature of the"
-        " pitch curve; the follower would not make its motion"
-    )
-    value, place = float(margins[worst]), float(bends.phi[inside[worst]]) % TURN
-    return Finding(
-        f"undercut-{name}", severity, told, value, 0.0, cam_angle=place, cam_range=(start, end)
-    )
+    found = []
+    for start, end in undercut_ranges(flank, bends):
+        span = end - start if end > start else end - start + TURN
+        # Every range has an extreme; it may lie at a break that ends the range, whose angle has
+        # been rounded differently.
+        inside = np.flatnonzero((bends.phi - start + INSIDE) % TURN <= span + 2.0 * INSIDE)
+        margins = 1.0 + flank.distance * bends.values[inside]
+        worst = int(np.argmin(margins))
+        value, place = float(margins[worst]), float(bends.phi[inside[worst]]) % TURN
+        told = (
+            f"{name} flank: undercut from cam angle {math.degrees(start):.6f} to"
+            f" {math.degrees(end):.6f} deg, the roller is larger than the radius of curvature of"
+            " the pitch curve; the follower would not make its motion"
+        )
+        what = f"undercut-{name}"
+        found.append(Finding(what, severity, told, value, 0.0, "", place, (start, end)))
+    return tuple(found)
 
 
 def _what(flank: WorkingCurve) -> str:

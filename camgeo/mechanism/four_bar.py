@@ -163,10 +163,8 @@ class FourBar(RockerCrank):
         sine, cosine = self.half_angle_at(motion)
         across = self._across_lever(motion)
         if np.any(np.abs(across) <= ROUNDING * self.lever * (self.lever + self.coupler)):
-            raise GeometryError(
-                "coupler and lever are in line: the rocker cannot move the lever",
-                key="linkage",
-            )
+            message = "coupler and lever are in line: the rocker cannot move the lever"
+            raise GeometryError(message, key="linkage")
         return np.asarray(0.5 * self.branch * self.lever_sense * sine * cosine / across)
 
     def _across_lever(self, motion: FloatArray) -> FloatArray:

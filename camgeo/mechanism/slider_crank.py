@@ -76,10 +76,8 @@ class SliderCrank(RockerCrank):
         check_fields(self, "linkage.")
         gap = self.missing_length(np.zeros(1))[0]
         if gap > 0.0:
-            raise GeometryError(
-                f"the linkage does not close at stroke 0: it misses by {gap:.6g} mm",
-                key="linkage",
-            )
+            message = f"the linkage does not close at stroke 0: it misses by {gap:.6g} mm"
+            raise GeometryError(message, key="linkage")
 
     @cached_property
     def guide_height(self) -> float:
@@ -294,10 +292,8 @@ class SliderCrank(RockerCrank):
         x, _ = self.pin(stroke)
         across = -x - self.crank * np.cos(self.crank_angle(stroke))  # l_4 cos v
         if np.any(np.abs(across) <= self._rounding):
-            raise GeometryError(
-                "the coupler is square to the guide: the rocker cannot move the slider",
-                key="linkage",
-            )
+            message = "the coupler is square to the guide: the rocker cannot move the slider"
+            raise GeometryError(message, key="linkage")
         # The product is 2 l_sk l_4 sin(v - theta) in magnitude; the branch gives its sign.
         product = np.multiply(*self.half_angle_at(stroke))
         slide = -0.5 * self.stroke_direction * self.branch * product / across

@@ -66,10 +66,8 @@ class SliderDrivenCrank:
         instance("linkage", self.inner, SliderCrank, "a slider-crank, a `SliderCrank`")
         drop = float(self._drop(np.zeros(1))[0])
         if self.coupler - abs(drop) <= ROUNDING * (self.crank + self.coupler):
-            raise GeometryError(
-                "dead centre at stroke 0: the coupler is square to the guide of the slider",
-                key="linkage",
-            )
+            message = "dead centre at stroke 0: the coupler is square to the guide of the slider"
+            raise GeometryError(message, key="linkage")
 
     @property
     def crank(self) -> float:
@@ -178,10 +176,8 @@ class SliderDrivenCrank:
         """
         across = self._across_crank(angle)
         if np.any(np.abs(across) <= ROUNDING * self.crank * (self.crank + self.coupler)):
-            raise GeometryError(
-                "crank and coupler are in line: the slider cannot turn the crank",
-                key="linkage",
-            )
+            message = "crank and coupler are in line: the slider cannot turn the crank"
+            raise GeometryError(message, key="linkage")
         turned = -self.inner.stroke_direction * self._sense
         return np.asarray(turned * self._along(self._drop(angle)) / across)
 

@@ -122,13 +122,8 @@ class SlottedLever:
 
         `theta` (n,) [rad]; raises as `angle` does.
         """
-        return np.stack(
-            (
-                self.angle(theta),
-                speed * self.velocity(theta),
-                speed * speed * self.acceleration(theta),
-            )
-        )
+        velocity, acceleration = self.velocity(theta), self.acceleration(theta)
+        return np.stack((self.angle(theta), speed * velocity, speed * speed * acceleration))
 
     @property
     def largest_angle(self) -> Extreme:

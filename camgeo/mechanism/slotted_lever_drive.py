@@ -154,12 +154,8 @@ class DrivenLever:
         velocities = lever.velocity_extremes
         # The smallest phi' is the largest omega_2, for the sense of the angles is opposite.
         at_ends = [
-            self._extreme(
-                "omega2", True, -speed * velocities.lowest.value, velocities.lowest.place
-            ),
-            self._extreme(
-                "omega2", False, -speed * velocities.highest.value, velocities.highest.place
-            ),
+            self._extreme("omega2", largest, -speed * end.value, end.place)
+            for largest, end in ((True, velocities.lowest), (False, velocities.highest))
         ]
         found += sorted(at_ends, key=lambda extreme: extreme.crank)
         acceleration = lever.largest_acceleration
@@ -319,23 +315,14 @@ def _check(step: Decimal, first: Decimal, last: Decimal) -> None:
                 f"at most {MOST_DECIMALS} decimals are allowed", key=key, value=str(number)
             )
     if not (step.is_finite() and SMALLEST_STEP <= step <= LARGEST_STEP):
-        raise GeometryError(
-            f"the step of the crank angle must be from {SMALLEST_STEP} to {LARGEST_STEP} degrees",
-            key="step",
-            value=str(step),
-        )
+        message = f"the step of the crank angle must be {SMALLEST_STEP} to {LARGEST_STEP} degrees"
+        raise GeometryError(message, key="step", value=str(step))
     if not (first.is_finite() and 0 <= first < FULL_TURN):
-        raise GeometryError(
-            "the first crank angle must be from 0 to less than 360 degrees",
-            key="from",
-            value=str(first),
-        )
+        message = "the first crank angle must be from 0 to less than 360 degrees"
+        raise GeometryError(message, key="from", value=str(first))
     if not (last.is_finite() and first < last <= FULL_TURN):
-        raise GeometryError(
-            f"the last crank angle must be above the first, {first}, and at most 360 degrees",
-            key="to",
-            value=str(last),
-        )
+        message = f"the last crank angle must be above the first, {first}, and at most 360 degrees"
+        raise GeometryError(message, key="to", value=str(last))
 
 
 def _places(number: Decimal) -> int:

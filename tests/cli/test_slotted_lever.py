@@ -376,7 +376,7 @@ def test_a_very_short_crank(capsys: Capture) -> None:
         (("--frame", "150", "--swing", "60", "--speed", "0"), "speed = 0: must be from"),
         (("--frame", "150", "--swing", "60", "--speed", "-90"), "speed = -90: must be from"),
         ((*EXERCISE, "--table", "--step", "0"), "step = 0: "),
-        ((*EXERCISE, "--table", "--step", "91"), "from 0.001 to 90 degrees"),
+        ((*EXERCISE, "--table", "--step", "91"), "must be 0.001 to 90 degrees"),
         ((*EXERCISE, "--table", "--step", "1.0000000000001"), "at most 12 decimals"),
         ((*EXERCISE, "--table", "--from", "360"), "from = 360: "),
         ((*EXERCISE, "--table", "--from", "-1"), "from = -1: "),

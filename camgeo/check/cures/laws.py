@@ -65,16 +65,14 @@ def other_law(cam: Cam, pairs: Pairs) -> Cure:
             if same != first and is_sound(_with(cam, same)):
                 return _cure(plan, same)
     number = next((each for each, offers in fitting.items() if not offers), places[0])
-    move = plan.segments[number]
-    assert isinstance(move, Move)
+    move = _move(plan, number)
     key = key_of(number, move, "law")
     return no_cure(KNOB, key, move.law.name, "", f"no other {key} cures it at these sizes")
 
 
 def offers_for(plan: MotionPlan, number: int) -> list[Offer]:
     """All laws that could take a move's place, cheapest first."""
-    move = plan.segments[number]
-    assert isinstance(move, Move)
+    move = _move(plan, number)
     present = _peak(move.law)
     jerky = _jerks(move.law)
     found = []
@@ -115,9 +113,7 @@ def _same_for_all(fitting: Mapping[int, list[Offer]]) -> list[dict[int, Offer]]:
 def _with(cam: Cam, offers: Mapping[int, Offer]) -> Cam:
     segments = list(cam.drive.plan.segments)
     for number, offer in offers.items():
-        move = segments[number]
-        assert isinstance(move, Move)
-        segments[number] = replace(move, law=offer.law)
+        segments[number] = replace(_move(cam.drive.plan, number), law=offer.law)
     return cam.moved(MotionPlan(tuple(segments)))
 
 
@@ -125,6 +121,13 @@ def _at_rest(plan: MotionPlan, number: int, move: Move) -> bool:
     """Whether another law can take its place: beside a dwell, or where this one also rests."""
     sides = zip((move.law.start, move.law.end), dwells_beside(plan, number), strict=True)
     return all(dwells or end.velocity == end.acceleration == 0.0 for end, dwells in sides)
+
+
+def _move(plan: MotionPlan, number: int) -> Move:
+    """A segment that is known to be a move."""
+    move = plan.segments[number]
+    assert isinstance(move, Move)
+    return move
 
 
 def _peak(law: Law) -> float:
@@ -144,8 +147,7 @@ def _jerks(law: Law) -> bool:
 def _cure(plan: MotionPlan, offers: Mapping[int, Offer]) -> Cure:
     changes = {}
     for number, offer in offers.items():
-        move = plan.segments[number]
-        assert isinstance(move, Move)
+        move = _move(plan, number)
         changes[number] = Change(key_of(number, move, "law"), move.law.name, offer.law.name)
     leading = max(offers, key=lambda number: offers[number].growth)
     cost = offers[leading].growth

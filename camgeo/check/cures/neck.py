@@ -52,8 +52,7 @@ class Neck:
 
 def narrowest(cam: Cam, pairs: Pairs) -> Neck | None:
     """The neck with the smallest clearance near the crossings; None if none is found."""
-    found = [_neck(cam, *pair) for pair in pairs]
-    necks = [neck for neck in found if neck is not None]
+    necks = [neck for pair in pairs if (neck := _neck(cam, *pair)) is not None]
     return min(necks, key=lambda neck: neck.clearance, default=None)
 
 

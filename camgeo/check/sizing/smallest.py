@@ -137,15 +137,11 @@ def size(task: Task, angle: float, ratio: float) -> Sizing:
     least = max(base, half * (1.0 + 1e-9)) if inner else base
     found = smallest_with_bends(task, tangent, ratio, least)
     answer = None if found.place is None else rate(task, found.place)
-    if answer is None:
-        nearest_ratio = found.least_ratio if math.isfinite(found.least_ratio) else None
-        active: tuple[Active, ...] = ()
-    else:
-        nearest_ratio = None
-        active = active_conditions(task, answer, angle, ratio)
+    least_ratio = found.least_ratio if math.isfinite(found.least_ratio) else None
     return Sizing(
-        *(angle, ratio, construction, proposal, for_angle, answer, active),
-        nearest_ratio=nearest_ratio,
+        *(angle, ratio, construction, proposal, for_angle, answer),
+        active=() if answer is None else active_conditions(task, answer, angle, ratio),
+        nearest_ratio=least_ratio if answer is None else None,
         none_below=found.bound,
         reach=found.reach,
     )
@@ -176,8 +172,7 @@ def active_conditions(task: Task, rating: Rating, angle: float, ratio: float) ->
         found += [Active("radius-ratio", float(phi) % TURN) for phi in bends.phi[near]]
     kept: list[Active] = []
     for each in sorted(found, key=lambda item: (item.name, item.cam_angle)):
-        if not any(
-            one.name == each.name and abs(one.cam_angle - each.cam_angle) < SAME for one in kept
-        ):
+        last = kept[-1] if kept else None
+        if last is None or last.name != each.name or each.cam_angle - last.cam_angle >= SAME:
             kept.append(each)
     return tuple(kept)
