@@ -58,7 +58,7 @@ def _to_dead_centre(motion: LinkedMotion, course: Course) -> Finding:
     place = f"at {position_text(linkage, position)}, cam angle {math.degrees(phi):.6g} deg"
     phi = math.fmod(phi, TURN)
     if spare > limit:
-        sentence = f"the linkage keeps {spare:.6g} mm from a dead centre, nearest {place}"
+        sentence = f"the linkage stays {spare:.6g} mm clear of a dead centre, nearest {place}"
         return Finding("dead-centre", "ok", sentence, spare, limit, "mm", phi)
     from camgeo.mechanism.closing import clear_range, kept_between  # few linkages reach one
 

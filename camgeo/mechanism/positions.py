@@ -19,8 +19,8 @@ if TYPE_CHECKING:
 
 POSITIONS: Final[dict[Member, str]] = {
     "slider": "stroke",
-    "lever": "lever's angle",
-    "crank": "crank's angle",
+    "lever": "lever angle",
+    "crank": "crank angle",
 }
 """What the demanded position is called."""
 

@@ -138,8 +138,8 @@ def test_a_change_point_is_a_dead_centre() -> None:
     plan = MotionPlan((Dwell(third), Move(third, to, POLYNOMIAL), Move(third, 0.0, POLYNOMIAL)))
     (found,) = check_linkage(LinkedMotion(plan, PARALLELOGRAM))
     assert (found.name, found.severity) == ("dead-centre", "no-disc")
-    assert "at lever's angle 120 deg" in found.sentence
-    assert "with the lever's angle kept between -59.9999 and 120 degrees" in found.sentence
+    assert "at lever angle 120 deg" in found.sentence
+    assert "with the lever angle kept between -59.9999 and 120 degrees" in found.sentence
     flat = replace(PARALLELOGRAM, lever_angle=0.0)
     with pytest.raises(GeometryError, match="dead centre"):
         flat.transform(np.array([[0.0], [1.0], [0.0], [0.0]]))
