@@ -62,8 +62,8 @@ class Judgement(Pickled):
         For a conjugate pair also those of the return disc, and of both together; without a
         follower those of the linkage and of the motion.
         """
-        found = [*self._of_main(), *self._of_pair()]
-        return _worst_first([*found, *motion_findings(self.drive)])
+        found = (*self._of_main(), *self._of_pair(), *motion_findings(self.drive))
+        return tuple(sorted(found, key=lambda finding: WORST_FIRST.index(finding.severity)))
 
     def _of_main(self) -> tuple[Finding, ...]:
         if not self.cams:
@@ -145,10 +145,6 @@ def disc_findings(cam: Cam, limits: Limits) -> tuple[Finding, ...]:
     return (*found, *OF_DISC[cam.follower.touching](cam, limits, found))
 
 
-def _worst_first(found: list[Finding]) -> tuple[Finding, ...]:
-    return tuple(sorted(found, key=lambda finding: WORST_FIRST.index(finding.severity)))
-
-
 def _of_linkage(drive: Drive) -> tuple[Finding, ...]:
     motion = drive.motion
     return tuple(check_linkage(motion)) if isinstance(motion, LinkedMotion) else ()
@@ -202,7 +198,7 @@ def _of_roller(cam: Cam, limits: Limits, before: list[Finding]) -> list[Finding]
 
 def _of_outline(cam: Cam, name: str, flank: WorkingCurve, severity: Severity) -> list[Finding]:
     """What remains of a flank, and what the follower does on it."""
-    from camgeo.check.outline import check_lost_stroke, check_outline, no_outline
+    from camgeo.check.outline import check_lost_stroke, check_outline
     from camgeo.outline.cusps import undercut_ranges
 
     disc = cam.disc
@@ -210,7 +206,7 @@ def _of_outline(cam: Cam, name: str, flank: WorkingCurve, severity: Severity) ->
         outline = disc.outline(name)
         replay = disc.replay(name) if outline.is_trimmed else None
     except GeometryError as error:
-        return [no_outline(name, error.message)]
+        return [Finding(f"outline-{name}", "no-disc", f"{name} flank: {error.message}")]
     ranges = undercut_ranges(flank, disc.bends)
     kinks = [pivot.after for pivot in disc.pitch_path.pivots]
     found = [*check_outline(outline, name, ranges, severity, kinks)]

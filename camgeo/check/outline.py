@@ -79,11 +79,6 @@ def check_lost_stroke(replay: Replay, name: str, unit: LiftUnit, severity: Sever
     return Finding(f"lost-stroke-{name}", severity, told, value, 0.0, shown, loss.place)
 
 
-def no_outline(name: str, reason: str) -> Finding:
-    """The finding that a flank leaves no disc, or none that can be determined."""
-    return Finding(name=f"outline-{name}", severity="no-disc", sentence=f"{name} flank: {reason}")
-
-
 def _counted(number: int, noun: str) -> str:
     return f"{number} {noun}" if number == 1 else f"{number} {noun}s"
 

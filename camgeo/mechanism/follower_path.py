@@ -99,7 +99,7 @@ class Bows:
         """Coefficients of the quadratic for the parameter of a point on a partner."""
         apart = others.points - self.points
         turned = others.normals - others.curvatures * apart
-        value = 0.5 * others.curvatures * _square(apart) - dot(others.normals, apart)
+        value = 0.5 * others.curvatures * dot(apart, apart) - dot(others.normals, apart)
         kappa = self.curvatures
         square = 0.5 * (others.curvatures - kappa * dot(turned, self.normals))
         square += 0.25 * value * kappa * kappa
@@ -114,7 +114,7 @@ class Bows:
         a = self.points - shift * self.normals
         b = 1j * (self.normals - 0.5 * kappa * (self.points + shift * self.normals))
         return _roots(
-            _square(b) - (0.5 * radius * kappa) ** 2,
+            dot(b, b) - (0.5 * radius * kappa) ** 2,
             2.0 * dot(a, b),
             (np.abs(a) - radius) * (np.abs(a) + radius),
         )
@@ -351,12 +351,8 @@ def lift_jet(path: FollowerPath, phi: FloatArray, q: FloatArray, bows: Bows) -> 
     first = -dot(normal, turn * point) / steep
     speed = turn * point + along * first
     rest = -point + 2.0 * turn * along * first + bend * first * first
-    second = -(bows.curvatures * _square(speed) + dot(normal, rest)) / steep
+    second = -(bows.curvatures * dot(speed, speed) + dot(normal, rest)) / steep
     return path.outward * np.stack((q - path.start, first, second))
-
-
-def _square(a: ComplexArray) -> FloatArray:
-    return a.real * a.real + a.imag * a.imag
 
 
 def _in_turn(angle: FloatArray) -> FloatArray:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import partial
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -67,8 +66,10 @@ class Course:
         return np.asarray(beyond[:-1] * beyond[1:] < 0.0)
 
     def _between(self, mark: float, places: IntArray) -> FloatArray:
-        function = partial(_beyond, self.motion, mark)
-        return bracketed_roots(function, self.ends[places], self.ends[places + 1])
+        def beyond(phi: FloatArray) -> FloatArray:
+            return np.asarray(self.motion.jet(phi)[0] - mark)
+
+        return bracketed_roots(beyond, self.ends[places], self.ends[places + 1])
 
 
 def course_of(motion: Motion) -> Course:
@@ -94,7 +95,3 @@ def position_text(linkage: Linkage, position: float) -> str:
     if linkage.unit == "mm":
         return f"stroke {position:.6g} mm"
     return f"{POSITIONS[linkage.member]} {math.degrees(position):.6g} deg"
-
-
-def _beyond(motion: Motion, mark: float, phi: FloatArray) -> FloatArray:
-    return np.asarray(motion.jet(phi)[0] - mark)
