@@ -74,6 +74,14 @@ class Reading:
         """Error over conditioning, or over 1 ulp where the inputs do less."""
         return self.error / max(1.0, self.conditioning)
 
+    @property
+    def at(self) -> dict[str, float]:
+        """The place by its name: z of a law, else the angle [deg] of the crank or the cam."""
+        if self.group == "laws":
+            return {"z": self.place}
+        name = "crank" if self.group == "slotted-levers" else "cam"
+        return {f"{name}_angle_deg": math.degrees(self.place)}
+
 
 def measure(case: Case) -> tuple[Reading, ...]:
     """The readings of all quantities of a case, place by place.

@@ -92,8 +92,8 @@ def test_json_has_the_same(capsys: Capture) -> None:
     by_name = {row["quantity"]: row for row in document["quantities"]}
     assert by_name["f"]["values"] == 2
     assert by_name["f"]["largest_error"]["case"] == "scca, b 0.3, d 0.2"
-    assert 0.0 < by_name["f"]["largest_error"]["z"] < 1.0
-    assert by_name["place of a cusp"]["largest_ratio"]["cam_angle_deg"] == pytest.approx(
+    assert 0.0 < by_name["f"]["largest_error"]["at"]["z"] < 1.0
+    assert by_name["place of a cusp"]["largest_ratio"]["at"]["cam_angle_deg"] == pytest.approx(
         79.0, abs=1.0
     )
 
