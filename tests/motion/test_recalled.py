@@ -1,15 +1,18 @@
-"""A plan that recalls its last answers gives the same as one that does not."""
+"""A plan that recalls its last answers gives the same as one that does not; laws are made once."""
 
 from __future__ import annotations
 
 import pickle
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from camgeo import load
 from camgeo.motion import plan as plans
+from camgeo.motion.laws import law_of
+from camgeo.motion.laws.characteristic import characteristic
 from camgeo.motion.plan import MotionPlan, kept_with_plan
 from camgeo.units import TURN
 from tests.effects.scenes import SCENES
@@ -100,3 +103,15 @@ def test_threads_get_the_answers_to_their_own_questions(recalling: MotionPlan) -
 
     with ThreadPoolExecutor(8) as pool:
         assert all(pool.map(ask, range(8)))
+
+
+def test_a_law_asked_for_again_is_the_same_one() -> None:
+    given = {"inflection": 0.3}
+    law = law_of("modified-sine", "R-R", given)
+    assert law_of("modified-sine", "R-R", dict(given)) is law
+    assert law_of("modified-sine", "R-R", {"inflection": 0.31}) is not law
+    assert characteristic(law) is characteristic(law)
+    law = law_of("polynomial-5", "B-B", {"v0": 0.5, "v1": 2.0})
+    half = replace(law, regions=law.regions[:1])
+    assert half == law  # regions are made of what is compared
+    assert characteristic(half).velocity.value < characteristic(law).velocity.value

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import lru_cache
 from importlib import import_module
 from typing import Final
 
@@ -89,7 +90,14 @@ def law_of(name: str, task: str, given: Mapping[str, float]) -> Law:
                 key=key,
                 value=repr(values[key]),
             )
-    return replace(family.make(task, values), recipe=(law_of, (family.name, task, dict(values))))
+    return _made(family.name, task, tuple(values.items()))
+
+
+@lru_cache(maxsize=256)
+def _made(name: str, task: str, values: tuple[tuple[str, float], ...]) -> Law:
+    """The law itself: the moves of a plan, and of its variants, have few different ones."""
+    given = dict(values)
+    return replace(FAMILIES[name].make(task, given), recipe=(law_of, (name, task, given)))
 
 
 def make_law(name: str, task: str = "R-R", /, **parameters: float) -> Law:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -67,20 +68,22 @@ def characteristic(law: Law) -> Characteristic:
     inside, and where its formula has a turning point, known in closed form or as the root of a
     polynomial.
     """
-    values = [_values(region) for region in law.regions]
+    return _characteristic(law.regions, has_parts=law.inflection is not None)
+
+
+@lru_cache(maxsize=256)
+def _characteristic(regions: tuple[Region, ...], *, has_parts: bool) -> Characteristic:
+    values = [_values(region) for region in regions]
     z = np.concatenate([value[0] for value in values])
     f, f1, f2, f3 = (np.concatenate([v[k] for v in values]) for k in range(1, 5))
     power = f1 * f2
     everywhere = np.ones(len(z), dtype=bool)
-    if law.inflection is None:
+    if not has_parts:
         first = second = everywhere
         pick: tuple[_Pick, _Pick, _Pick] = (_largest, _smallest, _smallest)
     else:
         second = np.concatenate(
-            [
-                np.full(len(v[0]), region.from_end)
-                for v, region in zip(values, law.regions, strict=True)
-            ]
+            [np.full(len(v[0]), region.from_end) for v, region in zip(values, regions, strict=True)]
         )
         first = ~second
         pick = (_extreme, _extreme, _outermost)
