@@ -47,11 +47,6 @@ class Contour:
         return np.roll(self.vertices, -1)
 
     @property
-    def bulges(self) -> FloatArray:
-        """(n,) tan(sweep/4), the arc measure of a DXF LWPOLYLINE; 0 is a line."""
-        return np.tan(self.sweeps / 4.0)
-
-    @property
     def radii(self) -> FloatArray:
         """(n,) [mm] radius of each arc; 0 for lines."""
         return np.where(self.sweeps != 0.0, np.abs(self.vertices - self.centres), 0.0)

@@ -35,7 +35,6 @@ def test_stadium() -> None:
     assert contour.area == pytest.approx(8.0 + np.pi, rel=1e-15)
     assert contour.length == pytest.approx(8.0 + 2.0 * np.pi, rel=1e-15)
     assert contour.radii.tolist() == [1.0, 0.0, 1.0, 0.0]
-    assert contour.bulges == pytest.approx([1.0, 0.0, 1.0, 0.0])
     assert np.array_equal(contour.ends, np.roll(vertices, -1))
 
 

@@ -14,6 +14,7 @@ import math
 from collections.abc import Iterator
 from contextlib import contextmanager
 
+import numpy as np
 from ezdxf import options  # type: ignore[attr-defined] # exported, but not said so
 from ezdxf.document import Drawing
 from ezdxf.filemanagement import new
@@ -169,7 +170,7 @@ def _polyline(space: Modelspace, contour: Contour, scale: float, layer: str) -> 
     # + 0.0 turns -0.0 into 0.0
     x = (contour.vertices.real / scale + 0.0).tolist()
     y = (contour.vertices.imag / scale + 0.0).tolist()
-    bulges = (contour.bulges + 0.0).tolist()
+    bulges = (np.tan(contour.sweeps / 4.0) + 0.0).tolist()
     points = list(zip(x, y, bulges, strict=True))
     space.add_lwpolyline(points, format="xyb", close=True, dxfattribs={"layer": layer})
 
