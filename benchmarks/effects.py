@@ -95,7 +95,7 @@ def measure(path: Path, rounds: int) -> None:
 
 def alone(effects: Effects, name: str) -> object:
     """The effect computed anew, with the results of those that it needs."""
-    return effects.retold(name).result(name)
+    return effects.recomputed(name).result(name)
 
 
 def shifted(phi: FloatArray) -> Iterator[FloatArray]:

@@ -31,7 +31,7 @@ from camgeo.effects.contact_pressure.hertz import SHEAR_DEPTH, SHEAR_SHARE
 from camgeo.effects.friction.jamming import NEAR
 from camgeo.effects.graph import TOLERANCE
 from camgeo.effects.gravity import STANDARD_GRAVITY
-from camgeo.effects.lift_off.of_groove import LISTED
+from camgeo.effects.lift_off.form_closed import LISTED
 from camgeo.effects.materials import MATERIALS, PER_CUBIC_CM
 from camgeo.effects.registry import EFFECTS, find_effect
 from camgeo.effects.shock_spectrum.result import QUIET, measured

@@ -63,8 +63,8 @@ EFFECT_FRAME = {
     "registry",
     "results",
     "rules",
-    "told",
     "touching",
+    "wording",
 }
 """What is in `effects` and no effect: effects are imported by the registry alone."""
 
@@ -150,7 +150,7 @@ def fault_of_module(module: str, imported: Import) -> str:
     if effect and effect != effect_of(module) and module != f"{PACKAGE}.effects.registry":
         return f"imports {imported.target}"
     declares = effect and module == f"{PACKAGE}.effects.{effect}"
-    if declares and imported.target not in (module, f"{module}.spec"):
+    if declares and imported.target not in (module, f"{module}.table"):
         return f"imports {imported.target}, which computes what it declares"
     return ""
 
@@ -364,9 +364,9 @@ SOUND = {
     "effects/effect.py": "",
     "effects/spring.py": "from camgeo.effects.effect import Effect\n",
     "effects/registry.py": "def load():\n    from camgeo.effects import spring\n",
-    "effects/shake/__init__.py": "from camgeo.effects.shake.spec import parse\n",
-    "effects/shake/spec.py": "",
-    "effects/shake/response.py": "from camgeo.effects.shake.spec import parse\n",
+    "effects/shake/__init__.py": "from camgeo.effects.shake.table import parse\n",
+    "effects/shake/table.py": "",
+    "effects/shake/response.py": "from camgeo.effects.shake.table import parse\n",
     "design.py": (
         "from camgeo.motion.plan import MotionPlan\nfrom camgeo.effects.registry import load\n"
         "def solve():\n    from scipy.optimize import brentq\n"

@@ -62,7 +62,7 @@ def _rows(design: Design, name: str, tolerances: Sequence[float], tell: Tell) ->
 
 def _result(design: Design, name: str, tolerance: float) -> Result:
     """The effect anew; the effects that it is given are computed once for all."""
-    result: Result = design.effects.retold(name, tolerance).result(name)
+    result: Result = design.effects.recomputed(name, tolerance).result(name)
     return result
 
 

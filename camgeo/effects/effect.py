@@ -1,7 +1,7 @@
-"""What an effect is, what it is given, and what it answers.
+"""What an effect is, what it receives and what it returns.
 
-Units inside are mm, s, t (1000 kg), N, and what follows from them: N mm, MPa = N/mm^2, and t mm^2
-for moments of inertia, so that no factor stands in any formula.
+Internal units are mm, s, t (1000 kg) and N, with the derived units N mm, MPa = N/mm^2 and, for
+moments of inertia, t mm^2. They are consistent, so formulas need no conversion factors.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from camgeo.errors import GeometryError
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray
 
-if TYPE_CHECKING:  # an effect imports what it computes with itself
+if TYPE_CHECKING:  # each effect imports the modules that it computes with
     from camgeo.cam.cam import Cam
     from camgeo.cam.drive import Drive, LiftUnit
     from camgeo.mechanism.slider_crank import SliderCrank
@@ -29,14 +29,14 @@ if TYPE_CHECKING:  # an effect imports what it computes with itself
     from camgeo.units import LengthUnit
 
 GROUP: Final = "camgeo.effects"
-"""Entry points of effects that come with other distributions; the name is the effect's."""
+"""Group of the entry points of effects from other distributions, named like the effect."""
 
 Quantity = Callable[[FloatArray, Side], FloatArray]
-"""(n,) values at n cam angles [rad], from the side asked for."""
+"""(n,) values at n cam angles [rad], approached from the given side."""
 
 
 class HasPart(Protocol):
-    """A disc, which makes its part when it is asked for."""
+    """A disc that computes its part on demand."""
 
     @property
     def cam(self) -> Cam: ...
@@ -47,16 +47,16 @@ class HasPart(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class Subject:
-    """What effects are computed of.
+    """The design that effects are computed for.
 
     Attributes
     ----------
     drive : what moves the follower.
     lift_unit : of the follower's own motion.
-    unit : of length of the scene, for sentences; values are in mm.
+    unit : unit of length of the scene, for messages; values are in mm.
     part_spec : what the scene says of the part.
-    disc : of the cam; None if there is no follower.
-    returning : the return disc of a conjugate pair, of the same motion; None if there is none.
+    disc : the disc of the cam; None if there is no follower.
+    returning : the return disc of a conjugate pair, with the same motion; None without one.
     """
 
     drive: Drive
@@ -68,19 +68,19 @@ class Subject:
 
     @property
     def made(self) -> HasPart:
-        """The disc, which gives the part; GeometryError with key "follower" if there is none."""
+        """The disc as it is made; GeometryError with key "follower" if there is no follower."""
         if self.disc is None:
             raise GeometryError("needs [follower]", key="follower")
         return self.disc
 
     @property
     def cam(self) -> Cam:
-        """The cam; GeometryError with key "follower" if there is none."""
+        """The cam; GeometryError with key "follower" if there is no follower."""
         return self.made.cam
 
 
 def driving_slider(subject: Subject) -> SliderCrank | None:
-    """The linkage whose slider makes the demanded motion; None without one, or with another."""
+    """The linkage if its slider makes the demanded motion, else None."""
     from camgeo.mechanism.slider_crank import SliderCrank
 
     linkage = subject.drive.linkage
@@ -88,7 +88,7 @@ def driving_slider(subject: Subject) -> SliderCrank | None:
 
 
 def machine_of(subject: Subject) -> Machine:
-    """The machine as the rules of effects see it."""
+    """The properties of the machine that the rules of effects depend on."""
     follower, linkage = subject.cam.follower, subject.drive.linkage
     return Machine(
         lift=follower.lift_unit,
@@ -111,7 +111,7 @@ class Key(str, Generic[Answer_co]):
 
 
 class Results:
-    """The results that an effect is given: of what it needs, and of what it uses that is named."""
+    """The results that an effect receives: those it needs, and those it uses if they are named."""
 
     def __init__(self, by_name: Mapping[str, Any]) -> None:
         self._by_name = by_name
@@ -121,38 +121,38 @@ class Results:
         return found
 
     def get(self, key: Key[Answer]) -> Answer | None:
-        """The result of the effect `key`; None if it is only used, and the scene names none."""
+        """The result of the effect `key`; None if it is optional and not in the scene."""
         return self._by_name.get(key)
 
 
-Spec = TypeVar("Spec")
+Data = TypeVar("Data")
 
 
 @dataclass(frozen=True, slots=True)
-class Request(Generic[Spec]):
-    """What an effect is given; `Spec` is what its `parse` makes.
+class Request(Generic[Data]):
+    """The input of an effect; `Data` is what its `parse` returns.
 
     Attributes
     ----------
     subject : the design.
-    spec : what `Effect.parse` makes of the scene's table ``[effects.NAME]``; of an empty table if
-        the effect is computed for another one that needs it.
-    results : of the effects that it needs, and of those it uses that the scene names, by key.
-    tolerance : largest error that is allowed, as a share of the largest magnitude of what the
-        effect gives; only numerical effects look at it.
+    data : what `Effect.parse` makes of the table ``[effects.NAME]``, or of an empty table if the
+        effect is computed only because another one needs it.
+    results : by key, of the effects that it needs, and of those it uses if the scene names them.
+    tolerance : largest permitted error, relative to the largest magnitude of the result; only
+        numerical effects use it.
     """
 
     subject: Subject
-    spec: Spec
+    data: Data
     results: Results
     tolerance: float
 
     @property
     def course(self) -> TimeCourse:
-        """How the cam turns; for effects that declare a speed among their keys.
+        """How the cam turns, for effects that declare the speed among their keys.
 
-        Raises GeometryError with the key if the scene gives none and names no such effect, which
-        is then asked for by another one or from outside.
+        Raises GeometryError with the key if the scene gives no speed. This happens only if the
+        effect is requested by another effect or by a caller: a scene that names it has a speed.
         """
         course = self.subject.drive.time_course
         if course is None:
@@ -168,11 +168,11 @@ class Column:
     ----------
     name : e.g. "contact force".
     unit : of the values: "N", "N m", "MPa", "mm", "mm/s", "deg", "" ... Lengths are in mm here and
-        shown in the unit of the scene.
+        are shown in the unit of the scene.
     values : the quantity in `unit`.
-    limit : to be drawn as a line, in `unit`; None if there is none.
-    borders : (k,) cam angles [rad] in [0, 2 pi), besides the borders of the motion, where it may
-        jump.
+    limit : drawn as a line, in `unit`; None for no limit.
+    borders : (k,) cam angles [rad] in [0, 2 pi) where the quantity may jump, besides the borders of
+        the motion.
     """
 
     name: str
@@ -188,7 +188,7 @@ class DataFile:
 
     Attributes
     ----------
-    name : as the scene has it.
+    name : as written in the scene.
     data : its bytes, up to one more than `camgeo.motion.two_columns.MOST_BYTES`.
     """
 
@@ -198,14 +198,14 @@ class DataFile:
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class Result:
-    """What an effect answers; what else it offers to others is its own, in a class made of this.
+    """The result of an effect; subclasses add what the effect offers to others.
 
     Attributes
     ----------
-    findings : its values, the good with the bad.
-    columns : what it is over the cam angle.
-    error : estimate of the largest error, as a share of the largest magnitude of what it gives;
-        None if it is exact but for rounding.
+    findings : all values found, good and bad.
+    columns : the quantities over the cam angle.
+    error : estimate of the largest error, relative to the largest magnitude of the result; None if
+        the result is exact to rounding.
     """
 
     findings: tuple[Finding, ...] = ()
@@ -214,36 +214,35 @@ class Result:
 
 
 SPEED: Final = ("cam.speed", "cam.speed_curve")
-"""Keys of a scene of which one gives the speed of the cam."""
+"""Keys of the scene, one of which gives the speed of the cam."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Effect:
-    """The declaration of one effect: all that is known of it without computing it.
+    """The declaration of an effect: all that is known about it without computing it.
 
     Attributes
     ----------
     name : its table in the scene is ``[effects.NAME]``.
-    title : what it gives, a few words.
-    compute : "module:function" that makes the result of a `Request`, imported when it is first
-        computed. It raises GeometryError with the key of the scene if data are missing or
-        contradict each other, `EffectError` if there is no answer for this design.
+    title : what it computes, in a few words.
+    compute : "module:function" that makes the result from a `Request`, imported when it is first
+        needed. It raises GeometryError with the key of the scene if data are missing or
+        contradictory, `EffectError` if there is no answer for this design.
     schema : JSON Schema of its table, an object. It may refer to the definitions of the scene's
         schema, as {"$ref": "#/$defs/length"}; a number with an "x-unit" is given in that unit.
-    parse : from the table to what `compute` gets as `Request.spec`, a frozen dataclass, which
-        `spec_of` makes where nothing else is to be held against the table. Numbers of the table
-        are in the units of this module, angles in radians, files are `DataFile`. It raises
-        GeometryError with the key in the table, e.g. "preload", if data are missing or contradict
-        each other.
-    rules : what does not go together with a machine that has it.
-    needs : effects whose results it cannot do without.
-    uses : effects whose results it takes into account if the scene names them.
-    keys : data without which it cannot be: for each entry the scene has one of its keys at least,
-        e.g. ("cam.speed", "cam.speed_curve") or ("effects.inertia",).
-    tabled : whether it is computed only if the scene has its table; if not, other effects that need
-        it get it with an empty one.
+    parse : converts the table to `Request.data`, a frozen dataclass; `data_of` does this where the
+        table needs no further checks. Numbers of the table are in the units of this module, angles
+        in radians, files are `DataFile`. It raises GeometryError with the key in the table, e.g.
+        "preload", if data are missing or contradictory.
+    rules : which machines the effect, or keys of its table, cannot be combined with.
+    needs : effects whose results are required.
+    uses : effects whose results are taken into account if the scene names them.
+    keys : data of the scene that are required: at least one key of each entry, e.g. ("cam.speed",
+        "cam.speed_curve") or ("effects.inertia",).
+    tabled : whether the scene must have its table; if not, it is computed with an empty table for
+        other effects that need it.
     numerical : whether it takes a tolerance and estimates its error.
-    of_drive : whether it needs no follower, only what moves it.
+    of_drive : whether it needs no follower, only the drive.
     """
 
     name: str
@@ -260,9 +259,9 @@ class Effect:
     of_drive: bool = False
 
 
-def spec_of(kind: Callable[..., Spec], table: Mapping[str, Any]) -> Spec:
-    """The dataclass `kind` of the keys of `table` that are its fields; others have their defaults.
+def data_of(kind: Callable[..., Data], table: Mapping[str, Any]) -> Data:
+    """The dataclass `kind` with the values of `table`; missing keys keep their defaults.
 
-    The tolerance of a numerical effect is none of them: it is in `Request`.
+    Keys that are not its fields are ignored, such as the tolerance, which is in `Request`.
     """
     return kind(**{key: table[key] for key in signature(kind).parameters if key in table})

@@ -1,15 +1,15 @@
 """Generalised forces on the follower over the cam angle.
 
-The follower has one coordinate q: its own lift [mm], or the angle of the rocker [rad] as
-`Subject.motion` counts it. A generalised force Q does the work Q dq: it is in N for a translating
-follower, in N mm for an oscillating one, positive in the sense of growing q.
+The follower has one coordinate q: its lift [mm], or the angle of the rocker [rad]. A generalised
+force Q does the work Q dq: it is in N for a translating follower, in N mm for an oscillating one,
+and positive in the direction of increasing q.
 
 Every force here is a polynomial in the speed of the cam at a given cam angle phi,
 
     Q = c0(phi) + c1(phi) omega + c2(phi) omega^2 + c3(phi) alpha,
 
 with omega = dphi/dt [rad/s] and alpha = d omega/dt [rad/s^2]: weights and springs are c0, viscous
-friction is c1, inertia is c2 and c3. So it is known for every speed at once.
+friction is c1, inertia is c2 and c3. The force is thus known for all speeds at once.
 """
 
 from __future__ import annotations
@@ -34,9 +34,9 @@ class Force:
     ----------
     name : e.g. "spring".
     coefficients : (4, n) c0 [N or N mm] to c3.
-    potential : (n,) its potential energy [N mm] at n cam angles, if c0 has one: c0 q' = -dV/dphi.
-    borders : (k,) cam angles [rad] in [0, 2 pi), besides those of the motion, where the formula of
-        a coefficient changes.
+    potential : (n,) potential energy [N mm] of c0 at n cam angles, if it has one: c0 q' = -dV/dphi.
+    borders : (k,) cam angles [rad] in [0, 2 pi) where the formula of a coefficient changes, besides
+        the borders of the motion.
     """
 
     name: str
@@ -46,7 +46,7 @@ class Force:
 
 
 def unmoved(values: Callable[[FloatArray, Side], FloatArray]) -> Coefficients:
-    """The coefficients of a force (n,) that no speed changes: c0 alone."""
+    """The coefficients of a force (n,) that does not depend on speed: c0 alone."""
 
     def coefficients(phi: FloatArray, side: Side) -> FloatArray:
         out = np.zeros((4, len(phi)))
@@ -57,7 +57,7 @@ def unmoved(values: Callable[[FloatArray, Side], FloatArray]) -> Coefficients:
 
 
 def at_rates(coefficients: FloatArray, rates: FloatArray) -> FloatArray:
-    """(n,) the force for `coefficients` (4, n) at `rates`, (2 or more, n): omega and alpha."""
+    """(n,) the force with `coefficients` (4, n) at `rates` (2 or more, n): omega and alpha."""
     omega, alpha = rates[0], rates[1]
     c0, c1, c2, c3 = coefficients
     force: FloatArray = c0 + omega * (c1 + omega * c2) + alpha * c3
@@ -65,7 +65,7 @@ def at_rates(coefficients: FloatArray, rates: FloatArray) -> FloatArray:
 
 
 def total(forces: Sequence[Force], phi: FloatArray, side: Side) -> FloatArray:
-    """(4, n) the sum of the coefficients of `forces` at `phi` (n,) [rad]."""
+    """(4, n) sum of the coefficients of `forces` at `phi` (n,) [rad]."""
     out = np.zeros((4, len(phi)))
     for force in forces:
         out += force.coefficients(phi, side)
@@ -73,7 +73,7 @@ def total(forces: Sequence[Force], phi: FloatArray, side: Side) -> FloatArray:
 
 
 def smooth_edges(smooth: FloatArray, forces: Sequence[Force]) -> FloatArray:
-    """(k,) cam angles [rad]: those of the motion, `smooth`, and the borders of all `forces`."""
+    """(k,) the smooth angles of the motion, `smooth`, and the borders of all `forces` [rad]."""
     return merged(np.concatenate((smooth, all_borders(forces))))
 
 

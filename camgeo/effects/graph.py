@@ -1,4 +1,4 @@
-"""The effects of one design: each is computed when it is asked for, once, with what it needs."""
+"""The effects of one design: each is computed once, on demand, together with what it needs."""
 
 from __future__ import annotations
 
@@ -14,18 +14,18 @@ from camgeo.errors import CycleError, EffectError, GeometryError
 from camgeo.lazy import Ledger
 
 TOLERANCE: Final = 1e-6
-"""Of numerical effects, as a share of the largest magnitude, where the scene gives none."""
+"""Default for numerical effects, relative to the largest magnitude of the result."""
 
 Find = Callable[[str], Effect]
 
 
 def node_name(name: str) -> str:
-    """What the ledger calls the effect `name`."""
+    """Name of the effect `name` in the ledger."""
     return f"effects.{name}"
 
 
 def _place(name: str, key: str | None) -> str:
-    """The key of a scene for a `key` of the table of the effect `name`, or for all of it."""
+    """The full key in the scene for a `key` of the table of the effect `name`, or for the table."""
     return ".".join(filter(None, (node_name(name), key)))
 
 
@@ -35,9 +35,9 @@ class Effects:
     Parameters
     ----------
     subject : the design.
-    tables : what the scene says of each effect it names, in the units inside.
-    ledger : where it is entered what was computed.
-    find : gives the effect of a name.
+    tables : the table of each effect that the scene names, in internal units.
+    ledger : records what was computed.
+    find : returns the effect with a given name.
     """
 
     def __init__(
@@ -67,12 +67,12 @@ class Effects:
         return self._known[name]
 
     def inputs(self, name: str) -> tuple[str, ...]:
-        """The effects whose results `name` is given: what it needs, and what it uses of the scene.
+        """The effects whose results `name` receives: those it needs, and used ones in the scene.
 
         Raises
         ------
         CycleError
-            If an effect needs itself, with the way from it to it.
+            If an effect needs itself, with the path of the cycle.
         """
         self._walk(name, ())
         return self._inputs(name)
@@ -95,7 +95,7 @@ class Effects:
     def result(self, name: str) -> Any: ...
 
     def result(self, name: str) -> Any:
-        """The result of the effect `name`, which the scene need not name.
+        """The result of the effect `name`, whether or not the scene names it.
 
         Raises
         ------
@@ -106,7 +106,7 @@ class Effects:
         GeometryError
             With the key of the scene, if data are missing.
         EffectError
-            If it has no answer for this design.
+            If there is no answer for this design.
         """
         with self.ledger.lock:  # another thread may be computing it
             if name in self._results:
@@ -136,20 +136,22 @@ class Effects:
         if name in self.tables and effect.rules:
             self._refuse_misfits(effect, table)
         try:
-            spec = effect.parse(table)
+            data = effect.parse(table)
         except GeometryError as error:
             raise GeometryError(error.message, _place(name, error.key), error.value) from error
         compute = pkgutil.resolve_name(effect.compute)
-        return compute(Request(self.subject, spec, results, tolerance))
+        return compute(Request(self.subject, data, results, tolerance))
 
     def _refuse_misfits(self, effect: Effect, table: Mapping[str, Any]) -> None:
-        """Raise GeometryError with the key, if the effect or a key of its table has no place."""
+        """Raise GeometryError with the key if the effect or one of its keys does not fit."""
         machine = machine_of(self.subject)
-        for key, message in (told for rule in effect.rules for told in rule(machine, Table(table))):
+        for key, message in (
+            fault for rule in effect.rules for fault in rule(machine, Table(table))
+        ):
             raise GeometryError(message, _place(effect.name, key))
 
     def findings(self, name: str) -> tuple[Finding, ...]:
-        """What the effect `name` finds; one that has no answer says so, and is beyond a limit."""
+        """The findings of the effect `name`; a "broken" one that says why if there is no answer."""
         try:
             found: tuple[Finding, ...] = self.result(name).findings
         except GeometryError as error:
@@ -171,12 +173,11 @@ class Effects:
             )
         return found
 
-    def retold(self, name: str, tolerance: float | None = None) -> Effects:
-        """Effects of the same design in which only `name` is to be computed anew.
+    def recomputed(self, name: str, tolerance: float | None = None) -> Effects:
+        """Effects of the same design in which only `name` is computed again.
 
-        To `tolerance`, if it is one that takes any; None leaves it the one it has.
-
-        What it needs is taken over; it is computed now if it was not.
+        A numerical effect is computed to `tolerance`; None keeps the tolerance of the scene. The
+        results that it needs are reused, and are computed now if they have not been yet.
         """
         tables = dict(self.tables)
         if tolerance is not None:

@@ -28,12 +28,12 @@ POSES: Final[dict[Member, tuple[str, str, str]]] = {
     "lever": ("coupler and lever are in line", "angle", "the rocker cannot move the lever"),
     "crank": ("crank and coupler are in line", "angle", "the slider cannot turn the crank"),
 }
-"""How the linkage stands, what its positions are, and what the follower cannot do; by the member at
-the far end."""
+"""The pose of the linkage, the kind of its position, and what the follower cannot do, by the member
+at the far end."""
 
 
 def shocks(subject: Subject, inertia: Inertia | None) -> list[float]:
-    """The cam angles [rad] at which it does; none without any mass there."""
+    """The cam angles [rad] at which the velocity of a mass jumps; none without masses."""
     if inertia is None:
         return []
     jumps = [each.cam_angle for each in breaks(subject.drive.plan) if each.order < 1]
@@ -43,8 +43,8 @@ def shocks(subject: Subject, inertia: Inertia | None) -> list[float]:
 def torque_shocks(subject: Subject, per_alpha: Quantity, edges: FloatArray) -> FloatArray:
     """(k,) the cam angles [rad] at which the torque on the camshaft is infinite.
 
-    The velocity of the follower jumps there, and `per_alpha`, what its forces grow by with the
-    acceleration of the cam, is not 0; `edges` (m,) [rad] tell where it moves.
+    There the velocity of the follower jumps and `per_alpha`, the derivative of its force by the
+    acceleration of the cam, is not 0. The follower moves between `edges` (m,) [rad].
     """
     motion = subject.drive.motion
     places = np.asarray(motion.breaks)
@@ -60,9 +60,9 @@ def torque_shocks(subject: Subject, per_alpha: Quantity, edges: FloatArray) -> F
 
 
 def refuse_locked(subject: Subject, burden: str) -> None:
-    """Raise EffectError if the follower cannot move the far end of its linkage somewhere.
+    """Raise EffectError if the follower cannot move the far end of its linkage at some cam angle.
 
-    `burden` is what it would have to be moved with, as the sentence goes on: "'s mass".
+    `burden` completes the sentence with what acts there, e.g. "'s mass" or " against its load".
     """
     linkage = subject.drive.linkage
     if linkage is None:
@@ -77,7 +77,7 @@ def refuse_locked(subject: Subject, burden: str) -> None:
     value, unit = (position, "mm") if linkage.unit == "mm" else (math.degrees(position), "deg")
     raise EffectError(
         f"{pose} at cam angle {math.degrees(phi):.6g} deg, {what} {value:.6g} {unit}:"
-        f" {cannot}{burden} there, at whatever force; the {what} must keep clear of it",
+        f" {cannot}{burden} there, whatever the force; the {what} must stay clear of this value",
         finding=f"locked-{linkage.member}",
         value=value,
         unit=unit,

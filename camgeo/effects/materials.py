@@ -1,12 +1,12 @@
-"""Materials of cams and rollers: a small table, every row with its sources.
+"""Materials of cams and rollers: a small table with the sources of each row.
 
-The limits are guides. A contact fails by pitting, which is scattered widely by hardness, case
-depth, finish, lubrication and slip; where there is experience or a test, its figure belongs in
-the scene. Those of iron and steel are the allowable stress numbers of gear flanks, quality MQ,
-sigma_Hlim = A x + B with the hardness x (ISO 6336-5, table of sigma_Hlim): a pressure after Hertz
-that 99 of 100 flanks bear for 5e7 load cycles. It is the same kind of contact, line contact that
-rolls and slips a little. There is no such standard for light metal and plastics; such a row has
-no limit, and the scene has to give one.
+The limits are guide values. A contact fails by pitting, with a large scatter that depends on
+hardness, case depth, finish, lubrication and slip; a figure from experience or a test belongs in
+the scene. The limits of iron and steel are the allowable stress numbers of gear flanks, quality MQ,
+sigma_Hlim = A x + B with the hardness x (ISO 6336-5, table of sigma_Hlim): the Hertzian pressure
+that 99 of 100 flanks withstand for 5e7 load cycles. Gear flanks have the same kind of contact, a
+line contact that rolls and slips a little. There is no such standard for light metals and plastics:
+these rows have no limit, and the scene must give one.
 """
 
 from __future__ import annotations
@@ -33,12 +33,12 @@ class Material:
 
     Attributes
     ----------
-    name : by which scenes call it.
-    title : what it is, with hardness where the limit depends on it.
+    name : its name in scenes.
+    title : description, with the hardness where the limit depends on it.
     modulus : Young's modulus E [MPa].
     poisson : Poisson's ratio nu.
     density : [t/mm^3].
-    pressure : guide to the largest pressure after Hertz in line contact [MPa]; None without any.
+    pressure : guide value of the largest Hertzian pressure in line contact [MPa], or None.
     source : of the numbers.
     """
 
@@ -153,7 +153,7 @@ _ROWS: Final = (
 )
 
 MATERIALS: Final[Mapping[str, Material]] = MappingProxyType({row.name: row for row in _ROWS})
-"""The materials there are, by name."""
+"""All materials, by name."""
 
 
 def find_material(name: str, key: str = "") -> Material:
@@ -161,19 +161,19 @@ def find_material(name: str, key: str = "") -> Material:
 
     Parameters
     ----------
-    name : as the scene has it.
+    name : as written in the scene.
     key : of the table, for the message.
 
     Raises
     ------
     GeometryError
-        If there is none of that name; the message has the nearest and all known ones.
+        If there is no material of that name; the message suggests the nearest and lists all.
     """
     if name in MATERIALS:
         return MATERIALS[name]
     hint = meant(name, MATERIALS)
     raise GeometryError(
-        f"there is no material {name}{f', {hint}' if hint else ';'} known are"
+        f"there is no material {name}{f', {hint}' if hint else ';'} known materials are"
         f" {', '.join(MATERIALS)}",
         key=key,
         value=name,

@@ -1,4 +1,4 @@
-"""The effects there are, by name: their declarations, and what computes them."""
+"""All effects by name, and their declarations."""
 
 from __future__ import annotations
 
@@ -26,18 +26,18 @@ EFFECTS: Final[tuple[str, ...]] = (
     "shock-spectrum",
     "balance",
 )
-"""Effects of camgeo; each has the package of its name, whose `EFFECT` declares it."""
+"""Effects of camgeo; each is a package of the same name whose `EFFECT` declares it."""
 
 
 def find_effect(name: str) -> Effect:
-    """The declaration of the effect `name`; it is imported now, what computes the effect is not.
+    """The declaration of the effect `name`; the code that computes the effect is not imported.
 
     Raises
     ------
     KeyError
-        If there is none.
+        If there is no such effect.
     TypeError
-        If what another distribution registers under this name is no `Effect` of this name.
+        If the object that another distribution registers is not an `Effect` of this name.
     """
     if name in EFFECTS:
         module = importlib.import_module(f"camgeo.effects.{name.replace('-', '_')}")
@@ -45,12 +45,12 @@ def find_effect(name: str) -> Effect:
     else:
         effect = _foreign()[name].load()
     if not isinstance(effect, Effect) or effect.name != name:
-        raise TypeError(f"what is registered as the effect {name!r} is no effect of that name")
+        raise TypeError(f"the object registered as effect {name!r} is not an effect of that name")
     return effect
 
 
 def effect_names() -> tuple[str, ...]:
-    """Names of all effects, those of camgeo first; nothing is imported."""
+    """Names of all effects, those of camgeo first; imports none of them."""
     return (*EFFECTS, *sorted(_foreign()))
 
 

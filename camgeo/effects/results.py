@@ -1,6 +1,6 @@
-"""The results that effects ask of each other: their keys, and what each of them gives.
+"""The results that effects use of each other: their keys and classes.
 
-The result of an effect that no other one asks for is a class of its own package.
+The result class of an effect that no other effect uses is in the package of that effect.
 """
 
 from __future__ import annotations
@@ -22,50 +22,50 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Acting(Result):
-    """What acts on the follower.
+    """A force on the follower.
 
     Attributes
     ----------
-    force : the generalised force; of friction that in which the normal force has no part: viscous
-        friction, and that of a slider. Its potential energy, if there is one, is 0 at cam angle 0.
+    force : the generalised force. For friction, the part that does not depend on the normal force:
+        viscous friction and that of a slider. Its potential energy, if any, is 0 at cam angle 0.
     """
 
     force: Force
 
 
 class Mass(Protocol):
-    """A mass in its centre."""
+    """A mass at its centre of mass."""
 
     @property
     def name(self) -> str:
-        """Of what: "follower", "roller", "rocker", "slider" or "coupler"."""
+        """Which body: "follower", "roller", "rocker", "slider" or "coupler"."""
 
     @property
     def mass(self) -> float:
         """[t]."""
 
     def place(self, phi: FloatArray, side: Side, /) -> ComplexArray:
-        """(n,) complex [mm] where it is, seen from the cam axis, as the drawing of the cam has it.
+        """(n,) complex [mm] position relative to the cam axis, oriented as in the drawing.
 
-        A translating follower is taken to be in its roller's centre, or in the foot of the cam axis
-        on its face, and a slider in its pin: where on the body does not matter for a body that does
-        not turn.
+        For a translating follower this is the centre of its roller, or the foot of the
+        perpendicular from the cam axis to its face; for a slider it is the pin. Any point will do
+        on a body that does not rotate.
         """
 
     def per_lift(self, phi: FloatArray, side: Side, /) -> ComplexArray:
-        """(n,) complex [1 or mm/rad] how its place goes with the follower's coordinate."""
+        """(n,) complex [1 or mm/rad] derivative of the position by the follower's coordinate."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Inertia(Acting):
-    """The masses that are moved, and their inertia force: c2 and c3.
+    """The moving masses and their inertia force: c2 and c3.
 
     Attributes
     ----------
-    masses : those with a weight; 0 is left out.
-    moved : what moves with the demanded motion [t, or t mm^2 if it turns].
-    to_follower : M(q) (n,) [t, or t mm^2 for a rocker], all of them reduced to the follower: T = M
-        (dq/dt)^2 / 2. The sum of m (dx/dq)^2 over all coordinates: equal kinetic energy (Volmer,
+    masses : the masses that have a weight, without those of 0.
+    moved : the mass that has the demanded motion [t, or t mm^2 if it turns].
+    to_follower : M(q) (n,) [t, or t mm^2 for a rocker], all masses reduced to the follower: T = M
+        (dq/dt)^2 / 2. The sum of m (dx/dq)^2 over all coordinates, by equal kinetic energy (Volmer,
         "Getriebetechnik", on reduced masses; Norton, "Cam Design and Manufacturing Handbook", on
         effective masses in dynamic models of cam systems).
     """
@@ -81,10 +81,10 @@ class Spring(Acting):
 
     Attributes
     ----------
-    way : x (n,), by how much it has relaxed since cam angle 0 [mm or rad], and dx/dq (n,).
-    preload, stiffness : P [N] and k [N/mm]; of a torsion spring [N mm] and [N mm/rad].
-    unit_of_preload, unit_of_stiffness : in which to show the two; "N" and "N/mm", or "N m" and
-        "N m/rad", of which one is 1000 of those inside.
+    way : x (n,), how far the spring has relaxed since cam angle 0 [mm or rad], and dx/dq (n,).
+    preload, stiffness : P [N] and k [N/mm]; for a torsion spring [N mm] and [N mm/rad].
+    unit_of_preload, unit_of_stiffness : units for display: "N" and "N/mm", or "N m" and "N m/rad",
+        which are 1000 times the internal units.
     """
 
     way: Callable[[FloatArray, Side], tuple[FloatArray, FloatArray]]
@@ -109,11 +109,11 @@ class Friction(Acting):
 
     Attributes
     ----------
-    per_normal : (2, n) what friction adds per unit of |N| at n cam angles, on the side `sense`, see
-        `carrier`: [0] generalised force on q [1 or mm/rad]; [1] torque on the cam [mm], that is
-        N mm per N, positive where the cam has to be driven more. Coulomb's friction of guide and
-        pivot is in [0] alone, and none in a rest; the roller turns, and a face slides, in a rest
-        too. GeometryError at a cusp.
+    per_normal : (2, n) contribution of friction per unit of |N| at n cam angles, on the side
+        `sense` (see `camgeo.effects.touching`): [0] generalised force on q [1 or mm/rad]; [1]
+        torque on the cam [mm], that is N mm per N, positive if it adds to the drive torque. Coulomb
+        friction of guide and pivot is in [0] only, and is 0 during dwells; the roller still turns,
+        and a face still slides, during dwells. GeometryError at a cusp.
     """
 
     per_normal: Callable[[FloatArray, Side, int], FloatArray]
@@ -123,20 +123,19 @@ class Friction(Acting):
 class ContactForce(Result):
     """The normal force N [N] on the follower, positive where the inner flank carries.
 
-    Of a conjugate pair it is positive where the main disc carries, negative where the return disc
-    does; the other one carries nothing then.
+    For a conjugate pair it is positive where the main disc carries and negative where the return
+    disc does; the other disc then carries nothing.
 
     Attributes
     ----------
-    forces : all forces on the follower but that of the contact.
-    friction : None if the scene names none.
-    edges : (k,) cam angles [rad] from 0 to 2 pi: N is smooth between them and keeps its sign.
+    forces : all forces on the follower except that of the contact.
+    friction : None if the scene has none.
+    edges : (k,) cam angles [rad] from 0 to 2 pi between which N is smooth and keeps its sign.
     extremes : smallest and largest N of the turn, signed.
-    required : (4, n) coefficients of the generalised force R that the contact has to give.
-    normal : (n,) N at the scene's speed, or at rest if it has none.
+    required : (4, n) coefficients of the generalised force R that the contact must provide.
+    normal : (n,) N at the speed of the scene, or at rest if it gives none.
     normal_at : (n,) N at n cam angles and at rates (2, n): omega [rad/s] and alpha [rad/s^2].
-    bracket : (n,) [1 or mm/rad] R per unit of |N| at n cam angles, on the side `sense`, see
-        `carrier`.
+    bracket : (n,) [1 or mm/rad] R per unit of |N| at n cam angles, on the side `sense`.
     """
 
     forces: tuple[Force, ...]
@@ -155,11 +154,11 @@ class DriveTorque(Result):
 
     Attributes
     ----------
-    contact : what it has to give.
-    law : (6, n) c0 to c3 of R, then torque by R [N mm per unit of R] for R > 0 and for R < 0.
+    contact : the contact force.
+    law : (6, n) c0 to c3 of R, then torque per unit of R [N mm] for R > 0 and for R < 0.
     at : (n,) [N mm] at n cam angles, with the cam turning at omega [rad/s] and alpha [rad/s^2].
-    torque : (n,) [N mm] with the cam turning as the scene says; very slowly if it gives no speed.
-    static : (n,) [N mm] with the cam turning very slowly: without inertia and viscous friction.
+    torque : (n,) [N mm] at the speed of the scene; the static part if it gives none.
+    static : (n,) [N mm] at very low speed: without inertia and viscous friction.
     edges : (k,) cam angles [rad] from 0 to 2 pi, ascending, between which the torque is smooth.
     """
 

@@ -1,7 +1,7 @@
-"""What does not go together: an effect, or keys of its table, and a kind of machine.
+"""Rules on which machines an effect, or keys of its table, can be used with.
 
-A rule looks at one effect's table and at the machine, before anything is computed. Most rules are
-data, `Only`, of which the descriptions in the scene's schema are made too.
+A rule checks the table of one effect against the machine before anything is computed. Most rules
+are data, `Only`, from which the descriptions in the schema of the scene are generated too.
 """
 
 from __future__ import annotations
@@ -19,16 +19,16 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Machine:
-    """What rules ask of a machine.
+    """The properties of a machine that rules depend on.
 
     Attributes
     ----------
-    lift : unit of the follower's own lift, "mm" in a guide, "rad" of a rocker; None if not known.
-    touching : what touches the cam, "roller" or "face"; None if not known.
+    lift : unit of the follower's lift, "mm" in a guide, "rad" for a rocker; None if unknown.
+    touching : what touches the cam, "roller" or "face"; None if unknown.
     edged : whether it is a knife edge.
-    far : the far end of its linkage, empty if there is no linkage; None if not known.
+    far : the far end of its linkage, empty if there is no linkage; None if unknown.
     paired : whether a return disc holds the follower back.
-    yoked : whether the follower has a second side beyond the cam axis.
+    yoked : whether the follower has a second contact beyond the cam axis.
     """
 
     lift: Unit | None
@@ -40,12 +40,12 @@ class Machine:
 
     @property
     def demanded(self) -> Unit | None:
-        """Unit of the motion that is demanded; None if not known."""
+        """Unit of the demanded motion; None if unknown."""
         return UNIT_OF[self.far] if self.far else None if self.far is None else self.lift
 
     @property
     def straight(self) -> bool | None:
-        """Whether it has a follower in a guide or a slider; None if not known."""
+        """Whether it has a guided follower or a slider; None if unknown."""
         units = (self.lift, self.demanded)
         return True if "mm" in units else None if None in units else False
 
@@ -56,45 +56,45 @@ class Table:
 
     Attributes
     ----------
-    values : by the keys that it has; None where the value is known to be wrong.
-    meant : keys that it lacks but, by a misspelt one, was meant to have.
+    values : by key; None where the value is known to be wrong.
+    meant : missing keys that a misspelt key was probably meant to be.
     """
 
     values: Mapping[str, Any]
     meant: Collection[str] = field(default=())
 
     def lacks(self, key: str) -> bool:
-        """Whether the table neither has the key nor was meant to."""
+        """Whether the key is missing, and no misspelt key was meant to be it."""
         return key not in self.values and key not in self.meant
 
 
 Rule = Callable[[Machine, Table], Iterator[tuple[str, str]]]
-"""The keys of the table that are at fault, empty for the effect as a whole, and why."""
+"""Yields the keys of the table at fault, empty for the effect as a whole, with the reason."""
 
 
 @dataclass(frozen=True, slots=True)
 class Kind:
-    """Machines of a kind.
+    """A kind of machine.
 
     Attributes
     ----------
-    of : the attribute of a `Machine` that tells it.
-    others : its values in machines that are surely of another kind.
-    refusal : what is said to a scene of another kind.
-    told : the same as a sentence of a description.
-    barring : key of the scene's [follower] that makes a machine of another kind; empty if none.
+    of : the attribute of `Machine` that distinguishes it.
+    others : values of this attribute that certainly mean another kind.
+    refusal : the message for a scene with another kind of machine.
+    description : the same, as a sentence for the schema.
+    barring : key of [follower] in the scene that makes it another kind; empty if there is none.
     """
 
     of: str
     others: tuple[str | bool, ...]
     refusal: str
-    told: str
+    description: str
     barring: str = ""
 
 
 @dataclass(frozen=True, slots=True, init=False)
 class Only:
-    """The effect, or the named keys of its table, are for machines of a kind alone."""
+    """The effect, or the named keys of its table, apply to one kind of machine only."""
 
     kind: Kind
     keys: tuple[str, ...]
@@ -114,11 +114,11 @@ class Only:
 GUIDED: Final = Kind(
     "lift",
     ("rad",),
-    "is for translating followers, and this one is a rocker",
+    "is for translating followers, and this follower is a rocker",
     "Translating followers only.",
 )
 ROCKING: Final = Kind(
-    "lift", ("mm",), "is for rockers, and this follower is a translating one", "Rockers only."
+    "lift", ("mm",), "is for rockers, and this follower is translating", "Rockers only."
 )
 ROLLERS: Final = Kind("touching", ("face",), "is for roller followers", "Roller followers only.")
 ROUND: Final = Kind(
@@ -130,31 +130,31 @@ FLATS: Final = Kind(
 ONE_DISC: Final = Kind(
     "paired",
     (True,),
-    "knows one disc; a conjugate pair, [follower.return], has two",
+    "supports a single disc, and a conjugate pair, [follower.return], has two",
     "Not with a conjugate pair.",
     "return",
 )
 ONE_ROLLER: Final = Kind(
     "paired",
     (True,),
-    "knows one roller; a conjugate pair, [follower.return], has two",
+    "supports a single roller, and a conjugate pair, [follower.return], has two",
     "Not with a conjugate pair.",
     "return",
 )
 ONE_CONTACT: Final = Kind(
     "yoked",
     (True,),
-    "knows one contact; a yoke, [follower.yoke], has two",
+    "supports a single contact, and a yoke, [follower.yoke], has two",
     "Not with a yoke.",
     "yoke",
 )
 LINKED: Final = Kind(
-    "far", ("",), "is for linkages, and there is no [linkage]", "Only with a linkage."
+    "far", ("",), "is for linkages, and the scene has no [linkage]", "Only with a linkage."
 )
 DRIVING_SLIDER: Final = Kind(
     "far",
     ("", "lever", "crank"),
-    "is for a slider that drives a rocker; no such linkage is here",
+    "is for a slider that drives a rocker, and the scene has no such linkage",
     "Only with a slider that drives a rocker.",
 )
 STRAIGHT: Final = Kind(
@@ -166,18 +166,18 @@ STRAIGHT: Final = Kind(
 TURNING: Final = Kind(
     "far",
     ("", "slider"),
-    "is for the lever of a four-bar, or for a crank that a slider turns",
-    "Only with the lever of a four-bar, or a crank that a slider turns.",
+    "is for the lever of a four-bar linkage, or a crank driven by a slider",
+    "Only with the lever of a four-bar linkage, or a crank driven by a slider.",
 )
 LENGTHS: Final = Kind(
     "demanded",
     ("rad",),
-    "is for a demanded motion that is a length; here it is an angle",
-    "Only where the motion that is demanded is a length.",
+    "is for a demanded motion that is a length, and here it is an angle",
+    "Only where the demanded motion is a length.",
 )
 ANGLES: Final = Kind(
     "demanded",
     ("mm",),
-    "is for a demanded motion that is an angle; here it is a length",
-    "Only where the motion that is demanded is an angle.",
+    "is for a demanded motion that is an angle, and here it is a length",
+    "Only where the demanded motion is an angle.",
 )

@@ -1,20 +1,20 @@
-"""What touches the cam and carries the follower: flanks, discs, and a flat face that slides.
+"""The contact between follower and cam: which flank or disc carries, and how a flat face slides.
 
-The normal force N is positive where the inner flank of the disc carries. On the other side, where
-it is negative, the outer flank of a groove does, or the inner one of the return disc of a conjugate
-pair. A side is told by that sign, +1 or -1.
+The normal force N is positive where the inner flank of the disc carries. Where it is negative, the
+outer flank of a groove carries, or the inner flank of the return disc of a conjugate pair. These
+two sides are numbered by this sign, +1 and -1.
 
-A flat face slides on the cam. With the names of `camgeo.mechanism.face`: the cam goes round with
-sigma, the follower with Omega = nu', the rate of its own direction, both counter-clockwise per unit
-of cam speed. The contact lies h n from the cam axis, and f n from the pivot of a rocker, beside
-what lies along the face. Along the face, in the sense t = Z'/|Z'| in which the contact runs along
-the outline, the material of the face goes past that of the cam with
+A flat face slides on the cam. In the notation of `camgeo.mechanism.face`, the cam turns at sigma
+and the follower at Omega = nu', the rate of its own direction, both counter-clockwise positive and
+per unit of cam speed. In the direction of n, the contact is at the distance h from the cam axis,
+and f from the pivot of a rocker. Along the face, in the direction t = Z'/|Z'| in which the contact
+moves along the outline, the face slides relative to the cam at
 
     g = h - sigma f Omega,
 
-since a point of the cam has -h there along t, and one of the face -sigma f Omega (velocities of
-rigid bodies). In a guide g = h: the rate at which the contact wanders along the face is no
-sliding. A face that slides so is pressed on the cam by the whole normal force, in rests too.
+because the velocities along t at the contact are -h for the cam and -sigma f Omega for the face
+(rigid bodies). In a guide g = h: the motion of the contact along the face is not sliding. A sliding
+face is pressed on the cam by the whole normal force, during dwells too.
 """
 
 from __future__ import annotations
@@ -38,7 +38,9 @@ OF_PAIR: Final = ({INNER: "main", OUTER: "return"}, "disc")
 
 
 def holds_both_ways(subject: Subject) -> bool:
-    """Whether the follower is held in both senses: in a groove, between two discs, by a yoke."""
+    """Whether the follower is held in both directions: in a groove, between two discs, by a
+    yoke.
+    """
     return (
         subject.cam.contact.closed_by_form
         or subject.returning is not None
@@ -47,7 +49,7 @@ def holds_both_ways(subject: Subject) -> bool:
 
 
 def carrier(subject: Subject, sense: int) -> tuple[Subject, int]:
-    """The disc that carries on the side `sense`, and which of its flanks: +1 inner, -1 outer."""
+    """The disc that carries on the side `sense`, and its flank: +1 inner, -1 outer."""
     other = subject.returning
     return (subject, sense) if other is None or sense == INNER else (other, INNER)
 
@@ -62,21 +64,21 @@ def leverage_of(subject: Subject, phi: FloatArray, side: Side, sense: int) -> Fl
 
 
 def sides_of(subject: Subject) -> tuple[dict[int, str], str]:
-    """The names of both sides, and of what they are: a flank or a disc."""
+    """The names of the two sides, and whether they are flanks or discs."""
     return OF_GROOVE if subject.returning is None else OF_PAIR
 
 
 def sliding(subject: Subject, phi: FloatArray, side: Side) -> FloatArray:
-    """(n,) g [mm/rad] of the face on the cam at `phi` (n,) [rad], see the module.
+    """(n,) sliding g [mm/rad] of a flat face on the cam at `phi` (n,) [rad], see the module.
 
-    Per unit of cam speed: times omega it is in mm/s. For flat-faced followers.
+    It is per unit of cam speed: multiplied by omega it is in mm/s.
     """
     jet = subject.drive.motion.jet(phi, side)
     return subject.cam.follower.sliding(jet, subject.cam.rotation)
 
 
 def require_convex(subject: Subject, what: str) -> None:
-    """Raise EffectError that there is no `what`, if a flat face cannot touch the cam all round."""
+    """Raise EffectError, that there is no `what`, if a flat face cannot touch the whole cam."""
     if subject.cam.follower.has_pitch_curve:
         return
     from camgeo.check.face import check_convexity  # few cams have a flat face

@@ -1,4 +1,4 @@
-"""The effects that the scene calls for, over the cam angle, with their limits."""
+"""The effects in the scene over the cam angle, with their limits."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from camgeo.motion.joints import breaks
 from camgeo.numeric.arrays import FloatArray, merged
 from camgeo.units import MM_PER, TURN, LengthUnit
 
-if TYPE_CHECKING:  # a picture without effects needs nothing of them
+if TYPE_CHECKING:  # a picture without effects needs none of this
     from camgeo.effects.effect import Column
 
 WIDTH: Final = 7.0
@@ -37,19 +37,19 @@ PANEL: Final = 1.7
 """Height of a panel [inch]."""
 
 GAP: Final = 0.2
-"""Height between two panels [inch]; a power of ten of the lower one has room there."""
+"""Gap between two panels [inch], with room for a power of ten of the lower one."""
 
 NAME_PLACE: Final = 0.6
-"""Distance of the names of the vertical axes to the left of them [inch]."""
+"""Distance of the titles to the left of the vertical axes [inch]."""
 
 PLAIN: Final = (-3, 5)
-"""Powers of ten between which numbers are written out; wider ones run into the name of the axis."""
+"""Powers of ten between which numbers are written out; longer ones would overlap the axis title."""
 
 ABREAST: Final = 3
-"""Names of curves that stand beside each other at most."""
+"""Largest number of curve names in a row."""
 
 HEADROOM: Final = 0.17
-"""Above the curves for each row of their names, as a share of their range."""
+"""Space above the curves for each row of names, as a share of their range."""
 
 CURVES: Final = (
     Style(LINE),
@@ -57,14 +57,14 @@ CURVES: Final = (
     Style("#3f8f6b", dashes=(4.0, 1.5, 1.0, 1.5)),
     Style("#7a7a7a", dashes=(1.0, 1.0)),
 )
-"""How the curves of a panel differ; one with more of them is parted."""
+"""Styles of the curves of a panel; a panel has no more curves than styles."""
 
 
 def figure(product: Product, size: Size | None = None) -> Figure:
-    """The columns of all effects, neighbours of one unit in one panel.
+    """The columns of all effects, with neighbours of equal unit in one panel.
 
-    Where an effect jumps, the curve does: both sides of the joints of the motion and of the
-    effect's own borders are drawn.
+    The curves jump where the effects do: both sides of the joints of the motion and of the borders
+    of the effects are drawn.
     """
     groups = panels(product.columns())
     count = max(1, len(groups))
@@ -72,7 +72,7 @@ def figure(product: Product, size: Size | None = None) -> Figure:
     frames = grid(size, MARGINS, count, gaps=(GAP / PANEL, 0.0))
     title = f"{product.name}: effects"
     if not groups:
-        words = "no effect of the scene has values over the cam angle"
+        words = "no effect in the scene has values over the cam angle"
         whole = Axis((0.0, 1.0))
         text = Text(words, (0.5, 0.5), 9.0, across="center")
         return Figure(size, (Panel(frames[0], whole, whole, (text,), title, bare=True),))
@@ -85,7 +85,7 @@ def figure(product: Product, size: Size | None = None) -> Figure:
 
 
 def panels(columns: Sequence[Column]) -> list[list[Column]]:
-    """The columns in groups of neighbours with the same unit, no larger than a panel can tell."""
+    """The columns in groups of neighbours with equal unit, at most one per curve style."""
     found: list[list[Column]] = []
     for column in columns:
         if found and found[-1][0].unit == column.unit and len(found[-1]) < len(CURVES):
@@ -98,11 +98,11 @@ def panels(columns: Sequence[Column]) -> list[list[Column]]:
 def _panel(
     product: Product, frame: Frame, group: Sequence[Column], places: FloatArray, *, last: bool
 ) -> Panel:
-    told, scale = shown_unit(group[0].unit, product.unit)
+    shown, scale = shown_unit(group[0].unit, product.unit)
     marks: list[Mark] = [ZERO]
     drawn: list[FloatArray] = []
     for column, style in zip(group, CURVES, strict=False):
-        phi, values = course(column, places)
+        phi, values = sampled(column, places)
         drawn.append(values * scale)
         marks.append(Line(over(np.degrees(phi), drawn[-1]), style, column.name))
     named = {each.limit: each.name for each in group if each.limit is not None}
@@ -111,15 +111,15 @@ def _panel(
         marks.append(Rule("y", limit * scale, LIMIT_STYLE, label))
     found = entries(marks)
     low, high = limits([0.0, *drawn], [limit * scale for limit in named])
-    rows = -(-len(found) // ABREAST)  # of names, in a strip of their own above the curves
+    rows = -(-len(found) // ABREAST)  # of names, in a strip above the curves
     return Panel(
         frame,
         turn_axis(numbered=last),
         Axis(
             (low, high + HEADROOM * rows * (high - low)),
-            f"[{told}]" if told else "",
+            f"[{shown}]" if shown else "",
             powers=PLAIN,
-            label_place=NAME_PLACE,  # aligned down the page, whatever the width of their numbers
+            label_place=NAME_PLACE,  # aligned over all panels, whatever the width of the numbers
         ),
         (*marks, *joint_marks(product.cam.drive.joints)),
         legend=Legend(found, "upper right", None, min(len(found), ABREAST), 7.5, pad=0.3),
@@ -127,7 +127,7 @@ def _panel(
 
 
 def shown_unit(unit: str, length: LengthUnit) -> tuple[str, float]:
-    """The unit that is written for a column's `unit`, and how many of it are one of that."""
+    """The display unit for a column's `unit`, and the factor from `unit` to it."""
     scale = 1.0
     if unit == "mm" or unit.startswith("mm/"):
         unit, scale = length + unit.removeprefix("mm"), 1.0 / MM_PER[length]
@@ -136,7 +136,7 @@ def shown_unit(unit: str, length: LengthUnit) -> tuple[str, float]:
     return unit, scale
 
 
-def course(column: Column, places: FloatArray) -> tuple[FloatArray, FloatArray]:
+def sampled(column: Column, places: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Cam angles [rad] over one turn, ascending, and values (n,), (n,) of `column`.
 
     Each of `places` [rad] and of the column's own borders is there twice: with the left-hand value,
@@ -151,6 +151,6 @@ def course(column: Column, places: FloatArray) -> tuple[FloatArray, FloatArray]:
     left = column.values(borders[1:], "left")
     phi = np.concatenate((ends[:1], borders[1:], inside))
     values = np.concatenate((left[-1:], left, right))
-    # Left-hand values stand first, and a stable sort leaves them there.
+    # Left-hand values come first, and a stable sort keeps this order.
     order = np.argsort(phi, kind="stable")
     return phi[order], values[order]

@@ -26,7 +26,9 @@ def whole_schema(names: Iterable[str] = EFFECTS) -> Node:
         table = root["properties"]["effects"]["properties"][effect.name]
         for rule in _bounds(effect):
             for node in [table["properties"][key] for key in rule.keys] or [table]:
-                node["description"] = f"{node.get('description', '')} {rule.kind.told}".lstrip()
+                node["description"] = (
+                    f"{node.get('description', '')} {rule.kind.description}".lstrip()
+                )
     for node in _nodes(root):
         if "x-barring" in node:
             node["description"] += f" Not with {', '.join(_barred(effects, node['x-barring']))}."

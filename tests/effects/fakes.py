@@ -13,7 +13,7 @@ NUMBERS: Final = itertools.count()
 
 def fake(
     name: str,
-    compute: Callable[[Request[Any]], Any] = lambda request: request.spec,
+    compute: Callable[[Request[Any]], Any] = lambda request: request.data,
     *,
     title: str = "",
     **options: Any,

@@ -16,7 +16,7 @@ from camgeo.contour.contour import Contour
 from camgeo.design import Design
 from camgeo.effects.balance.holes import PITCH, most, rows
 from camgeo.effects.balance.result import Balance
-from camgeo.effects.balance.spec import parse
+from camgeo.effects.balance.table import parse
 from camgeo.errors import EffectError, GeometryError
 from camgeo.outline.moments import total
 from camgeo.part.part import Part
@@ -231,10 +231,10 @@ def test_holes_that_fit_are_told_with_what_is_left() -> None:
 @pytest.mark.parametrize(
     ("table", "reason"),
     [
-        ("hole_radius = 39.99\n", "comes across the outline"),
-        ("hole_radius = 12.6\n", "comes across the bore"),
-        ("hole_radius = 45\n", "outside of the material"),
-        ("hole_radius = 29\nhole_diameter = 0.5\n", "they take off"),
+        ("hole_radius = 39.99\n", "cuts into the outline"),
+        ("hole_radius = 12.6\n", "cuts into the bore"),
+        ("hole_radius = 45\n", "outside the material"),
+        ("hole_radius = 29\nhole_diameter = 0.5\n", "they remove at most"),
     ],
 )
 def test_holes_that_do_not_fit_are_a_warning_with_its_reason(table: str, reason: str) -> None:
@@ -260,7 +260,7 @@ def test_no_holes_in_a_groove() -> None:
     heavy = np.exp(1j * np.angle(balance("groove").unbalance))
     middle = float(np.abs(pitch[np.argmax((pitch / np.abs(pitch) * heavy.conj()).real)]))
     found = named(balance("groove", f"hole_radius = {middle}\nhole_diameter = 40\n"))
-    assert "outside of the material" in found["holes-do-not-fit"].sentence
+    assert "outside the material" in found["holes-do-not-fit"].sentence
 
 
 def test_the_grade_is_held_against_mass_and_speed() -> None:

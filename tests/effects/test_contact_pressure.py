@@ -26,7 +26,7 @@ from camgeo.effects.contact_pressure.hertz import (
 from camgeo.effects.contact_pressure.life import EXPONENT, spin
 from camgeo.effects.contact_pressure.line_contact import LineContact
 from camgeo.effects.contact_pressure.result import ContactPressure, compute
-from camgeo.effects.contact_pressure.spec import Spec, parse
+from camgeo.effects.contact_pressure.table import PressureRequirements, parse
 from camgeo.effects.effect import Request, Results
 from camgeo.effects.materials import Material, find_material
 from camgeo.effects.touching import INNER, OUTER
@@ -51,7 +51,7 @@ def body(modulus: float, poisson: float) -> Material:
 
 
 def contact_modulus(first: Material, second: Material) -> float:
-    return Spec(first, second, 1.0).modulus
+    return PressureRequirements(first, second, 1.0).modulus
 
 
 bodies = st.builds(body, st.floats(1.0, 1e6), st.floats(0.0, 0.5))
@@ -399,7 +399,7 @@ def test_no_roller_is_large_enough() -> None:
     (found,) = (each for each in result.findings if each.name == "needed-roller-radius")
     assert found.severity == "warning"
     assert found.value is None
-    assert "no roller radius is enough" in found.sentence
+    assert "no roller radius is sufficient" in found.sentence
 
 
 @pytest.mark.parametrize(
@@ -566,7 +566,7 @@ def test_a_life_needs_a_speed() -> None:
 def test_an_empty_table_is_hardened_steel_on_hardened_steel() -> None:
     steel = find_material("steel-hardened")
     assert steel.pressure is not None
-    assert parse({}) == Spec(cam=steel, mate=steel, limit=steel.pressure)
+    assert parse({}) == PressureRequirements(cam=steel, mate=steel, limit=steel.pressure)
     assert parse({}).modulus == pytest.approx(210e3 / (2.0 * 0.91), rel=4.0 * EPS)
 
 

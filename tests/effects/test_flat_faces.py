@@ -377,9 +377,7 @@ def test_a_short_guide_jams_where_the_lever_of_the_contact_is_too_long() -> None
             assert np.min(made.effect("contact-force").normal(np.linspace(0, 6, 99), "right")) > 0.0
         else:
             assert margin.severity == "broken"
-            with pytest.raises(
-                EffectError, match="friction takes all that the contact force gives"
-            ):
+            with pytest.raises(EffectError, match="friction absorbs the entire contact force"):
                 made.effect("contact-force")
 
 
@@ -436,7 +434,7 @@ def test_keys_of_another_follower_are_refused_at_once(scene: str) -> None:
 def test_a_rocker_has_no_guide_to_lie_aside() -> None:
     table = "guide_length = 3\nguide_offset = 1\n"
     for key in ("guide_length", "guide_offset"):
-        assert_refused("flat_rocker", "friction", table, key, "this one is a rocker")
+        assert_refused("flat_rocker", "friction", table, key, "this follower is a rocker")
 
 
 def test_a_flat_rocker_has_its_own_masses_and_no_roller() -> None:

@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 from camgeo.design import Design
 from camgeo.effects.effect import Request, Results
 from camgeo.effects.friction.result import compute, statics_of
-from camgeo.effects.friction.spec import parse
 from camgeo.effects.friction.statics import Statics
+from camgeo.effects.friction.table import parse
 from camgeo.effects.results import Friction
 from camgeo.errors import EffectError, GeometryError
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
@@ -308,7 +308,7 @@ def test_the_margin_ends_at_the_coefficient_that_takes_all(scene: str, sense: in
     without = statics(made, **table)
 
     def with_coefficient(value: float) -> Statics:
-        return replace(without, spec=parse({**table, key: value}))
+        return replace(without, data=parse({**table, key: value}))
 
     unit = with_coefficient(1.0)
     phi = angles(made)[3::7]

@@ -142,11 +142,11 @@ def test_the_table_reaches_parse_and_its_tolerance_the_effect(fakes: Fakes) -> N
     fakes.add("vague", parse=lambda table: ("parsed", dict(table)), numerical=True)
     fakes.add("user", needs=("vague",))
     request = fakes.of({"vague": {"tolerance": 1e-3, "mass": 2.0}}).result("vague").request
-    assert request.spec == ("parsed", {"tolerance": 1e-3, "mass": 2.0})
+    assert request.data == ("parsed", {"tolerance": 1e-3, "mass": 2.0})
     assert request.tolerance == 1e-3
     assert request.subject is SUBJECT
     unnamed = fakes.of({"user": {}}).result("user").given["vague"].request
-    assert unnamed.spec == ("parsed", {})
+    assert unnamed.data == ("parsed", {})
     assert unnamed.tolerance == TOLERANCE
 
 
@@ -284,12 +284,12 @@ def test_only_what_is_told_anew_is_computed_again(fakes: Fakes) -> None:
     before = effects.result("top")
     fakes.calls.clear()
     entered = len(effects.ledger.runs)
-    again = effects.retold("top", 1e-8)
+    again = effects.recomputed("top", 1e-8)
     after = again.result("top")
     assert fakes.calls == ["top"]
     assert after is not before
     assert after.request.tolerance == 1e-8
-    assert after.request.spec == {"mass": 2.0, "tolerance": 1e-8}
+    assert after.request.data == {"mass": 2.0, "tolerance": 1e-8}
     assert set(after.given) == {"left", "right", "base"}
     assert all(after.given[name] is before.given[name] for name in after.given)
     # The first graph knows nothing of it.
@@ -303,7 +303,7 @@ def test_what_is_needed_is_computed_once_for_all_tolerances(fakes: Fakes) -> Non
     diamond(fakes)
     effects = fakes.of({"top": {}})
     for tolerance in (1e-2, 1e-4, 1e-6):
-        assert effects.retold("top", tolerance).result("top").request.tolerance == tolerance
+        assert effects.recomputed("top", tolerance).result("top").request.tolerance == tolerance
     assert sorted(fakes.calls) == ["base", "left", "right", "top", "top", "top"]
 
 
@@ -311,7 +311,7 @@ def test_without_what_it_needs_it_cannot_be_told_anew(fakes: Fakes) -> None:
     fakes.add("force", no_answer)
     fakes.add("torque", needs=("force",), numerical=True)
     with pytest.raises(EffectError, match="it jams"):
-        fakes.of({"torque": {}}).retold("torque", 1e-3)
+        fakes.of({"torque": {}}).recomputed("torque", 1e-3)
 
 
 # Of a design --------------------------------------------------------------------------------------

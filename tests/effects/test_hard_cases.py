@@ -352,7 +352,7 @@ def test_a_groove_force_that_touches_zero_does_not_change_the_flank() -> None:
         assert assert_sound(design) == {}
         (steady,) = design.effects.findings("lift-off")
         assert steady.value == 0.0
-        assert "all the turn" in steady.sentence
+        assert "over the whole turn" in steady.sentence
 
 
 @pytest.mark.parametrize("short", [1e-10, 1e-6, 1e-4, 1e-2])
@@ -635,4 +635,4 @@ def test_a_harmonic_that_the_motion_does_not_have_is_no_resonance() -> None:
     found = {each.name: each for each in made.effects.findings("vibration")}
     assert found["largest-motion-error"].value == pytest.approx(10.0 / 3.0, rel=1e-9)
     assert found["resonance"].value is None
-    assert "which the motion does not have" in found["resonance"].sentence
+    assert "absent from the motion" in found["resonance"].sentence

@@ -24,7 +24,7 @@ from camgeo.effects.inertia.rates import (
     train_of,
 )
 from camgeo.effects.inertia.result import compute
-from camgeo.effects.inertia.spec import InertiaSpec, parse
+from camgeo.effects.inertia.table import MassProperties, parse
 from camgeo.effects.results import Inertia
 from camgeo.errors import EffectError, GeometryError, SceneError
 from camgeo.mechanism.slider_crank import SliderCrank
@@ -173,7 +173,7 @@ def trains(draw: st.DrawFn) -> LinkedTrain:
     pin, tip = linkage.joints(np.linspace(0.0, STROKE, 33))
     along = (pin - tip).real / linkage.coupler
     assume(np.all(np.abs(along) > 0.05) and np.all(along * along[0] > 0.0))
-    spec = InertiaSpec(
+    spec = MassProperties(
         mass=draw(st.sampled_from([0.0, 1e-3, 2e-3])),
         coupler_mass=draw(st.sampled_from([0.0, 5e-4])),
         coupler_centre=draw(st.floats(0.0, 1.0)),
@@ -212,17 +212,17 @@ def test_the_force_takes_from_the_kinetic_energy_what_it_gives(train: LinkedTrai
 def test_a_coupler_is_worth_two_point_masses(train: LinkedTrain) -> None:
     """Masses (1 - lambda) m in the tip and lambda m in the pin have the same mass, centre and, if
     J_c = m lambda (1 - lambda) l_4^2, the same moment of inertia: the same force."""
-    spec, linkage = train.spec, train.linkage
+    spec, linkage = train.data, train.linkage
     share, mass = spec.coupler_centre, 5e-4
     rigid = replace(
         spec,
         coupler_mass=mass,
         coupler_moment=mass * share * (1.0 - share) * linkage.coupler**2,
     )
-    points = InertiaSpec(mass=spec.mass + share * mass)
+    points = MassProperties(mass=spec.mass + share * mass)
     at_tip = train.inertia + (1.0 - share) * mass * linkage.crank**2
-    first = replace(train, spec=rigid)
-    second = replace(train, spec=points, inertia=at_tip)
+    first = replace(train, data=rigid)
+    second = replace(train, data=points, inertia=at_tip)
     for side in ("right", "left"):
         forces = [inertia_force(each, PHI, side) for each in (first, second)]
         for one, other in zip(*forces, strict=True):
@@ -252,7 +252,7 @@ def test_the_reduced_inertia_is_that_of_the_joints_moving(
     train: LinkedTrain, stroke: float
 ) -> None:
     """2T for a rocker that turns with 1 rad/s: velocities by differences at 40 digits."""
-    linkage, spec = train.linkage, train.spec
+    linkage, spec = train.linkage, train.data
     assert isinstance(linkage, SliderCrank)
     (guess,) = linkage.crank_angle(np.array([stroke]))
     with mp.workdps(40):

@@ -164,7 +164,7 @@ def test_loading_a_scene_with_all_effects_imports_only_what_declares_them(tmp_pa
     scene.write_text(f"{text}\n{text_of(EFFECTS)}\n", "utf-8")
     packages = {name.replace("-", "_") for name in EFFECTS}
     declaring = {"effect", "registry", "results", "rules", "materials", *packages}
-    declaring |= {f"{name}.spec" for name in packages} | {"speed_fluctuation.motor"}
+    declaring |= {f"{name}.table" for name in packages}
     loaded = modules_of(scene)
     found = {each.partition("effects.")[2] for each in loaded if each.startswith("camgeo.effects.")}
     assert packages <= found <= declaring

@@ -393,7 +393,7 @@ def test_rests_without_force_lie_between() -> None:
 def test_a_load_keeps_one_flank() -> None:
     found = lift_off(groove(0.05, "[effects.load]\nconstant = 50"))
     assert found.changes == ()
-    assert "all the turn" in one(found, "flank-change").sentence
+    assert "over the whole turn" in one(found, "flank-change").sentence
     assert not named(found, "impact-speed")
 
 
@@ -466,7 +466,7 @@ def test_the_tolerance_of_an_impact_is_kept_or_refused(monkeypatch: pytest.Monke
     monkeypatch.setattr(crossing, "ORDERS", (3, 4))
     errors = []
     for tolerance in (1e-2, 1e-4):
-        found = subject.effects.retold("lift-off", tolerance).result("lift-off")
+        found = subject.effects.recomputed("lift-off", tolerance).result("lift-off")
         assert found.error <= tolerance
         speeds = [each.speed for each in found.impacts]
         errors.append(max(abs(a / b - 1.0) for a, b in zip(speeds, exact, strict=True)))
@@ -474,7 +474,7 @@ def test_the_tolerance_of_an_impact_is_kept_or_refused(monkeypatch: pytest.Monke
     assert errors[1] < errors[0]
     monkeypatch.setattr(crossing, "ORDERS", (1, 2))
     with pytest.raises(EffectError, match="the tolerance is 1e-10"):
-        subject.effects.retold("lift-off", 1e-10).result("lift-off")
+        subject.effects.recomputed("lift-off", 1e-10).result("lift-off")
 
 
 def test_the_impact_grows_with_the_backlash() -> None:

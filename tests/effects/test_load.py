@@ -12,9 +12,9 @@ import pytest
 
 from camgeo.design import Design
 from camgeo.effects.effect import DataFile
-from camgeo.effects.load.course import read_load_table
-from camgeo.effects.load.result import course_of
-from camgeo.effects.load.spec import LoadSpec, parse
+from camgeo.effects.load.profile import read_load_table
+from camgeo.effects.load.result import profile_of
+from camgeo.effects.load.table import ProcessLoad, parse
 from camgeo.errors import EffectError, GeometryError, SceneError
 from camgeo.motion.plan import Dwell, MotionPlan
 from camgeo.numeric.arrays import FloatArray
@@ -96,7 +96,7 @@ def test_a_rest_of_no_length_has_no_load() -> None:
     assert np.array_equal(c0(made, joints), [-1.0, -2.0, -3.0, -4.0, -5.0])
     assert np.array_equal(c0(made, joints, "left"), [-5.0, -1.0, -2.0, -3.0, -4.0])
     still = Dwell(Decimal(0)), Dwell(Decimal(120)), Dwell(Decimal(0)), Dwell(Decimal(240))
-    steps = course_of(LoadSpec(segments=(7.0, 8.0)), MotionPlan(still), "N")
+    steps = profile_of(ProcessLoad(segments=(7.0, 8.0)), MotionPlan(still), "N")
     angles = np.radians([0.0, 120.0])
     assert np.array_equal(steps.values(angles, "right"), [7.0, 8.0])
     assert np.array_equal(steps.values(angles, "left"), [8.0, 7.0])

@@ -245,7 +245,7 @@ def test_a_limit_holds_either_disc() -> None:
 
 def test_a_margin_is_refused_where_the_force_changes_discs() -> None:
     effects = forces("conjugate_lever", 0.0) + "[effects.lift-off]\nmargin = 5\n"
-    with pytest.raises(GeometryError, match="between two discs, the force changes its sign"):
+    with pytest.raises(GeometryError, match="between two discs, the force changes sign"):
         design("conjugate_lever", effects).effect("lift-off")
 
 
@@ -255,7 +255,9 @@ def test_the_guide_of_a_carriage_with_two_rollers_has_no_levers(key: str, value:
     table = "guide = 0.1\nguide_length = 80\n"
     if key != "guide_length":
         table += f"{key} = {value}\n"
-    with pytest.raises(SceneError, match=f"effects.friction.{key} = {value}: knows one roller"):
+    with pytest.raises(
+        SceneError, match=f"effects.friction.{key} = {value}: supports a single roller"
+    ):
         design(scene, f"{forces(scene, 0.0)}[effects.friction]\n{table}")
 
 

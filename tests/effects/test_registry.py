@@ -128,7 +128,7 @@ def test_each_is_declared_alone(name: str) -> None:
         [sys.executable, "-c", code, name], capture_output=True, text=True, check=True
     ).stdout
     package = f"camgeo.effects.{name.replace('-', '_')}"
-    own = {package, f"{package}.spec", f"{package}.motor"}
+    own = {package, f"{package}.table"}
     found = {module for module in json.loads(out) if module.startswith("camgeo.effects.")}
     assert found <= own | {"camgeo.effects.materials", "camgeo.effects.results"}
 
@@ -156,7 +156,7 @@ def test_own_effects_cannot_be_taken_over(register: Register) -> None:
 @pytest.mark.parametrize("value", [None, "noise", Effect, fake("other")])
 def test_what_is_no_effect_of_that_name_is_refused(register: Register, value: Any) -> None:
     register(NAME, value)
-    with pytest.raises(TypeError, match="registered as the effect 'noise' is no effect"):
+    with pytest.raises(TypeError, match="registered as effect 'noise' is not an effect"):
         find_effect(NAME)
 
 
@@ -253,5 +253,5 @@ def test_request_is_what_it_gets(register: Register) -> None:
     assert design.effect(NAME) is None
     (request,) = seen
     assert request.subject.cam.drive.plan.segments is design.cam.drive.plan.segments
-    assert request.spec == {"mass": 3e-3}
+    assert request.data == {"mass": 3e-3}
     assert request.results.get(INERTIA) is None

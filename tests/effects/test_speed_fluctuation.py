@@ -15,7 +15,7 @@ from camgeo.design import Design
 from camgeo.effects.effect import DataFile, Request, Results
 from camgeo.effects.force import Force
 from camgeo.effects.speed_fluctuation.result import SpeedFluctuation, compute
-from camgeo.effects.speed_fluctuation.spec import Motor, parse, parse_motor
+from camgeo.effects.speed_fluctuation.table import Motor, parse, parse_motor
 from camgeo.errors import EffectError, GeometryError
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray

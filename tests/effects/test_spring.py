@@ -12,8 +12,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from camgeo.design import Design
-from camgeo.effects.spring.spec import parse
-from camgeo.effects.spring.ways import BetweenPoints, along_slider
+from camgeo.effects.spring.table import parse
+from camgeo.effects.spring.travel import BetweenPoints, along_slider
 from camgeo.errors import GeometryError
 from camgeo.mechanism.positions import locked_at
 from camgeo.mechanism.slider_crank import SliderCrank
@@ -281,7 +281,7 @@ def test_a_spring_that_does_not_fit_the_follower(scene: str, table: str, key: st
 
 
 def test_a_slider_that_turns_back_cannot_close_all_round() -> None:
-    """The coupler comes across the guide on the way from X = 60 mm to 40 mm."""
+    """The coupler comes square to the guide on the way from X = 60 mm to 40 mm."""
     plan = design("plate_translating", "").cam.drive.plan
     refused = []
     for branch in (1, -1):
@@ -289,7 +289,7 @@ def test_a_slider_that_turns_back_cannot_close_all_round() -> None:
         if locked_at(linkage, plan) is None:
             continue
         subject: Any = SimpleNamespace(drive=SimpleNamespace(plan=plan))
-        with pytest.raises(GeometryError, match="across the guide") as error:
+        with pytest.raises(GeometryError, match="square to the guide") as error:
             along_slider(subject, linkage)
         refused.append(error.value.key)
     assert refused == ["effects.spring"]

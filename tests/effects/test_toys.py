@@ -61,7 +61,7 @@ class Noise:
 
 
 def compute(request):
-    gain, gap = request.spec
+    gain, gap = request.data
     force = request.results[CONTACT_FORCE]
     loudest = gain * force.extremes.magnitude + gap
     return Noise(
@@ -174,7 +174,7 @@ REFUSED: Final = (
         "effects.noise.gab = 1: is not a known key (did",
     ),
     ("gain = 1\ngap = 0", "plate_translating", "effects.noise.gap = 0: must be a positive"),
-    ("gain = 1", "conjugate_lever", "effects.noise: knows one disc"),
+    ("gain = 1", "conjugate_lever", "effects.noise: supports a single disc"),
     ("gain = 1", "ring", "effects.noise: needs [cam] speed"),
 )
 """Tables of the effect, the scenes to which they are added, and what is said of them."""

@@ -290,7 +290,7 @@ def test_near_resonance_warns_and_far_from_it_does_not() -> None:
 
 def test_rounding_magnified_beyond_the_tolerance_is_refused() -> None:
     table = "natural_frequency = 40.0000001\ntolerance = 1e-13"
-    with pytest.raises(EffectError, match="is asked"):
+    with pytest.raises(EffectError, match="the tolerance is"):
         made("plate_translating", table).effect("vibration")
 
 

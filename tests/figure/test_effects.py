@@ -97,7 +97,7 @@ def test_a_limit_is_dashed_in_its_colour() -> None:
 
 
 def test_a_jump_is_drawn_upright_at_its_place() -> None:
-    phi, values = effects.course(STEP, np.empty(0))
+    phi, values = effects.sampled(STEP, np.empty(0))
     at = np.flatnonzero(phi == BORDER)
     assert values[at].tolist() == [0.0, 1.0]
     assert np.all(np.diff(phi) >= 0.0)
@@ -109,7 +109,7 @@ def test_a_jump_is_drawn_upright_at_its_place() -> None:
 
 def test_joints_of_the_motion_have_both_sides() -> None:
     free = replace(STEP, borders=np.empty(0))
-    phi, values = effects.course(free, np.array([BORDER, 0.0, TURN]))
+    phi, values = effects.sampled(free, np.array([BORDER, 0.0, TURN]))
     assert values[phi == BORDER].tolist() == [0.0, 1.0]
 
 

@@ -89,7 +89,7 @@ def test_all_faults_are_told_at_once() -> None:
 
 @pytest.mark.parametrize("name", [name for name, _ in only_for(ONE_DISC)])
 def test_effects_of_one_disc_are_refused(name: str) -> None:
-    assert f"effects.{name}: knows one disc;" in faults_of(f"{LEVER}\n[effects.{name}]\n")
+    assert f"effects.{name}: supports a single disc," in faults_of(f"{LEVER}\n[effects.{name}]\n")
 
 
 def test_lengths_are_in_the_unit_of_the_scene() -> None:

@@ -94,7 +94,7 @@ def test_a_motion_that_does_not_undo_itself_is_told() -> None:
         (TEXT.replace(YOKE, "yoke = 3\n"), "must be a table, headed [follower.yoke]"),
         (
             on_rollers() + "[effects.contact-force]\n[effects.inertia]\nmass = 1\n",
-            "effects.contact-force: knows one contact",
+            "effects.contact-force: supports a single contact",
         ),
         (
             PLATE + "[limits]\nclosing_error = 0.01\n",
@@ -113,7 +113,7 @@ def test_an_effect_that_is_refused_is_not_told_what_it_lacks_too() -> None:
         parse_scene(TEXT + "[effects.contact-force]\n")
     (fault,) = caught.value.faults
     assert fault.key == "effects.contact-force"
-    assert fault.message.startswith("knows one contact")
+    assert fault.message.startswith("supports a single contact")
 
 
 def test_a_rocker_has_no_yoke() -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 from camgeo.declared import schema_beside
-from camgeo.effects.balance.spec import parse
+from camgeo.effects.balance.table import parse
 from camgeo.effects.effect import Effect
 from camgeo.effects.rules import ONE_DISC, Only
 

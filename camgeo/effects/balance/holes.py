@@ -1,15 +1,14 @@
 """Equal holes through a disc that cancel its unbalance.
 
-The holes stand in a row on a circle about the cam axis, symmetric about the heavy direction. Each
-of n holes of diameter d on the radius R, through the thickness b of a disc of density rho, takes
-off the mass rho b pi d^2 / 4; the directions of neighbours differ by the angle delta. Together
-they take off the unbalance
+The holes are in a row on a circle about the cam axis, symmetric about the heavy direction. Each of
+n holes of diameter d on the radius R, through the thickness b of a disc of density rho, removes the
+mass rho b pi d^2 / 4; neighbours are the angle delta apart. Together they remove the unbalance
 
     U = rho b pi d^2 / 4 * R * sin(n delta/2) / sin(delta/2),
 
-the sum of n vectors of one length, each turned by delta against the one before (Norton, "Machine
-Design", chapter on balancing, static balance, for the vector sum of the m r products). Between two
-neighbours half a diameter of material is left: sin(delta/2) = 3 d / (4 R).
+the sum of n vectors of equal length, each rotated by delta relative to the previous one (Norton,
+"Machine Design", chapter on balancing, static balance, for the vector sum of the m r products).
+Half a diameter of material remains between neighbours: sin(delta/2) = 3 d / (4 R).
 """
 
 from __future__ import annotations
@@ -28,14 +27,14 @@ from camgeo.numeric.roots import bracketed_roots
 from camgeo.part.part import Boundary, Part
 
 MOST_HOLES: Final = 24
-"""With more the disc is a matter of its design, not of balancing."""
+"""If more were needed, the disc should be redesigned rather than balanced."""
 
 PITCH: Final = 1.5
-"""Distance of neighbouring holes from centre to centre, in diameters."""
+"""Centre distance of neighbouring holes, in diameters."""
 
 SHARE: Final = 1e-4
-"""Of a hole's diameter by which the polygons may be off the boundaries; it is taken off the
-distances that are found."""
+"""Largest deviation of the polygons from the boundaries, as a share of the hole diameter; it is
+subtracted from the distances found."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,7 +63,7 @@ class Row:
         )
 
     def moment(self, per_area: float) -> complex:
-        """What they take off of the unbalance [t mm], for `per_area` [t/mm^2] of the disc."""
+        """The unbalance that they remove [t mm], for `per_area` [t/mm^2] of the disc."""
         each = per_area * 0.25 * math.pi * self.diameter**2
         return each * complex(
             math.fsum(centre.real for centre in self.centres),
@@ -73,16 +72,16 @@ class Row:
 
 
 def rows(unbalance: complex, per_area: float, radius: float, largest: float) -> Iterator[Row]:
-    """Rows of holes that cancel `unbalance`, of few holes first.
+    """Rows of holes that cancel `unbalance`, those with few holes first.
 
     Parameters
     ----------
     unbalance : [t mm], its direction in cam coordinates; not 0.
-    per_area : mass a unit of area of the disc [t/mm^2], density times thickness.
+    per_area : mass of the disc per unit of area [t/mm^2], density times thickness.
     radius : of the circle of their centres [mm].
-    largest : diameter of a hole at most [mm].
+    largest : largest diameter of a hole [mm].
 
-    With its gaps a row goes round half a turn at most, where more holes still take off more.
+    A row with its gaps spans at most half a turn; up to there, more holes remove more.
     """
     heavy = math.atan2(unbalance.imag, unbalance.real)
     for count in range(1, MOST_HOLES + 1):
@@ -96,7 +95,7 @@ def rows(unbalance: complex, per_area: float, radius: float, largest: float) -> 
 
 
 def _diameter(unbalance: float, per_area: float, radius: float, count: int) -> float | None:
-    """Of `count` holes that cancel `unbalance`; None if half a turn has no room for them."""
+    """Diameter of `count` holes that cancel `unbalance`; None if they need over half a turn."""
     share = unbalance / (per_area * 0.25 * math.pi * radius)  # d^2 sin(n delta/2) / sin(delta/2)
     if count == 1:
         return math.sqrt(share)
@@ -115,7 +114,7 @@ def _diameter(unbalance: float, per_area: float, radius: float, count: int) -> f
 
 
 def most(per_area: float, radius: float, largest: float) -> float:
-    """The largest unbalance [t mm] that a row of holes can cancel."""
+    """The largest unbalance [t mm] that a row of holes can remove."""
 
     def of(count: int) -> float:
         if count == 1:
@@ -134,18 +133,18 @@ class Room:
     Parameters
     ----------
     part : its boundaries.
-    largest : diameter of a hole at most [mm].
+    largest : largest diameter of a hole [mm].
 
     Raises
     ------
     UndercutError, ToleranceError, GeometryError
-        If a boundary has no polygon close enough.
+        If a boundary has no polygon that is close enough.
     """
 
     def __init__(self, part: Part, largest: float) -> None:
         self._tolerance = SHARE * largest
         self._boundaries = {each.name: self._polygon(each) for each in part.boundaries}
-        # Boundaries lie inside each other: material begins at one and ends at the next.
+        # Boundaries are nested: material begins at one and ends at the next.
         sections = [
             reduce(xor, (self._boundaries[each.name] for each in layer.boundaries))
             for layer in part.layers
@@ -153,33 +152,35 @@ class Room:
         self._material = reduce(and_, sections)
 
     def _polygon(self, boundary: Boundary) -> Any:
-        import shapely  # its import costs more than the rest of the effect
+        import shapely  # its import takes longer than the rest of the effect
 
         vertices = boundary.polyline(self._tolerance, "fast").contour.vertices
         return shapely.Polygon(np.column_stack((vertices.real, vertices.imag)))
 
     def fault(self, row: Row) -> str:
-        """Why the holes do not fit, a clause; empty if they do."""
+        """The reason why the holes do not fit, as a clause; empty if they fit."""
         import shapely
 
         for angle, centre in zip(row.directions, row.centres, strict=True):
             place = f"the hole in the direction {math.degrees(angle) % 360.0:.4f} deg"
             if not shapely.contains_xy(self._material, centre.real, centre.imag):
-                return f"{place} has its centre outside of the material"
+                return f"{place} has its centre outside the material"
             near, name = self._nearest(centre)
             if near <= 0.5 * row.diameter:
                 return (
-                    f"{place}, {row.diameter:.4f} mm in diameter, comes across the {name}, whose"
-                    f" distance from its centre is {near:.4f} mm"
+                    f"{place}, {row.diameter:.4f} mm in diameter, cuts into the {name}, which is"
+                    f" {near:.4f} mm from its centre"
                 )
         return ""
 
     def wall(self, row: Row) -> float:
-        """Least material between a hole and a boundary [mm], for holes that fit."""
+        """Smallest wall between a hole and a boundary [mm], for holes that fit."""
         return min(self._nearest(centre)[0] for centre in row.centres) - 0.5 * row.diameter
 
     def _nearest(self, centre: complex) -> tuple[float, str]:
-        """Distance of the nearest boundary from `centre` [mm], a lower bound; and its name."""
+        """A lower bound of the distance of the nearest boundary from `centre` [mm], and its
+        name.
+        """
         import shapely
 
         point = shapely.Point(centre.real, centre.imag)

@@ -1,9 +1,9 @@
 """Balance of the disc: mass, centre of mass, unbalance, and what cancels it.
 
-The disc is a body of one density between its boundaries; shaft, hub, screws and follower are not
-looked at. The unbalance is U = m e, mass times distance of the centre of mass from the cam axis, in
-the direction of the centre of mass (ISO 21940-2, vocabulary: unbalance vector). It is that of one
-plane: a groove that is open on one side moves the plane and leaves U as it is.
+The disc is a body of uniform density between its boundaries; shaft, hub, screws and follower are
+not included. The unbalance is U = m e, the mass times the distance of the centre of mass from the
+cam axis, in the direction of the centre of mass (ISO 21940-2, vocabulary: unbalance vector). It
+applies to one plane: a groove that is open on one side shifts the plane and does not change U.
 """
 
 from __future__ import annotations
@@ -17,10 +17,10 @@ from typing import Final
 
 from camgeo.check.finding import Finding
 from camgeo.effects.balance.holes import Room, Row, most, rows
-from camgeo.effects.balance.spec import BalanceSpec
 from camgeo.effects.balance.spin import Spin
+from camgeo.effects.balance.table import BalanceRequirements
 from camgeo.effects.effect import Request, Result
-from camgeo.effects.told import KG, at, missed
+from camgeo.effects.wording import KG, at, missed
 from camgeo.errors import EffectError, GeometryError, ToleranceError
 from camgeo.motion.time_course import ConstantSpeed
 from camgeo.outline.moments import Moments, path_moments, total
@@ -29,11 +29,12 @@ from camgeo.part.part import Boundary, Part
 from camgeo.units import RPM, TURN
 
 TAKEN: Final = 0.1
-"""Share of the tolerance that a quadrature gets: the errors of the outlines add up, and holes make
-the disc smaller than the areas of which they are shares."""
+"""Share of the tolerance for each quadrature: the errors of the outlines add up, and relative to
+the disc, which is smaller than its outline, they are larger.
+"""
 
 GRAM_MM: Final = 1e6
-"""One t mm in g mm."""
+"""From t mm to g mm."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,15 +43,14 @@ class Balance(Result):
 
     Attributes
     ----------
-    findings, columns, error : see `camgeo.effects.effect.Result`. An unbalance may be 0: its error
-        is a share of the mass times the radius of a full disc of that mass.
+    findings, columns, error : see `camgeo.effects.effect.Result`. As an unbalance may be 0, its
+        error is relative to the mass times the radius of a solid disc of that mass.
     mass : m [t].
-    centre : complex [mm], centre of mass in cam coordinates, at cam angle 0 those of the frame.
+    centre : complex [mm], centre of mass in cam coordinates, the frame coordinates at cam angle 0.
     unbalance : complex U [t mm], m times `centre`.
     unbalance_error : estimate of its absolute error [t mm].
-    counterweight : [t] at the radius that the scene gives, opposite to `unbalance`; None if none is
-        sought.
-    holes : balancing holes on the heavy side; None if none are sought or needed, or none fit.
+    counterweight : [t] at the radius in the scene, opposite to `unbalance`; None if not requested.
+    holes : balancing holes on the heavy side; None if not requested, not needed, or none fit.
     """
 
     mass: float
@@ -62,24 +62,24 @@ class Balance(Result):
     error: float = field(kw_only=True)
 
 
-def compute(request: Request[BalanceSpec]) -> Balance:
+def compute(request: Request[BalanceRequirements]) -> Balance:
     """Mass, centre of mass, unbalance and what cancels it.
 
     Raises
     ------
     GeometryError
-        With key "effects.balance.grade" if there is a grade and no speed; as `Subject.part` if bore
+        With key "effects.balance.grade" if there is a grade and no speed; as for the part if bore
         or rim do not fit.
     EffectError
         If there is no disc, or the tolerance cannot be reached.
     """
-    spec, subject = request.spec, request.subject
+    data, subject = request.data, request.subject
     course = subject.drive.time_course
-    if spec.grade is not None and course is None:
+    if data.grade is not None and course is None:
         raise GeometryError("needs [cam] speed or speed_curve", key="effects.balance.grade")
     part = _part(request)
-    per_area = spec.density * part.thickness
-    moments = disc_moments(part, spec.density, request.tolerance * TAKEN)
+    per_area = data.density * part.thickness
+    moments = disc_moments(part, data.density, request.tolerance * TAKEN)
     mass, unbalance, unsure = moments.area, moments.first, moments.first_error
     radius = math.sqrt(mass / (per_area * math.pi))
     error = max(moments.area_error / mass, unsure / (mass * radius))
@@ -93,16 +93,16 @@ def compute(request: Request[BalanceSpec]) -> Balance:
     spin = None
     if course is not None:
         spin = Spin(unbalance, subject.cam.rotation, course, subject.drive.smooth_angles)
-    findings.append(unbalance_finding(spec.grade, mass, unbalance, unsure, spin))
+    findings.append(unbalance_finding(data.grade, mass, unbalance, unsure, spin))
     if spin is not None:
         findings.append(force_finding(spin))
     counterweight = None
-    if spec.counterweight_radius is not None:
-        counterweight = 0.0 if balanced else abs(unbalance) / spec.counterweight_radius
-        findings.append(counterweight_finding(counterweight, spec.counterweight_radius, unbalance))
+    if data.counterweight_radius is not None:
+        counterweight = 0.0 if balanced else abs(unbalance) / data.counterweight_radius
+        findings.append(counterweight_finding(counterweight, data.counterweight_radius, unbalance))
     holes = None
-    if not balanced and spec.hole_radius is not None:
-        holes, finding = _holes(part, spec, unbalance, per_area)
+    if not balanced and data.hole_radius is not None:
+        holes, finding = _holes(part, data, unbalance, per_area)
         findings.append(finding)
     return Balance(
         findings=tuple(findings),
@@ -117,8 +117,8 @@ def compute(request: Request[BalanceSpec]) -> Balance:
     )
 
 
-def _part(request: Request[BalanceSpec]) -> Part:
-    """The part; EffectError if there is none."""
+def _part(request: Request[BalanceRequirements]) -> Part:
+    """The part; EffectError if the disc does not exist."""
     try:
         return request.subject.made.part
     except GeometryError as error:
@@ -128,12 +128,12 @@ def _part(request: Request[BalanceSpec]) -> Part:
 
 
 def _holes(
-    part: Part, spec: BalanceSpec, unbalance: complex, per_area: float
+    part: Part, data: BalanceRequirements, unbalance: complex, per_area: float
 ) -> tuple[Row | None, Finding]:
-    """The fewest holes that fit, and the finding that says so, or why there are none."""
-    radius, largest = spec.hole_radius, spec.hole_diameter
+    """The fewest holes that fit, with the finding; or the finding that says why none do."""
+    radius, largest = data.hole_radius, data.hole_diameter
     assert radius is not None
-    assert largest is not None  # the spec has both or none
+    assert largest is not None  # the data has both or none
     reason = ""
     room: Room | None = None
     try:
@@ -156,7 +156,7 @@ def degrees(angle: float) -> float:
 
 
 def disc_findings(mass: float, unbalance: complex, *, balanced: bool) -> Iterator[Finding]:
-    """Mass [t] and centre of mass, from the unbalance [t mm]."""
+    """Mass [t] and, from the unbalance [t mm], the centre of mass."""
     yield Finding("disc-mass", "ok", f"mass of the disc {KG * mass:.6g} kg", KG * mass, unit="kg")
     centre = unbalance / mass
     where = f"at ({centre.real:.6g}, {centre.imag:.6g}) mm in cam coordinates"
@@ -174,20 +174,20 @@ def disc_findings(mass: float, unbalance: complex, *, balanced: bool) -> Iterato
 def unbalance_finding(
     grade: float | None, mass: float, unbalance: complex, unsure: float, spin: Spin | None
 ) -> Finding:
-    """The unbalance [t mm], known to `unsure`, held to the grade [mm/s] if there is one.
+    """The unbalance [t mm], known to within `unsure`, checked against the grade [mm/s] if any.
 
     Permissible is U = G m / omega at the largest speed (ISO 21940-11:2016, 6.3: the grade is
     G = e_per omega, the permissible residual unbalance U_per = e_per m).
     """
     value = GRAM_MM * abs(unbalance)
     if abs(unbalance) <= unsure:
-        told = f"unbalance of the disc 0 but for the error of {GRAM_MM * unsure:.2g} g mm"
+        text = f"unbalance of the disc 0, to within the error of {GRAM_MM * unsure:.2g} g mm"
         value = 0.0
     else:
         direction = degrees(cmath.phase(unbalance))
-        told = f"unbalance of the disc {value:.6g} g mm, in the direction {direction:.4f} deg"
+        text = f"unbalance of the disc {value:.6g} g mm, in the direction {direction:.4f} deg"
     if grade is None or spin is None:
-        return Finding("unbalance", "ok", told, value, unit="g mm")
+        return Finding("unbalance", "ok", text, value, unit="g mm")
     omega = spin.largest_speed()
     allowed = GRAM_MM * grade * mass / omega
     broken = value > allowed
@@ -195,7 +195,7 @@ def unbalance_finding(
         name="unbalance",
         severity="broken" if broken else "ok",
         sentence=(
-            f"{told}, {'above' if broken else 'at most'} {allowed:.6g} g mm, balance quality grade"
+            f"{text}, {'above' if broken else 'at most'} {allowed:.6g} g mm, balance quality grade"
             f" G {grade:g} at {omega / RPM:.6g} rev/min"
         ),
         value=value,
@@ -205,10 +205,10 @@ def unbalance_finding(
 
 
 def force_finding(spin: Spin) -> Finding:
-    """The force of inertia on the shaft."""
+    """The inertia force on the shaft."""
     force = spin.largest_force()
     steady = isinstance(spin.course, ConstantSpeed)
-    place = "all round" if steady else at(force.place)
+    place = "at all cam angles" if steady else at(force.place)
     return Finding(
         name="unbalance-force",
         severity="ok",
@@ -237,15 +237,15 @@ def counterweight_finding(weight: float, radius: float, unbalance: complex) -> F
 
 
 def row_finding(row: Row, wall: float, rest: float) -> Finding:
-    """Balancing holes that fit, with their least wall [mm] and the unbalance left over [t mm]."""
+    """Balancing holes that fit, with the thinnest wall [mm] and the remaining unbalance [t mm]."""
     places = ", ".join(f"{degrees(angle):.4f}" for angle in row.directions)
-    what = "hole" if row.count == 1 else "holes"
+    what, cancel = ("hole", "cancels") if row.count == 1 else ("holes", "cancel")
     return Finding(
         name="balancing-holes",
         severity="ok",
         sentence=(
             f"{row.count} {what} of {row.diameter:.6g} mm through the disc, {row.radius:.6g} mm"
-            f" from the cam axis in the direction {places} deg, cancel the unbalance"
+            f" from the cam axis in the direction {places} deg, {cancel} the unbalance"
             f" ({GRAM_MM * rest:.2g} g mm left, thinnest wall {wall:.4g} mm)"
         ),
         value=row.diameter,
@@ -256,11 +256,11 @@ def row_finding(row: Row, wall: float, rest: float) -> Finding:
 def no_row_finding(
     radius: float, largest: float, fault: str, reached: float, unbalance: float
 ) -> Finding:
-    """No balancing holes [mm]: by the fault of the row of fewest; without, by what they reach
-    [t mm].
+    """A warning that no balancing holes [mm] fit: the fault of the row with fewest holes, or the
+    unbalance that they reach [t mm].
     """
     reason = fault or (
-        f"they take off {GRAM_MM * reached:.6g} of {GRAM_MM * unbalance:.6g} g mm at most"
+        f"they remove at most {GRAM_MM * reached:.6g} of {GRAM_MM * unbalance:.6g} g mm"
     )
     return Finding(
         name="holes-do-not-fit",
@@ -280,7 +280,7 @@ def disc_moments(part: Part, density: float, tolerance: float) -> Moments:
 
     Parameters
     ----------
-    part : its thickness must be known. Each boundary counts with the height of its walls.
+    part : with known thickness. Each boundary counts with the height of its walls.
     density : [t/mm^3].
     tolerance : of the integrals over the outlines, see `camgeo.outline.moments.path_moments`.
     """
@@ -291,11 +291,11 @@ def disc_moments(part: Part, density: float, tolerance: float) -> Moments:
         if isinstance(boundary, ExactBoundary):
             return boundary.exact.moments.counter_clockwise()
         raise EffectError(
-            f"the mass inside the boundary {boundary.name!r}, a {type(boundary).__name__}, is not"
-            " known"
+            f"the mass inside the boundary {boundary.name!r}, a {type(boundary).__name__}, is"
+            " unknown"
         )
 
-    # Inside a boundary there is material all along its wall, inside of a hole there is none.
+    # Inside a boundary there is material along its wall; inside a hole there is none.
     return total(
         total(
             of_boundary(wall.boundary).scaled(-1.0 if wall.boundary.hole else 1.0) for wall in walls

@@ -1,4 +1,4 @@
-"""What an unbalance does in a turning cam."""
+"""The effect of an unbalance in a turning cam."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from camgeo.numeric.roots import Function
 
 @dataclass(frozen=True, slots=True)
 class Spin:
-    """A disc with an unbalance, turning.
+    """A turning disc with an unbalance.
 
     Attributes
     ----------
     unbalance : U [t mm] in cam coordinates.
     rotation : sigma, +1 if the cam turns counter-clockwise, -1 clockwise.
     course : how it turns.
-    smooth_angles : (k,) [rad], see `camgeo.effects.effect.Subject`.
+    smooth_angles : (k,) [rad], between which the motion is smooth.
     """
 
     unbalance: complex
@@ -31,7 +31,7 @@ class Spin:
     smooth_angles: FloatArray
 
     def force(self, phi: FloatArray) -> ComplexArray:
-        """(n,) [N] force of inertia on the shaft, in the axes of the frame.
+        """(n,) [N] inertia force on the shaft, in the axes of the frame.
 
         The centre of mass is at U/m exp(i sigma phi). Minus m times its second derivative is
         U exp(i sigma phi) (omega^2 - i sigma alpha): the centrifugal force U omega^2, and at
@@ -44,7 +44,7 @@ class Spin:
         return found
 
     def largest_force(self) -> Extreme:
-        """Its largest magnitude [N], and at which cam angle [rad] it first is that."""
+        """Its largest magnitude [N], and the first cam angle [rad] at which it has it."""
         return self._largest(lambda phi: np.abs(self.force(phi)))
 
     def largest_speed(self) -> float:
@@ -56,7 +56,7 @@ class Spin:
         return piecewise_extremes(lambda phi, _side: values(phi), edges).highest
 
     def columns(self) -> tuple[Column, ...]:
-        """The force of inertia on the shaft, by its parts along the axes of the frame."""
+        """The components of the inertia force on the shaft along the axes of the frame."""
         return (
             Column("unbalance force x", "N", lambda phi, _side: self.force(phi).real),
             Column("unbalance force y", "N", lambda phi, _side: self.force(phi).imag),

@@ -7,17 +7,17 @@ from functools import partial
 from typing import Final
 
 from camgeo.declared import schema_beside
-from camgeo.effects.effect import Effect, spec_of
+from camgeo.effects.effect import Effect, data_of
 from camgeo.effects.results import CONTACT_FORCE, FRICTION, GRAVITY, INERTIA, LOAD, SPRING
 from camgeo.effects.rules import ONE_CONTACT, Only
 
 FORCES: Final = (INERTIA, GRAVITY, LOAD, SPRING)
-"""Effects that are forces on the follower, besides friction."""
+"""Effects that act on the follower, besides friction."""
 
 
 @dataclass(frozen=True, slots=True)
-class Spec:
-    """What the scene says: `limit` is the largest force allowed [N], None for none."""
+class ForceLimit:
+    """The largest contact force allowed: `limit` [N], None for no limit."""
 
     limit: float | None = None
 
@@ -27,7 +27,7 @@ EFFECT: Final = Effect(
     title="force between cam and follower along their common normal",
     compute="camgeo.effects.contact_force.result:compute",
     schema=schema_beside(__file__),
-    parse=partial(spec_of, Spec),
+    parse=partial(data_of, ForceLimit),
     rules=(Only(ONE_CONTACT),),
     uses=(*FORCES, FRICTION),
     keys=(tuple(f"effects.{name}" for name in FORCES),),

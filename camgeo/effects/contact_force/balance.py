@@ -7,10 +7,11 @@ on the follower's coordinate q and that of the contact add up to zero,
 
     sum Q + R = 0,     R = |N| (sense dn/dq + p),
 
-with dn/dq the leverage of the normal force, sense +1 where the inner flank carries and -1 where the
-outer one does, and p what Coulomb's and rolling friction put on q per unit of |N|. Without friction
-N = R / (dn/dq). Of a conjugate pair sense -1 is the return disc, and sense dn/dq the leverage of
-its own inner flank: discs only push, so that R is given by the one whose leverage has its sign.
+with the leverage dn/dq of the normal force, sense +1 where the inner flank carries and -1 where the
+outer one does, and the contribution p of Coulomb and rolling friction to q per unit of |N|. Without
+friction N = R / (dn/dq). In a conjugate pair sense -1 is the return disc, and sense dn/dq the
+leverage of its own inner flank: discs only push, so R is provided by the disc whose leverage has
+its sign.
 """
 
 from __future__ import annotations
@@ -25,8 +26,8 @@ import numpy as np
 from camgeo.effects.effect import Subject
 from camgeo.effects.force import Force, at_rates, smooth_edges
 from camgeo.effects.results import Friction
-from camgeo.effects.told import at, between
 from camgeo.effects.touching import INNER, OUTER, carrier, leverage_of
+from camgeo.effects.wording import at, between
 from camgeo.errors import EffectError, GeometryError
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray, merged
@@ -35,22 +36,22 @@ from camgeo.numeric.roots import Function, roots_on_grid
 from camgeo.units import TURN
 
 ROUNDING: Final = 64.0 * 2.0**-52
-"""Forces whose sum is below this share of their magnitudes cancel: what is left is rounding."""
+"""Forces whose sum is below this share of their magnitudes cancel; the rest is rounding."""
 
 VANISHING: Final = 1e-12
-"""A normal force whose leverage, with friction, is below this share of the reach of the follower
-moves nothing: a few thousand roundings of the roller's place."""
+"""A normal force moves nothing if its leverage, with friction, is below this share of the reach of
+the follower: a few thousand rounding errors of the roller's position."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Balance:
-    """The forces on the follower, and what the contact has to add.
+class ForceBalance:
+    """The forces on the follower, and the force that the contact must add.
 
     Attributes
     ----------
     subject : the design.
-    forces : all but that of the contact.
-    friction : at the contact and in the guides; None if there is none.
+    forces : all except that of the contact.
+    friction : at the contact and in the guides, or None.
     """
 
     subject: Subject
@@ -58,12 +59,12 @@ class Balance:
     friction: Friction | None
 
     def rates(self, phi: FloatArray) -> FloatArray:
-        """(2 or more, n) omega [rad/s] and alpha [rad/s^2] of the scene; 0 if it has no speed."""
+        """(2 or more, n) omega [rad/s] and alpha [rad/s^2] of the scene; 0 if it gives no speed."""
         course = self.subject.drive.time_course
         return np.zeros((2, len(phi))) if course is None else course.rates(phi)
 
     def demand(self, phi: FloatArray, side: Side, rates: FloatArray) -> FloatArray:
-        """(n,) R [N or N mm] at `rates`; exactly 0 where the forces cancel but for rounding."""
+        """(n,) R [N or N mm] at `rates`; exactly 0 where the forces cancel to rounding."""
         needed = np.zeros(len(phi))
         size = np.zeros(len(phi))
         for force in self.forces:
@@ -79,7 +80,7 @@ class Balance:
         Raises
         ------
         EffectError
-            Where the pitch curve has a cusp and with it no normal.
+            Where the pitch curve has a cusp, and thus no normal.
         """
         try:
             return leverage_of(self.subject, phi, side, sense)
@@ -91,7 +92,7 @@ class Balance:
     ) -> FloatArray:
         """(n,) [1 or mm/rad] force on q per unit of |N| on the side `sense`.
 
-        `leverage` is that of the side, if it is known.
+        `leverage` is that of the side, if already known.
         """
         lever = self.leverage(phi, side, sense) if leverage is None else leverage
         if self.friction is None:
@@ -102,10 +103,10 @@ class Balance:
     def parts(
         self, phi: FloatArray, side: Side, rates: FloatArray
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """R, the side that has to carry (+1 or -1), and its reserve against jamming, (n,) each.
+        """R, the side that must carry (+1 or -1), and its reserve against jamming, (n,) each.
 
-        The reserve is the bracket in the sense of R; the follower jams where it is not above 0, as
-        it does between two discs that push in one sense. |R| = reserve |N|.
+        The reserve is the bracket in the direction of R, |R| = reserve |N|. The follower jams where
+        it is not above 0, also between two discs that push in the same direction.
         """
         needed = self.demand(phi, side, rates)
         lever = self.leverage(phi, side, INNER)
@@ -122,7 +123,7 @@ class Balance:
         Raises
         ------
         EffectError
-            "jamming", where no normal force on the flank that has to carry moves the follower.
+            "jamming", where no normal force on the flank that must carry moves the follower.
         """
         needed, sense, reserve = self.parts(phi, side, rates)
         loaded = needed != 0.0
@@ -137,7 +138,7 @@ class Balance:
     def refuse(
         self, angle: float, side: Side, cam_range: tuple[float, float] | None = None
     ) -> NoReturn:
-        """Raise that the follower jams; `angle` [rad] is where worst."""
+        """Raise EffectError that the follower jams, worst at `angle` [rad]."""
         here = np.array([angle])
         sense = int(self.parts(here, side, self.rates(here))[1][0])
         curve = carrier(self.subject, sense)[0].cam.disc.pitch_curve
@@ -150,14 +151,14 @@ class Balance:
         where = at(angle) if cam_range is None else between(cam_range)
         if self.friction is not None and not self.subject.cam.follower.rolls:
             value = limit = None
-            why = "friction takes all that the contact force gives"
+            why = "friction absorbs the entire contact force"
         elif cam_range is None or self.friction is None:
             what = self.subject.cam.follower.touching
-            why = f"the transmission angle is {value:.4g} deg, and no force at the {what} moves it"
+            why = f"the transmission angle is {value:.4g} deg, and no force on the {what} moves it"
         else:
             limit = transmission(*cam_range)
             why = (
-                f"the transmission angle falls to {value:.4f} deg; with this friction it has to be"
+                f"the transmission angle falls to {value:.4f} deg; with this friction it must be"
                 f" above {limit:.4f} deg"
             )
         raise EffectError(
@@ -171,11 +172,11 @@ class Balance:
         )
 
 
-def edges_of(balance: Balance) -> FloatArray:
+def edges_of(balance: ForceBalance) -> FloatArray:
     """(k,) cam angles [rad] from 0 to 2 pi between which the normal force is smooth.
 
-    Those of the motion, the borders of the forces, and the roots of R and of the leverage: at both
-    the flank that carries changes.
+    They are the smooth angles of the motion, the borders of the forces, and the roots of R and of
+    the leverage, at which the flank that carries changes.
     """
     edges = smooth_edges(balance.subject.drive.smooth_angles, balance.forces)
     grid = grid_of(edges)
@@ -194,10 +195,10 @@ def edges_of(balance: Balance) -> FloatArray:
 
 
 def _dips(function: Function, grid: FloatArray) -> FloatArray:
-    """Places at which `function` has another sign than at the three points of `grid` around it.
+    """Places where `function` has the opposite sign of the three points of `grid` around it.
 
-    A parabola through three points falls below the middle one by an eighth of the larger difference
-    at most; where twice that could change the sign, the least value is looked for.
+    A parabola through three points falls below the middle one by at most 1/8 of the larger
+    difference; where twice that could change the sign, the minimum is computed.
     """
     values = function(grid.ravel()).reshape(grid.shape)
     size = np.abs(values)
@@ -219,12 +220,12 @@ def _dips(function: Function, grid: FloatArray) -> FloatArray:
     return np.array(found)
 
 
-def refuse_jamming(balance: Balance, edges: FloatArray) -> None:
+def refuse_jamming(balance: ForceBalance, edges: FloatArray) -> None:
     """Raise EffectError if the follower jams between any two of `edges`.
 
     Self-locking (Rothbart, Cam Design Handbook, chapter on forces, and Volmer, Kurvengetriebe, on
-    the transmission angle): friction outweighs what the normal force does along the path of the
-    follower. Without friction it happens at transmission angle 0.
+    the transmission angle): friction exceeds the component of the normal force along the path of
+    the follower. Without friction this happens at transmission angle 0.
     """
     least = VANISHING * abs(balance.subject.cam.follower.reach)
 

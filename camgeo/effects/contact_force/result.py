@@ -5,21 +5,21 @@ from __future__ import annotations
 import numpy as np
 
 from camgeo.check.finding import Finding, Severity, held
-from camgeo.effects.contact_force import FORCES, Spec
-from camgeo.effects.contact_force.balance import Balance, edges_of, refuse_jamming
+from camgeo.effects.contact_force import FORCES, ForceLimit
+from camgeo.effects.contact_force.balance import ForceBalance, edges_of, refuse_jamming
 from camgeo.effects.effect import Column, Quantity, Request, Subject
 from camgeo.effects.force import all_borders, total
 from camgeo.effects.immovable import shocks
 from camgeo.effects.results import FRICTION, INERTIA, ContactForce
-from camgeo.effects.told import at, placed
 from camgeo.effects.touching import INNER, OUTER, holds_both_ways, require_convex, sides_of
+from camgeo.effects.wording import at, placed
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray
 from camgeo.numeric.extremes import Extreme, Extremes, piecewise_extremes
 from camgeo.units import TURN
 
 
-def compute(request: Request[Spec]) -> ContactForce:
+def compute(request: Request[ForceLimit]) -> ContactForce:
     """The contact force.
 
     Raises
@@ -33,7 +33,7 @@ def compute(request: Request[Spec]) -> ContactForce:
     if friction is not None:
         forces.append(friction.force)
     require_convex(subject, "contact force")
-    balance = Balance(subject, tuple(forces), friction)
+    balance = ForceBalance(subject, tuple(forces), friction)
     edges = edges_of(balance)
     refuse_jamming(balance, edges)
 
@@ -43,7 +43,7 @@ def compute(request: Request[Spec]) -> ContactForce:
     def required(phi: FloatArray, side: Side) -> FloatArray:
         return -total(forces, phi, side)
 
-    limit = request.spec.limit
+    limit = request.data.limit
     extremes = piecewise_extremes(normal, edges)
     found = force_findings(extremes, subject, limit)
     return ContactForce(
@@ -63,7 +63,7 @@ def compute(request: Request[Spec]) -> ContactForce:
 def _columns(
     subject: Subject, normal: Quantity, limit: float | None, borders: FloatArray
 ) -> tuple[Column, ...]:
-    """The signed force; of a conjugate pair that of each disc, which only pushes."""
+    """The signed force; for a conjugate pair that of each disc, which only pushes."""
     if subject.returning is None:
         signed = None if limit is None else subject.cam.contact.push * limit
         return (Column("contact force", "N", normal, signed, borders),)
@@ -81,9 +81,9 @@ def _columns(
 
 
 def force_findings(extremes: Extremes, subject: Subject, limit: float | None) -> list[Finding]:
-    """Largest and smallest force of the flank that has to carry, or the largest of each side.
+    """Largest and smallest force on the flank in use, or the largest force of each side.
 
-    That is of each flank of a groove, or of each disc of a conjugate pair.
+    The sides are the flanks of a groove or the discs of a conjugate pair.
     """
     names, noun = sides_of(subject)
     low, high = extremes.lowest, extremes.highest
@@ -98,38 +98,38 @@ def force_findings(extremes: Extremes, subject: Subject, limit: float | None) ->
     found = [_largest(both[0][0], f"the {names[both[0][1]]} {noun}", limit)]
     for extreme, sense in both:
         if extreme.value > 0.0:
-            told = f"largest contact force {_told(extreme, f'the {names[sense]} {noun}')}"
-            found.append(placed(f"largest-contact-force-{names[sense]}", told, extreme, "N"))
+            text = f"largest contact force {_value(extreme, f'the {names[sense]} {noun}')}"
+            found.append(placed(f"largest-contact-force-{names[sense]}", text, extreme, "N"))
     return found
 
 
 def _largest(extreme: Extreme, where: str, limit: float | None) -> Finding:
-    told = f"largest contact force {_told(extreme, where)}"
-    return held("largest-contact-force", told, extreme.value, limit, "N", extreme.place % TURN)
+    text = f"largest contact force {_value(extreme, where)}"
+    return held("largest-contact-force", text, extreme.value, limit, "N", extreme.place % TURN)
 
 
 def _smallest(extreme: Extreme, where: str, what: str) -> Finding:
     lost = extreme.value < 0.0
-    tail = f": the {what} is not held to its flank there" if lost else ""
-    sentence = f"smallest contact force {_told(extreme, where)}{tail}"
+    tail = f": the {what} is not held on its flank there" if lost else ""
+    sentence = f"smallest contact force {_value(extreme, where)}{tail}"
     severity: Severity = "warning" if lost else "ok"
     return placed("smallest-contact-force", sentence, extreme, "N", severity=severity)
 
 
-def _told(extreme: Extreme, where: str) -> str:
+def _value(extreme: Extreme, where: str) -> str:
     return f"on {where} {extreme.value:.6g} N {at(extreme.place)}"
 
 
-def shock_findings(request: Request[Spec]) -> list[Finding]:
-    """Where the velocity jumps: with a mass the force is infinite there, and not in the values."""
+def shock_findings(request: Request[ForceLimit]) -> list[Finding]:
+    """Where the velocity of a mass jumps: the force is infinite there, and not in the values."""
     inertia = request.results.get(INERTIA)
     return [
         Finding(
             name="shock",
             severity="broken",
             sentence=(
-                f"the velocity jumps {at(angle)}: the contact force of the masses is infinite for"
-                " a moment, which is in none of the values"
+                f"the velocity jumps {at(angle)}: the inertia force at the contact is infinite for"
+                " an instant, and not included in any value"
             ),
             cam_angle=angle,
         )

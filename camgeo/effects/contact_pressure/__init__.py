@@ -1,11 +1,11 @@
-"""Effect `contact-pressure`: Hertz's pressure between cam and follower."""
+"""Effect `contact-pressure`: Hertzian pressure between cam and follower."""
 
 from __future__ import annotations
 
 from typing import Final
 
 from camgeo.declared import schema_beside
-from camgeo.effects.contact_pressure.spec import OF_FACE, OF_ROLLER, parse
+from camgeo.effects.contact_pressure.table import OF_FACE, OF_ROLLER, parse
 from camgeo.effects.effect import Effect
 from camgeo.effects.results import CONTACT_FORCE
 from camgeo.effects.rules import FLATS, ONE_CONTACT, ROLLERS, Only

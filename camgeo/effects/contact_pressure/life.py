@@ -1,17 +1,17 @@
-"""Basic rating life of the roller's bearing.
+"""Basic rating life of the roller bearing.
 
 L10 = (C/P)^p million turns of the roller, p = 10/3 for roller bearings (ISO 281:2007, basic rating
-life of radial roller bearings), with the dynamic load rating C and the equivalent load P. A load
-that changes wears by its p-th power and by the turns made under it (Palmgren and Miner), so that
-P^p is the mean of F^p over the turns of the roller: with F and the rate nu at which the roller
-turns per cam angle,
+life of radial roller bearings), with the dynamic load rating C and the equivalent load P. Under a
+varying load, damage is proportional to its p-th power and to the turns made under it (Palmgren and
+Miner), so P^p is the mean of F^p over the turns of the roller: with F and the rate nu of the roller
+per cam angle,
 
     P^p = int F^p |nu| dphi / int |nu| dphi.
 
-The roller rolls on its flank without slip. Seen from the turning cam its centre moves along the
-flank by |Z'| per cam angle, and the follower itself turns at the rate chi' in the fixed frame; so
-the roller turns relative to its pin at nu = |Z'|/r_R - s (1 - sigma chi') per cam angle, s = +1 on
-the inner flank and -1 on the outer one, sigma the sense of rotation (composition of the angular
+The roller rolls on its flank without slip. Relative to the turning cam its centre moves along the
+flank by |Z'| per cam angle, and the follower turns at the rate chi' in the fixed frame. So the
+roller turns relative to its pin at nu = |Z'|/r_R - s (1 - sigma chi') per cam angle, with s = +1 on
+the inner flank and -1 on the outer one, and the sense of rotation sigma (composition of the angular
 velocities of roller, cam and follower).
 """
 
@@ -23,7 +23,7 @@ from typing import Final
 import numpy as np
 
 from camgeo.effects.contact_pressure.line_contact import LineContact
-from camgeo.effects.told import missed
+from camgeo.effects.wording import missed
 from camgeo.motion.motion import Side
 from camgeo.motion.time_course import TimeCourse, period
 from camgeo.numeric.arrays import FloatArray, merged
@@ -35,7 +35,7 @@ from camgeo.units import TURN
 EXPONENT: Final = 10.0 / 3.0
 
 TURNS: Final = 1e6
-"""Turns of the roller that a bearing bears under its rating."""
+"""Turns of the roller that a bearing withstands under its load rating."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,8 +46,8 @@ class Life:
     ----------
     load : P [N].
     speed : mean rate at which the roller turns on its pin [rad/s].
-    seconds : L10 [s]; None if it has no end, for there is no load.
-    error : estimate of the relative error of `seconds`, and of the others.
+    seconds : L10 [s]; None if unlimited, because there is no load.
+    error : estimate of the relative error of `seconds` and the other values.
     """
 
     load: float
@@ -57,7 +57,7 @@ class Life:
 
 
 def spin(contact: LineContact, phi: FloatArray, side: Side, sense: FloatArray) -> FloatArray:
-    """(n,) nu, turns of the roller on its pin per turn of the cam, positive if it rolls forward.
+    """(n,) nu, turns of the roller on its pin per turn of the cam, positive if it rolls forwards.
 
     `sense` (n,) is s, the flank on which it rolls.
     """
@@ -72,12 +72,12 @@ def rolling_life(
 ) -> Life:
     """The life for the dynamic load rating `rating` [N], to the relative `tolerance`.
 
-    `edges` (k,) [rad] from 0 to 2 pi: between them force and motion are smooth.
+    Force and motion are smooth between neighbouring `edges` (k,) [rad] from 0 to 2 pi.
 
     Raises
     ------
     EffectError
-        If the integrals cannot be brought within the tolerance.
+        If the integrals do not reach the tolerance.
     """
 
     def turning(phi: FloatArray) -> FloatArray:
@@ -88,7 +88,7 @@ def rolling_life(
         turns = np.abs(spin(contact, phi, "right", sense))
         return np.asarray((load / rating) ** EXPONENT * turns)
 
-    share = 0.5 * tolerance  # the estimate also has the rounding of the sum
+    share = 0.5 * tolerance  # the estimate also contains the rounding of the sum
     borders = merged(np.concatenate((edges, roots_on_grid(turning, grid_of(edges)))))
     turns = piecewise_integral(lambda phi: np.abs(turning(phi)), borders, share)
     worn = piecewise_integral(wear, borders, share)
@@ -98,7 +98,7 @@ def rolling_life(
         return Life(0.0, speed, None, turns.error / turns.value)
     error = max(turns.error / turns.value, worn.error / worn.value)
     if error > tolerance:
-        raise missed("the life of the roller's bearing", error, "itself", tolerance)
+        raise missed("the life of the roller bearing", error, "itself", tolerance)
     return Life(
         load=rating * (worn.value / turns.value) ** (1.0 / EXPONENT),
         speed=speed,

@@ -1,21 +1,21 @@
 """The contact of roller and flank over the cam angle: force, relative curvature, pressure.
 
-Both are cylinders with the same axis direction. A flank is the parallel of the pitch curve at the
-distance d = -s r_R, s = +1 for the inner flank and -1 for the outer one, and has the curvature
-kappa/(1 + d kappa) if the pitch curve has kappa (Wirsig eqs. 2.53, 2.54: a parallel's radius of
-curvature is longer by d). The disc lies outside of its outer flank, which counts mirrored. The
-relative curvature comes to
+Both are cylinders with parallel axes. A flank is the parallel of the pitch curve at the distance d
+= -s r_R, with s = +1 for the inner flank and -1 for the outer one. It has the curvature kappa/(1 +
+d kappa) if the pitch curve has kappa (Wirsig eqs. 2.53, 2.54: the radius of curvature of a parallel
+is longer by d). The disc lies outside its outer flank, which counts mirrored. The relative
+curvature is
 
     1/R = 1/r_R + s kappa/(1 + d kappa) = 1/(r_R (1 + d kappa)),       R = r_R (1 + d kappa).
 
-In a groove with side clearance c, d = -s (r_R + c/2), and the same sum comes to
+In a groove with side clearance c, d = -s (r_R + c/2), and the same sum gives
 
     R = r_R (1 + d kappa)/(1 - s c/2 kappa).
 
 A flat face has no curvature: R = 1/kappa there, the radius of curvature of the cam.
 
-So R vanishes at a cusp of the flank and nowhere else, and a flank without undercut is never bent
-more tightly than the roller that lies in it.
+So R is 0 at a cusp of the flank and nowhere else, and a flank without undercut is never curved more
+tightly than the roller that runs on it.
 """
 
 from __future__ import annotations
@@ -27,8 +27,8 @@ from typing import Final, NoReturn
 import numpy as np
 
 from camgeo.effects.effect import Quantity, Subject
-from camgeo.effects.told import at
 from camgeo.effects.touching import INNER, OUTER
+from camgeo.effects.wording import at
 from camgeo.errors import EffectError, GeometryError
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray
@@ -36,7 +36,7 @@ from camgeo.numeric.extremes import piecewise_extremes
 from camgeo.units import TURN
 
 CUSP: Final = 1e-12
-"""1 + d kappa up to here is a cusp: its digits are rounding."""
+"""Values of 1 + d kappa up to here are a rounded 0, a cusp."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -58,14 +58,14 @@ class LineContact:
 
     @property
     def scale(self) -> float:
-        """r_R [mm], against which a cusp is told; r_G with a flat face."""
+        """r_R [mm], the scale for detecting a cusp; r_G with a flat face."""
         follower = self.subject.cam.follower
         return follower.roller_radius or follower.base_radius
 
     def carried(self, phi: FloatArray, side: Side) -> tuple[FloatArray, FloatArray]:
-        """(n,) force F that presses the follower on a flank [N], 0 or more, and (n,) which flank.
+        """(n,) force F of the follower on a flank [N], 0 or more, and (n,) which flank.
 
-        A flank on which no roller runs bears nothing: there the roller has lifted off.
+        A flank on which no roller runs carries nothing: there the roller has lifted off.
         """
         normal = self.normal(phi, side)
         if self.subject.cam.contact.closed_by_form:
@@ -94,12 +94,12 @@ class LineContact:
         return load, cam.follower.contact_radius(kappa, cam.disc.flank_distance)
 
     def square(self, phi: FloatArray, side: Side) -> FloatArray:
-        """(n,) p^2 [MPa^2], which is smooth where F and the curvature are; 0 without force.
+        """(n,) p^2 [MPa^2], smooth where F and the curvature are; 0 without force.
 
         Raises
         ------
         EffectError
-            Where a cusp or undercut is under force.
+            Where a cusp or undercut is loaded.
         """
         load, radius = self.load_and_radius(phi, side)
         loaded = load > 0.0
@@ -116,7 +116,7 @@ class LineContact:
         return np.sqrt(self.square(phi, side))
 
     def refuse_cusps(self, edges: FloatArray) -> None:
-        """Raise EffectError if a cusp or undercut is under force between `edges` (k,) [rad]."""
+        """Raise EffectError if a cusp or undercut is loaded between `edges` (k,) [rad]."""
         scale = self.scale
 
         def under_load(phi: FloatArray, side: Side) -> FloatArray:
@@ -131,9 +131,8 @@ class LineContact:
         value = radius / self.scale
         what = "a cusp" if value >= -CUSP else "undercut"
         raise EffectError(
-            f"the pressure is infinite {at(angle)}: the flank has"
-            f" {what} there and carries the roller, 1 + d kappa is {value:.6g} and has to be"
-            " above 0",
+            f"the pressure is infinite {at(angle)}: the flank has {what} there and carries the"
+            f" roller; 1 + d kappa is {value:.6g} and must be above 0",
             finding="infinite-contact-pressure",
             value=value,
             limit=0.0,

@@ -1,9 +1,9 @@
-"""Effect `contact-pressure`: Hertz's pressure between cam and follower, and what follows from it.
+"""Effect `contact-pressure`: Hertzian pressure between cam and follower, stresses and life.
 
-Needed are the normal force, the curvature of roller and flank (a flat face has none), and their
-materials; see `hertz` for
-the formulas of the contact, `contact` for its curvature, `life` for the roller's bearing. Friction
-between roller and flank adds little to the stresses where the roller rolls, and is left out.
+It needs the normal force, the curvature of roller and flank (a flat face has none) and their
+materials. See `hertz` for the formulas of the contact, `contact` for its curvature and `life` for
+the roller bearing. Friction between roller and flank adds little to the stresses of a rolling
+contact and is neglected.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from camgeo.effects.contact_pressure.findings import Worst, life_findings, press
 from camgeo.effects.contact_pressure.hertz import SHEAR_SHARE
 from camgeo.effects.contact_pressure.life import Life, rolling_life
 from camgeo.effects.contact_pressure.line_contact import LineContact
-from camgeo.effects.contact_pressure.spec import Spec
+from camgeo.effects.contact_pressure.table import PressureRequirements
 from camgeo.effects.effect import SPEED, Column, Quantity, Request, Result, Subject
 from camgeo.effects.results import CONTACT_FORCE
 from camgeo.effects.touching import FLANKS
@@ -32,7 +32,7 @@ KEY: Final = "effects.contact-pressure"
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ContactPressure(Result):
-    """What `compute` gives.
+    """The contact pressure.
 
     Attributes
     ----------
@@ -40,8 +40,8 @@ class ContactPressure(Result):
         is integrated.
     contact : force, relative curvature and pressure over the cam angle.
     largest : the largest pressure [MPa] and its cam angle [rad] in [0, 2 pi).
-    life : of the roller's bearing; None if the scene gives no rating.
-    returning : the same of the return disc of a conjugate pair; None if there is none.
+    life : of the roller bearing; None if the scene gives no rating.
+    returning : the same for the return disc of a conjugate pair; None without one.
     """
 
     contact: LineContact
@@ -50,17 +50,16 @@ class ContactPressure(Result):
     returning: ContactPressure | None = None
 
 
-def compute(request: Request[Spec]) -> ContactPressure:
-    """The pressure at the scene's speed.
+def compute(request: Request[PressureRequirements]) -> ContactPressure:
+    """The pressure at the speed of the scene.
 
     Raises
     ------
     GeometryError
-        If the follower has a knife edge, if neither the effect's table nor that of the part has the
-        width of the contact, if it is wider than the part, or if a life is asked for of a cam
-        without speed.
+        If the follower has a knife edge, the width of the contact is missing or larger than that of
+        the part, or a life is requested and the scene gives no speed.
     EffectError
-        If a cusp or undercut is under force, or the life cannot be brought within the tolerance.
+        If a cusp or undercut is loaded, or the life does not reach the tolerance.
     """
     force = request.results[CONTACT_FORCE]
     subject = request.subject
@@ -72,7 +71,7 @@ def compute(request: Request[Spec]) -> ContactPressure:
         return -force.normal(phi, side)
 
     other = _of_return(request, subject.returning, on_return, force.edges)
-    told = [
+    found = [
         replace(each, name=f"return-{each.name}", sentence=f"return disc: {each.sentence}")
         for each in other.findings
     ]
@@ -84,7 +83,7 @@ def compute(request: Request[Spec]) -> ContactPressure:
     errors = [each.error for each in (main, other) if each.error is not None]
     return replace(
         main,
-        findings=(*main.findings, *told),
+        findings=(*main.findings, *found),
         columns=tuple(columns),
         error=max(errors, default=None),
         returning=other,
@@ -92,29 +91,29 @@ def compute(request: Request[Spec]) -> ContactPressure:
 
 
 def _of_disc(
-    request: Request[Spec], subject: Subject, normal: Quantity, edges: FloatArray
+    request: Request[PressureRequirements], subject: Subject, normal: Quantity, edges: FloatArray
 ) -> ContactPressure:
     """The pressure on one disc, `subject`; `edges` are those of the force `normal`."""
-    spec = request.spec
+    data = request.data
     if subject.cam.follower.has_edge:
         raise GeometryError(
-            "is 0, a knife edge: pressure needs a roller that bears on a line of some width",
+            "is 0, a knife edge: contact pressure needs a roller or a flat face",
             key="follower.roller_radius",
             value="0",
         )
-    contact = LineContact(subject, normal, spec.modulus, _width(subject, spec))
+    contact = LineContact(subject, normal, data.modulus, _width(subject, data))
     edges = merged(np.concatenate((subject.drive.smooth_angles, edges)))
     contact.refuse_cusps(edges)
     highest = piecewise_extremes(contact.square, edges).highest
     worst = _worst(contact, highest.place, highest.value)
     life = None
-    if spec.rating is not None:
+    if data.rating is not None:
         if subject.drive.time_course is None:
             raise GeometryError(
-                f"is missing: the life of the roller's bearing needs {SPEED[0]} or {SPEED[1]}",
+                f"is missing: the life of the roller bearing needs {SPEED[0]} or {SPEED[1]}",
                 key=SPEED[0],
             )
-        life = rolling_life(contact, edges, request.course, spec.rating, request.tolerance)
+        life = rolling_life(contact, edges, request.course, data.rating, request.tolerance)
 
     def shear(phi: FloatArray, side: Side) -> FloatArray:
         return SHEAR_SHARE * contact.pressure(phi, side)
@@ -122,61 +121,61 @@ def _of_disc(
     inside = edges[(edges > 0.0) & (edges < TURN)]
     return ContactPressure(
         findings=(
-            *pressure_findings(worst, spec),
-            *(() if life is None else life_findings(life, spec)),
+            *pressure_findings(worst, data),
+            *(() if life is None else life_findings(life, data)),
         ),
         columns=(
-            Column("contact pressure", "MPa", contact.pressure, spec.limit, inside),
+            Column("contact pressure", "MPa", contact.pressure, data.limit, inside),
             Column("subsurface shear", "MPa", shear, None, inside),
         ),
         error=None if life is None else life.error,
         contact=contact,
-        largest=Extreme(worst.pressure(spec.modulus), worst.angle),
+        largest=Extreme(worst.pressure(data.modulus), worst.angle),
         life=life,
     )
 
 
 def _of_return(
-    request: Request[Spec], subject: Subject, normal: Quantity, edges: FloatArray
+    request: Request[PressureRequirements], subject: Subject, normal: Quantity, edges: FloatArray
 ) -> ContactPressure:
-    """As `_of_disc`; an error tells that it is the return disc's."""
+    """As `_of_disc`; its error message names the return disc."""
     try:
         return _of_disc(request, subject, normal, edges)
     except EffectError as error:
         raise replace(error, message=f"return disc: {error.message}") from error
 
 
-def _width(subject: Subject, spec: Spec) -> float:
+def _width(subject: Subject, data: PressureRequirements) -> float:
     """L [mm]."""
     part = subject.part_spec
     groove = subject.cam.contact.closed_by_form
     whole = None if part is None else part.groove_depth if groove else part.thickness
     name = "groove_depth" if groove else "thickness"
-    if spec.width is None:
+    if data.width is None:
         if whole is None:
             raise GeometryError(
-                f"is missing, and so is {name} of [part], which would stand for it",
+                f"is missing, and so is {name} of [part], which is its default",
                 key=f"{KEY}.width",
             )
         return whole
-    if whole is not None and spec.width > whole:
+    if whole is not None and data.width > whole:
         raise GeometryError(
             f"the contact cannot be wider than the flank: {name} of [part] is {whole:g} mm",
             key=f"{KEY}.width",
-            value=f"{spec.width:g}",
+            value=f"{data.width:g}",
         )
-    return spec.width
+    return data.width
 
 
 def _worst(contact: LineContact, angle: float, square: float) -> Worst:
-    """The contact at the cam angle `angle` [rad], from the side on which p^2 is `square`."""
+    """The contact at `angle` [rad], from the side on which p^2 is `square`."""
     phi = np.array([angle])
     sides: tuple[Side, ...] = ("right", "left")
     side = min(sides, key=lambda each: abs(float(contact.square(phi, each)[0]) - square))
     load, radius = contact.load_and_radius(phi, side)
     sense = int(contact.carried(phi, side)[1][0])
     follower = contact.subject.cam.follower
-    # Of the curve on which the centre of a roller with play runs, half the clearance aside.
+    # Of the path of the centre of a roller with clearance, offset by half the clearance.
     bend = sense * float(contact.curvature(phi, side)[0])
     bend /= 1.0 - 0.5 * contact.subject.cam.clearance * bend
     return Worst(

@@ -1,4 +1,4 @@
-"""Effect `drive-torque`: what the camshaft has to be given."""
+"""Effect `drive-torque`: the torque that the camshaft needs."""
 
 from __future__ import annotations
 
@@ -7,18 +7,18 @@ from functools import partial
 from typing import Final
 
 from camgeo.declared import schema_beside
-from camgeo.effects.effect import Effect, spec_of
+from camgeo.effects.effect import Effect, data_of
 from camgeo.effects.results import CONTACT_FORCE, DRIVE_TORQUE
 
 
 @dataclass(frozen=True, slots=True)
-class Spec:
-    """The table.
+class TorqueLimits:
+    """Limits of torque and speed fluctuation.
 
     Attributes
     ----------
-    limit : largest torque allowed [N mm]; None if there is none.
-    fluctuation : allowed fluctuation of the speed, for the flywheel; None if none is sought.
+    limit : largest torque allowed [N mm]; None for no limit.
+    fluctuation : allowed speed fluctuation, to size a flywheel; None to size none.
     """
 
     limit: float | None = None
@@ -30,7 +30,7 @@ EFFECT: Final = Effect(
     title="torque on the camshaft",
     compute="camgeo.effects.drive_torque.result:compute",
     schema=schema_beside(__file__),
-    parse=partial(spec_of, Spec),
+    parse=partial(data_of, TorqueLimits),
     needs=(CONTACT_FORCE,),
     numerical=True,
 )

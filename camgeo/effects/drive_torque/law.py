@@ -1,14 +1,14 @@
-"""The torque on the camshaft as a law of speed and acceleration of the cam.
+"""The torque on the camshaft as a function of speed and acceleration of the cam.
 
-At a cam angle the contact has to give the generalised force R = c0 + c1 omega + c2 omega^2
-+ c3 alpha on the follower's coordinate q. By the principle of virtual work the camshaft takes the
-torque R q' for it without friction. With friction the normal force N of a flank (sense = +1 for the
-inner one, -1 for the outer one) gives the force |N| (sense * leverage + f) and takes the torque
-|N| (sense * leverage * q' + m), f and m the friction's parts per unit of |N|. So
+At a given cam angle the contact must provide the generalised force R = c0 + c1 omega + c2 omega^2 +
+c3 alpha on the follower's coordinate q. By virtual work this takes the torque R q' on the camshaft
+if there is no friction. With friction, the normal force N on a flank (sense = +1 for the inner one,
+-1 for the outer one) provides the force |N| (sense * leverage + f) and takes the torque |N| (sense
+* leverage * q' + m), where f and m are the contributions of friction per unit of |N|. So
 
     T = R (sense * leverage * q' + m) / (sense * leverage + f),
 
-and the flank that carries follows from the sign of R: T is a linear function of R on either side of
+and the flank that carries follows from the sign of R. T is a linear function of R on either side of
 R = 0, and continuous there.
 """
 
@@ -23,8 +23,8 @@ import numpy as np
 from camgeo.effects.effect import Subject
 from camgeo.effects.force import at_rates, smooth_edges
 from camgeo.effects.results import ContactForce
-from camgeo.effects.told import at
 from camgeo.effects.touching import INNER, OUTER, carrier, leverage_of
+from camgeo.effects.wording import at
 from camgeo.errors import EffectError
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray, merged
@@ -33,17 +33,17 @@ from camgeo.numeric.roots import roots_on_grid
 from camgeo.units import TURN
 
 ROWS: Final = 6
-"""Rows of the law: c0 to c3 of R, and the torque per R where R is positive and where it is not."""
+"""Rows of the law: c0 to c3 of R, and the torque per unit of R for positive and negative R."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class TorqueLaw:
-    """Torque over cam angle, speed and acceleration.
+    """The torque as a function of cam angle, speed and acceleration.
 
     Attributes
     ----------
     subject : the design.
-    contact : the contact force and what it has to balance.
+    contact : the contact force, and the forces that it balances.
     """
 
     subject: Subject
@@ -52,7 +52,7 @@ class TorqueLaw:
     def coefficients(self, phi: FloatArray, side: Side) -> FloatArray:
         """(6, n) c0 to c3 of R, then T / R [N mm per unit of R] for R > 0 and for R < 0.
 
-        T / R is not a number where the follower would jam with R of this sign.
+        T / R is nan where the follower would jam with an R of this sign.
         """
         out = np.empty((ROWS, len(phi)))
         out[:4] = self.contact.required(phi, side)
@@ -79,7 +79,7 @@ class TorqueLaw:
         Raises
         ------
         EffectError
-            "jamming", if friction lets no contact force drive the follower.
+            "jamming", if friction prevents any contact force from driving the follower.
         """
         law = self.coefficients(phi, side)
         shape = np.broadcast_to(np.zeros(1), phi.shape)
@@ -92,13 +92,13 @@ class TorqueLaw:
         return torque
 
     def _refuse(self, here: FloatArray) -> NoReturn:
-        """Raise that the follower jams at the cam angle `here` (1,) [rad]."""
+        """Raise EffectError that the follower jams at the cam angle `here` (1,) [rad]."""
         curves = [carrier(self.subject, sense)[0].cam.disc.pitch_curve for sense in (INNER, OUTER)]
         angle = math.degrees(min(curve.transmission_angle(here)[0] for curve in curves))
         place = float(here[0]) % TURN
         raise EffectError(
-            f"the follower jams {at(place)}: with a transmission angle of {angle:.4f} deg friction"
-            " takes all that the contact force gives",
+            f"the follower jams {at(place)}: at a transmission angle of {angle:.4f} deg friction"
+            " absorbs the entire contact force",
             finding="jamming",
             value=angle,
             unit="deg",
@@ -106,22 +106,23 @@ class TorqueLaw:
         )
 
     def torque(self, phi: FloatArray, side: Side) -> FloatArray:
-        """(n,) [N mm] with the cam turning as the scene says; very slowly if it gives no speed."""
+        """(n,) [N mm] at the speed of the scene; the static part if it gives none."""
         course = self.subject.drive.time_course
         omega, alpha = (0.0, 0.0) if course is None else course.rates(phi)[:2]
         return self.at(phi, side, omega, alpha)
 
     def static(self, phi: FloatArray, side: Side) -> FloatArray:
-        """(n,) [N mm] with the cam turning very slowly: without inertia and viscous friction."""
+        """(n,) [N mm] at very low speed: without inertia and viscous friction."""
         return self.at(phi, side, 0.0, 0.0)
 
     def dynamic(self, phi: FloatArray, side: Side) -> FloatArray:
-        """(n,) [N mm] what the speed adds to the static part."""
+        """(n,) [N mm] the part that the speed adds to the static part."""
         return self.torque(phi, side) - self.static(phi, side)
 
     def static_edges(self) -> FloatArray:
-        """(k,) where the formula of the static part changes; with friction also where R does its
-        sign.
+        """(k,) cam angles [rad] where the formula of the static part changes.
+
+        With friction these include the angles at which its R changes sign.
         """
         base = smooth_edges(self.subject.drive.smooth_angles, self.contact.forces)
         if self.contact.friction is None:
@@ -131,7 +132,7 @@ class TorqueLaw:
 
 
 def _gain(lever: FloatArray, velocity: FloatArray, per_normal: FloatArray) -> FloatArray:
-    """(n,) T / R, `lever` being sense * leverage; nan where the follower jams."""
+    """(n,) T / R, with `lever` = sense * leverage; nan where the follower jams."""
     force = lever + per_normal[0]
     jams = (force == 0.0) | ((force * lever <= 0.0) & (velocity != 0.0))
     torque = lever * velocity + per_normal[1]

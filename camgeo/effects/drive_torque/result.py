@@ -1,51 +1,51 @@
-"""Drive torque: what the camshaft has to be given to move the follower against its forces.
+"""Drive torque: the torque on the camshaft that moves the follower against its forces.
 
 T dphi is the work of the contact force on the follower and of the friction at the contact
 (principle of virtual work; Norton, Cam Design and Manufacturing Handbook, chapters on dynamics of
-force- and form-closed systems). T is positive where the cam has to be driven in its own sense of
-rotation, negative where the follower drives it.
+force- and form-closed systems). T is positive where the cam must be driven in its own sense of
+rotation, negative where the follower drives the cam.
 """
 
 from __future__ import annotations
 
 from camgeo.check.finding import Finding, Severity
-from camgeo.effects.drive_torque import Spec
+from camgeo.effects.drive_torque import TorqueLimits
 from camgeo.effects.drive_torque.law import TorqueLaw
 from camgeo.effects.drive_torque.summary import Summary, moment_of_inertia, summary
 from camgeo.effects.effect import Column, Quantity, Request
 from camgeo.effects.force import all_borders
 from camgeo.effects.immovable import torque_shocks
 from camgeo.effects.results import CONTACT_FORCE, DriveTorque
-from camgeo.effects.told import KG_M2, N_M, at, degrees, loss_of_contact, placed
+from camgeo.effects.wording import KG_M2, N_M, at, degrees, loss_of_contact, placed
 from camgeo.errors import GeometryError
 from camgeo.numeric.extremes import Extreme
 from camgeo.units import RPM, TURN
 
 
-def compute(request: Request[Spec]) -> DriveTorque:
-    """Torque, its integrals over a turn to the tolerance, and the flywheel if one is sought.
+def compute(request: Request[TorqueLimits]) -> DriveTorque:
+    """Torque, its integrals over a turn to the tolerance, and the flywheel if requested.
 
     Raises
     ------
     GeometryError
-        If a flywheel is sought and the scene gives no speed.
+        If a flywheel is requested and the scene gives no speed.
     EffectError
-        "jamming", if friction does not let the contact force drive the follower; and if the
+        "jamming", if friction prevents the contact force from driving the follower; and if the
         tolerance cannot be reached.
     """
-    subject, spec = request.subject, request.spec
+    subject, data = request.subject, request.data
     course = subject.drive.time_course
-    if spec.fluctuation is not None and course is None:
+    if data.fluctuation is not None and course is None:
         raise GeometryError(
             "a flywheel needs the speed of the cam, [cam] speed or speed_curve",
             key="effects.drive-torque.fluctuation",
         )
     contact = request.results[CONTACT_FORCE]
     law = TorqueLaw(subject, contact)
-    found = summary(law, spec.fluctuation, request.tolerance)
+    found = summary(law, data.fluctuation, request.tolerance)
     return DriveTorque(
-        findings=findings(law, found, spec),
-        columns=_columns(law, spec.limit),
+        findings=findings(law, found, data),
+        columns=_columns(law, data.limit),
         error=found.error,
         contact=contact,
         law=law.coefficients,
@@ -73,14 +73,14 @@ def _columns(law: TorqueLaw, limit: float | None) -> tuple[Column, ...]:
     )
 
 
-def findings(law: TorqueLaw, found: Summary, spec: Spec) -> tuple[Finding, ...]:
+def findings(law: TorqueLaw, found: Summary, data: TorqueLimits) -> tuple[Finding, ...]:
     """All findings."""
     subject, contact = law.subject, law.contact
     turning = subject.drive.time_course is not None
     peaks, static = found.peaks, found.static_peaks
     out = [
-        _peak("largest-torque", "largest drive torque", peaks.highest, spec.limit, 1.0),
-        _peak("smallest-torque", "smallest drive torque", peaks.lowest, spec.limit, -1.0),
+        _peak("largest-torque", "largest drive torque", peaks.highest, data.limit, 1.0),
+        _peak("smallest-torque", "smallest drive torque", peaks.lowest, data.limit, -1.0),
     ]
     if turning:
         out += [
@@ -95,7 +95,7 @@ def findings(law: TorqueLaw, found: Summary, spec: Spec) -> tuple[Finding, ...]:
     if turning:
         power = N_M * found.mean * found.speed
         out.append(_value("mean-power", "mean power of the drive", power, "W"))
-    out += _flywheel(found, spec.fluctuation)
+    out += _flywheel(found, data.fluctuation)
     if turning:
         out += _shock(law)
     lost = loss_of_contact(
@@ -111,7 +111,9 @@ def _value(name: str, words: str, value: float, unit: str) -> Finding:
 def _peak(
     name: str, words: str, peak: Extreme, limit: float | None = None, sense: float = 1.0
 ) -> Finding:
-    """A peak held to the limit, which is one for both directions: -limit for the smallest."""
+    """A peak checked against the limit, which applies in both directions: -limit for the
+    smallest.
+    """
     value, bound = N_M * peak.value, None if limit is None else sense * N_M * limit
     severity: Severity = "ok"
     verdict = ""
@@ -133,17 +135,17 @@ def _flywheel(found: Summary, fluctuation: float | None) -> list[Finding]:
         Finding(
             "energy-fluctuation",
             "ok",
-            f"a drive of constant torque stores {N_M * stored.span:.5g} J in what turns with the"
-            f" cam, between cam angles {degrees(low.place)} (slowest) and {degrees(high.place)}"
-            " (fastest)",
+            f"a drive of constant torque stores {N_M * stored.span:.5g} J in everything that turns"
+            f" with the cam, between cam angles {degrees(low.place)} (slowest) and"
+            f" {degrees(high.place)} (fastest)",
             N_M * stored.span,
             unit="J",
         ),
         Finding(
             "flywheel",
             "ok",
-            f"for a speed fluctuation of {fluctuation:g} at {found.speed / RPM:.5g} rev/min all"
-            f" that turns with the cam needs a moment of inertia of {moment:.5g} kg m^2",
+            f"for a speed fluctuation of {fluctuation:g} at {found.speed / RPM:.5g} rev/min,"
+            f" everything that turns with the cam needs a moment of inertia of {moment:.5g} kg m^2",
             moment,
             unit="kg m^2",
         ),
@@ -151,20 +153,20 @@ def _flywheel(found: Summary, fluctuation: float | None) -> list[Finding]:
 
 
 def _shock(law: TorqueLaw) -> list[Finding]:
-    """Where a mass changes its velocity in no time; none if there is no mass."""
+    """Where the velocity of a mass jumps; no finding without a mass."""
     contact = law.contact
     places = torque_shocks(
         law.subject, lambda phi, side: contact.required(phi, side)[3], contact.edges
     )
     if not len(places):
         return []
-    first = float(places[0])
+    first, angles = float(places[0]), "angle" if len(places) == 1 else "angles"
     return [
         Finding(
             "shock",
             "broken",
-            f"the velocity jumps at {len(places)} cam angles, first at {degrees(first)}: the torque"
-            " is infinite there, and its impulses are in none of these figures",
+            f"the velocity jumps at {len(places)} cam {angles}, first at {degrees(first)}: the"
+            " torque is infinite there, and its impulses are not included in any value",
             cam_angle=first,
         )
     ]

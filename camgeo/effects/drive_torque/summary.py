@@ -1,8 +1,9 @@
-"""Figures of a torque over a turn: extremes, mean, root mean square, work, and the flywheel.
+"""Values of a torque over a turn: extremes, mean, root mean square, work, and the flywheel.
 
-A drive that gives the mean torque T_m all the time stores E(phi), the integral of T_m - T, in what
-turns with the cam. E is extreme where T passes T_m. With omega the mean speed and delta the allowed
-fluctuation, largest less smallest speed by the mean, it takes the moment of inertia
+A drive with the constant torque T_m, equal to the mean, stores E(phi), the integral of T_m - T, in
+everything that turns with the cam. E has its extremes where T passes T_m. With the mean speed omega
+and the allowed fluctuation delta, the difference of largest and smallest speed divided by the mean,
+this needs the moment of inertia
 
     J = (E_max - E_min) / (delta omega^2)
 
@@ -20,7 +21,7 @@ from typing import Final
 import numpy as np
 
 from camgeo.effects.drive_torque.law import TorqueLaw
-from camgeo.effects.told import missed
+from camgeo.effects.wording import missed
 from camgeo.motion.time_course import period
 from camgeo.numeric.arrays import FloatArray, merged
 from camgeo.numeric.extremes import Extremes, extremes_of, grid_of, piecewise_extremes
@@ -29,7 +30,7 @@ from camgeo.numeric.roots import roots_on_grid
 from camgeo.units import TURN
 
 ROUNDING: Final = 1e-14
-"""An error or a mean below this share of the largest torque is rounding."""
+"""An error or mean below this share of the largest torque is rounding."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,7 +40,7 @@ class StoredEnergy:
     Attributes
     ----------
     extremes : smallest and largest E [N mm], with their cam angles [rad].
-    error : estimate of the error of either [N mm].
+    error : estimate of the error of both [N mm].
     """
 
     extremes: Extremes
@@ -53,17 +54,17 @@ class StoredEnergy:
 
 @dataclass(frozen=True, slots=True)
 class Summary:
-    """Figures of a turn; torques in N mm.
+    """Values of a turn; torques in N mm.
 
     Attributes
     ----------
-    peaks, static_peaks : smallest and largest torque, of the whole and of its static part.
+    peaks, static_peaks : smallest and largest value of the torque and of its static part.
     mean : over the cam angle: the work of a turn [N mm] divided by 2 pi.
-    rms : root of the mean square over time.
+    rms : root mean square over time.
     speed : mean speed over time [rad/s]; 0 if the scene gives none.
-    stored : energy in the flywheel; None if none is sought.
-    error : estimate of the largest error as a share of the largest torque, an energy's divided by
-        2 pi.
+    stored : energy in the flywheel; None if none is requested.
+    error : estimate of the largest error, relative to the largest torque; errors of energies are
+        divided by 2 pi.
     """
 
     peaks: Extremes
@@ -76,10 +77,10 @@ class Summary:
 
 
 def summary(law: TorqueLaw, fluctuation: float | None, tolerance: float) -> Summary:
-    """The figures of the torque by `law`, the integrals among them to `tolerance`.
+    """The values of the torque in `law`, with integrals to `tolerance`.
 
-    The mean square over time is the integral of T^2 dt over the turn by its duration, with
-    dt = dphi / omega; at constant speed, or without one, that is the mean over the cam angle.
+    The mean square over time is the integral of T^2 dt over the turn divided by its duration, with
+    dt = dphi / omega; at constant speed, or without a speed, it is the mean over the cam angle.
 
     Raises
     ------
@@ -102,7 +103,7 @@ def summary(law: TorqueLaw, fluctuation: float | None, tolerance: float) -> Summ
     work = piecewise_integral(values, edges, tolerance)
     mean = work.value / TURN
     if abs(mean) <= ROUNDING * largest:
-        mean = 0.0  # what conserves energy does no work
+        mean = 0.0  # conservative forces do no work
     square = piecewise_integral(squares, edges, tolerance)
     mean_square = max(square.value, 0.0) / duration
     rms = math.sqrt(mean_square)
@@ -118,7 +119,7 @@ def summary(law: TorqueLaw, fluctuation: float | None, tolerance: float) -> Summ
             errors.append(stored.error / TURN)
         error = max(errors) / largest
     if error > max(tolerance, ROUNDING):
-        raise missed("an integral of the drive torque", error, "its largest value", tolerance)
+        raise missed("an integral of the drive torque", error, "the largest torque", tolerance)
     speed = 0.0 if course is None else TURN / duration
     return Summary(peaks, static_peaks, mean, rms, speed, stored, error)
 
@@ -126,14 +127,14 @@ def summary(law: TorqueLaw, fluctuation: float | None, tolerance: float) -> Summ
 def stored_energy(
     torque: Callable[[FloatArray], FloatArray], mean: float, edges: FloatArray, tolerance: float
 ) -> StoredEnergy:
-    """What has to be stored if the drive gives the mean torque.
+    """The energy stored if the drive provides the mean torque.
 
     Parameters
     ----------
     torque : (n,) cam angles [rad] -> (n,) [N mm], smooth between neighbouring edges.
     mean : of the torque over the turn [N mm].
     edges : (m + 1,) [rad] from 0 to 2 pi, ascending.
-    tolerance : of the integrals, as a share of the integral of the magnitude.
+    tolerance : of the integrals, relative to the integral of the magnitude.
     """
 
     def surplus(phi: FloatArray) -> FloatArray:

@@ -1,4 +1,4 @@
-"""Effect `friction`: Coulomb's, rolling and viscous friction, and the margin to jamming."""
+"""Effect `friction`: Coulomb, rolling and viscous friction, and the margin against jamming."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from typing import Final
 
 from camgeo.declared import schema_beside
 from camgeo.effects.effect import Effect
-from camgeo.effects.friction.spec import (
+from camgeo.effects.friction.table import (
     OF_FACE,
     OF_GUIDE,
     OF_LEVER,

@@ -1,9 +1,9 @@
-"""How far the follower is from jamming.
+"""The margin of the follower against jamming.
 
-A cam that pushes the follower by a force of too flat a direction presses it the more into its guide
-or bearing the harder it pushes, and does not move it (Rothbart, Cam Design Handbook, chapter 6,
-largest pressure angle of a translating follower; Norton, Cam Design and Manufacturing Handbook,
-chapter 7, on pressure angles; Volmer, Kurvengetriebe, on the transmission angle).
+If the contact force is too oblique, a harder push only presses the follower harder into its guide
+or bearing, and does not move it (Rothbart, Cam Design Handbook, chapter 6, largest pressure angle
+of a translating follower; Norton, Cam Design and Manufacturing Handbook, chapter 7, on pressure
+angles; Volmer, Kurvengetriebe, on the transmission angle).
 """
 
 from __future__ import annotations
@@ -16,8 +16,8 @@ import numpy as np
 from camgeo.check.finding import Finding
 from camgeo.effects.effect import Column
 from camgeo.effects.friction.statics import Statics
-from camgeo.effects.told import between
 from camgeo.effects.touching import holds_both_ways
+from camgeo.effects.wording import between
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray
 from camgeo.numeric.extremes import piecewise_extremes, stretch_below
@@ -27,40 +27,40 @@ if TYPE_CHECKING:
     from camgeo.check.finding import Severity
 
 NEAR: Final = math.radians(5.0)
-"""A smaller margin [rad] is worth a warning: what coefficients of friction scatter by, 0.1 to
-0.2, is some 5 degrees of the angle of friction."""
+"""A smaller margin [rad] gives a warning: the usual scatter of friction coefficients, 0.1 to 0.2,
+is about 5 degrees of the friction angle."""
 
 ROUNDING: Final = 1e-12
-"""A margin [rad] up to this is none: a transmission angle of 0, rounded."""
+"""A margin [rad] up to this is 0: a rounded transmission angle of 0."""
 
 UNDRIVEN: Final = math.pi
-"""Stands for the margin [rad] where the cam does not push; no margin is as large."""
+"""Placeholder for the margin [rad] where the cam does not push; larger than any margin."""
 
-TOLD: Final = {
+WORDING: Final = {
     "roller": (
         (
-            "smallest transmission angle above the limit of jamming: by {value:.4f} deg at cam"
-            " angle {angle:.4f} deg"
+            "transmission angle above the jamming limit by at least {value:.4f} deg, closest to it"
+            " at cam angle {angle:.4f} deg"
         ),
-        "transmission angle misses the limit",
+        "transmission angle is below the limit",
     ),
     "face": (
         (
-            "the contact force may lean {value:.4f} deg more before the follower jams, least at cam"
-            " angle {angle:.4f} deg"
+            "the contact force may lean at least {value:.4f} deg further before the follower jams,"
+            " closest to jamming at cam angle {angle:.4f} deg"
         ),
         "contact force leans too far",
     ),
 }
-"""What is told of the margin, and what is wrong without one; the contact force always points the
-same way on a flat face."""
+"""Sentence for the margin, and the fault if there is none. On a flat face the direction of the
+contact force is fixed."""
 
 
 def margin_of(statics: Statics, phi: FloatArray, side: Side) -> FloatArray:
-    """(n,) [rad] margin of the flank by which the cam would push the follower on.
+    """(n,) [rad] margin for the flank with which the cam drives the follower.
 
-    That is the one on which the roller runs; of a groove, or of two discs, the one that pushes in
-    the sense in which the follower moves, the inner or main one in a rest.
+    That is the flank on which the roller runs. In a groove, or between two discs, it is the one
+    that pushes in the direction of motion, and the inner or main one during a dwell.
     """
     contact = statics.subject.cam.contact
     if not holds_both_ways(statics.subject):
@@ -70,7 +70,7 @@ def margin_of(statics: Statics, phi: FloatArray, side: Side) -> FloatArray:
 
 
 def _drive(statics: Statics, phi: FloatArray, side: Side) -> FloatArray:
-    """(n,) +1 where the inner flank pushes the follower on, -1 where the other, 0 in a rest."""
+    """(n,) +1 where the inner flank drives the follower, -1 where the other does, 0 in a dwell."""
     sine = statics.state(phi, side, 1).sine
     return np.where(sine < 0.0, -1.0, 1.0) * statics.senses(phi, side)
 
@@ -85,7 +85,7 @@ def column(statics: Statics, borders: FloatArray) -> Column:
 
 
 def jamming_margin(statics: Statics, edges: FloatArray) -> tuple[Finding, ...]:
-    """The smallest margin where the cam pushes the follower; none if it does so nowhere.
+    """The smallest margin where the cam pushes the follower; no finding if it never does.
 
     `edges` (k,) are the cam angles [rad] from 0 to 2 pi between which the margin is smooth.
     """
@@ -101,25 +101,27 @@ def jamming_margin(statics: Statics, edges: FloatArray) -> tuple[Finding, ...]:
         return ()
     angle = math.degrees(lowest.place % TURN)
     value, near = math.degrees(lowest.value), math.degrees(NEAR)
-    told, lacks = TOLD[statics.subject.cam.follower.touching]
-    told = told.format(value=value, angle=angle)
+    sentence, fault = WORDING[statics.subject.cam.follower.touching]
+    sentence = sentence.format(value=value, angle=angle)
     severity: Severity = "ok"
     limit = near
     cam_range = None
     if lowest.value <= ROUNDING:
         severity, limit = "broken", 0.0
         cam_range = stretch_below(lambda phi: driven(phi, "right") - ROUNDING, edges, lowest.place)
-        told = f"the follower jams: the {lacks} by {-value:.4f} deg at cam angle {angle:.4f} deg"
+        sentence = (
+            f"the follower jams: the {fault} by {-value:.4f} deg at cam angle {angle:.4f} deg"
+        )
         if cam_range is not None:
-            told += f", and {between(cam_range)}"
+            sentence += f", and {between(cam_range)}"
     elif lowest.value < NEAR:
         severity = "warning"
-        told += f", less than {near:g} deg"
+        sentence += f", less than {near:g} deg"
     return (
         Finding(
             name="jamming-margin",
             severity=severity,
-            sentence=told,
+            sentence=sentence,
             value=value,
             limit=limit,
             unit="deg",

@@ -1,4 +1,4 @@
-"""Effect `friction`: Coulomb's, rolling and viscous friction, and the margin to jamming."""
+"""Effect `friction`: Coulomb, rolling and viscous friction, and the margin against jamming."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ import numpy as np
 from camgeo.effects.effect import Request, Subject, driving_slider
 from camgeo.effects.force import Coefficients, Force
 from camgeo.effects.friction.jamming import column, jamming_margin
-from camgeo.effects.friction.spec import Spec
 from camgeo.effects.friction.statics import Statics, senses_of
+from camgeo.effects.friction.table import FrictionCoefficients
 from camgeo.effects.results import Friction
 from camgeo.effects.touching import INNER, OUTER, require_convex
 from camgeo.errors import EffectError, GeometryError
@@ -26,21 +26,21 @@ if TYPE_CHECKING:
     from camgeo.mechanism.slider_crank import SliderCrank
 
 
-def compute(request: Request[Spec]) -> Friction:
-    """Friction.
+def compute(request: Request[FrictionCoefficients]) -> Friction:
+    """The friction of the follower.
 
     Raises
     ------
     GeometryError
-        With the key, if a part of the follower is named that it does not have.
+        With the key, if the scene names a part that the follower does not have.
     EffectError
-        If a slider with friction cannot be moved by the rocker; if the pitch curve has a cusp, or
-        the cam for a flat face is not convex.
+        If the rocker cannot move a slider with friction, the pitch curve has a cusp, or the cam for
+        a flat face is not convex.
     """
-    subject, spec = request.subject, request.spec
+    subject, data = request.subject, request.data
     require_convex(subject, "friction of the face")
     edges = subject.drive.smooth_angles
-    statics = statics_of(subject, spec)
+    statics = statics_of(subject, data)
     try:
         borders = _borders(statics, edges)
         findings = jamming_margin(statics, merged(np.concatenate((edges, borders))))
@@ -51,30 +51,30 @@ def compute(request: Request[Spec]) -> Friction:
     return Friction(
         findings=findings,
         columns=(column(statics, borders),),
-        force=Force("friction", _coefficients(subject, spec), borders=borders),
+        force=Force("friction", _coefficients(subject, data), borders=borders),
         per_normal=statics.per_normal,
     )
 
 
-def statics_of(subject: Subject, spec: Spec) -> Statics:
+def statics_of(subject: Subject, data: FrictionCoefficients) -> Statics:
     """The friction that grows with the normal force."""
     motion = subject.drive.motion
     senses = senses_of(motion, subject.drive.smooth_angles)
     start = float(motion.jet(np.zeros(1), "right", 1)[0, 0])
-    return Statics(subject, spec, senses, start)
+    return Statics(subject, data, senses, start)
 
 
 def _borders(statics: Statics, edges: FloatArray) -> FloatArray:
-    """Where, on either flank, an angular velocity, a reaction or a side changes its sign."""
+    """Where an angular velocity, a reaction or a direction changes sign on either flank."""
     found = [edges]
-    if statics.spec.face and statics.swing:
+    if statics.data.face and statics.swing:
         found.append(roots_on_grid(lambda phi: statics.state(phi, "right", 1).slip, grid_of(edges)))
     for sense in (INNER, OUTER):
 
         def spin(phi: FloatArray, sense: int = sense) -> FloatArray:
             return statics.state(phi, "right", sense).spin
 
-        if statics.spec.roller_pin:
+        if statics.data.roller_pin:
             found.append(roots_on_grid(spin, grid_of(edges)))
         cuts = merged(np.concatenate(found))
         for name in ("sine", "cosine", *(() if statics.swing else ("near", "far"))):
@@ -87,16 +87,16 @@ def _borders(statics: Statics, edges: FloatArray) -> FloatArray:
     return np.mod(merged(np.concatenate(found[1:])), TURN)
 
 
-def _coefficients(subject: Subject, spec: Spec) -> Coefficients:
-    """Of the friction that the normal force has no part in.
+def _coefficients(subject: Subject, data: FrictionCoefficients) -> Coefficients:
+    """Coefficients of the friction that does not depend on the normal force.
 
-    Viscous: Q = -c ds/dt ds/dq along the guide, with dq/dt alone for the follower's own; Coulomb's
-    of a slider: Q = -F sign(ds/dt) ds/dq, by virtual work.
+    Viscous: Q = -c ds/dt ds/dq along the guide, which is -c dq/dt for the follower itself; Coulomb
+    friction of a slider: Q = -F sign(ds/dt) ds/dq, by virtual work.
     """
     linkage = driving_slider(subject)
-    if linkage is not None and (spec.slider or spec.guide_viscous):
-        return _of_slider(subject, spec, linkage)
-    viscous = spec.pivot_viscous + spec.guide_viscous  # a follower has one of the two
+    if linkage is not None and (data.slider or data.guide_viscous):
+        return _of_slider(subject, data, linkage)
+    viscous = data.pivot_viscous + data.guide_viscous  # a follower has only one of the two
 
     def coefficients(phi: FloatArray, side: Side) -> FloatArray:
         out = np.zeros((4, len(phi)))
@@ -107,8 +107,8 @@ def _coefficients(subject: Subject, spec: Spec) -> Coefficients:
     return coefficients
 
 
-def _of_slider(subject: Subject, spec: Spec, linkage: SliderCrank) -> Coefficients:
-    """Of slider and pivot."""
+def _of_slider(subject: Subject, data: FrictionCoefficients, linkage: SliderCrank) -> Coefficients:
+    """Coefficients for slider and pivot."""
     plan = subject.drive.plan
     locked = locked_at(linkage, plan)
     if locked is not None:
@@ -124,10 +124,10 @@ def _of_slider(subject: Subject, spec: Spec, linkage: SliderCrank) -> Coefficien
         stroke = plan.jet(phi, side, 1)
         slide = linkage.per_follower(stroke[0])
         out = np.zeros((4, len(phi)))
-        out[0] = -spec.slider * strokes(phi, side) * slide
-        out[1] = -spec.guide_viscous * stroke[1] * slide
-        if spec.pivot_viscous:
-            out[1] -= spec.pivot_viscous * subject.drive.motion.jet(phi, side, 1)[1]
+        out[0] = -data.slider * strokes(phi, side) * slide
+        out[1] = -data.guide_viscous * stroke[1] * slide
+        if data.pivot_viscous:
+            out[1] -= data.pivot_viscous * subject.drive.motion.jet(phi, side, 1)[1]
         return out
 
     return coefficients

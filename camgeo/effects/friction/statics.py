@@ -1,40 +1,41 @@
 """Statics of follower, roller or face, and cam with friction, per unit of the normal force.
 
-n = i sigma t is the outward normal of the pitch curve, t = Z'/|Z'| its tangent; the cam presses on
-the roller with |N| s n, s = +1 on the inner flank and -1 on the outer one, at the point -s r_R n
-from the roller's centre. Angular velocities count counter-clockwise, per unit of the cam's speed.
+n = i sigma t is the outward normal of the pitch curve, t = Z'/|Z'| its tangent. The cam presses on
+the roller with |N| s n, with s = +1 on the inner flank and -1 on the outer one, at the point -s r_R
+n relative to the roller's centre. Angular velocities are counter-clockwise positive and per unit of
+the cam's speed.
 
-The roller rolls. That its material and the cam's go with one velocity at the contact gives its
-angular velocity against the cam, omega_rc = -s sigma |Z'| / r_R, and against the follower
-omega_rf = sigma + omega_rc - chi', chi' that of the rocker, 0 in a guide. It has no mass. On it
-act, per unit of |N|,
+The roller rolls without slip. Equal velocities of roller and cam at the contact give its angular
+velocity relative to the cam, omega_rc = -s sigma |Z'| / r_R, and relative to the follower,
+omega_rf = sigma + omega_rc - chi', with the angular velocity chi' of the rocker, 0 in a guide. The
+roller has no mass. On it act, per unit of |N|,
 
     m_p = -mu_p (d_p / 2) sign(omega_rf)    the friction of its bearing, of radius d_p / 2,
     m_r = -f sign(omega_rc) = s sigma f     the rolling friction, of lever f, and
-    f_t = -s sigma (m_p + m_r) / r_R        along t, from the cam, by its balance of moments
+    f_t = -s sigma (m_p + m_r) / r_R        along t, from the cam, by balance of moments
 
 (Rothbart, Cam Design Handbook, chapter 8, forces; Volmer, Kurvengetriebe, friction of the roller;
-rolling friction as a shifted normal force is any textbook's). The bearing of the roller, and that
-of the rocker, are loaded by |N|: the small f_t, and at the pivot all forces besides, are left out.
+rolling friction as a shifted normal force is in any textbook). The bearings of the roller and of
+the rocker are loaded by |N|; the small f_t, and all other forces at the pivot, are neglected.
 
-A flat face slides: with its coefficient mu_f and g along t (see `camgeo.effects.touching`)
+A flat face slides. With its coefficient mu_f and the sliding g along t (`camgeo.effects.touching`)
 
     f_t = -mu_f sign(g),
 
-and it loses |f_t g|. It has no roller: m_p = m_r = 0.
+and it dissipates |f_t g|. There is no roller: m_p = m_r = 0.
 
-The follower gets s n + f_t t at the roller's centre, or at the contact of the face, and the moment
--m_p. In a guide that is a side force S and a moment M = -m_p or, with the contact of a face at the
-distance e to the right of the guide's axis, M = s e. With the near end at the distance a outward of
-the roller's centre, or the face, and the far end b beyond it, by the balance of forces and moments
-across the guide
+On the follower act s n + f_t t at the roller's centre, or at the contact of the face, and the
+moment -m_p. In a guide this is a side force S and a moment M = -m_p or, with the contact of a face
+at the distance e to the right of the guide's axis, M = s e. With the near end at the distance a
+outwards of the roller's centre, or of the face, and the far end b beyond it, balance of forces and
+moments across the guide gives
 
     R_2 = (a S + M) / b,    R_1 = -((a + b) S + M) / b,    H = |R_1| + |R_2|,
 
-which without M is H = |S| (2 a + b) / b for a >= 0 and |S| for a roller centre between the ends
+which without M is H = |S| (2 a + b) / b for a >= 0, and |S| for a roller centre between the ends
 (Rothbart, chapter 6, follower overhang A = a and bearing length B = b; Norton, Cam Design and
 Manufacturing Handbook, chapter 7, forces on a translating roller follower). The diameter of the
-stem is left out. Friction takes mu H in the guide, mu (d / 2) in the bearing of a rocker.
+stem is neglected. Friction takes mu H in the guide and mu (d / 2) in the bearing of a rocker.
 """
 
 from __future__ import annotations
@@ -45,7 +46,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from camgeo.effects.friction.spec import Spec
+from camgeo.effects.friction.table import FrictionCoefficients
 from camgeo.effects.touching import carrier, sliding
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray
@@ -56,22 +57,22 @@ if TYPE_CHECKING:
     from camgeo.motion.motion import Motion
 
 SHARES: Final = (0.25, 0.5, 0.75)
-"""Of a piece at which its velocity is looked at; the fastest of them tells the sense."""
+"""Shares of a piece where the velocity is evaluated; the largest decides the sense."""
 
 ROUNDING: Final = 8.0 * math.ulp(TURN)
-"""An angle nearer to an edge [rad] is that edge, after full turns too."""
+"""An angle closer than this [rad] to an edge is that edge, in any turn."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Senses:
-    """The sense of a velocity over the turn, +1, -1, or 0 in a rest.
+    """The sense of a velocity over the turn, +1, -1, or 0 during a dwell.
 
-    A velocity itself tells it badly: it is 0 at both ends of every move, where Coulomb's friction
-    is not.
+    The sign of the velocity itself will not do: it is 0 at both ends of every move, where Coulomb
+    friction is not.
 
     Attributes
     ----------
-    edges : (k,) cam angles [rad] from 0 to 2 pi, ascending, between which the sense is one.
+    edges : (k,) cam angles [rad] from 0 to 2 pi, ascending, between which the sense is constant.
     signs : (k - 1,) the senses.
     """
 
@@ -79,7 +80,7 @@ class Senses:
     signs: FloatArray
 
     def __call__(self, phi: FloatArray, side: Side) -> FloatArray:
-        """(n,) the sense at `phi` (n,) [rad], on that side of it."""
+        """(n,) the sense at `phi` (n,) [rad], on the given side."""
         nudge = ROUNDING if side == "right" else -ROUNDING
         piece = np.searchsorted(self.edges, np.mod(phi, TURN) + nudge) - 1
         return self.signs[piece % len(self.signs)]
@@ -94,21 +95,20 @@ def senses_of(motion: Motion, edges: FloatArray) -> Senses:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class State:
+class ContactState:
     """The contact at n cam angles, per unit of |N|.
 
     Attributes
     ----------
     velocity : q' [mm or rad per rad].
-    spin : omega_rf, of the roller against the follower.
+    spin : omega_rf, of the roller relative to the follower.
     against_cam : omega_rc.
     pin_moment, rolling_moment : m_p, m_r on the roller [mm].
     tangential : f_t.
     slip : g, along t [mm/rad]; 0 for a roller.
-    reach : |dW/dq|, 1 or the lever about the pivot [mm/rad], l_3 with a roller.
+    reach : |dW/dq|, 1 or the lever arm about the pivot [mm/rad], l_3 with a roller.
     sine, cosine : dn/dq and t dW/dq over the reach, both signed: of the transmission angle.
-    near, far : R_1 and R_2, to the right looking along the guide; the one is -S and the other 0
-        without a length of the guide.
+    near, far : R_1 and R_2, to the right looking along the guide; -S and 0 without a guide length.
     overhang : a [mm]; 0 for a rocker.
     tilt : M, counter-clockwise [mm]; 0 for a rocker.
     """
@@ -142,16 +142,16 @@ class Statics:
     """
 
     subject: Subject
-    spec: Spec
+    data: FrictionCoefficients
     senses: Senses
     start: float
 
     @property
     def swing(self) -> int:
-        """Angle of the follower a unit of q, counter-clockwise: +1, -1, or 0 in a guide."""
+        """Angle of the follower per unit of q, counter-clockwise: +1, -1, or 0 in a guide."""
         return self.subject.cam.follower.swing_sense
 
-    def state(self, phi: FloatArray, side: Side, sense: int) -> State:
+    def state(self, phi: FloatArray, side: Side, sense: int) -> ContactState:
         """The contact on the side `sense`, see `camgeo.effects.touching`.
 
         Raises
@@ -160,24 +160,24 @@ class Statics:
             Where the pitch curve has a cusp, Z' = 0.
         """
         subject, sense = carrier(self.subject, sense)
-        spec = self.spec
+        data = self.data
         follower, sigma = subject.cam.follower, subject.cam.rotation
         jet = subject.drive.motion.jet(phi, side, 1 + follower.ahead)
         relative = follower.relative_jet(jet, sigma, 1)
         speed = subject.cam.disc.pitch_curve.speed(relative)
         slip = np.zeros_like(speed)
-        # A knife edge and a face do not roll, and has neither pin nor rolling friction.
+        # A knife edge or a face does not roll, and has neither pin nor rolling friction.
         per_radius = 1.0 / follower.roller_radius if follower.roller_radius > 0.0 else 0.0
         against_cam = (-sense * sigma * per_radius) * speed
         spin = (sigma + against_cam) - relative.turning
-        pin = (-0.5 * spec.roller_pin * spec.roller_pin_diameter) * np.sign(spin)
-        rolling = sense * sigma * spec.rolling
+        pin = (-0.5 * data.roller_pin * data.roller_pin_diameter) * np.sign(spin)
+        rolling = sense * sigma * data.rolling
         tangential = (-sense * sigma * per_radius) * (pin + rolling)
-        if spec.face:
+        if data.face:
             slip = sliding(subject, phi, side)
-            tangential = -spec.face * np.sign(slip)
+            tangential = -data.face * np.sign(slip)
         outward = math.copysign(1.0, follower.reach)
-        # v of a rocker is counted against sigma times that of a guide, see their `relative_jet`.
+        # v of a rocker has the opposite sign of sigma times that of a guide, see `relative_jet`.
         ahead = -sigma * outward if self.swing else outward
         sine, cosine = outward * relative.u / speed, ahead * relative.v / speed
         across, overhang, tilt = np.zeros((3, len(speed)))
@@ -185,16 +185,16 @@ class Statics:
         if not self.swing:
             # n = (-sigma v, u) / |Z'| and t = (sigma u, v) / |Z'|, across the guide and along it
             across = sigma * (tangential * relative.u - sense * relative.v) / speed
-            overhang = spec.guide_overhang - outward * (jet[0] - self.start)
+            overhang = data.guide_overhang - outward * (jet[0] - self.start)
             near, far = -across, np.zeros_like(across)
-            # the force on a roller goes through the axis of the guide
-            tilt = sense * (relative.along[0] - follower.offset - spec.guide_offset) - pin
-            length = spec.guide_length
+            # the force on a roller passes through the axis of the guide
+            tilt = sense * (relative.along[0] - follower.offset - data.guide_offset) - pin
+            length = data.guide_length
             if length is not None:
                 far = (overhang * across + tilt) / length
                 near = -((overhang + length) * across + tilt) / length
         reach = np.abs(relative.reach) + np.zeros_like(speed)
-        return State(
+        return ContactState(
             jet[1], spin, against_cam, pin, rolling, tangential, slip, reach, sine, cosine, near,
             far, overhang, tilt,
         )  # fmt: skip
@@ -202,10 +202,10 @@ class Statics:
     def per_normal(self, phi: FloatArray, side: Side, sense: int) -> FloatArray:
         """(2, n) generalised force on q [1 or mm/rad] and torque on the cam [mm], see `Friction`.
 
-        By virtual work: f_t t dW/dq - m_p dchi/dq, less mu H or mu d / 2 against the motion, W of
-        the follower's own point at the contact; at the cam f_t (t W' - g) - omega_r m_p - omega_rc
-        m_r, omega_r the roller's angular velocity. What the
-        cam has to give more than the follower gets is what the bearings and the contact lose.
+        By virtual work: f_t t dW/dq - m_p dchi/dq, minus mu H or mu d / 2 against the motion, with
+        the point W of the follower at the contact; at the cam f_t (t W' - g) - omega_r m_p -
+        omega_rc m_r, with the angular velocity omega_r of the roller. The power of the cam exceeds
+        that of the follower by the losses in the bearings and at the contact.
         """
         at = self.state(phi, side, sense)
         along = at.reach * at.tangential * at.cosine
@@ -215,28 +215,28 @@ class Statics:
         torque -= turning * at.pin_moment + at.against_cam * at.rolling_moment
         return np.stack((force, torque))
 
-    def drag(self, at: State) -> FloatArray:
-        """(n,) [1 or mm] what guide or pivot take in the sense of q."""
-        spec = self.spec
+    def drag(self, at: ContactState) -> FloatArray:
+        """(n,) [1 or mm] friction of guide or pivot along q."""
+        data = self.data
         if self.swing:
-            return np.full(len(at.sine), 0.5 * spec.pivot * spec.pivot_diameter)
-        return np.asarray(spec.guide * (np.abs(at.near) + np.abs(at.far)))
+            return np.full(len(at.sine), 0.5 * data.pivot * data.pivot_diameter)
+        return np.asarray(data.guide * (np.abs(at.near) + np.abs(at.far)))
 
     def margin(self, phi: FloatArray, side: Side, sense: int) -> FloatArray:
-        """(n,) [rad] from the smallest transmission angle at which the cam moves the follower.
+        """(n,) [rad] margin of the transmission angle against jamming.
 
-        The actual transmission angle mu less the one at which a cam that pushes with the flank
-        `sense` jams, all else as it is; above 0 just where it does not jam. With the signs of the
-        reactions as they are, the force along the path is A sin mu + B cos mu - C per unit of |N|,
-        so that the margin is arccos(C / hypot(A, B)) - |pi/2 - mu - arctan2(B, A)|. Guide friction
-        alone gives A = 1, B = -mu (2 a + b) / b, C = 0: the largest pressure angle of Rothbart,
-        chapter 6, tan alpha = b / (mu (2 a + b)). A pivot alone gives sin mu = mu_b d / (2 l_3),
-        its circle of friction.
+        The transmission angle mu minus the angle at which a cam that pushes with the flank `sense`
+        jams, all else being equal; it is above 0 exactly where the follower does not jam. With the
+        signs of the reactions fixed, the force along the path is A sin mu + B cos mu - C per unit
+        of |N|, so the margin is arccos(C / hypot(A, B)) - |pi/2 - mu - arctan2(B, A)|. Guide
+        friction alone gives A = 1, B = -mu (2 a + b) / b, C = 0: the largest pressure angle of
+        Rothbart, chapter 6, tan alpha = b / (mu (2 a + b)). A pivot alone gives sin mu = mu_b d /
+        (2 l_3), the friction circle.
         """
-        at, spec = self.state(phi, side, sense), self.spec
+        at, data = self.state(phi, side, sense), self.data
         subject, sense = carrier(self.subject, sense)
-        pushed = sense * _sign(at.sine)  # sense of q in which this flank pushes
-        ahead = pushed * _sign(at.cosine)  # +1 where t points along the way that it is pushed
+        pushed = sense * _sign(at.sine)  # direction of q in which this flank pushes
+        ahead = pushed * _sign(at.cosine)  # +1 where t points in the direction of the push
         helping = ahead * at.tangential
         first, second = np.ones_like(helping), helping
         if self.swing:
@@ -247,15 +247,15 @@ class Statics:
             outward = math.copysign(1.0, subject.cam.follower.reach)
             turned = -subject.cam.rotation * outward * ahead * pushed * sense
             near, far = -_sign(at.near), _sign(at.far)
-            length = spec.guide_length
+            length = data.guide_length
             if length is None:
                 share, offset = near, np.zeros_like(near)
             else:
                 share = (far * at.overhang + near * (at.overhang + length)) / length
                 offset = -(far + near) * at.tilt / length
-            lever = spec.guide * turned * share
+            lever = data.guide * turned * share
             first, second = first + lever * helping, helping - lever
-            third = -spec.guide * offset
+            third = -data.guide * offset
         size = np.hypot(first, second)
         transmission = np.arctan2(np.abs(at.sine), np.abs(at.cosine))
         off = 0.5 * math.pi - transmission - np.arctan2(second, first)

@@ -9,7 +9,7 @@ from functools import partial
 from typing import Final
 
 from camgeo.declared import schema_beside
-from camgeo.effects.effect import Effect, spec_of
+from camgeo.effects.effect import Effect, data_of
 from camgeo.effects.results import GRAVITY, INERTIA
 
 STANDARD_GRAVITY: Final = 9806.65
@@ -18,12 +18,12 @@ ISO 80000-3, acceleration of free fall)."""
 
 
 @dataclass(frozen=True, slots=True)
-class GravitySpec:
-    """The table ``[effects.gravity]``.
+class GravityDirection:
+    """The direction of gravity, from the table ``[effects.gravity]``.
 
     Attributes
     ----------
-    angle : direction in which weights pull [rad], from the x axis, counter-clockwise.
+    angle : direction of gravity [rad], counter-clockwise from the x axis.
     """
 
     angle: float = -0.5 * math.pi
@@ -39,7 +39,7 @@ EFFECT: Final = Effect(
     title="weights",
     compute="camgeo.effects.gravity.result:compute",
     schema=schema_beside(__file__),
-    parse=partial(spec_of, GravitySpec),
+    parse=partial(data_of, GravityDirection),
     needs=(INERTIA,),
     keys=((f"effects.{INERTIA}",),),
 )

@@ -1,9 +1,8 @@
 """Gravity: the weights of the masses as a force on the follower.
 
-A weight m g does the work m g.dx when its centre of mass moves by dx, so that its generalised force
-is Q = m g.(dx/dq), by virtual work, and its potential energy is V = -m g.x. The centres are those
-of the drawing of the cam, whose x axis points to the right and whose y axis up at cam angle 0; the
-frame does not turn.
+A weight m g does the work m g.dx when its centre of mass moves by dx, so its generalised force is
+Q = m g.(dx/dq), by virtual work, and its potential energy is V = -m g.x. The axes are those of the
+drawing of the cam at cam angle 0, with x to the right and y up; the frame does not turn.
 """
 
 from __future__ import annotations
@@ -13,18 +12,18 @@ import numpy as np
 from camgeo.check.finding import Finding
 from camgeo.effects.effect import Column, Request
 from camgeo.effects.force import Force, unmoved
-from camgeo.effects.gravity import STANDARD_GRAVITY, GravitySpec
+from camgeo.effects.gravity import STANDARD_GRAVITY, GravityDirection
 from camgeo.effects.results import INERTIA, Acting
-from camgeo.effects.told import FORCES, extreme_findings
+from camgeo.effects.wording import FORCES, extreme_findings
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.numeric.extremes import piecewise_extremes
 
 
-def compute(request: Request[GravitySpec]) -> Acting:
+def compute(request: Request[GravityDirection]) -> Acting:
     """The weights of the masses of ``[effects.inertia]``: c0 alone, with its potential."""
     masses = request.results[INERTIA].masses
-    pull = request.spec.pull
+    pull = request.data.pull
     subject = request.subject
     start = [each.place(np.zeros(1), "right")[0] for each in masses]
 
@@ -42,11 +41,11 @@ def compute(request: Request[GravitySpec]) -> Acting:
 
     shown = FORCES[subject.cam.lift_unit]
 
-    def told(phi: FloatArray, side: Side) -> FloatArray:
+    def acting(phi: FloatArray, side: Side) -> FloatArray:
         return on_follower(phi, side) * shown.scale
 
     weight = STANDARD_GRAVITY * sum(each.mass for each in masses)
-    extremes = piecewise_extremes(told, subject.drive.smooth_angles)
+    extremes = piecewise_extremes(acting, subject.drive.smooth_angles)
     return Acting(
         force=Force("gravity", unmoved(on_follower), potential),
         findings=(
@@ -56,10 +55,10 @@ def compute(request: Request[GravitySpec]) -> Acting:
                 f"{shown.word} of the weights on the follower",
                 extremes,
                 shown.unit,
-                ", positive with growing lift",
+                ", positive in the direction of increasing lift",
             ),
         ),
-        columns=(Column(f"weight {shown.word}", shown.unit, told),),
+        columns=(Column(f"weight {shown.word}", shown.unit, acting),),
     )
 
 

@@ -6,7 +6,7 @@ from typing import Final
 
 from camgeo.declared import schema_beside
 from camgeo.effects.effect import SPEED, Effect
-from camgeo.effects.inertia.spec import OF_COUPLER, OF_ROCKER, parse
+from camgeo.effects.inertia.table import OF_COUPLER, OF_ROCKER, parse
 from camgeo.effects.results import INERTIA
 from camgeo.effects.rules import LINKED, ROCKING, ROLLERS, STRAIGHT, TURNING, Only
 

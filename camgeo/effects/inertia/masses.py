@@ -1,4 +1,4 @@
-"""The masses that have a weight, with their places."""
+"""The masses that have a weight, and their positions."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 
 from camgeo.effects.effect import driving_slider
 from camgeo.effects.inertia.rates import joints_per_lift
-from camgeo.effects.inertia.spec import InertiaSpec
+from camgeo.effects.inertia.table import MassProperties
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 
@@ -19,34 +19,35 @@ if TYPE_CHECKING:
     from camgeo.mechanism.linkage_protocol import Linkage
 
 
-def masses_of(subject: Subject, spec: InertiaSpec) -> tuple[Mass, ...]:
-    """Those of `spec` that are not 0."""
+def masses_of(subject: Subject, data: MassProperties) -> tuple[Mass, ...]:
+    """The masses of `data` that are not 0."""
     found: list[Mass] = []
     follower, linkage = subject.cam.follower, subject.drive.linkage
     pivot = follower.pivot
     if pivot is not None:
-        centre = pivot if spec.rocker_centre is None else spec.rocker_centre
-        found.append(_OnRocker("rocker", spec.rocker_mass, subject, pivot, centre - pivot))
-        found.append(_OnRocker("roller", spec.roller_mass, subject, pivot, follower.start_arm))
+        centre = pivot if data.rocker_centre is None else data.rocker_centre
+        found.append(_OnRocker("rocker", data.rocker_mass, subject, pivot, centre - pivot))
+        found.append(_OnRocker("roller", data.roller_mass, subject, pivot, follower.start_arm))
         shaft, turn = pivot, 1.0 + 0.0j
         slider = driving_slider(subject)
         if slider is not None:
-            found.append(_OnCoupler("slider", spec.mass, subject, slider, shaft, turn, 1.0))
+            found.append(_OnCoupler("slider", data.mass, subject, slider, shaft, turn, 1.0))
     else:
-        found.append(_OnGuide("follower", spec.mass, subject))
-        found.append(_OnGuide("roller", spec.roller_mass, subject))
+        found.append(_OnGuide("follower", data.mass, subject))
+        found.append(_OnGuide("roller", data.roller_mass, subject))
         shaft, turn = _shaft_and_turn(subject)
     if linkage is not None:
-        place = spec.coupler_centre
-        found.append(_OnCoupler("coupler", spec.coupler_mass, subject, linkage, shaft, turn, place))
+        place = data.coupler_centre
+        found.append(_OnCoupler("coupler", data.coupler_mass, subject, linkage, shaft, turn, place))
     return tuple(each for each in found if each.mass)
 
 
 def _shaft_and_turn(subject: Subject) -> tuple[complex, complex]:
-    """Place of the shaft of the crank that a guided follower turns [mm], and the linkage's turn.
+    """Position [mm] of the shaft of the crank that a guided follower turns, and the direction of
+    the linkage's own x axis.
 
-    The linkage is stated in a frame of its own; the pin is taken to be in the roller's centre, and
-    its guide to be that of the follower.
+    The linkage is defined in its own frame. Its pin is assumed to be at the roller's centre, and
+    the guide of the pin to be that of the follower.
     """
     linkage, follower = subject.drive.linkage, subject.cam.follower
     if linkage is None:
@@ -76,7 +77,7 @@ class _OnGuide:
 
 @dataclass(frozen=True, slots=True)
 class _OnRocker:
-    """A point of the rocker; `start` leads to it from the pivot at cam angle 0 [mm]."""
+    """A point of the rocker; `start` is its position at cam angle 0 relative to the pivot [mm]."""
 
     name: str
     mass: float
@@ -98,10 +99,10 @@ class _OnRocker:
 
 @dataclass(frozen=True, slots=True)
 class _OnCoupler:
-    """A point of the coupler: `share` 0 is the crank's tip, 1 the far pin.
+    """A point of the coupler: `share` is 0 at the tip of the crank, 1 at the far pin.
 
-    `shaft` is the crank's shaft seen from the cam axis [mm], `turn` the direction of the linkage's
-    own x axis in the drawing.
+    `shaft` is the shaft of the crank relative to the cam axis [mm], `turn` the direction of the
+    linkage's own x axis in the drawing.
     """
 
     name: str

@@ -1,4 +1,4 @@
-"""The coordinates in which masses move, over the cam angle and over the follower's coordinate."""
+"""The coordinates of the masses, as functions of cam angle and of the follower's coordinate."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from camgeo.effects.inertia.spec import InertiaSpec
+from camgeo.effects.inertia.table import MassProperties
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 
@@ -21,11 +21,11 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Rates:
-    """How one coordinate x of a mass goes at n cam angles.
+    """Derivatives of one coordinate x of a mass at n cam angles.
 
     Attributes
     ----------
-    inertia : m [t], or moment of inertia [t mm^2] if x is an angle [rad].
+    inertia : m [t], or the moment of inertia [t mm^2] if x is an angle [rad].
     first, second : (n,) x' and x'' over the cam angle [mm or rad per rad^k].
     per_lift : (n,) dx/dq over the follower's coordinate q.
     """
@@ -37,31 +37,31 @@ class Rates:
 
 
 Train = Callable[[FloatArray, Side], list[Rates]]
-"""All coordinates that have an inertia, at n cam angles [rad]."""
+"""All coordinates with an inertia, at n cam angles [rad]."""
 
 
-def at_follower(subject: Subject, spec: InertiaSpec) -> float:
-    """What moves with the follower itself: its mass [t], or moment about the pivot [t mm^2].
+def at_follower(subject: Subject, data: MassProperties) -> float:
+    """Inertia of the follower itself: its mass [t], or its moment about the pivot [t mm^2].
 
-    The roller counts as a point in its centre: what it takes to spin it is not in it.
+    The roller counts as a point mass at its centre, without the inertia of its spin.
     """
     follower = subject.cam.follower
-    own = {"mm": spec.mass, "rad": spec.moment_of_inertia}[follower.lift_unit]
-    return own + spec.roller_mass * follower.reach**2
+    own = {"mm": data.mass, "rad": data.moment_of_inertia}[follower.lift_unit]
+    return own + data.roller_mass * follower.reach**2
 
 
-def train_of(subject: Subject, spec: InertiaSpec) -> Train:
-    """The train of `subject` with the masses of `spec`."""
-    own = at_follower(subject, spec)
+def train_of(subject: Subject, data: MassProperties) -> Train:
+    """The train of `subject` with the masses of `data`."""
+    own = at_follower(subject, data)
     linkage = subject.drive.linkage
-    if linkage is not None and spec.beyond(linkage):
-        return LinkedTrain(subject.drive.plan, linkage, own, spec)
+    if linkage is not None and data.beyond(linkage):
+        return LinkedTrain(subject.drive.plan, linkage, own, data)
     return DirectTrain(subject.drive.motion, own)
 
 
 @dataclass(frozen=True, slots=True)
 class DirectTrain:
-    """All inertia moves with the follower's own coordinate."""
+    """All inertia moves along the follower's own coordinate."""
 
     motion: Motion
     inertia: float
@@ -72,7 +72,7 @@ class DirectTrain:
 
 
 def joints_per_lift(linkage: Linkage, position: FloatArray) -> tuple[ComplexArray, ComplexArray]:
-    """dP/dq and dT/dq (n,) of the coupler's pin and tip over the follower's coordinate q."""
+    """dP/dq and dT/dq (n,) of the coupler's pin and tip by the follower's coordinate q."""
     way = linkage.per_follower(position)
     still = np.zeros_like(way)
     pin, tip = linkage.joint_rates(
@@ -83,35 +83,35 @@ def joints_per_lift(linkage: Linkage, position: FloatArray) -> tuple[ComplexArra
 
 @dataclass(frozen=True, slots=True)
 class LinkedTrain:
-    """Follower, what makes the demanded motion, and the coupler as a rigid body.
+    """The follower, the member with the demanded motion, and the coupler as a rigid body.
 
-    With pin P, crank's tip T and D = P - T = l_4 exp(i v) the coupler turns as v' = Im(D'/D),
-    v'' = Im(D''/D), since D'' = (i v'' - v'^2) D, and its centre of mass is C = T + lambda D: rigid
-    body kinematics in complex numbers.
+    With pin P, tip of the crank T and D = P - T = l_4 exp(i v), the coupler turns at v' = Im(D'/D),
+    v'' = Im(D''/D), since D'' = (i v'' - v'^2) D, and its centre of mass is C = T + lambda D (rigid
+    body kinematics in complex numbers).
     """
 
     plan: MotionPlan
     linkage: Linkage
     inertia: float
-    spec: InertiaSpec
+    data: MassProperties
 
     def __call__(self, phi: FloatArray, side: Side) -> list[Rates]:
-        linkage, spec = self.linkage, self.spec
+        linkage, data = self.linkage, self.data
         stroke = self.plan.jet(phi, side)
         own = linkage.transform(stroke, 2)
         found = [
             Rates(self.inertia, own[1], own[2], np.ones(len(phi))),
-            Rates(spec.far(linkage), stroke[1], stroke[2], linkage.per_follower(stroke[0])),
+            Rates(data.far(linkage), stroke[1], stroke[2], linkage.per_follower(stroke[0])),
         ]
         pin, tip = linkage.joints(stroke[0])
-        rod, share = pin - tip, spec.coupler_centre
+        rod, share = pin - tip, data.coupler_centre
         pins, tips = linkage.joint_rates(stroke[0], stroke[1:3], own[1:3])
         rods = pins - tips
         centres = tips + share * rods
         pin_per_lift, tip_per_lift = joints_per_lift(linkage, stroke[0])
         rod_per_lift = pin_per_lift - tip_per_lift
         per_lift = tip_per_lift + share * rod_per_lift
-        mass = spec.coupler_mass
+        mass = data.coupler_mass
         found.append(Rates(mass, centres[0].real, centres[1].real, per_lift.real))
         found.append(Rates(mass, centres[0].imag, centres[1].imag, per_lift.imag))
         turns = (rods / rod).imag
@@ -120,12 +120,12 @@ class LinkedTrain:
 
     @property
     def moment(self) -> float:
-        """The coupler's about its centre of mass [t mm^2]; of a slender rod, m l^2/12, by default.
+        """Of the coupler about its centre of mass [t mm^2]; by default m l^2/12, a slender rod.
 
         (Tables of mass properties, e.g. in the appendix of Norton, "Design of Machinery".)
         """
-        moment = self.spec.coupler_moment
-        return self.spec.coupler_mass * self.linkage.coupler**2 / 12.0 if moment is None else moment
+        moment = self.data.coupler_moment
+        return self.data.coupler_mass * self.linkage.coupler**2 / 12.0 if moment is None else moment
 
 
 def reduced(train: Train, phi: FloatArray, side: Side) -> FloatArray:

@@ -1,10 +1,10 @@
-"""Inertia: the masses that are moved, their inertia forces, and what they amount to elsewhere.
+"""Inertia: the moving masses, their inertia forces, and their inertia reduced to follower and cam.
 
-All masses move as the cam angle says, so that their generalised force on the follower follows from
-d'Alembert's principle in Lagrange's form (virtual work of -m x'' and -J v''), and their inertia as
-felt at the follower or at the camshaft from their kinetic energy. VDI 2142 and the textbooks of
-machine dynamics (Volmer, "Getriebetechnik", reduction of masses; Norton, "Design of Machinery",
-the chapters on dynamics and cam dynamics) say the same for the single mass.
+The motion of all masses is determined by the cam angle. Their generalised force on the follower
+follows from d'Alembert's principle in Lagrange's form (virtual work of -m x'' and -J v''), and
+their inertia reduced to the follower or the camshaft follows from their kinetic energy. VDI 2142
+and textbooks of machine dynamics (Volmer, "Getriebetechnik", reduction of masses; Norton, "Design
+of Machinery", chapters on dynamics and cam dynamics) do the same for a single mass.
 """
 
 from __future__ import annotations
@@ -32,75 +32,75 @@ from camgeo.effects.inertia.rates import (
     train_of,
 )
 from camgeo.effects.results import Inertia
-from camgeo.effects.told import FORCES, KG, KG_M2, Shown, extreme_finding, extreme_findings
+from camgeo.effects.wording import FORCES, KG, KG_M2, Label, extreme_finding, extreme_findings
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray
 from camgeo.numeric.extremes import piecewise_extremes
 
 if TYPE_CHECKING:
     from camgeo.effects.effect import Request, Subject
-    from camgeo.effects.inertia.spec import InertiaSpec
+    from camgeo.effects.inertia.table import MassProperties
     from camgeo.mechanism.kind import Unit
     from camgeo.motion.time_course import TimeCourse
 
 WRITTEN: Final = 1e-3
-"""Share by which a moment of inertia that was written in a few digits may be too small."""
+"""Relative error of a moment of inertia that may come from writing it with a few digits."""
 
-MASSES: Final[Mapping[Unit, Shown]] = {
-    "mm": Shown("mass", "kg", KG),
-    "rad": Shown("moment of inertia", "kg m^2", KG_M2),
+MASSES: Final[Mapping[Unit, Label]] = {
+    "mm": Label("mass", "kg", KG),
+    "rad": Label("moment of inertia", "kg m^2", KG_M2),
 }
 """The inertia of a follower, by the unit of its lift."""
 
 
-def compute(request: Request[InertiaSpec]) -> Inertia:
-    """The inertia of what `request.spec` names.
+def compute(request: Request[MassProperties]) -> Inertia:
+    """The inertia of the masses in `request.data`.
 
     Raises
     ------
     GeometryError
-        With the key, if the mechanism has no part of which the scene gives the mass.
+        With the key, if the scene gives the mass of a part that the mechanism does not have.
     EffectError
-        If a mass behind a linkage cannot be moved by the follower at some cam angle.
+        If the follower cannot move a mass behind a linkage at some cam angle.
     """
-    subject, spec = request.subject, request.spec
-    train, linkage = train_of(subject, spec), subject.drive.linkage
-    if spec.beyond(linkage):
+    subject, data = request.subject, request.data
+    train, linkage = train_of(subject, data), subject.drive.linkage
+    if data.beyond(linkage):
         refuse_locked(subject, "'s mass")
 
     lift = subject.cam.lift_unit
-    told = Told(subject, request.course, train, MASSES[lift], FORCES[lift])
+    report = _Report(subject, request.course, train, MASSES[lift], FORCES[lift])
     inertia = Inertia(
         force=Force("inertia", partial(inertia_force, train)),
-        masses=masses_of(subject, spec),
-        moved=at_follower(subject, spec) if linkage is None else spec.far(linkage),
+        masses=masses_of(subject, data),
+        moved=at_follower(subject, data) if linkage is None else data.far(linkage),
         to_follower=partial(reduced, train),
-        columns=told.columns(),
+        columns=report.columns(),
     )
-    found = told.findings(shocks(subject, inertia))
-    return replace(inertia, findings=(*found, *lacking(subject, spec)))
+    found = report.findings(shocks(subject, inertia))
+    return replace(inertia, findings=(*found, *lacking(subject, data)))
 
 
-def lacking(subject: Subject, spec: InertiaSpec) -> tuple[Finding, ...]:
-    """A warning if the rocker's moment of inertia is less than its mass alone has by its distance.
+def lacking(subject: Subject, data: MassProperties) -> tuple[Finding, ...]:
+    """A warning if the rocker's moment of inertia is below that of its mass as a point.
 
-    By the parallel axis theorem (Steiner) the moment about the pivot is m r^2 and what the body has
-    about its centre of mass.
+    By the parallel axis theorem (Steiner), the moment about the pivot is m r^2 plus the moment
+    about the centre of mass.
     """
     pivot = subject.cam.follower.pivot
-    if spec.rocker_centre is None or pivot is None:
+    if data.rocker_centre is None or pivot is None:
         return ()
-    least = spec.rocker_mass * abs(spec.rocker_centre - pivot) ** 2
-    if spec.moment_of_inertia >= least * (1.0 - WRITTEN):
+    least = data.rocker_mass * abs(data.rocker_centre - pivot) ** 2
+    if data.moment_of_inertia >= least * (1.0 - WRITTEN):
         return ()
-    value, bound = KG_M2 * spec.moment_of_inertia, KG_M2 * least
+    value, bound = KG_M2 * data.moment_of_inertia, KG_M2 * least
     return (
         Finding(
             name="rocker-moment-of-inertia",
             severity="warning",
             sentence=(
                 f"the rocker's moment of inertia {value:.6g} kg m^2 is less than the"
-                f" {bound:.6g} kg m^2 that its mass has about the pivot as a point in its centre"
+                f" {bound:.6g} kg m^2 of its mass as a point at its centre of mass"
             ),
             value=value,
             limit=bound,
@@ -110,25 +110,25 @@ def lacking(subject: Subject, spec: InertiaSpec) -> tuple[Finding, ...]:
 
 
 @dataclass(frozen=True, slots=True)
-class Told:
-    """Findings and columns."""
+class _Report:
+    """The quantities that findings and columns show."""
 
     subject: Subject
     course: TimeCourse
     train: Train
-    reduced: Shown
-    acting: Shown
+    reduced: Label
+    acting: Label
 
     def mass(self, phi: FloatArray, side: Side) -> FloatArray:
-        """Reduced to the follower, in `unit`."""
+        """Inertia reduced to the follower, in the unit of `reduced`."""
         return reduced(self.train, phi, side) * self.reduced.scale
 
     def at_cam(self, phi: FloatArray, side: Side) -> FloatArray:
-        """Reduced to the camshaft [kg m^2]."""
+        """Inertia reduced to the camshaft [kg m^2]."""
         return np.asarray(KG_M2 * at_cam(self.train, phi, side)[0])
 
     def force(self, phi: FloatArray, side: Side) -> FloatArray:
-        """At the speed of the scene [N or N m]."""
+        """Inertia force at the speed of the scene [N or N m]."""
         found = at_rates(inertia_force(self.train, phi, side), self.course.rates(phi))
         return found * self.acting.scale
 
@@ -139,13 +139,13 @@ class Told:
         )
 
     def findings(self, shocks: Sequence[float]) -> tuple[Finding, ...]:
-        """All; `shocks` are the cam angles [rad] of those."""
+        """All findings; `shocks` are the cam angles [rad] at which the velocity jumps."""
         edges, unit = self.subject.drive.smooth_angles, self.reduced.unit
         largest = piecewise_extremes(self.at_cam, edges).highest
         name = f"reduced-{self.reduced.word.replace(' ', '-')}"
         at = f"{self.reduced.word} reduced to the follower"
         found = []
-        if isinstance(self.train, DirectTrain):  # the same at all cam angles
+        if isinstance(self.train, DirectTrain):  # constant over the cam angle
             value = float(self.mass(np.zeros(1), "right")[0])
             sentence = f"{at} {value:.6g} {unit}"
             found.append(Finding(name, "ok", sentence, value, unit=unit))
@@ -175,8 +175,8 @@ class Told:
             severity="warning",
             sentence=(
                 f"the inertia {what} is infinite at a shock at cam angle"
-                f" {math.degrees(angle):.6g} deg; elsewhere largest {worst.value:.6g} {unit} at"
-                f" {math.degrees(worst.place):.6g} deg"
+                f" {math.degrees(angle):.6g} deg; elsewhere the largest is"
+                f" {worst.value:.6g} {unit} at {math.degrees(worst.place):.6g} deg"
             ),
             unit=unit,
             cam_angle=angle,

@@ -1,6 +1,6 @@
-"""Kinematics: velocity, acceleration and jerk in time, of what is demanded and of the follower.
+"""Kinematics: velocity, acceleration and jerk over time, demanded and of the follower.
 
-VDI 2143-1, eqs. (1) to (4), as `camgeo.motion.time_course` has them.
+VDI 2143-1, eqs. (1) to (4), see `camgeo.motion.time_course`.
 """
 
 from __future__ import annotations
@@ -39,13 +39,13 @@ NAMES: Final = ("velocity", "acceleration", "jerk")
 
 @dataclass(frozen=True, slots=True)
 class _Moving:
-    """A motion, and how it is told.
+    """A motion, and how its findings and columns are named.
 
     Attributes
     ----------
-    prefix : of the names of its findings and columns: "" for what is demanded, "rocker " or
-        "follower " behind a linkage.
-    order : of the highest derivative that is continuous all over the turn.
+    prefix : of the names of its findings and columns: "" for the demanded motion, "rocker " or
+        "follower " for that of a follower with a linkage.
+    order : of the highest derivative that is continuous over the whole turn.
     """
 
     prefix: str
@@ -75,7 +75,7 @@ class _Moving:
     def findings(self) -> Iterator[Finding]:
         extremes = (self.extremes.velocity, self.extremes.acceleration, self.extremes.jerk)
         for power, (name, values) in enumerate(zip(NAMES, extremes, strict=True), start=1):
-            # Where a derivative jumps the next one is infinite.
+            # Where a derivative jumps, the next one is infinite.
             bounded = self.order >= power - 1
             for which, end in (("highest", values.highest), ("lowest", values.lowest)):
                 yield self._finding(f"{which} {self.prefix}{name}", end, power, bounded=bounded)
@@ -118,13 +118,13 @@ def compute(request: Request[object]) -> Result:
 
 
 def _motions(subject: Subject, course: TimeCourse) -> list[_Moving]:
-    """What is demanded and, behind a linkage, what the follower does."""
+    """The demanded motion and, with a linkage, that of the follower."""
     plan = subject.drive.plan
     order = min(joint.order for joint in breaks(plan))
     unit: LiftUnit = subject.drive.unit
     found = [_Moving("", plan, unit, order, plan_extremes(plan, course, unit))]
     if subject.drive.linkage is not None:
-        # A linkage that closes is smooth: it takes shocks and jerks over, and adds none.
+        # A linkage that closes is smooth: it passes shocks and jerks on and adds none.
         motion = subject.drive.motion
         own = subject.lift_unit
         prefix = "rocker " if own == "rad" else "follower "

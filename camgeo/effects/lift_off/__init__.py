@@ -1,4 +1,4 @@
-"""Effect `lift-off`: where the follower leaves its flank, and what keeps it."""
+"""Effect `lift-off`: where the follower leaves its flank, and what prevents it."""
 
 from __future__ import annotations
 
@@ -7,20 +7,20 @@ from functools import partial
 from typing import Final
 
 from camgeo.declared import schema_beside
-from camgeo.effects.effect import Effect, spec_of
+from camgeo.effects.effect import Effect, data_of
 from camgeo.effects.results import CONTACT_FORCE, INERTIA, SPRING
 from camgeo.effects.rules import ONE_CONTACT, ROLLERS, Only
 
 
 @dataclass(frozen=True, slots=True)
-class Spec:
-    """What the scene says.
+class ContactMargin:
+    """The contact force that must remain, and the clearance of the roller.
 
     Attributes
     ----------
-    margin : contact force that has to remain [N].
-    backlash : clearance of the roller in a groove, or between two discs the play of the roller that
-        comes to carry, along its normal [mm]; None if it is the scene's side clearance.
+    margin : contact force that must remain [N].
+    backlash : clearance of the roller in a groove or, between two discs, of the roller that takes
+        over, along its normal [mm]; None for the side clearance in the scene.
     """
 
     margin: float = 0.0
@@ -29,10 +29,10 @@ class Spec:
 
 EFFECT: Final = Effect(
     name="lift-off",
-    title="where the follower leaves its flank, from which speed on, and what keeps it",
+    title="where the follower leaves its flank, from which speed, and what prevents it",
     compute="camgeo.effects.lift_off.result:compute",
     schema=schema_beside(__file__),
-    parse=partial(spec_of, Spec),
+    parse=partial(data_of, ContactMargin),
     rules=(Only(ONE_CONTACT), Only(ROLLERS, "backlash")),
     needs=(CONTACT_FORCE,),
     uses=(INERTIA, SPRING),

@@ -1,14 +1,14 @@
 """The flight of the roller across its clearance in a groove, and the impact at its end.
 
-Where the flank that carries has to change, the roller leaves the one and is free until it has
-crossed the backlash. Free, the follower lacks the generalised force R of the contact: its
-coordinate departs by d from the one prescribed, and M d'' = -R with M its generalised mass. As the
-backlash is small, R and M are taken at the prescribed motion, and the gap at the flank that was
-left is |dn/dq d|, dn/dq the leverage of the normal: Newton's law, to first order in the backlash
-(form-closed cams with clearance: Norton, Cam Design and Manufacturing Handbook, on crossover
-shock; Volmer, Kurvengetriebe). Where R passes 0 steadily, d grows as R' t^3 / (6 M). The impact
-speed is the rate of the gap when the gap is the backlash. Between two discs the gap is counted
-along the normal of the disc that is to carry, and the backlash is the play of its roller.
+Where the contact changes sides, the roller leaves one flank and is free until it has crossed the
+backlash. The free follower lacks the generalised force R of the contact: its coordinate deviates by
+d from the prescribed one, and M d'' = -R with its generalised mass M. Since the backlash is small,
+R and M are taken at the prescribed motion, and the gap at the flank left behind is |dn/dq d|, with
+the leverage dn/dq of the normal: Newton's law, to first order in the backlash (form-closed cams
+with clearance: Norton, Cam Design and Manufacturing Handbook, on crossover shock; Volmer,
+Kurvengetriebe). Where R passes 0 smoothly, d grows as R' t^3 / (6 M). The impact speed is the rate
+of the gap at the moment when it equals the backlash. Between two discs the gap is measured along
+the normal of the disc that takes over, and the backlash is the clearance of its roller.
 """
 
 from __future__ import annotations
@@ -25,8 +25,8 @@ from camgeo.effects.effect import Subject
 from camgeo.effects.force import at_rates
 from camgeo.effects.lift_off.ranges import runs
 from camgeo.effects.results import ContactForce, Inertia
-from camgeo.effects.told import degrees, missed
 from camgeo.effects.touching import leverage_of
+from camgeo.effects.wording import degrees, missed
 from camgeo.numeric.arrays import FloatArray
 from camgeo.numeric.roots import bracketed_roots, sign_changes
 from camgeo.units import TURN
@@ -34,23 +34,23 @@ from camgeo.units import TURN
 Polynomial = np.polynomial.Chebyshev
 
 ORDERS: Final = (16, 24)
-"""Nodes per cell of the solution from which the error is estimated, and of the one that is told."""
+"""Nodes per cell of the solution for the error estimate, and of the final one."""
 
 FIRST_CELL: Final = 2.0**-16
-"""Share of a smooth piece that the first cell has; each is twice as long as the one before, so that
-a short flight is resolved as well as a long one."""
+"""Length of the first cell as a share of a smooth piece; each cell is twice as long as the one
+before, so that a short flight is resolved as well as a long one."""
 
 LONGEST_CELL: Final = 0.25
-"""Share of a smooth piece that a cell has at most, before cells are halved."""
+"""Largest length of a cell as a share of a smooth piece, before cells are halved."""
 
 MOST_HALVINGS: Final = 6
-"""Times that all cells are halved at most to reach a tolerance."""
+"""Largest number of times that all cells are halved to reach a tolerance."""
 
 ROUNDING: Final = 1e-12
 """An estimated error below this share is rounding, whatever the tolerance."""
 
 PROBES: Final = 65
-"""Points of a cell among which the end of the flight is looked for."""
+"""Points of a cell at which the end of the flight is searched for."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,9 +59,9 @@ class Change:
 
     Attributes
     ----------
-    leaving : cam angle [rad] in [0, 2 pi) up to which the one carries.
-    carrying : from which the other does; the same if no force-free stretch lies between.
-    sense : of the flank that is left, +1 for the inner one, -1 for the outer one.
+    leaving : cam angle [rad] in [0, 2 pi) up to which the first flank carries.
+    carrying : from which the other one does; the same unless there is a range without force.
+    sense : of the flank left behind, +1 for the inner one, -1 for the outer one.
     """
 
     leaving: float
@@ -70,10 +70,10 @@ class Change:
 
 
 def flank_changes(contact: ContactForce) -> tuple[int, tuple[Change, ...]]:
-    """The flank that carries at first, 0 if none ever does, and the changes of a turn.
+    """The flank that carries first, 0 if none does, and the changes over a turn.
 
-    `contact.edges` has all places at which the force changes its sign. Stretches without force
-    belong to no flank.
+    `contact.edges` has all angles at which the force changes sign. Ranges without force belong to
+    no flank.
     """
     edges = contact.edges
     sign = np.sign(contact.normal(0.5 * (edges[:-1] + edges[1:]), "right")).astype(int)
@@ -97,10 +97,10 @@ class Impact:
     Attributes
     ----------
     cam_angle : [rad] in [0, 2 pi).
-    duration : of the flight, as cam angle [rad].
-    speed : of roller against flank along the normal [mm/s].
+    duration : of the flight, as a cam angle [rad].
+    speed : of the roller relative to the flank, along the normal [mm/s].
     crossed : whether the roller has crossed the clearance; if not, it is back on its flank.
-    error : estimate of the error of `speed`, as a share of it.
+    error : estimate of the relative error of `speed`.
     """
 
     cam_angle: float
@@ -118,7 +118,7 @@ class Clearance:
     ----------
     subject : the design.
     contact : the contact force.
-    inertia : its mass must be above 0 all over the turn.
+    inertia : its mass must be above 0 over the whole turn.
     backlash : [mm], above 0.
     """
 
@@ -130,7 +130,7 @@ class Clearance:
     def impact_after(self, change: Change, tolerance: float) -> Impact | None:
         """The impact after `change`, None if the flight does not end within a turn.
 
-        Its speed is known to `tolerance`, as a share of it.
+        Its speed has the relative accuracy `tolerance`.
 
         Raises
         ------
@@ -172,7 +172,7 @@ class Clearance:
             angles = 0.5 * (low + high) + 0.5 * (high - low) * x
             phi = np.mod(angles, TURN)
             rates = course.rates(phi)
-            # n of the side to carry next counts towards it; of a groove it is the other's gap.
+            # n of the side that takes over points towards it; in a groove it is the other gap.
             lever = -leverage_of(self.subject, phi, "right", -change.sense)
             needed = at_rates(self.contact.required(phi, "right"), rates)
             push = -needed / self.inertia.to_follower(phi, "right")
@@ -193,7 +193,7 @@ class Clearance:
         return None
 
     def _share(self, change: Change, angle: float) -> float:
-        """Way along the normal of the side left, by that of the one to come; 1 in a groove."""
+        """Motion along the normal of the side left, relative to the next side; 1 in a groove."""
         here = np.array([angle % TURN])
         left, met = (
             float(leverage_of(self.subject, here, "right", sense)[0])
@@ -205,11 +205,11 @@ class Clearance:
 def _first(
     gap: Callable[[FloatArray], FloatArray], low: float, high: float, backlash: float
 ) -> tuple[float, bool] | None:
-    """Where in a cell the gap is the backlash (True) or closes again (False) for the first time."""
+    """Where in a cell the gap first reaches the backlash (True) or closes again (False)."""
     probes = np.linspace(low, high, PROBES)
     values = gap(probes)
     found = []
-    # What is left of a closing gap is rounding if it is below this; at the start it is 0.
+    # A closing gap above this level is rounding; at the start it is 0.
     for level, crossed in ((backlash, True), (-1e-9 * backlash, False)):
         ends = sign_changes(probes, values - level)
         roots = bracketed_roots(lambda x, level=level: gap(x) - level, *ends)  # type: ignore[misc]
@@ -218,9 +218,9 @@ def _first(
 
 
 def _cells(start: float, edges: FloatArray, share: float) -> Iterator[tuple[float, float]]:
-    """Cells [rad] from `start` on over one turn, short at first, none across one of `edges`.
+    """Cells [rad] over one turn from `start`, short at first, none across one of `edges`.
 
-    `share` is their length by the usual one.
+    `share` scales their lengths.
     """
     ahead = np.concatenate((edges[:-1], edges[:-1] + TURN))
     stops = [start, *ahead[(ahead > start) & (ahead < start + TURN)], start + TURN]

@@ -1,4 +1,4 @@
-"""Where a quantity over the turn falls below a limit."""
+"""Ranges of the turn where a quantity is below a limit."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from camgeo.numeric.roots import roots_on_grid
 
 @dataclass(frozen=True, slots=True)
 class Range:
-    """A stretch of the turn, and the smallest value in it.
+    """A range of the turn, and the smallest value in it.
 
     Attributes
     ----------
-    start, end : cam angles [rad] in [0, 2 pi]; the end lies below the start if the stretch passes
-        cam angle 0.
-    lowest : the smallest value, and where.
+    start, end : cam angles [rad] in [0, 2 pi]; the end is below the start if the range passes cam
+        angle 0.
+    lowest : the smallest value and its cam angle.
     """
 
     start: float
@@ -31,14 +31,14 @@ class Range:
 def ranges_below(
     quantity: Quantity, edges: FloatArray, limit: float, lowest: Extreme
 ) -> tuple[Range, ...]:
-    """The stretches in which `quantity` is below `limit`, by ascending start.
+    """The ranges where `quantity` is below `limit`, by ascending start.
 
     Parameters
     ----------
     quantity : smooth between neighbouring `edges`.
     edges : (k,) [rad] from 0 to 2 pi.
-    lowest : its smallest value; the stretch in which it lies is found however short it is. Others
-        are found if they are longer than a thirty-second of a piece.
+    lowest : its smallest value; the range around it is found however short it is. Others are found
+        if they are longer than 1/32 of a piece.
     """
 
     def above(phi: FloatArray) -> FloatArray:
@@ -62,9 +62,9 @@ def ranges_below(
 
 
 def runs(inside: BoolArray) -> list[list[int]]:
-    """The pieces of a turn that are `inside` (n,), those next to each other together.
+    """The pieces of a turn that are `inside` (n,), grouped into runs of neighbours.
 
-    A run that passes the end of the turn is one, and comes last.
+    A run that passes the end of the turn counts as one, and comes last.
     """
     found: list[list[int]] = []
     for piece in np.flatnonzero(inside):

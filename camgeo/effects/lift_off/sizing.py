@@ -1,15 +1,16 @@
 """The speed at which the roller first leaves its flank, and the spring that keeps it there.
 
-Run f times as fast as the scene has it, the contact force is a quadratic in f at every cam angle:
-weights and springs stay, viscous friction grows with f, inertia with f^2. The smallest f at which
-the force falls to its margin anywhere is sought ("jump speed" of the textbooks: Norton, Machine
-Design, chapter on cam design, follower jump; Rothbart, Cam Design Handbook, chapter on dynamics).
+With the cam running f times as fast as in the scene, the contact force is a quadratic in f at every
+cam angle: weights and springs are constant, viscous friction is proportional to f, inertia to f^2.
+The lift-off speed is the smallest f at which the force falls to its margin anywhere (the "jump
+speed" of textbooks: Norton, Machine Design, chapter on cam design, follower jump; Rothbart, Cam
+Design Handbook, chapter on dynamics).
 
 The force on the flank is linear in preload and stiffness (Norton, Machine Design, chapter on cam
-design: spring rate and preload against follower jump): preload times a, stiffness times b, and the
-rest, each over the cam angle. Wherever a is above 0 the preload has to be at least the quotient of
-what is missing and a; wherever a is below 0, which a lever may bring about, the preload must not be
-above it.
+design: spring rate and preload against follower jump): a times the preload, b times the stiffness,
+and the rest, each a function of cam angle. Where a is above 0, the preload must be at least the
+missing force divided by a. Where a is below 0, which is possible with a lever, it must not exceed
+this.
 """
 
 from __future__ import annotations
@@ -19,25 +20,26 @@ from typing import Final
 import numpy as np
 
 from camgeo.effects.effect import Quantity
-from camgeo.effects.lift_off.inputs import TOUCH, Flank
+from camgeo.effects.lift_off.flank import TOUCH, Flank
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray, merged
 from camgeo.numeric.extremes import Extreme, grid_of, piecewise_extremes
 from camgeo.numeric.roots import roots_on_grid
 
 BOUNDLESS: Final = 1e200
-"""Stands for a quotient by 0: far beyond all quotients, and its differences are finite."""
+"""Stands for division by 0: far above all quotients, with finite differences."""
 
 BLUNT: Final = 1e-10
-"""Where the spring does less than this share of its largest effect, it counts as none."""
+"""Where the spring has less than this share of its largest effect, it has none."""
 
 
 def least_of(flank: Flank, per_unit: Quantity, now: float, edges: FloatArray) -> Extreme:
-    """The least preload or stiffness, of which the spring has `now` and gives `per_unit` of it.
+    """The least preload or stiffness; the spring has `now`, with the effect `per_unit` of it.
 
-    The least x >= 0 with rest + x effect >= 0 all over the turn, effect and rest generalised forces
-    in the sense in which the flank pushes; what else the spring has stays. It comes with the cam
-    angle [rad] that asks for it; infinite, with the one at which none helps, if none is enough.
+    This is the least x >= 0 with rest + x effect >= 0 over the whole turn, where effect and rest
+    are generalised forces in the direction in which the flank pushes, and the other property of the
+    spring is unchanged. It comes with the cam angle [rad] that determines it; if no value is enough
+    it is infinite, with the cam angle at which none helps.
     """
 
     def parts(phi: FloatArray, side: Side) -> tuple[FloatArray, FloatArray]:
@@ -54,7 +56,7 @@ def least_of(flank: Flank, per_unit: Quantity, now: float, edges: FloatArray) ->
     none = TOUCH * float(np.max(np.abs(rests)))
 
     def bound(phi: FloatArray, side: Side) -> FloatArray:
-        """(n,) what the value has to be at least, 0 where nothing is missing."""
+        """(n,) lower bound of the value, 0 where no force is missing."""
         effect, rest = parts(phi, side)
         found = np.zeros(len(phi))
         np.divide(-rest, effect, out=found, where=(effect > blunt) & (rest < -none))
@@ -62,7 +64,7 @@ def least_of(flank: Flank, per_unit: Quantity, now: float, edges: FloatArray) ->
         return found
 
     def left(phi: FloatArray, side: Side) -> FloatArray:
-        """(n,) what is left with the least value; below 0 where a lever has turned over."""
+        """(n,) reserve with the least value; below 0 where a lever has reversed."""
         effect, rest = parts(phi, side)
         return rest + least.value * effect
 
@@ -77,8 +79,8 @@ def least_of(flank: Flank, per_unit: Quantity, now: float, edges: FloatArray) ->
 
 
 def lift_off_speed(flank: Flank, edges: FloatArray) -> Extreme:
-    """The smallest factor of the speed at which the force on `flank` falls below its margin, and
-    at which cam angle [rad]: 0 if at any speed, infinite if at none.
+    """The smallest speed factor at which the force on `flank` falls below its margin, with the cam
+    angle [rad]; 0 if this happens at any speed, infinite if it never happens.
 
     Parameters
     ----------
@@ -98,7 +100,7 @@ def lift_off_speed(flank: Flank, edges: FloatArray) -> Extreme:
         found: FloatArray = r1 * r1 - 4.0 * r0 * r2
         return found
 
-    # Where the discriminant vanishes two roots meet and end: there the slowness jumps.
+    # Where the discriminant is 0, two roots meet and vanish, and the slowness jumps.
     cuts = merged(np.concatenate((edges, roots_on_grid(discriminant, grid_of(edges)))))
     slowest = piecewise_extremes(_slowness(flank), cuts).highest
     if slowest.value <= 0.0:
@@ -109,17 +111,17 @@ def lift_off_speed(flank: Flank, edges: FloatArray) -> Extreme:
 
 
 def _slowness(flank: Flank) -> Quantity:
-    """(n,) 1 / f of the smallest positive f with r0 + f r1 + f^2 r2 = 0, 0 if there is none."""
+    """(n,) 1 / f for the smallest positive f with r0 + f r1 + f^2 r2 = 0, or 0 without one."""
 
     def slowness(phi: FloatArray, side: Side) -> FloatArray:
         r0, r1, r2 = flank.reserve(phi, side)
         r0 = np.maximum(r0, 0.0)
-        # Divided by the largest coefficient, so that no square over- or underflows.
+        # Divided by the largest coefficient, so that squares neither overflow nor underflow.
         size = np.maximum(np.maximum(r0, np.abs(r1)), np.abs(r2))
         r0, r1, r2 = np.stack((r0, r1, r2)) / np.where(size > 0.0, size, 1.0)
         square = r1 * r1 - 4.0 * r0 * r2
         root = np.sqrt(np.maximum(square, 0.0))
-        # The largest root of r0 k^2 + r1 k + r2, k = 1 / f, in the form that does not cancel.
+        # The largest root of r0 k^2 + r1 k + r2, k = 1 / f, in the form without cancellation.
         falling = r1 < 0.0
         above = np.where(falling, root - r1, -2.0 * r2)
         below = np.where(falling, 2.0 * r0, r1 + root)

@@ -1,9 +1,9 @@
-"""Load: the force of the process over the cam angle.
+"""Load: the process force over the cam angle.
 
-The load F acts against a positive demanded motion s, so that its generalised force on the follower
-is Q = -F ds/dq by virtual work: -F where the follower makes the demanded motion itself. A positive
-load on what turns, a rocker without linkage, or the lever or crank at the far end of one, is a
-torque against its positive angle.
+The load F acts against a positive demanded motion s, so its generalised force on the follower is Q
+= -F ds/dq by virtual work, which is -F where the follower itself has the demanded motion. On a
+rotating member, a rocker without a linkage or the lever or crank at the far end of one, the load is
+a torque against its positive angle.
 """
 
 from __future__ import annotations
@@ -15,10 +15,10 @@ import numpy as np
 from camgeo.effects.effect import Column, Request, Subject
 from camgeo.effects.force import Force, unmoved
 from camgeo.effects.immovable import refuse_locked
-from camgeo.effects.load.course import Course, constant, steps
-from camgeo.effects.load.spec import LoadSpec
+from camgeo.effects.load.profile import LoadProfile, constant, steps
+from camgeo.effects.load.table import ProcessLoad
 from camgeo.effects.results import Acting
-from camgeo.effects.told import extreme_findings
+from camgeo.effects.wording import extreme_findings
 from camgeo.errors import GeometryError
 from camgeo.motion.motion import Side
 from camgeo.motion.plan import MotionPlan
@@ -26,26 +26,26 @@ from camgeo.numeric.arrays import FloatArray, frozen, merged
 from camgeo.numeric.extremes import piecewise_extremes
 
 N_MM: Final = 1e3
-"""N mm a N m."""
+"""From N m to N mm."""
 
 
-def compute(request: Request[LoadSpec]) -> Acting:
-    """The load of `request.spec`, c0 alone.
+def compute(request: Request[ProcessLoad]) -> Acting:
+    """The load in `request.data`, c0 alone.
 
-    A constant load has a potential energy F s; others do work over a turn and have none.
+    A constant load has the potential energy F s; others do work over a turn and have none.
 
     Raises
     ------
     GeometryError
-        With the key, see `course_of`.
+        With the key, see `profile_of`.
     EffectError
-        If the load acts on the far end of a linkage that the follower cannot move at some cam
+        If the follower cannot move the far end of its linkage, on which the load acts, at some cam
         angle.
     """
     subject = request.subject
     is_torque = subject.drive.unit == "rad"
     unit = "N m" if is_torque else "N"
-    course = course_of(request.spec, subject.drive.plan, unit)
+    course = profile_of(request.data, subject.drive.plan, unit)
     scale = N_MM if is_torque else 1.0
     refuse_locked(subject, " against its load")
 
@@ -53,11 +53,11 @@ def compute(request: Request[LoadSpec]) -> Acting:
         return -scale * course.values(phi, side) * _way(subject, phi, side)
 
     def work(phi: FloatArray, side: Side) -> FloatArray:
-        """Against a constant load, from the start of the stroke on."""
+        """Work against a constant load, from the start of the stroke."""
         found: FloatArray = scale * course.values(phi, side) * subject.drive.plan.jet(phi, side)[0]
         return found
 
-    potential = None if request.spec.constant is None else work
+    potential = None if request.data.constant is None else work
     edges = merged(np.concatenate((subject.drive.smooth_angles, course.borders)))
     extremes = piecewise_extremes(course.values, edges)
     return Acting(
@@ -69,39 +69,39 @@ def compute(request: Request[LoadSpec]) -> Acting:
     )
 
 
-def course_of(spec: LoadSpec, plan: MotionPlan, unit: str) -> Course:
-    """The load of a scene over the cam angle, in `unit`.
+def profile_of(data: ProcessLoad, plan: MotionPlan, unit: str) -> LoadProfile:
+    """The load of the scene over the cam angle, in `unit`.
 
     Raises
     ------
     GeometryError
-        With key "effects.load.segments", if there is not one value for each segment that has
-        a length; with "effects.load.file", if its heading tells another unit.
+        With key "effects.load.segments", if there is not one value for each segment of non-zero
+        length; with "effects.load.file", if its heading states another unit.
     """
-    if spec.table is not None:
-        if spec.table.unit not in ("", unit):
+    if data.table is not None:
+        if data.table.unit not in ("", unit):
             raise GeometryError(
-                f"the heading tells loads in {spec.table.unit}; of this follower the load is in"
+                f"the heading states loads in {data.table.unit}; for this follower the load is in"
                 f" {unit}",
                 key="effects.load.file",
             )
-        return spec.table
-    if spec.segments is None:
-        assert spec.constant is not None  # `parse` sees to it
-        return constant(spec.constant)
-    # A rest of no length has no load; the plan of a scene does not keep it either.
+        return data.table
+    if data.segments is None:
+        assert data.constant is not None  # `parse` sees to it
+        return constant(data.constant)
+    # A dwell of zero length has no load; the plan of a scene does not keep it either.
     starts = [start for _, start, _ in plan.stretches]
-    if len(spec.segments) != len(starts):
+    if len(data.segments) != len(starts):
         raise GeometryError(
-            f"{len(spec.segments)} values for the {len(starts)} segments of the motion that"
-            " have a length; allowed is one for each",
+            f"{len(data.segments)} values for the {len(starts)} segments of the motion of non-zero"
+            " length; allowed is one for each",
             key="effects.load.segments",
         )
-    return steps(frozen(starts, np.float64), frozen(spec.segments, np.float64))
+    return steps(frozen(starts, np.float64), frozen(data.segments, np.float64))
 
 
 def _way(subject: Subject, phi: FloatArray, side: Side) -> FloatArray:
-    """ds/dq (n,): way of the demanded motion a unit of the follower's."""
+    """ds/dq (n,): derivative of the demanded motion by the follower's coordinate."""
     if subject.drive.linkage is None:
         return np.ones(len(phi))
     return subject.drive.linkage.per_follower(subject.drive.plan.jet(phi, side)[0])

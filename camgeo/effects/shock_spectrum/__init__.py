@@ -1,4 +1,4 @@
-"""Effect `shock-spectrum`: what remains of the vibration after each move."""
+"""Effect `shock-spectrum`: the residual vibration after each move."""
 
 from __future__ import annotations
 
@@ -7,16 +7,16 @@ from functools import partial
 from typing import Final
 
 from camgeo.declared import schema_beside
-from camgeo.effects.effect import Effect, spec_of
+from camgeo.effects.effect import Effect, data_of
 
 
 @dataclass(frozen=True, slots=True)
-class Spec:
-    """What the scene says.
+class SpectrumRange:
+    """Range and damping of the spectrum.
 
     Attributes
     ----------
-    highest_ratio : up to which the spectrum is looked at.
+    highest_ratio : upper end of the spectrum.
     damping : damping ratio of the train.
     """
 
@@ -29,5 +29,5 @@ EFFECT: Final = Effect(
     title="shock spectrum of the moves",
     compute="camgeo.effects.shock_spectrum.result:compute",
     schema=schema_beside(__file__),
-    parse=partial(spec_of, Spec),
+    parse=partial(data_of, SpectrumRange),
 )

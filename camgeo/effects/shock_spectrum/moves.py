@@ -1,4 +1,4 @@
-"""The moves from rest to rest, each with its duration and stroke taken as 1."""
+"""The moves from rest to rest, each scaled to a duration and stroke of 1."""
 
 from __future__ import annotations
 
@@ -19,11 +19,12 @@ from camgeo.numeric.roots import inverse
 from camgeo.units import TURN
 
 REST: Final = 1e-9
-"""Velocity and acceleration, as shares of the largest ones, up to which a joint is a rest: they are
-rounding of what was written in decimals."""
+"""Velocity and acceleration, relative to the largest ones, up to which a joint counts as a rest:
+they come from rounding decimal input.
+"""
 
 SLACK: Final = 1e-12
-"""Cam angles [rad] this near are one, rounded differently."""
+"""Cam angles [rad] this close are equal but for rounding."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -33,8 +34,8 @@ class RestToRest:
     Attributes
     ----------
     start, span : cam angle [rad]; start in [0, 2 pi).
-    stroke : the farthest that it gets from its start [mm or rad].
-    shock : it over its duration, by its stroke.
+    stroke : largest distance from its start [mm or rad].
+    shock : the move, scaled by its duration and stroke.
     """
 
     start: float
@@ -67,7 +68,7 @@ def _moves(subject: Subject, course: TimeCourse) -> Iterator[RestToRest]:
 
 
 def _rests(subject: Subject, course: TimeCourse) -> list[tuple[float, float]]:
-    """Start and end [rad] of all rests, in their order; the end equals the start for a joint."""
+    """Start and end [rad] of all rests, in order; they are equal for a joint."""
     plan = subject.drive.plan
     dwells = [(rest.start, rest.start + rest.span) for rest in plan.dwells if rest.span > 0.0]
     borders = plan.borders
@@ -91,7 +92,7 @@ def _rests(subject: Subject, course: TimeCourse) -> list[tuple[float, float]]:
 
 
 def _shock(subject: Subject, course: TimeCourse, edges: FloatArray) -> tuple[Shock, float] | None:
-    """The move over `edges` (m + 1,) [rad], normalised, and its stroke; None for no move at all."""
+    """The move over `edges` (m + 1,) [rad], scaled, and its stroke; None if nothing moves."""
     plan = subject.drive.plan
     begin = plan.jet(edges[:1])[0]
 

@@ -1,10 +1,10 @@
-"""Effect `shock-spectrum`: what remains of the vibration after each move, over t_move / T_n.
+"""Effect `shock-spectrum`: the residual vibration after each move, over t_move / T_n.
 
-The train is at rest when the move begins; after it the free vibration has an amplitude that is told
-as a share of the stroke, see `camgeo.numeric.oscillator.spectrum`. Two figures are taken from the
-spectrum: the largest share from one natural period a move upwards, and the ratio from which on it
-stays below 1 %. Trains with less than one period a move hardly follow: what remains tends to the
-stroke itself.
+The train is at rest when the move begins. The amplitude of its free vibration after the move is
+given relative to the stroke, see `camgeo.numeric.oscillator.spectrum`. Two values are taken from
+the spectrum: the largest residual from one natural period per move upwards, and the ratio above
+which it stays below 1 %. With less than one period per move the train hardly follows, and the
+residual approaches the stroke itself.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ import numpy as np
 
 from camgeo.check.finding import Finding
 from camgeo.effects.effect import Request, Result
-from camgeo.effects.shock_spectrum import Spec
+from camgeo.effects.shock_spectrum import SpectrumRange
 from camgeo.effects.shock_spectrum.moves import RestToRest, moves_of
 from camgeo.motion.motion import Side
 from camgeo.motion.time_course import ConstantSpeed
@@ -31,14 +31,14 @@ QUIET: Final = 0.01
 """Share of the stroke below which a residual vibration counts as small."""
 
 SMALLEST_RATIO: Final = 1e-12
-"""Stands for 0, where what remains is what the move has gone."""
+"""Stands for 0, where the residual equals the final position of the move."""
 
 FIRST_SPAN: Final = 10.0
-"""Ratios searched at first, in one go; further ones only while something there may count."""
+"""Ratios searched first, in one step; further ones only while they may have the maximum."""
 
 LONGEST: Final = 1000.0
-"""Ratio up to which it is looked for where the residual gets small for good; a jump of the velocity
-as large as the mean one leaves 1 % at a ratio of 32."""
+"""Ratio up to which the start of the permanently small residual is searched for; a velocity jump as
+large as the mean velocity leaves 1 % at a ratio of 32."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -49,10 +49,10 @@ class Spectrum:
     ----------
     move : with its place.
     damping : damping ratio of the train.
-    worst : the largest residual from ratio 1 on, or over all of them if they end below, with its
-        ratio; where it is taken first.
-    quiet : ratio from which on the residual stays below a hundredth; None if it does not up to the
-        highest one, 0 if it always is.
+    worst : the largest residual above ratio 1, or above 0 if the range ends below 1, with the
+        first ratio at which it occurs.
+    quiet : ratio above which the residual stays below 1 %; None if it does not up to the highest
+        ratio, 0 if it always does.
     """
 
     move: RestToRest
@@ -61,46 +61,46 @@ class Spectrum:
     quiet: float | None
 
     def residual(self, ratios: FloatArray) -> FloatArray:
-        """(n,) amplitude by stroke at the ratios (n,) of the move's duration to T_n, above 0."""
+        """(n,) amplitude relative to the stroke at `ratios` (n,), above 0, of duration to T_n."""
         return self.move.shock.residual(ratios, self.damping)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ShockSpectrum(Result):
-    """What `compute` gives.
+    """The shock spectra of a motion.
 
     Attributes
     ----------
     spectra : of the moves from rest to rest, in the order of the cam angle.
-    highest_ratio : up to which they were looked at.
+    highest_ratio : their upper end.
     """
 
     spectra: tuple[Spectrum, ...]
     highest_ratio: float
 
 
-def compute(request: Request[Spec]) -> ShockSpectrum:
+def compute(request: Request[SpectrumRange]) -> ShockSpectrum:
     """The spectra of all moves.
 
-    Without a speed of the cam it is taken to turn evenly; how fast does not matter.
-    A plan without a move from rest to rest has none, which is a warning.
+    Without a speed the cam is assumed to turn at constant speed; its value does not matter. A plan
+    without a move from rest to rest has no spectrum, which is a warning.
     """
-    spec, subject = request.spec, request.subject
+    data, subject = request.data, request.subject
     course = subject.drive.time_course or ConstantSpeed(1.0)
     moves = moves_of(subject, course)
     if not moves:
         sentence = (
-            "no move is from rest to rest, with velocity and acceleration 0 at both ends: there is"
-            " no residual vibration to speak of"
+            "no move is from rest to rest, with velocity and acceleration 0 at both ends, so there"
+            " is no residual vibration"
         )
         none = Finding("shock-spectrum", "warning", sentence)
-        return ShockSpectrum((), spec.highest_ratio, findings=(none,))
+        return ShockSpectrum((), data.highest_ratio, findings=(none,))
     spectra = tuple(
-        Spectrum(move, spec.damping, *measured(move.shock, spec.damping, spec.highest_ratio))
+        Spectrum(move, data.damping, *measured(move.shock, data.damping, data.highest_ratio))
         for move in moves
     )
-    findings = [each for found in spectra for each in _findings(found, spec.highest_ratio)]
-    return ShockSpectrum(spectra, spec.highest_ratio, findings=tuple(findings))
+    findings = [each for found in spectra for each in _findings(found, data.highest_ratio)]
+    return ShockSpectrum(spectra, data.highest_ratio, findings=tuple(findings))
 
 
 def _findings(found: Spectrum, highest: float) -> Iterator[Finding]:
@@ -111,35 +111,38 @@ def _findings(found: Spectrum, highest: float) -> Iterator[Finding]:
         name="largest-residual",
         severity="ok",
         sentence=(
-            f"after {move} {100.0 * found.worst.value:.4g} % of the stroke remain as vibration at"
-            f" most, with {found.worst.place:.4g} natural periods a move; looked at"
-            f" {'from 1 up' if highest > 1.0 else 'up'} to {highest:g}"
+            f"after {move} at most {100.0 * found.worst.value:.4g} % of the stroke remains as"
+            f" vibration, with {_periods(f'{found.worst.place:.4g}')} per move; range searched"
+            f" {'1' if highest > 1.0 else '0'} to {highest:g}"
         ),
         value=found.worst.value,
         cam_angle=start,
     )
+    small = f"{100.0 * QUIET:g} % of the stroke"
     below = (
-        f"does not stay below {100.0 * QUIET:g} % of the stroke up to {highest:g} natural periods"
+        f"does not stay below {small} up to {_periods(f'{highest:g}')} per move"
         if found.quiet is None
-        else f"stays below {100.0 * QUIET:g} % of the stroke from {found.quiet:.4g} natural periods"
-        " a move on"
+        else f"stays below {small} above {_periods(f'{found.quiet:.4g}')} per move"
     )
     yield Finding(
         name="residual-small-from",
         severity="ok",
-        sentence=f"what remains after {move} {below}",
+        sentence=f"the vibration after {move} {below}",
         value=found.quiet,
         cam_angle=start,
     )
 
 
-def measured(move: Shock, damping: float, end: float) -> tuple[Extreme, float | None]:
-    """Two figures of the spectrum of `move` up to the ratio `end`.
+def _periods(number: str) -> str:
+    return f"{number} natural period{'' if number == '1' else 's'}"
 
-    The largest residual from ratio 1 on, or over all of them if `end` is no higher, with its ratio;
-    and the ratio from which on it stays below `QUIET` for good: None if there is none up to `end`,
-    0 if it always does.
-    Only as much of the spectrum is looked at as its bound leaves open.
+
+def measured(move: Shock, damping: float, end: float) -> tuple[Extreme, float | None]:
+    """Two values of the spectrum of `move` up to the ratio `end`.
+
+    The largest residual above ratio 1, or above 0 if `end` is at most 1, with its ratio; and the
+    ratio above which it stays below `QUIET`: None if there is none up to `end`, 0 if it always
+    does. The spectrum is evaluated only where its bound leaves the answer open.
     """
     low = 1.0 if end > 1.0 else 0.0
 
@@ -155,7 +158,7 @@ def measured(move: Shock, damping: float, end: float) -> tuple[Extreme, float | 
         low, high = high, min(end, 2.0 * high)
         further = piecewise_extremes(sided, _unit_edges(low, high)).highest
         worst = max(worst, further, key=lambda each: each.value)
-    # Beyond this ratio the bound says it; `end` itself may be a zero with more behind it.
+    # Beyond this ratio the bound proves it; `end` may be a zero with more residual behind it.
     reach = FIRST_SPAN
     while move.bound(reach, damping) > QUIET:
         if reach > max(end, LONGEST):
@@ -175,5 +178,5 @@ def measured(move: Shock, damping: float, end: float) -> tuple[Extreme, float | 
 
 
 def _unit_edges(low: float, high: float) -> FloatArray:
-    """Edges one ratio apart at most: the residual turns no faster than cos(2 pi ratio)."""
+    """Edges at most 1 apart: the residual varies no faster than cos(2 pi ratio)."""
     return np.linspace(low, high, max(2, math.ceil(high - low) + 1))

@@ -1,4 +1,4 @@
-"""Effect `speed-fluctuation`: speed of the cam over a turn in its steady state, on a motor."""
+"""Effect `speed-fluctuation`: speed of a motor-driven cam over a turn in its steady state."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ from typing import Final
 from camgeo.declared import schema_beside
 from camgeo.effects.effect import Effect
 from camgeo.effects.results import DRIVE_TORQUE
-from camgeo.effects.speed_fluctuation.spec import parse
+from camgeo.effects.speed_fluctuation.table import parse
 
 EFFECT: Final = Effect(
     name="speed-fluctuation",
-    title="speed of the cam on its motor",
+    title="speed of the motor-driven cam",
     compute="camgeo.effects.speed_fluctuation.result:compute",
     schema=schema_beside(__file__),
     parse=parse,

@@ -1,7 +1,8 @@
-"""Turns of the cam one after the other, coarsely: whether the motor stalls, and where.
+"""Coarse integration of single turns: whether the motor stalls, and where.
 
-Orbits of dy/dphi = alpha(phi, y) never cross. One that ends its turn no slower than it began lies
-below a periodic one or is one; if all either stall or lose speed over the turn, there is none.
+Orbits of dy/dphi = alpha(phi, y) never cross. One that ends its turn no slower than it began is
+below a periodic orbit or is one. If all orbits either stall or lose speed over the turn, there is
+none.
 """
 
 from __future__ import annotations
@@ -16,38 +17,38 @@ import numpy as np
 
 from camgeo.effects.speed_fluctuation.mesh import Law
 from camgeo.effects.speed_fluctuation.rate import Shaft, StuckError
-from camgeo.effects.speed_fluctuation.spec import Motor
+from camgeo.effects.speed_fluctuation.table import Motor
 from camgeo.numeric.arrays import FloatArray, frozen
 from camgeo.units import TURN
 
 STEPS: Final = 1440
-"""Over a turn, a quarter of a degree each, or more."""
+"""Smallest number of steps per turn, of a quarter of a degree each."""
 
 GAMMA: Final = 1.0 - math.sqrt(0.5)
 """Of the L-stable diagonally implicit Runge-Kutta method of two stages and order 2 (Hairer and
-Wanner, Solving Ordinary Differential Equations II, section IV.6): stiff motors are no trouble."""
+Wanner, Solving Ordinary Differential Equations II, section IV.6), suitable for stiff motors."""
 
 MOST_STEPS: Final = 50
-"""Newton's, in a stage."""
+"""Largest number of Newton steps in a stage."""
 
 CLOSE: Final = 1e-12
-"""Share of y at which they end."""
+"""Relative change of y at which they end."""
 
 HALVINGS: Final = 40
-"""Of the range of speeds in which the slowest orbit is sought that lasts a turn."""
+"""Bisections of the speed range that contains the slowest orbit that completes a turn."""
 
 DOUBLINGS: Final = 60
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Outcome:
-    """What becomes of the cam.
+    """Whether the cam reaches a steady state.
 
     Attributes
     ----------
     angles : (k,) ends of the steps [rad].
     y : (k,) of a turn that ends no slower than it began; None if the motor stalls.
-    stall : cam angle [rad] at which it does, to a step; nan if it does not.
+    stall : cam angle [rad] of the stall, to the accuracy of a step; nan without one.
     """
 
     angles: FloatArray
@@ -56,16 +57,16 @@ class Outcome:
 
 
 def outcome(shaft: Shaft, law: Law, edges: FloatArray) -> Outcome:
-    """Whether there is a steady state, by turns from all speeds.
+    """Whether there is a steady state, from single turns at different speeds.
 
-    The range from 0 to a speed from which the cam slows down is halved: an orbit that loses speed
-    over the turn is an upper end, one that stalls a lower end. What is left between both is the
-    slowest orbit that lasts a turn; where the ones below it come to rest, the motor stalls.
+    The range from 0 to a speed from which the cam slows down is bisected: an orbit that loses speed
+    over the turn is an upper bound, one that stalls a lower bound. They converge to the slowest
+    orbit that completes a turn; the motor stalls where the orbits below it come to rest.
 
     Raises
     ------
     StuckError
-        If friction leaves no acceleration.
+        If no acceleration satisfies the equation of motion with friction.
     """
     march = _march(shaft, law, edges)
     high = 0.5 * shaft.motor.no_load_speed**2
@@ -89,7 +90,7 @@ def outcome(shaft: Shaft, law: Law, edges: FloatArray) -> Outcome:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _March:
-    """Steps over a turn, with the law at both stages of each."""
+    """Steps over a turn, with the law at the two stages of each."""
 
     inertia: float
     torque: Callable[[float], tuple[float, float]]
@@ -99,7 +100,7 @@ class _March:
     def orbit(self, y: float) -> list[float]:
         """y at the ends of the steps of the turn that begins with `y` [rad^2/s^2].
 
-        It ends with the first 0: the cam comes to rest there.
+        It ends at the first 0, where the cam comes to rest.
         """
         course = [y]
         steps = np.diff(self.angles).tolist()
@@ -130,7 +131,7 @@ class _March:
         return y
 
     def _rate(self, law: list[float], y: float) -> tuple[float, float]:
-        """As `Shaft.rate`, of one number; the slope is 0 at rest."""
+        """As `Shaft.rate`, for one number; the slope is 0 at rest."""
         c0, c1, c2, c3, ahead, behind = law
         omega = math.sqrt(2.0 * y)
         drive, slope = self.torque(omega)
@@ -160,7 +161,7 @@ def _march(shaft: Shaft, law: Law, edges: FloatArray) -> _March:
 
 
 def _plain(motor: Motor) -> Callable[[float], tuple[float, float]]:
-    """`Motor.torque` of one number."""
+    """`Motor.torque` for one number."""
     speeds, torques = motor.speeds.tolist(), motor.torques.tolist()
     slopes = (np.diff(motor.torques) / np.diff(motor.speeds)).tolist()
 

@@ -1,4 +1,4 @@
-"""Cells of a turn with the cam's law at their nodes, halved where it is asked for."""
+"""Cells of a turn with the torque law at their nodes, which can be halved."""
 
 from __future__ import annotations
 
@@ -13,9 +13,10 @@ from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import BoolArray, FloatArray
 
 NODES: Final = 8
-"""Radau IIA nodes of a cell, its end among them: collocation of order 15 at the ends of cells that
-stays sound with a motor so stiff that the speed follows at once (Hairer and Wanner, Solving
-Ordinary Differential Equations II, section IV.5)."""
+"""Radau IIA nodes of a cell, including its end: collocation of order 15 at the ends of cells,
+stable even with a motor so stiff that the speed follows at once (Hairer and Wanner, Solving
+Ordinary Differential Equations II, section IV.5).
+"""
 
 
 Law = Callable[[FloatArray, Side], FloatArray]
@@ -24,15 +25,15 @@ Law = Callable[[FloatArray, Side], FloatArray]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Rule:
-    """Collocation: all lengths are shares of the cell's.
+    """Collocation on a cell of length 1.
 
     Attributes
     ----------
     nodes, weights : (n,) nodes in (0, 1], the last one 1.
-    integral : (n, n) from rates at the nodes to the integral from the start to each node.
-    fit : (n + 1, n + 1) from values at the start and at the nodes to Legendre's coefficients of the
+    integral : (n, n) from rates at the nodes to the integrals from the start to each node.
+    fit : (n + 1, n + 1) from values at the start and the nodes to the Legendre coefficients of the
         polynomial through them.
-    halves : (2, n, n + 1) from the same to the values at the nodes of either half of the cell.
+    halves : (2, n, n + 1) from the same values to those at the nodes of the two halves of the cell.
     """
 
     nodes: FloatArray
@@ -44,12 +45,12 @@ class Rule:
 
 @lru_cache(maxsize=1)
 def rule() -> Rule:
-    """The rule of `NODES` nodes: the zeros of P_n - P_(n - 1), Legendre's polynomials."""
+    """The rule of `NODES` nodes: the zeros of P_n - P_(n - 1), with the Legendre polynomials P."""
     series = np.zeros(NODES + 1)
     series[-2:] = -1.0, 1.0
-    x = np.sort(np.polynomial.legendre.legroots(series).real)  # complex in type with numpy 2.5
+    x = np.sort(np.polynomial.legendre.legroots(series).real)  # of complex type with numpy 2.5
     slope = np.polynomial.legendre.legder(series)
-    for _ in range(2):  # Newton's steps to the last digits
+    for _ in range(2):  # Newton steps to full precision
         x = x - np.polynomial.legendre.legval(x, series) / np.polynomial.legendre.legval(x, slope)
     x[-1] = 1.0
     from_rates = np.linalg.inv(legendre(x, NODES - 1))
@@ -60,7 +61,7 @@ def rule() -> Rule:
 
 
 def legendre(x: FloatArray, order: int) -> FloatArray:
-    """(n, order + 1) Legendre's polynomials at `x` (n,) in [-1, 1]."""
+    """(n, order + 1) Legendre polynomials at `x` (n,) in [-1, 1]."""
     return np.asarray(np.polynomial.legendre.legvander(x, order), dtype=np.float64)
 
 
@@ -75,12 +76,12 @@ def _antiderivatives(x: FloatArray) -> FloatArray:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Mesh:
-    """Cells that fill a turn.
+    """Cells that cover a turn.
 
     Attributes
     ----------
     low, high : (m,) their ends [rad].
-    laws : (6, m, n) the law at their nodes.
+    laws : (6, m, n) the torque law at their nodes.
     """
 
     low: FloatArray
@@ -105,11 +106,11 @@ class Mesh:
         return Mesh(low, high, laws_of(law, low, high))
 
     def cells(self, which: BoolArray) -> Mesh:
-        """Some of the cells, `which` (m,)."""
+        """The cells selected by `which` (m,)."""
         return Mesh(self.low[which], self.high[which], self.laws[:, which])
 
     def replaced(self, split: BoolArray, halves: Mesh) -> Mesh:
-        """With both `halves` for each of the cells `split` (m,)."""
+        """The mesh with each cell selected by `split` (m,) replaced by its two `halves`."""
         laws = interleaved(split, self.laws.swapaxes(0, 1), halves.laws.swapaxes(0, 1))
         return Mesh(
             interleaved(split, self.low, halves.low),
@@ -120,13 +121,13 @@ class Mesh:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class DoubleMesh:
-    """A mesh and the one of all its cells' halves, which tells the error of the first."""
+    """A mesh, and the mesh of all halves of its cells for the error estimate."""
 
     coarse: Mesh
     fine: Mesh
 
     def refined(self, law: Law, split: BoolArray) -> DoubleMesh:
-        """The cells `split` (m,) of the coarse mesh halved; what is known already is taken over."""
+        """The cells `split` (m,) of the coarse mesh halved; known values are reused."""
         both = np.repeat(split, 2)
         halves = self.fine.cells(both)
         return DoubleMesh(
@@ -135,7 +136,7 @@ class DoubleMesh:
 
 
 def interleaved(split: BoolArray, own: FloatArray, halves: FloatArray) -> FloatArray:
-    """The rows `own` (m, ...), but for those to `split` two each of `halves`, in order."""
+    """The rows `own` (m, ...), with two rows of `halves` in place of each one to `split`."""
     places = np.concatenate((2 * np.flatnonzero(~split), np.flatnonzero(np.repeat(split, 2))))
     found: FloatArray = np.concatenate((own[~split], halves))[np.argsort(places)]
     return found
@@ -149,7 +150,7 @@ def nodes_of(low: FloatArray, high: FloatArray) -> FloatArray:
 
 
 def laws_of(law: Law, low: FloatArray, high: FloatArray) -> FloatArray:
-    """(6, m, n) the law at the nodes of the cells, from inside at their ends."""
+    """(6, m, n) the torque law at the nodes of the cells, at their ends from inside."""
     nodes = nodes_of(low, high)
     return law(nodes.ravel(), "left").reshape(-1, *nodes.shape)
 

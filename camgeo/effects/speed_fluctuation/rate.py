@@ -1,16 +1,16 @@
-"""The acceleration of a cam that a motor drives.
+"""The acceleration of a motor-driven cam.
 
-With J what turns with the camshaft, T_m the motor's torque, and the cam's torque T a multiple g of
-the generalised contact force R = c0 + c1 omega + c2 omega^2 + c3 alpha, g one number for R > 0 and
-another for R < 0, the equation of motion J alpha = T_m(omega) - T gives, r being R without its last
-term,
+The moment of inertia J of everything that turns with the camshaft, the motor torque T_m and the
+torque T of the cam obey the equation of motion J alpha = T_m(omega) - T. T is g times the
+generalised contact force R = c0 + c1 omega + c2 omega^2 + c3 alpha, with one value of g for R > 0
+and another for R < 0. With r, which is R without its last term, this gives
 
     alpha = (T_m - g r) / (J + g c3),        R = (J r + c3 T_m) / (J + g c3),
 
-so that the sign of J r + c3 T_m tells which g it is. Without friction g = q', and J + g c3 is the
-moment of inertia of all reduced to the camshaft, J + M q'^2 (Volmer, Getriebetechnik, chapter on
-dynamics: reduction to the driving member). The state is y = omega^2 / 2, for which
-dy/dphi = alpha, regular down to standstill.
+so the sign of J r + c3 T_m determines g. Without friction g = q', and J + g c3 is the total moment
+of inertia reduced to the camshaft, J + M q'^2 (Volmer, Getriebetechnik, chapter on dynamics:
+reduction to the driving member). The state is y = omega^2 / 2, for which dy/dphi = alpha, regular
+down to standstill.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from camgeo.effects.speed_fluctuation.spec import Motor
+from camgeo.effects.speed_fluctuation.table import Motor
 from camgeo.numeric.arrays import FloatArray
 
 
@@ -29,12 +29,12 @@ class StuckError(ArithmeticError):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Shaft:
-    """What turns and what drives it.
+    """The camshaft and its motor.
 
     Attributes
     ----------
     inertia : J [t mm^2], above 0.
-    motor : its torque over the speed.
+    motor : its torque over speed.
     """
 
     inertia: float

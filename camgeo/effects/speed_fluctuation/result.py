@@ -1,9 +1,10 @@
-"""Speed of the cam over a turn in its steady state, driven by a motor.
+"""Speed of a motor-driven cam over a turn in its steady state.
 
-J omega domega/dphi = T_m(omega) - T(phi, omega, alpha) with alpha = omega domega/dphi, J all that
-turns with the camshaft, T_m the motor's torque, T the drive torque of the cam with the inertia of
-the follower in it (equation of motion of a machine with one degree of freedom; Volmer,
-Getriebetechnik, chapter on dynamics). Sought is the speed that is the same after each turn.
+J omega domega/dphi = T_m(omega) - T(phi, omega, alpha) with alpha = omega domega/dphi, the moment
+of inertia J of everything that turns with the camshaft, the torque T_m of the motor, and the drive
+torque T of the cam, which includes the inertia of the follower (equation of motion of a machine
+with one degree of freedom; Volmer, Getriebetechnik, chapter on dynamics). The solution is the speed
+that repeats after each turn.
 """
 
 from __future__ import annotations
@@ -19,9 +20,9 @@ from camgeo.effects.force import smooth_edges
 from camgeo.effects.results import DRIVE_TORQUE
 from camgeo.effects.speed_fluctuation.rate import Shaft
 from camgeo.effects.speed_fluctuation.solve import refuse_shocks, solve
-from camgeo.effects.speed_fluctuation.spec import Spec
 from camgeo.effects.speed_fluctuation.steady import SteadyTurn
-from camgeo.effects.told import N_M, at, loss_of_contact, placed
+from camgeo.effects.speed_fluctuation.table import MotorDrive
+from camgeo.effects.wording import N_M, at, loss_of_contact, placed
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray
 from camgeo.numeric.extremes import Extreme, Extremes, piecewise_extremes
@@ -37,7 +38,7 @@ class SpeedFluctuation(Result):
     turn : the speed over the cam angle.
     alpha : (n,) angular acceleration of the cam [rad/s^2] at n cam angles.
     mean_speed : over time [rad/s].
-    fluctuation : largest less smallest speed by the mean.
+    fluctuation : difference of largest and smallest speed, divided by the mean.
     """
 
     turn: SteadyTurn
@@ -47,22 +48,22 @@ class SpeedFluctuation(Result):
     error: float = field(kw_only=True)
 
 
-def compute(request: Request[Spec]) -> SpeedFluctuation:
+def compute(request: Request[MotorDrive]) -> SpeedFluctuation:
     """The steady state, to the tolerance.
 
     Raises
     ------
     EffectError
-        "stall", if the motor does not carry the cam over a turn; "shock", if the follower's
-        velocity jumps; "jamming", if friction leaves no acceleration; and if the tolerance cannot
-        be reached.
+        "stall", if the motor cannot carry the cam through a turn; "shock", if the follower's
+        velocity jumps; "jamming", if no acceleration satisfies the equation of motion with
+        friction; and if the tolerance cannot be reached.
     """
-    subject, spec = request.subject, request.spec
+    subject, data = request.subject, request.data
     drive = request.results[DRIVE_TORQUE]
     law, contact = drive.law, drive.contact
     edges = smooth_edges(subject.drive.smooth_angles, contact.forces)
     refuse_shocks(subject, law)
-    shaft = Shaft(spec.moment_of_inertia, spec.motor)
+    shaft = Shaft(data.moment_of_inertia, data.motor)
     turn = solve(shaft, law, edges, request.tolerance)
 
     def omega(phi: FloatArray, _: Side) -> FloatArray:
@@ -84,14 +85,14 @@ def compute(request: Request[Spec]) -> SpeedFluctuation:
     motor_torque = shaft.motor.torque(np.sqrt(2.0 * (turn.state.base + turn.state.nodes)))[0]
     work = TURN * turn.mean(motor_torque)
     taken = work - shaft.inertia * TURN * turn.mean(turn.rates)
-    told = f"speed fluctuation {fluctuation:.5g} (largest less smallest speed by the mean)"
+    text = f"speed fluctuation {fluctuation:.5g}, largest minus smallest speed divided by the mean"
     found = (
-        held("speed-fluctuation", told, fluctuation, spec.limit),
+        held("speed-fluctuation", text, fluctuation, data.limit),
         Finding(
             "mean-speed",
             "ok",
-            f"mean speed {mean / RPM:.6g} rev/min over time; a disturbance of the speed falls to"
-            f" {100.0 * turn.slope:.4g} % of itself in a turn",
+            f"mean speed {mean / RPM:.6g} rev/min over time; a disturbance of the speed decays to"
+            f" {100.0 * turn.slope:.4g} % of its size per turn",
             mean / RPM,
             unit="rev/min",
         ),
@@ -100,7 +101,7 @@ def compute(request: Request[Spec]) -> SpeedFluctuation:
         Finding(
             "motor-work",
             "ok",
-            f"work of the motor over a turn {N_M * work:.5g} J, taken by the cam"
+            f"work of the motor over a turn {N_M * work:.5g} J, of which the cam takes"
             f" {N_M * taken:.5g} J",
             N_M * work,
             unit="J",

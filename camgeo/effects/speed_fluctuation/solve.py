@@ -1,4 +1,4 @@
-"""The way to the steady state, and what stands in it: shocks, a stall, a follower that jams."""
+"""Solution for the steady state, and its obstacles: shocks, a stall, a follower that jams."""
 
 from __future__ import annotations
 
@@ -13,41 +13,44 @@ from camgeo.effects.speed_fluctuation.march import outcome
 from camgeo.effects.speed_fluctuation.mesh import Law, Mesh, double_mesh, rule
 from camgeo.effects.speed_fluctuation.rate import Shaft, StuckError
 from camgeo.effects.speed_fluctuation.steady import NoConvergenceError, SteadyTurn, steady_turn
-from camgeo.effects.told import N_M, missed
+from camgeo.effects.wording import N_M, missed
 from camgeo.errors import EffectError
 from camgeo.numeric.arrays import FloatArray
 from camgeo.numeric.roots import bracketed_roots
 from camgeo.units import TURN
 
 LONGEST: Final = TURN / 24.0
-"""Of a cell to begin with."""
+"""Largest length of an initial cell [rad]."""
 
 GUESSES: Final = 65
-"""Constant speeds, up to twice that of no load, at which the balance of power is looked at."""
+"""Number of constant speeds, up to twice the no-load speed, at which the power balance is
+tested.
+"""
 
 
 def refuse_shocks(subject: Subject, law: Law) -> None:
-    """Raise EffectError if the velocity of a mass jumps: by how much the speed does is unknown."""
+    """Raise EffectError if the velocity of a mass jumps: the resulting speed change is unknown."""
     edges = subject.drive.smooth_angles
     places = torque_shocks(subject, lambda phi, side: law(phi, side)[3], edges)
     if len(places):
         first = float(places[0])
         raise EffectError(
             f"the velocity of the follower jumps at cam angle {math.degrees(first):.4f} deg: the"
-            " torque is infinite there, and no equation of motion tells the speed after it",
+            " torque is infinite there, and the equation of motion does not give the speed"
+            " after it",
             finding="shock",
             cam_angle=first,
         )
 
 
 def solve(shaft: Shaft, law: Law, edges: FloatArray, tolerance: float) -> SteadyTurn:
-    """The steady state: from the balance of power first, from single turns if that fails.
+    """The steady state, starting from the power balance, or from single turns if that fails.
 
     Raises
     ------
     EffectError
-        "stall", if there is none; "jamming", if friction leaves no acceleration; and if the
-        tolerance cannot be reached.
+        "stall", if there is none; "jamming", if no acceleration satisfies the equation of motion
+        with friction; and if the tolerance cannot be reached.
     """
     mesh = double_mesh(law, edges, LONGEST)
     try:
@@ -70,7 +73,7 @@ def solve(shaft: Shaft, law: Law, edges: FloatArray, tolerance: float) -> Steady
 
 
 def _balanced(shaft: Shaft, mesh: Mesh) -> float | None:
-    """y [rad^2/s^2] of the largest constant speed at which motor and cam balance; None if none."""
+    """y [rad^2/s^2] of the largest constant speed with balanced power; None if there is none."""
     c0, c1, c2, _, ahead, behind = mesh.laws
     weights = mesh.spans[:, np.newaxis] * rule().weights / TURN
 
@@ -100,9 +103,9 @@ def _stall(shaft: Shaft, phi: float) -> EffectError:
     torque = N_M * float(shaft.motor.torque(np.zeros(1))[0][0])
     place = phi % TURN
     return EffectError(
-        f"the motor stalls near cam angle {math.degrees(place):.1f} deg: whatever its speed before,"
-        f" its {torque:.5g} N m at standstill do not carry the cam over the turn"
-        ", and there is no steady state",
+        f"the motor stalls near cam angle {math.degrees(place):.1f} deg: whatever its initial"
+        f" speed, its stall torque of {torque:.5g} N m cannot carry the cam through the turn, and"
+        " there is no steady state",
         finding="stall",
         value=torque,
         unit="N m",
@@ -116,8 +119,8 @@ def _jamming(shaft: Shaft, mesh: Mesh) -> EffectError:
     place = float(mesh.nodes[bad][0]) if np.any(bad) else None
     where = "" if place is None else f" at cam angle {math.degrees(place):.4f} deg"
     return EffectError(
-        "friction lets no acceleration of the cam satisfy its equation of motion: the follower"
-        f" jams{where}",
+        "with friction no acceleration of the cam satisfies its equation of motion: the"
+        f" follower jams{where}",
         finding="jamming",
         cam_angle=place,
     )
@@ -128,4 +131,4 @@ def _missed(reached: float | None, tolerance: float) -> EffectError:
         return EffectError(
             "no steady state of the cam's speed was found, though the motor does not stall"
         )
-    return missed("the speed of the cam", reached, "its largest value", tolerance)
+    return missed("the speed of the cam", reached, "the largest speed", tolerance)

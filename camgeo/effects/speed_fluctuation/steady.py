@@ -1,6 +1,6 @@
 """The periodic solution of dy/dphi = alpha(phi, y), by collocation over the whole turn at once.
 
-The error is the change that one more step of Newton's makes on a mesh of all the cells' halves.
+The error estimate is the change by one more Newton step on the mesh of all halves of the cells.
 """
 
 from __future__ import annotations
@@ -24,33 +24,32 @@ from camgeo.numeric.arrays import FloatArray
 from camgeo.units import TURN
 
 MOST_STEPS: Final = 60
-"""Newton's; a few are enough but where kinks of the law of motion hold them up."""
+"""Largest number of Newton steps; a few are enough except at kinks of the torque law."""
 
 FULL_STEPS: Final = 20
-"""After as many of Newton's steps only half of each is taken: a kink may make them alternate."""
+"""Number of full Newton steps; later ones are halved, as a kink may make them alternate."""
 
 MOST_PASSES: Final = 80
-"""Refinements of the mesh; one at a kink divides its error by 4."""
+"""Largest number of mesh refinements; each one at a kink divides its error by 4."""
 
 MOST_CELLS: Final = 40_000
 
 KEEP: Final = 0.2
-"""Share of y that a step of Newton's leaves at least."""
+"""Smallest share of y that a Newton step leaves."""
 
 NEAR: Final = 1e-3
-"""Steps that have become as small a share of the speed are at a solution; rounding keeps them from
-becoming smaller."""
+"""Relative step size at which the iteration is at a solution, even if rounding prevents smaller
+steps."""
 
 EPS: Final = float(np.finfo(np.float64).eps)
 
 
 class NoConvergenceError(ArithmeticError):
-    """Newton's method finds no periodic solution, or not to the tolerance.
+    """Newton's method finds no periodic solution, or does not reach the tolerance.
 
     Attributes
     ----------
-    reached : the error that was reached as a share of the largest speed; None if there is no
-        solution.
+    reached : the error that was reached, relative to the largest speed; None without a solution.
     """
 
     def __init__(self, reached: float | None) -> None:
@@ -60,7 +59,7 @@ class NoConvergenceError(ArithmeticError):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class State:
-    """y = base + z, so that a small fluctuation keeps its digits.
+    """The state y = base + z; a small fluctuation z keeps its precision.
 
     Attributes
     ----------
@@ -81,7 +80,7 @@ class State:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Step:
-    """A step of Newton's: the changes, those that arise in each cell, the map's slope."""
+    """A Newton step: the changes, the defect of each cell, and the slope of the Poincare map."""
 
     starts: FloatArray
     nodes: FloatArray
@@ -90,7 +89,7 @@ class Step:
 
 
 def newton_step(shaft: Shaft, mesh: Mesh, state: State) -> Step:
-    """Newton's step from `state`."""
+    """The Newton step from `state`, on all cells of the turn together."""
     at = rule()
     spans = mesh.spans
     alpha, growth = shaft.rate(mesh.laws, state.base + state.nodes)
@@ -113,12 +112,12 @@ def newton_step(shaft: Shaft, mesh: Mesh, state: State) -> Step:
         slopes[k + 1], shifts[k + 1] = slope, shift
     if slope == 1.0:
         raise NoConvergenceError(None)
-    # The turn closes: z at its end is z at its start.
+    # Periodicity: z at the end of the turn is z at its start.
     missing = float(state.starts[-1] - state.starts[0])
     first = (shift + missing) / (1.0 - slope)
     starts = slopes * first + shifts
     nodes = solved[:, :, 0] * starts[:-1, np.newaxis] + solved[:, :, 1]
-    # What the cell itself answers to its residual: a stiff motor takes most of it away.
+    # The response of the cell to its residual, which a stiff motor damps strongly.
     defects = np.maximum(np.max(np.abs(solved[:, :, 1]), axis=1), np.abs(offsets))
     return Step(starts, nodes, defects, slope)
 
@@ -132,8 +131,8 @@ class SteadyTurn:
     mesh : the cells.
     state : y in them.
     rates : (m, n) alpha at the nodes [rad/s^2].
-    slope : of the Poincare map in y: below 1, the state is regained after a disturbance.
-    error : estimate of the largest error of the speed as a share of the largest speed.
+    slope : of the Poincare map in y; below 1 the state is stable.
+    error : estimate of the largest error of the speed, relative to the largest speed.
     """
 
     mesh: Mesh
@@ -143,13 +142,13 @@ class SteadyTurn:
     error: float
 
     def omega(self, phi: FloatArray) -> FloatArray:
-        """(n,) speed [rad/s] at `phi` (n,) [rad], any number of turns."""
+        """(n,) speed [rad/s] at `phi` (n,) [rad], in any turn."""
         return np.sqrt(2.0 * self.y(phi))
 
     def y(self, phi: FloatArray) -> FloatArray:
         """(n,) omega^2 / 2 [rad^2/s^2]."""
         mesh = self.mesh
-        # A turn's end is its end, not its start: both are the same but for rounding.
+        # The end of a turn is not mapped to its start: they are equal only to rounding.
         inside = np.where((phi >= 0.0) & (phi <= TURN), phi, np.mod(phi, TURN))
         cell = np.clip(np.searchsorted(mesh.low, inside, "right") - 1, 0, len(mesh.low) - 1)
         x = 2.0 * (inside - mesh.low[cell]) / mesh.spans[cell] - 1.0
@@ -174,16 +173,16 @@ def steady_turn(
 
     Parameters
     ----------
-    shaft : what turns and what drives it.
-    law : of the cam.
-    mesh : to begin with; no cell has an edge of the law inside.
-    y : first guess at the nodes (m, n) of the coarse mesh, or one for all [rad^2/s^2].
-    tolerance : largest error of the speed as a share of the largest speed.
+    shaft : the camshaft and its motor.
+    law : the torque law of the cam.
+    mesh : initial mesh; no cell contains an edge of the law.
+    y : initial guess at the nodes (m, n) of the coarse mesh, or one value for all [rad^2/s^2].
+    tolerance : largest error of the speed, relative to the largest speed.
 
     Raises
     ------
     NoConvergenceError
-        If there is none to be found.
+        If no solution is found.
     StuckError
         If friction leaves no acceleration.
     """
@@ -220,7 +219,7 @@ def steady_turn(
 
 
 def _solved(shaft: Shaft, mesh: Mesh, state: State, tolerance: float) -> tuple[State, float]:
-    """The collocation solution, and the share of the largest speed by which it still moved."""
+    """The collocation solution, and its last change relative to the largest speed."""
     target = max(1e-3 * tolerance, 16.0 * EPS)
     best = np.inf
     for count in range(MOST_STEPS):
@@ -240,7 +239,7 @@ def _solved(shaft: Shaft, mesh: Mesh, state: State, tolerance: float) -> tuple[S
             state.nodes + (share * step.nodes - moved),
         )
         change = 0.5 * float(np.max(np.abs(step.nodes)) / np.max(y))
-        # Rounding keeps the steps from vanishing where the state is only weakly held.
+        # Where the state is only weakly determined, rounding prevents smaller steps.
         stalled = change >= 0.25 * best and best <= max(0.1 * tolerance, 1e3 * EPS)
         if share == 1.0 and (change <= target or stalled):
             return state, change if stalled and change > target else change * change
@@ -253,9 +252,9 @@ def _solved(shaft: Shaft, mesh: Mesh, state: State, tolerance: float) -> tuple[S
 def _on_halves(state: State) -> State:
     """The polynomials through the nodes of all cells, at the nodes of their halves.
 
-    Integrals of alpha would give the same but for rounding, which a stiff motor magnifies. Between
-    nodes that fall steeply a polynomial may pass 0, where no speed is: it is held above that, and
-    the cell, which does not have its solution then, is cut.
+    Integrals of alpha would give the same except for rounding, which a stiff motor magnifies.
+    Between nodes with a steep fall a polynomial may become negative, where there is no speed. It is
+    kept above 0; such a cell does not have its solution yet, and will be split.
     """
     halves = np.einsum("hij,mj->mhi", rule().halves, state.all_nodes)
     least = KEEP * np.min(state.base + state.all_nodes, axis=1)

@@ -7,7 +7,7 @@ from typing import Final
 from camgeo.declared import schema_beside
 from camgeo.effects.effect import Effect
 from camgeo.effects.results import SPRING
-from camgeo.effects.spring.spec import parse
+from camgeo.effects.spring.table import parse
 
 EFFECT: Final = Effect(
     name=SPRING,

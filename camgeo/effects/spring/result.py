@@ -1,4 +1,4 @@
-"""Effect `spring`: a linear spring, see `camgeo.effects.spring.ways` for its formulas."""
+"""Effect `spring`: a linear spring, see `camgeo.effects.spring.travel` for its formulas."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from camgeo.check.finding import Finding
 from camgeo.effects.effect import Column, Request, Subject, driving_slider
 from camgeo.effects.force import Force, unmoved
 from camgeo.effects.results import Spring
-from camgeo.effects.spring.spec import Spec
-from camgeo.effects.spring.ways import (
-    Way,
+from camgeo.effects.spring.table import SpringData
+from camgeo.effects.spring.travel import (
+    Travel,
     about_pivot,
     along_guide,
     along_slider,
@@ -21,7 +21,7 @@ from camgeo.effects.spring.ways import (
     closing_sense,
     outward,
 )
-from camgeo.effects.told import at, between, placed
+from camgeo.effects.wording import at, between, placed
 from camgeo.errors import GeometryError
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray
@@ -32,25 +32,25 @@ if TYPE_CHECKING:
     from camgeo.effects.effect import Quantity
 
 NEWTON_METRE: Final = 1e3
-"""N mm, and N mm/rad."""
+"""From N m to N mm, and from N m/rad to N mm/rad."""
 
 ROUNDING: Final = 64.0 * 2.0**-52
-"""A force or lever below this share of its largest magnitude is 0, rounded."""
+"""A force or lever arm below this share of its largest magnitude is rounding."""
 
 
-def compute(request: Request[Spec]) -> Spring:
+def compute(request: Request[SpringData]) -> Spring:
     """The spring.
 
     Raises
     ------
     GeometryError
-        With the key, if a spring of this kind does not fit the follower, or has no direction, or
-        cannot close the contact all round by a slider.
+        With the key, if a spring of this kind does not fit the follower, has no direction, or
+        cannot close the contact over the whole turn by a slider.
     """
-    subject, spec = request.subject, request.spec
-    way = way_of(subject, spec)
-    torsion = spec.kind == "torsion"
-    preload, stiffness = spec.preload, spec.stiffness
+    subject, data = request.subject, request.data
+    way = travel_of(subject, data)
+    torsion = data.kind == "torsion"
+    preload, stiffness = data.preload, data.stiffness
 
     def magnitude(phi: FloatArray, side: Side) -> FloatArray:
         """F (n,) [N or N mm]."""
@@ -85,38 +85,38 @@ def compute(request: Request[Spec]) -> Spring:
     )
 
 
-def way_of(subject: Subject, spec: Spec) -> Way:
-    """How the spring of `spec` relaxes; GeometryError as of `compute`."""
+def travel_of(subject: Subject, data: SpringData) -> Travel:
+    """The travel of the spring in `data`; raises GeometryError as `compute` does."""
     pivot = subject.cam.follower.pivot
     if pivot is None:
-        if spec.kind == "torsion":
+        if data.kind == "torsion":
             raise GeometryError(
                 "a translating follower has no pivot for a torsion spring",
                 key="effects.spring.kind",
                 value="torsion",
             )
-        if spec.anchor is not None:
+        if data.anchor is not None:
             raise GeometryError(
                 "is for rockers: the spring of a translating follower acts along its guide",
                 key="effects.spring.anchor",
             )
         return along_guide(subject)
-    if spec.kind == "torsion":
+    if data.kind == "torsion":
         return about_pivot(subject)
-    if spec.anchor is not None and spec.attachment is not None:
-        sense = 1.0 if spec.kind == "compression" else -1.0
-        return between_points(subject, pivot, spec.anchor, spec.attachment, sense)
+    if data.anchor is not None and data.attachment is not None:
+        sense = 1.0 if data.kind == "compression" else -1.0
+        return between_points(subject, pivot, data.anchor, data.attachment, sense)
     linkage = driving_slider(subject)
     if linkage is None:
         raise GeometryError(
-            "is missing: a spring on a rocker needs anchor and attachment, or is a torsion spring",
+            "is missing: a spring on a rocker needs anchor and attachment, or kind torsion",
             key="effects.spring.anchor",
         )
     return along_slider(subject, linkage)
 
 
 def force_findings(force: Quantity, subject: Subject, unit: str) -> list[Finding]:
-    """Largest and smallest force [unit], and where it is below 0."""
+    """Largest and smallest force [`unit`], and where it is below 0."""
     edges = subject.drive.smooth_angles
     found = piecewise_extremes(force, edges)
     name = "torque" if unit == "N m" else "force"
@@ -138,7 +138,8 @@ def force_findings(force: Quantity, subject: Subject, unit: str) -> list[Finding
                 severity="warning",
                 sentence=(
                     f"the spring {name} is below 0 {between(slack)}, {lowest.value:.6g} {unit}"
-                    f" {at(lowest.place)}: a real spring is slack there, the values hold on"
+                    f" {at(lowest.place)}: a real spring would be slack there, but the values"
+                    " follow the formula"
                 ),
                 value=lowest.value,
                 limit=0.0,
@@ -150,7 +151,7 @@ def force_findings(force: Quantity, subject: Subject, unit: str) -> list[Finding
     return findings
 
 
-def deflection(way: Way, subject: Subject, *, torsion: bool) -> Finding:
+def deflection(way: Travel, subject: Subject, *, torsion: bool) -> Finding:
     """Largest change of length, or of angle, since cam angle 0."""
     found = piecewise_extremes(lambda phi, side: way(phi, side)[0], subject.drive.smooth_angles)
     farthest = max(found.highest, found.lowest, key=lambda extreme: abs(extreme.value))
@@ -162,12 +163,12 @@ def deflection(way: Way, subject: Subject, *, torsion: bool) -> Finding:
     return placed("largest-spring-deflection", sentence, Extreme(value, place), unit)
 
 
-def opening(way: Way, subject: Subject) -> list[Finding]:
-    """Whether the spring presses away from the flank that it is to close, and where."""
+def opening(way: Travel, subject: Subject) -> list[Finding]:
+    """A warning where the spring presses away from the flank in use."""
     edges = subject.drive.smooth_angles
 
     def closing(phi: FloatArray, side: Side) -> FloatArray:
-        """Of the sign of dx/dn towards the flank."""
+        """With the sign of dx/dn towards the flank."""
         towards = closing_sense(subject) * outward(subject, phi, side)
         return np.asarray(towards * way(phi, side)[1])
 
@@ -190,6 +191,6 @@ def opening(way: Way, subject: Subject) -> list[Finding]:
 
 
 def _below(function: Quantity, edges: FloatArray, place: float) -> tuple[float, float]:
-    """From, to [rad] of the range around `place` in which `function` is below 0."""
+    """The range (from, to) [rad] around `place` in which `function` is below 0."""
     found = stretch_below(lambda phi: function(phi, "right"), edges, place)
     return found or (place % TURN, place % TURN)

@@ -8,7 +8,7 @@ from camgeo.declared import schema_beside
 from camgeo.effects.effect import SPEED, Effect
 from camgeo.effects.results import INERTIA
 from camgeo.effects.rules import ANGLES, LENGTHS, Only
-from camgeo.effects.vibration.spec import parse
+from camgeo.effects.vibration.table import parse
 
 EFFECT: Final = Effect(
     name="vibration",

@@ -1,4 +1,4 @@
-"""What is told of the vibration."""
+"""Findings of the vibration."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from typing import Final
 import numpy as np
 
 from camgeo.check.finding import Finding
-from camgeo.effects.told import at
 from camgeo.effects.vibration.output import Clock, Output
+from camgeo.effects.wording import at
 from camgeo.motion.motion import Dwell
 from camgeo.motion.plan import in_turn
 from camgeo.numeric.arrays import FloatArray, merged
@@ -21,32 +21,36 @@ from camgeo.numeric.oscillator.train import Train
 from camgeo.units import RPM, TURN
 
 MOST_PERIODS: Final = 4096
-"""Periods a turn up to which each is searched for the largest deflection on its own. Beyond, the
-samples of what lasts meet all phases of it, and what dies away is searched where it begins."""
+"""Periods per turn up to which each period is searched for the largest deflection. Beyond this, the
+samples of a lasting vibration cover all its phases, and a decaying one is searched where it
+begins.
+"""
 
 BEGINNING: Final = np.array([1.0, 2.0])
-"""Periods behind each border that are then searched on their own."""
+"""Periods after each border that are then searched separately."""
 
 AMPLIFICATION: Final = 10.0
-"""By which a resonance is told: a harmonic of the motion comes back ten times as large. Without
-damping that is within 5 % of the natural frequency, and hardly reached from D = 0.05 on, as
-1 / (2 D) is about the most."""
+"""Amplification of a harmonic above which it counts as resonance. Without damping this is reached
+within 5 % of the natural frequency; with D of 0.05 or more it is hardly reached, as the maximum is
+about 1 / (2 D)."""
 
 EXACT: Final = 1e12
-"""An amplification from here on is a rounded infinity: the harmonic is the natural frequency, and
-only a motion that does not have this harmonic has a steady state then."""
+"""An amplification from here on is a rounded infinity: the harmonic equals the natural frequency,
+and only a motion without this harmonic has a steady state.
+"""
 
 SHARE: Final = 0.1
-"""Of the largest deflection, below which a harmonic is not worth telling."""
+"""Share of the largest deflection below which a harmonic is not significant."""
 
 SETTLED: Final = 0.02
-"""Share of an amplitude at which a transient counts as over, as for the settling time 4 / (D w) of
-control engineering."""
+"""Share of an amplitude at which a transient counts as settled, as in the settling time 4 / (D w)
+of control engineering.
+"""
 
 
 @dataclass(frozen=True, slots=True)
-class Telling:
-    """How the demanded motion is told: unit and factor of it."""
+class MotionUnit:
+    """The unit in which the demanded motion is displayed, and the factor from the internal unit."""
 
     unit: str
     scale: float
@@ -56,7 +60,7 @@ class Telling:
 
 
 def search_edges(smooth: FloatArray, train: Train | None, period: float) -> FloatArray:
-    """The edges between which extremes are looked for: a period of the train at most."""
+    """The edges between which extremes are searched for, at most a period of the train apart."""
     if train is None:
         return smooth
     periods = float(np.max(train.rates.imag)) * period / TURN
@@ -71,7 +75,7 @@ def search_edges(smooth: FloatArray, train: Train | None, period: float) -> Floa
 
 
 def magnitude(both: Extremes) -> Extreme:
-    """The larger one of two extremes, turned positive; its cam angle in [0, 2 pi)."""
+    """The extreme of larger magnitude, made positive; its cam angle in [0, 2 pi)."""
     worst = max(both.lowest, both.highest, key=lambda each: abs(each.value))
     return Extreme(abs(worst.value), worst.place % TURN)
 
@@ -93,59 +97,63 @@ def of_modes(train: Train, period: float) -> Iterator[Finding]:
         )
 
 
-def of_error(found: Extreme, limit: float | None, telling: Telling) -> Finding:
-    """The largest error of the motion, held to its limit."""
+def of_error(found: Extreme, limit: float | None, shown: MotionUnit) -> Finding:
+    """The largest error of the motion, checked against its limit."""
     broken = limit is not None and found.value > limit
-    against = "" if limit is None else f", {'above' if broken else 'at most'} {telling.of(limit)}"
+    against = "" if limit is None else f", {'above' if broken else 'at most'} {shown.of(limit)}"
     return Finding(
         name="largest-motion-error",
         severity="broken" if broken else "ok",
         sentence=(
-            f"largest error of the motion {telling.of(found.value)} {at(found.place)}{against}"
+            f"largest error of the motion {shown.of(found.value)} {at(found.place)}{against}"
         ),
-        value=telling.scale * found.value,
-        limit=None if limit is None else telling.scale * limit,
-        unit=telling.unit,
+        value=shown.scale * found.value,
+        limit=None if limit is None else shown.scale * limit,
+        unit=shown.unit,
         cam_angle=found.place,
     )
 
 
-def of_acceleration(found: Extreme, clock: Clock, telling: Telling) -> Finding:
-    """The largest acceleration of the output, against that of the demanded motion."""
+def of_acceleration(found: Extreme, clock: Clock, shown: MotionUnit) -> Finding:
+    """The largest acceleration of the output, compared with that of the demanded motion."""
     rigid = Output(clock, None)
     demanded = magnitude(piecewise_extremes(rigid.acceleration, clock.edges))
-    times = f", {found.value / demanded.value:.4g} times" if demanded.value > 0.0 else ", against"
-    unit = f"{telling.unit}/s^2"
+    times = (
+        f", {found.value / demanded.value:.4g} times" if demanded.value > 0.0 else ", compared with"
+    )
+    unit = f"{shown.unit}/s^2"
     return Finding(
         name="largest-output-acceleration",
         severity="ok",
         sentence=(
-            f"largest acceleration of the output {telling.scale * found.value:.6g} {unit}"
+            f"largest acceleration of the output {shown.scale * found.value:.6g} {unit}"
             f" {at(found.place)}{times} that of the demanded motion,"
-            f" {telling.scale * demanded.value:.6g} {unit} {at(demanded.place)}"
+            f" {shown.scale * demanded.value:.6g} {unit} {at(demanded.place)}"
         ),
-        value=telling.scale * found.value,
+        value=shown.scale * found.value,
         unit=unit,
         cam_angle=found.place,
     )
 
 
-def of_rests(clock: Clock, response: Response, telling: Telling) -> Iterator[Finding]:
-    """What of the vibration each rest starts with, the most of it, and what is left at the end."""
+def of_rests(clock: Clock, response: Response, shown: MotionUnit) -> Iterator[Finding]:
+    """The vibration at the start of each dwell, the largest of them, and what is left at the
+    end.
+    """
     rests = [rest for rest in clock.plan.dwells if 0.0 < rest.span < TURN]
     if not rests:
         return
     starts = np.array([rest.start for rest in rests])
     amplitudes = response.free_amplitude(clock.time(in_turn(starts, "right")), "right")
     for rest, amplitude in zip(rests, amplitudes.tolist(), strict=True):
-        yield _residual("residual-vibration", "vibration", rest, amplitude, telling)
+        yield _residual("residual-vibration", "vibration", rest, amplitude, shown)
     worst = int(np.argmax(amplitudes))
     yield _residual(
         "largest-residual-vibration",
         "largest vibration",
         rests[worst],
         float(amplitudes[worst]),
-        telling,
+        shown,
     )
     slowest = float(np.max(response.train.rates.real))
     shortest = min(rests, key=lambda rest: _duration(clock, rest))
@@ -155,17 +163,17 @@ def of_rests(clock: Clock, response: Response, telling: Telling) -> Iterator[Fin
         name="settling",
         severity="ok",
         sentence=(
-            f"of a vibration {100.0 * left:.3g} % are left after the shortest rest,"
-            f" {1e3 * _duration(clock, shortest):.4g} ms{_from(shortest.start)}: it is"
-            f" {lasts} than the transient, which ends at {100.0 * SETTLED:g} %"
+            f"{100.0 * left:.3g} % of a vibration is left after the shortest dwell,"
+            f" {1e3 * _duration(clock, shortest):.4g} ms{_from(shortest.start)}, which is"
+            f" {lasts} than the transient, settled at {100.0 * SETTLED:g} %"
         ),
         value=left,
         cam_angle=shortest.start,
     )
 
 
-def of_resonance(response: Response, most: float, telling: Telling) -> Iterator[Finding]:
-    """The harmonic of the cam's speed next to each natural frequency."""
+def of_resonance(response: Response, most: float, shown: MotionUnit) -> Iterator[Finding]:
+    """The harmonic of the cam's speed nearest to each natural frequency."""
     turn = TURN / response.base.period
     for rate in response.train.rates.tolist():
         number = max(1, round(abs(rate) / turn))
@@ -174,27 +182,27 @@ def of_resonance(response: Response, most: float, telling: Telling) -> Iterator[
         near = factor > AMPLIFICATION and part > SHARE * most
         amplified = f"amplified {factor:.4g} times, it"
         if not factor < EXACT:
-            factor, amplified = None, "amplified without end, which the motion does not have: it"
+            factor, amplified = None, "amplified without limit, and absent from the motion: it"
         yield Finding(
             name="resonance",
             severity="warning" if near else "ok",
             sentence=(
-                f"harmonic {number} of the cam's speed is next to the natural frequency,"
+                f"harmonic {number} of the cam's speed is nearest to the natural frequency,"
                 f" {abs(rate) / turn:.6g} times that speed: {amplified}"
-                f" makes {telling.of(part)} of the deflection of {telling.of(most)}"
+                f" contributes {shown.of(part)} of the deflection of {shown.of(most)}"
             ),
             value=factor,
             limit=AMPLIFICATION if near else None,
         )
 
 
-def _residual(name: str, what: str, rest: Dwell, amplitude: float, telling: Telling) -> Finding:
+def _residual(name: str, what: str, rest: Dwell, amplitude: float, shown: MotionUnit) -> Finding:
     return Finding(
         name=name,
         severity="ok",
-        sentence=f"{what} of {telling.of(amplitude)} left in the rest{_from(rest.start)}",
-        value=telling.scale * amplitude,
-        unit=telling.unit,
+        sentence=f"{what} of {shown.of(amplitude)} left in the dwell{_from(rest.start)}",
+        value=shown.scale * amplitude,
+        unit=shown.unit,
         cam_angle=rest.start,
     )
 

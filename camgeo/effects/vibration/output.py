@@ -1,4 +1,4 @@
-"""The motion of the output over the cam angle: rigid or elastic."""
+"""The motion of the output over the cam angle, rigid or elastic."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ class Clock:
 
     @property
     def base(self) -> Base:
-        """It as what moves the train."""
+        """The demanded motion as the excitation of the train."""
         return Base(self.jet, self.time(self.edges))
 
 
@@ -63,7 +63,7 @@ class Output:
     Attributes
     ----------
     clock : the demanded motion over time.
-    response : of the train in its steady state; None if it is rigid, for it has no mass.
+    response : of the train in its steady state; None if the train is rigid, without mass.
     """
 
     clock: Clock
@@ -78,7 +78,7 @@ class Output:
         return out
 
     def deflection(self, phi: FloatArray, side: Side) -> FloatArray:
-        """(n,) output less demanded motion [mm or rad] at `phi` (n,) [rad]."""
+        """(n,) output minus demanded motion [mm or rad] at `phi` (n,) [rad]."""
         found: FloatArray = self.states(phi, side)[0]
         return found
 

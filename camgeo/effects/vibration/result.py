@@ -1,8 +1,8 @@
 """Effect `vibration`: an elastic follower train in its steady state, solved exactly.
 
-The train is one mass on a spring and a damper whose base makes the demanded motion, or two in a
-row: `camgeo.numeric.oscillator.train` has the equations with their sources. The motion laws are
-smooth in pieces, and on each the response is known in closed form,
+The train is a mass on a spring and a damper whose base has the demanded motion, or two of them in
+series; see `camgeo.numeric.oscillator.train` for the equations and their sources. The motion laws
+are piecewise smooth, and on each piece the response is known in closed form, see
 `camgeo.numeric.oscillator.mode`.
 """
 
@@ -18,7 +18,7 @@ from camgeo.check.finding import Finding
 from camgeo.effects.effect import Column, Request, Result
 from camgeo.effects.results import INERTIA
 from camgeo.effects.vibration.findings import (
-    Telling,
+    MotionUnit,
     magnitude,
     of_acceleration,
     of_error,
@@ -28,7 +28,7 @@ from camgeo.effects.vibration.findings import (
     search_edges,
 )
 from camgeo.effects.vibration.output import Clock, Output, clock_of
-from camgeo.effects.vibration.spec import Spec
+from camgeo.effects.vibration.table import TrainData
 from camgeo.errors import EffectError, GeometryError
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray
@@ -38,17 +38,17 @@ from camgeo.numeric.oscillator.train import Train, one_mass, two_masses
 from camgeo.units import TURN
 
 FORCING: Final = 1e-3
-"""Share of the tolerance that the forcing may miss at first; the response magnifies it."""
+"""Initial tolerance of the forcing, as a share of that of the response, which magnifies errors."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Vibration(Result):
-    """What is found of the vibration.
+    """The vibration of the train.
 
     Attributes
     ----------
     findings, columns : see `camgeo.effects.effect.Result`.
-    error : estimate of the error of the deflection, as a share of the largest lift.
+    error : estimate of the error of the deflection, relative to the largest lift.
     output : over the cam angle.
     """
 
@@ -56,7 +56,7 @@ class Vibration(Result):
     error: float = field(kw_only=True)
 
 
-def compute(request: Request[Spec]) -> Vibration:
+def compute(request: Request[TrainData]) -> Vibration:
     """The steady state of the train.
 
     Raises
@@ -66,10 +66,10 @@ def compute(request: Request[Spec]) -> Vibration:
     EffectError
         If an undamped train is in resonance, or the tolerance cannot be reached.
     """
-    subject, spec = request.subject, request.spec
+    subject, data = request.subject, request.data
     turns = subject.drive.unit == "rad"
-    limit = spec.limit_angle if turns else spec.limit
-    telling = Telling("deg", math.degrees(1.0)) if turns else Telling("mm", 1.0)
+    limit = data.limit_angle if turns else data.limit
+    shown = MotionUnit("deg", math.degrees(1.0)) if turns else MotionUnit("mm", 1.0)
     train = train_of(request)
     clock = clock_of(subject, request.course)
     period = float(clock.time(clock.edges[-1:])[0])
@@ -82,20 +82,20 @@ def compute(request: Request[Spec]) -> Vibration:
     output = Output(clock, response)
     most = magnitude(piecewise_extremes(output.deflection, edges))
     fastest = magnitude(piecewise_extremes(output.acceleration, edges))
-    findings += [of_error(most, limit, telling), of_acceleration(fastest, clock, telling)]
+    findings += [of_error(most, limit, shown), of_acceleration(fastest, clock, shown)]
     if response is not None:
-        findings += of_rests(clock, response, telling)
-        findings += of_resonance(response, most.value, telling)
+        findings += of_rests(clock, response, shown)
+        findings += of_resonance(response, most.value, shown)
     return Vibration(
         output,
         findings=tuple(findings),
-        columns=_columns(output, telling, limit),
+        columns=_columns(output, shown, limit),
         error=error,
     )
 
 
 def _response(clock: Clock, train: Train, tolerance: float) -> tuple[Response, float]:
-    """The steady state, and the error of its deflection as a share of the largest lift."""
+    """The steady state, and the error of its deflection relative to the largest lift."""
     lift = float(np.max(np.abs(clock.plan.jet(clock.edges)[0])))
     error = math.inf
     for share in (FORCING * tolerance, 0.0):
@@ -105,7 +105,7 @@ def _response(clock: Clock, train: Train, tolerance: float) -> tuple[Response, f
             raise EffectError(
                 f"resonance without damping: harmonic {resonance.harmonic} of the cam's speed is"
                 f" the natural frequency, {resonance.frequency / TURN:.6g} Hz, and the vibration"
-                " grows from turn to turn; there is a steady state with damping, or beside it",
+                " grows from turn to turn; a steady state needs damping or another speed",
                 finding="resonance",
                 value=resonance.frequency / TURN,
                 unit="Hz",
@@ -114,16 +114,16 @@ def _response(clock: Clock, train: Train, tolerance: float) -> tuple[Response, f
         if error <= tolerance:
             return response, error
     raise EffectError(
-        f"the deflection is known to {error:.3g} of the lift only, {tolerance:.3g} is asked: an"
-        " undamped train so near to resonance magnifies all rounding",
+        f"the deflection has an error of {error:.3g} of the lift; the tolerance is {tolerance:.3g}:"
+        " an undamped train this close to resonance magnifies rounding errors",
         finding="vibration-tolerance",
         value=error,
         limit=tolerance,
     )
 
 
-def _columns(output: Output, telling: Telling, limit: float | None) -> tuple[Column, ...]:
-    unit, scale = telling.unit, telling.scale
+def _columns(output: Output, shown: MotionUnit, limit: float | None) -> tuple[Column, ...]:
+    unit, scale = shown.unit, shown.scale
     bound = None if limit is None else scale * limit
 
     def deflection(phi: FloatArray, side: Side) -> FloatArray:
@@ -138,21 +138,21 @@ def _columns(output: Output, telling: Telling, limit: float | None) -> tuple[Col
     )
 
 
-def train_of(request: Request[Spec]) -> Train | None:
-    """The elastic train; None if it is rigid, for there is no mass.
+def train_of(request: Request[TrainData]) -> Train | None:
+    """The elastic train; None if it is rigid, without mass.
 
-    With a stiffness k, w^2 = k / m for the mass m that [effects.inertia] gives. With a second mass
-    m is both of them together, so that the first one is m / (1 + mass_ratio).
+    With a stiffness k, w^2 = k / m for the mass m from [effects.inertia]. With a second mass m is
+    the sum of both, so the first one is m / (1 + mass_ratio).
 
     Raises
     ------
     GeometryError
         If the masses are missing.
     """
-    spec = request.spec
-    frequency = spec.natural_frequency
+    data = request.data
+    frequency = data.natural_frequency
     if frequency is None:
-        stiffness = spec.stiffness if spec.stiffness is not None else spec.torsional_stiffness
+        stiffness = data.stiffness if data.stiffness is not None else data.torsional_stiffness
         assert stiffness is not None  # `parse` refuses a table without
         inertia = request.results.get(INERTIA)
         if inertia is None:
@@ -169,10 +169,10 @@ def train_of(request: Request[Spec]) -> Train | None:
             )
         if inertia.moved == 0.0:
             return None
-        share = 1.0 if spec.second is None else 1.0 + spec.second.mass_ratio
+        share = 1.0 if data.second is None else 1.0 + data.second.mass_ratio
         frequency = math.sqrt(share * stiffness / inertia.moved)
     if math.isinf(frequency):
-        return None if spec.second is None else one_mass(spec.second.frequency, spec.second.damping)
-    if spec.second is None:
-        return one_mass(frequency, spec.damping)
-    return two_masses(frequency, spec.damping, spec.second)
+        return None if data.second is None else one_mass(data.second.frequency, data.second.damping)
+    if data.second is None:
+        return one_mass(frequency, data.damping)
+    return two_masses(frequency, data.damping, data.second)

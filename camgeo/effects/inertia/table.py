@@ -1,4 +1,4 @@
-"""What a scene says of the masses."""
+"""The table ``[effects.inertia]``: the masses."""
 
 from __future__ import annotations
 
@@ -16,20 +16,23 @@ OF_COUPLER: Final = ("coupler_mass", "coupler_centre", "coupler_moment")
 
 
 @dataclass(frozen=True, slots=True)
-class InertiaSpec:
-    """The table ``[effects.inertia]``; masses in t, moments of inertia in t mm^2, lengths in mm.
+class MassProperties:
+    """Masses [t], moments of inertia [t mm^2] and centres of mass [mm].
 
     Attributes
     ----------
-    mass : of what makes the demanded motion along a straight line.
-    moment_of_inertia : of the rocker about its pivot, with a linkage's crank, without roller.
-    roller_mass : in the roller's centre.
-    rocker_mass : without roller, for weight and unbalance.
-    rocker_centre : of the rocker's mass at cam angle 0, seen from the cam axis; None: the pivot.
+    mass : of the translating member that has the demanded motion.
+    moment_of_inertia : of the rocker about its pivot, including the crank of a linkage, without the
+        roller.
+    roller_mass : at the centre of the roller.
+    rocker_mass : without the roller, for its weight and static unbalance.
+    rocker_centre : centre of mass of the rocker at cam angle 0, relative to the cam axis; None for
+        the pivot.
     coupler_mass : of the coupler of a linkage.
-    coupler_centre : of its mass on the line of its joints, 0 at the crank's tip, 1 at the pin.
-    coupler_moment : about its centre of mass; None: of a slender rod.
-    output_moment : about its shaft, of the lever of a four-bar or of a crank that a slider turns.
+    coupler_centre : of its mass on the line between its joints, 0 at the crank, 1 at the far pin.
+    coupler_moment : about its centre of mass; None for that of a slender rod.
+    output_moment : about its shaft, of the lever of a four-bar linkage or of a crank driven by a
+        slider.
     """
 
     mass: float = 0.0
@@ -43,23 +46,23 @@ class InertiaSpec:
     output_moment: float = 0.0
 
     def far(self, linkage: Linkage) -> float:
-        """What makes the demanded motion behind a linkage: [t], or [t mm^2] if it turns."""
+        """Inertia of the member with the demanded motion: [t], or [t mm^2] if it turns."""
         return {"mm": self.mass, "rad": self.output_moment}[linkage.unit]
 
     def beyond(self, linkage: Linkage | None) -> bool:
-        """Whether anything behind the linkage has a mass."""
+        """Whether anything beyond the rocker, behind the linkage, has mass."""
         if linkage is None:
             return False
         return bool(self.far(linkage) or self.coupler_mass or self.coupler_moment)
 
 
-def parse(table: Mapping[str, Any]) -> InertiaSpec:
-    """The table, numbers converted.
+def parse(table: Mapping[str, Any]) -> MassProperties:
+    """The data of the table.
 
     Raises
     ------
     GeometryError
-        With the key, if a centre or moment is given of what has no mass.
+        With the key, if a centre or moment is given for a body without mass.
     """
     for key, mass in (
         ("rocker_centre", "rocker_mass"),
@@ -70,7 +73,7 @@ def parse(table: Mapping[str, Any]) -> InertiaSpec:
             raise GeometryError(f"needs {mass}, which is missing", key=key)
     centre = table.get("rocker_centre")
     rest = {key: value for key, value in table.items() if key != "rocker_centre"}
-    return InertiaSpec(
+    return MassProperties(
         rocker_centre=None if centre is None else complex(*centre),
         **rest,
     )

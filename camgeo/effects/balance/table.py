@@ -1,4 +1,4 @@
-"""What a scene says about the balance of its disc."""
+"""The table ``[effects.balance]``: density, grade, and means of balancing."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Final
 
-from camgeo.effects.effect import spec_of
+from camgeo.effects.effect import data_of
 from camgeo.errors import GeometryError
 
 LARGEST_HOLE: Final = 0.25
@@ -14,17 +14,17 @@ LARGEST_HOLE: Final = 0.25
 
 
 @dataclass(frozen=True, slots=True)
-class BalanceSpec:
-    """What is asked.
+class BalanceRequirements:
+    """Density of the disc, and what is required of its balance.
 
     Attributes
     ----------
     density : of the disc [t/mm^3].
     counterweight_radius : distance of the counterweight's centre of mass from the cam axis [mm];
-        None if none is sought.
-    hole_radius : distance of balancing holes from the cam axis [mm]; None if none are sought.
-    hole_diameter : the largest that is allowed [mm]; None without holes.
-    grade : balance quality grade G [mm/s]; None if the disc is held to none.
+        None for no counterweight.
+    hole_radius : distance of balancing holes from the cam axis [mm]; None for no holes.
+    hole_diameter : the largest diameter allowed [mm]; None without holes.
+    grade : balance quality grade G [mm/s]; None for no requirement.
     """
 
     density: float
@@ -34,23 +34,23 @@ class BalanceSpec:
     grade: float | None = None
 
 
-def parse(table: Mapping[str, Any]) -> BalanceSpec:
-    """From the table of the scene.
+def parse(table: Mapping[str, Any]) -> BalanceRequirements:
+    """The data of the table.
 
     Raises
     ------
     GeometryError
-        With the key, if there is no such material, or a diameter of holes without their radius.
+        With the key, if there is no such material, or a hole diameter without a hole radius.
     """
     if "hole_diameter" in table and "hole_radius" not in table:
         raise GeometryError(
             "needs hole_radius, the distance of the holes from the cam axis", key="hole_diameter"
         )
-    told = dict(table)
+    values = dict(table)
     if "hole_radius" in table:
-        told.setdefault("hole_diameter", LARGEST_HOLE * table["hole_radius"])
+        values.setdefault("hole_diameter", LARGEST_HOLE * table["hole_radius"])
     if "density" not in table:
         from camgeo.effects.materials import find_material  # a density needs no table
 
-        told["density"] = find_material(table.get("material", "steel"), "material").density
-    return spec_of(BalanceSpec, told)
+        values["density"] = find_material(table.get("material", "steel"), "material").density
+    return data_of(BalanceRequirements, values)

@@ -1,4 +1,4 @@
-"""What the scene says of the contact: the table ``[effects.contact-pressure]``."""
+"""The table ``[effects.contact-pressure]``: materials and limits of the contact."""
 
 from __future__ import annotations
 
@@ -16,17 +16,17 @@ OF_ROLLER: Final = ("roller_material", "roller_modulus", "roller_poisson", "rati
 
 
 @dataclass(frozen=True, slots=True)
-class Spec:
-    """The table, numbers converted.
+class PressureRequirements:
+    """Materials, width and limits of the contact.
 
     Attributes
     ----------
     cam, mate : materials of the cam, and of the roller or face.
     limit : largest pressure allowed [MPa].
-    safety : against it, which is asked for.
+    safety : required safety against this limit.
     width : of the contact [mm]; None for that of the part.
-    rating : dynamic load rating of the roller's bearing [N]; None if no life is asked for.
-    life : asked of it [s]; None for none.
+    rating : dynamic load rating of the roller bearing [N]; None to compute no life.
+    life : required life of the bearing [s]; None for no requirement.
     """
 
     cam: Material
@@ -44,30 +44,32 @@ class Spec:
 
     @property
     def allowed(self) -> float:
-        """Largest pressure with the safety that is asked for [MPa]."""
+        """Largest pressure with the required safety [MPa]."""
         return self.limit / self.safety
 
 
-def parse(table: Mapping[str, Any]) -> Spec:
-    """From the table of the scene.
+def parse(table: Mapping[str, Any]) -> PressureRequirements:
+    """The data of the table.
 
     Raises
     ------
     GeometryError
-        With its key: an unknown material, a material without a limit where the table gives none,
-        a rating of 0, a life without rating, keys of a face beside those of a roller.
+        With the key: an unknown material, a material without a limit where the table gives none, a
+        rating of 0, a life without a rating, keys of a face together with those of a roller.
     """
     who = "face" if any(key in table for key in OF_FACE) else "roller"
     both = [key for key in OF_ROLLER if key in table] if who == "face" else []
     if both:
-        raise GeometryError("cannot stand beside those of a face: it is a roller's", key=both[0])
+        raise GeometryError(
+            "is a key of a roller, and cannot be combined with those of a face", key=both[0]
+        )
     cam, mate = (_material(each, table) for each in ("cam", who))
     rating, life = table.get("rating"), table.get("life")
     if rating is not None and not rating > 0.0:
         raise GeometryError("the load rating must be above 0 N", key="rating", value=f"{rating:g}")
     if life is not None and rating is None:
-        raise GeometryError("needs the load rating of the roller's bearing, `rating`", key="life")
-    return Spec(
+        raise GeometryError("needs the load rating of the roller bearing, `rating`", key="life")
+    return PressureRequirements(
         cam=cam,
         mate=mate,
         limit=table["limit"] if "limit" in table else _common_limit(cam, mate),
@@ -89,13 +91,13 @@ def _material(who: str, table: Mapping[str, Any]) -> Material:
 
 
 def _common_limit(cam: Material, mate: Material) -> float:
-    """The smaller pressure of both [MPa]."""
+    """The smaller limit of the two materials [MPa]."""
     limits = []
     for material in (cam, mate):
         if material.pressure is None:
             raise GeometryError(
-                f"is missing: there is no common figure for the pressure that {material.name}"
-                " bears",
+                f"is missing: there is no generally accepted limit of the pressure for"
+                f" {material.name}",
                 key="limit",
             )
         limits.append(material.pressure)

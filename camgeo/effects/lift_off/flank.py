@@ -1,4 +1,4 @@
-"""What lift-off takes from other effects, and the flank that the roller has to keep to."""
+"""The flank on which the follower must stay, and the force that holds it there."""
 
 from __future__ import annotations
 
@@ -15,23 +15,23 @@ from camgeo.numeric.arrays import FloatArray
 from camgeo.numeric.extremes import Extreme
 
 ROUNDING: Final = 64.0 * 2.0**-52
-"""Forces whose sum is below this share of their magnitudes cancel: what is left is rounding."""
+"""Forces whose sum is below this share of their magnitudes cancel; the rest is rounding."""
 
 TOUCH: Final = 1e-12
-"""A force below this share of the largest one of the turn is none."""
+"""A force below this share of the largest one of the turn is 0."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Flank:
-    """The flank on which a roller or face that touches one flank only has to stay.
+    """The single flank on which a roller or face must stay.
 
     Attributes
     ----------
     subject : the design.
     contact : the contact force.
     sense : +1 for the inner flank, -1 for the outer one.
-    margin : contact force that has to remain [N].
-    inertia : None if there is none.
+    margin : contact force that must remain [N].
+    inertia : None without masses.
     """
 
     subject: Subject
@@ -46,7 +46,9 @@ class Flank:
         return self.subject.cam.follower.touching
 
     def force(self, phi: FloatArray, side: Side) -> FloatArray:
-        """(n,) [N] force on the flank at the scene's speed, negative where it had to pull."""
+        """(n,) [N] force on the flank at the speed of the scene, negative where it would have to
+        pull.
+        """
         return self.sense * self.contact.normal(phi, side)
 
     @property
@@ -58,13 +60,13 @@ class Flank:
         return Extreme(-extremes.highest.value, extremes.highest.place)
 
     def outwards(self, phi: FloatArray, side: Side) -> FloatArray:
-        """(n,) sense on q in which the flank pushes, +1 or -1."""
+        """(n,) direction of q in which the flank pushes, +1 or -1."""
         return self.sense * np.sign(self.subject.cam.disc.pitch_curve.leverage(phi, side))
 
     def leaps(self) -> tuple[float, ...]:
-        """Cam angles [rad] at which the velocity jumps away from the flank, and there is a mass.
+        """Cam angles [rad] at which the velocity of a mass jumps away from the flank.
 
-        No finite force holds it to the flank there.
+        No finite force holds the follower on the flank there.
         """
         motion, found = self.subject.drive.motion, []
         for angle in shocks(self.subject, self.inertia):
@@ -77,11 +79,11 @@ class Flank:
     def reserve(
         self, phi: FloatArray, side: Side, outwards: FloatArray | None = None
     ) -> FloatArray:
-        """(3, n) r0, r1, r2 [N or N mm]: r0 + f r1 + f^2 r2 is what is left over the margin.
+        """(3, n) r0, r1, r2 [N or N mm]: r0 + f r1 + f^2 r2 is the reserve over the margin.
 
-        It is the generalised force of the contact, in the sense in which the flank pushes, less
-        that of the margin, if the time course of the scene is run f times as fast: omega grows
-        with f, alpha with f^2. It has the sign of the force on the flank less the margin.
+        This is the generalised force of the contact, in the direction in which the flank pushes,
+        minus that of the margin, with the cam running f times as fast as in the scene: omega is
+        proportional to f, alpha to f^2. It has the sign of the contact force minus the margin.
         """
         course = self.subject.drive.time_course
         omega, alpha = np.zeros((2, len(phi))) if course is None else course.rates(phi)[:2]

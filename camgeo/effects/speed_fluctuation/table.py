@@ -1,4 +1,4 @@
-"""What a scene says of the motor and of all that turns."""
+"""The table ``[effects.speed-fluctuation]``: the motor, and the inertia that it drives."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from camgeo.numeric.arrays import FloatArray, frozen
 from camgeo.units import RPM
 
 N_MM: Final = 1e3
-"""N mm in an N m."""
+"""From N m to N mm."""
 
 SPEED: Final = Column(
     "speed", ("n", "speed"), ("rev/min", "rpm", "1/min", "min-1", "min^-1", "r/min")
@@ -29,7 +29,7 @@ LINE: Final = ("stall_torque", "no_load_speed")
 class Motor:
     """Torque on the camshaft over its speed.
 
-    Between two rows it is a straight line; the first and the last line go on beyond the rows.
+    It is linear between rows, and the first and last lines are extrapolated.
 
     Attributes
     ----------
@@ -52,7 +52,7 @@ class Motor:
 
     @property
     def no_load_speed(self) -> float:
-        """Speed [rad/s] at which the torque is 0; 0 if it never is above 0."""
+        """Speed [rad/s] at which the torque is 0; 0 if it is never positive."""
         if self.torques[-1] > 0.0:
             slope = (self.torques[-1] - self.torques[-2]) / (self.speeds[-1] - self.speeds[-2])
             return float(self.speeds[-1] - self.torques[-1] / slope)
@@ -63,18 +63,18 @@ class Motor:
 
 
 def parse_motor(table: Mapping[str, Any]) -> Motor:
-    """The motor of the table, by a straight line or by a file.
+    """The motor of the table, a straight line or a file.
 
     Raises
     ------
     GeometryError
-        With the key, if there is neither or both; with file and line, if the curve does not fall.
+        With the key, if neither or both are given; with file and line, if the curve does not fall.
     """
     given = [key for key in LINE if key in table]
     if "file" in table:
         if given:
             raise GeometryError(
-                "contradicts file, which gives the torque of the motor too", key=given[0]
+                "contradicts file, which also gives the torque of the motor", key=given[0]
             )
         return read_motor(table["file"])
     for key in LINE:
@@ -97,8 +97,8 @@ def parse_motor(table: Mapping[str, Any]) -> Motor:
 def read_motor(file: DataFile) -> Motor:
     """The motor of a CSV file: speed [rev/min] and torque [N m].
 
-    The file is written as `camgeo.motion.two_columns` tells; a heading may call the columns "n" or
-    "speed", and "M", "T" or "torque".
+    See `camgeo.motion.two_columns` for the format; a heading may name the columns "n" or "speed",
+    and "M", "T" or "torque".
     """
     try:
         table = read_two_columns(file.data, file.name, (SPEED, TORQUE))
@@ -109,7 +109,7 @@ def read_motor(file: DataFile) -> Motor:
         if len(rises):
             row = int(rises[0]) + 1
             before = float(table.second[row - 1])
-            message = f"the torque before is {before!r}; allowed is only falling"
+            message = f"the previous torque is {before!r}; the torque must decrease"
             raise table.fault(row, table.second, message)
     except GeometryError as error:
         raise GeometryError(error.message, "file", error.value) from error
@@ -117,14 +117,14 @@ def read_motor(file: DataFile) -> Motor:
 
 
 @dataclass(frozen=True, slots=True)
-class Spec:
-    """The table.
+class MotorDrive:
+    """The motor and what it drives.
 
     Attributes
     ----------
-    moment_of_inertia : J of all that turns with the camshaft [t mm^2], above 0.
-    motor : its torque over the speed.
-    limit : allowed fluctuation of the speed; None if there is none.
+    moment_of_inertia : J of everything that turns with the camshaft [t mm^2], above 0.
+    motor : its torque over speed.
+    limit : allowed speed fluctuation; None for no limit.
     """
 
     moment_of_inertia: float
@@ -132,24 +132,24 @@ class Spec:
     limit: float | None
 
 
-def parse(table: Mapping[str, Any]) -> Spec:
-    """The table of the scene.
+def parse(table: Mapping[str, Any]) -> MotorDrive:
+    """The data of the table.
 
     Raises
     ------
     GeometryError
-        With the key, if motor or moment of inertia are missing or make no sense.
+        With the key, if motor or moment of inertia is missing or invalid.
     """
     inertia = table.get("moment_of_inertia")
     if inertia is None:
         raise GeometryError(
-            "is missing: the moment of inertia of all that turns with the camshaft",
+            "is missing: the moment of inertia of everything that turns with the camshaft",
             key="moment_of_inertia",
         )
     if not inertia > 0.0:
         raise GeometryError(
-            "without inertia the speed follows from no equation of motion; allowed is above 0",
+            "without inertia there is no equation of motion for the speed; allowed is above 0",
             key="moment_of_inertia",
             value=f"{inertia:g}",
         )
-    return Spec(inertia, parse_motor(table), table.get("limit"))
+    return MotorDrive(inertia, parse_motor(table), table.get("limit"))

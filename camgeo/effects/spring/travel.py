@@ -1,8 +1,8 @@
-"""How a spring relaxes over the cam angle.
+"""The travel of a spring over the cam angle.
 
-A `Way` gives x (n,), by how much the spring has relaxed since cam angle 0 [mm or rad], and dx/dq,
-how much it relaxes with the follower's coordinate q. All that a spring does follows from the two,
-whatever its kind: a linear spring with preload P and rate k pushes or pulls along x with
+A `Travel` gives x (n,), how far the spring has relaxed since cam angle 0 [mm or rad], and dx/dq,
+its derivative by the follower's coordinate q. The effect of any kind of spring follows from these
+two: a linear spring with preload P and rate k pushes or pulls along x with
 
     F = P - k x,      Q = F dx/dq,      V = k x^2 / 2 - P x,
 
@@ -31,14 +31,14 @@ if TYPE_CHECKING:
     from camgeo.mechanism.slider_crank import SliderCrank
     from camgeo.motion.motion import Motion
 
-Way = Callable[[FloatArray, Side], tuple[FloatArray, FloatArray]]
+Travel = Callable[[FloatArray, Side], tuple[FloatArray, FloatArray]]
 
 SHORTEST: Final = 1e-6
-"""A spring shorter than this share of the levers at which it acts has lost its direction."""
+"""A spring shorter than this share of its lever arms has no definite direction."""
 
 
 def closing_sense(subject: Subject) -> int:
-    """Sense along the outward normal in which a spring has to press: -1 inwards, +1 outwards.
+    """Direction along the outward normal in which a spring must press: -1 inwards, +1 outwards.
 
     Inwards on the inner flank and in a groove, outwards on the outer flank.
     """
@@ -46,7 +46,9 @@ def closing_sense(subject: Subject) -> int:
 
 
 def outward(subject: Subject, phi: FloatArray, side: Side) -> FloatArray:
-    """(n,) [mm^2/rad^2] of the sign of dn/dq, see `PitchCurve.leverage`; it needs no normal."""
+    """(n,) [mm^2/rad^2] with the sign of dn/dq (`PitchCurve.leverage`), defined without a
+    normal.
+    """
     follower = subject.cam.follower
     jet = subject.drive.motion.jet(phi, side, 1 + follower.ahead)
     relative = follower.relative_jet(jet, subject.cam.rotation, 1)
@@ -56,13 +58,13 @@ def outward(subject: Subject, phi: FloatArray, side: Side) -> FloatArray:
 
 @dataclass(frozen=True, slots=True)
 class Along:
-    """A spring along the guide of follower or slider, or a torsion spring about a pivot.
+    """A spring along the guide of a follower or slider, or a torsion spring about a pivot.
 
     Attributes
     ----------
-    motion : along the guide or about the pivot: the follower's own, or that of the slider.
-    start : where it is at cam angle 0 [mm or rad].
-    sense : +1 if the spring relaxes as the motion grows, -1 if as it falls.
+    motion : along the guide or about the pivot: that of the follower or of the slider.
+    start : its value at cam angle 0 [mm or rad].
+    sense : +1 if the spring relaxes as the motion increases, -1 if it relaxes as it decreases.
     linkage : from the slider to the rocker, with dq/ds; None if the motion is the follower's own.
     """
 
@@ -81,10 +83,11 @@ class Along:
 class BetweenPoints:
     """A spring between a fixed point and one on the rocker.
 
-    With a the fixed point and r the point on the rocker, seen from the pivot, the spring has the
-    length L = |r - a|, and r turns with the rocker: L^2 = |r|^2 + |a|^2 - 2 Re(conj(a) r), so that
-    L dL/dq = h Im(conj(a) r), h = +1 if q counts counter-clockwise. The elongation is taken from
-    the difference of the squares, L^2 - L_0^2 = 2 Re(conj(a) (r_0 - r)), which loses no digits.
+    With the fixed point a and the point r on the rocker, both relative to the pivot, the spring has
+    the length L = |r - a|, and r turns with the rocker: L^2 = |r|^2 + |a|^2 - 2 Re(conj(a) r), so
+    L dL/dq = h Im(conj(a) r), with h = +1 if q is counter-clockwise positive. The elongation is
+    computed from the difference of the squares, L^2 - L_0^2 = 2 Re(conj(a) (r_0 - r)), without
+    cancellation.
 
     Attributes
     ----------
@@ -92,8 +95,8 @@ class BetweenPoints:
     start : q at cam angle 0 [rad].
     swing_sense : h.
     attachment, anchor : r_0 = r at cam angle 0, and a [mm].
-    sense : +1 for a compression spring, which relaxes as it grows longer, -1 for an extension
-        spring, which relaxes as it grows shorter.
+    sense : +1 for a compression spring, which relaxes as it gets longer, -1 for an extension
+        spring, which relaxes as it gets shorter.
     """
 
     motion: Motion
@@ -125,16 +128,15 @@ class BetweenPoints:
 
 
 def along_guide(subject: Subject) -> Along:
-    """Along the guide of a translating follower: it relaxes towards the flank in use."""
+    """Along the guide of a translating follower; it relaxes towards the flank in use."""
     sense = closing_sense(subject) * subject.cam.follower.reach
     return Along(subject.drive.motion, _start(subject.drive.motion), sense)
 
 
 def about_pivot(subject: Subject) -> Along:
-    """About the pivot of a rocker: it relaxes as the follower is turned towards the flank in use.
+    """About the pivot of a rocker; it relaxes as the follower turns towards the flank in use.
 
-    Towards it as seen at cam angle 0; the side cannot change unless the arm passes the line of
-    centres.
+    The direction is that at cam angle 0, which changes only if the arm passes the line of centres.
     """
     lever = float(outward(subject, np.zeros(1), "right")[0])
     sense = closing_sense(subject) * float(np.sign(lever))
@@ -142,23 +144,24 @@ def about_pivot(subject: Subject) -> Along:
 
 
 def along_slider(subject: Subject, linkage: SliderCrank) -> Along:
-    """Along the slider's guide: it relaxes as the follower is moved towards the flank in use.
+    """Along the slider's guide; it relaxes as the follower moves towards the flank in use.
 
     Raises
     ------
     GeometryError
-        With key "effects.spring", if the way of the slider that closes the contact is not the same
-        all round: where the coupler is square to the guide, or the arm on the line of centres.
+        With key "effects.spring", if the direction of the slider that closes the contact changes
+        over the turn: where the coupler is square to the guide, or the arm is on the line of
+        centres.
     """
     plan = subject.drive.plan
     locked = locked_at(linkage, plan)
     if locked is not None:
         raise GeometryError(
-            "the slider cannot close the contact all round: at cam angle"
+            "the slider cannot close the contact over the whole turn: at cam angle"
             f" {np.degrees(locked[0]):.4f} deg the coupler is square to the guide",
             key="effects.spring",
         )
-    # Of the sign of dn/ds; ds/dpsi itself may vanish in a dead centre, never change sign.
+    # It has the sign of dn/ds: ds/dpsi may vanish at a dead centre, but never changes sign.
     found = piecewise_extremes(partial(outward, subject), subject.drive.smooth_angles)
     if found.lowest.value < 0.0 < found.highest.value:
         raise GeometryError(
@@ -182,18 +185,18 @@ def between_points(
     attachment: complex,
     sense: float,
 ) -> BetweenPoints:
-    """Between `anchor` and `attachment`, its place at cam angle 0, both seen from the cam axis.
+    """Between `anchor` and `attachment` at cam angle 0, both relative to the cam axis.
 
     Raises
     ------
     GeometryError
-        With key "effects.spring.attachment", if it is the pivot; with "effects.spring.anchor", if
-        the attachment comes so near to it that the spring has no direction.
+        With key "effects.spring.attachment", if it is at the pivot; with "effects.spring.anchor",
+        if the attachment comes so close to it that the spring has no direction.
     """
     lever, fixed = attachment - pivot, anchor - pivot
     if lever == 0.0:
         raise GeometryError(
-            "is the pivot of the rocker: a spring there turns nothing",
+            "is at the pivot of the rocker, where a spring has no torque",
             key="effects.spring.attachment",
         )
     start = _start(subject.drive.motion)

@@ -1,4 +1,4 @@
-"""What a scene says of the elastic train."""
+"""The table ``[effects.vibration]``: the elastic follower train."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
 
-from camgeo.effects.effect import spec_of
+from camgeo.effects.effect import data_of
 from camgeo.errors import GeometryError
 
 if TYPE_CHECKING:
@@ -17,18 +17,18 @@ FREQUENCY_KEYS: Final = ("natural_frequency", "stiffness", "torsional_stiffness"
 
 
 @dataclass(frozen=True, slots=True)
-class Spec:
-    """The table of the scene.
+class TrainData:
+    """The elastic train.
 
     Attributes
     ----------
-    natural_frequency : of the first mass without the second [rad/s]; None if the stiffness says it.
-    stiffness : at what makes the demanded motion [N/mm].
-    torsional_stiffness : the same, of an angle [N mm/rad].
+    natural_frequency : of the first mass without the second [rad/s]; None if a stiffness gives it.
+    stiffness : at the member with the demanded motion [N/mm].
+    torsional_stiffness : the same for a rotation [N mm/rad].
     damping : damping ratio.
-    limit : largest error of the demanded motion [mm].
-    limit_angle : the same, of an angle [rad].
-    second : a second mass.
+    limit : largest allowed error of the demanded motion [mm].
+    limit_angle : the same for a rotation [rad].
+    second : a second mass, or None.
     """
 
     natural_frequency: float | None = None
@@ -40,13 +40,13 @@ class Spec:
     second: Second | None = None
 
 
-def parse(table: Mapping[str, Any]) -> Spec:
-    """From the table of the scene.
+def parse(table: Mapping[str, Any]) -> TrainData:
+    """The data of the table.
 
     Raises
     ------
     GeometryError
-        If there is not exactly one of the keys that give the natural frequency, or it is zero.
+        If not exactly one key gives the natural frequency, or its value is 0.
     """
     given = [key for key in FREQUENCY_KEYS if table.get(key) is not None]
     if not given:
@@ -55,10 +55,12 @@ def parse(table: Mapping[str, Any]) -> Spec:
             key="natural_frequency",
         )
     if len(given) > 1:
-        raise GeometryError(f"cannot stand beside {given[0]}: one of them is enough", key=given[1])
+        raise GeometryError(
+            f"cannot be combined with {given[0]}: give only one of them", key=given[1]
+        )
     if not table[given[0]] > 0.0:
         raise GeometryError(
-            "must be above 0: nothing would move the follower", key=given[0], value="0"
+            "must be above 0, or nothing would move the follower", key=given[0], value="0"
         )
     second = None
     if "second" in table:
@@ -66,4 +68,4 @@ def parse(table: Mapping[str, Any]) -> Spec:
 
         own = table["second"]
         second = Second(own["natural_frequency"], own["mass_ratio"], own.get("damping", 0.0))
-    return spec_of(Spec, {**table, "second": second})
+    return data_of(TrainData, {**table, "second": second})

@@ -1,4 +1,4 @@
-"""A follower held both ways: where the flank or disc that carries changes, the impact after it."""
+"""A follower held in both directions: where the contact changes sides, and the impact after it."""
 
 from __future__ import annotations
 
@@ -12,24 +12,24 @@ from camgeo.effects.effect import Result, Subject
 from camgeo.effects.immovable import shocks
 from camgeo.effects.lift_off.crossing import Change, Clearance, Impact, flank_changes
 from camgeo.effects.results import ContactForce, Inertia
-from camgeo.effects.told import at, degrees, placed
 from camgeo.effects.touching import sides_of
+from camgeo.effects.wording import at, degrees, placed
 from camgeo.numeric.extremes import Extreme, piecewise_extremes
 
 LISTED: Final = 12
-"""Changes that are told one by one."""
+"""Largest number of changes that are listed one by one."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FormClosed(Result):
-    """What is found of a roller in a groove, or of a follower between two discs.
+    """The contact of a roller in a groove, or of a follower between two discs.
 
     Attributes
     ----------
-    error : of the impact speeds, as a share of the largest.
-    first : side that carries at first in the turn, +1 inner, -1 outer or return, 0 if none does.
-    changes : from one flank to the other.
-    impacts : after each of them, None for one that does not come; empty if not asked for.
+    error : of the impact speeds, relative to the largest.
+    first : side that carries first in the turn, +1 inner, -1 outer or return, 0 if none does.
+    changes : changes of side.
+    impacts : after each change, None where there is none; empty if they were not computed.
     """
 
     first: int
@@ -44,24 +44,24 @@ def of_groove(
     backlash: float,
     tolerance: float,
 ) -> FormClosed:
-    """All that is found of groove or pair; impact speeds to `tolerance`, as a share of them."""
-    told = _Told("roller" if subject.returning is None else "follower", *sides_of(subject))
+    """The findings for a groove or pair; impact speeds to the relative `tolerance`."""
+    sides = _Sides("roller" if subject.returning is None else "follower", *sides_of(subject))
     first, changes = flank_changes(contact)
-    found = [told.change(change) for change in changes[:LISTED]]
+    found = [sides.change(change) for change in changes[:LISTED]]
     if len(changes) > LISTED:
-        found.append(told.more(len(changes)))
+        found.append(sides.more(len(changes)))
     if not changes:
-        found.append(told.steady(first))
+        found.append(sides.steady(first))
     impacts: tuple[Impact | None, ...] = ()
     if changes and backlash > 0.0:
         why = _why_not(subject, contact, inertia)
         if why or inertia is None:
-            sentence = f"no impact speed is told: {why}"
+            sentence = f"no impact speed is given: {why}"
             found.append(Finding("impact-speed", "warning", sentence))
         else:
             clearance = Clearance(subject, contact, inertia, backlash)
             impacts = tuple(clearance.impact_after(change, tolerance) for change in changes)
-            found += told.impacts(changes, impacts, backlash)
+            found += sides.impacts(changes, impacts, backlash)
     hits = [impact for impact in impacts if impact is not None]
     error = None
     if hits:
@@ -71,26 +71,26 @@ def of_groove(
 
 
 def _why_not(subject: Subject, contact: ContactForce, inertia: Inertia | None) -> str:
-    """Why there is no impact speed; empty if there is."""
+    """Why there is no impact speed; empty if there is one."""
     if inertia is None or subject.drive.time_course is None:
-        return "it needs [effects.inertia]: without a mass the clearance is crossed in no time"
+        return "it needs [effects.inertia]; without mass the clearance is crossed instantly"
     if not piecewise_extremes(inertia.to_follower, contact.edges).lowest.value > 0.0:
-        return "the follower has no mass: the clearance is crossed in no time"
+        return "the follower has no mass, so the clearance is crossed instantly"
     jumps = shocks(subject, inertia)
     if jumps:
-        return f"the velocity jumps {at(jumps[0])}, a shock of its own"
+        return f"the velocity jumps {at(jumps[0])}, which is itself a shock"
     return ""
 
 
 @dataclass(frozen=True, slots=True)
-class _Told:
-    """How what is found is told.
+class _Sides:
+    """The wording of the findings.
 
     Attributes
     ----------
-    who : goes from one side to the other: "roller" or "follower".
+    who : changes sides: "roller" or "follower".
     names : of the sides.
-    noun : what they are: "flank" or "disc".
+    noun : what the sides are: "flank" or "disc".
     """
 
     who: str
@@ -99,12 +99,12 @@ class _Told:
 
     def change(self, change: Change) -> Finding:
         free = change.leaving != change.carrying
-        until = f", with no force on either up to {degrees(change.carrying)}" if free else ""
+        until = f", with no force on either until {degrees(change.carrying)}" if free else ""
         return Finding(
             name="flank-change",
             severity="ok",
             sentence=(
-                f"at cam angle {degrees(change.leaving)} the {self.who} goes from the"
+                f"at cam angle {degrees(change.leaving)} the {self.who} moves from the"
                 f" {self.names[change.sense]} to the {self.names[-change.sense]} {self.noun}{until}"
             ),
             cam_angle=change.leaving,
@@ -112,13 +112,13 @@ class _Told:
         )
 
     def more(self, count: int) -> Finding:
-        sentence = f"the {self.who} goes from one {self.noun} to the other {count} times a turn"
+        sentence = f"the {self.who} moves from one {self.noun} to the other {count} times per turn"
         return Finding("flank-change", "ok", sentence, float(count))
 
     def steady(self, first: int) -> Finding:
         sentence = f"there is no force on either {self.noun}"
         if first:
-            sentence = f"the {self.names[first]} {self.noun} carries all the turn"
+            sentence = f"the {self.names[first]} {self.noun} carries over the whole turn"
         return Finding("flank-change", "ok", sentence, 0.0)
 
     def impacts(
@@ -130,13 +130,13 @@ class _Told:
             left = f"after it leaves the {self.names[change.sense]} {self.noun}"
             left += f" at {degrees(change.leaving)}"
             if impact is None:
-                sentence = f"{left} the {self.who} meets neither {self.noun} within a turn"
+                sentence = f"{left} the {self.who} hits neither {self.noun} within a turn"
             else:
                 met = self.names[-change.sense if impact.crossed else change.sense]
-                back = "" if impact.crossed else " again, for it has not crossed the clearance"
+                back = "" if impact.crossed else " again, because it has not crossed the clearance"
                 sentence = (
-                    f"{left} the {self.who} meets the {met} {self.noun}{back}"
-                    f" at {degrees(impact.cam_angle)} with {impact.speed:.6g} mm/s"
+                    f"{left} the {self.who} hits the {met} {self.noun}{back}"
+                    f" at {degrees(impact.cam_angle)} at {impact.speed:.6g} mm/s"
                 )
             found.append(
                 Finding(
@@ -152,8 +152,8 @@ class _Told:
         if hits:
             fastest = hits[int(np.argmax([each.speed for each in hits]))]
             sentence = (
-                f"the {self.who} crosses its clearance of {backlash:g} mm and meets the {self.noun}"
-                f" with up to {fastest.speed:.6g} mm/s, {at(fastest.cam_angle)}"
+                f"the {self.who} crosses its clearance of {backlash:g} mm and hits the {self.noun}"
+                f" at up to {fastest.speed:.6g} mm/s, {at(fastest.cam_angle)}"
             )
             end = Extreme(fastest.speed, fastest.cam_angle)
             found.append(placed("largest-impact-speed", sentence, end, "mm/s", severity="warning"))

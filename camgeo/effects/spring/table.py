@@ -1,4 +1,4 @@
-"""What a scene says of the spring."""
+"""The table ``[effects.spring]``: the spring."""
 
 from __future__ import annotations
 
@@ -21,15 +21,16 @@ TORSIONAL: Final = ("torsional_stiffness", "preload_torque")
 
 
 @dataclass(frozen=True, slots=True)
-class Spec:
-    """What the scene says.
+class SpringData:
+    """The data of the spring.
 
     Attributes
     ----------
     kind : see `Kind`.
-    stiffness : k [N/mm], or [N mm/rad] of a torsion spring.
+    stiffness : k [N/mm], or [N mm/rad] for a torsion spring.
     preload : P at cam angle 0 [N], or [N mm].
-    anchor, attachment : ends of a spring on a rocker at cam angle 0, seen from the cam axis [mm].
+    anchor, attachment : the ends of a spring on a rocker at cam angle 0, relative to the cam axis
+        [mm].
     """
 
     kind: Kind
@@ -39,13 +40,13 @@ class Spec:
     attachment: complex | None = None
 
 
-def parse(table: Mapping[str, Any]) -> Spec:
-    """From the table of the scene.
+def parse(table: Mapping[str, Any]) -> SpringData:
+    """The data of the table.
 
     Raises
     ------
     GeometryError
-        With the key, if one that the kind of spring needs is missing, or one of another kind given.
+        With the key, if a key for this kind of spring is missing, or one for another kind is given.
     """
     kind: Kind = table.get("kind", "compression")
     article = f"{'an' if kind == 'extension' else 'a'} {kind} spring"
@@ -55,9 +56,11 @@ def parse(table: Mapping[str, Any]) -> Spec:
             raise GeometryError(f"is missing: {article} needs {' and '.join(own)}", key=key)
     for key in foreign:
         if key in table:
-            raise GeometryError(f"is no key of {article}; it has {' and '.join(own)}", key=key)
+            raise GeometryError(
+                f"does not belong to {article}, which has {' and '.join(own)}", key=key
+            )
     for given, other in (ENDS, ENDS[::-1]):
         if given in table and other not in table:
-            raise GeometryError(f"is missing: {given} is one end of the spring only", key=other)
+            raise GeometryError(f"is missing: {given} is only one end of the spring", key=other)
     anchor, attachment = (complex(*table[key]) if key in table else None for key in ENDS)
-    return Spec(kind, float(table[own[0]]), float(table[own[1]]), anchor, attachment)
+    return SpringData(kind, float(table[own[0]]), float(table[own[1]]), anchor, attachment)

@@ -1,4 +1,4 @@
-"""A roller on one flank: where it is lost, from which speed on, and the spring that keeps it."""
+"""A roller on one flank: where contact is lost, from which speed, and the spring that keeps it."""
 
 from __future__ import annotations
 
@@ -7,12 +7,12 @@ from dataclasses import dataclass
 
 from camgeo.check.finding import Finding
 from camgeo.effects.effect import Result
-from camgeo.effects.lift_off.inputs import TOUCH, Flank
+from camgeo.effects.lift_off.flank import TOUCH, Flank
 from camgeo.effects.lift_off.ranges import Range, ranges_below
 from camgeo.effects.lift_off.sizing import least_of, lift_off_speed
 from camgeo.effects.results import Spring
-from camgeo.effects.told import N_M, at, degrees, placed
 from camgeo.effects.touching import FLANKS
+from camgeo.effects.wording import N_M, at, degrees, placed
 from camgeo.motion.time_course import TimeCourse, period
 from camgeo.numeric.extremes import Extreme
 from camgeo.units import RPM, TURN
@@ -20,16 +20,16 @@ from camgeo.units import RPM, TURN
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ForceClosed(Result):
-    """What is found of a roller on one flank.
+    """The contact of a roller on one flank.
 
     Attributes
     ----------
     lowest : smallest force [N] on the flank.
-    lost : where it is below the margin.
-    speed : at which it first is, as a factor of the scene's, infinite if at none; None if the
-        scene gives no speed.
-    preload, stiffness : least values [N, N/mm or N mm, N mm/rad], infinite if none is enough; None
-        if there is no spring.
+    lost : ranges where it is below the margin.
+    speed : at which this first happens, as a factor of the speed in the scene; infinite if it never
+        happens; None if the scene gives no speed.
+    preload, stiffness : least values [N, N/mm or N mm, N mm/rad]; infinite if no value is enough;
+        None without a spring.
     """
 
     lowest: Extreme
@@ -40,7 +40,7 @@ class ForceClosed(Result):
 
 
 def of_flank(flank: Flank, spring: Spring | None) -> ForceClosed:
-    """All that is found of `flank`."""
+    """The findings for `flank`."""
     edges, course = flank.contact.edges, flank.subject.drive.time_course
     lowest, least = flank.lowest, TOUCH * flank.contact.extremes.magnitude
     limit = flank.margin - least
@@ -76,7 +76,7 @@ def _leaves(flank: Flank) -> str:
 
 
 def _short(flank: Flank) -> str:
-    """The same with a margin: what the roller does where less than that remains."""
+    """What the roller does where less than the margin remains."""
     if not flank.margin:
         return _leaves(flank)
     return f"keeps less than {flank.margin:g} N on the {FLANKS[flank.sense]} flank"
@@ -86,16 +86,16 @@ def _lost(flank: Flank, stretch: Range) -> Finding:
     low = stretch.lowest
     whole = stretch.end - stretch.start == TURN
     where = (
-        "all the turn"
+        "over the whole turn"
         if whole
         else f"from cam angle {degrees(stretch.start)} to {degrees(stretch.end)}"
     )
-    told = _leaves(flank) if low.value < 0.0 else _short(flank)
+    lost = _leaves(flank) if low.value < 0.0 else _short(flank)
     return Finding(
         name="lift-off",
         severity="broken",
         sentence=(
-            f"the {flank.toucher} {told} {where}: the contact force falls to"
+            f"the {flank.toucher} {lost} {where}: the contact force falls to"
             f" {low.value:.6g} N at {degrees(low.place)}"
         ),
         value=low.value,
@@ -112,7 +112,7 @@ def _leap(flank: Flank, angle: float) -> Finding:
         severity="broken",
         sentence=(
             f"the {flank.toucher} {_leaves(flank)} {at(angle)}: the velocity jumps away from it,"
-            " and no force holds it for this moment"
+            " and no force can hold it at that instant"
         ),
         limit=flank.margin,
         unit="N",
@@ -130,14 +130,14 @@ def _kept(flank: Flank, low: Extreme) -> Finding:
 
 def _touching(low: Extreme, what: str) -> Finding:
     sentence = (
-        f"the contact force falls to 0 N {at(low.place)} and not below: the {what} is held by"
-        " nothing there"
+        f"the contact force falls to 0 N {at(low.place)} and not below: nothing holds the {what}"
+        " there"
     )
     return placed("contact-touches-zero", sentence, Extreme(0.0, low.place), "N", 0.0, "warning")
 
 
 def _speed(flank: Flank, found: Extreme, course: TimeCourse, lost: bool) -> Finding:
-    """The speed of lift-off against that of the scene, as mean over a turn."""
+    """The lift-off speed compared with the speed of the scene, both as means over a turn."""
     mean = TURN / period(course) / RPM
     if math.isinf(found.value):
         return Finding(
@@ -155,7 +155,7 @@ def _speed(flank: Flank, found: Extreme, course: TimeCourse, lost: bool) -> Find
     early = found.value <= 1.0
     tail = f"; the cam turns at {mean:.6g} rev/min"
     if early and not lost:
-        tail += ", beyond a range of speeds in which contact is lost"
+        tail += ", above a range of speeds in which contact is lost"
     return placed(
         "lift-off-speed",
         f"{sentence} {at(found.place)}{tail}",
@@ -175,7 +175,7 @@ def _least(what: str, least: Extreme, now: float, unit: str, other: str, kept: s
             severity="warning",
             sentence=(
                 f"no {what} of the spring keeps the {kept} on its flank {at(least.place)} with the"
-                f" {other} that it has"
+                f" given {other}"
             ),
             limit=given,
             unit=unit,
@@ -187,10 +187,10 @@ def _least(what: str, least: Extreme, now: float, unit: str, other: str, kept: s
         name=f"least-{what}",
         severity="broken" if short else "ok",
         sentence=(
-            f"least {what} of the spring {value:.6g} {unit}, asked for"
+            f"least {what} of the spring {value:.6g} {unit}, needed"
             f" {at(least.place)}; it has {given:.6g} {unit}"
             if value > 0.0
-            else f"the {kept} stays on its flank without {what} of the spring; it has"
+            else f"the {kept} stays on its flank even without {what} of the spring; it has"
             f" {given:.6g} {unit}"
         ),
         value=value,

@@ -1,4 +1,4 @@
-"""What several effects tell alike."""
+"""Wording, units and findings that several effects share."""
 
 from __future__ import annotations
 
@@ -21,46 +21,46 @@ if TYPE_CHECKING:
     from camgeo.numeric.extremes import Extreme, Extremes
 
 N_M: Final = 1e-3
-"""N m, or J, in an N mm; W in an N mm/s."""
+"""From N mm to N m or J, and from N mm/s to W."""
 
 KG: Final = 1e3
-"""kg in a t."""
+"""From t to kg."""
 
 KG_M2: Final = 1e-3
-"""kg m^2 in a t mm^2."""
+"""From t mm^2 to kg m^2."""
 
 
 @dataclass(frozen=True, slots=True)
-class Shown:
-    """What a quantity is called, in which unit it is shown, and how many of it are one inside."""
+class Label:
+    """How a quantity is displayed: its name, its unit, and the factor from the internal unit."""
 
     word: str
     unit: str
     scale: float
 
 
-FORCES: Final[Mapping[Unit, Shown]] = {
-    "mm": Shown("force", "N", 1.0),
-    "rad": Shown("torque", "N m", N_M),
+FORCES: Final[Mapping[Unit, Label]] = {
+    "mm": Label("force", "N", 1.0),
+    "rad": Label("torque", "N m", N_M),
 }
 """The generalised force on a follower, by the unit of its lift."""
 
 TOUCH: Final = 1e-9
-"""A contact force on the wrong side of zero by less than this share of the largest is rounding."""
+"""A contact force of the wrong sign is rounding below this share of the largest one."""
 
 
 def at(phi: float) -> str:
-    """The place `phi` [rad], in words."""
+    """The place `phi` [rad] in words."""
     return f"at cam angle {degrees(phi)}"
 
 
 def degrees(phi: float) -> str:
-    """The cam angle `phi` [rad], of any turn, in degrees."""
+    """The cam angle `phi` [rad], in any turn, as text in degrees."""
     return f"{math.degrees(phi % TURN):.4f} deg"
 
 
 def between(stretch: tuple[float, float]) -> str:
-    """The stretch from, to [rad], in words."""
+    """The range (from, to) [rad] in words."""
     first, last = (math.degrees(each) for each in stretch)
     return f"from cam angle {first:.4f} to {last:.4f} deg"
 
@@ -73,12 +73,12 @@ def placed(
     limit: float | None = None,
     severity: Severity = "ok",
 ) -> Finding:
-    """A value [`unit`] with its place, which may be of any turn."""
+    """The finding of a value [`unit`] with its place, which may be in any turn."""
     return Finding(name, severity, sentence, end.value, limit, unit, end.place % TURN)
 
 
 def extreme_finding(name: str, words: str, end: Extreme, unit: str, sign: str = "") -> Finding:
-    """A largest or smallest value [`unit`] with its place; `sign` says what is positive."""
+    """The finding of an extreme value [`unit`] with its place; `sign` says what is positive."""
     angle = f"{math.degrees(end.place):.6g} deg"
     return placed(name, f"{words} {end.value:.6g} {unit}{sign}, at cam angle {angle}", end, unit)
 
@@ -86,7 +86,7 @@ def extreme_finding(name: str, words: str, end: Extreme, unit: str, sign: str = 
 def extreme_findings(
     name: str, words: str, ends: Extremes, unit: str, sign: str = ""
 ) -> list[Finding]:
-    """The largest and the smallest value, see `extreme_finding`."""
+    """The findings of the largest and the smallest value, see `extreme_finding`."""
     return [
         extreme_finding(f"{which}-{name}", f"{which} {words}", end, unit, sign)
         for which, end in (("largest", ends.highest), ("smallest", ends.lowest))
@@ -96,7 +96,9 @@ def extreme_findings(
 def missed(
     what: str, error: float, of: str, tolerance: float, cam_angle: float | None = None
 ) -> EffectError:
-    """The error of a numerical effect that reaches no more than `error`, a share of `of`."""
+    """The exception for a numerical effect whose `error`, relative to `of`, exceeds the
+    tolerance.
+    """
     return EffectError(
         f"{what} has an error of {error:.3g} of {of}; the tolerance is {tolerance:g}",
         value=error,
@@ -108,10 +110,10 @@ def missed(
 def loss_of_contact(
     name: str, what: str, subject: Subject, normal: Quantity, edges: FloatArray
 ) -> tuple[Finding, ...]:
-    """A warning if the one flank there is would have to pull; `what` does not hold then.
+    """A warning if the only flank would have to pull, so that `what` is not valid.
 
-    `normal` is the contact force [N], positive where the inner flank carries, smooth between two
-    of `edges` (k,) [rad].
+    `normal` is the contact force [N], positive where the inner flank carries, smooth between
+    neighbouring `edges` (k,) [rad].
     """
     if holds_both_ways(subject):
         return ()
@@ -121,7 +123,7 @@ def loss_of_contact(
     if lowest.value >= -TOUCH * ends.magnitude:
         return ()
     sentence = (
-        f"the {subject.cam.follower.touching} leaves the flank, and the {what} holds only as long"
-        f" as it does not: contact force {lowest.value:.5g} N {at(lowest.place)}"
+        f"the {subject.cam.follower.touching} leaves the flank, and the {what} is valid only while"
+        f" it does not: contact force {lowest.value:.5g} N {at(lowest.place)}"
     )
     return (placed(name, sentence, lowest, "N", 0.0, "warning"),)

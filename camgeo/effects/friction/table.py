@@ -1,4 +1,4 @@
-"""What a scene says of friction."""
+"""The table ``[effects.friction]``: coefficients of friction, and lengths."""
 
 from __future__ import annotations
 
@@ -14,25 +14,25 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, slots=True)
-class Spec:
-    """Coefficients of friction and the lengths they need; 0 where there is none.
+class FrictionCoefficients:
+    """Coefficients of friction and the lengths they need; 0 means no friction.
 
     Attributes
     ----------
     guide : coefficient in the guide of a translating follower.
-    guide_length : b, between the ends at which it carries [mm]; None without any lever.
-    guide_overhang : a_0, from the roller centre out to the near end at cam angle 0 [mm].
-    guide_viscous : of that guide, or of a linkage's slider [N s/mm].
+    guide_length : b, bearing length between the ends of the guide [mm]; None for no tilting.
+    guide_overhang : a_0, from the roller centre outwards to the near end at cam angle 0 [mm].
+    guide_viscous : of that guide, or of the slider of a linkage [N s/mm].
     pivot : coefficient in the bearing of a rocker.
     pivot_diameter : of that bearing [mm].
     pivot_viscous : of that bearing [N mm s/rad].
-    slider : Coulomb's friction of a linkage's slider [N].
+    slider : Coulomb friction of the slider of a linkage [N].
     roller_pin : coefficient in the bearing of the roller.
     roller_pin_diameter : of that bearing [mm].
     rolling : lever arm of rolling friction between roller and cam [mm].
     face : coefficient between a flat face and the cam.
-    guide_offset : of the guide's axis from the cam axis, to the right looking along the guide away
-        from the cam [mm]; of a flat-faced follower, whose motion does not tell.
+    guide_offset : of the axis of the guide from the cam axis, to the right looking along the guide
+        away from the cam [mm]; for a flat-faced follower, whose motion does not depend on it.
     """
 
     guide: float = 0.0
@@ -53,10 +53,10 @@ class Spec:
 DIAMETERS: Final = {"pivot": "pivot_diameter", "roller_pin": "roller_pin_diameter"}
 
 TILTS: Final = (
-    "is missing: a flat face is pressed beside the axis of its guide and tilts in it, by how much"
-    " goes with the length of the guide"
+    "is missing: the cam presses a flat face away from the axis of its guide, so the follower tilts"
+    ", and friction depends on the length of the guide"
 )
-"""What is said to the friction of a guide of a flat-faced follower that has no length."""
+"""Message for guide friction of a flat-faced follower without a guide length."""
 
 OF_GUIDE: Final = ("guide", "guide_length", "guide_overhang", "guide_offset")
 OF_LEVER: Final = ("guide_length", "guide_overhang")
@@ -65,14 +65,13 @@ OF_FACE: Final = ("face", "guide_offset")
 OF_PIVOT: Final = ("pivot", "pivot_diameter", "pivot_viscous")
 
 
-def parse(table: Mapping[str, Any]) -> Spec:
-    """From the table of the scene.
+def parse(table: Mapping[str, Any]) -> FrictionCoefficients:
+    """The data of the table.
 
     Raises
     ------
     GeometryError
-        With the key, if a coefficient lacks the diameter of its bearing, or the overhang or offset
-        of a guide its length.
+        With the key, if the diameter of a bearing or the length of a guide is missing.
     """
     for coefficient, diameter in DIAMETERS.items():
         if table.get(coefficient) and diameter not in table:
@@ -82,15 +81,15 @@ def parse(table: Mapping[str, Any]) -> Spec:
     for key, what in (("guide_overhang", "overhang"), ("guide_offset", "offset")):
         if key in table and "guide_length" not in table:
             raise GeometryError(
-                f"is missing: the {what} is a lever only of a guide of known length",
+                f"is missing: the {what} of a guide has an effect only with its length",
                 key="guide_length",
             )
-    return Spec(**table)
+    return FrictionCoefficients(**table)
 
 
 def tilts(machine: Machine, table: Table) -> Iterator[tuple[str, str]]:
-    """A flat face that rubs in its guide needs the guide's length, see `Rule`."""
-    told = {"guide_overhang", "guide_offset"} & table.values.keys()  # they ask for it themselves
+    """The `Rule` that a flat-faced follower with guide friction needs the length of the guide."""
+    checked = {"guide_overhang", "guide_offset"} & table.values.keys()  # `parse` asks for it then
     rubs = machine.touching in ROLLERS.others and table.values.get("guide")
-    if rubs and table.lacks("guide_length") and not told:
+    if rubs and table.lacks("guide_length") and not checked:
         yield "guide_length", TILTS

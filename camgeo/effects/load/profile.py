@@ -1,4 +1,6 @@
-"""Loads over the cam angle: one value, one for each stretch, or straight lines between rows."""
+"""Loads over the cam angle: one value, one value per segment, or linear interpolation in a
+table.
+"""
 
 from __future__ import annotations
 
@@ -18,14 +20,14 @@ LOAD: Final = Column("load", ("f", "force", "load", "m", "t", "torque"), ("n", "
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Course:
+class LoadProfile:
     """A load over the cam angle, in the unit of the scene.
 
     Attributes
     ----------
     values : (n,) the load; at a border the side decides.
-    borders : (k,) cam angles [rad] in [0, 2 pi) where it may jump or bend.
-    unit : "N" or "N m", as the heading of a file tells it; empty where nothing does.
+    borders : (k,) cam angles [rad] in [0, 2 pi) where the load may jump or have a kink.
+    unit : "N" or "N m" if the heading of a file states it, else empty.
     """
 
     values: Quantity
@@ -33,35 +35,35 @@ class Course:
     unit: str = ""
 
 
-def constant(value: float) -> Course:
+def constant(value: float) -> LoadProfile:
     """The same load at all cam angles."""
-    return Course(lambda phi, _side: np.full(len(phi), value))
+    return LoadProfile(lambda phi, _side: np.full(len(phi), value))
 
 
-def steps(starts: FloatArray, loads: FloatArray) -> Course:
-    """A load for each stretch of the turn: `starts` (k,) [rad], ascending from 0, `loads` (k,)."""
+def steps(starts: FloatArray, loads: FloatArray) -> LoadProfile:
+    """A load for each segment: `starts` (k,) [rad], ascending from 0, and `loads` (k,)."""
 
     def values(phi: FloatArray, side: Side) -> FloatArray:
         angle = in_turn(phi, side) + (SNAP if side == "right" else -SNAP)
         found: FloatArray = loads[np.maximum(np.searchsorted(starts, angle, side=side) - 1, 0)]
         return found
 
-    return Course(values, starts)
+    return LoadProfile(values, starts)
 
 
-def read_load_table(file: DataFile) -> Course:
-    """Straight lines between the rows of `file`: cam angle [degrees] and load.
+def read_load_table(file: DataFile) -> LoadProfile:
+    """Linear interpolation between the rows of `file`: cam angle [degrees] and load.
 
-    Where the last load is not the first one it jumps at cam angle 0.
+    If the last load differs from the first one, the load jumps at cam angle 0.
 
-    It is written as `camgeo.motion.two_columns` tells; a heading may call the columns "phi",
-    "angle" or "cam angle" [deg], and "F", "force", "load", "M", "T" or "torque" [N or Nm].
+    See `camgeo.motion.two_columns` for the format; a heading may name the columns "phi", "angle" or
+    "cam angle" [deg], and "F", "force", "load", "M", "T" or "torque" [N or Nm].
 
     Raises
     ------
     GeometryError
-        With file and line, if a row is not as said there, or the angles do not ascend from 0 to
-        360 degrees.
+        With file and line, if a row does not have this format, or the angles do not ascend from 0
+        to 360 degrees.
     """
     rows = read_two_columns(file.data, file.name, (ANGLE, LOAD))
     angles = turn_of(rows, rows.first)
@@ -70,4 +72,4 @@ def read_load_table(file: DataFile) -> Course:
     def values(phi: FloatArray, side: Side) -> FloatArray:
         return np.interp(in_turn(phi, side), angles, rows.second)
 
-    return Course(values, frozen(angles[:-1], np.float64), unit)
+    return LoadProfile(values, frozen(angles[:-1], np.float64), unit)
