@@ -289,11 +289,11 @@ def test_json_has_the_same(found: Found, capsys: Capture) -> None:
     assert document["effects"] == [
         {
             "effect": "vibration", "tolerance": 0.01, "seconds": 0.0123, "error": 3.2e-3,
-            "difference": 4.44e-3, "fault": None,
+            "difference": 4.44e-3, "fault": "",
         },
         {
             "effect": "vibration", "tolerance": 1e-4, "seconds": 0.5, "error": 1.2e-5,
-            "difference": None, "fault": None,
+            "difference": None, "fault": "",
         },
         {
             "effect": "balance", "tolerance": 0.01, "seconds": None, "error": None,
@@ -305,8 +305,9 @@ def test_json_has_the_same(found: Found, capsys: Capture) -> None:
 def test_without_effects_nothing_is_said_of_them(found: Found, capsys: Capture) -> None:
     found.append(())
     call(SETZHUB)
-    call(SETZHUB, "--json")
     assert "effect" not in capsys.readouterr().out
+    call(SETZHUB, "--json")
+    assert json.loads(capsys.readouterr().out)["effects"] == []
 
 
 # The picture --------------------------------------------------------------------------------------

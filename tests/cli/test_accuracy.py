@@ -117,7 +117,7 @@ def test_json_has_the_same(found: list[dict[str, Any]], capsys: Capture) -> None
     assert (arcs["contour"], arcs["fit"], arcs["tolerance_mm"]) == ("arcs", "fewest", 0.01)
     assert arcs["count"]["pieces"] == 1200
     assert arcs["count"]["ratio"] == pytest.approx(1.0 / 0.9)
-    assert arcs["gcode"]["decimals"] == 4
+    assert arcs["gcode"]["facts"]["decimals"] == 4
     assert document["contours"][-1]["count"] is None
     assert document["contours"][-1]["fault"] == "cannot be reached"
     assert document["solids"][1]["file"] is None

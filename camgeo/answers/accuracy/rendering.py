@@ -1,0 +1,122 @@
+"""What `camgeo accuracy` finds, as tables and as a picture."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Final
+
+from camgeo.accuracy.rows import ContourRow, EffectRow, SolidRow, TableRow
+from camgeo.answers.accuracy import Accuracy
+from camgeo.figure import accuracy
+from camgeo.figure.model import Figure
+
+COLUMNS: Final = """\
+pieces: of the flanks' contours; of least: pieces, without those that dwells and turns are, in times
+    of the limit for small tolerances
+deviation: proved, both ways and for every point
+fit, proof, write, read: seconds of computing, on this machine: the fit with its proof, the proof
+    anew from the finished contour, the drawing written with all its curves, and read back
+round: seconds of milling once along the flanks, by feed and acceleration
+ripple: largest error of the acceleration in a replay, of its demanded peak
+error: bound of the error of the lift between two rows, interpolated linearly"""
+"""What stands in the tables, explained below them."""
+
+EFFECT_COLUMNS: Final = """\
+effects: tolerance, estimate and off are shares of the largest magnitude of what an effect gives;
+    computed: seconds without the effects that it needs; estimate: its own, of its error; off: its
+    difference from the result at the tightest tolerance"""
+"""The same of the table of effects."""
+
+CONTOURS: Final = (
+    "contour", "effort", "tolerance", "pieces", "of least", "deviation", "DXF", "G-code", "fit",
+    "proof", "write", "read", "round",
+)  # fmt: skip
+SOLIDS: Final = ("solid", "tolerance", "triangles", "deviation", "bytes", "write", "read")
+EFFECTS: Final = ("effect", "tolerance", "computed", "estimate", "off")
+"""Heads of the columns; lengths in mm, sizes in bytes, times in seconds."""
+
+NONE: Final = "-"
+"""What has no value."""
+
+
+def text(answer: Accuracy) -> str:
+    """A table of contours, of solids, of value tables and of effects, and the advice."""
+    found, ripple = answer.survey, answer.ripple
+    lines = [f"{answer.scene.name}: what accuracy costs, in mm, bytes and seconds", ""]
+    heads = [*CONTOURS, "ripple"] if ripple else list(CONTOURS)
+    lines += _columns(heads, [_contour_cells(row, ripple=ripple) for row in found.contours])
+    if found.solids:
+        lines += ["", *_columns(SOLIDS, [_solid_cells(row) for row in found.solids])]
+    heads = ["step [deg]", "rows", "bytes", "made", f"error [{answer.unit}]"]
+    lines += ["", *_columns(heads, [_table_cells(row, answer) for row in found.tables])]
+    if found.effects:
+        lines += ["", *_columns(EFFECTS, [_effect_cells(row) for row in found.effects])]
+    lines += ["", COLUMNS, *([EFFECT_COLUMNS] if found.effects else [])]
+    return "\n".join([*lines, f"advice: {answer.advice}"])
+
+
+def figure(answer: Accuracy) -> Figure:
+    """What was measured over the tolerance, a panel for each kind of cost."""
+    return accuracy.figure(answer.survey, title=f"{answer.scene.name}: what accuracy costs")
+
+
+def _columns(heads: Sequence[str], rows: Sequence[tuple[list[str], str]]) -> list[str]:
+    """Right-aligned columns, but for the first; behind a row why it has gaps."""
+    table = [list(heads), *(cells for cells, _ in rows)]
+    widths = [max(len(cells[column]) for cells in table) for column in range(len(heads))]
+    faults = ["", *(fault for _, fault in rows)]
+    lines = []
+    for cells, fault in zip(table, faults, strict=True):
+        line = "  ".join(
+            cell.rjust(width) if column else cell.ljust(width)
+            for column, (cell, width) in enumerate(zip(cells, widths, strict=True))
+        )
+        lines.append(f"{line}  {fault}".rstrip())
+    return lines
+
+
+def _contour_cells(row: ContourRow, *, ripple: bool) -> tuple[list[str], str]:
+    count, drawing = row.count, row.drawing
+    cells = [row.form, row.effort, f"{row.tolerance:g}"]
+    cells += [
+        NONE if count is None else f"{count.pieces:,}",
+        NONE if count is None or count.ratio is None else f"{count.ratio:.3f}",
+        NONE if count is None else f"{count.deviation:.3g}",
+        NONE if drawing is None else f"{drawing.size:,}",
+        NONE if row.program is None else f"{row.program.size:,}",
+        _seconds(None if count is None else count.fit_seconds),
+        _seconds(None if count is None else count.proof_seconds),
+        _seconds(None if drawing is None else drawing.write_seconds),
+        _seconds(None if drawing is None else drawing.read_seconds),
+        NONE if row.round_seconds is None else f"{row.round_seconds:.1f}",
+    ]
+    if ripple:
+        cells.append(NONE if row.ripple is None else f"{100.0 * row.ripple:.3g} %")
+    return cells, row.fault
+
+
+def _solid_cells(row: SolidRow) -> tuple[list[str], str]:
+    file, cells = row.file, [row.format, f"{row.tolerance:g}"]
+    if file is None:
+        return [*cells, *[NONE] * 5], row.fault
+    cells += [f"{file.facts['triangles']:,}", f"{file.deviation:.3g}", f"{file.size:,}"]
+    cells += [_seconds(file.write_seconds), _seconds(file.read_seconds)]
+    return cells, row.fault
+
+
+def _table_cells(row: TableRow, answer: Accuracy) -> tuple[list[str], str]:
+    error = f"{answer.shown(row.error):.2g}"
+    return [f"{row.step}", f"{row.rows:,}", f"{row.size:,}", _seconds(row.seconds), error], ""
+
+
+def _effect_cells(row: EffectRow) -> tuple[list[str], str]:
+    cells = [row.effect, f"{row.tolerance:g}", _seconds(row.seconds), _share(row.error)]
+    return [*cells, _share(row.difference)], row.fault
+
+
+def _share(value: float | None) -> str:
+    return NONE if value is None else f"{value:.2g}"
+
+
+def _seconds(value: float | None) -> str:
+    return NONE if value is None else f"{value:.2g}" if value < 10.0 else f"{value:.0f}"
