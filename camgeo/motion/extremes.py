@@ -34,9 +34,4 @@ def turning_angles(motion: Motion) -> FloatArray:
     starts, ends = np.array(pieces(motion)).T
     grid = np.linspace(starts, ends, SAMPLES, axis=1)[:, 1:-1]
     moving = np.any(motion.jet(grid.ravel())[1].reshape(grid.shape), axis=1)
-    return roots_on_grid(lambda phi: _velocity(motion, phi), grid[moving])
-
-
-def _velocity(motion: Motion, phi: FloatArray) -> FloatArray:
-    velocity: FloatArray = motion.jet(phi)[1]
-    return velocity
+    return roots_on_grid(lambda phi: np.asarray(motion.jet(phi)[1]), grid[moving])

@@ -20,37 +20,6 @@ JERK = 4.0 * math.pi**3
 """More than |f'''| = pi^3 |s c (3 - 8 s^2)| anywhere."""
 
 
-def _stacked(near: FloatArray, sine: FloatArray, cosine: FloatArray) -> Values:
-    """`near` with f', f'', f'''."""
-    square = sine * sine
-    product = sine * cosine
-    return np.array((
-        near,
-        2.0 * math.pi * square * product,
-        math.pi**2 * square * (3.0 - 4.0 * square),
-        math.pi**3 * product * (3.0 - 8.0 * square),
-    ))  # fmt: skip
-
-
-def _lift(z: FloatArray, _w: FloatArray) -> FloatArray:
-    return np.asarray(np.sin(0.5 * math.pi * z) ** 4)
-
-
-def _complement(_z: FloatArray, w: FloatArray) -> FloatArray:
-    cosine, sine = np.sin(0.5 * math.pi * w), np.cos(0.5 * math.pi * w)
-    return np.asarray(cosine * cosine * (1.0 + sine * sine))
-
-
-def _from_start(z: FloatArray, w: FloatArray, _: Any) -> Values:
-    half = 0.5 * math.pi * z
-    return _stacked(_lift(z, w), np.sin(half), np.cos(half))
-
-
-def _from_end(z: FloatArray, w: FloatArray, _: Any) -> Values:
-    half = 0.5 * math.pi * w
-    return _stacked(_complement(z, w), np.cos(half), np.sin(half))
-
-
 def _turns() -> tuple[float, ...]:
     """Where f'', f''', (f' f'')' and f'''' vanish, by s^2: the last two are quadratics in it.
 
@@ -62,43 +31,58 @@ def _turns() -> tuple[float, ...]:
     return tuple(2.0 / math.pi * math.asin(math.sqrt(square)) for square in squares)
 
 
-HALVES: tuple[Region, ...] = (
-    Region(0.0, 0.5, _from_start, _complement, JERK, from_end=False, turns=_turns),
-    Region(0.5, 1.0, _from_end, _lift, JERK, from_end=True, turns=_turns),
-)
+def _regions(*, back: bool) -> tuple[Region, ...]:
+    """From rest to turn, or `back`, the mirror image F(z) = 1 - f(1 - z) with F'' = -f''(1 - z)."""
 
+    def way(z: FloatArray, w: FloatArray, *, from_turn: bool) -> FloatArray:
+        return 0.5 * math.pi * (z if from_turn == back else w)
 
-def _mirrored(region: Region) -> Region:
-    """The region of the mirror image F(z) = 1 - f(1 - z).
+    def lift(z: FloatArray, w: FloatArray) -> FloatArray:
+        return np.asarray(np.sin(way(z, w, from_turn=False)) ** 4)
 
-    F' = f'(1 - z), F'' = -f''(1 - z), F''' = f'''(1 - z).
-    """
+    def left(z: FloatArray, w: FloatArray) -> FloatArray:
+        angle = way(z, w, from_turn=True)
+        cosine, sine = np.sin(angle), np.cos(angle)
+        return np.asarray(cosine * cosine * (1.0 + sine * sine))
 
-    def formula(z: FloatArray, w: FloatArray, numbers: Any) -> Values:
-        values = region.formula(w, z, numbers)
-        values[2] *= -1.0
-        return values
+    def values(near: FloatArray, sine: FloatArray, cosine: FloatArray) -> Values:
+        square = sine * sine
+        product = sine * cosine
+        bend = math.pi**2 * square * (3.0 - 4.0 * square)
+        return np.array((
+            near,
+            2.0 * math.pi * square * product,
+            -bend if back else bend,
+            math.pi**3 * product * (3.0 - 8.0 * square),
+        ))  # fmt: skip
 
-    return Region(
-        start=1.0 - region.end,
-        end=1.0 - region.start,
-        formula=formula,
-        far=lambda z, w: region.far(w, z),
-        jerk_bound=region.jerk_bound,
-        from_end=not region.from_end,
-        turns=lambda: tuple(1.0 - z for z in region.turns()),
+    def from_rest(z: FloatArray, w: FloatArray, _: Any) -> Values:
+        angle = way(z, w, from_turn=False)
+        return values(lift(z, w), np.sin(angle), np.cos(angle))
+
+    def from_turn(z: FloatArray, w: FloatArray, _: Any) -> Values:
+        angle = way(z, w, from_turn=True)
+        return values(left(z, w), np.cos(angle), np.sin(angle))
+
+    def turns() -> tuple[float, ...]:
+        return tuple(1.0 - z if back else z for z in _turns())
+
+    halves = [(from_rest, left), (from_turn, lift)]
+    return tuple(
+        Region(0.5 * k, 0.5 * (k + 1), formula, far, JERK, from_end=k == 1, turns=turns)
+        for k, (formula, far) in enumerate(halves[::-1] if back else halves)
     )
 
 
-MIRRORED = tuple(_mirrored(region) for region in reversed(HALVES))
-TURN = Boundary(acceleration=-(math.pi**2))
+RISING, FALLING = _regions(back=False), _regions(back=True)
+TURN = math.pi**2
 
 
 def _make(task: str, _given: Given) -> Law:
     if task == "R-U":
-        regions, start, end = HALVES, Boundary(), TURN
+        regions, start, end = RISING, Boundary(), Boundary(acceleration=-TURN)
     else:
-        regions, start, end = MIRRORED, Boundary(acceleration=math.pi**2), Boundary()
+        regions, start, end = FALLING, Boundary(acceleration=TURN), Boundary()
     return Law("double-harmonic", task, regions, (), start, end, parameters=MappingProxyType({}))
 
 
