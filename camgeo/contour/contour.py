@@ -68,11 +68,6 @@ class Contour:
         return math.fsum(self.lengths)
 
     @property
-    def reach(self) -> float:
-        """Largest distance of its vertices from the origin [mm]."""
-        return float(abs(self.vertices).max())
-
-    @property
     def area(self) -> float:
         """Enclosed area [mm^2], positive if the contour runs counter-clockwise."""
         start, end = self.vertices, self.ends

@@ -34,7 +34,7 @@ def deviation(contours: Sequence[AnyContour], boundaries: tuple[Boundary, ...]) 
         names = ", ".join(boundary.name for boundary in boundaries)
         raise FileError(f"{len(contours)} closed contours, expected {len(boundaries)}: {names}")
     # A power of 2: so all files of a part ask for the same polygons, which are made once.
-    loose = LOOSE * 2.0 ** math.floor(math.log2(max(contour.reach for contour in contours)))
+    loose = LOOSE * 2.0 ** math.floor(math.log2(max(map(reach_of, contours))))
     outlines = [boundary.polyline(loose, "fast").contour for boundary in boundaries]
     pairs = zip(boundaries, paired(contours, outlines), strict=True)
     return max(boundary.deviation(contour.counter_clockwise()) for boundary, contour in pairs)
@@ -67,7 +67,14 @@ def _apart(contour: AnyContour, outline: Contour) -> float:
 
 def _middle(contour: AnyContour) -> complex:
     """Middle of the box that holds it [mm]."""
-    points = points_of(contour, LOOSE * contour.reach)
+    points = points_of(contour, LOOSE * reach_of(contour))
     sides = (points.real, points.imag)
     x, y = (0.5 * float(np.min(each) + np.max(each)) for each in sides)
     return complex(x, y)
+
+
+def reach_of(contour: AnyContour) -> float:
+    """Largest distance of its vertices, or of its control points, from the cam axis [mm]."""
+    if isinstance(contour, SplineContour):
+        return contour.reach
+    return float(abs(contour.vertices).max())

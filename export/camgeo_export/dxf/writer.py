@@ -28,6 +28,7 @@ from camgeo.part.part import Boundary
 from camgeo.units import MM_PER, LengthUnit
 from camgeo_export.dxf.curves import Curve
 from camgeo_export.dxf.measure import measure
+from camgeo_export.matching import reach_of
 
 INSUNITS: dict[LengthUnit, int] = {"mm": 4, "inch": 1}
 MEASUREMENT: dict[LengthUnit, int] = {"mm": 1, "inch": 0}
@@ -151,7 +152,7 @@ def _draw(space: Modelspace, product: Product, cut: list[Curve], pitch: Contour 
         drawn = [*cut, pitch]
     if auxiliary:
         _auxiliary(space, product, pitch, scale)
-    reach = max(contour.reach for contour in drawn) / scale
+    reach = max(reach_of(contour) for contour in drawn) / scale
     space.reset_extents((-reach, -reach, 0.0), (reach, reach, 0.0))
 
 
