@@ -9,6 +9,7 @@ from typing import Any
 
 import pytest
 
+from camgeo.cli.main import parser
 from camgeo.scene.load import parse_scene
 from camgeo.scene.whole_schema import whole_schema
 from tests.pages import page_maker
@@ -95,3 +96,12 @@ def test_every_figure_names_a_command_that_is_there() -> None:
     for row in rows:
         (script,) = re.findall(r"python (benchmarks/\w+\.py)[^|]*` \|$", row)
         assert (ROOT / script).is_file()
+
+
+def test_the_commands_of_the_readme_are_commands() -> None:
+    readme = (ROOT / "README.md").read_text(encoding="utf-8")
+    listed = readme.split("```sh\ncamgeo new")[1].split("```")[0]
+    shown = re.findall(r"^camgeo ([a-z-]+) ([^#\n]*)", listed, flags=re.MULTILINE)
+    assert len(shown) > 10
+    for command, words in shown:
+        parser([command]).parse_args([command, *words.split()])
