@@ -93,8 +93,8 @@ def profile_of(data: ProcessLoad, plan: MotionPlan, unit: str) -> LoadProfile:
     starts = [start for _, start, _ in plan.stretches]
     if len(data.segments) != len(starts):
         raise GeometryError(
-            f"{len(data.segments)} values for the {len(starts)} segments of the motion of non-zero"
-            " length; allowed is one for each",
+            f"number of values {len(data.segments)}, number of segments of the motion of non-zero"
+            f" length {len(starts)}; allowed is one value for each segment",
             key="effects.load.segments",
         )
     return steps(frozen(starts, np.float64), frozen(data.segments, np.float64))
