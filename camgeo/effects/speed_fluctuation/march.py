@@ -15,7 +15,7 @@ from typing import Final
 
 import numpy as np
 
-from camgeo.effects.speed_fluctuation.mesh import Law
+from camgeo.effects.effect import Quantity
 from camgeo.effects.speed_fluctuation.rate import Shaft, StuckError
 from camgeo.effects.speed_fluctuation.table import Motor
 from camgeo.numeric.arrays import FloatArray, frozen
@@ -56,7 +56,7 @@ class Outcome:
     stall: float
 
 
-def outcome(shaft: Shaft, law: Law, edges: FloatArray) -> Outcome:
+def outcome(shaft: Shaft, law: Quantity, edges: FloatArray) -> Outcome:
     """Whether there is a steady state, from single turns at different speeds.
 
     The range from 0 to a speed from which the cam slows down is bisected: an orbit that loses speed
@@ -148,7 +148,7 @@ class _March:
         return alpha, (slope - gain * (c1 + 2.0 * omega * c2)) / (omega * moment)
 
 
-def _march(shaft: Shaft, law: Law, edges: FloatArray) -> _March:
+def _march(shaft: Shaft, law: Quantity, edges: FloatArray) -> _March:
     counts = np.ceil(np.diff(edges) * (STEPS / TURN)).astype(np.intp)
     grids = [
         np.linspace(a, b, count + 1)[:-1]

@@ -1,15 +1,17 @@
-"""Cells of a turn with the torque law at their nodes, which can be halved."""
+"""Cells of a turn with the torque law at their nodes, which can be halved.
+
+The law is (6, n) at n cam angles [rad], see `camgeo.effects.speed_fluctuation.rate`.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Final
 
 import numpy as np
 
-from camgeo.motion.motion import Side
+from camgeo.effects.effect import Quantity
 from camgeo.numeric.arrays import BoolArray, FloatArray
 
 NODES: Final = 8
@@ -19,12 +21,8 @@ Ordinary Differential Equations II, section IV.5).
 """
 
 
-Law = Callable[[FloatArray, Side], FloatArray]
-"""(n,) cam angles [rad], side -> (6, n), see `camgeo.effects.speed_fluctuation.rate`."""
-
-
 @dataclass(frozen=True, slots=True, eq=False)
-class Rule:
+class Collocation:
     """Collocation on a cell of length 1.
 
     Attributes
@@ -44,8 +42,8 @@ class Rule:
 
 
 @lru_cache(maxsize=1)
-def rule() -> Rule:
-    """The rule of `NODES` nodes: the zeros of P_n - P_(n - 1), with the Legendre polynomials P."""
+def collocation() -> Collocation:
+    """Collocation at the zeros of P_n - P_(n - 1), with the Legendre polynomials P."""
     series = np.zeros(NODES + 1)
     series[-2:] = -1.0, 1.0
     x = np.sort(np.polynomial.legendre.legroots(series).real)  # of complex type with numpy 2.5
@@ -57,7 +55,7 @@ def rule() -> Rule:
     integral = np.asarray(0.5 * _antiderivatives(x) @ from_rates, dtype=np.float64)
     fit = np.asarray(np.linalg.inv(legendre(np.append(-1.0, x), NODES)), dtype=np.float64)
     halves = np.stack([legendre(0.5 * (x + shift), NODES) @ fit for shift in (-1.0, 1.0)])
-    return Rule(0.5 * (x + 1.0), integral[-1], integral, fit, halves)
+    return Collocation(0.5 * (x + 1.0), integral[-1], integral, fit, halves)
 
 
 def legendre(x: FloatArray, order: int) -> FloatArray:
@@ -98,7 +96,7 @@ class Mesh:
         """(m, n) cam angles of the nodes [rad]."""
         return nodes_of(self.low, self.high)
 
-    def halved(self, law: Law) -> Mesh:
+    def halved(self, law: Quantity) -> Mesh:
         """All cells halved, in order."""
         middle = 0.5 * (self.low + self.high)
         low = np.stack((self.low, middle), axis=1).ravel()
@@ -126,7 +124,7 @@ class DoubleMesh:
     coarse: Mesh
     fine: Mesh
 
-    def refined(self, law: Law, split: BoolArray) -> DoubleMesh:
+    def refined(self, law: Quantity, split: BoolArray) -> DoubleMesh:
         """The cells `split` (m,) of the coarse mesh halved; known values are reused."""
         both = np.repeat(split, 2)
         halves = self.fine.cells(both)
@@ -144,18 +142,18 @@ def interleaved(split: BoolArray, own: FloatArray, halves: FloatArray) -> FloatA
 
 def nodes_of(low: FloatArray, high: FloatArray) -> FloatArray:
     """(m, n) nodes of the cells [low, high]."""
-    nodes: FloatArray = low[:, np.newaxis] + (high - low)[:, np.newaxis] * rule().nodes
+    nodes: FloatArray = low[:, np.newaxis] + (high - low)[:, np.newaxis] * collocation().nodes
     nodes[:, -1] = high
     return nodes
 
 
-def laws_of(law: Law, low: FloatArray, high: FloatArray) -> FloatArray:
+def laws_of(law: Quantity, low: FloatArray, high: FloatArray) -> FloatArray:
     """(6, m, n) the torque law at the nodes of the cells, at their ends from inside."""
     nodes = nodes_of(low, high)
     return law(nodes.ravel(), "left").reshape(-1, *nodes.shape)
 
 
-def double_mesh(law: Law, edges: FloatArray, longest: float) -> DoubleMesh:
+def double_mesh(law: Quantity, edges: FloatArray, longest: float) -> DoubleMesh:
     """Cells between neighbouring `edges`, none longer than `longest` [rad]."""
     counts = np.maximum(np.ceil(np.diff(edges) / longest), 1).astype(np.intp)
     grids = [

@@ -7,10 +7,10 @@ from typing import Final
 
 import numpy as np
 
-from camgeo.effects.effect import Subject
+from camgeo.effects.effect import Quantity, Subject
 from camgeo.effects.immovable import torque_shocks
 from camgeo.effects.speed_fluctuation.march import outcome
-from camgeo.effects.speed_fluctuation.mesh import Law, Mesh, double_mesh, rule
+from camgeo.effects.speed_fluctuation.mesh import Mesh, collocation, double_mesh
 from camgeo.effects.speed_fluctuation.rate import Shaft, StuckError
 from camgeo.effects.speed_fluctuation.steady import NoConvergenceError, SteadyTurn, steady_turn
 from camgeo.effects.wording import N_M, missed
@@ -28,7 +28,7 @@ tested.
 """
 
 
-def refuse_shocks(subject: Subject, law: Law) -> None:
+def refuse_shocks(subject: Subject, law: Quantity) -> None:
     """Raise EffectError if the velocity of a mass jumps: the resulting speed change is unknown."""
     edges = subject.drive.smooth_angles
     places = torque_shocks(subject, lambda phi, side: law(phi, side)[3], edges)
@@ -43,7 +43,7 @@ def refuse_shocks(subject: Subject, law: Law) -> None:
         )
 
 
-def solve(shaft: Shaft, law: Law, edges: FloatArray, tolerance: float) -> SteadyTurn:
+def solve(shaft: Shaft, law: Quantity, edges: FloatArray, tolerance: float) -> SteadyTurn:
     """The steady state, starting from the power balance, or from single turns if that fails.
 
     Raises
@@ -75,7 +75,7 @@ def solve(shaft: Shaft, law: Law, edges: FloatArray, tolerance: float) -> Steady
 def _balanced(shaft: Shaft, mesh: Mesh) -> float | None:
     """y [rad^2/s^2] of the largest constant speed with balanced power; None if there is none."""
     c0, c1, c2, _, ahead, behind = mesh.laws
-    weights = mesh.spans[:, np.newaxis] * rule().weights / TURN
+    weights = mesh.spans[:, np.newaxis] * collocation().weights / TURN
 
     def surplus(omega: FloatArray) -> FloatArray:
         drive = shaft.motor.torque(omega)[0]

@@ -10,14 +10,14 @@ from typing import Final
 
 import numpy as np
 
+from camgeo.effects.effect import Quantity
 from camgeo.effects.speed_fluctuation.mesh import (
     NODES,
     DoubleMesh,
-    Law,
     Mesh,
+    collocation,
     interleaved,
     legendre,
-    rule,
 )
 from camgeo.effects.speed_fluctuation.rate import Shaft
 from camgeo.numeric.arrays import FloatArray
@@ -90,7 +90,7 @@ class Step:
 
 def newton_step(shaft: Shaft, mesh: Mesh, state: State) -> Step:
     """The Newton step from `state`, on all cells of the turn together."""
-    at = rule()
+    at = collocation()
     spans = mesh.spans
     alpha, growth = shaft.rate(mesh.laws, state.base + state.nodes)
     inner = spans[:, np.newaxis, np.newaxis] * at.integral
@@ -152,13 +152,13 @@ class SteadyTurn:
         inside = np.where((phi >= 0.0) & (phi <= TURN), phi, np.mod(phi, TURN))
         cell = np.clip(np.searchsorted(mesh.low, inside, "right") - 1, 0, len(mesh.low) - 1)
         x = 2.0 * (inside - mesh.low[cell]) / mesh.spans[cell] - 1.0
-        coefficients = self.state.all_nodes @ rule().fit.T
+        coefficients = self.state.all_nodes @ collocation().fit.T
         z: FloatArray = np.sum(legendre(x, NODES) * coefficients[cell], axis=1)
         return self.state.base + z
 
     def mean(self, values: FloatArray) -> float:
         """Mean over the cam angle of `values` (m, n) at the nodes."""
-        return float(np.sum(self.mesh.spans * (values @ rule().weights))) / TURN
+        return float(np.sum(self.mesh.spans * (values @ collocation().weights))) / TURN
 
     @property
     def period(self) -> float:
@@ -167,7 +167,7 @@ class SteadyTurn:
 
 
 def steady_turn(
-    shaft: Shaft, law: Law, mesh: DoubleMesh, y: FloatArray | float, tolerance: float
+    shaft: Shaft, law: Quantity, mesh: DoubleMesh, y: FloatArray | float, tolerance: float
 ) -> SteadyTurn:
     """The periodic solution nearest to `y`.
 
@@ -256,7 +256,7 @@ def _on_halves(state: State) -> State:
     Between nodes with a steep fall a polynomial may become negative, where there is no speed. It is
     kept above 0; such a cell does not have its solution yet, and will be split.
     """
-    halves = np.einsum("hij,mj->mhi", rule().halves, state.all_nodes)
+    halves = np.einsum("hij,mj->mhi", collocation().halves, state.all_nodes)
     least = KEEP * np.min(state.base + state.all_nodes, axis=1)
     halves = np.maximum(halves, least[:, np.newaxis, np.newaxis] - state.base)
     middles = halves[:, 0, -1]
