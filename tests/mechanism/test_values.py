@@ -167,9 +167,9 @@ def plain_type(example: object, each: Field[Any]) -> str:
 
 
 def refusals() -> Iterator[Refusal]:
-    """A name, and a call that has to be refused, for every field of every example."""
+    """A name, and a call that has to be refused, for every field that is given to an example."""
     for example in EXAMPLES:
-        for each in fields(example):
+        for each in (field for field in fields(example) if field.init):
             for value in bad_values(each.name, plain_type(example, each), type(example).__name__):
                 name = f"{type(example).__name__}.{each.name}={value!r:.30}"
                 yield name, partial(replace, example, **{each.name: value})
