@@ -8,16 +8,11 @@ import sys
 from collections.abc import Sequence
 from decimal import Decimal, InvalidOperation
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
 
-from camgeo._version import __version__
 from camgeo.answers.answer import FINE, Answer
 from camgeo.cli.progress import clear
 from camgeo.design import Design
 from camgeo.lazy import Ledger
-
-if TYPE_CHECKING:
-    from camgeo.scene.scene import Scene
 
 
 class CallError(Exception):
@@ -135,14 +130,6 @@ def tell(message: str) -> None:
     """A line for the person at the terminal, on standard error."""
     clear()
     print(message, file=sys.stderr)
-
-
-def identity(scene: Scene) -> dict[str, Any]:
-    """What made a result: scene, its hash, version."""
-    record: dict[str, Any] = {"name": scene.name, "sha256": scene.made}
-    if scene.files:
-        record["files"] = dict(scene.files)
-    return {"camgeo": __version__, "scene": record}
 
 
 def tell_main_disc(design: Design, what: str) -> None:
