@@ -61,8 +61,8 @@ def stages(scene: str, folder: Path) -> dict[str, float]:
     assert design.drawn.part.boundaries
     mark("part: outline and bore")
 
-    from camgeo.files.product import find_writer
-    from camgeo.files.write import write_files
+    from camgeo.writing.write import write_files
+    from camgeo.writing.writer import find_writer
 
     output = design.scene.output
     for name in output.formats:

@@ -24,13 +24,13 @@ if TYPE_CHECKING:
     from camgeo.check.cures.cure import Cure
     from camgeo.effects.effect import Column
     from camgeo.effects.graph import Effects
-    from camgeo.files.drawn import DrawnDisc
-    from camgeo.files.milled import MilledDisc
-    from camgeo.files.pictured import PicturedCam
-    from camgeo.files.product import Product
-    from camgeo.files.value_table import TabulatedCam
-    from camgeo.files.write import Report
+    from camgeo.product.drawn import DrawnDisc
+    from camgeo.product.milled import MilledDisc
+    from camgeo.product.pictured import PicturedCam
+    from camgeo.product.product import Product
+    from camgeo.product.value_table import TabulatedCam
     from camgeo.scene.scene import Scene
+    from camgeo.writing.write import Report
 
 
 @dataclass(frozen=True)
@@ -147,7 +147,7 @@ class Design(Pickled):
     @built
     def discs(self) -> tuple[Product, ...]:
         """The discs as they are made, the main one first."""
-        from camgeo.files.product import Product  # a check makes none
+        from camgeo.product.product import Product  # a check makes none
 
         pieces: list[Product] = []
         for cam in reversed(self.cams):  # the main one knows the other
@@ -177,8 +177,8 @@ class Design(Pickled):
         """The cam as value tables show it; of a scene without follower its motion alone."""
         if self.scene.follower is not None:
             return self.disc.tabulated
-        from camgeo.files.value_table import TabulatedCam
         from camgeo.formats.csv import FORMAT
+        from camgeo.product.value_table import TabulatedCam
 
         scene, spec = self.scene, self.scene.output.options[FORMAT]
         return TabulatedCam(
@@ -233,7 +233,7 @@ class Design(Pickled):
         OutputError
             If a file cannot be written; nothing is left behind.
         """
-        from camgeo.files.write import write_files
+        from camgeo.writing.write import write_files
 
         output = self.scene.output
         return write_files(

@@ -27,7 +27,6 @@ from camgeo.curve.curvature import curvature_extremes
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import GeometryError, SceneError
-from camgeo.files.value_table import cam_angles
 from camgeo.mechanism.linkage import LinkedMotion
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.mechanism.slider_crank import SliderCrank
@@ -38,6 +37,7 @@ from camgeo.motion.plan import Dwell, MotionPlan, Move
 from camgeo.numeric.roots import roots_on_grid
 from camgeo.outline.crossings import find_crossings
 from camgeo.outline.outline import real_outline
+from camgeo.product.value_table import cam_angles
 from camgeo.scene.load import load_scene
 from camgeo.units import TURN
 from tests.reference import (

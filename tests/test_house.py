@@ -90,7 +90,7 @@ def test_the_design_reaches_few_modules() -> None:
     known = find_modules(ROOT)
     found = {each.target for each in find_imports(path, "camgeo", known)}
     ours = {name for name in found if name.split(".")[0] == "camgeo"}
-    assert {"camgeo.cam.cam", "camgeo.files.write"} <= ours
+    assert {"camgeo.cam.cam", "camgeo.writing.write"} <= ours
     assert len(ours) <= MOST_IMPORTS
 
 

@@ -13,13 +13,14 @@ from camgeo.contour.least_pieces import forced_pieces, least_arcs, least_chords,
 from camgeo.contour.spline import SplineFit
 from camgeo.design import Design
 from camgeo.errors import EffectError, GeometryError, ToleranceError
-from camgeo.files.product import Product, find_writer
 from camgeo.formats import gcode
 from camgeo.outline.path import Flank, Path
 from camgeo.outline.replay import replay_contour
 from camgeo.part.boundaries import CurveBoundary
+from camgeo.product.product import Product
 from camgeo.toolpath.machine import load
 from camgeo.toolpath.machining_time import contour_time
+from camgeo.writing.writer import find_writer
 
 Tell = Callable[[str], None]
 

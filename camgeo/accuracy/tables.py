@@ -15,9 +15,9 @@ import numpy as np
 from camgeo.accuracy.contours import Tell, timed
 from camgeo.accuracy.rows import TableRow
 from camgeo.design import Design
-from camgeo.files.value_table import cam_angles
 from camgeo.motion.motion import Motion
 from camgeo.numeric.arrays import FloatArray, ascending
+from camgeo.product.value_table import cam_angles
 from camgeo.units import TURN
 
 STEPS: Final = tuple(

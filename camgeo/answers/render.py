@@ -23,7 +23,7 @@ from camgeo.declared import schema_beside
 
 if TYPE_CHECKING:
     from camgeo.figure.model import Figure
-    from camgeo.files.value_table import Table
+    from camgeo.product.value_table import Table
 
 Node = Mapping[str, Any]
 """An object of a schema."""

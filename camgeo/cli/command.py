@@ -71,7 +71,7 @@ def write_told(files: Sequence[tuple[Path, bytes, str]], *, force: bool) -> None
     """Write files of one folder, all or none, and tell each with what is said of it."""
     if not files:
         return
-    from camgeo.files.transaction import write_set  # most commands write nothing
+    from camgeo.writing.transaction import write_set  # most commands write nothing
 
     write_set(files[0][0].parent, {path.name: data for path, data, _ in files}, force=force)
     for path, _, text in files:

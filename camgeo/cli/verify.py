@@ -11,7 +11,7 @@ from camgeo._version import __version__
 from camgeo.answers.verify import verify
 from camgeo.cli.command import CallError, add_json, show, tell
 from camgeo.errors import Fault, SceneError
-from camgeo.files.verify import VERIFICATION, Wanted, endings, files_in, write_verification
+from camgeo.verifying.verify import VERIFICATION, Wanted, endings, files_in, write_verification
 
 SUMMARY: Final = (
     "read DXF, G-code, STL and 3MF files back and measure them against the exact curves"

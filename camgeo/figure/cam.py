@@ -14,10 +14,10 @@ from camgeo.figure.layout import Size, grid
 from camgeo.figure.marks import Arrow, Circle, Fill, Line, Mark, Style, plane
 from camgeo.figure.model import Axis, Entry, Figure, Frame, Inset, Legend, Panel
 from camgeo.figure.style import AUXILIARY, LEFT, RETURN_STYLE, RIGHT, TOP, cam_angles
-from camgeo.files.pictured import CutOff, FollowerSketch
-from camgeo.files.product import Product
 from camgeo.numeric.arrays import ComplexArray
 from camgeo.part.part import Part
+from camgeo.product.pictured import CutOff, FollowerSketch
+from camgeo.product.product import Product
 from camgeo.units import MM_PER
 
 SAGITTA = 1e-4

@@ -12,8 +12,8 @@ import numpy as np
 
 from camgeo.figure.marks import Line, Mark, Style, plane
 from camgeo.figure.model import Axis, Entry, Inset, Panel
-from camgeo.files.pictured import CutOff
 from camgeo.numeric.arrays import BoolArray, ComplexArray
+from camgeo.product.pictured import CutOff
 
 CUT: Final = "#c05a00"
 """Colour of what is not on the disc: between lines and grid also in grey."""

@@ -8,7 +8,7 @@ from camgeo.figure.layout import Size, limits
 from camgeo.figure.marks import Line, Mark, Rule, over
 from camgeo.figure.model import Axis, Figure
 from camgeo.figure.style import CURVE, LIMIT_STYLE, ZERO, diagram, diagram_angles
-from camgeo.files.product import Product
+from camgeo.product.product import Product
 from camgeo.units import MM_PER
 
 SIZE = (7.0, 3.6)

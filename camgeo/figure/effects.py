@@ -22,9 +22,9 @@ from camgeo.figure.style import (
     joint_marks,
     turn_axis,
 )
-from camgeo.files.product import Product
 from camgeo.motion.joints import breaks
 from camgeo.numeric.arrays import FloatArray, merged
+from camgeo.product.product import Product
 from camgeo.units import MM_PER, TURN, LengthUnit
 
 if TYPE_CHECKING:  # a picture without effects needs none of this

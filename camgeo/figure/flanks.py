@@ -9,10 +9,10 @@ from camgeo.figure import cut_off
 from camgeo.figure.marks import Line, Mark, Style, Text, plane
 from camgeo.figure.model import Entry
 from camgeo.figure.style import LIMIT, LINE, SAMPLES
-from camgeo.files.pictured import CutOff
-from camgeo.files.product import Product
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.outline.path import Flank
+from camgeo.product.pictured import CutOff
+from camgeo.product.product import Product
 from camgeo.units import TURN
 
 FLANK = Style(LINE, 1.0)

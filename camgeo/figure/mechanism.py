@@ -12,10 +12,10 @@ from camgeo.figure import disc
 from camgeo.figure.layout import Size, grid
 from camgeo.figure.marks import Area, Circle, Fill, Line, Mark, Style, Text, plane
 from camgeo.figure.model import Axis, Figure, Panel
-from camgeo.files.product import Product
 from camgeo.mechanism.sketch import Guide, MechanismSketch
 from camgeo.part.boundaries import largest_radius
 from camgeo.part.part import Part
+from camgeo.product.product import Product
 
 SAGITTA = 1e-4
 """Chords of the picture, relative to the base radius: far below a printed line."""

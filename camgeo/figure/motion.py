@@ -19,7 +19,7 @@ from camgeo.figure.marks import Text
 from camgeo.figure.model import Entry, Figure, Legend
 from camgeo.figure.motion_diagram import Unit
 from camgeo.figure.style import LEFT, RIGHT
-from camgeo.files.product import Product
+from camgeo.product.product import Product
 from camgeo.units import MM_PER, RPM, LengthUnit
 
 SIZE = (7.0, 10.0)

@@ -11,7 +11,7 @@ from typing import Protocol
 from camgeo.errors import meant
 from camgeo.figure.layout import Size, rooms
 from camgeo.figure.model import Figure
-from camgeo.files.product import Product
+from camgeo.product.product import Product
 
 GROUP = "camgeo.plots"
 """Entry points of plots from other distributions, each a `Builder` by the plot's name."""

@@ -17,9 +17,9 @@ from camgeo.contour.contour import Contour, Fit
 from camgeo.contour.least_pieces import forced_pieces
 from camgeo.design import Design
 from camgeo.errors import ToleranceError
-from camgeo.files.product import find_writer
 from camgeo.formats.dxf import FORMAT
 from camgeo.outline.replay import replay_contour
+from camgeo.writing.writer import find_writer
 
 SCENES = Path(__file__).parents[2] / "fixtures" / "scenes"
 

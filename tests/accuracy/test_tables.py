@@ -13,9 +13,9 @@ from hypothesis import strategies as st
 
 import camgeo
 from camgeo.accuracy.tables import interpolation_error, table_rows
-from camgeo.files.value_table import cam_angles
 from camgeo.motion.plan import Dwell, MotionPlan, Move
 from camgeo.numeric.arrays import FloatArray
+from camgeo.product.value_table import cam_angles
 from tests.laws import LAWS
 from tests.strategies import laws
 

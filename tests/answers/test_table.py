@@ -12,8 +12,8 @@ import pytest
 from camgeo.answers.render import table, text
 from camgeo.answers.table import ValueTable, table_of_law, table_of_scene
 from camgeo.design import Design
-from camgeo.files.value_table import Table
 from camgeo.motion.laws import make_law
+from camgeo.product.value_table import Table
 from camgeo.scene.load import load_scene
 from tests.answers.documents import SCENES, document
 

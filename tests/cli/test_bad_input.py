@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from camgeo.cli.main import main
-from camgeo.files import transaction
+from camgeo.writing import transaction
 from tests.scene.scenes import FIXTURES, PLATE, ROCKER, spoilt
 
 SCHNITT = (FIXTURES / "schnitt.toml").read_text(encoding="utf-8")

@@ -17,9 +17,9 @@ import pytest
 import camgeo
 from camgeo.cli.main import COMMANDS, main
 from camgeo.cli.progress import CLEARED, Progress, clear
-from camgeo.files import transaction
 from camgeo.scene.new import KINDS
 from camgeo.units import MM_PER
+from camgeo.writing import transaction
 from tests.reference import hard_case
 
 SCENES = Path(__file__).parents[2] / "fixtures" / "scenes"

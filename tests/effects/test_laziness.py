@@ -15,7 +15,7 @@ import pytest
 from camgeo.design import Design
 from camgeo.effects.graph import node_name
 from camgeo.effects.registry import EFFECTS, find_effect
-from camgeo.files.write import make_files
+from camgeo.writing.write import make_files
 from tests.effects.scenes import SCENES, design
 
 SCENE = "plate_translating"

@@ -22,7 +22,7 @@ import camgeo
 from camgeo import Design, Scene
 from camgeo.check.finding import Finding
 from camgeo.errors import CamgeoError, SceneError
-from camgeo.files.write import make_files
+from camgeo.writing.write import make_files
 
 SCENES: Final = Path(__file__).parents[2] / "fixtures" / "scenes"
 

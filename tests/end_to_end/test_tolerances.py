@@ -19,8 +19,8 @@ import camgeo
 from camgeo.accuracy.contours import drawn_as
 from camgeo.accuracy.rows import FORMS, Form
 from camgeo.design import Design
-from camgeo.files.verify import Against, Wanted, files_in, verify_files
-from camgeo.files.write import Report
+from camgeo.verifying.verify import Against, Wanted, files_in, verify_files
+from camgeo.writing.write import Report
 from tests.end_to_end.built import SCENES
 from tests.long_form import LONG
 

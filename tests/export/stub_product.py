@@ -21,16 +21,16 @@ from camgeo.check.judge import Judgement
 from camgeo.contour.contour import Contour, Effort, Fit
 from camgeo.contour.spline import Arc, SplineContour, SplineFit
 from camgeo.effects.effect import Column
-from camgeo.files.drawn import DrawnDisc
-from camgeo.files.milled import MilledDisc
-from camgeo.files.product import Product
-from camgeo.files.value_table import Table, TabulatedCam
 from camgeo.formats.dxf import DxfSpec
 from camgeo.formats.format import Options, Values
 from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.motion import plan
 from camgeo.motion.laws import make_law
 from camgeo.part.part import Layer, Part
+from camgeo.product.drawn import DrawnDisc
+from camgeo.product.milled import MilledDisc
+from camgeo.product.product import Product
+from camgeo.product.value_table import Table, TabulatedCam
 from camgeo.scene.document import document
 from camgeo.scene.scene import Scene
 from camgeo.scene.valid_values import ValidValues

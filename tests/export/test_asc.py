@@ -14,11 +14,11 @@ import camgeo
 from camgeo.cli.main import main
 from camgeo.design import Design
 from camgeo.errors import SceneError
-from camgeo.files.product import Product
-from camgeo.files.write import make_files
 from camgeo.numeric.arrays import FloatArray
+from camgeo.product.product import Product
 from camgeo.scene.load import parse_scene
 from camgeo.scene.ocv import import_project
+from camgeo.writing.write import make_files
 from camgeo_export.asc.writer import COLUMNS, POINTS, SECOND, WRITER, AscWriter
 from camgeo_export.errors import FileError
 from tests.reference import pitch_curve_of, reference, thesis_params

@@ -14,8 +14,8 @@ import pytest
 import trimesh
 
 from camgeo.errors import ToleranceError
-from camgeo.files.product import Writer
 from camgeo.part.part import Layer, Part
+from camgeo.writing.writer import Writer
 from camgeo_export.errors import FileError
 from camgeo_export.solid.prism import FIT_SHARE, body
 from camgeo_export.stl.writer import FACET

@@ -10,8 +10,8 @@ import pytest
 from camgeo.cam.cam import Cam
 from camgeo.cam.drive import Drive
 from camgeo.figure.plots import OWN, find, stacked
-from camgeo.files.value_table import Table
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
+from camgeo.product.value_table import Table
 from camgeo.units import LengthUnit
 from camgeo_export.errors import FileError
 from camgeo_export.picture.writer import PNG, SVG, PictureWriter

@@ -20,8 +20,8 @@ import camgeo
 from camgeo.contour.contour import Contour
 from camgeo.contour.spline import Arc, CubicSpline, SplineContour
 from camgeo.design import Design
-from camgeo.files.product import Product
-from camgeo.files.verification import Check, Origin, Reading, Verifier, length_of
+from camgeo.product.product import Product
+from camgeo.verifying.verification import Check, Origin, Reading, Verifier, length_of
 from camgeo_export.gcode.writer import WRITER as GCODE
 from camgeo_export.stl.writer import WRITER as STL
 from camgeo_export.threemf.writer import WRITER as THREEMF

@@ -7,9 +7,9 @@ import math
 import numpy as np
 
 from camgeo.contour.contour import Contour
-from camgeo.files.verification import Check
 from camgeo.numeric.arrays import ComplexArray
 from camgeo.part.boundaries import ExactBoundary
+from camgeo.verifying.verification import Check
 from camgeo_export.chain import chain
 from camgeo_export.verify.plane import contour_checks
 from camgeo_export.verify.shapes import shapes_of

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from camgeo.files.product import Writer
+from camgeo.writing.writer import Writer
 from camgeo_export.dxf.writer import WRITER as DXF
 from camgeo_export.gcode.writer import WRITER as GCODE
 from camgeo_export.picture.writer import PNG, SVG

@@ -11,9 +11,9 @@ from matplotlib.figure import Figure
 from camgeo.effects.effect import Column
 from camgeo.figure import effects
 from camgeo.figure.style import LIMIT
-from camgeo.files.product import Product
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray
+from camgeo.product.product import Product
 from camgeo.units import TURN
 from camgeo_export.plots.render import render
 from tests.effects.scenes import design

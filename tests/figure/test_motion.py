@@ -21,11 +21,11 @@ from camgeo.cam.drive import Drive
 from camgeo.design import Design
 from camgeo.figure import motion
 from camgeo.figure.motion_plan import plan_sketch, spread
-from camgeo.files.product import Product
 from camgeo.motion.joints import breaks
 from camgeo.motion.laws import make_law
 from camgeo.motion.plan import Dwell, MotionPlan, Move
 from camgeo.numeric.arrays import FloatArray
+from camgeo.product.product import Product
 from camgeo_export.plots.render import render
 from tests.export.stub_product import CAM, StubProduct
 from tests.figure import drawing

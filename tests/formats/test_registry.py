@@ -10,13 +10,13 @@ from typing import Any
 import pytest
 
 from camgeo.errors import CamgeoError
-from camgeo.files.product import find_writer, with_companions
 from camgeo.formats import registry
 from camgeo.formats.format import Format, Options, no_options
 from camgeo.formats.registry import FORMATS, find_format, foreign_names
 from camgeo.scene.document import document
 from camgeo.scene.load import parse_scene
 from camgeo.scene.valid_values import ValidValues
+from camgeo.writing.writer import find_writer, with_companions
 from tests.scene.scenes import PLATE
 
 

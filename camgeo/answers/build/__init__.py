@@ -11,8 +11,8 @@ from camgeo.answers.answer import Answer
 from camgeo.answers.finding_lines import exit_code
 from camgeo.check.finding import Finding
 from camgeo.design import Design
-from camgeo.files.write import FileReport, write_files
 from camgeo.scene.scene import Scene
+from camgeo.writing.write import FileReport, write_files
 
 
 @dataclass(frozen=True, slots=True)

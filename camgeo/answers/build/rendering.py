@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from camgeo.answers.build import Build
-from camgeo.files.write import FileReport
+from camgeo.writing.write import FileReport
 
 WIDTH = 39
 """Of the paths."""

@@ -12,9 +12,9 @@ from camgeo.cam.disc import Disc
 from camgeo.cam.drive import Drive
 from camgeo.check.judge import Judgement
 from camgeo.design import Design
-from camgeo.files.drawn import DrawnDisc
-from camgeo.files.milled import MilledDisc
 from camgeo.lazy import Run, lazy_names
+from camgeo.product.drawn import DrawnDisc
+from camgeo.product.milled import MilledDisc
 from camgeo.scene.scene import Scene
 
 EFFECTS: Final = "effects."
@@ -63,7 +63,7 @@ def _table(design: Design) -> None:
 
 def _build(design: Design) -> None:
     """What `camgeo build` asks for; nothing is written."""
-    from camgeo.files.write import make_files
+    from camgeo.writing.write import make_files
 
     if design.judgement.has_outline:
         make_files(design.discs, design.scene.output.formats, design.scene.output.tolerance)

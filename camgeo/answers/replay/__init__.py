@@ -16,13 +16,13 @@ from camgeo.answers.replay.contours import Reading, contour_of
 from camgeo.cam.cam import Cam
 from camgeo.design import Design
 from camgeo.errors import Fault, SceneError
-from camgeo.files.product import Product, disc_of
 from camgeo.mechanism.follower_path import path_of
 from camgeo.motion.time_course import in_time
 from camgeo.numeric.extremes import Extreme, Extremes
 from camgeo.outline.path import Flank
 from camgeo.outline.replay import CORNER, replay_contour, replay_outline
 from camgeo.outline.replay_result import Jumps, Replay, closing_error
+from camgeo.product.product import Product, disc_of
 from camgeo.scene.scene import Scene
 from camgeo.units import MM_PER, TURN
 

@@ -13,8 +13,8 @@ import numpy as np
 from camgeo.contour.contour import Contour
 from camgeo.contour.simple import crossing
 from camgeo.errors import Fault, SceneError
-from camgeo.files.product import Product
 from camgeo.outline.path import Flank
+from camgeo.product.product import Product
 from camgeo.units import LengthUnit
 
 READERS: Final = "camgeo.readers"

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from camgeo.answers.replay import DiscReplay, FollowerReplay
-from camgeo.files.value_table import Table, cam_angles
 from camgeo.numeric.arrays import FloatArray
 from camgeo.numeric.extremes import Extreme, Extremes
 from camgeo.outline.replay_result import play
+from camgeo.product.value_table import Table, cam_angles
 
 if TYPE_CHECKING:
     from camgeo.figure.model import Figure

@@ -13,7 +13,7 @@ from camgeo.mechanism.slotted_lever_drive import NAMES, DrivenLever, crank_for_s
 from camgeo.units import RPM
 
 if TYPE_CHECKING:  # few calls ask for a table
-    from camgeo.files.value_table import Table
+    from camgeo.product.value_table import Table
 
 LOWEST, HIGHEST = 1e-100, 1e100
 """Of lengths [mm] and speeds [rev/min]: what is made of them is far from overflow."""
@@ -102,7 +102,7 @@ def _checked(key: str, given: Number, unit: str) -> float:
 
 
 def _table(driven: DrivenLever, rows: Rows, printed: bool) -> Table:
-    from camgeo.files.value_table import Table
+    from camgeo.product.value_table import Table
 
     found = lever_table(driven, *rows)
     return Table.rounded(NAMES, found.printed()) if printed else Table(NAMES, found.values)

@@ -11,7 +11,7 @@ from camgeo.units import RPM
 
 if TYPE_CHECKING:
     from camgeo.figure.model import Figure
-    from camgeo.files.value_table import Table
+    from camgeo.product.value_table import Table
 
 NOTES = """\
 angles are positive in the crank's sense of rotation: the crank's from where its pin is nearest the

@@ -8,9 +8,9 @@ from typing import ClassVar, Final
 
 from camgeo.answers.answer import Answer
 from camgeo.design import Design
-from camgeo.files.value_table import Table
 from camgeo.motion.laws.law import Law
 from camgeo.motion.value_table import NAMES, PRINTED_STEP, law_table
+from camgeo.product.value_table import Table
 
 PRINTED_NAMES: Final = NAMES[:4]
 """The guideline prints no f'''."""

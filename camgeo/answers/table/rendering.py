@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from camgeo.answers.table import ValueTable
-from camgeo.files.value_table import Table
+from camgeo.product.value_table import Table
 
 
 def text(answer: ValueTable) -> str:

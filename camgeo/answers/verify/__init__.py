@@ -9,10 +9,10 @@ from typing import Any, ClassVar
 
 from camgeo.answers.answer import BROKEN, FINE, Answer
 from camgeo.design import Design
-from camgeo.files.verification import Verdict
-from camgeo.files.verify import Against, Wanted, scene_file, verify_files
 from camgeo.scene.fingerprint import hashes_of
 from camgeo.scene.load import load_scene
+from camgeo.verifying.verification import Verdict
+from camgeo.verifying.verify import Against, Wanted, scene_file, verify_files
 
 
 @dataclass(frozen=True, slots=True)

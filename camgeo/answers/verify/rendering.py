@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Final
 
 from camgeo.answers.verify import Verification
-from camgeo.files.verification import Check, Verdict
+from camgeo.verifying.verification import Check, Verdict
 
 MARKS: Final = {True: "ok", False: "FAIL", None: ""}
 

@@ -12,11 +12,12 @@ from typing import Final
 
 import numpy as np
 
-from camgeo.files.product import Product, Written
 from camgeo.formats.format import Format
 from camgeo.formats.plain import ASC
 from camgeo.numeric.arrays import FloatArray
+from camgeo.product.product import Product
 from camgeo.units import MM_PER
+from camgeo.writing.writer import Written
 from camgeo_export.table.writer import difference
 
 POINTS: Final = ("x_i_vers", "y_i_vers", "x_B_vers", "y_B_vers", "x_a_vers", "y_a_vers")

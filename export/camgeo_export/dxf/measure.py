@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from camgeo.contour.contour import Contour
-from camgeo.files.product import Product
 from camgeo.formats.dxf import FORMAT
+from camgeo.product.product import Product
 from camgeo.units import MM_PER
 from camgeo_export.dxf.reader import Drawing, drawing_of
 from camgeo_export.errors import FileError

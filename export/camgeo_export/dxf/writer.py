@@ -22,10 +22,11 @@ from ezdxf.layouts.layout import Modelspace
 
 from camgeo.contour.contour import Contour
 from camgeo.contour.spline import CubicSpline, SplineContour
-from camgeo.files.product import Product, Written
 from camgeo.formats.dxf import FORMAT
 from camgeo.part.part import Boundary
+from camgeo.product.product import Product
 from camgeo.units import MM_PER, LengthUnit
+from camgeo.writing.writer import Written
 from camgeo_export.dxf.curves import Curve
 from camgeo_export.dxf.measure import measure
 from camgeo_export.matching import reach_of

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from camgeo.files.product import Product
 from camgeo.formats.gcode import FORMAT
+from camgeo.product.product import Product
 from camgeo.toolpath.cut import Cut
 from camgeo.toolpath.machine import load
 from camgeo.units import MM_PER

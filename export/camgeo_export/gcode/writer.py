@@ -5,13 +5,14 @@ from __future__ import annotations
 import textwrap
 
 from camgeo.errors import Fault, SceneError
-from camgeo.files.product import Product, Written
 from camgeo.formats.gcode import FORMAT
+from camgeo.product.product import Product
 from camgeo.toolpath.machine import KEY, CommentStyle, Machine, load
 from camgeo.toolpath.machining_time import toolpath_time
 from camgeo.toolpath.moves import Toolpath
 from camgeo.toolpath.spec import Tool
 from camgeo.units import MM_PER
+from camgeo.writing.writer import Written
 from camgeo_export.gcode.blocks import Grid, Speller, number
 from camgeo_export.gcode.budget import Budget, budget
 from camgeo_export.gcode.measure import measure

@@ -5,9 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from camgeo.figure.plots import stacked
-from camgeo.files.product import Product, Written
 from camgeo.formats import plain
 from camgeo.formats.format import Format
+from camgeo.product.product import Product
+from camgeo.writing.writer import Written
 from camgeo_export.plots.render import render
 
 

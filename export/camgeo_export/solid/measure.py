@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from camgeo.errors import GeometryError
-from camgeo.files.product import Product
 from camgeo.numeric.arrays import FloatArray, IntArray
+from camgeo.product.product import Product
 from camgeo_export.errors import FileError
 from camgeo_export.matching import deviation
 from camgeo_export.verify.mesh import border_loops, merged, polygon, solid_checks, upright

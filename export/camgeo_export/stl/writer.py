@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from camgeo.files.product import Product, Written
 from camgeo.formats.plain import STL
 from camgeo.numeric.arrays import FloatArray
+from camgeo.product.product import Product
+from camgeo.writing.writer import Written
 from camgeo_export.errors import FileError
 from camgeo_export.solid.measure import measure
 from camgeo_export.solid.prism import body

@@ -8,10 +8,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from camgeo.files.product import Product, Written
 from camgeo.formats.csv import FORMAT
 from camgeo.numeric.arrays import BoolArray, FloatArray
+from camgeo.product.product import Product
 from camgeo.units import MM_PER
+from camgeo.writing.writer import Written
 from camgeo_export.errors import FileError
 
 

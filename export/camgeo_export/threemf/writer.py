@@ -8,9 +8,10 @@ from xml.etree import ElementTree as ET
 
 import numpy as np
 
-from camgeo.files.product import Product, Written
 from camgeo.formats.plain import THREEMF
 from camgeo.numeric.arrays import FloatArray, IntArray
+from camgeo.product.product import Product
+from camgeo.writing.writer import Written
 from camgeo_export.errors import FileError
 from camgeo_export.solid.measure import measure
 from camgeo_export.solid.prism import Body, body

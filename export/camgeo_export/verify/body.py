@@ -11,10 +11,10 @@ import trimesh
 
 from camgeo.contour.contour import Contour
 from camgeo.errors import CamgeoError, GeometryError
-from camgeo.files.product import Product
-from camgeo.files.verification import Check, failed, near
 from camgeo.numeric.arrays import BoolArray, FloatArray, IntArray
 from camgeo.part.part import Boundary, Part
+from camgeo.product.product import Product
+from camgeo.verifying.verification import Check, failed, near
 from camgeo_export.verify.mesh import border_loops, merged, polygon, solid_checks, upright, volume
 from camgeo_export.verify.plane import contour_checks, matched
 from camgeo_export.verify.shapes import Shape, shapes_of

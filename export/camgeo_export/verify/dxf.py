@@ -7,8 +7,9 @@ import math
 from camgeo.contour.contour import Contour
 from camgeo.contour.exact import distance_between
 from camgeo.errors import CamgeoError, GeometryError
-from camgeo.files.product import Product
-from camgeo.files.verification import (
+from camgeo.formats.dxf import FORMAT
+from camgeo.product.product import Product
+from camgeo.verifying.verification import (
     Check,
     Origin,
     Reading,
@@ -18,7 +19,6 @@ from camgeo.files.verification import (
     length_of,
     told,
 )
-from camgeo.formats.dxf import FORMAT
 from camgeo_export.dxf.measure import MEASUREMENT
 from camgeo_export.dxf.reader import Drawing, drawing_of
 from camgeo_export.errors import FileError

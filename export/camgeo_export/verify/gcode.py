@@ -7,11 +7,19 @@ import re
 from dataclasses import replace
 
 from camgeo.contour.contour import Contour
-from camgeo.files.product import Product
-from camgeo.files.verification import Check, Origin, Reading, at_most, failed, length_of, unit_check
 from camgeo.formats.gcode import FORMAT
+from camgeo.product.product import Product
 from camgeo.toolpath.cut import Cut
 from camgeo.toolpath.machine import load
+from camgeo.verifying.verification import (
+    Check,
+    Origin,
+    Reading,
+    at_most,
+    failed,
+    length_of,
+    unit_check,
+)
 from camgeo_export.errors import FileError
 from camgeo_export.gcode.reader import Loop, Program, read
 from camgeo_export.verify.leads import lead_checks

@@ -12,7 +12,7 @@ from itertools import groupby, pairwise
 import numpy as np
 
 from camgeo.contour.contour import Contour
-from camgeo.files.verification import Check, at_most, failed
+from camgeo.verifying.verification import Check, at_most, failed
 from camgeo_export.gcode.reader import CutterMove, Program
 from camgeo_export.verify.farthest import distances_from
 from camgeo_export.verify.plane import SLOPE, place_text

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from camgeo.contour.contour import Contour
-from camgeo.files.verification import Check, failed
 from camgeo.numeric.arrays import FloatArray, IntArray
+from camgeo.verifying.verification import Check, failed
 from camgeo_export.errors import FileError
 
 

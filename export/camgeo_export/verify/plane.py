@@ -8,8 +8,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from camgeo.errors import GeometryError, ToleranceError, UndercutError
-from camgeo.files.verification import Check, at_most, failed, near
 from camgeo.numeric.arrays import FloatArray
+from camgeo.verifying.verification import Check, at_most, failed, near
 from camgeo_export.matching import AnyContour, paired
 from camgeo_export.verify.farthest import farthest
 from camgeo_export.verify.joints import joints_of

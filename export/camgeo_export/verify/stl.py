@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import re
 
-from camgeo.files.product import Product
-from camgeo.files.verification import Check, Origin, Reading, equal, told
+from camgeo.product.product import Product
 from camgeo.units import MM_PER, LengthUnit
+from camgeo.verifying.verification import Check, Origin, Reading, equal, told
 from camgeo_export.stl.writer import FACET, PREFIX
 from camgeo_export.verify.body import mesh_checks
 

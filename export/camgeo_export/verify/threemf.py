@@ -7,8 +7,8 @@ import zipfile
 import zlib
 from xml.etree import ElementTree as ET
 
-from camgeo.files.product import Product
-from camgeo.files.verification import Check, Origin, Reading, failed, length_of, unit_check
+from camgeo.product.product import Product
+from camgeo.verifying.verification import Check, Origin, Reading, failed, length_of, unit_check
 from camgeo_export.verify.body import mesh_checks
 
 MM_PER_UNIT = {

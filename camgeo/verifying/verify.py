@@ -11,10 +11,10 @@ from pathlib import Path
 from typing import Final
 
 from camgeo.errors import CamgeoError, Fault, SceneError
-from camgeo.files.certificate import Certificate, certificate_in
-from camgeo.files.product import Product, disc_of
-from camgeo.files.transaction import write_set
-from camgeo.files.verification import (
+from camgeo.product.product import Product, disc_of
+from camgeo.units import LengthUnit
+from camgeo.verifying.certificate import Certificate, certificate_in
+from camgeo.verifying.verification import (
     KIND,
     Check,
     Origin,
@@ -26,8 +26,8 @@ from camgeo.files.verification import (
     failed,
     told,
 )
-from camgeo.files.write import CERTIFICATE
-from camgeo.units import LengthUnit
+from camgeo.writing.transaction import write_set
+from camgeo.writing.write import CERTIFICATE
 
 GROUP: Final = "camgeo.verifiers"
 

@@ -16,7 +16,7 @@ WRITER = """
 from dataclasses import dataclass
 
 from camgeo.errors import GeometryError
-from camgeo.files.product import Written
+from camgeo.writing.writer import Written
 from camgeo.formats.format import Format
 
 

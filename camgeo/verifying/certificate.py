@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from camgeo.files.write import CERTIFICATE
+from camgeo.writing.write import CERTIFICATE
 
 
 @dataclass(frozen=True, slots=True)

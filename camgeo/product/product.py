@@ -1,19 +1,13 @@
-"""A disc as it is made, which is what its writers see of a design, and what a writer is.
-
-Writers register as entry points of the group ``camgeo.writers``; the entry point's name is the
-format's name on the command line and in the scene, and it loads an object that is a `Writer`.
-"""
+"""A disc as it is made, which is what its writers see of a design."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING
 
 from camgeo._version import __version__
 from camgeo.check.judge import RETURN, Judgement
-from camgeo.errors import Fault, SceneError, meant
-from camgeo.formats.format import Format, Options, Values
-from camgeo.formats.registry import format_of, writer_entries
+from camgeo.formats.format import Options, Values
 from camgeo.lazy import Ledger, built
 from camgeo.pickled import Pickled
 from camgeo.units import LengthUnit
@@ -24,10 +18,10 @@ if TYPE_CHECKING:
     from camgeo.cam.cam import Cam
     from camgeo.check.finding import Finding
     from camgeo.effects.effect import Column
-    from camgeo.files.drawn import DrawnDisc
-    from camgeo.files.milled import MilledDisc
-    from camgeo.files.pictured import PicturedCam
-    from camgeo.files.value_table import TabulatedCam
+    from camgeo.product.drawn import DrawnDisc
+    from camgeo.product.milled import MilledDisc
+    from camgeo.product.pictured import PicturedCam
+    from camgeo.product.value_table import TabulatedCam
     from camgeo.scene.scene import Scene
 
 
@@ -103,7 +97,7 @@ class Product(Pickled):
     @built
     def drawn(self) -> DrawnDisc:
         """The disc as drawings and solids show it."""
-        from camgeo.files.drawn import DrawnDisc
+        from camgeo.product.drawn import DrawnDisc
 
         scene = self.scene
         return DrawnDisc(self.cam, scene.part, scene.output.fit, self.judgement, self.ledger)
@@ -111,15 +105,15 @@ class Product(Pickled):
     @built
     def milled(self) -> MilledDisc:
         """The disc as milling programs make it."""
-        from camgeo.files.milled import MilledDisc
+        from camgeo.product.milled import MilledDisc
 
         return MilledDisc(self.drawn, self.options, self.values, self.ledger)
 
     @built
     def tabulated(self) -> TabulatedCam:
         """The cam as value tables tell it."""
-        from camgeo.files.value_table import TabulatedCam
         from camgeo.formats.csv import FORMAT
+        from camgeo.product.value_table import TabulatedCam
 
         drive, lift_unit, spec = self.cam.drive, self.cam.lift_unit, self.options[FORMAT]
         return TabulatedCam(drive, lift_unit, self.cam, self.unit, spec, self.columns, self.ledger)
@@ -127,7 +121,7 @@ class Product(Pickled):
     @built
     def pictured(self) -> PicturedCam:
         """The cam as pictures show it."""
-        from camgeo.files.pictured import PicturedCam
+        from camgeo.product.pictured import PicturedCam
 
         returning = self.others[0].cam.follower if self.others else None
         return PicturedCam(self.cam, returning)
@@ -141,64 +135,3 @@ def disc_of(discs: Sequence[Product], stem: str) -> Product:
     main, *others = discs
     marks = [(disc, disc.name.removeprefix(main.name)) for disc in others if stem != main.name]
     return next((disc for disc, mark in marks if stem.lower().endswith(mark)), main)
-
-
-@dataclass(frozen=True, slots=True)
-class Written:
-    """A file's content and what its writer says of it.
-
-    Attributes
-    ----------
-    data : the whole file.
-    facts : what the certificate should name besides the deviation, e.g. {"arcs": 64}; numbers and
-        short texts, in the order to be written.
-    """
-
-    data: bytes
-    facts: dict[str, int | float | str] = field(default_factory=dict)
-
-
-class Writer(Protocol):
-    """One file format.
-
-    Attributes
-    ----------
-    format : its declaration; the name is that of the entry point.
-
-    A writer may have `companions` too, a tuple of writers: the format's further files, each with
-    a suffix of its own.
-    """
-
-    @property
-    def format(self) -> Format[Any]: ...
-
-    def write(self, product: Product, tolerance: float) -> Written:
-        """The file. `tolerance` [mm] bounds the distance of everything in it from the exact curve.
-
-        Raises ToleranceError if that cannot be met.
-        """
-
-    def measure(self, product: Product, data: bytes) -> float | None:
-        """Read `data` back and return the proved deviation [mm]; None for pictures."""
-
-
-def writer_names() -> tuple[str, ...]:
-    """Names of all formats that can be written, sorted."""
-    return tuple(sorted(writer_entries()))
-
-
-def with_companions(writer: Writer) -> tuple[Writer, ...]:
-    """The writers of all files of a format, `writer` the first; their suffixes differ."""
-    further: tuple[Writer, ...] = getattr(writer, "companions", ())
-    return (writer, *further)
-
-
-def find_writer(name: str) -> Writer:
-    """Load the writer of format `name`; SceneError if there is none."""
-    entry = writer_entries().get(name)
-    if entry is None:
-        names = writer_names()
-        message = f"no writer for this format; there are {', '.join(names)}"
-        raise SceneError([Fault("format", name, message, meant(name, names, '"'))])
-    writer: Writer = format_of(entry)[0]
-    return writer

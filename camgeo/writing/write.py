@@ -12,9 +12,10 @@ from typing import Any
 
 from camgeo.check.finding import forbidding
 from camgeo.errors import Fault, SceneError, ToleranceError, UndercutError
-from camgeo.files.product import Product, Writer, Written, find_writer, with_companions
-from camgeo.files.transaction import write_set
 from camgeo.formats.format import LARGEST_TOLERANCE, SMALLEST_TOLERANCE
+from camgeo.product.product import Product
+from camgeo.writing.transaction import write_set
+from camgeo.writing.writer import Writer, Written, find_writer, with_companions
 
 CERTIFICATE = "certificate.json"
 

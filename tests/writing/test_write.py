@@ -13,10 +13,11 @@ import pytest
 
 import camgeo
 from camgeo.errors import SceneError, ToleranceError
-from camgeo.files import write as write_module
-from camgeo.files.product import Product, Written, find_writer, writer_names
-from camgeo.files.write import write_files
 from camgeo.formats.format import Format, no_options
+from camgeo.product.product import Product
+from camgeo.writing import write as write_module
+from camgeo.writing.write import write_files
+from camgeo.writing.writer import Written, find_writer, writer_names
 
 SCENES = Path(__file__).parents[2] / "fixtures" / "scenes"
 

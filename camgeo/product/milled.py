@@ -11,8 +11,8 @@ from camgeo.lazy import Ledger, lazy
 from camgeo.pickled import Pickled
 
 if TYPE_CHECKING:
-    from camgeo.files.drawn import DrawnDisc
     from camgeo.formats.format import Options, Values
+    from camgeo.product.drawn import DrawnDisc
     from camgeo.toolpath.cut import Cut
     from camgeo.toolpath.moves import Toolpath
 

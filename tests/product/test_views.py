@@ -15,12 +15,12 @@ import pytest
 
 import camgeo
 from camgeo.errors import GeometryError
-from camgeo.files.drawn import DrawnDisc
-from camgeo.files.milled import MilledDisc
-from camgeo.files.pictured import PicturedCam
-from camgeo.files.product import Product
-from camgeo.files.value_table import TabulatedCam
 from camgeo.pickled import Pickled
+from camgeo.product.drawn import DrawnDisc
+from camgeo.product.milled import MilledDisc
+from camgeo.product.pictured import PicturedCam
+from camgeo.product.product import Product
+from camgeo.product.value_table import TabulatedCam
 from tests.export.stub_product import StubProduct
 
 SCENE = Path(__file__).parents[2] / "fixtures" / "scenes" / "setzhub.toml"
@@ -63,9 +63,9 @@ def test_a_product_is_small() -> None:
 @pytest.mark.parametrize("name", READERS)
 def test_a_writer_is_computed_its_own_view_and_no_other(name: str) -> None:
     code = (
-        "import camgeo, json, sys; from camgeo.files.write import make_files;"
+        "import camgeo, json, sys; from camgeo.writing.write import make_files;"
         f"make_files(camgeo.load(sys.argv[1]).discs, ({name!r},), 0.01);"
-        "print(json.dumps([n for n in sys.modules if n.startswith('camgeo.files.')]))"
+        "print(json.dumps([n for n in sys.modules if n.startswith('camgeo.product.')]))"
     )
     done = subprocess.run(
         [sys.executable, "-c", code, str(SCENE)], capture_output=True, text=True, check=True

@@ -11,8 +11,8 @@ from typing import Any
 import pytest
 
 from camgeo.errors import OutputError
-from camgeo.files import transaction
-from camgeo.files.transaction import write_set
+from camgeo.writing import transaction
+from camgeo.writing.transaction import write_set
 
 FILES = {"a.dxf": b"new a", "b.ngc": b"new b", "c.stl": b"new c"}
 

@@ -10,7 +10,7 @@ import math
 from dataclasses import dataclass
 from typing import Any, Final, Protocol
 
-from camgeo.files.product import Product
+from camgeo.product.product import Product
 from camgeo.units import LengthUnit
 
 KIND: Final = "camgeo verification"

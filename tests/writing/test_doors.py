@@ -10,10 +10,10 @@ import pytest
 from camgeo.cli.main import main
 from camgeo.design import Design
 from camgeo.errors import SceneError, UndercutError
-from camgeo.files.verify import Against, Wanted, verify_files
-from camgeo.files.write import make_files, write_files
 from camgeo.formats.registry import FORMATS, find_format
 from camgeo.scene.load import parse_scene
+from camgeo.verifying.verify import Against, Wanted, verify_files
+from camgeo.writing.write import make_files, write_files
 from tests.scene.scenes import GROOVE, PLATE, spoilt
 
 UNDERCUT = spoilt(PLATE, ("roller_radius = 10", "roller_radius = 45"))

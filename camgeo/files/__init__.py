@@ -1,1 +1,0 @@
-"""Files: what writers get to see, the registry of writers, and writing whole sets or nothing."""

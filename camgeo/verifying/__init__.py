@@ -1,0 +1,1 @@
+"""Files of any origin, held against their certificate and their scene."""

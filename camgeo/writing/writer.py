@@ -1,0 +1,76 @@
+"""What a writer of one format is, and the writers at hand.
+
+Writers register as entry points of the group ``camgeo.writers``; the entry point's name is the
+format's name on the command line and in the scene, and it loads an object that is a `Writer`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any, Protocol
+
+from camgeo.errors import Fault, SceneError, meant
+from camgeo.formats.format import Format
+from camgeo.formats.registry import format_of, writer_entries
+from camgeo.product.product import Product
+
+
+@dataclass(frozen=True, slots=True)
+class Written:
+    """A file's content and what its writer says of it.
+
+    Attributes
+    ----------
+    data : the whole file.
+    facts : what the certificate should name besides the deviation, e.g. {"arcs": 64}; numbers and
+        short texts, in the order to be written.
+    """
+
+    data: bytes
+    facts: dict[str, int | float | str] = field(default_factory=dict)
+
+
+class Writer(Protocol):
+    """One file format.
+
+    Attributes
+    ----------
+    format : its declaration; the name is that of the entry point.
+
+    A writer may have `companions` too, a tuple of writers: the format's further files, each with
+    a suffix of its own.
+    """
+
+    @property
+    def format(self) -> Format[Any]: ...
+
+    def write(self, product: Product, tolerance: float) -> Written:
+        """The file. `tolerance` [mm] bounds the distance of everything in it from the exact curve.
+
+        Raises ToleranceError if that cannot be met.
+        """
+
+    def measure(self, product: Product, data: bytes) -> float | None:
+        """Read `data` back and return the proved deviation [mm]; None for pictures."""
+
+
+def writer_names() -> tuple[str, ...]:
+    """Names of all formats that can be written, sorted."""
+    return tuple(sorted(writer_entries()))
+
+
+def with_companions(writer: Writer) -> tuple[Writer, ...]:
+    """The writers of all files of a format, `writer` the first; their suffixes differ."""
+    further: tuple[Writer, ...] = getattr(writer, "companions", ())
+    return (writer, *further)
+
+
+def find_writer(name: str) -> Writer:
+    """Load the writer of format `name`; SceneError if there is none."""
+    entry = writer_entries().get(name)
+    if entry is None:
+        names = writer_names()
+        message = f"no writer for this format; there are {', '.join(names)}"
+        raise SceneError([Fault("format", name, message, meant(name, names, '"'))])
+    writer: Writer = format_of(entry)[0]
+    return writer
