@@ -1,9 +1,9 @@
 """Writes docs/effects.md and its pictures: `python docs/effects_page.py`.
 
-The texts are in docs/effects, one file an effect; what stands in them as `<!-- word -->` is put in
-from the code: declarations, findings of the example scenes, tables and pictures; so are numbers, as
-`{name}`. A test holds the page to the texts and to the code; the pictures are renewed by running
-this and are not compared, for their bytes depend on matplotlib's version too.
+The texts are in docs/effects, one file per effect. `<!-- word -->` in them is replaced from the
+code by declarations, findings of the example scenes, tables and pictures, and `{name}` by a number.
+A test compares the page with the texts and the code. Pictures are renewed by running this script
+and are not compared, because their bytes also depend on the version of matplotlib.
 """
 
 from __future__ import annotations
@@ -61,23 +61,22 @@ AFTER: Final = ("materials", "example", "accuracy")
 """Texts before and after those of the effects."""
 
 FARTHEST: Final = 20.0
-"""Natural periods a move up to which the largest residuals of the laws are looked for."""
+"""Natural periods per move up to which the largest residuals of the laws are searched for."""
 
 QUIET_END: Final = 40.0
-"""From here on all of them are below the share that counts as small, by their bounds."""
+"""From here on the bounds of all laws are below the share that counts as small."""
 
 RATIOS: Final = (1.0, 1.5, 2.0, 3.0, 5.0, 10.0)
-"""From which on the table has the largest residual."""
+"""Ratios above which the table gives the largest residual."""
 
 TOLERANCES: Final = (1e-3, 1e-6, 1e-9)
 """Of the table of accuracy."""
 
 LEAST: Final = 1e-13
-"""Estimates of errors are told as no less: what is below is rounding and differs from machine to
-machine."""
+"""Smallest stated error estimate: anything below is rounding and differs between machines."""
 
 MARGIN: Final = 2.0
-"""Times what was estimated is told."""
+"""Factor from an estimate to the stated value."""
 
 NUMBERS: Final[dict[str, Any]] = {
     "gravity": STANDARD_GRAVITY / 1e3,
@@ -94,7 +93,7 @@ NUMBERS: Final[dict[str, Any]] = {
     "tolerance": TOLERANCE,
     "least": LEAST,
 }
-"""What stands in the texts by name."""
+"""Numbers in the texts, by name."""
 
 PICTURES: Final[dict[str, tuple[str, tuple[str, ...]]]] = {
     "effects-press-forces": (
@@ -139,7 +138,7 @@ def page() -> str:
 
 
 def section(name: str) -> str:
-    """A text with what is put in."""
+    """A text with its insertions."""
     text = (TEXTS / f"{name}.md").read_text(encoding="utf-8")
     text = re.sub(r"\{(\w+)(:[^}]*)?\}", _number_of, text)
 
@@ -198,7 +197,7 @@ def _declared(name: str) -> str:
 
 
 def _of_scene(name: str) -> list[str]:
-    """What a scene must have for the effect besides what this needs."""
+    """What a scene must have for the effect, besides the effects that it needs."""
     effect = find_effect(name)
     found = [" or ".join(f"`{key}`" for key in keys) for keys in effect.keys]
     required = find_effect(name).schema.get("required", [])
@@ -220,7 +219,7 @@ def _check(_name: str, scene: str, *effects: str) -> str:
 
 
 def _explain(_name: str, scene: str) -> str:
-    """The lines of `camgeo explain` of a scene that tell of effects."""
+    """The lines of `camgeo explain` for a scene that are about effects."""
     fresh = Design(load_scene(str(SCENES / f"{scene}.toml")))
     lines = [line for line in tree_lines(explain(fresh)) if "  effects." in line]
     return _block("\n".join((f"{'all':>10}{'own':>10}", *lines)))
@@ -248,7 +247,7 @@ def _residuals(_name: str) -> str:
 
 @cache
 def shocks() -> tuple[tuple[str, Shock], ...]:
-    """The laws from rest to rest as they are without parameters; names of equal ones together."""
+    """The laws from rest to rest with default parameters; equal ones are grouped."""
     ratios = np.linspace(0.3, 5.3, 26)
     found: list[tuple[list[str], Shock, FloatArray]] = []
     for name, family in FAMILIES.items():
@@ -334,7 +333,7 @@ def _accuracy(_name: str, scene: str, *more: str) -> str:
 
 
 def claim(error: float | None) -> str:
-    """What the page tells of an estimate."""
+    """What the page states for an estimate."""
     if error is None:
         return "exact"
     return f"<= {rounded_up(max(MARGIN * error, LEAST)):.0e}".replace("e-0", "e-")
