@@ -25,7 +25,7 @@ from camgeo.errors import Fault, SceneError
 from camgeo.units import MM_PER
 
 SUMMARY: Final = (
-    "tell the smallest base circle, with offset or pivot, that keeps the limits, and Flocke's"
+    "find the smallest base circle, with its offset or pivot, that keeps the limits, and Flocke's"
     " proposal"
 )
 
