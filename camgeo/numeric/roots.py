@@ -22,15 +22,29 @@ MAX_STEPS = 200
 def bracketed_roots(
     function: Function, low: FloatArray, high: FloatArray, rows: IntArray | None = None
 ) -> FloatArray:
+    """`indexed_roots` of a `function` (k,) -> (k,) that is the same for all brackets.
+
+    `rows` (n,) for a function that gives (m, k) values, m quantities at once: which of them is
+    meant in each bracket.
+    """
+
+    def values(x: FloatArray, which: IntArray) -> FloatArray:
+        found = function(x)
+        return found if rows is None else found[rows[which], np.arange(len(x))]
+
+    return indexed_roots(values, low, high)
+
+
+def indexed_roots(
+    function: Callable[[FloatArray, IntArray], FloatArray], low: FloatArray, high: FloatArray
+) -> FloatArray:
     """Return one root in each bracket.
 
     Parameters
     ----------
-    function : (k,) -> (k,), the values at k arguments. Element i is called for bracket i only
-        through its argument, so any subset of the brackets may be asked for.
+    function : (k,), (k,) -> (k,), the values at k arguments, given the numbers of their brackets;
+        any subset of the brackets may be asked for.
     low, high : (n,), ends of the brackets; the values there have opposite signs or are zero.
-    rows : (n,) for a function that gives (m, k) values, m quantities at once: which of them is
-        meant in each bracket.
 
     Returns
     -------
@@ -43,7 +57,7 @@ def bracketed_roots(
         return np.array(low, dtype=np.float64)
     # Of each bracket the newest place, the one across the root, and the one before: x, f(x).
     every = np.arange(len(low))
-    a, b = (_at(function, x, every, rows) for x in (high, low))
+    a, b = (np.stack((x, function(x, every))) for x in (high, low))
     c = a.copy()
     step = np.full_like(a[0], 0.5)
     root: FloatArray = np.where(np.abs(a[1]) < np.abs(b[1]), a[0], b[0])
@@ -53,7 +67,7 @@ def bracketed_roots(
             break
         before, across = a[:, active], b[:, active]
         x = before[0] + step[active] * (across[0] - before[0])
-        new = _at(function, x, active, rows)
+        new = np.stack((x, function(x, active)))
         same = np.sign(new[1]) == np.sign(before[1])
         last = np.where(same, before, across)
         across = np.where(same, across, before)
@@ -64,12 +78,6 @@ def bracketed_roots(
         active = active[(new[1] != 0.0) & (width > 2.0 * floor)]
         step[active] = _next_step(a[:, active], b[:, active], c[:, active])
     return root
-
-
-def _at(function: Function, x: FloatArray, active: IntArray, rows: IntArray | None) -> FloatArray:
-    """(2, k) `x`, one of each active bracket, and the values there."""
-    found = function(x)
-    return np.stack((x, found if rows is None else found[rows[active], np.arange(len(x))]))
 
 
 def _next_step(newest: FloatArray, across: FloatArray, last: FloatArray) -> FloatArray:

@@ -82,12 +82,14 @@ def find_crossings(curve: WorkingCurve, bends: Extremes | None = None) -> tuple[
     """
     envelope = Envelope(curve)
     nodes = find_nodes(envelope, backward_ranges(envelope, bends))
+    crossing = [node for node in nodes if not node.touching]
+    places = np.array([(node.first, node.second) for node in crossing]).reshape(-1, 2)
+    angles = envelope.angles_at(places).tolist()
     found = [
-        (envelope.angle_at(node.first), envelope.angle_at(node.second), node.point)
-        for node in nodes
-        if not node.touching
+        Crossing(first, second, node.point)
+        for (first, second), node in zip(angles, crossing, strict=True)
     ]
-    return tuple(Crossing(*each) for each in sorted(found, key=lambda each: each[:2]))
+    return tuple(sorted(found, key=lambda each: (each.first, each.second)))
 
 
 def find_nodes(envelope: Envelope, backward: list[tuple[float, float]]) -> tuple[Node, ...]:
@@ -109,10 +111,13 @@ def _apart(division: Division, tails: tuple[SwallowTail, ...]) -> tuple[IntArray
     first, second = overlapping(division.cells)
     count = len(division.cells)
     plain = division.is_plain(first, second) | division.is_plain(second, first + count)
+    # Both inside the run of a tail is what is known: how far a run gets that holds each cell.
+    reach = np.zeros(count, dtype=np.intp)
     for tail in tails:
-        # Positions counted from the beginning of the run; both inside it is what is known.
-        places = (np.stack((first, second)) - tail.start) % count
-        plain |= np.max(places, axis=0) < tail.cells
+        reach[tail.start] = max(reach[tail.start], tail.start + tail.cells)
+        reach[0] = max(reach[0], tail.start + tail.cells - count)
+    reach = np.maximum.accumulate(reach)
+    plain |= (reach[first] > second) | (reach[second] > first + count)
     first, second = first[~plain], second[~plain]
     both = meet(division.cells.some(first), division.cells.some(second))
     return first[both], second[both]
@@ -235,11 +240,25 @@ def _beside(places: FloatArray, cells: Cells, share: float) -> BoolArray:
 def _distinct(nodes: list[Node], total: float) -> tuple[Node, ...]:
     """Each node once; of a crossing and a contact beside it the crossing."""
     kept: list[Node] = []
+    fields = max(1, int(total / TOUCHING))
+    near: dict[int, list[Node]] = {}  # the nodes kept, by the fields about both of their places
     for node in sorted(nodes, key=lambda node: (node.touching, node.first, node.second)):
-        places = np.array([(other.first, other.second) for other in kept]).reshape(-1, 2)
-        own = np.array([node.first, node.second])
-        apart = np.abs(np.stack((places - own, places - own[::-1])))
-        near = np.minimum(apart, total - apart) < (TOUCHING if node.touching else SAME)
-        if not np.any(np.all(near, axis=2)):
-            kept.append(node)
+        limit = TOUCHING if node.touching else SAME
+        field = int(node.first / TOUCHING)
+        if any(_same(node, other, limit, total) for other in near.get(field % fields, ())):
+            continue
+        kept.append(node)
+        about = {
+            int(place / TOUCHING) + step
+            for place in (node.first, node.second)
+            for step in (-1, 0, 1)
+        }
+        for each in {field % fields for field in about}:
+            near.setdefault(each, []).append(node)
     return tuple(sorted(kept, key=lambda node: (node.first, node.second)))
+
+
+def _same(one: Node, other: Node, limit: float, total: float) -> bool:
+    pairs = [(other.first, other.second), (other.second, other.first)]
+    apart = np.abs(np.array(pairs) - [one.first, one.second])
+    return bool(np.any(np.all(np.minimum(apart, total - apart) < limit, axis=1)))

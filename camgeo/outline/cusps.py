@@ -80,18 +80,29 @@ def backward_ranges(envelope: Envelope, bends: Extremes | None = None) -> list[t
     margins = 1.0 + flank.distance * bends.values
     found: list[tuple[float, float]] = []
     if np.min(margins) < -CUSP:
-        for start, end in undercut_ranges(flank, bends):
-            if (start, end) == (0.0, TURN):
-                return [(0.0, envelope.total)]
-            span = (end - start) % TURN
-            inside = (bends.phi - start + INSIDE) % TURN <= span + 2.0 * INSIDE
-            if np.min(margins[inside]) < -CUSP:
+        ranges = undercut_ranges(flank, bends)
+        if ranges == [(0.0, TURN)]:
+            return [(0.0, envelope.total)]
+        for (start, end), least in zip(ranges, _least(bends.phi, margins, ranges), strict=True):
+            if least < -CUSP:
                 found.append((envelope.place_of(start), envelope.place_of(end, "left")))
     rotation = flank.pitch.rotation
     for start, each in zip(envelope.starts, envelope.elements, strict=True):
         if isinstance(each, Pivot) and rotation * each.distance * each.sweep > 0.0:
             found.append((float(start), float(start) + abs(each.sweep)))
     return _joined(found, envelope.total)
+
+
+def _least(phi: FloatArray, margins: FloatArray, ranges: list[tuple[float, float]]) -> FloatArray:
+    """(k,) smallest of the `margins` (n,) at `phi` (n,) [rad] in each range of cam angle."""
+    start, end = np.array(ranges).T
+    order = np.argsort(np.mod(phi, TURN), kind="stable")
+    turn = np.mod(phi, TURN)[order]
+    angles = np.concatenate((turn - TURN, turn, turn + TURN))
+    values = np.append(np.tile(margins[order], 3), np.inf)
+    first = np.searchsorted(angles, start - INSIDE)
+    last = np.searchsorted(angles, start + (end - start) % TURN + INSIDE, side="right")
+    return np.minimum.reduceat(values, np.column_stack((first, last)).ravel())[::2]
 
 
 def _joined(ranges: list[tuple[float, float]], total: float) -> list[tuple[float, float]]:
@@ -137,8 +148,10 @@ def sure_bends(flank: WorkingCurve, bends: Extremes) -> Extremes:
 
 def _inside(places: FloatArray, ranges: list[tuple[float, float]], total: float) -> BoolArray:
     inside: BoolArray = np.zeros(len(places), dtype=np.bool_)
-    for start, end in ranges:
-        inside |= (places - start) % total < end - start
+    if ranges:
+        start, end = np.array(ranges).T
+        last = np.searchsorted(start, places, side="right") - 1  # before the first: the last one
+        inside = (places - start[last]) % total < (end - start)[last]
     return inside
 
 

@@ -159,14 +159,20 @@ class Envelope:
         reduced = places - self.total * np.floor(places / self.total)
         return np.asarray(np.where(reduced >= self.total, 0.0, reduced))
 
-    def angle_at(self, place: float) -> float:
-        """Cam angle [rad] in [0, 2 pi) at a path parameter in [0, total)."""
-        index = int(self.element_at(np.array([place]))[0])
-        each = self.elements[index]
-        if isinstance(each, Pivot):
-            return each.after
-        angle = each.start + (place - float(self.starts[index]))
-        return angle - TURN if angle >= TURN else angle
+    def angles_at(self, places: FloatArray) -> FloatArray:
+        """Cam angles [rad] in [0, 2 pi) at path parameters of any shape in [0, total)."""
+        index = self.element_at(places)
+        angles = self._angles[index] + np.where(
+            self.is_pivot[index], 0.0, places - self.starts[index]
+        )
+        return np.asarray(np.where(angles >= TURN, angles - TURN, angles))
+
+    @cached_property
+    def _angles(self) -> FloatArray:
+        """(m,) cam angle [rad] at which each stretch begins, or a turn is."""
+        return np.array(
+            [each.after if isinstance(each, Pivot) else each.start for each in self.elements]
+        )
 
     def place_of(self, angle: float, side: Side = "right") -> float:
         """Path parameter of a cam angle [rad] in [0, 2 pi), after a turn that is there, or before

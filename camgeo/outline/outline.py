@@ -16,19 +16,25 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from camgeo.curve.extremes import Extremes, extremes
+from camgeo.curve.extremes import Extremes
 from camgeo.curve.pitch_curve import PitchCurve
-from camgeo.curve.turn_cells import halves, turn_cells
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import GeometryError, UndercutError
-from camgeo.motion.extremes import lift_range
-from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray
+from camgeo.outline.clearance import (
+    are_clear,
+    nearest_to_axis,
+    stays_on_one_side,
+    surely_clear_of_axis,
+)
 from camgeo.outline.crossings import Node, find_crossings, find_nodes
 from camgeo.outline.cusps import backward_ranges
 from camgeo.outline.envelope import Envelope
 from camgeo.outline.path import Element, Path, Pivot, Stretch, whole
 from camgeo.units import TURN
+
+ROUND = 1024
+"""Places of the envelope at which it is seen how often it goes round, eight a part at least."""
 
 NEIGHBOURHOOD = 1.0
 """Turn of the tangent [rad] up to which neighbours of a point surely do not cover it."""
@@ -100,8 +106,7 @@ def real_outline(flank: WorkingCurve, bends: Extremes | None = None) -> Outline:
             )
         return Outline(Path(envelope.elements), (), ())
     parts = _parts(envelope, nodes)
-    kept = [part for part in parts if _is_kept(envelope, nodes, backward, part)]
-    loops = _loops(nodes, kept)
+    loops = _loops(nodes, _kept(envelope, nodes, backward, parts))
     paths = [_path(envelope, nodes, loop) for loop in loops]
     windings = [_winding(envelope, loop) for loop in loops]
     main = [k for k, winding in enumerate(windings) if winding != 0]
@@ -162,99 +167,107 @@ def _parts(envelope: Envelope, nodes: tuple[Node, ...]) -> list[_Part]:
     ]
 
 
-def _is_kept(
+def _kept(
     envelope: Envelope,
     nodes: tuple[Node, ...],
     backward: list[tuple[float, float]],
-    part: _Part,
-) -> bool:
-    """Whether a part is on the boundary: regular, on the free side at its ends, and clear."""
-    total = envelope.total
-    for start, end in backward:
-        for shift in (-total, 0.0, total):
-            if start + shift < part.end and end + shift > part.start:
-                return False
-    leaves = _side(envelope, nodes[part.from_node], part.start, backward)
-    arrives = _side(envelope, nodes[part.to_node], part.end - total * (part.end >= total), backward)
-    if leaves is None or arrives is None or leaves > 0.0 or arrives < 0.0:
-        return False
-    middle = 0.5 * (part.start + part.end)
-    point = complex(envelope.course(np.array([middle])).points[0])
-    radius = abs(envelope.curve.distance)
-    return is_clear(envelope.curve.pitch, point, radius, _own(envelope, part, middle))
+    parts: list[_Part],
+) -> list[_Part]:
+    """The parts on the boundary: regular, on the free side at their ends, and clear."""
+    start, end = np.array([(part.start, part.end) for part in parts]).T
+    ranges = np.array(backward).reshape(-1, 2)
+    turns = np.repeat([-envelope.total, 0.0, envelope.total], len(ranges))
+    low, high = np.append(np.tile(ranges, (3, 1)) + turns[:, None], [[np.inf, np.inf]], axis=0).T
+    regular = low[np.searchsorted(high, start, side="right")] >= end
+    arriving = np.where(end >= envelope.total, end - envelope.total, end)
+    sides = [
+        _sides(envelope, [nodes[number] for number in numbers], places, low, high)
+        for numbers, places in (
+            ([part.from_node for part in parts], start),
+            ([part.to_node for part in parts], arriving),
+        )
+    ]
+    free = [parts[k] for k in np.flatnonzero(regular & (sides[0] <= 0.0) & (sides[1] >= 0.0))]
+    if not free:
+        return []
+    middles = np.array([0.5 * (part.start + part.end) for part in free])
+    points = envelope.course(middles).points
+    owns = _owns(envelope, free, middles)
+    clear = are_clear(envelope.curve.pitch, points, abs(envelope.curve.distance), owns)
+    return [part for part, is_clear in zip(free, clear, strict=True) if is_clear]
 
 
-def _side(
-    envelope: Envelope, node: Node, place: float, backward: list[tuple[float, float]]
-) -> float | None:
-    """Positive if the branch at `place` runs into what the other branch removes, else negative.
+def _sides(
+    envelope: Envelope, nodes: list[Node], places: FloatArray, low: FloatArray, high: FloatArray
+) -> FloatArray:
+    """(n,) positive where the branch at `places` (n,) of the `nodes` runs into what the other one
+    removes, else negative.
 
-    None if the other branch runs back there: its roller covers the crossing itself.
+    Not a number where the other branch runs back there, in one of the ranges from `low` to `high`
+    over three turns: its roller covers the crossing itself.
     """
-    other = node.second if abs(place - node.first) <= abs(place - node.second) else node.first
-    for start, end in backward:
-        if start < other < end or start < other + envelope.total < end:
-            return None
-    course = envelope.course(np.array([place, other]))
-    own, crossed = complex(course.tangents[0]), complex(course.tangents[1])
-    curve = envelope.curve
-    towards_roller = -math.copysign(1.0, curve.distance) * 1j * curve.pitch.rotation * crossed
-    return (towards_roller.conjugate() * own).real
+    first, second = np.array([(node.first, node.second) for node in nodes]).T
+    other = np.where(np.abs(places - first) <= np.abs(places - second), second, first)
+    behind = low[np.searchsorted(high, other, side="right")] < other
+    own, crossed = (envelope.course(each).tangents for each in (places, other))
+    sense = -math.copysign(1.0, envelope.curve.distance) * envelope.curve.pitch.rotation
+    towards_roller = sense * 1j * crossed
+    return np.where(behind, np.nan, (np.conj(towards_roller) * own).real)
 
 
-def _own(envelope: Envelope, part: _Part, middle: float) -> tuple[float, float]:
-    """Cam angles about `middle` along which the tangent turns little, inside the part."""
-    places = np.linspace(part.start, part.end, 129)
-    tangents = envelope.course(places).tangents
-    turned = np.concatenate(
-        ([0.0], np.cumsum(np.abs(np.angle(tangents[1:] * np.conj(tangents[:-1])))))
-    )
-    near = np.abs(turned - np.interp(middle, places, turned)) < 0.5 * NEIGHBOURHOOD
-    inside = places[near]
-    low = min(float(inside[0]), middle)
-    high = max(float(inside[-1]), middle)
-    start = envelope.angle_at(float(envelope.within(np.array([low]))[0]))
-    end = envelope.angle_at(float(envelope.within(np.array([high]))[0]))
-    return start, end if end >= start else end + TURN
+def _owns(envelope: Envelope, parts: list[_Part], middles: FloatArray) -> FloatArray:
+    """(n, 2) cam angles about `middles` (n,) along which the tangent turns little, inside each of
+    the `parts`; the second above the first.
+    """
+    shares = np.linspace(0.0, 1.0, 129)
+    places = np.array([part.start + (part.end - part.start) * shares for part in parts])
+    tangents = envelope.course(places.ravel()).tangents.reshape(places.shape)
+    steps = np.abs(np.angle(tangents[:, 1:] * np.conj(tangents[:, :-1])))
+    ranges = []
+    for along, step, middle in zip(places, steps, middles, strict=True):
+        turned = np.concatenate(([0.0], np.cumsum(step)))
+        inside = along[np.abs(turned - np.interp(middle, along, turned)) < 0.5 * NEIGHBOURHOOD]
+        ranges.append((min(inside[0], middle), max(inside[-1], middle)))
+    owns = envelope.angles_at(envelope.within(np.array(ranges)))
+    owns[:, 1] += np.where(owns[:, 1] >= owns[:, 0], 0.0, TURN)
+    return owns
 
 
 def _loops(nodes: tuple[Node, ...], kept: list[_Part]) -> list[list[_Part]]:
     """The kept parts linked at their crossings: each goes on along the other branch."""
-    total_left = list(kept)
+    following: dict[int, list[_Part]] = {}
+    for part in kept:
+        following.setdefault(part.from_node, []).append(part)
     loops: list[list[_Part]] = []
-    while total_left:
-        loop = [total_left.pop(0)]
-        while loop[-1].to_node != loop[0].from_node:
-            following = [p for p in total_left if p.from_node == loop[-1].to_node]
-            if len(following) != 1:
+    for first in kept:
+        if first not in following.get(first.from_node, ()):
+            continue
+        following[first.from_node].remove(first)
+        loop = [first]
+        while loop[-1].to_node != first.from_node:
+            ways = following.pop(loop[-1].to_node, [])
+            if len(ways) != 1:
                 raise GeometryError(
                     "it cannot be decided what is left of the flank: more than two branches meet"
                     f" at {nodes[loop[-1].to_node].point:.6g} mm"
                 )
-            loop.append(following[0])
-            total_left.remove(following[0])
+            loop += ways
         loops.append(loop)
     return loops
 
 
 def _path(envelope: Envelope, nodes: tuple[Node, ...], loop: list[_Part]) -> Path:
     elements: list[Element] = []
-    for part, following in zip(loop, [*loop[1:], loop[0]], strict=True):
+    rotation = envelope.curve.pitch.rotation
+    meeting = zip(loop, [*loop[1:], loop[0]], strict=True)
+    places = envelope.within(np.array([(part.end, other.start) for part, other in meeting]))
+    tangents = envelope.course(places.ravel()).tangents.reshape(places.shape)
+    angles = envelope.angles_at(places).tolist()
+    for part, (one, other), (before, after) in zip(loop, tangents, angles, strict=True):
         elements += _elements(envelope, part)
-        node = nodes[part.to_node]
-        places = envelope.within(np.array([part.end, following.start]))
-        tangents = envelope.course(places).tangents
-        before, after = (envelope.angle_at(float(place)) for place in places)
-        elements.append(
-            Pivot(
-                node.point,
-                0.0,
-                1j * envelope.curve.pitch.rotation * complex(tangents[0]),
-                float(np.angle(tangents[1] * np.conj(tangents[0]))),
-                before=before,
-                after=after,
-            )
-        )
+        sweep = float(np.angle(other * np.conj(one)))
+        normal = 1j * rotation * complex(one)
+        elements.append(Pivot(nodes[part.to_node].point, 0.0, normal, sweep, before, after))
     return Path(tuple(elements))
 
 
@@ -287,7 +300,13 @@ def _elements(envelope: Envelope, part: _Part) -> list[Element]:
 
 def _winding(envelope: Envelope, loop: list[_Part]) -> int:
     """How often a loop goes round the cam axis."""
-    places = np.concatenate([np.linspace(part.start, part.end, 1025)[:-1] for part in loop])
+    shares = [max(ROUND * (part.end - part.start) / envelope.total, 8.0) for part in loop]
+    places = np.concatenate(
+        [
+            np.linspace(part.start, part.end, math.ceil(share) + 1)[:-1]
+            for part, share in zip(loop, shares, strict=True)
+        ]
+    )
     points = envelope.course(places).points
     return round(float(np.sum(np.angle(np.roll(points, -1) * np.conj(points)))) / TURN)
 
@@ -298,76 +317,3 @@ def _dropped(path: Path) -> tuple[tuple[float, float], ...]:
     return tuple(
         sorted((p.before % TURN, p.before % TURN + (p.after - p.before) % TURN) for p in corners)
     )
-
-
-HALVINGS = 50
-"""Rounds of halving at most."""
-
-CLOSE = 1e-9
-"""A point nearer than the roller's radius by this share of it is covered; one nearer to the radius
-than this is touched."""
-
-
-def is_clear(pitch: PitchCurve, point: complex, radius: float, own: tuple[float, float]) -> bool:
-    """True if no roller of `radius` [mm] on the pitch curve covers `point`.
-
-    Surely: what a cell of cam angle cannot exclude is halved.
-
-    Parameters
-    ----------
-    own : cam angles [rad], start in [0, 2 pi) and end above it, that are not looked at: the point
-        is touched there, and its neighbours are known to be regular.
-    """
-    start, end = own
-    low, high = turn_cells(pitch, start, end)
-    outside = (0.5 * (low + high) - start) % TURN > end - start
-    low, high = low[outside], high[outside]
-    for _ in range(HALVINGS):
-        middle, half = 0.5 * (low + high), 0.5 * (high - low)
-        distance = np.abs(pitch.point(middle) - point)
-        if len(distance) and float(np.min(distance)) < (1.0 - CLOSE) * radius:
-            return False
-        reach = half * pitch.speed_bounds(low, high)[0]
-        near = distance - reach < (1.0 - CLOSE) * radius
-        if not np.any(near):
-            return True
-        low, high = halves(low, high, near)
-    return True  # touched, to rounding
-
-
-def nearest_to_axis(pitch: PitchCurve) -> tuple[float, float]:
-    """Smallest distance of the roller centre from the cam axis [mm] and its cam angle [rad]."""
-
-    def square(phi: FloatArray, side: Side) -> FloatArray:
-        relative = pitch.relative_jet(phi, side, order=1)
-        return np.asarray(relative.along[0] ** 2 + relative.across[0] ** 2)
-
-    def slope(phi: FloatArray, side: Side) -> FloatArray:
-        relative = pitch.relative_jet(phi, side, order=1)
-        (a0, a1), (b0, b1) = relative.along[:2], relative.across[:2]
-        return np.asarray(a0 * a1 + b0 * b1)
-
-    smallest, phi = extremes(pitch, square, slope).smallest()
-    return float(np.sqrt(smallest)), phi
-
-
-def surely_clear_of_axis(pitch: PitchCurve, radius: float) -> bool:
-    """True if bounds over cells show that the roller centre stays farther than `radius` [mm].
-
-    False says nothing; `nearest_to_axis` does then.
-    """
-    low, high = turn_cells(pitch)
-    jet, bounds = pitch.jet_and_bounds(low, high)
-    return bool(np.all(np.abs(jet[0]) - 0.5 * (high - low) * bounds[0] > radius))
-
-
-def stays_on_one_side(pitch: PitchCurve) -> bool:
-    """True if the roller centre never passes the foot of the guide, or the line of centres.
-
-    There the transmission angle is 0, and the same distance from the cam axis comes again.
-    """
-    middle, bounds = pitch.motion.jet_and_bounds(*turn_cells(pitch))
-    reach = np.array([np.min(middle[0] - bounds[0]), np.max(middle[0] + bounds[0])])
-    if pitch.follower.on_one_side(reach):
-        return True
-    return pitch.follower.on_one_side(np.array(lift_range(pitch.motion)))

@@ -20,7 +20,7 @@ from hypothesis import strategies as st
 import camgeo
 from camgeo.cam.cam import Cam
 from camgeo.check.cures.cure import Change, Cure, digits_for, rounded_beyond
-from camgeo.check.cures.laws import offers_for
+from camgeo.check.cures.laws import Choice, choices, offers_for
 from camgeo.check.cures.margin import flanks_of, is_sound, margin
 from camgeo.check.cures.search import NARROW
 from camgeo.check.cures.smallest import cures
@@ -230,7 +230,7 @@ def test_another_law_cures_and_none_does_it_for_less(name: str) -> None:
     assert isinstance(move, Move)
     assert move.law.name == cure.value_from
     changed = [change.key for change in cure.also]
-    for offer in offers_for(cam.drive.plan, number):
+    for offer in offers_for(cam.drive.plan, number, Choice.of(move.law), choices()):
         if changed or (cure.cost is not None and offer.growth >= cure.cost):
             continue  # several moves at once are another matter
         segments = list(cam.drive.plan.segments)
@@ -239,7 +239,10 @@ def test_another_law_cures_and_none_does_it_for_less(name: str) -> None:
 
 
 def test_laws_offered_keep_the_joints_and_make_no_jerk() -> None:
-    offers = offers_for(CASES["translating"].drive.plan, 1)
+    plan = CASES["translating"].drive.plan
+    move = plan.segments[1]
+    assert isinstance(move, Move)
+    offers = offers_for(plan, 1, Choice.of(move.law), choices())
     assert len(offers) > 3
     assert [offer.growth for offer in offers] == sorted(offer.growth for offer in offers)
     for offer in offers:

@@ -21,10 +21,11 @@ from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.motion.plan import Dwell, MotionPlan, Move
 from camgeo.numeric.arrays import FloatArray
+from camgeo.outline.clearance import stays_on_one_side
 from camgeo.outline.crossings import find_crossings
 from camgeo.outline.envelope import KINK
 from camgeo.outline.moments import area
-from camgeo.outline.outline import Outline, real_outline, stays_on_one_side
+from camgeo.outline.outline import Outline, real_outline
 from camgeo.outline.path import Path, Pivot, Stretch
 from camgeo.units import TURN
 from tests.laws import LAWS

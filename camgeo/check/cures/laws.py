@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from camgeo.cam.cam import Cam
 from camgeo.check.cures.cure import Change, Cure, no_cure, percent
-from camgeo.check.cures.margin import Pairs, bends_of, is_sound, margin_within
+from camgeo.check.cures.margin import Pairs, bends_of, is_sound, margins_within
 from camgeo.check.cures.moves import (
-    angles_of,
+    angles_of_all,
     dwells_beside,
     key_of,
     rests_beside,
@@ -56,7 +56,7 @@ def other_law(cam: Cam, pairs: Pairs) -> Cure:
             reason = f"another law: {key} undercuts and is not a law from rest to rest"
             present = move.law.name if isinstance(move, Move) else ""
             return no_cure(KNOB, key, present, "", reason)
-    fitting = {number: _fitting(cam, number) for number in places}
+    fitting = _fitting(cam, places)
     if all(fitting.values()):
         first = {number: offers[0] for number, offers in fitting.items()}
         if is_sound(_with(cam, first)):
@@ -70,33 +70,70 @@ def other_law(cam: Cam, pairs: Pairs) -> Cure:
     return no_cure(KNOB, key, move.law.name, "", f"no other {key} cures it at these sizes")
 
 
-def offers_for(plan: MotionPlan, number: int) -> list[Offer]:
-    """All laws that could take a move's place, cheapest first."""
-    move = _move(plan, number)
-    present = _peak(move.law)
-    jerky = _jerks(move.law)
-    found = []
-    for family in FAMILIES.values():
-        if TASK not in family.tasks:
-            continue
-        law = law_of(family.name, TASK, {})
-        joins = rests_beside(plan, number, law)
-        same = law.name == move.law.name and law.parameters == move.law.parameters
-        if joins and not same and (jerky or not _jerks(law)):
-            found.append(Offer(law, max(0.0, _peak(law) / present - 1.0)))
-    return sorted(found, key=lambda offer: (offer.growth, _jerks(offer.law)))
+@dataclass(frozen=True, slots=True)
+class Choice:
+    """A law from rest to rest, the peak of its acceleration, and whether this jumps."""
+
+    law: Law
+    peak: float
+    jerky: bool
+
+    @classmethod
+    def of(cls, law: Law) -> Choice:
+        """What is known of `law`."""
+        return cls(law, _peak(law), _jerks(law))
 
 
-def _fitting(cam: Cam, number: int) -> list[Offer]:
-    """The offers that leave no cusp and no local undercut in a move, cheapest first."""
+def choices() -> list[Choice]:
+    """All laws that a move can have from rest to rest, with their default parameters."""
+    families = [family for family in FAMILIES.values() if TASK in family.tasks]
+    return [Choice.of(law_of(family.name, TASK, {})) for family in families]
+
+
+def offers_for(
+    plan: MotionPlan, number: int, present: Choice, laws: Sequence[Choice]
+) -> list[Offer]:
+    """Those of the `laws` that could take the place of the `present` one, cheapest first."""
     found = []
-    for offer in offers_for(cam.drive.plan, number):
-        changed = _with(cam, {number: offer})
-        bends = bends_of(changed)
-        angles = angles_of(cam.drive.plan, number)
-        if bends is not None and margin_within(changed, bends, *angles) > CUSP:
-            found.append(offer)
-    return found
+    for each in laws:
+        law, old = each.law, present.law
+        same = law.name == old.name and law.parameters == old.parameters
+        if not same and (present.jerky or not each.jerky) and rests_beside(plan, number, law):
+            found.append((Offer(law, max(0.0, each.peak / present.peak - 1.0)), each.jerky))
+    return [offer for offer, _ in sorted(found, key=lambda each: (each[0].growth, each[1]))]
+
+
+def _fitting(cam: Cam, places: Sequence[int]) -> dict[int, list[Offer]]:
+    """For each move the offers that leave no cusp and no local undercut in it, the cheapest first.
+
+    As the curvature over a move depends on its own law and on no other, a law is tried in all
+    places at once.
+    """
+    plan, laws = cam.drive.plan, choices()
+    present = {number: _move(plan, number).law for number in places}
+    different = {id(law): law for law in present.values()}
+    known = {key: Choice.of(law) for key, law in different.items()}
+    offers = {n: offers_for(plan, n, known[id(law)], laws) for n, law in present.items()}
+    fit: set[tuple[int, str]] = set()
+    for name in {offer.law.name for every in offers.values() for offer in every}:
+        tried = {n: each for n, every in offers.items() for each in every if each.law.name == name}
+        fit |= {(number, name) for number in _fit(cam, tried)}
+    return {
+        number: [offer for offer in every if (number, offer.law.name) in fit]
+        for number, every in offers.items()
+    }
+
+
+def _fit(cam: Cam, offers: Mapping[int, Offer]) -> list[int]:
+    """Those of the moves without cusp and local undercut by the `offers`."""
+    changed = _with(cam, offers)
+    bends = bends_of(changed)
+    if bends is None:  # which may be for one of them alone
+        if len(offers) == 1:
+            return []
+        return [each for number, offer in offers.items() for each in _fit(cam, {number: offer})]
+    least = margins_within(changed, bends, angles_of_all(cam.drive.plan, offers))
+    return [number for number, value in zip(offers, least, strict=True) if value > CUSP]
 
 
 def _same_for_all(fitting: Mapping[int, list[Offer]]) -> list[dict[int, Offer]]:

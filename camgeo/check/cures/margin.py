@@ -55,15 +55,17 @@ def margins(cam: Cam, bends: Extremes) -> FloatArray:
     return np.asarray(np.min(every, axis=0))
 
 
-def margin_within(cam: Cam, bends: Extremes, start: float, end: float) -> float:
-    """Smallest 1 + d kappa over the cam angles [start, end] [rad], its ends seen from inside.
+def margins_within(cam: Cam, bends: Extremes, ranges: FloatArray) -> FloatArray:
+    """(k,) smallest 1 + d kappa in each of the `ranges` (k, 2) of cam angle [rad], from inside.
 
-    `start` and `end` are breaks, or the ends of a dwell.
+    Both ends of each are breaks, or the ends of a dwell.
     """
-    shift = TURN if start < bends.phi[0] - SNAP else 0.0
-    first = int(np.searchsorted(bends.phi, start + shift + SNAP, side="right")) - 1
-    last = int(np.searchsorted(bends.phi, end + shift - SNAP, side="left"))
-    return float(np.min(margins(cam, bends)[max(first, 0) : last + 1]))
+    shift = np.where(ranges[:, :1] < bends.phi[0] - SNAP, TURN, 0.0)
+    start, end = (ranges + shift + SNAP * np.array([1.0, -1.0])).T
+    first = np.maximum(np.searchsorted(bends.phi, start, side="right") - 1, 0)
+    last = np.minimum(np.searchsorted(bends.phi, end) + 1, len(bends.phi))
+    values = np.append(margins(cam, bends), np.inf)
+    return np.asarray(np.minimum.reduceat(values, np.column_stack((first, last)).ravel())[::2])
 
 
 def crossings_of(cam: Cam) -> Pairs | None:

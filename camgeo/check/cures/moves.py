@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Collection
 from decimal import Decimal
 
+import numpy as np
+
 from camgeo.cam.cam import Cam
-from camgeo.check.cures.margin import Pairs, bends_of, margin_within
+from camgeo.check.cures.margin import Pairs, bends_of, margins_within
 from camgeo.motion.laws.law import Law
 from camgeo.motion.plan import Dwell, MotionPlan, Move, Segment
+from camgeo.numeric.arrays import FloatArray
 from camgeo.outline.cusps import CUSP
 
 
@@ -21,11 +25,10 @@ def undercut_segments(cam: Cam, pairs: Pairs) -> tuple[int, ...]:
     bends = bends_of(cam)
     if bends is None:
         return ()
-    local = [
-        number
-        for number, segment in enumerate(cam.drive.plan.segments)
-        if segment.span and margin_within(cam, bends, *angles_of(cam.drive.plan, number)) <= CUSP
-    ]
+    plan = cam.drive.plan
+    numbers = [number for number, segment in enumerate(plan.segments) if segment.span]
+    least = margins_within(cam, bends, angles_of_all(plan, numbers))
+    local = [number for number, value in zip(numbers, least, strict=True) if value <= CUSP]
     if local:
         return tuple(local)
     angles = [angle for pair in pairs for angle in pair]
@@ -38,6 +41,11 @@ def angles_of(plan: MotionPlan, number: int) -> tuple[float, float]:
     """Cam angles [rad] at which a segment starts and ends."""
     first, last = plan.joints_deg[number : number + 2]
     return math.radians(float(first)), math.radians(float(last))
+
+
+def angles_of_all(plan: MotionPlan, numbers: Collection[int]) -> FloatArray:
+    """(k, 2) `angles_of` the segments `numbers`."""
+    return np.array([angles_of(plan, number) for number in numbers]).reshape(-1, 2)
 
 
 def segment_at(plan: MotionPlan, angle: float) -> int:

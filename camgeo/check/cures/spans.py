@@ -2,24 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections import Counter
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from decimal import ROUND_FLOOR, Decimal, localcontext
 
+import numpy as np
+
 from camgeo.cam.cam import Cam
 from camgeo.check.cures.cure import Change, Cure, no_cure, percent
-from camgeo.check.cures.margin import Pairs, bends_of, is_sound, margin_within
+from camgeo.check.cures.margin import Pairs, bends_of, is_sound, margins_within
 from camgeo.check.cures.moves import (
-    angles_of,
+    angles_of_all,
     degrees,
     dwells_around,
     from_rest_to_rest,
     key_of,
     undercut_segments,
 )
-from camgeo.check.cures.search import nearest_cure, root, steps
+from camgeo.check.cures.search import nearest_cure, steps
 from camgeo.errors import GeometryError
 from camgeo.motion.plan import MotionPlan
+from camgeo.numeric.arrays import FloatArray, IntArray
+from camgeo.numeric.roots import indexed_roots
 from camgeo.outline.cusps import CUSP
 
 KNOB = "longer segment"
@@ -49,8 +54,7 @@ def longer_segment(cam: Cam, pairs: Pairs) -> Cure:
             reason = f"the span of a segment: {key} undercuts and is not a move from rest to rest"
             return no_cure(KNOB, key, segment.span, "deg", reason)
     spans: dict[int, Decimal] = {}
-    for number in places:
-        span = _local_limit(cam, number)
+    for number, span in zip(places, _local_limits(cam, places), strict=True):
         if span is None:
             return _too_short(plan, number)
         spans[number] = span
@@ -74,14 +78,14 @@ def longer_plan(plan: MotionPlan, spans: Mapping[int, Decimal]) -> MotionPlan | 
     """
     segments = list(plan.segments)
     beside = {number: dwells_around(plan, number) for number in spans}
-    users = [place for places in beside.values() for place in places]
+    users = Counter(place for places in beside.values() for place in places)
     with localcontext() as context:
         context.prec = EXACT
         rests = {place: segments[place].span for place in users}
         for number, span in spans.items():
             missing = span - segments[number].span
             for shared in (False, True):
-                among = [place for place in beside[number] if (users.count(place) > 1) == shared]
+                among = [place for place in beside[number] if (users[place] > 1) == shared]
                 missing = _take(rests, among, missing)
             if missing > 0:
                 return None
@@ -110,30 +114,84 @@ def _take(rests: dict[int, Decimal], among: list[int], wanted: Decimal) -> Decim
     return wanted - part
 
 
-def _local_limit(cam: Cam, number: int) -> Decimal | None:
-    """Shortest span of a move without cusp or local undercut in it; None if dwells are short."""
+def _local_limits(cam: Cam, places: Sequence[int]) -> list[Decimal | None]:
+    """For each move its least span without cusp or local undercut in it; None if the dwells beside
+    it are short. All moves are tried at once.
+    """
     plan = cam.drive.plan
-    span = plan.segments[number].span
-    room = sum((plan.segments[each].span for each in dwells_around(plan, number)), Decimal(0))
+    spans = [plan.segments[number].span for number in places]
+    most = [
+        span + sum((plan.segments[each].span for each in dwells_around(plan, number)), Decimal(0))
+        for number, span in zip(places, spans, strict=True)
+    ]
+    groups = _apart(plan, places)
 
-    def least(degrees: float) -> float:
-        longer = longer_plan(plan, {number: min(max(Decimal(degrees), span), span + room)})
-        assert longer is not None  # there is room
-        changed = cam.moved(longer)
-        bends = bends_of(changed)
-        return -1.0 if bends is None else margin_within(changed, bends, *angles_of(longer, number))
+    def least(degrees: FloatArray, which: IntArray) -> FloatArray:
+        """(k,) margins within the moves `which` (k,) if their spans are `degrees` (k,)."""
+        tried = {
+            int(k): min(max(Decimal(value), spans[k]), most[k])
+            for k, value in zip(which, degrees.tolist(), strict=True)
+        }
+        found: dict[int, float] = {}
+        for group in groups:
+            found |= _margins(cam, {places[k]: tried[k] for k in group if k in tried})
+        return np.array([found[places[k]] for k in tried])
 
-    start = float(span)
-    before = start
-    if least(start) > CUSP:
-        return span
-    for value in steps(start, float(span + room), start):
-        if least(float(value)) > CUSP:
-            limit = root(least, before, float(value))
-            beyond = _rounded_up(limit)
-            return beyond if beyond <= span + room else None
-        before = float(value)
-    return None
+    start = np.array([float(span) for span in spans])
+    tries = [steps(low, float(end), low) for low, end in zip(start.tolist(), most, strict=True)]
+    sound = least(start, np.arange(len(places))) > CUSP
+    limits: list[Decimal | None] = [
+        span if whole else None for span, whole in zip(spans, sound, strict=True)
+    ]
+    before, after = start.copy(), start.copy()
+    left, number = np.flatnonzero(~sound), 0
+    while len(left := left[[number < len(tries[k]) for k in left]]):
+        after[left] = [tries[k][number] for k in left]
+        good = least(after[left], left) > CUSP
+        sound[left[good]] = True
+        left, number = left[~good], number + 1
+        before[left] = after[left]
+    found = np.flatnonzero(sound & (after > before))
+    roots = indexed_roots(lambda x, which: least(x, found[which]), before[found], after[found])
+    for k, root in zip(found, roots.tolist(), strict=True):
+        beyond = _rounded_up(root)
+        limits[k] = beyond if beyond <= most[k] else None
+    return limits
+
+
+def _margins(cam: Cam, spans: Mapping[int, Decimal]) -> dict[int, float]:
+    """The least 1 + d kappa within each of some moves, of which no two have a dwell in common, if
+    these are their spans; -1 where there is no mechanism.
+    """
+    if not spans:
+        return {}
+    longer = longer_plan(cam.drive.plan, spans)
+    assert longer is not None  # there is room
+    changed = cam.moved(longer)
+    bends = bends_of(changed)
+    if bends is not None:
+        least = margins_within(changed, bends, angles_of_all(longer, spans))
+        return dict(zip(spans, least.tolist(), strict=True))
+    if len(spans) == 1:
+        return dict.fromkeys(spans, -1.0)
+    return {each: _margins(cam, {each: span})[each] for each, span in spans.items()}
+
+
+def _apart(plan: MotionPlan, places: Sequence[int]) -> list[list[int]]:
+    """The numbers of the `places` in groups of which no two have a dwell beside them in common."""
+    groups: list[list[int]] = []
+    taken: list[set[int]] = []
+    for number, place in enumerate(places):
+        beside = set(dwells_around(plan, place))
+        for group, dwells in zip(groups, taken, strict=True):
+            if not dwells & beside:
+                group.append(number)
+                dwells |= beside
+                break
+        else:
+            groups.append([number])
+            taken.append(beside)
+    return groups
 
 
 def _grown(cam: Cam, spans: dict[int, Decimal]) -> dict[int, Decimal] | None:

@@ -1,0 +1,110 @@
+"""Whether points of a flank are clear of the roller all through the turn."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from camgeo.curve.extremes import extremes
+from camgeo.curve.pitch_curve import PitchCurve
+from camgeo.curve.turn_cells import halves, turn_cells
+from camgeo.motion.extremes import lift_range
+from camgeo.motion.motion import Side
+from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray
+from camgeo.units import TURN
+
+HALVINGS = 50
+"""Rounds of halving at most."""
+
+CLOSE = 1e-9
+"""A point nearer than the roller's radius by this share of it is covered; one nearer to the radius
+than this is touched."""
+
+
+def are_clear(
+    pitch: PitchCurve, points: ComplexArray, radius: float, owns: FloatArray
+) -> BoolArray:
+    """(n,) which of `points` (n,) no roller of `radius` [mm] on the pitch curve covers.
+
+    Surely: what a cell of cam angle cannot exclude is halved.
+
+    Parameters
+    ----------
+    owns : (n, 2) cam angles [rad] for each point, start in [0, 2 pi) and end above it, that are not
+        looked at: the point is touched there, and its neighbours are known to be regular.
+    """
+    covered = (1.0 - CLOSE) * radius
+    clear = np.ones(len(points), dtype=np.bool_)
+    low, high = turn_cells(pitch)
+    wide = high - low
+    centres, reach = pitch.point(0.5 * (low + high)), _reach(pitch, low, high)
+    owners, lows, highs = [], [], []
+    for k, (start, end) in enumerate(owns.tolist()):
+        ahead, span = (low - start) % TURN, end - start
+        whole = (ahead >= span) & (ahead + wide <= TURN)
+        distance = np.abs(centres[whole] - points[k])
+        clear[k] = not np.any(distance < covered)
+        nearer = halves(low[whole], high[whole], distance - reach[whole] < covered)
+        # Of the cells in which its own angles begin or end what is outside of these.
+        cut = np.flatnonzero(~whole & (ahead + wide > span))
+        both = cut[ahead[cut] + wide[cut] - TURN > span]
+        ends = np.full(len(both), end % TURN)
+        left = np.where(ahead[cut] >= span, low[cut], end % TURN)
+        right = np.where(ahead[cut] + wide[cut] <= TURN, high[cut], start)
+        lows.append(np.concatenate((nearer[0], left, ends)))
+        highs.append(np.concatenate((nearer[1], right, high[both])))
+        owners.append(np.full(len(lows[-1]), k))
+    owner, low, high = (np.concatenate(parts) for parts in (owners, lows, highs))
+    for _ in range(HALVINGS):
+        wanted = clear[owner]
+        owner, low, high = owner[wanted], low[wanted], high[wanted]
+        if not len(owner):
+            break
+        distance = np.abs(pitch.point(0.5 * (low + high)) - points[owner])
+        clear[owner[distance < covered]] = False
+        near = distance - _reach(pitch, low, high) < covered
+        owner = np.tile(owner[near], 2)
+        low, high = halves(low, high, near)
+    return clear  # or touched, to rounding
+
+
+def _reach(pitch: PitchCurve, low: FloatArray, high: FloatArray) -> FloatArray:
+    """(n,) how far [mm] the roller centre gets from where it is in the middle of each cell."""
+    return np.asarray(0.5 * (high - low) * pitch.speed_bounds(low, high)[0])
+
+
+def nearest_to_axis(pitch: PitchCurve) -> tuple[float, float]:
+    """Smallest distance of the roller centre from the cam axis [mm] and its cam angle [rad]."""
+
+    def square(phi: FloatArray, side: Side) -> FloatArray:
+        relative = pitch.relative_jet(phi, side, order=1)
+        return np.asarray(relative.along[0] ** 2 + relative.across[0] ** 2)
+
+    def slope(phi: FloatArray, side: Side) -> FloatArray:
+        relative = pitch.relative_jet(phi, side, order=1)
+        (a0, a1), (b0, b1) = relative.along[:2], relative.across[:2]
+        return np.asarray(a0 * a1 + b0 * b1)
+
+    smallest, phi = extremes(pitch, square, slope).smallest()
+    return float(np.sqrt(smallest)), phi
+
+
+def surely_clear_of_axis(pitch: PitchCurve, radius: float) -> bool:
+    """True if bounds over cells show that the roller centre stays farther than `radius` [mm].
+
+    False says nothing; `nearest_to_axis` does then.
+    """
+    low, high = turn_cells(pitch)
+    jet, bounds = pitch.jet_and_bounds(low, high)
+    return bool(np.all(np.abs(jet[0]) - 0.5 * (high - low) * bounds[0] > radius))
+
+
+def stays_on_one_side(pitch: PitchCurve) -> bool:
+    """True if the roller centre never passes the foot of the guide, or the line of centres.
+
+    There the transmission angle is 0, and the same distance from the cam axis comes again.
+    """
+    middle, bounds = pitch.motion.jet_and_bounds(*turn_cells(pitch))
+    reach = np.array([np.min(middle[0] - bounds[0]), np.max(middle[0] + bounds[0])])
+    if pitch.follower.on_one_side(reach):
+        return True
+    return pitch.follower.on_one_side(np.array(lift_range(pitch.motion)))
