@@ -60,7 +60,7 @@ def add_output(
 def deliver(text: str, arguments: argparse.Namespace, told: str) -> int:
     """Print the text, or write it into the file of `-o`, and tell it with what is `told`."""
     if arguments.output is None:
-        clear()
+        arguments.progress.end()
         sys.stdout.write(text)
     else:
         write_told([(Path(arguments.output), text.encode(), told)], force=arguments.force)
@@ -113,7 +113,7 @@ def show(answer: Answer, arguments: argparse.Namespace) -> int:
     """Print the answer, as text or with `--json` as JSON; the exit code."""
     from camgeo.answers import render
 
-    clear()
+    arguments.progress.end()
     if arguments.json:
         print_json(render.to_json(answer))
     elif told := render.text(answer):

@@ -86,6 +86,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     words[:1] = [present_name(word) for word in words[:1]]
     named = words[:1] if words and words[0] in COMMANDS else COMMANDS
     parsed = parser(named).parse_args(words)
+    parsed.progress.begin()
     try:
         code: int = parsed.run(parsed)
         sys.stdout.flush()
@@ -102,6 +103,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         # Whoever read our output has had enough; do not fail again while closing it.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
+    finally:
+        parsed.progress.end()
 
 
 def _refused(error: CamgeoError, arguments: argparse.Namespace) -> int:

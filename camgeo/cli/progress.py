@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import sys
+import threading
 import time
 
 PATIENCE = 1.0
 """Seconds before the first line: shorter work needs no progress line."""
+
+EVERY = 1.0
+"""Seconds after which the line is written again, so that a long step is seen to go on."""
 
 CLEARED = "\r\x1b[K"
 """Makes a terminal empty its line."""
@@ -17,12 +21,34 @@ class Progress:
 
     def __init__(self) -> None:
         self._start = time.monotonic()
+        self._step = "working"
+        self._lock, self._ended = threading.Lock(), threading.Event()
+
+    def begin(self) -> None:
+        """Show from now on how long the work takes, also while no step is told, until `end`."""
+        if sys.stderr.isatty():
+            threading.Thread(target=self._go_on, daemon=True).start()
 
     def __call__(self, step: str) -> None:
+        self._step = step
+        self._show()
+
+    def end(self) -> None:
+        """Take the line away for good: the output of the command follows."""
+        with self._lock:
+            self._ended.set()
+            clear()
+
+    def _go_on(self) -> None:
+        while not self._ended.wait(EVERY):
+            self._show()
+
+    def _show(self) -> None:
         elapsed = time.monotonic() - self._start
-        if elapsed > PATIENCE and sys.stderr.isatty():
-            sys.stderr.write(f"{CLEARED}{elapsed:5.1f} s  {step}")
-            sys.stderr.flush()
+        with self._lock:
+            if elapsed > PATIENCE and sys.stderr.isatty() and not self._ended.is_set():
+                sys.stderr.write(f"{CLEARED}{elapsed:5.1f} s  {self._step}")
+                sys.stderr.flush()
 
 
 def clear() -> None:

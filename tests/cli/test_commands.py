@@ -9,6 +9,7 @@ import math
 import re
 import subprocess
 import sys
+import threading
 from pathlib import Path
 
 import numpy as np
@@ -226,6 +227,24 @@ def test_progress_only_on_a_terminal_and_late(
     assert ("dxf: computing" in text) == (stream is Terminal)
     # What was written over is taken away at the end.
     assert text.endswith(f"stl{CLEARED}") or text == ""
+
+
+def test_a_long_step_is_seen_to_go_on(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("camgeo.cli.progress.EVERY", 0.001)
+    monkeypatch.setattr("camgeo.cli.progress.PATIENCE", 0.0)
+    terminal, later = Terminal(), threading.Event()
+    monkeypatch.setattr(sys, "stderr", terminal)
+    progress = Progress()
+    progress.begin()
+    progress("a long step")
+    while terminal.getvalue().count("a long step") < 5:
+        later.wait(0.001)
+    progress.end()
+    text = terminal.getvalue()
+    assert text.endswith(CLEARED)
+    progress("the next one")
+    later.wait(0.01)
+    assert terminal.getvalue() == text
 
 
 def test_interrupted_build_leaves_nothing(
