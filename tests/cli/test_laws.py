@@ -13,7 +13,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from camgeo.cli.laws import HEAD, PHYSICAL_HEAD, UNITS
+from camgeo.answers.laws import UNITS
+from camgeo.answers.laws.rendering import HEAD, PHYSICAL_HEAD
 from camgeo.cli.main import main
 from camgeo.errors import GeometryError
 from camgeo.figure.laws import SAMPLES, figure
@@ -30,7 +31,7 @@ Capture = pytest.CaptureFixture[str]
 
 def records(call: list[str], capsys: Capture) -> dict[str, dict[str, Any]]:
     assert main(["laws", "--json", *call]) == 0
-    return {record["law"]: record for record in json.loads(capsys.readouterr().out)}
+    return {record["law"]: record for record in json.loads(capsys.readouterr().out)["laws"]}
 
 
 def printed(call: list[str], capsys: Capture) -> str:
@@ -71,7 +72,7 @@ def test_no_number_is_infinite_or_nan(task: str, capsys: Capture) -> None:
         for quantity in QUANTITIES:
             missing = record["values"][quantity] is None
             assert missing == (record["physical"][quantity] is None)
-            assert not missing or record["shock"] or record["jerk"]
+            assert not missing or record["shock_places"] or record["jerk_places"]
 
 
 # VDI 2143-1, Tafel 2: two shocks of the straight line, three jerks of the parabola, two of the
@@ -201,10 +202,10 @@ def test_the_guideline_s_comparison_from_rest_to_turn(capsys: Capture) -> None:
 
 def test_what_a_law_does_not_take_is_said(capsys: Capture) -> None:
     out = printed(["--task", "G-G", "--v0", "0.5", "--inflection", "0.4"], capsys)
-    assert "ignored, not taken for G-G: inflection, v0 (straight-line)" in out
-    assert "ignored, not taken for G-G: inflection (polynomial-5, polynomial-7)" in out
-    assert "not given, 0 taken: v1 (modified-sine, polynomial-5)" in out
-    assert "not given, 0 taken: j0, v1, j1 (polynomial-7)" in out
+    assert "ignored, no parameters for G-G: inflection, v0 (straight-line)" in out
+    assert "ignored, no parameters for G-G: inflection (polynomial-5, polynomial-7)" in out
+    assert "not given, taken as 0: v1 (modified-sine, polynomial-5)" in out
+    assert "not given, taken as 0: j0, v1, j1 (polynomial-7)" in out
     assert "lambda=0.4 v0=0.5" in out
 
 
@@ -236,14 +237,12 @@ def test_all_tasks(capsys: Capture) -> None:
     assert [line.split()[0] for line in out.splitlines()] == list(TASKS)
     assert "rest to turn" in out
     assert main(["laws", "--task", "all", "--json"]) == 0
-    document = json.loads(capsys.readouterr().out)
-    made = {(task["task"], law["law"]) for task in document for law in task["laws"]}
+    document = json.loads(capsys.readouterr().out)["tasks"]
+    made = {(task["task"], law) for task in document for law in task["laws"]}
     assert made == {(task, name) for name, family in FAMILIES.items() for task in family.tasks}
     (to_turn,) = [task for task in document if task["task"] == "G-U"]
-    assert (to_turn["start"], to_turn["end"]) == ("constant velocity", "turn")
-    assert {"law": "harmonic-combination", "parameters": ["inflection", "v0", "a1"]} in (
-        to_turn["laws"]
-    )
+    assert to_turn["ends"] == ["constant velocity", "turn"]
+    assert to_turn["laws"]["harmonic-combination"] == ["inflection", "v0", "a1"]
 
 
 # Physical values ----------------------------------------------------------------------------------
