@@ -115,15 +115,10 @@ def show(answer: Answer, arguments: argparse.Namespace) -> int:
 
     arguments.progress.end()
     if arguments.json:
-        print_json(render.to_json(answer))
+        print(json.dumps(render.to_json(answer), indent=2, allow_nan=False))
     elif told := render.text(answer):
         print(told)
     return answer.exit_code
-
-
-def print_json(document: object) -> None:
-    """A JSON document on standard output; NaN and infinity never get there."""
-    print(json.dumps(document, indent=2, allow_nan=False))
 
 
 def tell(message: str) -> None:

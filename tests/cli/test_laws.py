@@ -64,7 +64,7 @@ def test_every_family_of_a_task_is_listed(task: str) -> None:
 
 @pytest.mark.parametrize("task", TASKS)
 def test_no_number_is_infinite_or_nan(task: str, capsys: Capture) -> None:
-    """`print_json` refuses them; what is unbounded is null and told so."""
+    """JSON refuses them; what is unbounded is null and told so."""
     for name, record in records(["--task", task, "--speed", "60", "--span", "90",
                                  "--stroke", "10"], capsys).items():  # fmt: skip
         assert set(record["values"]) == {field.name for field in fields(Characteristic)}, name
