@@ -1,9 +1,10 @@
 """Pieces and time of the contours, against the curve itself and against other programs.
 
-First the fits of one flank with their proofs, in times of that flank with its derivatives at 30,000
-and at 600,000 points, measured in turns in one run: the pitch curve with three derivatives, and the
-points and the curvature of the flank, as `camgeo table` computes them. And their pieces over the
-least number that there can be for small tolerances, see `camgeo.contour.least_pieces`.
+First the fits of one flank with their proofs, as multiples of the time of that flank with its
+derivatives at 30,000 and at 600,000 points, measured in turns in one run: the pitch curve with
+three derivatives, and the points and the curvature of the flank, as `camgeo table` computes them.
+And their pieces over the least number that there can be for small tolerances, see
+`camgeo.contour.least_pieces`.
 
 Then each form against the programs of `peers.py`. They get exact points, evenly spaced and so dense
 that what they lose is less than a hundredth of the tolerance. By bisection of its own parameter
@@ -321,7 +322,7 @@ def seconds_of(work: Callable[[], object], rounds: int) -> float:
 
 
 def print_times(design: Design, flank: Flank, forms: Sequence[Form], rounds: int) -> bool:
-    """Table of the fits in times of the curve; True if the targets are reached."""
+    """Table of the fits as multiples of the curve; True if the targets are reached."""
     pitch, curve = design.cam.disc.pitch_curve, flank.curve
 
     starts = itertools.count(0.0, 1e-9)  # none twice

@@ -472,7 +472,7 @@ def compare(cam: Cam, counts: Sequence[int], rounds: int, patience: float) -> bo
     print(f"\n{cam.name}: offset {cam.distance:+g} mm, {corners} corner{'s' * (corners != 1)}")
     print(
         f"{'':<42}{'points':>8}{'error [mm]':>12}{'time [ms]':>11}{'error':>11}{'time':>8}"
-        "  in times of the first row"
+        "  as a multiple of the first row"
     )
     for row in rows:
         print(

@@ -32,13 +32,13 @@ picture below, `--json` prints the readings for programs. Exit code 0 means that
 ## What is measured
 
 The inputs of a case are doubles: cam angle, lengths, joints, boundary values. Each is taken for
-exactly the number that it is. Two things are told of each value, both in units in its last place
-(ulp), for a vector those of its length.
+exactly the number that it is. Each value is described by two figures, both in units in its last
+place (ulp), for a vector in those of its length.
 
 - **error**: the distance of camgeo's value from the exact one.
 - **conditioning**: how far the exact value moves if each input moves by half an ulp of its own, the
   sum over all inputs. No algorithm can do better than that, for the inputs are rounded themselves.
-  Joints are inputs too: degrees turned to radians and rounded once.
+  Joints are inputs too: degrees converted to radians and rounded once.
 
 Their **ratio**, error / max(1, conditioning), judges the algorithm, not the problem: near 1
 there is no better one in doubles; a large one has lost digits that the inputs still have. The
@@ -46,9 +46,9 @@ limit is {limit:g}: fewer than 128 operations lie between the inputs and any qua
 rounded by half an ulp at most.
 
 Large errors beside small ratios are hard problems, not bad algorithms. Where a value passes 0,
-at an inflection or a cusp or in a dead centre, its inputs leave it no digit; there an ulp is
-that of what half an ulp of the inputs makes of it, and errors of 1e15 are the roundings of the
-inputs.
+at an inflection, a cusp or a dead centre, no digit of it follows from rounded inputs; there an
+ulp is that of the distance by which half an ulp of the inputs moves it, and errors of 1e15 are
+the rounding of the inputs.
 
 ## The exact values
 

@@ -29,8 +29,8 @@ class Count:
     forced : pieces among them that dwells and turns are, whatever the tolerance.
     least : limit of the others for small tolerances, see `camgeo.contour.least_pieces`.
     deviation : proved [mm], the largest.
-    fit_seconds, proof_seconds : of the fits with their own proof, and of the proofs anew from the
-        finished contours alone.
+    fit_seconds, proof_seconds : of the fits with their own proof, and of the proofs again from
+        the finished contours alone.
     """
 
     pieces: int
@@ -42,7 +42,7 @@ class Count:
 
     @property
     def ratio(self) -> float | None:
-        """Pieces that are not forced, in times of the limit; None where the limit is 0."""
+        """Pieces that are not forced, as a multiple of the limit; None where the limit is 0."""
         return (self.pieces - self.forced) / self.least if self.least > 0.0 else None
 
 

@@ -28,7 +28,7 @@ TINIEST: Final = 1e-5
 """But not below this share: the edges beside it would need contours finer than any file's."""
 
 MARGIN: Final = 1.9
-"""Side of what the inset shows, in times of what is cut off."""
+"""Side of what the inset shows, as a multiple of what is cut off."""
 
 SIDES: Final = (0.34, 0.28, 0.22)
 """Sides of the inset that are tried, as shares of the picture's smaller side."""

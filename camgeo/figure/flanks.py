@@ -26,7 +26,7 @@ RANGE = 721
 """Points of a range of cam angle."""
 
 BESIDE = 4.0
-"""How far a window shows a flank beside what is cut off, in times of its cam angle."""
+"""How far a window shows a flank beside what is cut off, as a multiple of its cam angle."""
 
 
 def whole(

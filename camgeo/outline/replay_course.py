@@ -126,7 +126,7 @@ MOST_PAIRS = 2_000_000
 contour that is smooth but for a few corners has one."""
 
 HALF_ARC = 0.52
-"""Half an arc of at most an eighth of a turn in times of its chord, at most: pi/16 / sin(pi/8)."""
+"""Half an arc of at most an eighth of a turn over its chord, at most: pi/16 / sin(pi/8)."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -29,8 +29,8 @@ from camgeo.outline.division import STRAIGHT, Division
 from camgeo.outline.envelope import Course, Envelope
 
 REACH = 1.2
-"""Length of the parts beside the cusps in which a crossing must lie, in times of what runs back;
-more than 1 / cos(0.5)."""
+"""Length of the parts beside the cusps in which a crossing must lie, as a multiple of what runs
+back; more than 1 / cos(0.5)."""
 
 SLIGHT = 0.5
 """Angle [rad] by which the tangent turns at most in these parts."""

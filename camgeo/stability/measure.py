@@ -86,9 +86,9 @@ class Reading:
 def measure(case: Case) -> tuple[Reading, ...]:
     """The readings of all quantities of a case, place by place.
 
-    An ulp is that of the exact value, for a vector of its length. Where the inputs leave no digit
-    of a value certain, because it passes 0 there, it is that of what half an ulp of the inputs
-    makes of it.
+    An ulp is that of the exact value, for a vector that of its length. Where rounding the inputs by
+    half an ulp moves a value by more than its own size, as where it passes 0, it is that of this
+    movement.
     """
     found = _found(case)
     mp = multiprecision()

@@ -11,20 +11,20 @@ from camgeo.figure import accuracy
 from camgeo.figure.model import Figure
 
 COLUMNS: Final = """\
-pieces: of the flanks' contours; of least: pieces, without those that dwells and turns are, in times
-    of the limit for small tolerances
+pieces: in the contours of the flanks; of least: pieces other than dwells and turns, as a multiple
+    of the least number possible for small tolerances
 deviation: proved, both ways and for every point
-fit, proof, write, read: seconds of computing, on this machine: the fit with its proof, the proof
-    anew from the finished contour, the drawing written with all its curves, and read back
-round: seconds of milling once along the flanks, by feed and acceleration
-ripple: largest error of the acceleration in a replay, of its demanded peak
-error: bound of the error of the lift between two rows, interpolated linearly"""
+fit, proof, write, read: seconds of computing on this machine: the fit with its proof, the proof
+    again from the finished contour alone, the drawing written with all its curves, and read back
+round: seconds to mill once along the flanks, from feed and acceleration
+ripple: largest error of the acceleration in a replay, as a share of its demanded peak
+error: bound on the error of the lift if it is interpolated linearly between two rows"""
 """What stands in the tables, explained below them."""
 
 EFFECT_COLUMNS: Final = """\
-effects: tolerance, estimate and off are shares of the largest magnitude of what an effect gives;
-    computed: seconds without the effects that it needs; estimate: its own, of its error; off: its
-    difference from the result at the tightest tolerance"""
+effects: tolerance, estimate and off are shares of the largest magnitude of an effect's results;
+    computed: seconds, without the effects that it needs; estimate: its own estimate of its error;
+    off: its difference from the result at the tightest tolerance"""
 """The same of the table of effects."""
 
 CONTOURS: Final = (

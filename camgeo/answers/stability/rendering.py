@@ -12,13 +12,14 @@ from camgeo.stability.measure import Reading
 from camgeo.stability.suite import worst_of_cases
 
 COLUMNS: Final = """\
-values: how many values of the quantity were compared with mpmath's
-error: largest distance from the exact value, in units in its last place (ulp), those of its length
-    for a vector; where the inputs leave no digit of it certain, those of what they make of it
+values: number of values of the quantity that were compared with mpmath's
+error: largest distance from the exact value, in units in its last place (ulp), or in that of its
+    length for a vector; where rounding the inputs moves a value by more than its own size, in ulp
+    of that movement
 conditioning: by how many ulp the exact value moves there if each input moves by half an ulp of its
-    own; the joints are inputs too, degrees turned to radians and rounded once
-at: case and place of that error, z of a law, cam angle or crank angle
-ratio: largest error / max(1, conditioning); near 1 there is no better algorithm in doubles"""
+    own; the joints are inputs too, converted from degrees to radians and rounded once
+at: case and place of that error: z of a law, cam angle or crank angle
+ratio: largest error / max(1, conditioning); near 1 no algorithm in doubles can do better"""
 """What stands in the table, explained below it."""
 
 NUMBER, WIDE = 9, 14
