@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import argparse
 import math
-from pathlib import Path
 from typing import Final
 
-from camgeo.answers import render
-from camgeo.cli.command import add_json, add_scene, opened, show, tell_main_disc
-from camgeo.cli.plot import add_picture, write_picture
+from camgeo.cli.command import add_json, add_scene, opened, show, tell_main_disc, write_told
+from camgeo.cli.plot import add_picture, pictures
 from camgeo.formats.format import LARGEST_TOLERANCE, SMALLEST_TOLERANCE
 
 SUMMARY: Final = (
@@ -55,9 +53,7 @@ def run(arguments: argparse.Namespace) -> int:
         ripple=arguments.ripple or None,
         tell=arguments.progress,
     )
-    if arguments.output is not None:
-        picture, target = render.figure(found), Path(arguments.output)
-        write_picture(picture, target, "pieces, bytes, seconds", force=arguments.force)
+    write_told(pictures(found, arguments, "pieces, bytes, seconds"), force=arguments.force)
     return show(found, arguments)
 
 

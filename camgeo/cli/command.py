@@ -9,10 +9,14 @@ from collections.abc import Sequence
 from decimal import Decimal, InvalidOperation
 from pathlib import Path
 
+from camgeo.answers import render
 from camgeo.answers.answer import FINE, Answer
 from camgeo.cli.progress import clear
 from camgeo.design import Design
 from camgeo.lazy import Ledger
+
+Written = tuple[Path, bytes, str]
+"""A file to write: where, what, and what is told of it."""
 
 
 class CallError(Exception):
@@ -67,7 +71,15 @@ def deliver(text: str, arguments: argparse.Namespace, told: str) -> int:
     return FINE
 
 
-def write_told(files: Sequence[tuple[Path, bytes, str]], *, force: bool) -> None:
+def tables(answer: Answer, name: str | None) -> list[Written]:
+    """The table of an answer as a CSV file of that name; none if there is no name."""
+    if name is None:
+        return []
+    table = render.table(answer)
+    return [(Path(name), table.csv().encode(), f"{len(table.values)} rows")]
+
+
+def write_told(files: Sequence[Written], *, force: bool) -> None:
     """Write files of one folder, all or none, and tell each with what is said of it."""
     if not files:
         return
@@ -111,8 +123,6 @@ def check_step(step: Decimal | None, smallest: Decimal, largest: Decimal) -> Non
 
 def show(answer: Answer, arguments: argparse.Namespace) -> int:
     """Print the answer, as text or with `--json` as JSON; the exit code."""
-    from camgeo.answers import render
-
     arguments.progress.end()
     if arguments.json:
         print(json.dumps(render.to_json(answer), indent=2, allow_nan=False))

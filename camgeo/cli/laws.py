@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import argparse
 import math
-from pathlib import Path
 from typing import Final
 
-from camgeo.answers import render
 from camgeo.answers.laws import laws_of_all_tasks, laws_of_task
-from camgeo.cli.command import CallError, add_json, show
+from camgeo.cli.command import CallError, add_json, show, write_told
 from camgeo.cli.law_options import (
     DEFAULT_TASK,
     EVERY_TASK,
@@ -17,7 +15,7 @@ from camgeo.cli.law_options import (
     given_options,
     parameters_from,
 )
-from camgeo.cli.plot import add_picture, write_picture
+from camgeo.cli.plot import add_picture, pictures
 from camgeo.motion.laws.comparison import Running
 from camgeo.units import RPM
 
@@ -71,13 +69,11 @@ def run(arguments: argparse.Namespace) -> int:
         running=running,
         places=arguments.places,
     )
-    if arguments.output is not None:
-        count = sum(row.entry.law is not None for row in found.rows or ())
-        told = f"{count} laws for {arguments.task or DEFAULT_TASK}"
-        write_picture(render.figure(found), Path(arguments.output), told, force=arguments.force)
-        if not arguments.json:
-            return found.exit_code
-    return show(found, arguments)
+    count = sum(row.entry.law is not None for row in found.rows or ())
+    told = f"{count} laws for {arguments.task or DEFAULT_TASK}"
+    files = pictures(found, arguments, told)
+    write_told(files, force=arguments.force)
+    return found.exit_code if files and not arguments.json else show(found, arguments)
 
 
 def _running(arguments: argparse.Namespace) -> Running | None:

@@ -6,8 +6,10 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-from camgeo.answers.answer import FINE
+from camgeo.answers import render
+from camgeo.answers.answer import FINE, Answer
 from camgeo.cli.command import (
+    Written,
     add_output,
     add_scene,
     opened,
@@ -68,7 +70,8 @@ def run(arguments: argparse.Namespace) -> int:
         figure = motion.of_drive(design.name, scene.unit, design.drive, scene.lift_unit)
     else:
         figure = plots.stacked(design.disc, wanted)
-    write_picture(figure, target, ", ".join(wanted), force=arguments.force)
+    picture = drawn(figure, target.suffix)
+    write_told([(target, picture, ", ".join(wanted))], force=arguments.force)
     if set(wanted) - {CAM}:
         tell_main_disc(design, "curves")
     return FINE
@@ -82,9 +85,12 @@ def drawn(figure: Figure, suffix: str) -> bytes:
     return data
 
 
-def write_picture(figure: Figure, target: Path, told: str, *, force: bool) -> None:
-    """Write the figure, and tell what is in it."""
-    write_told([(target, drawn(figure, target.suffix), told)], force=force)
+def pictures(answer: Answer, arguments: argparse.Namespace, told: str) -> list[Written]:
+    """The picture of an answer, of which `told` is said; none if `-o` does not ask for it."""
+    if arguments.output is None:
+        return []
+    target = Path(arguments.output)
+    return [(target, drawn(render.figure(answer), target.suffix), told)]
 
 
 def add_picture(parser: argparse.ArgumentParser, text: str = "draw a picture too") -> None:

@@ -5,11 +5,9 @@ from __future__ import annotations
 import argparse
 import math
 from decimal import Decimal
-from pathlib import Path
 from typing import Final
 
-from camgeo.answers import render
-from camgeo.answers.replay import STEP, FollowerReplay, replay
+from camgeo.answers.replay import STEP, replay
 from camgeo.answers.replay.contours import FLAT, GAP, Reading
 from camgeo.cli.command import (
     add_json,
@@ -19,14 +17,18 @@ from camgeo.cli.command import (
     decimal,
     opened,
     show,
+    tables,
     tell,
     write_told,
 )
-from camgeo.cli.plot import SUFFIXES, drawn
+from camgeo.cli.plot import SUFFIXES, pictures
 from camgeo.outline.path import Flank
 
 SMALLEST_STEP: Final = Decimal("0.001")
 LARGEST_STEP: Final = Decimal(10)
+
+TABLE: Final = ".csv"
+"""How the name of a table ends; that of a picture in one of `SUFFIXES`."""
 
 SUMMARY: Final = (
     "roll the roller over the real outline, or over a contour from a file: lift, velocity,"
@@ -72,8 +74,8 @@ def options(parser: argparse.ArgumentParser) -> None:
         help=f"step of the cam angle; default {STEP}",
     )  # fmt: skip
     add_json(parser)
-    told = f"file to write: a table (.csv) or a picture ({', '.join(SUFFIXES)})"
-    add_output(parser, told, (".csv", *SUFFIXES))
+    told = f"file to write: a table ({TABLE}) or a picture ({', '.join(SUFFIXES)})"
+    add_output(parser, told, (TABLE, *SUFFIXES))
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -91,8 +93,11 @@ def run(arguments: argparse.Namespace) -> int:
     for each in found.discs:
         if each.note:
             tell(each.note)
-    if arguments.output is not None:
-        _write(found, Path(arguments.output), force=arguments.force)
+    if (arguments.output or "").endswith(TABLE):
+        files = tables(found, arguments.output)
+    else:
+        files = pictures(found, arguments, "lift, velocity, acceleration")
+    write_told(files, force=arguments.force)
     return show(found, arguments)
 
 
@@ -101,12 +106,3 @@ def _from_0(text: str) -> float:
     if not (math.isfinite(number) and number >= 0.0):
         raise argparse.ArgumentTypeError("must be a number from 0 on")
     return number
-
-
-def _write(found: FollowerReplay, target: Path, *, force: bool) -> None:
-    if target.suffix == ".csv":
-        table = render.table(found)
-        data, told = table.csv().encode(), f"{len(table.values)} rows"
-    else:
-        data, told = drawn(render.figure(found), target.suffix), "lift, velocity, acceleration"
-    write_told([(target, data, told)], force=force)

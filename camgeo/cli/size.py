@@ -7,7 +7,6 @@ import math
 from pathlib import Path
 from typing import Final
 
-from camgeo.answers import render
 from camgeo.answers.size import CamSize, size, sized_scene
 from camgeo.cli.command import (
     CallError,
@@ -20,7 +19,7 @@ from camgeo.cli.command import (
     tell_main_disc,
     write_told,
 )
-from camgeo.cli.plot import add_picture, drawn
+from camgeo.cli.plot import add_picture, pictures
 from camgeo.errors import Fault, SceneError
 from camgeo.units import MM_PER
 
@@ -99,8 +98,5 @@ def _write(found: CamSize, arguments: argparse.Namespace) -> None:
         files.append((target, sized_scene(found).to_toml().encode(), told))
     elif arguments.target is not None:
         tell(f"{arguments.target}: not written, there is no such mechanism")
-    if arguments.output is not None:
-        target = Path(arguments.output)
-        picture = drawn(render.figure(found), target.suffix)
-        files.append((target, picture, "region of the cam axis"))
+    files += pictures(found, arguments, "region of the cam axis")
     write_told(files, force=arguments.force)

@@ -4,14 +4,21 @@ from __future__ import annotations
 
 import argparse
 import sys
-from pathlib import Path
 from typing import Final
 
 from camgeo.answers import render
 from camgeo.answers.answer import FINE
-from camgeo.answers.slotted_lever import FULL_TURN, LeverMotion, slotted_lever
-from camgeo.cli.command import CallError, add_json, decimal, require_beside, show, write_told
-from camgeo.cli.plot import add_picture, drawn
+from camgeo.answers.slotted_lever import FULL_TURN, slotted_lever
+from camgeo.cli.command import (
+    CallError,
+    add_json,
+    decimal,
+    require_beside,
+    show,
+    tables,
+    write_told,
+)
+from camgeo.cli.plot import add_picture, pictures
 
 TABLE_OPTIONS: Final = dict(zip(("step", "from", "to"), FULL_TURN, strict=True))
 """With their defaults."""
@@ -86,20 +93,9 @@ def run(arguments: argparse.Namespace) -> int:
         rows=(step, first, last) if tabled else None,
         printed=arguments.printed,
     )
-    _write(found, arguments)
+    files = tables(found, arguments.csv) + pictures(found, arguments, "phi, omega2, eps2")
+    write_told(files, force=arguments.force)
     if arguments.table and not arguments.json:
         sys.stdout.write(render.table(found).csv())
         return FINE
     return show(found, arguments)
-
-
-def _write(found: LeverMotion, arguments: argparse.Namespace) -> None:
-    files = []
-    if arguments.csv is not None:
-        table = render.table(found)
-        files.append((Path(arguments.csv), table.csv().encode(), f"{len(table.values)} rows"))
-    if arguments.output is not None:
-        target = Path(arguments.output)
-        picture = drawn(render.figure(found), target.suffix)
-        files.append((target, picture, "phi, omega2, eps2"))
-    write_told(files, force=arguments.force)

@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Sequence
-from pathlib import Path
 from typing import Final
 
-from camgeo.answers import render
-from camgeo.cli.command import CallError, add_json, show
+from camgeo.cli.command import CallError, add_json, show, write_told
 from camgeo.cli.earlier import present_name
-from camgeo.cli.plot import add_picture, write_picture
+from camgeo.cli.plot import add_picture, pictures
 from camgeo.errors import meant
 
 SUMMARY: Final = (
@@ -47,10 +45,8 @@ def run(arguments: argparse.Namespace) -> int:
     cases = suite.all_cases()
     only = _known(arguments.only, suite.names(cases))
     found = stability(cases, only, quick=arguments.quick, tell=arguments.progress)
-    if arguments.output is not None:
-        told = f"{len(suite.worst_of_cases(found.readings))} points"
-        target = Path(arguments.output)
-        write_picture(render.figure(found), target, told, force=arguments.force)
+    told = f"{len(suite.worst_of_cases(found.readings))} points"
+    write_told(pictures(found, arguments, told), force=arguments.force)
     return show(found, arguments)
 
 
