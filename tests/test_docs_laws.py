@@ -14,7 +14,7 @@ import pytest
 
 from camgeo.motion.laws import ALIASES, FAMILIES, make_law
 from camgeo.motion.laws.law import Law
-from camgeo.motion.plan import Course, Dwell
+from camgeo.motion.plan import Dwell, SplineMove
 from camgeo.motion.task import TASKS
 from camgeo.scene.load import parse_scene
 from tests.pages import page_maker
@@ -324,9 +324,9 @@ def test_the_scenes_can_be_read(title: str, text: str, tmp_path: Path) -> None:
     scene = parse_scene(HEAD + text, str(tmp_path / "laws.toml"))
     moves = [segment for segment in scene.plan.segments if not isinstance(segment, Dwell)]
     if title in FAMILIES:
-        assert title in {move.law.name for move in moves if not isinstance(move, Course)}
+        assert title in {move.law.name for move in moves if not isinstance(move, SplineMove)}
     elif title in ("points", "table"):
-        assert any(isinstance(move, Course) for move in moves)
+        assert any(isinstance(move, SplineMove) for move in moves)
 
 
 def test_every_section_has_a_scene() -> None:

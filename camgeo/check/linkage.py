@@ -9,7 +9,7 @@ import numpy as np
 
 from camgeo.check.finding import Finding
 from camgeo.mechanism.linkage import LinkedMotion
-from camgeo.mechanism.positions import Course, course_of, position_text
+from camgeo.mechanism.positions import MonotoneRuns, monotone_runs, position_text
 from camgeo.motion.extremes import turning_angles
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray, dot, merged
@@ -40,20 +40,20 @@ def check_linkage(motion: LinkedMotion) -> tuple[Finding, ...]:
     That angle has no limit: the force comes from the cam, and what suits the crank need not suit
     the far end.
     """
-    course = course_of(motion.demanded)
-    spare = _to_dead_centre(motion, course)
+    runs = monotone_runs(motion.demanded)
+    spare = _to_dead_centre(motion, runs)
     if spare.severity == "no-disc":
         return (spare, *_branch(motion.linkage))
-    return (spare, _transmission_angle(motion, course), *_branch(motion.linkage))
+    return (spare, _transmission_angle(motion, runs), *_branch(motion.linkage))
 
 
-def _to_dead_centre(motion: LinkedMotion, course: Course) -> Finding:
+def _to_dead_centre(motion: LinkedMotion, runs: MonotoneRuns) -> Finding:
     """The length to spare where the linkage is nearest to a dead centre."""
     linkage = motion.linkage
-    position, missing = motion.tightest(course.range)
+    position, missing = motion.tightest(runs.range)
     spare = max(0.0, -missing)
     limit = DEAD_CENTRE * (linkage.crank + linkage.coupler)
-    phi = course.first_angle(position)
+    phi = runs.first_angle(position)
     what, infinite = LINES[linkage.member]
     place = f"at {position_text(linkage, position)}, cam angle {math.degrees(phi):.6g} deg"
     phi = math.fmod(phi, TURN)
@@ -69,9 +69,9 @@ def _to_dead_centre(motion: LinkedMotion, course: Course) -> Finding:
     return Finding("dead-centre", "no-disc", sentence, spare, limit, "mm", phi)
 
 
-def _transmission_angle(motion: LinkedMotion, course: Course) -> Finding:
+def _transmission_angle(motion: LinkedMotion, runs: MonotoneRuns) -> Finding:
     """The smallest acute angle between coupler and crank."""
-    value, place = _smallest_sine(motion, course)
+    value, place = _smallest_sine(motion, runs)
     angle = math.degrees(math.asin(min(1.0, value)))
     told = (
         f"smallest angle between coupler and crank {angle:.3f} deg at cam angle"
@@ -81,7 +81,7 @@ def _transmission_angle(motion: LinkedMotion, course: Course) -> Finding:
     return Finding("linkage-transmission-angle", "ok", told, angle, unit="deg", cam_angle=place)
 
 
-def _smallest_sine(motion: LinkedMotion, course: Course) -> tuple[float, float]:
+def _smallest_sine(motion: LinkedMotion, runs: MonotoneRuns) -> tuple[float, float]:
     """Smallest magnitude of the sine of the angle from crank to coupler, and its cam angle [rad].
 
     The area of the triangle that crank and coupler close is concave in the square of the pin's
@@ -90,11 +90,11 @@ def _smallest_sine(motion: LinkedMotion, course: Course) -> tuple[float, float]:
     """
     linkage, demanded = motion.linkage, motion.demanded
     if linkage.member != "crank":
-        low, high = course.range
+        low, high = runs.range
         positions = np.array([low, high, *linkage.turning_positions(low, high)])
         sines = np.abs(_sine(linkage, positions))
         least = int(np.argmin(sines))
-        return float(sines[least]), course.first_angle(float(positions[least]))
+        return float(sines[least]), runs.first_angle(float(positions[least]))
 
     from camgeo.numeric.extremes import grid_of, piecewise_extremes
     from camgeo.numeric.roots import roots_on_grid

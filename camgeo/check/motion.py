@@ -12,7 +12,7 @@ from itertools import pairwise
 from camgeo.check.finding import STATED, Finding
 from camgeo.motion.joints import Joint, breaks, joints
 from camgeo.motion.laws.characteristic import characteristic
-from camgeo.motion.plan import Course, Dwell, MotionPlan, Move, kept_with_plan
+from camgeo.motion.plan import Dwell, MotionPlan, Move, SplineMove, kept_with_plan
 from camgeo.motion.time_course import ConstantSpeed, LiftUnit, TimeCourse, plan_extremes
 from camgeo.numeric.extremes import Extremes
 
@@ -50,9 +50,9 @@ def check_motion(plan: MotionPlan, unit: LiftUnit) -> tuple[Finding, ...]:
         angle = math.radians(float(segment.span))
         if isinstance(segment, Move) and segment.scale is None:
             found += _overshoot(segment, position, float(start), scale, told)
-        if isinstance(segment, Course) and segment.report is not None:
+        if isinstance(segment, SplineMove) and segment.report is not None:
             found.append(_deviation(segment, math.radians(float(start)), angle, scale, told))
-        if isinstance(segment, Move | Course):
+        if isinstance(segment, Move | SplineMove):
             position = segment.to
     return tuple(found)
 
@@ -72,8 +72,8 @@ def _more(listed: Sequence[object]) -> str:
     return f" and {len(listed) - LISTED} more" if len(listed) > LISTED else ""
 
 
-def _made_of(segment: Move | Course) -> str:
-    if isinstance(segment, Course):
+def _made_of(segment: Move | SplineMove) -> str:
+    if isinstance(segment, SplineMove):
         return "by data"
     law = segment.law
     given = ", ".join(f"{key} {value:.6g}" for key, value in law.parameters.items())
@@ -140,8 +140,8 @@ def _overshoot(move: Move, position: float, start: float, scale: float, unit: st
     return found
 
 
-def _deviation(course: Course, start: float, length: float, scale: float, unit: str) -> Finding:
-    report = course.report
+def _deviation(move: SplineMove, start: float, length: float, scale: float, unit: str) -> Finding:
+    report = move.report
     assert report is not None  # only those are passed
     angle = start + report.place * length
     largest = scale * report.largest_deviation

@@ -48,7 +48,7 @@ SAME: Final = 1e-10
 
 INFINITE: Final = Style(LIMIT, 0.0, marker="^", size=5.5)
 
-Course = Callable[[FloatArray], FloatArray]
+ValuesAt = Callable[[FloatArray], FloatArray]
 """Values at cam angles [rad], in the unit of the panel."""
 
 
@@ -70,18 +70,18 @@ def panels(strips: Strips, drive: Drive, unit: Unit, speed: float | None) -> lis
         if order:
             strips.skip(GAP)
 
-        def course(angles: FloatArray, order: int = order) -> FloatArray:
+        def values_at(angles: FloatArray, order: int = order) -> FloatArray:
             values: FloatArray = drive.motion.jet(angles)[order] * unit.scale
             return values
 
-        values = course(phi)
+        values = values_at(phi)
         low, high = limits([values, 0.0])
         shown = low, high + HEADROOM * (high - low)
         # From the value at the end of the turn: a jump at cam angle 0 is one like the others.
         curve = over([0.0, *np.degrees(phi)], [values[-1], *values])
         infinite = [math.degrees(angle) for angle in infinite_at(drive, order)]
         marks: list[Mark] = [ZERO, Line(curve, CURVE), *joint_marks(places)]
-        marks.append(_extremes(course, phi))
+        marks.append(_extremes(values_at, phi))
         if infinite:
             zeros = np.zeros(len(infinite))
             marks.append(Line(over(infinite, zeros), INFINITE, layer=4.0, clipped=False))
@@ -112,12 +112,12 @@ def number(value: float) -> str:
     return text.replace("-", "−")
 
 
-def _extremes(course: Course, phi: FloatArray) -> Text:
+def _extremes(values_at: ValuesAt, phi: FloatArray) -> Text:
     """Largest and smallest value, with their first places, to the digits that are written.
 
     They are looked for between the neighbours of the largest of the drawn points.
     """
-    values = course(phi)
+    values = values_at(phi)
     size = float(np.max(np.abs(values)))
     told = []
     for word, sign in (("max", 1.0), ("min", -1.0)):
@@ -126,7 +126,7 @@ def _extremes(course: Course, phi: FloatArray) -> Text:
         closer = np.unique(
             np.concatenate((phi, np.linspace(phi[around][0], phi[around][-1], CLOSER)))
         )
-        found = course(closer)
+        found = values_at(closer)
         extreme = float(np.max(sign * found)) * sign
         first = np.argmax(np.abs(found - extreme) <= SAME * size)
         told.append(f"{word} {number(extreme)} at {math.degrees(closer[first]):.1f}°")

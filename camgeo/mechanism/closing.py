@@ -13,7 +13,7 @@ import numpy as np
 
 from camgeo.errors import GeometryError
 from camgeo.mechanism.linkage_protocol import Linkage, Size
-from camgeo.mechanism.positions import POSITIONS, course_of
+from camgeo.mechanism.positions import POSITIONS, monotone_runs
 from camgeo.mechanism.triangle import ROUNDING
 from camgeo.motion.extremes import lift_range
 from camgeo.motion.motion import Motion
@@ -58,10 +58,10 @@ def openings(linkage: Linkage, motion: Motion) -> tuple[Opening, ...]:
     Empty if it closes everywhere. The turn is cut where the motion reverses, where the missing
     length is 0 and where it may have an extreme: between two cuts it keeps its sign.
     """
-    course = course_of(motion)
-    low, high = course.range
+    runs = monotone_runs(motion)
+    low, high = runs.range
     marks = (*linkage.dead_positions(low, high), *linkage.turning_positions(low, high))
-    cuts = course.cuts(marks)
+    cuts = runs.cuts(marks)
     places = np.empty(2 * len(cuts) - 1)
     places[::2], places[1::2] = cuts, 0.5 * (cuts[:-1] + cuts[1:])
     missing = linkage.missing_length(motion.jet(places)[0])

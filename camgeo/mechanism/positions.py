@@ -25,14 +25,13 @@ POSITIONS: Final[dict[Member, str]] = {
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Course:
-    """A motion cut where it reverses.
+class MonotoneRuns:
+    """A motion cut into runs, on each of which it has one formula and one direction.
 
     Attributes
     ----------
     motion : the demanded motion.
-    ends : (k,) cam angles [rad], ascending from 0 to a turn; between two of them the motion has one
-        formula and one direction.
+    ends : (k,) cam angles [rad], ascending from 0 to a turn, where the runs begin and end.
     at_ends : (k,) positions there [mm or rad].
     """
 
@@ -72,10 +71,10 @@ class Course:
         return bracketed_roots(beyond, self.ends[places], self.ends[places + 1])
 
 
-def course_of(motion: Motion) -> Course:
-    """`motion` with the cam angles at which it is cut."""
+def monotone_runs(motion: Motion) -> MonotoneRuns:
+    """`motion` cut where its formula changes and where it turns back."""
     ends = merged(np.array([0.0, *(end for _, end in pieces(motion)), *turning_angles(motion)]))
-    return Course(motion, ends, np.asarray(motion.jet(ends)[0]))
+    return MonotoneRuns(motion, ends, np.asarray(motion.jet(ends)[0]))
 
 
 def locked_at(linkage: Linkage, demanded: Motion) -> tuple[float, float] | None:
@@ -85,9 +84,9 @@ def locked_at(linkage: Linkage, demanded: Motion) -> tuple[float, float] | None:
     infinite force of the follower. None if the motion `demanded` of the far end stays clear of all
     such positions.
     """
-    course = course_of(demanded)
-    found = linkage.locked_positions(*course.range)
-    return min(((course.first_angle(each), each) for each in found), default=None)
+    runs = monotone_runs(demanded)
+    found = linkage.locked_positions(*runs.range)
+    return min(((runs.first_angle(each), each) for each in found), default=None)
 
 
 def position_text(linkage: Linkage, position: float) -> str:

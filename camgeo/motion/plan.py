@@ -68,8 +68,8 @@ class Move:
 
 
 @dataclass(frozen=True, slots=True)
-class Course:
-    """A motion by data over `span` degrees, exactly as written.
+class SplineMove:
+    """A move by data over `span` degrees: a spline in place of a law.
 
     Attributes
     ----------
@@ -91,7 +91,7 @@ class Course:
         checked.hold(self, span=span, to=to)
 
 
-Segment = Dwell | Move | Course
+Segment = Dwell | Move | SplineMove
 
 
 MOST_KEPT: Final = 65_536
@@ -148,7 +148,7 @@ class MotionPlan(Pickled):
     )
 
     def __post_init__(self) -> None:
-        segments = checked.instances("motion", self.segments, (Dwell, Move, Course), "segments")
+        segments = checked.instances("motion", self.segments, (Dwell, Move, SplineMove), "segments")
         joints = joints_of(segment.span for segment in segments)
         checked.hold(self, segments=segments, joints_deg=joints)
         position = 0.0
@@ -181,7 +181,7 @@ class MotionPlan(Pickled):
         pieces: list[Piece] = []
         position = 0.0
         for segment, start, end in self.stretches:
-            if isinstance(segment, Course):
+            if isinstance(segment, SplineMove):
                 pieces.append(spline_piece(segment.spline, position, start, end))
                 position = segment.to
                 continue

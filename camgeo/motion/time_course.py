@@ -16,7 +16,7 @@ import numpy as np
 
 from camgeo.errors import GeometryError
 from camgeo.motion.motion import Jet, Motion, Side
-from camgeo.motion.plan import Course, MotionPlan, Move
+from camgeo.motion.plan import MotionPlan, Move, SplineMove
 from camgeo.numeric import checked
 from camgeo.numeric.arrays import FloatArray, ascending
 from camgeo.numeric.extremes import Extremes, climbed, extremes_of, grid_of, tops
@@ -285,7 +285,7 @@ def plan_extremes(plan: MotionPlan, course: TimeCourse, unit: LiftUnit = "mm") -
     s''' and s' s'' have theirs (VDI 2143-1, section 5.1): at the turns of the laws and at the
     borders, from either side. Motion by data is searched.
     """
-    by_data = any(isinstance(segment, Course) for segment in plan.segments)
+    by_data = any(isinstance(segment, SplineMove) for segment in plan.segments)
     if by_data or not isinstance(course, ConstantSpeed):
         return time_extremes(plan, course, unit)
     places = [plan.borders]

@@ -134,11 +134,11 @@ def _of_stretches(envelope: Envelope, low: FloatArray, high: FloatArray, index: 
 
 def _of_pivots(envelope: Envelope, low: FloatArray, high: FloatArray, index: IntArray) -> Boxes:
     half = 0.5 * (high - low)
-    course = envelope.course_of_pivots(index, 0.5 * (low + high) - envelope.starts[index])
-    pace, sign = np.abs(course.pace), np.sign(course.pace)
+    samples = envelope.pivot_samples(index, 0.5 * (low + high) - envelope.starts[index])
+    pace, sign = np.abs(samples.pace), np.sign(samples.pace)
     bend = envelope.pivots.sense[index]
     boxes = (half * pace, 0.5 * half * half * pace, half, bend, sign)
-    return course.points, course.tangents, course.pace, *boxes
+    return samples.points, samples.tangents, samples.pace, *boxes
 
 
 def halved(envelope: Envelope, cells: Cells) -> Cells:

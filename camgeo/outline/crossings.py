@@ -197,7 +197,7 @@ def _newton(
     points = one.middle
     inside = np.ones(len(x), dtype=np.bool_)
     for _ in range(NEWTON):
-        at_x, at_y = envelope.course(x), envelope.course(y)
+        at_x, at_y = envelope.samples(x), envelope.samples(y)
         gap = at_y.points - at_x.points
         points = 0.5 * (at_x.points + at_y.points)
         # a_x t_x dx - a_y t_y dy = gap

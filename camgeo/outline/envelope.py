@@ -25,8 +25,8 @@ KINK = 1e-9
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Course:
-    """The envelope at n places.
+class EnvelopeSamples:
+    """Samples of the envelope at n places.
 
     Attributes
     ----------
@@ -187,7 +187,7 @@ class Envelope:
                     return float(start) + (beyond - each.start)
         raise AssertionError("the stretches fill the turn")
 
-    def course(self, places: FloatArray) -> Course:
+    def samples(self, places: FloatArray) -> EnvelopeSamples:
         """Points, tangents and pace at the path parameters `places` (n,), any number of turns."""
         places = self.within(np.asarray(places, dtype=np.float64))
         if len(self.elements) == 1:
@@ -200,12 +200,12 @@ class Envelope:
         angles = places + self.angle_offsets[index]
         for here, part in (
             (~on_pivot, self._along(angles[~on_pivot])),
-            (on_pivot, self.course_of_pivots(index[on_pivot], turned[on_pivot])),
+            (on_pivot, self.pivot_samples(index[on_pivot], turned[on_pivot])),
         ):
             points[here], tangents[here], pace[here] = part.points, part.tangents, part.pace
-        return Course(points, tangents, pace)
+        return EnvelopeSamples(points, tangents, pace)
 
-    def course_of_pivots(self, index: IntArray, turned: FloatArray) -> Course:
+    def pivot_samples(self, index: IntArray, turned: FloatArray) -> EnvelopeSamples:
         """The arcs about corners of the pitch curve, the elements `index` (n,), `turned` (n,) [rad]
         from their starts.
         """
@@ -213,9 +213,9 @@ class Envelope:
         normal = self.pivots.normal[index] * np.exp(1j * sense * turned)
         distance = self.curve.distance
         points = self.pivots.centre[index] + distance * normal
-        return Course(points, -1j * rotation * normal, -rotation * distance * sense)
+        return EnvelopeSamples(points, -1j * rotation * normal, -rotation * distance * sense)
 
-    def _along(self, angles: FloatArray) -> Course:
+    def _along(self, angles: FloatArray) -> EnvelopeSamples:
         """The parallel at cam angles, from the right."""
         pitch, distance = self.curve.pitch, self.curve.distance
         jet = pitch.jet(angles)
@@ -224,7 +224,7 @@ class Envelope:
         tangents = z1 / speed
         turning = (z1.real * z2.imag - z1.imag * z2.real) / (speed * speed)
         normal = 1j * pitch.rotation * tangents
-        return Course(
+        return EnvelopeSamples(
             jet[0] + distance * normal, tangents, speed - pitch.rotation * distance * turning
         )
 

@@ -191,7 +191,7 @@ def _kept(
     if not free:
         return []
     middles = np.array([0.5 * (part.start + part.end) for part in free])
-    points = envelope.course(middles).points
+    points = envelope.samples(middles).points
     owns = _owns(envelope, free, middles)
     clear = are_clear(envelope.curve.pitch, points, abs(envelope.curve.distance), owns)
     return [part for part, is_clear in zip(free, clear, strict=True) if is_clear]
@@ -209,7 +209,7 @@ def _sides(
     first, second = np.array([(node.first, node.second) for node in nodes]).T
     other = np.where(np.abs(places - first) <= np.abs(places - second), second, first)
     behind = low[np.searchsorted(high, other, side="right")] < other
-    own, crossed = (envelope.course(each).tangents for each in (places, other))
+    own, crossed = (envelope.samples(each).tangents for each in (places, other))
     sense = -math.copysign(1.0, envelope.curve.distance) * envelope.curve.pitch.rotation
     towards_roller = sense * 1j * crossed
     return np.where(behind, np.nan, (np.conj(towards_roller) * own).real)
@@ -221,7 +221,7 @@ def _owns(envelope: Envelope, parts: list[_Part], middles: FloatArray) -> FloatA
     """
     shares = np.linspace(0.0, 1.0, 129)
     places = np.array([part.start + (part.end - part.start) * shares for part in parts])
-    tangents = envelope.course(places.ravel()).tangents.reshape(places.shape)
+    tangents = envelope.samples(places.ravel()).tangents.reshape(places.shape)
     steps = np.abs(np.angle(tangents[:, 1:] * np.conj(tangents[:, :-1])))
     ranges = []
     for along, step, middle in zip(places, steps, middles, strict=True):
@@ -261,7 +261,7 @@ def _path(envelope: Envelope, nodes: tuple[Node, ...], loop: list[_Part]) -> Pat
     rotation = envelope.curve.pitch.rotation
     meeting = zip(loop, [*loop[1:], loop[0]], strict=True)
     places = envelope.within(np.array([(part.end, other.start) for part, other in meeting]))
-    tangents = envelope.course(places.ravel()).tangents.reshape(places.shape)
+    tangents = envelope.samples(places.ravel()).tangents.reshape(places.shape)
     angles = envelope.angles_at(places).tolist()
     for part, (one, other), (before, after) in zip(loop, tangents, angles, strict=True):
         elements += _elements(envelope, part)
@@ -307,7 +307,7 @@ def _winding(envelope: Envelope, loop: list[_Part]) -> int:
             for part, share in zip(loop, shares, strict=True)
         ]
     )
-    points = envelope.course(places).points
+    points = envelope.samples(places).points
     return round(float(np.sum(np.angle(np.roll(points, -1) * np.conj(points)))) / TURN)
 
 

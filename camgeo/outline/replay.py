@@ -23,7 +23,7 @@ from camgeo.motion.piece import SNAP
 from camgeo.numeric.arrays import FloatArray, IntArray, ascending
 from camgeo.numeric.extremes import Extreme
 from camgeo.outline.path import Flank, Path, Stretch
-from camgeo.outline.replay_course import AS_DEMANDED, Course, PlayedLift, pressed
+from camgeo.outline.replay_lift import AS_DEMANDED, ActualLift, PlayedLift, pressed
 from camgeo.outline.replay_result import AS_DEMANDED_ELEMENT, Jumps, Replay
 from camgeo.outline.roller_path import LinesAndArcs, branches, circles, parallel
 from camgeo.units import TURN
@@ -74,8 +74,8 @@ def replay_contour(
     found = branches(parallel(contour, -press * pitch.follower.roller_radius), path)
     whole = (np.zeros(1), np.full(1, TURN))
     borders, numbers = pressed(found, path, press, whole)
-    course = Course(path, pitch.motion, found, borders, numbers)
-    return _replay(pitch, course, press, step, corner)
+    lift = ActualLift(path, pitch.motion, found, borders, numbers)
+    return _replay(pitch, lift, press, step, corner)
 
 
 def replay_outline(
@@ -127,8 +127,8 @@ def replay_outline(
     borders, numbers = np.zeros(1), np.full(1, AS_DEMANDED)
     if len(starts):
         borders, numbers = pressed(found, path, press, (starts, ends))
-    course = Course(path, pitch.motion, found, borders, numbers, played)
-    return _replay(pitch, course, press, step, corner, within)
+    lift = ActualLift(path, pitch.motion, found, borders, numbers, played)
+    return _replay(pitch, lift, press, step, corner, within)
 
 
 def _gaps(stretches: tuple[Stretch, ...]) -> tuple[FloatArray, FloatArray]:
@@ -144,40 +144,40 @@ def _gaps(stretches: tuple[Stretch, ...]) -> tuple[FloatArray, FloatArray]:
 
 def _replay(
     pitch: PitchCurve,
-    course: Course,
+    lift: ActualLift,
     press: int,
     step: float,
     corner: float,
     within: FloatArray | None = None,
 ) -> Replay:
     """`within` are cam angles [rad] in [0, 2 pi) at which to sample besides."""
-    motion, path = pitch.motion, course.path
+    motion, path = pitch.motion, lift.path
     peaks = [_peak(motion, order) for order in (1, 2)]
     count = math.ceil(TURN / step)
     grid = np.arange(count, dtype=np.float64) * (TURN / count)
     besides = np.empty(0) if within is None else within
     grid = ascending(np.concatenate((grid, [peak.place for peak in peaks], besides)))
-    special = ascending(np.concatenate((course.borders, course.breaks)))
-    lifts = [course.lift(special, side) for side in SIDES]
+    special = ascending(np.concatenate((lift.borders, lift.breaks)))
+    lifts = [lift.at(special, side) for side in SIDES]
     dropped = np.abs(lifts[1] - lifts[0]) > DROP * pitch.follower.lift_scale
     drops = Jumps(special[dropped], lifts[0][dropped], lifts[1][dropped])
     special = special[~dropped]
     grid = grid[~np.isin(grid, np.concatenate((special, drops.phi)))]
-    left, right = (_Samples.of(course, special, side) for side in SIDES)
+    left, right = (_Samples.of(lift, special, side) for side in SIDES)
     shocks = _shocks(path, left, right, corner)
     # The left side of cam angle 0 is the end of the turn.
     left = replace(left, phi=np.where(left.phi == 0.0, TURN, left.phi))
-    parts = (left, _Samples.of(course, grid, "right"), right)
+    parts = (left, _Samples.of(lift, grid, "right"), right)
     phi = np.concatenate([part.phi for part in parts])
     order = np.argsort(phi, kind="stable")
     numbers = np.concatenate([part.numbers for part in parts])[order]
     held = numbers != AS_DEMANDED
     element = np.full(len(numbers), AS_DEMANDED_ELEMENT)
-    element[held] = course.branches.elements[numbers[held]]
+    element[held] = lift.branches.elements[numbers[held]]
     smooth = np.ones(len(numbers), dtype=np.bool_)
-    smooth[held] = course.branches.corners[numbers[held]] > corner
+    smooth[held] = lift.branches.corners[numbers[held]] > corner
     return Replay(
-        course=course,
+        lift=lift,
         press=press,
         phi=phi[order],
         demanded=np.concatenate([part.demanded for part in parts], axis=1)[:, order],
@@ -201,12 +201,12 @@ class _Samples:
     actual: FloatArray
 
     @classmethod
-    def of(cls, course: Course, phi: FloatArray, side: Side) -> _Samples:
+    def of(cls, lift: ActualLift, phi: FloatArray, side: Side) -> _Samples:
         return cls(
             phi,
-            course.number(phi, side),
-            course.motion.jet(phi, side, 2)[:3],
-            course.jet(phi, side),
+            lift.number(phi, side),
+            lift.motion.jet(phi, side, 2)[:3],
+            lift.jet(phi, side),
         )
 
 

@@ -17,7 +17,7 @@ from camgeo.motion.motion import Motion, Side
 from camgeo.numeric.arrays import BoolArray, FloatArray, IntArray, ascending, frozen
 from camgeo.numeric.extremes import Extreme, Extremes, piecewise_extremes
 from camgeo.numeric.roots import bracketed_roots
-from camgeo.outline.replay_course import Course
+from camgeo.outline.replay_lift import ActualLift
 from camgeo.units import TURN
 
 AS_DEMANDED_ELEMENT = np.iinfo(np.intp).min
@@ -73,7 +73,7 @@ class Replay:
 
     Attributes
     ----------
-    course : the actual lift as a function of the cam angle.
+    lift : the actual lift as a function of the cam angle.
     press : -1 if the roller is pressed inward, onto a disc, +1 if outward, into a ring.
     phi : (n,) cam angles [rad] from 0 to 2 pi, ascending.
     demanded, actual : (3, n) lift with two derivatives [mm or rad per rad^k].
@@ -85,7 +85,7 @@ class Replay:
     demanded_velocity, demanded_acceleration : largest magnitudes [mm or rad per rad^k].
     """
 
-    course: Course
+    lift: ActualLift
     press: int
     phi: FloatArray
     demanded: FloatArray
@@ -109,7 +109,7 @@ class Replay:
         disc. Negative where the disc holds it off.
         """
         difference: FloatArray = self.actual[0] - self.demanded[0]
-        return self.press * self.course.path.outward * difference
+        return self.press * self.lift.path.outward * difference
 
     @property
     def largest_loss(self) -> Extreme:
@@ -128,16 +128,16 @@ class Replay:
             slopes = [self._loss_velocity(end)[:1] for end in ends if len(end)]
             if len(slopes) == 2 and slopes[0] * slopes[1] < 0.0:
                 phi = bracketed_roots(self._loss_velocity, *ends)
-                lift = self.course.lift(phi) - self.course.motion.jet(phi, "right", 1)[0]
-                value = self.press * self.course.path.outward * float(lift[0])
+                apart = self.lift.at(phi) - self.lift.motion.jet(phi, "right", 1)[0]
+                value = self.press * self.lift.path.outward * float(apart[0])
                 if value > lost[index]:
                     return Extreme(value, float(phi[0]) % TURN)
         return Extreme(float(lost[index]), self._place(index))
 
     def _loss_velocity(self, phi: FloatArray) -> FloatArray:
         """(n,) actual - demanded velocity at `phi` (n,) [rad]."""
-        actual = self.course.jet(phi)[1]
-        return np.asarray(actual - self.course.motion.jet(phi, "right", 2)[1])
+        actual = self.lift.jet(phi)[1]
+        return np.asarray(actual - self.lift.motion.jet(phi, "right", 2)[1])
 
     @property
     def largest_error(self) -> Extreme:
@@ -185,7 +185,7 @@ class Replay:
 
     def _beyond_joints(self) -> FloatArray:
         """(n,) acceleration error, between the two values of a joint 0."""
-        path, motion = self.course.path, self.course.motion
+        path, motion = self.lift.path, self.lift.motion
         error = self.actual[2] - self.demanded[2]
         lift_error = np.abs(self.actual[0] - self.demanded[0])
         left, right = _accelerations(motion)
@@ -223,8 +223,8 @@ def play(main: Replay, other: Replay, phi: FloatArray, side: Side = "right") -> 
     In the unit of the lift [mm or rad]: outward times (q_2 - q_1), outward the sense of a lift that
     takes the main roller away from the cam axis.
     """
-    outward = main.course.path.outward
-    return outward * (other.course.lift(phi, side) - main.course.lift(phi, side))
+    outward = main.lift.path.outward
+    return outward * (other.lift.at(phi, side) - main.lift.at(phi, side))
 
 
 def closing_error(main: Replay, other: Replay) -> Extremes:
@@ -235,9 +235,9 @@ def closing_error(main: Replay, other: Replay) -> Extremes:
     GeometryError
         If both discs push the follower in the same sense: there is nothing between them.
     """
-    if main.course.path.outward == other.course.path.outward:
+    if main.lift.path.outward == other.lift.path.outward:
         raise GeometryError("the two discs push the follower in the same sense: they do not close")
     ends = np.array([0.0, TURN])
-    borders = (ends, main.course.borders, other.course.borders, main.course.motion.borders)
+    borders = (ends, main.lift.borders, other.lift.borders, main.lift.motion.borders)
     edges = ascending(np.clip(np.concatenate(borders), 0.0, TURN))
     return piecewise_extremes(lambda phi, side: play(main, other, phi, side), edges)

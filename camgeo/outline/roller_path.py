@@ -3,7 +3,7 @@
 It is the contour's parallel at the roller radius: a line gives a line, an arc a concentric arc, a
 corner the arc of the roller radius about it. Nothing is trimmed: where the contour turns in, or is
 too narrow for the roller, the parallel crosses itself, and the follower's place decides (see
-`camgeo.outline.replay_course`). Each of its points is a roller radius from some point of the
+`camgeo.outline.replay_lift`). Each of its points is a roller radius from some point of the
 contour, so that none can stand for a place that the roller does not reach.
 """
 

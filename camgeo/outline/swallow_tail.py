@@ -26,7 +26,7 @@ import numpy as np
 from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, joined
 from camgeo.numeric.quadrature import gauss
 from camgeo.outline.division import STRAIGHT, Division
-from camgeo.outline.envelope import Course, Envelope
+from camgeo.outline.envelope import Envelope, EnvelopeSamples
 
 REACH = 1.2
 """Length of the parts beside the cusps in which a crossing must lie, as a multiple of what runs
@@ -147,16 +147,16 @@ def small_runs(
     those that may hold more than one, see above.
     """
     half, shares = 0.5 * (end - start), (np.arange(SAMPLES) + 0.5) / SAMPLES
-    within = _course(envelope, start[:, None] + (end - start)[:, None] * shares)
+    within = _samples(envelope, start[:, None] + (end - start)[:, None] * shares)
     length = 2.0 * half * np.max(np.abs(within.pace), axis=1)
     sure = np.ones(len(runs), dtype=np.bool_)
     reaches, tangents, rates = [], [], []
     for cusp, limit in ((start, [run.low for run in runs]), (end, [run.high for run in runs])):
         away, room = np.sign(limit - cusp), np.abs(limit - cusp)
-        pace = envelope.course(cusp + 1e-3 * away * half).pace
+        pace = envelope.samples(cusp + 1e-3 * away * half).pace
         reach = cusp + away * np.minimum(REACH * length / np.maximum(pace, 1e-300), room)
         way = reach - cusp
-        beside = _course(
+        beside = _samples(
             envelope, cusp[:, None] + way[:, None] * np.linspace(0.0, 1.0, SAMPLES)[1:]
         )
         sure &= np.mean(beside.pace, axis=1) * np.abs(way) >= length
@@ -170,7 +170,7 @@ def small_runs(
     before, after = (np.angle(each * np.conj(tangents[0][:, :1])) for each in tangents)
     apart = np.max(before, axis=1) < np.min(after, axis=1)
     apart |= np.max(after, axis=1) < np.min(before, axis=1)
-    first, last = _course(envelope, np.stack((start, end))).tangents
+    first, last = _samples(envelope, np.stack((start, end))).tangents
     apart |= np.maximum(*rates) * REACH * length < np.abs(np.angle(last * np.conj(first)))
     sure &= apart & (np.max(np.abs(np.hstack((before, after))), axis=1) < SLIGHT)
     return [
@@ -179,13 +179,13 @@ def small_runs(
     ]
 
 
-def _course(envelope: Envelope, places: FloatArray) -> Course:
+def _samples(envelope: Envelope, places: FloatArray) -> EnvelopeSamples:
     """The envelope at `places` of any shape."""
-    course = envelope.course(places.ravel())
-    return Course(
-        course.points.reshape(places.shape),
-        course.tangents.reshape(places.shape),
-        course.pace.reshape(places.shape),
+    samples = envelope.samples(places.ravel())
+    return EnvelopeSamples(
+        samples.points.reshape(places.shape),
+        samples.tangents.reshape(places.shape),
+        samples.pace.reshape(places.shape),
     )
 
 
@@ -239,7 +239,7 @@ def _tails(
     found = settled.copy()
     k = np.arange(len(x))  # those that are still moved
     for _ in range(STEPS):
-        ends = _course(envelope, np.stack((x[k], y[k])))
+        ends = _samples(envelope, np.stack((x[k], y[k])))
         gap = _ways(envelope, x[k], y[k], ends)
         (t_x, t_y), (a_x, a_y) = ends.tangents, ends.pace
         sine = _across(t_x, t_y)
@@ -263,7 +263,7 @@ def _tails(
     found &= (low <= x) & (x < start) & (end < y) & (y <= high)
     chosen = np.flatnonzero(found)
     places = envelope.within(np.stack((x[chosen], y[chosen])))
-    points = np.mean(_course(envelope, places).points, axis=0)
+    points = np.mean(_samples(envelope, places).points, axis=0)
     return tuple(
         SwallowTail(first, second, complex(point), known[k][1].first, known[k][1].cells)
         for k, (first, second), point in zip(
@@ -284,7 +284,7 @@ def _room(place: FloatArray, step: FloatArray, low: FloatArray, high: FloatArray
     return np.divide(room, size, out=np.ones_like(size), where=size > room)
 
 
-def _ways(envelope: Envelope, x: FloatArray, y: FloatArray, ends: Course) -> ComplexArray:
+def _ways(envelope: Envelope, x: FloatArray, y: FloatArray, ends: EnvelopeSamples) -> ComplexArray:
     """(n,) from the envelope at x (n,) to that at y (n,), `ends` (2, n)."""
     way: ComplexArray = ends.points[1] - ends.points[0]
     size = np.max(np.abs(ends.points), axis=0) + abs(envelope.curve.distance)
@@ -299,7 +299,7 @@ def _ways(envelope: Envelope, x: FloatArray, y: FloatArray, ends: Course) -> Com
             inner = breaks[first[k, None] + np.arange(inside)]
             marks = np.column_stack((x[k], inner, y[k]))
             places, half, weights = gauss(marks[:, :-1].ravel(), marks[:, 1:].ravel(), NODES)
-            course = _course(envelope, places.reshape(len(k), -1))
-            parts = (half[:, None] * weights).reshape(len(k), -1) * course.pace * course.tangents
+            samples = _samples(envelope, places.reshape(len(k), -1))
+            parts = (half[:, None] * weights).reshape(len(k), -1) * samples.pace * samples.tangents
             way[k] = np.sum(parts, axis=1)
     return way

@@ -153,7 +153,7 @@ def _cut_at(envelope: Envelope, corner: Pivot, flank: Flank) -> CutOff:
     turns = [*envelope.starts, *(envelope.starts + envelope.total)]
     inside = [place for place in turns if first < place < last]
     places = np.unique(np.append(np.linspace(first, last, SAMPLES)[1:-1], inside))
-    points = envelope.course(places).points
+    points = envelope.samples(places).points
     course = np.concatenate(([corner.centre], points, [corner.centre]))
     end = start + (corner.after - corner.before) % TURN
     return CutOff(flank, start, end, frozen(course, np.complex128))

@@ -20,7 +20,7 @@ from camgeo.mechanism.closing import (
 from camgeo.mechanism.four_bar import FourBar
 from camgeo.mechanism.linkage import LinkedMotion
 from camgeo.mechanism.linkage_protocol import Linkage
-from camgeo.mechanism.positions import course_of
+from camgeo.mechanism.positions import monotone_runs
 from camgeo.mechanism.slider_crank import SliderCrank
 from camgeo.mechanism.slider_driven_crank import SliderDrivenCrank
 from camgeo.motion.extremes import lift_range
@@ -171,8 +171,8 @@ def test_each_range_is_named() -> None:
 
 def test_first_angle_is_the_first() -> None:
     motion = moving(10.0, -5.0, 10.0)
-    phi = course_of(motion).first_angle(7.0)
+    phi = monotone_runs(motion).first_angle(7.0)
     assert motion.jet(np.array([phi]))[0][0] == pytest.approx(7.0, abs=1e-12)
     assert phi < math.radians(90.0)
-    assert course_of(motion).first_angle(10.0) == pytest.approx(math.radians(90.0))
-    assert course_of(motion).first_angle(99.0) == pytest.approx(math.radians(90.0))
+    assert monotone_runs(motion).first_angle(10.0) == pytest.approx(math.radians(90.0))
+    assert monotone_runs(motion).first_angle(99.0) == pytest.approx(math.radians(90.0))

@@ -23,7 +23,7 @@ from camgeo.motion.laws.balance import balanced
 from camgeo.motion.laws.characteristic import characteristic
 from camgeo.motion.laws.comparison import Running, compare
 from camgeo.motion.motion_tables import read_lift_table, read_speed_table
-from camgeo.motion.plan import Course, Dwell, MotionPlan, Move
+from camgeo.motion.plan import Dwell, MotionPlan, Move, SplineMove
 from camgeo.motion.planning.planner import plan_motion
 from camgeo.motion.planning.request import MoveRequest, PointsRequest, TableRequest
 from camgeo.motion.points import clamped_spline, periodic_spline, smooth_clamped_spline
@@ -80,7 +80,7 @@ DOORS: dict[str, Callable[[Any], object]] = {
     ),
     "move.law": lambda v: Move(Decimal(60), 1.0, v),
     "move.scale": lambda v: Move(Decimal(60), 1.0, LAW, v),
-    "course": lambda v: Course(Decimal(60), 1.0, v),
+    "spline move": lambda v: SplineMove(Decimal(60), 1.0, v),
     "plan": MotionPlan,
     "plan of it": lambda v: MotionPlan((v,)),
     "planned": plan_motion,

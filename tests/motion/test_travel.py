@@ -22,7 +22,7 @@ from camgeo.motion.laws import FAMILIES, make_law
 from camgeo.motion.laws.law import Law
 from camgeo.motion.motion import Motion
 from camgeo.motion.motion_tables import read_lift_table
-from camgeo.motion.plan import Course, Dwell, MotionPlan, Move
+from camgeo.motion.plan import Dwell, MotionPlan, Move, SplineMove
 from camgeo.motion.planning.planner import plan_motion
 from camgeo.motion.time_course import ConstantSpeed, SpeedCurve
 from camgeo.motion.two_columns import TwoColumns
@@ -126,7 +126,7 @@ def test_a_motion_travels(travel: Travel, name: str, motion: Motion) -> None:
     )
     assert all(one.tobytes() == other.tobytes() for one, other in bounds)
     if isinstance(found, MotionPlan):
-        splines = [each.spline for each in found.segments if isinstance(each, Course)]
+        splines = [each.spline for each in found.segments if isinstance(each, SplineMove)]
         assert all(not array.flags.writeable for each in splines for array in arrays_of(each))
 
 

@@ -40,15 +40,15 @@ def test_a_box_holds_all_of_its_cell(pitch: PitchCurve, side: int, parts: int) -
         return
     shares = np.linspace(0.0, 1.0, 25)[1:-1]
     places = cells.low[:, None] + (cells.high - cells.low)[:, None] * shares
-    course = envelope.course(places.ravel())
-    local = course.points.reshape(places.shape) - cells.middle[:, None]
+    samples = envelope.samples(places.ravel())
+    local = samples.points.reshape(places.shape) - cells.middle[:, None]
     local = local * np.conj(cells.tangent)[:, None]
     assert np.all(np.abs(local.real) <= cells.along[:, None])
     assert np.all(np.abs(local.imag) <= cells.across[:, None])
-    tangents = course.tangents.reshape(places.shape) * np.conj(cells.tangent)[:, None]
+    tangents = samples.tangents.reshape(places.shape) * np.conj(cells.tangent)[:, None]
     assert np.all(np.abs(np.angle(tangents)) <= cells.turn[:, None] + 1e-15)
     # What is said to be sure is so: the pace keeps its sign, the tangent turns one way.
-    pace = course.pace.reshape(places.shape)
+    pace = samples.pace.reshape(places.shape)
     sure = cells.sign != 0.0
     assert np.all(np.sign(pace[sure]) == cells.sign[sure, None])
     turned = np.angle(tangents[:, 1:] * np.conj(tangents[:, :-1]))
@@ -82,7 +82,7 @@ def test_a_box_that_is_too_small_is_seen() -> None:
     plan = plan_of({"phi_H": [30, 60, 40, 80, 150]}, 20.0)
     envelope = Envelope(WorkingCurve(PitchCurve(plan, TranslatingRoller(25.0, 8.0), 1), -8.0))
     cells = cells_of(envelope, 8)
-    ends = envelope.course(cells.low + 1e-9).points
+    ends = envelope.samples(cells.low + 1e-9).points
     local = (ends - cells.middle) * np.conj(cells.tangent)
     with pytest.raises(AssertionError):
         assert np.all(np.abs(local.real) <= 0.5 * cells.along)

@@ -44,12 +44,12 @@ def resting(follower: TranslatingRoller | OscillatingRoller, sigma: int = 1) -> 
 
 def centres(replay: Replay, phi: FloatArray, lift: FloatArray) -> ComplexArray:
     """Roller centres in the cam, by the follower's own formulas."""
-    pitch = replay.course.path
+    pitch = replay.lift.path
     jet = np.zeros((4, len(phi)))
     jet[0] = lift
     follower = pitch.follower  # type: ignore[attr-defined]
     relative = follower.relative_jet(jet, pitch.rotation, 1)
-    curve = PitchCurve(replay.course.motion, follower, pitch.rotation)
+    curve = PitchCurve(replay.lift.motion, follower, pitch.rotation)
     return curve.in_cam(relative, phi, relative.along[0], relative.across[0])
 
 
@@ -104,7 +104,7 @@ def test_a_square_with_all_its_shocks() -> None:
     square = polyline(np.array([30 + 30j, -30 + 30j, -30 - 30j, 30 - 30j]))
     found = replay_contour(resting(TranslatingRoller(38.0, 8.0)), square)
     assert len(found.shocks) == len(found.drops) == 0
-    top = found.course.jet(np.array([0.0, math.pi / 4.0]))
+    top = found.lift.jet(np.array([0.0, math.pi / 4.0]))
     assert top[0] == pytest.approx([0.0, math.sqrt(1800.0) + 8.0 - 38.0], abs=1e-12)
     # On a side the centre runs on a line 38 mm from the axis: h = 38/cos(phi), h'' = 38 at 0.
     assert top[1, 0] == pytest.approx(0.0, abs=1e-12)
@@ -121,7 +121,7 @@ def test_a_notch_is_a_shock() -> None:
     assert found.shocks.phi[0] == pytest.approx(0.0, abs=1e-14)
     # Deepest at the middle: both edges 8 mm from the centre.
     depth = 30.0 + math.sqrt(64.0 - half**2)
-    assert found.course.jet(np.zeros(1))[0, 0] == pytest.approx(depth - 38.0, abs=1e-12)
+    assert found.lift.jet(np.zeros(1))[0, 0] == pytest.approx(depth - 38.0, abs=1e-12)
     # Along the circle about (4, 30): F = |Z - P|^2 by hand, Z' = -i Z + i h'.
     slope = depth * half / (depth - 30.0) - 0.0
     before, after = found.shocks.before[0], found.shocks.after[0]
@@ -170,7 +170,7 @@ def test_lift_by_the_smallest_distance(seed: int, rocker: bool, sigma: int) -> N
     path = path_of(follower, sigma)
     top = math.radians(140.0) - path.start if rocker else 30.0
     arm = ROCKER.arm if rocker else 1.0
-    borders = rng.choice(found.course.borders, 6)
+    borders = rng.choice(found.lift.borders, 6)
     for phi in np.concatenate((rng.uniform(0.0, TURN, 5), borders + 0.01, borders - 0.01)):
         at = np.array([phi])
 
@@ -187,7 +187,7 @@ def test_lift_by_the_smallest_distance(seed: int, rocker: bool, sigma: int) -> N
             continue  # the path grazes the contour, or nearly: the place is not known so well
         contact = brentq(gap, low, top, xtol=1e-14)
         # 4e-6 mm that lead through the contour at 1/4 mm a mm or steeper: 1e-14 mm are known.
-        assert float(found.course.lift(at)[0]) == pytest.approx(contact, abs=1e-8 / arm)
+        assert float(found.lift.at(at)[0]) == pytest.approx(contact, abs=1e-8 / arm)
 
 
 # Fits of cams ---------------------------------------------------------------------------------
@@ -207,7 +207,7 @@ def test_a_fit_gives_the_motion_back(scene: str, side: int, tolerance: float) ->
     # along the flank moves it by no more.
     phi = np.linspace(0.0, TURN, 721)
     steepest = 1.0 / math.sin(float(np.min(curve.pitch.transmission_angle(phi))))
-    arm = 1.0 if found.course.path.reach[1] == math.inf else curve.pitch.follower.arm  # type: ignore[attr-defined]
+    arm = 1.0 if found.lift.path.reach[1] == math.inf else curve.pitch.follower.arm  # type: ignore[attr-defined]
     assert (
         0.1 * tolerance / arm < abs(found.largest_error.value) < steepest * tolerance / arm * 1.001
     )
@@ -271,7 +271,7 @@ def test_a_turned_contour_shifts_the_motion(curve: WorkingCurve, angle: float) -
     there = replay_contour(curve.pitch, turned, contact)
     phi = np.linspace(0.1, 6.1, 101)
     # Turning costs 1e-16 of the coordinates, 100 mm; the slopes are below 100 mm/rad.
-    assert there.course.lift(phi + angle) == pytest.approx(here.course.lift(phi), abs=1e-10)
+    assert there.lift.at(phi + angle) == pytest.approx(here.lift.at(phi), abs=1e-10)
 
 
 @pytest.mark.parametrize(("scene", "side"), [each for each in FLANKS if each[0] != "setzhub"])
@@ -292,7 +292,7 @@ def test_a_mirrored_cam_makes_the_same_motion(scene: str, side: int) -> None:
     pitch = PitchCurve(motion, follower, -curve.pitch.rotation)
     there = replay_contour(pitch, mirrored, contact)
     phi = np.linspace(0.1, 6.1, 101)
-    assert there.course.jet(phi)[0] == pytest.approx(here.course.jet(phi)[0], abs=1e-11)
+    assert there.lift.jet(phi)[0] == pytest.approx(here.lift.jet(phi)[0], abs=1e-11)
     assert there.ripple == pytest.approx(here.ripple, rel=1e-6)
 
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from camgeo.errors import SceneError
-from camgeo.motion.plan import Course, MotionPlan, Move
+from camgeo.motion.plan import MotionPlan, Move, SplineMove
 from camgeo.scene.load import load_scene, parse_scene
 
 HEAD = """camgeo = 1
@@ -171,10 +171,10 @@ def with_table(folder: Path, rows: str, extra: str = "", span: int = 360) -> Pat
 
 def test_a_table_beside_the_scene(tmp_path: Path) -> None:
     scene = load_scene(with_table(tmp_path, ROWS, "smoothing = 0.001\n"))
-    (course,) = scene.plan.segments
-    assert isinstance(course, Course)
-    assert course.report is not None
-    assert course.report.largest_deviation <= 1e-3
+    (move,) = scene.plan.segments
+    assert isinstance(move, SplineMove)
+    assert move.report is not None
+    assert move.report.largest_deviation <= 1e-3
     digest = hashlib.sha256((tmp_path / "lift.csv").read_bytes()).hexdigest()
     assert scene.files == (("lift.csv", digest),)
     lift = scene.plan.jet(np.array([math.pi]))[0, 0]

@@ -39,9 +39,9 @@ def table(answer: FollowerReplay) -> Table:
     first = answer.discs[0]
     degrees = cam_angles(answer.step)
     phi: FloatArray = np.radians(degrees)
-    course, unit = first.replay.course, first.unit
-    demanded = course.motion.jet(phi, "right", 2) * first.factor
-    actual = course.jet(phi) * first.factor
+    lift, unit = first.replay.lift, first.unit
+    demanded = lift.motion.jet(phi, "right", 2) * first.factor
+    actual = lift.jet(phi) * first.factor
     columns = {
         "phi [deg]": degrees,
         f"s demanded [{unit}]": demanded[0],

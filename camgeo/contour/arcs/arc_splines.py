@@ -50,15 +50,15 @@ class Strands:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Course:
-    """The curve at the joints of a batch and between them.
+class JointedCurve:
+    """The curve sampled at the joints of a batch and between them.
 
     Attributes
     ----------
     angles, points, tangents : (j,) cam angle [rad], point [mm] and unit tangent of the joints.
     samples : (n, m) complex [mm] points of the curve beside each arc.
     scale : (j,) [mm] length of the chords about each joint, which makes its turn a length.
-    sound : (k,) False for splines that have joints too close to each other.
+    valid : (k,) False for splines that have joints too close to each other.
     """
 
     layout: Layout
@@ -67,12 +67,12 @@ class Course:
     tangents: ComplexArray
     samples: ComplexArray
     scale: FloatArray
-    sound: BoolArray
+    valid: BoolArray
 
     @classmethod
     def of(
         cls, strands: Strands, layout: Layout, pieces: IntArray, places: FloatArray, probes: int
-    ) -> Course:
+    ) -> JointedCurve:
         """The curve at the `places` (j,) of joints along `pieces` (k,), and at `probes` an arc."""
         angles = strands.difficulty.angles(layout, pieces, places)
         left, right = layout.left, layout.left + 1
@@ -85,11 +85,11 @@ class Course:
         tangents[layout.first], tangents[layout.last] = strands.tangents[:, pieces]
         chords = np.abs(points[right] - points[left])
         apart = (chords > APART * np.max(np.abs(points))) & (angles[right] > angles[left])
-        sound = np.logical_and.reduceat(apart, layout.first_arcs)
+        valid = np.logical_and.reduceat(apart, layout.first_arcs)
         scale = np.zeros(len(angles))
         scale[left] += chords
         scale[right] += chords
-        return cls(layout, angles, points, tangents, samples, scale, sound)
+        return cls(layout, angles, points, tangents, samples, scale, valid)
 
     def step(self, system: ArcSystem, off: FloatArray) -> FloatArray:
         """Gauss-Newton step (j, 2) from `off` (j, 2), offsets [mm] and turns [rad] of joints."""
@@ -112,8 +112,8 @@ class Course:
         )
         cosine = (np.conj(arcs.along) * self.tangents[left]).real
         end_cosine = (np.conj(arcs.along) * self.tangents[right]).real
-        sound = self.sound & np.isfinite(self.layout.largest(np.max(np.abs(errors), axis=1)))
-        free = self.layout.of_joints(sound)
+        valid = self.valid & np.isfinite(self.layout.largest(np.max(np.abs(errors), axis=1)))
+        free = self.layout.of_joints(valid)
         free[self.layout.first] = free[self.layout.last] = False
         found = system.solved(
             basis @ basis.transpose(0, 2, 1),
@@ -158,11 +158,11 @@ class Arcs:
     miss: FloatArray
 
     @classmethod
-    def of(cls, course: Course, off: FloatArray) -> Arcs:
-        """The arcs beside `course` with offsets and turns `off` (j, 2) of the joints."""
-        left, right = course.layout.left, course.layout.left + 1
-        vertices = course.points + 1j * course.tangents * off[:, 0]
-        tangents = course.tangents * np.exp(1j * off[:, 1])
+    def of(cls, jointed: JointedCurve, off: FloatArray) -> Arcs:
+        """The arcs along `jointed` with offsets and turns `off` (j, 2) of the joints."""
+        left, right = jointed.layout.left, jointed.layout.left + 1
+        vertices = jointed.points + 1j * jointed.tangents * off[:, 0]
+        tangents = jointed.tangents * np.exp(1j * off[:, 1])
         chords = vertices[right] - vertices[left]
         length = np.abs(chords)
         length[length == 0.0] = np.nan
@@ -259,12 +259,14 @@ def arc_splines(strands: Strands, pieces: IntArray, counts: IntArray) -> list[Ar
         chosen = layout.of_joints(excess > EVEN)
         for _ in range(REPEATS):
             best[chosen] = _settled(strands, part, pieces[uneven], best[chosen])[0]
-    course = Course.of(strands, layout, pieces, best, PROBES)
+    jointed = JointedCurve.of(strands, layout, pieces, best, PROBES)
     system = ArcSystem.of(layout)
     off = np.zeros((len(best), 2))
     for _ in range(STEPS):
-        off = off + course.step(system, off)
-    return _splines(strands.curve, Course.of(strands, layout, pieces, best, CLOSE_PROBES), off)
+        off = off + jointed.step(system, off)
+    return _splines(
+        strands.curve, JointedCurve.of(strands, layout, pieces, best, CLOSE_PROBES), off
+    )
 
 
 def _settled(
@@ -278,8 +280,8 @@ def _settled(
     best, least, uneven = places, np.full(count, np.inf), np.full(count, np.inf)
     power, last = np.full(len(layout.left), FIRST_POWER), np.zeros(len(layout.left))
     for _ in range(ROUNDS):
-        course = Course.of(strands, layout, pieces, places, PROBES)
-        deviations = course.deviations(course.step(system, np.zeros((len(places), 2))))
+        jointed = JointedCurve.of(strands, layout, pieces, places, PROBES)
+        deviations = jointed.deviations(jointed.step(system, np.zeros((len(places), 2))))
         worst, excess = layout.largest(deviations), layout.excess(deviations)
         better = worst < least
         best = np.where(layout.of_joints(better), places, best)
@@ -291,22 +293,22 @@ def _settled(
     return best, uneven
 
 
-def _splines(curve: WorkingCurve, course: Course, off: FloatArray) -> list[ArcSpline]:
+def _splines(curve: WorkingCurve, jointed: JointedCurve, off: FloatArray) -> list[ArcSpline]:
     """The splines of a batch, for the final offsets and turns `off` (j, 2) of its joints."""
-    arcs, layout = Arcs.of(course, off), course.layout
+    arcs, layout = Arcs.of(jointed, off), jointed.layout
     # A proof adds the distance of joints from their feet along the arcs.
     gaps = np.abs(off[:, 0] * np.sin(off[:, 1]))
-    total = course.deviations(off) + np.maximum(gaps[layout.left], gaps[layout.left + 1])
+    total = jointed.deviations(off) + np.maximum(gaps[layout.left], gaps[layout.left + 1])
     # Each arc has a parallel on the pitch curve.
     side = -curve.pitch.rotation * np.sign(arcs.halves) * curve.distance
     good = (arcs.length > 2.0 * np.abs(np.sin(arcs.halves)) * side) & np.isfinite(total)
-    good &= np.abs(arcs.length * arcs.miss) <= TANGENT * np.max(np.abs(course.points))
+    good &= np.abs(arcs.length * arcs.miss) <= TANGENT * np.max(np.abs(jointed.points))
     good &= np.abs(arcs.halves) <= WIDEST
-    sound = course.sound & np.logical_and.reduceat(good, layout.first_arcs)
-    deviations = np.where(sound, layout.largest(total), np.inf)
+    valid = jointed.valid & np.logical_and.reduceat(good, layout.first_arcs)
+    deviations = np.where(valid, layout.largest(total), np.inf)
     found = []
     for k, (first, last) in enumerate(zip(layout.first, layout.last, strict=True)):
         joints, own = slice(first, last + 1), slice(first - k, last - k)
-        angles, vertices = course.angles[joints], arcs.vertices[joints]
+        angles, vertices = jointed.angles[joints], arcs.vertices[joints]
         found.append(ArcSpline(angles, vertices, arcs.halves[own], float(deviations[k])))
     return found

@@ -27,7 +27,7 @@ CORNER = 0.5 - 0.5 * 0.5**0.5
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Bends:
-    """Where the bends between inflections begin and end, in chords, see `Course.shares`.
+    """Where the bends between inflections begin and end, in chords, see `StretchTable.shares`.
 
     Attributes
     ----------
@@ -72,7 +72,7 @@ def bends_of(
     `counts` (b,) want no chord, and where they want some, these have half of it at least.
     """
     total = float(shares[-1])
-    at = shares[list(stretch.course.inflections)]
+    at = shares[list(stretch.table.inflections)]
     left, right = at - THROUGH * reaches, at + THROUGH * reaches
     if stretch.closed and not len(at):
         none = np.zeros(1)
@@ -136,16 +136,16 @@ def evened(stretch: Stretched, tolerance: float, counts: IntArray, most_turn: fl
     deviate. The chords through inflections are shortened where they deviate more, and what still
     does is placed vertex by vertex.
     """
-    shares = stretch.course.shares(tolerance, most_turn)
+    shares = stretch.table.shares(tolerance, most_turn)
     total = float(shares[-1])
-    reaches = np.ones(len(stretch.course.inflections))
+    reaches = np.ones(len(stretch.table.inflections))
     at = costs = shares
     best, least = None, math.inf
     single = np.zeros(0, dtype=np.bool_)
     for number in range(ROUNDS):
         bends = bends_of(stretch, shares, reaches, counts)
         places, bend, through = _places(stretch, bends, counts, at, costs)
-        full = stretch.course.sagittas(tolerance, most_turn, shares, places % total)
+        full = stretch.table.sagittas(tolerance, most_turn, shares, places % total)
         held, offsets, loose = _offsets(stretch, bends, bend, through, full)
         single = single if len(single) else np.zeros(len(places), dtype=np.bool_)
         loose |= single & ~held
@@ -176,7 +176,7 @@ def _places(
     """Places (m,) of the vertices, the bend of each, and whether it is the last before an
     inflection; `costs` over the places `at` tell what equal parts are.
     """
-    round_and_round = stretch.closed and not len(stretch.course.inflections)
+    round_and_round = stretch.closed and not len(stretch.table.inflections)
     sizes = counts if round_and_round else counts + 1
     bend, number = grouped(sizes)
     low, high = monotone(at, costs, bends.low), monotone(at, costs, bends.high)
@@ -199,7 +199,7 @@ def _offsets(
     of bends, as others. So are the ends of a chord through an inflection, where it reaches its full
     length; where it does not they are loose.
     """
-    sides = stretch.course.sides
+    sides = stretch.table.sides
     if stretch.closed and len(sides) > 1:
         sides = sides[1:]
     ends = through | np.roll(through, 1)

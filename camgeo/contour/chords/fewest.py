@@ -11,7 +11,7 @@ from camgeo.contour.chain import Chain
 from camgeo.contour.chords.arc_chords import arc_angles, arc_count, arc_offset
 from camgeo.contour.chords.fast import MAX_CHORDS, fit_polyline
 from camgeo.contour.chords.ladder import MOST_TURN, Ladder
-from camgeo.contour.chords.two_sided import Chords, Stretched, course
+from camgeo.contour.chords.two_sided import Chords, Stretched, stretch_table
 from camgeo.contour.contour import Fit
 from camgeo.contour.counts import too_many
 from camgeo.contour.joints import require_regular
@@ -124,7 +124,7 @@ def _stretched(leg: StretchLeg, start: float, end: float, *, closed: bool) -> St
             tangents[-1] = curve.tangent(phi[-1:], "left")[0]
         return points, tangents
 
-    return Stretched(course(curve, start, end), place, curve.point, leg.rotation, closed)
+    return Stretched(stretch_table(curve, start, end), place, curve.point, leg.rotation, closed)
 
 
 def _chain(laid: Sequence[Chords]) -> Chain:

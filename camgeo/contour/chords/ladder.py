@@ -53,9 +53,9 @@ class Ladder:
     @classmethod
     def of(cls, stretch: Stretched) -> Ladder:
         """The ladder of a stretch; a straight one has its own length for a unit."""
-        course = stretch.course
-        whole = 0.25 * float(np.sum(course.bends))
-        return cls(stretch, whole * whole or float(np.sum(course.steps)))
+        table = stretch.table
+        whole = 0.25 * float(np.sum(table.bends))
+        return cls(stretch, whole * whole or float(np.sum(table.steps)))
 
     def fewest(self, most: float, share: float, most_pieces: int) -> tuple[Chords, float]:
         """The fewest pieces of which the proof finds at most `most` [mm], and what it finds.
@@ -109,9 +109,9 @@ class Ladder:
         return self.unit * math.exp2(-2.0 * rung / RUNGS)
 
     def _bends(self, rung: int) -> Bends:
-        course = self.stretch.course
-        shares = course.shares(self._aim(rung), MOST_TURN)
-        return bends_of(self.stretch, shares, np.ones(len(course.inflections)))
+        table = self.stretch.table
+        shares = table.shares(self._aim(rung), MOST_TURN)
+        return bends_of(self.stretch, shares, np.ones(len(table.inflections)))
 
     def _counts(self, rung: int) -> IntArray:
         """(b,) pieces for the bends on a rung; on no later one there are fewer."""

@@ -39,8 +39,8 @@ FLOOR = 1e-3
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Course:
-    """The table of a stretch.
+class StretchTable:
+    """Bend, turn and length of a stretch, cell by cell over the cam angle.
 
     Attributes
     ----------
@@ -83,7 +83,7 @@ class Course:
         return monotone(shares, self.grid, at)
 
 
-def course(curve: WorkingCurve, start: float, end: float) -> Course:
+def stretch_table(curve: WorkingCurve, start: float, end: float) -> StretchTable:
     """The table of `curve` from cam angle `start` to `end` [rad]."""
     breaks = np.concatenate((curve.breaks - TURN, curve.breaks, curve.breaks + TURN))
     inner = breaks[(breaks > start) & (breaks < end)]
@@ -101,7 +101,7 @@ def course(curve: WorkingCurve, start: float, end: float) -> Course:
     places = np.searchsorted(grid, crossings)
     edges = [0, *(int(place) for place in places), len(kappa)]
     sides = [float(np.sign(np.sum(turns[a:b] * np.sign(kappa[a:b])))) for a, b in pairwise(edges)]
-    return Course(grid, bends, turns, steps, tuple(edges[1:-1]), np.array(sides))
+    return StretchTable(grid, bends, turns, steps, tuple(edges[1:-1]), np.array(sides))
 
 
 def _cells(
@@ -165,27 +165,27 @@ class Stretched:
 
     Attributes
     ----------
-    course : its table.
+    table : its bends, turns and lengths.
     place, points : points with tangents, and points alone, at ascending cam angles inside it.
     rotation : sigma; the outward normal is i sigma times the tangent.
     closed : whether it goes all round without a corner; else its ends are vertices.
     """
 
-    course: Course
+    table: StretchTable
     place: Place
     points: Callable[[FloatArray], ComplexArray]
     rotation: int
     closed: bool
 
     def angles(self, shares: FloatArray, places: FloatArray) -> FloatArray:
-        """Cam angles [rad] at which the `shares` of the course reach `places` (m,), ascending.
+        """Cam angles [rad] at which the `shares` of the table reach `places` (m,), ascending.
 
-        All round, places before the start and past the end are those of the turns beside.
+        All round, places before the start and past the end are those of the neighbouring turns.
         """
         if not self.closed:
-            return self.course.angles(shares, places)
+            return self.table.angles(shares, places)
         turns, rest = np.divmod(places, shares[-1])
-        return self.course.angles(shares, rest) + TURN * turns
+        return self.table.angles(shares, rest) + TURN * turns
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -246,9 +246,9 @@ def lay(
         off[number] = _least_worst(int(number), off, height, share)
     vertices = points + off * normals
     height, _ = _heights(vertices, between, count, stretch.rotation)
-    course = np.column_stack((-off[:count], height, -np.roll(off, -1)[:count]))
-    top, bottom = np.max(course, axis=1), np.min(course, axis=1)
-    peaks = _peaks(course)
+    heights = np.column_stack((-off[:count], height, -np.roll(off, -1)[:count]))
+    top, bottom = np.max(heights, axis=1), np.min(heights, axis=1)
+    peaks = _peaks(heights)
     top = np.maximum(top, np.max(peaks, axis=1))
     bottom = np.minimum(bottom, np.min(peaks, axis=1))
 
@@ -328,9 +328,9 @@ def _least_worst(number: int, off: FloatArray, height: FloatArray, share: FloatA
     return float(at)
 
 
-def _peaks(course: FloatArray) -> FloatArray:
+def _peaks(heights: FloatArray) -> FloatArray:
     """Values at the vertices of parabolas through three neighbours each, where inside them."""
-    before, here, after = course[:, :-2], course[:, 1:-1], course[:, 2:]
+    before, here, after = heights[:, :-2], heights[:, 1:-1], heights[:, 2:]
     slope, bend = 0.5 * (after - before), before - 2.0 * here + after
     inside = np.abs(slope) < np.abs(bend)
     return here - np.where(inside, 0.5 * slope * slope / np.where(inside, bend, 1.0), 0.0)

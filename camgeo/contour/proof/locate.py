@@ -79,27 +79,27 @@ def locate(path: Path, contour: Contour) -> tuple[Run, ...]:
         If the contour does not follow the path once round.
     """
     legs = legs_of(path)
-    courses = [_course(leg) for leg in legs]
-    points = np.concatenate([each.points[:-1] for each in courses])
+    samples = [_samples(leg) for leg in legs]
+    points = np.concatenate([each.points[:-1] for each in samples])
     area = 0.5 * float(np.sum((np.conj(points) * np.roll(points, -1)).imag))
     if area * contour.area < 0.0:
         contour = contour.reversed()
     if legs[0].closed:
-        return (_closed_run(legs[0], courses[0], contour),)
+        return (_closed_run(legs[0], samples[0], contour),)
     corners = np.array([_first(leg) for leg in legs])
     nearest = np.array([int(np.argmin(np.abs(contour.vertices - corner))) for corner in corners])
     contour = contour.rolled(int(nearest[0]))
     counts = _counts(legs, nearest, len(contour))
     stops = np.cumsum(counts)
     return tuple(
-        _open_run(leg, course, contour, int(stop - count), int(stop))
-        for leg, course, count, stop in zip(legs, courses, counts, stops, strict=True)
+        _open_run(leg, sampled, contour, int(stop - count), int(stop))
+        for leg, sampled, count, stop in zip(legs, samples, counts, stops, strict=True)
     )
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Course:
-    """Samples of a leg: parameters (n,) [rad], points (n,) [mm], lengths (n,) [mm] up to them."""
+class _Samples:
+    """Samples of a leg: parameters (n,) [rad], points (n,) [mm] and arc lengths (n,) [mm]."""
 
     grid: FloatArray
     points: ComplexArray
@@ -110,7 +110,7 @@ class _Course:
         return np.interp(along, self.along, self.grid)
 
 
-def _course(leg: Leg) -> _Course:
+def _samples(leg: Leg) -> _Samples:
     inner = leg.borders[(leg.borders > leg.start) & (leg.borders < leg.end)]
     ends = np.concatenate(([leg.start], inner, [leg.end]))
     spans = np.diff(ends)
@@ -120,7 +120,7 @@ def _course(leg: Leg) -> _Course:
     grid = np.append(inside, leg.end)
     points = np.append(leg.point(inside), leg.point(grid[-1:], "left"))
     along = np.concatenate(([0.0], np.cumsum(np.abs(np.diff(points)))))
-    return _Course(grid, points, along)
+    return _Samples(grid, points, along)
 
 
 def _first(leg: Leg) -> complex:
@@ -141,15 +141,15 @@ def _counts(legs: tuple[Leg, ...], nearest: IntArray, pieces: int) -> IntArray:
     return counts
 
 
-def _open_run(leg: Leg, course: _Course, contour: Contour, start: int, stop: int) -> Run:
+def _open_run(leg: Leg, sampled: _Samples, contour: Contour, start: int, stop: int) -> Run:
     """The run of the pieces `start` to `stop` along a leg."""
     vertices = np.append(contour.vertices, contour.vertices[0])[start : stop + 1]
     along_contour = np.concatenate(([0.0], np.cumsum(contour.lengths[start:stop])))
     angles = np.full(len(vertices), leg.end)
     if stop > start:
-        place = along_contour * (course.along[-1] / along_contour[-1])
+        place = along_contour * (sampled.along[-1] / along_contour[-1])
         angles[0] = leg.start
-        guess = course.at(place[1:-1])
+        guess = sampled.at(place[1:-1])
         pieces = Contour(
             contour.vertices[start:stop], contour.sweeps[start:stop], contour.centres[start:stop]
         )
@@ -160,14 +160,14 @@ def _open_run(leg: Leg, course: _Course, contour: Contour, start: int, stop: int
     return Run(leg, angles, vertices, contour.sweeps[start:stop], contour.centres[start:stop])
 
 
-def _closed_run(leg: Leg, course: _Course, contour: Contour) -> Run:
+def _closed_run(leg: Leg, sampled: _Samples, contour: Contour) -> Run:
     """The run of a contour without corners, along a closed leg."""
-    first = int(np.argmin(np.abs(course.points - contour.vertices[0])))
+    first = int(np.argmin(np.abs(sampled.points - contour.vertices[0])))
     along_contour = np.concatenate(([0.0], np.cumsum(contour.lengths)))
     share = along_contour[:-1] / along_contour[-1]
-    place = course.along[first] + share * course.along[-1]
-    turns, rest = np.divmod(place, course.along[-1])
-    guess = course.at(rest) + TURN * turns
+    place = sampled.along[first] + share * sampled.along[-1]
+    turns, rest = np.divmod(place, sampled.along[-1])
+    guess = sampled.at(rest) + TURN * turns
     around = Contour(
         np.append(contour.vertices[-1], contour.vertices),
         np.append(contour.sweeps[-1], contour.sweeps),

@@ -10,7 +10,7 @@ import numpy as np
 from camgeo.errors import GeometryError
 from camgeo.motion.boundary import over_span
 from camgeo.motion.laws import find_family, make_law
-from camgeo.motion.plan import Course, Dwell, MotionPlan, Move, Segment
+from camgeo.motion.plan import Dwell, MotionPlan, Move, Segment, SplineMove
 from camgeo.motion.planning.build import keyed, law_without_stroke, named_law, normalised
 from camgeo.motion.planning.chain import STRAIGHT, Chain, chain_of
 from camgeo.motion.planning.request import (
@@ -78,7 +78,7 @@ def _segment(chain: Chain, number: int) -> Segment:
         case MoveRequest():
             return _move(chain, number, link.request)
         case PointsRequest():
-            return _course(chain, number, link.request)
+            return _spline_move(chain, number, link.request)
         case TableRequest():
             from camgeo.motion.planning.tables import fit
 
@@ -107,7 +107,7 @@ def _move(chain: Chain, number: int, request: MoveRequest) -> Move:
     return Move(request.span, request.to, law)
 
 
-def _course(chain: Chain, number: int, request: PointsRequest) -> Course:
+def _spline_move(chain: Chain, number: int, request: PointsRequest) -> SplineMove:
     link, start, end = chain.links[number], chain.before(number), chain.after(number)
     length = link.length
     inner = {index + 1: over_span(values, length) for index, values in request.given.items()}
@@ -123,4 +123,4 @@ def _course(chain: Chain, number: int, request: PointsRequest) -> Course:
         )
     except GeometryError as error:
         raise GeometryError(error.message, f"{link.key}.points", error.value) from error
-    return Course(request.span, start.position + link.stroke, spline)
+    return SplineMove(request.span, start.position + link.stroke, spline)

@@ -6,7 +6,7 @@ import numpy as np
 
 from camgeo.errors import GeometryError
 from camgeo.motion.boundary import over_span
-from camgeo.motion.plan import Course
+from camgeo.motion.plan import SplineMove
 from camgeo.motion.planning.chain import Chain
 from camgeo.motion.planning.request import TableRequest
 from camgeo.motion.points import (
@@ -39,12 +39,12 @@ def settle_tables(chain: Chain) -> None:
                 joint.acceleration = float(values[2, column]) / link.length**2
 
 
-def fit(chain: Chain, number: int) -> Course:
+def fit(chain: Chain, number: int) -> SplineMove:
     """The segment of a table, once its joints are settled."""
     link = chain.links[number]
     assert isinstance(link.request, TableRequest)
     spline, found = _fitted(chain, number, link.request)
-    return Course(link.request.span, chain.before(number).position + link.stroke, spline, found)
+    return SplineMove(link.request.span, chain.before(number).position + link.stroke, spline, found)
 
 
 def _fitted(chain: Chain, number: int, request: TableRequest) -> tuple[Spline, FitReport]:

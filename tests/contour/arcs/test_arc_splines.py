@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from camgeo.contour.arcs.arc_splines import PROBES, Arcs, Course, Strands, arc_splines
+from camgeo.contour.arcs.arc_splines import PROBES, Arcs, JointedCurve, Strands, arc_splines
 from camgeo.contour.arcs.joints import ArcSystem, Layout, evened
 from camgeo.contour.joints import bends_of
 from camgeo.contour.least_pieces import ARC
@@ -129,32 +129,32 @@ def test_one_step_is_least_squares(count: int) -> None:
     layout, pieces = Layout.of(np.array([count])), np.array([0])
     system = ArcSystem.of(layout)
     places = strands.difficulty.joints(layout, pieces)
-    course = Course.of(strands, layout, pieces, places, PROBES)
+    jointed = JointedCurve.of(strands, layout, pieces, places, PROBES)
     off = np.zeros((count + 1, 2))
     for _ in range(6):
-        off = off + course.step(system, off)
-    squares = np.sum(Arcs.of(course, off).errors(course.samples)[0] ** 2)
-    assert np.max(np.abs(Arcs.of(course, off).miss)) <= 1e-13
+        off = off + jointed.step(system, off)
+    squares = np.sum(Arcs.of(jointed, off).errors(jointed.samples)[0] ** 2)
+    assert np.max(np.abs(Arcs.of(jointed, off).miss)) <= 1e-13
     random = np.random.default_rng(3)
     for _ in range(20):
         change = random.normal(size=off.shape) * np.array([1.0, 0.1]) * 0.05 * np.max(np.abs(off))
         change[[0, -1]] = 0.0
-        other = _tangent(course, off + change)
-        assert np.max(np.abs(Arcs.of(course, other).miss)) <= 1e-13
+        other = _tangent(jointed, off + change)
+        assert np.max(np.abs(Arcs.of(jointed, other).miss)) <= 1e-13
         # The derivatives of the errors are those of flat arcs, so the least is missed a little.
-        assert np.sum(Arcs.of(course, other).errors(course.samples)[0] ** 2) >= 0.99 * squares
+        assert np.sum(Arcs.of(jointed, other).errors(jointed.samples)[0] ** 2) >= 0.99 * squares
 
 
-def _tangent(course: Course, off: np.ndarray) -> np.ndarray:
+def _tangent(jointed: JointedCurve, off: np.ndarray) -> np.ndarray:
     """The offsets and turns near `off` with G1 arcs, by Newton's method with least changes."""
     for _ in range(12):
-        miss = Arcs.of(course, off).miss
+        miss = Arcs.of(jointed, off).miss
         columns = []
         for joint in range(1, len(off) - 1):
             for part in (0, 1):
                 step = np.zeros_like(off)
                 step[joint, part] = 1e-6
-                columns.append((Arcs.of(course, off + step).miss - miss) / 1e-6)
+                columns.append((Arcs.of(jointed, off + step).miss - miss) / 1e-6)
         change = np.linalg.lstsq(np.array(columns).T, -miss, rcond=None)[0]
         off = off.copy()
         off[1:-1] += change.reshape(-1, 2)

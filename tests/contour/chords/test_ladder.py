@@ -8,7 +8,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from camgeo.contour.chords.ladder import Ladder
-from camgeo.contour.chords.two_sided import Course, Stretched, course
+from camgeo.contour.chords.two_sided import Stretched, StretchTable, stretch_table
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import ToleranceError
 from camgeo.numeric.arrays import ComplexArray, FloatArray
@@ -32,7 +32,7 @@ def stretched(curve: WorkingCurve) -> Stretched:
         return curve.point(phi), curve.tangent(phi)
 
     return Stretched(
-        course(curve, 0.0, TURN), place, curve.point, curve.pitch.rotation, closed=True
+        stretch_table(curve, 0.0, TURN), place, curve.point, curve.pitch.rotation, closed=True
     )
 
 
@@ -40,7 +40,7 @@ def straight(length: float) -> Stretched:
     """A straight line from 10 mm on, aslant; t is the share of its `length` [mm]."""
     along = (2.0 + 1.0j) / abs(2.0 + 1.0j)
     grid, none = np.linspace(0.0, 1.0, 101), np.zeros(100)
-    table = Course(grid, none, none, np.full(100, 0.01 * length), (), np.zeros(1))
+    table = StretchTable(grid, none, none, np.full(100, 0.01 * length), (), np.zeros(1))
 
     def points(t: FloatArray) -> ComplexArray:
         return np.asarray(10.0 + length * along * t, dtype=np.complex128)

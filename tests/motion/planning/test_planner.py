@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from camgeo.errors import GeometryError
 from camgeo.motion.joints import Joint, joints
-from camgeo.motion.plan import Course, Dwell, MotionPlan, Move
+from camgeo.motion.plan import Dwell, MotionPlan, Move, SplineMove
 from camgeo.motion.planning.request import MoveRequest, PointsRequest, Request, TableRequest
 from camgeo.motion.planning.tasks import FREE
 from camgeo.numeric.arrays import FloatArray
@@ -204,7 +204,7 @@ def test_the_plan_is_its_laws_scaled(requests: list[Request]) -> None:
         if isinstance(segment, Move):
             scale = segment.to - position if segment.scale is None else segment.scale
             values = np.array(segment.law(SHARES)) * scale
-        elif isinstance(segment, Course):
+        elif isinstance(segment, SplineMove):
             values = np.array(segment.spline.values(SHARES))
         else:
             values = np.zeros((4, len(SHARES)))

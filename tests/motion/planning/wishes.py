@@ -10,7 +10,7 @@ import numpy as np
 from hypothesis import strategies as st
 
 from camgeo.motion.boundary import Boundary
-from camgeo.motion.plan import Course, Dwell, MotionPlan, Move
+from camgeo.motion.plan import Dwell, MotionPlan, Move, SplineMove
 from camgeo.motion.planning.planner import plan_motion
 from camgeo.motion.planning.request import (
     CRITERIA,
@@ -86,10 +86,10 @@ def laws(plan: MotionPlan) -> list[str]:
     return found
 
 
-def data_of(plan: MotionPlan, number: int) -> Course:
+def data_of(plan: MotionPlan, number: int) -> SplineMove:
     """The segment of that number, which comes from data."""
     segment = plan.segments[number]
-    assert isinstance(segment, Course)
+    assert isinstance(segment, SplineMove)
     return segment
 
 

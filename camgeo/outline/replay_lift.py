@@ -130,8 +130,8 @@ HALF_ARC = 0.52
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Course:
-    """The lift of a roller that is pressed against a disc, over the cam angle.
+class ActualLift:
+    """The actual lift of a roller that is pressed against a disc, over the cam angle.
 
     Attributes
     ----------
@@ -164,7 +164,7 @@ class Course:
         found: IntArray = self.numbers[place - 1]
         return found
 
-    def lift(self, phi: FloatArray, side: Side = "right") -> FloatArray:
+    def at(self, phi: FloatArray, side: Side = "right") -> FloatArray:
         """(n,) lift [mm or rad] at `phi` (n,) [rad]."""
         return np.asarray(self._rows(phi, side, 0)[0])
 

@@ -18,7 +18,7 @@ from camgeo.mechanism.follower_path import path_of
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.outline.outline import real_outline
 from camgeo.outline.replay import replay_outline
-from camgeo.outline.replay_course import PlayedLift
+from camgeo.outline.replay_lift import PlayedLift
 from camgeo.units import TURN
 from tests.integrals import cells, integrals
 from tests.outline.clearing import distances
