@@ -226,7 +226,7 @@ def test_hc07_linkage_that_does_not_close(tmp_path: Path) -> None:
     first, last = words[words.index("angles") + 1], words[words.index("degrees:") - 1]
     assert float(first) == exactly(float(expected["phi_first_failure_deg"]), abs=1e-7)
     assert float(last) == exactly(float(expected["phi_last_failure_deg"].split()[-1]), abs=1e-7)
-    missing = float(words[words.index("mm") - 1])
+    missing = float(words[words.index("mm;") - 1])
     linkage = slider_crank_of(thesis_params("T5_schnitt", -1))
     assert missing == exactly(float(linkage.missing_length(np.array([40.0]))[0]), rel=1e-5)
     reachable = float(expected["s_reachable_max"])
