@@ -43,7 +43,7 @@ AFTER = ("data", "auto", "errata")
 """Texts before and after those of the families."""
 
 GENERAL = ("polynomial-5", "polynomial-7", "polynomial")
-"""Families that are told of beside the table of tasks."""
+"""Families that are described outside the table of tasks."""
 
 Parameters = Mapping[str, float]
 
@@ -137,7 +137,7 @@ def page() -> str:
 
 
 def _section(name: str) -> str:
-    """A text with what is put in."""
+    """A text with its insertions."""
     text = (TEXTS / f"{name}.md").read_text(encoding="utf-8")
 
     def put(match: re.Match[str]) -> str:
@@ -179,7 +179,7 @@ def _given(taken: Sequence[str], task: str) -> Parameters:
 
 def _values(family: str) -> str:
     rows = [
-        [task, _told(given), *_cells(make_law(family, task, **given))]
+        [task, _parameters(given), *_cells(make_law(family, task, **given))]
         for task, given in examples(family)
     ]
     return _law_table(["task", "parameters"], rows)
@@ -187,7 +187,7 @@ def _values(family: str) -> str:
 
 def _members(family: str) -> str:
     rows = [
-        [label, _told(given), *_cells(make_law(family, "R-R", **given))]
+        [label, _parameters(given), *_cells(make_law(family, "R-R", **given))]
         for label, given in MEMBERS.items()
     ]
     return _law_table(["member", "parameters"], rows)
@@ -257,7 +257,7 @@ def _place(z: float) -> str:
     return f"{z:.4f}".rstrip("0").rstrip(".")
 
 
-def _told(given: Parameters) -> str:
+def _parameters(given: Parameters) -> str:
     return ", ".join(f"{key} = {_number(value)}" for key, value in given.items())
 
 
@@ -301,7 +301,7 @@ def _choice(_name: str, task: str, *values: str) -> str:
             f"**{_number(size)}**" if size <= least * (1.0 + 1e-9) else _number(size)
             for size, least in zip(row, best, strict=True)
         ]
-        rows.append([f"`{law.name}`", _told(given), *cells])
+        rows.append([f"`{law.name}`", _parameters(given), *cells])
     heads = ["law", "parameters", "largest f'", "f''", "f'''", "f' f''"]
     if all(not row[1] for row in rows):
         heads, rows = [heads[0], *heads[2:]], [[row[0], *row[2:]] for row in rows]
@@ -309,7 +309,7 @@ def _choice(_name: str, task: str, *values: str) -> str:
 
 
 def _compared(task: str, known: Parameters) -> list[tuple[Parameters, Law]]:
-    """Laws with what is told of them; a turn is as the law has it, with both parts equally hard."""
+    """Laws with their parameters; a turn is as the law has it, with both parts equally hard."""
     found: list[tuple[Parameters, Law]] = []
     for name, family in FAMILIES.items():
         # SCCA has the modified sine for its default; it has a table of its own.
@@ -337,7 +337,7 @@ def _auto(_name: str) -> str:
     for task in TASKS:
         known = {**dict.fromkeys(("v0", "a0", "v1", "a1"), 0.0), **BOUNDARY[task]}
         laws = [best_law(task, known, {}, {name: 1.0}) for name in CRITERIA]
-        rows.append([task, _told(BOUNDARY[task]), *(f"`{law.name}`" for law in laws)])
+        rows.append([task, _parameters(BOUNDARY[task]), *(f"`{law.name}`" for law in laws)])
     return _table(["task", "boundary values", *CRITERIA], rows)
 
 
@@ -400,7 +400,7 @@ BESIDE = 0.06
 """How much of the neighbours is shown, in z."""
 
 ROOM = 0.5
-"""How far an arrow reaches at least, in what the curves need on the other side of zero."""
+"""Least reach of an arrow, as a multiple of what the curves need on the other side of zero."""
 
 STYLES: tuple[dict[str, Any], ...] = (
     {"color": "#12365c", "linestyle": "-", "linewidth": 1.7},
@@ -408,7 +408,7 @@ STYLES: tuple[dict[str, Any], ...] = (
     {"color": "#2f8a57", "linestyle": (0, (2, 1.4)), "linewidth": 1.5},
     {"color": "#8a8a8a", "linestyle": (0, (7, 1.6, 1.4, 1.6)), "linewidth": 1.5},
 )
-"""Lines, told apart by their dashes and by their lightness too."""
+"""Line styles, which differ in their dashes and also in lightness."""
 
 
 def drawn(family: str) -> tuple[tuple[str, Parameters], ...]:
@@ -448,7 +448,7 @@ def picture(family: str) -> str:
         lines = panels[0, 0].get_lines()
         names = {repr(given): name for name, given in MEMBERS.items()}
         labels = [
-            names[repr(given)] if family == "scca" else f"{task}  {_told(given)}"
+            names[repr(given)] if family == "scca" else f"{task}  {_parameters(given)}"
             for task, given in drawn(family)
         ]
         wanted = [line for line in lines if line.get_gid() == "law"]
