@@ -1,7 +1,7 @@
 """Writes docs/accuracy.md and its pictures: `python docs/accuracy_page.py`.
 
-Measures all fixture cams, which takes some minutes. A test holds the page to some of its rows; its
-seconds of computing are those of one machine and held by none.
+Measures all fixture cams, which takes some minutes. A test repeats some of its rows; its seconds of
+computing are those of one machine, and no test checks them.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ PICTURED: Final = ("setzhub", "groove")
 """Cams with a picture."""
 
 DETAILED: Final = "setzhub"
-"""The cam whose seconds, solids and value tables are told."""
+"""The cam whose computing times, solids and value tables are shown."""
 
 HEAD = """# What accuracy costs
 
@@ -39,10 +39,11 @@ HEAD = """# What accuracy costs
 
 A tolerance is paid for in pieces: each decade makes the file larger, and where the pieces become
 too short for the feed, the part is milled more slowly. `camgeo accuracy SCENE` measures it for one
-cam, for tolerances from 0.1 to 1e-7 mm: pieces and their ratio to what is possible, the proved
-deviation, bytes, seconds of computing, machining time, and with `--ripple` how far the follower's
-acceleration is off; also triangles and bytes of the solids, and what a value table loses between
-its rows. `--json` prints it for programs, `-o FILE` draws it. It ends with one sentence of advice.
+cam, for tolerances from 0.1 to 1e-7 mm: the number of pieces and its ratio to the lower limit, the
+proved deviation, bytes, computing time, machining time, and with `--ripple` the error of the
+follower's acceleration; also triangles and bytes of the solids, and how much accuracy a value table
+loses between its rows. `--json` prints the results for programs, `-o FILE` draws them. They end
+with one sentence of advice.
 
 ## What is possible
 
@@ -50,8 +51,8 @@ For a small tolerance eps, a contour of pieces of order k needs at least
 
     N = (C/eps)^(1/k) * integral of |D|^(1/k) ds
 
-pieces, where D is the derivative that a piece cannot follow and C |D| h^k the least error on a span
-of the length h.
+pieces, where D is the derivative that a piece cannot follow and C |D| h^k is the least error on a
+span of length h.
 
 | form | k | D | C | each decade of accuracy costs |
 |---|---|---|---|---|
@@ -61,35 +62,36 @@ of the length h.
 
 So N = 0.2002 eps^(-1/3) times the integral for arcs. Dwells and turns about corners are one arc
 each, whatever the tolerance; they are not in N and not in the ratios, except for straight pieces,
-which have no arcs. A finite contour needs a little more than N: its pieces are whole numbers, and
-where the motion has a break there is a joint.
+which have no arcs. A finite contour needs a little more than N: the number of pieces is a whole
+number, and there is a joint wherever the motion has a break.
 
 ## Machining time
 
-A controller must be able to stop at the end of the next block, so a block of the length L is run at
-sqrt(2 a L) at most, a the acceleration of the machine's profile: blocks shorter than feed^2/(2 a)
-never reach the feed. On an arc of radius r the speed is at most sqrt(a r). The tables tell of one
-round along the flanks at the scene's feed; `certificate.json` has the estimate of the whole
-program, traverses and plunges included. Braking in corners, jerk, and the time that a controller
-needs to read a block are left out. LinuxCNC's profile has the acceleration of its sample machine,
-508 mm/s^2.
+A controller must be able to stop at the end of the next block, so a block of length L is run at
+sqrt(2 a L) at most, where a is the acceleration of the machine profile: blocks shorter than
+feed^2/(2 a) never reach the feed. On an arc of radius r the speed is at most sqrt(a r). The tables
+give the time for one round along the flanks at the scene's feed; `certificate.json` has the
+estimate for the whole program, traverses and plunges included. Braking in corners, jerk, and the
+time that a controller needs to read a block are not included. LinuxCNC's profile has the
+acceleration of its sample machine, 508 mm/s^2.
 
 ## The knee
 
-A power law has no knee of its own; what the pieces are used for has one.
+A power law has no knee of its own; the use of the pieces introduces one.
 
-- Milling: the tightest tolerance at which a round takes at most 5 % more than the quickest one,
-  whose program is printed with no more decimals than the controller asks for, and, if the ripple is
-  asked for, beyond which it still falls.
-- Drawing alone: the tightest tolerance whose file is at most twice the smallest. Until then header
+- Milling: the tightest tolerance at which a round takes at most 5 % longer than the quickest one,
+  whose program needs no more decimals than the controller uses, and, with `--ripple`, up to which
+  the ripple still falls.
+- Drawing alone: the tightest tolerance whose file is at most twice the smallest. Up to there header
   and layers are the larger part of it; beyond, each decade multiplies the whole file.
 
 ## The fixture cams
 
-In each cell: pieces of the near-optimal fit, their ratio to N, and the ratio of the fast fit. DXF
-with straight pieces, arcs and splines in thousands of bytes; the milled round with straight pieces
-and with arcs in seconds. All of this is the same on each machine, but for the last digits that its
-processor rounds otherwise; the seconds of computing farther below are not.
+Each cell gives the number of pieces of the near-optimal fit, its ratio to N, and the ratio of the
+fast fit. The DXF columns give thousands of bytes with straight pieces, arcs and splines; the milled
+round is in seconds, with straight pieces and with arcs. All of this is the same on every machine,
+except for last digits that another processor rounds differently; the computing times further below
+are not.
 """
 
 TABLE = """
@@ -100,18 +102,19 @@ TABLE = """
 """
 
 PICTURE = """
-![{name}: pieces beside their limits, bytes and machining time over the tolerance]\
+![{name}: number of pieces and its limits, bytes and machining time over the tolerance]\
 (images/accuracy-{name}.svg)
 
-*Pieces of the near-optimal fit (full) and the fast one (hollow) beside the limits (thin); files;
-milling once round. The dashed line is the advice.*
+*Number of pieces of the near-optimal fit (filled) and the fast one (hollow) with the limits (thin);
+file sizes; time for milling once round. The dashed line is the advice.*
 """
 
 SECONDS = """
-## Seconds of computing
+## Computing time
 
-{name}, on one machine and rounded to one digit: near-optimal fit with its proof, fast fit with its
-proof, proof anew from the finished contour, drawing written, drawing read back and proved.
+{name}, in seconds, on one machine and rounded to one digit: near-optimal fit with its proof, fast
+fit with its proof, a new proof from the finished contour, writing the drawing, and reading it back
+with proof.
 
 | contour | tolerance [mm] | fewest | fast | proof | write | read |
 |---|---|---|---|---|---|---|
@@ -120,8 +123,9 @@ proof, proof anew from the finished contour, drawing written, drawing read back 
 SOLIDS = """
 ## Solids
 
-{name}: the flanks are tessellated within the tolerance. STL holds single precision, which moves
-vertices by some 4e-6 mm at 50 mm from the axis; what cannot be reached is not written.
+{name}: the flanks are tessellated within the tolerance. STL has single precision, which moves
+vertices by about 4e-6 mm at 50 mm from the axis; a file that cannot meet the tolerance is not
+written.
 
 | tolerance [mm] | triangles, STL | bytes, STL | triangles, 3MF | bytes, 3MF |
 |---|---|---|---|---|
@@ -130,8 +134,8 @@ vertices by some 4e-6 mm at 50 mm from the axis; what cannot be reached is not w
 TABLES = """
 ## Value tables
 
-{name}: rows and bytes over the step, and a bound of the error of the lift between two rows if it is
-interpolated linearly, max|s''| h^2/8, jumps of the velocity counted besides.
+{name}: rows and bytes over the step, and a bound on the error of the lift between two rows with
+linear interpolation, max|s''| h^2/8, plus a term for jumps of the velocity.
 
 | step [degrees] | rows | bytes | error [mm] |
 |---|---|---|---|
@@ -173,7 +177,7 @@ def cam(name: str, rows: tuple[ContourRow, ...]) -> str:
 
 
 def told(name: str, measured: Survey) -> str:
-    """What is advised for a cam."""
+    """The advice for a cam."""
     sentences = (
         f"Advice: {advice(measured.knee)}.",
         f"As a drawing alone: {advice(drawing_knee(measured.contours))}.",
@@ -226,7 +230,7 @@ def tables(measured: Survey) -> str:
 
 
 def page(cams: Mapping[str, Survey]) -> str:
-    """The page's text from what was measured of the cams, by their names."""
+    """The page's text from the measurements of the cams, by name."""
     parts = [HEAD]
     for name, measured in cams.items():
         parts += [cam(name, measured.contours), told(name, measured)]
@@ -243,7 +247,7 @@ def scenes() -> list[str]:
 
 
 def measure(name: str) -> Survey:
-    """All that the page tells of a cam."""
+    """All that the page shows of a cam."""
     design = camgeo.load(SCENES / f"{name}.toml")
     return survey(design, TOLERANCES, solids=name == DETAILED or name in PICTURED)
 

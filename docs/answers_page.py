@@ -23,18 +23,18 @@ HEAD: Final = """\
 
 <!-- Made from the schemas in camgeo/answers by docs/answers_page.py; change them there. -->
 
-With `--json` a command prints its answer as one JSON document, and its faults too, if it has no
-answer ([`camgeo/refusal`](#camgeorefusal)). The keys `schema` and `version` say
-which, and `camgeo` is the version of the program. A key that goes, or means something else, makes
-another version of the document; a new key does not.
-Lengths are in mm and angles in degrees, as the keys' names say, unless a key beside them names
-another unit.
+With `--json` a command prints its answer as one JSON document; if it has no answer, it prints its
+faults as one ([`camgeo/refusal`](#camgeorefusal)). The keys `schema` and `version` identify the
+kind of document, and `camgeo` is the version of the program. Removing a key or changing its meaning
+gives the document a new version; adding a key does not.
+Lengths are in mm and angles in degrees, as the names of the keys say, unless another key of the
+same object names a different unit.
 
-Each document has a JSON Schema (draft 2020-12), shipped beside the code that makes the answer, as
-`camgeo/answers/NAME/schema.json`. Beyond the keywords of JSON Schema these have `x-unit`, the unit
-of a number, and `x-attribute`, the name of its value in Python.
+Each document has a JSON Schema (draft 2020-12), shipped with the code that makes the answer, as
+`camgeo/answers/NAME/schema.json`. In addition to the keywords of JSON Schema it uses `x-unit`, the
+unit of a number, and `x-attribute`, the name of its value in Python.
 
-From Python the same answers are frozen dataclasses, in mm and radians:
+In Python the same answers are frozen dataclasses, in mm and radians:
 
 ```python
 import camgeo
@@ -47,7 +47,7 @@ print(text(found))  # as `camgeo check` prints it
 to_json(found)  # as `camgeo check --json` prints it
 ```
 
-A key in parentheses is left out where there is nothing to say. `[]` marks the items of a list, `*`
+A key in parentheses is omitted if it has no value. `[]` marks the items of a list, `*` stands for
 names that depend on the scene.
 """
 
@@ -55,7 +55,7 @@ OF_ALL: Final = ("schema", "version", "camgeo")
 """Keys that all documents have."""
 
 LAST: Final = "refusal"
-"""What is no command."""
+"""The answer that belongs to no command."""
 
 
 def page() -> str:
@@ -116,7 +116,7 @@ def _kind(node: Mapping[str, Any]) -> str:
 
 
 def _resolved(node: Mapping[str, Any], schema: Mapping[str, Any]) -> Mapping[str, Any]:
-    """The node with its reference followed; what may be null too is told as such."""
+    """The node with its reference followed; null is added to the type where it is allowed."""
     if "anyOf" in node:
         (one,) = (_resolved(each, schema) for each in node["anyOf"] if each.get("type") != "null")
         return {**one, "type": [one["type"], "null"], **_beside(node)}

@@ -1,7 +1,8 @@
 """Writes docs/hard-cases.md: `python docs/hard_cases_page.py`, in a checkout with its tests.
 
-For every case of fixtures/reference/hard_cases.json what is hard, what camgeo does, and how far its
-values are from the reference's, measured here. A test measures again and holds the page to it.
+For every case of fixtures/reference/hard_cases.json the page states what is hard, what camgeo does,
+and how far its values are from the reference's, measured here. A test repeats the measurement and
+compares the page with it.
 """
 
 from __future__ import annotations
@@ -61,22 +62,23 @@ HEAD = """# Hard cases
 <!-- Made by docs/hard_cases_page.py; change it there. -->
 
 Inputs that break naive programs: `fixtures/reference/hard_cases.json` has 33, each with the values
-that it should give, computed with mpmath at 60 digits, or the error. For each this page tells what
-is hard, what camgeo does, and how accurate it is. Words after a bar are camgeo's own.
+that it should give, computed with mpmath at 60 digits, or with the expected error. For each this
+page describes what is hard, what camgeo does, and how accurate it is. Quoted text is camgeo's own
+output.
 
-An error is the difference between camgeo's double and the reference's 30 digits, as a share of the
-value, or in the unit that stands beside it where the value is 0 or where the angle itself is what
-is sought. It is the worst of all values in the line, twice what was measured on one machine
-(x86-64), rounded up to one digit, and never less than four units in the last place: other
-processors and libraries round sines otherwise. It contains what is lost already when the inputs are
-rounded to doubles. A test measures again and fails if an error exceeds what is told here.
+An error is the difference between camgeo's double and the reference's 30 digits, relative to the
+value, or in the unit given with it where the value is 0 or where the result is itself an angle. It
+is the worst of all values in the line, twice what was measured on one machine (x86-64), rounded up
+to one digit, and never less than four units in the last place, because other processors and
+libraries round sines differently. It includes what is already lost when the inputs are rounded to
+doubles. A test repeats the measurement and fails if an error exceeds the one stated here.
 `tests/test_hard_case_variants.py` has variants of the cases with other numbers.
 """
 
 ULP = 2.0**-52
 
 LEAST = 4.0
-"""Units in the last place that are told at least."""
+"""Smallest error stated, in units in the last place."""
 
 Values = dict[str, Any]
 """Parameters or expected values of a case."""
@@ -87,14 +89,14 @@ Pair = tuple[float | complex, Any]
 
 @dataclass(frozen=True)
 class Measured:
-    """A line of a table: values that are told together.
+    """A line of a table: values that are stated together.
 
     Attributes
     ----------
     label : what they are.
     error : the worst error of them.
-    least : what is told at least.
-    unit : of an absolute error; empty for a share of the value.
+    least : smallest error stated.
+    unit : of an absolute error; empty for a relative one.
     """
 
     label: str
@@ -104,7 +106,7 @@ class Measured:
 
     @property
     def bound(self) -> float:
-        """What the page tells."""
+        """The error that the page states."""
         return rounded_up(max(2.0 * self.error, self.least))
 
 
@@ -132,20 +134,20 @@ def difference(found: float | complex, true: Any) -> tuple[float, float]:
 
 
 def share(label: str, *pairs: Pair) -> Measured:
-    """The worst error as a share of the value."""
+    """The worst relative error."""
     gaps = [difference(*pair) for pair in pairs]
     return Measured(label, max(gap / size for gap, size in gaps), LEAST * ULP)
 
 
 def distance(label: str, unit: str, scale: float, *pairs: Pair) -> Measured:
-    """The worst error in a unit; `scale` is the size of the terms that the value is made of."""
+    """The worst error in a unit; `scale` is the size of the terms that make up the value."""
     return Measured(
         label, max(difference(*pair)[0] for pair in pairs), LEAST * math.ulp(scale), unit
     )
 
 
 def refusal(make: Callable[[], Any]) -> str:
-    """The words with which something is refused."""
+    """The messages with which something is rejected."""
     try:
         make()
     except GeometryError as error:
@@ -280,7 +282,7 @@ def _hc05(params: Values, expected: Values) -> list[Measured]:
             (math.degrees(linkage.start_angle), expected["theta_start_deg"]),
             (math.degrees(full), expected["theta_at_full_stroke_deg"]),
         ),
-        distance("theta 0.09 deg behind the joint", "deg", 180.0, (theta, expected["theta_deg"])),
+        distance("theta 0.09 deg after the joint", "deg", 180.0, (theta, expected["theta_deg"])),
         share(
             "theta', theta'' there", (probe[1], expected["theta1"]), (probe[2], expected["theta2"])
         ),
@@ -320,13 +322,13 @@ def _hc07(params: Values, expected: Values) -> list[Measured]:
     reach = linkage.missing_length(np.array([float(expected["s_reachable_max"])]))[0]
     return [
         distance(
-            "first and last cam angle, as told",
+            "first and last cam angle, as reported",
             "deg",
             1e7 * ULP,  # printed with ten digits
             (first, expected["phi_first_failure_deg"]),
             (last, expected["phi_last_failure_deg"].split()[-1]),
         ),
-        distance("what is missing at the largest stroke", "mm", 100.0, (reach, 0)),
+        distance("missing length at the largest stroke", "mm", 100.0, (reach, 0)),
     ]
 
 
@@ -620,7 +622,7 @@ def _hc21a(params: Values, expected: Values) -> list[Measured]:
 
 
 def _of_undercut(params: Values) -> list[str]:
-    """What the check of local undercut says."""
+    """Findings of the check of local undercut."""
     curve = pitch_curve_of(params)
     return refused(check_undercut(inner_of(curve), "inner", curvature_extremes(curve)))
 
@@ -779,7 +781,7 @@ WORDS: dict[str, Callable[[Values], list[str]]] = {
     "HC22b": _lobe_words,
     "HC25": _hc25_words,
 }
-"""What camgeo says of the cases that it refuses or finds fault with."""
+"""Messages of camgeo on the cases that it rejects or finds faults in."""
 
 
 def measured(case: str) -> list[Measured]:
@@ -789,13 +791,13 @@ def measured(case: str) -> list[Measured]:
 
 
 def words(case: str) -> list[str]:
-    """What camgeo says of a case, if it refuses it or finds fault with it."""
+    """Messages of camgeo on a case, if it rejects it or finds faults in it."""
     say = WORDS.get(case)
     return [] if say is None else say(hard_case(case)[0])
 
 
 def told(line: Measured) -> str:
-    """The error as the page has it."""
+    """The error as the page states it."""
     if line.bound == 0.0:
         return "exact"
     return f"<= {line.bound:.0e}".replace("e-0", "e-") + (f" {line.unit}" if line.unit else "")

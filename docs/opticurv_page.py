@@ -1,8 +1,8 @@
 """Writes docs/opticurv.md: `python docs/opticurv_page.py`. A test holds the page to it.
 
-Every figure is computed: the published program is carried over line by line, each of its six faults
-in the derivatives with a switch, and held against the value table of the scene that its project
-becomes.
+Every figure is computed: the published program is ported line by line, with a switch for each of
+its six faults in the derivatives, and compared with the value table of the scene made from its
+project.
 """
 
 from __future__ import annotations
@@ -34,12 +34,12 @@ DEGREE: Final = math.pi / 180.0
 FAULTS: Final = {
     "rad": "psi' and psi'' per degree are used where those per radian are needed",
     "arg": "psi' and psi'' take the increment psi + beta for the angle theta of the crank",
-    "M": "psi'' has in its denominator a variable of the previous row for 2 l_sk X",
+    "M": "psi'' has a variable of the previous row in its denominator instead of 2 l_sk X",
     "RT": "the terms of psi'' in x'' and y'' have the wrong sign in two of four places",
     "y": "y'_Bik has the wrong sign, undone in the working curves but not in r_K",
     "sign": "psi' and psi'' are not negated where the answer to question 24 is negativ",
 }
-"""Faults of the derivatives; all must be mended before the working curves and r_K are right."""
+"""Faults of the derivatives; all must be corrected before the working curves and r_K are right."""
 
 UNITS: Final = {
     "phi": "deg", "s": "mm", "psi": "deg", "psi_rad": "rad", "psi'": "1", "psi''": "1/rad",
@@ -51,8 +51,8 @@ EQUAL: Final = 1e-9
 """A difference below this, in the unit of its column, is rounding."""
 
 AGREE: Final = 1e-11
-"""Within this the mended program and camgeo agree, in the units of the columns; of r_K that of its
-reciprocal."""
+"""Within this the corrected program and camgeo agree, in the units of the columns; for r_K in that
+of its reciprocal."""
 
 Columns = dict[str, FloatArray]
 
@@ -60,8 +60,8 @@ Columns = dict[str, FloatArray]
 def opticurv(numbers: dict[str, float], faults: Collection[str] = tuple(FAULTS)) -> Columns:
     """`COLUMNS` as opticurv 1.0.3 computes them, with those `faults` of `FAULTS` that are named.
 
-    The source computes in long double and counts phi up; here are doubles and exact angles. Its
-    variable M has no value in the first row; here it is 0.
+    The source uses long double and increments phi; this uses doubles and exact angles. Its variable
+    M has no value in the first row; here it is 0.
     """
     phi: FloatArray = np.arange(math.ceil(360.0 / numbers["n"])) * np.float64(numbers["n"])
     s, s1, s2 = _stroke(numbers, phi)  # per degree
@@ -178,9 +178,9 @@ HEAD = """# opticurv
 
 <!-- Made by docs/opticurv_page.py; change it there. -->
 
-opticurv 1.0.3 is the program of Wirsig's thesis ([sources.md](sources.md)): the stroke of a slider,
-a slider-crank, a rocker with a roller, a plate cam. `camgeo import` turns its projects into scenes,
-and the format `asc` writes its two point files with correct values:
+opticurv 1.0.3 is the program of Wirsig's thesis ([sources.md](sources.md)). It computes a plate cam
+that drives a slider through a rocker with a roller and a slider-crank. `camgeo import` turns its
+projects into scenes, and the format `asc` writes its two point files with correct values:
 
 ```sh
 camgeo import fixtures/reference/ocv/setzhub.ocv -o setzhub.toml
@@ -188,14 +188,13 @@ camgeo build setzhub.toml -o out --only asc       # setzhub1.asc, setzhub2.asc
 ```
 
 `fixtures/reference/ocv` has the projects of Tables 4 to 7. The printed Table 4 is corrupt beyond
-repair, and `querhub.ocv` is one way to complete it, not the cam of the source.
+repair; `querhub.ocv` is one way to complete it, not the cam of the source.
 
 ## The project file
 
 24 double-precision numbers, 192 bytes, nothing else. An answer is 1 for the first choice and 2 for
-the second. The
-source calls the crank l_4 and the coupler l_3, and the roller lever l; the thesis calls them l_sk,
-l_4 and l_3, and so does this page.
+the second. The source calls the crank l_4 and the coupler l_3, and the roller lever l; the thesis
+calls them l_sk, l_4 and l_3, and so does this page.
 
 | no. | thesis | source | what | allowed | scene |
 |---|---|---|---|---|---|
@@ -230,10 +229,10 @@ What the source leaves open, and how camgeo resolves it:
 Points are in mm from the cam axis, x_Bik and y_Bik from the pivot; psi' and psi'' are per radian;
 `i`, `B` and `a` are the inner working curve, the pitch curve and the outer working curve; mue is
 the transmission angle; r_K is positive where the pitch curve is convex and `inf` where its
-curvature is exactly 0. The program prints six digits; camgeo prints all digits of a
-double, and its files, read back, are exact. The program appends to the files of an earlier run;
-camgeo replaces them. The working curves are complete, with what undercut takes from the disc. Only
-a rocker behind a slider-crank has all these columns; other scenes are rejected.
+curvature is exactly 0. The program prints six digits; camgeo prints all digits of a double, and its
+files, read back, are exact. The program appends to the files of an earlier run; camgeo replaces
+them. The working curves are complete, including the parts that undercut removes from the disc. Only
+a rocker that drives a slider-crank has all these columns; other scenes are rejected.
 
 ## Where the program's numbers are wrong
 
@@ -252,8 +251,8 @@ As distances between points that should coincide:
 
 RADII = """
 r_K passes through infinity at inflections, so its differences say little. What a designer reads
-from it, to compare with the roller, is its smallest value of either sign; and from mue the
-smallest:
+from it, to compare with the roller, is its smallest value of either sign; from mue it is the
+smallest value:
 
 | | {heads} |
 |---|{rules}|
@@ -272,8 +271,9 @@ working curve and the curvature 1/r_K by this much:
 """
 
 REST = """
-`sign` needs the answer negativ to question 24, which none of these tables has. `M` and `RT` affect
-psi'' only, on which no point depends. With `y` alone r_K is wrong in the dwells too.
+`sign` takes effect only if the answer to question 24 is negativ, which none of these tables has.
+`M` and `RT` affect psi'' only, on which no point depends. With `y` alone r_K is wrong in the dwells
+too.
 
 mue is not a transmission angle: it is the angle between the radius and the tangent, 90 degrees in
 every dwell, whatever the derivatives.
@@ -374,7 +374,7 @@ PICKED: Final[dict[str, Callable[[Columns], float | None]]] = {
     ),
     "smallest mue [deg]": lambda columns: _smallest(columns["mue"]),
 }
-"""What is read off the last two columns."""
+"""Values read from the last two columns."""
 
 
 def _told(value: float | None) -> str:

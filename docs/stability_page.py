@@ -1,6 +1,6 @@
 """Writes docs/stability.md and its picture: `python docs/stability_page.py`.
 
-Runs the whole suite of `camgeo stability`. A test holds the page to a quick run.
+Runs the whole suite of `camgeo stability`. A test compares the page with a quick run.
 """
 
 from __future__ import annotations
@@ -24,52 +24,54 @@ HEAD = """# Stability
 <!-- Made by docs/stability_page.py; change it there. -->
 
 How many digits does camgeo lose by computing in doubles? `camgeo stability` measures it: it
-computes every quantity of its suite twice, as camgeo does and with 80 digits by formulas of its
-own, and compares. It takes {seconds} seconds or so and needs `mpmath`; `--quick` looks at two
-places of each case, `--only NAME` at a group, a quantity or a case, `-o stability.png` draws the
-picture below, `--json` prints the readings for programs. Exit code 0 means that the limit is kept.
+computes every quantity of its suite twice, as camgeo does and with 80 digits by independent
+formulas, and compares the results. It takes about {seconds} seconds and needs `mpmath`; `--quick`
+evaluates two places of each case, `--only NAME` selects a group, a quantity or a case,
+`-o stability.png` draws the picture below, `--json` prints the readings for programs. Exit code 0
+means that the limit is met.
 
 ## What is measured
 
-The inputs of a case are doubles: cam angle, lengths, joints, boundary values. Each is taken for
+The inputs of a case are doubles: cam angle, lengths, joints, boundary values. Each is taken as
 exactly the number that it is. Each value is described by two figures, both in units in its last
-place (ulp), for a vector in those of its length.
+place (ulp); for a vector, in ulp of its length.
 
 - **error**: the distance of camgeo's value from the exact one.
-- **conditioning**: how far the exact value moves if each input moves by half an ulp of its own, the
-  sum over all inputs. No algorithm can do better than that, for the inputs are rounded themselves.
-  Joints are inputs too: degrees converted to radians and rounded once.
+- **conditioning**: how far the exact value moves if each input moves by half an ulp of its own,
+  summed over all inputs. No algorithm can do better than that, because the inputs are rounded
+  themselves. Joints are inputs too: degrees converted to radians and rounded once.
 
-Their **ratio**, error / max(1, conditioning), judges the algorithm, not the problem: near 1
-there is no better one in doubles; a large one has lost digits that the inputs still have. The
-limit is {limit:g}: fewer than 128 operations lie between the inputs and any quantity, each
-rounded by half an ulp at most.
+Their **ratio**, error / max(1, conditioning), judges the algorithm, not the problem: near 1, no
+algorithm in doubles is better; a large ratio means that digits were lost which the inputs still
+have. The limit is {limit:g}: fewer than 128 operations lie between the inputs and any quantity,
+each with a rounding error of at most half an ulp.
 
-Large errors beside small ratios are hard problems, not bad algorithms. Where a value passes 0,
-at an inflection, a cusp or a dead centre, no digit of it follows from rounded inputs; there an
-ulp is that of the distance by which half an ulp of the inputs moves it, and errors of 1e15 are
-the rounding of the inputs.
+Large errors with small ratios indicate hard problems, not bad algorithms. Where a value passes
+through 0, at an inflection, a cusp or a dead centre, rounded inputs determine none of its digits;
+there the ulp is that of the distance by which half an ulp of the inputs moves it, and errors of
+1e15 are the rounding of the inputs.
 
 ## The exact values
 
-Nothing is shared with the engine but the inputs and a first guess of roots. A law is its lift
-as the guideline prints it; derivatives are those of Taylor series with 80 digits, never
-differences. A cam is Z = W exp(-i sigma phi) with W from the followers' geometry; under a flat
-face it is what the face's lines envelop, each crossed with the next one by Cramer's rule. A
-linkage closes by the law of cosines, or by Pythagoras for a slider on its guide. Extremes, cusps
-and crossings are roots by Newton's method: a crossing solves W(x) = W(y) on the exact
-flank. The area of a disc is Green's integral by Gauss-Legendre quadrature, the roller on a
-corner is Pythagoras or the law of cosines, the lever's angle is that of a complex number, a
-spline solves the equations that define it. `tests/stability` compares these with the hard cases
-and with formulas written elsewhere.
+The exact computation shares nothing with the engine but the inputs and initial guesses for roots. A
+law is computed from its lift as printed in the guideline; derivatives come from Taylor series with
+80 digits, never from differences. A cam is Z = W exp(-i sigma phi) with W from the follower's
+geometry; under a flat face it is the envelope of the face's lines, where neighbouring lines
+intersect by Cramer's rule. A linkage is closed by the law of cosines, or by Pythagoras for a slider
+on its guide. Extremes, cusps and crossings are roots found by Newton's method: a crossing solves
+W(x) = W(y) on the exact flank. The area of a disc is Green's integral by Gauss-Legendre quadrature,
+the roller on a corner follows from Pythagoras or the law of cosines, the lever's angle is that of a
+complex number, and a spline solves the equations that define it. `tests/stability` compares these
+values with the hard cases and with independently written formulas.
 """
 
 TABLE = """
-## What is found
+## Results
 
 Error, conditioning at that error, and ratio are the worst of all values: twice what was measured on
-one machine (x86-64), rounded up to one digit, and never less than 2 ulp or a ratio of 1, for other
-processors and libraries round sines otherwise. Error and ratio may belong to different places.
+one machine (x86-64), rounded up to one digit, and never less than 2 ulp or a ratio of 1, because
+other processors and libraries round sines differently. Error and ratio may belong to different
+places.
 
 | quantity | values | error [ulp] | conditioning [ulp] | ratio | largest error at |
 |---|---|---|---|---|---|
@@ -78,37 +80,38 @@ processors and libraries round sines otherwise. Error and ratio may belong to di
 PICTURED = """
 ![Error against conditioning, with the lines of ratio 1 and of the limit](images/stability.png)
 
-*Each point is the worst value of one quantity in one case. On the line of ratio 1 an error is what
-half an ulp of the inputs does.*
+*Each point is the worst value of one quantity in one case. On the line of ratio 1 an error equals
+the effect of half an ulp of the inputs.*
 """
 
 CASES = """
 ## The cases
 
-Those with a name such as HC21c are [hard cases](hard-cases.md).
+Cases with a name such as HC21c are [hard cases](hard-cases.md).
 """
 
 MISSING = """
 ## What is not in the suite
 
-- Laws of other tasks than from rest to rest are represented by the polynomials of boundary values
-  and the double harmonic; `tests/motion` holds every law of every task against 100 digits.
-- Splines that smooth a table. A spline's values come from a system of equations, so that its third
-  derivative has the digits of its largest value, also where it passes 0, as at a free end.
-- Lost stroke below a thousandth of the lift. It is the difference of what the follower does and of
-  what it should do, and known to the rounding of these: 1e-15 of the lift. The lift on the outline
-  is measured near the ends of what is missing too.
+- Laws for tasks other than rest to rest are represented by the polynomials with boundary values and
+  the double harmonic; `tests/motion` compares every law of every task with 100 digits.
+- Splines that smooth a table. A spline's values come from a system of equations, so its third
+  derivative has the absolute accuracy of its largest value, even where it passes through 0, as at a
+  free end.
+- Lost stroke below a thousandth of the lift. It is the difference between what the follower does
+  and what it should do, and is known to the rounding of these: 1e-15 of the lift. The lift on the
+  outline is also measured near the ends of the missing part.
 - Linkages on undercut cams, corners of pitch curves, replay on contours of lines and arcs, fits,
-  files. Contours carry a proved bound instead, see [architecture.md](architecture.md).
+  files. Contours carry a proved bound instead; see [architecture.md](architecture.md).
 """
 
 SECONDS = 25
-"""What a run takes, about."""
+"""Approximate duration of a run [s]."""
 
 LEAST_ERROR, LEAST_RATIO = 2.0, 1.0
 
 MARGIN = 2.0
-"""Times what was measured is claimed."""
+"""The page claims this multiple of what was measured."""
 
 
 def rounded_up(value: float) -> float:
@@ -121,12 +124,12 @@ def rounded_up(value: float) -> float:
 
 
 def claimed_error(row: Row) -> float:
-    """What the page tells of the error [ulp]."""
+    """The error that the page claims [ulp]."""
     return rounded_up(max(MARGIN * row.largest_error.error, LEAST_ERROR))
 
 
 def claimed_ratio(row: Row) -> float:
-    """What the page tells of the ratio, at most the limit."""
+    """The ratio that the page claims, at most the limit."""
     return min(rounded_up(max(MARGIN * row.largest_ratio.ratio, LEAST_RATIO)), suite.LIMIT)
 
 
@@ -150,7 +153,7 @@ def told(row: Row) -> str:
 
 
 def page(cases: Iterable[Case], readings: Iterable[Reading]) -> str:
-    """The page's text from the cases of the suite and what was found of them."""
+    """The page's text from the cases of the suite and their readings."""
     cases = tuple(cases)
     rows = {row.quantity: row for row in suite.table(readings)}
     quantities = dict.fromkeys(quantity for case in cases for quantity in case.quantities)
