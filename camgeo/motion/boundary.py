@@ -15,7 +15,7 @@ FREE: Final[Boundary] = (None, None)
 
 
 def over_span(values: Boundary, length: float) -> Boundary:
-    """With respect to the part of a span of that `length` what is told per rad."""
+    """Values per rad as derivatives over the normalised span, which is `length` [rad] long."""
     velocity, acceleration = values
     return (
         None if velocity is None else velocity * length,
@@ -24,7 +24,7 @@ def over_span(values: Boundary, length: float) -> Boundary:
 
 
 def boundaries_of(key: str, given: Any, least: int, most: int) -> dict[int, Boundary]:
-    """`given` by the index of its point; GeometryError unless all are from `least` to `most`."""
+    """`given` by index of the point; GeometryError unless all are from `least` to `most`."""
     return {
         checked.whole(key, index, least, most): boundary_of(key, values)
         for index, values in checked.instance(key, given, Mapping, "boundaries by index").items()

@@ -10,8 +10,8 @@ from camgeo.numeric.roots import roots_on_grid
 from camgeo.units import TURN
 
 SAMPLES = 33
-"""Grid points per piece between borders, on which sign changes are looked for. A law has at most
-a few turning points per formula."""
+"""Grid points per piece between borders, on which sign changes are sought. A law has at most a few
+turning points per formula."""
 
 
 def pieces(motion: Motion) -> list[tuple[float, float]]:

@@ -15,11 +15,11 @@ from camgeo.pickled import Pickled
 from camgeo.units import TURN
 
 ROUNDING = 1e-9
-"""A value smaller than this part of the largest of its order in its segment counts as zero: what is
-left of conversions from degrees is a thousand times less."""
+"""A value below this fraction of the largest of its order in its segment counts as zero; the
+rounding of conversions from degrees is a thousand times smaller."""
 
 JUMP = 1e-10
-"""A jump smaller than this part of the largest of its order on either side counts as none."""
+"""A jump below this fraction of the largest value of its order on either side is not a jump."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -49,13 +49,13 @@ class Joint(Pickled):
 
 @kept_with_plan
 def joints(plan: MotionPlan) -> tuple[Joint, ...]:
-    """The joints of `plan`, by ascending cam angle; a segment of no length has none of its own."""
+    """The joints of `plan`, by ascending cam angle; a segment of zero length adds no joint."""
     return _joints_at(plan, _angles(plan))
 
 
 @kept_with_plan
 def breaks(plan: MotionPlan) -> tuple[Joint, ...]:
-    """As `joints`, with the places inside the laws at which a derivative may jump among them."""
+    """As `joints`, including the places inside the laws at which a derivative may jump."""
     return _joints_at(plan, ascending(np.append(_angles(plan), plan.breaks)))
 
 

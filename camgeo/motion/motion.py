@@ -1,4 +1,4 @@
-"""What the later stages see of a motion: the lift as a function of the cam angle, and its borders.
+"""The interface of a motion to the later stages: lift over the cam angle, and its borders.
 
 A `Jet` is the lift and its first three derivatives with respect to the cam angle at n angles, an
 array (4, n): s, s', s'', s''' in mm (rad for an oscillating follower) per rad^k.
@@ -21,7 +21,7 @@ FULL_ORDER = 3
 
 @dataclass(frozen=True, slots=True)
 class Dwell:
-    """A rest as long as it lasts, neighbouring rests at the same position merged.
+    """A rest over its full length; neighbouring rests at the same position are merged.
 
     Attributes
     ----------
@@ -38,9 +38,9 @@ class Motion(Protocol):
 
     Attributes
     ----------
-    breaks : (m,) cam angles in [0, 2 pi) [rad], ascending, where s' to s''' may jump; never across
-        one of them is anything fitted.
-    borders : (k,) the breaks, and all other places where the formula changes.
+    breaks : (m,) cam angles in [0, 2 pi) [rad], ascending, where s' to s''' may jump; nothing is
+        fitted across one of them.
+    borders : (k,) the breaks and all other places where the formula changes.
     dwells : all rests.
     """
 

@@ -1,4 +1,4 @@
-"""What tables in CSV files tell of a motion: a lift, or how the disc turns."""
+"""Motion from CSV tables: a lift, or how the disc turns."""
 
 from __future__ import annotations
 
@@ -30,8 +30,8 @@ def read_lift_table(
 ) -> TwoColumns:
     """Read a table of cam angle [degrees] and lift.
 
-    The file is written as `camgeo.motion.two_columns` tells; a heading may call the columns "phi",
-    "angle" or "cam angle" [deg], and "s", "lift", "psi" or "swing".
+    The format is that of `camgeo.motion.two_columns`; a heading may call the columns "phi", "angle"
+    or "cam angle" [deg], and "s", "lift", "psi" or "swing".
 
     Parameters
     ----------
@@ -47,7 +47,7 @@ def read_lift_table(
     Raises
     ------
     GeometryError
-        With file and line, if anything is not as said here: not a number or not a finite one, too
+        With file and line, if the table is not as described: not a number or not a finite one, too
         few or too many rows or cells, angles that do not start at 0, ascend, or end at the span.
     """
     span = checked.positive("span", span, "degrees")
@@ -69,13 +69,13 @@ def read_lift_table(
 def read_speed_table(data: bytes | str, file: str) -> SpeedCurve:
     """Read a table of time [s] and cam angle [degrees] over one turn, from 0 and 0.
 
-    The file is written as `camgeo.motion.two_columns` tells; a heading may call the columns "t" or
-    "time" [s], and "phi", "angle" or "cam angle" [deg].
+    The format is that of `camgeo.motion.two_columns`; a heading may call the columns "t" or "time"
+    [s], and "phi", "angle" or "cam angle" [deg].
 
     Raises
     ------
     GeometryError
-        With file and line, if a row is not as said there, times or angles do not start at 0,
+        With file and line, if a row is not as described there, times or angles do not start at 0,
         ascend, or end at 360 degrees; and if the disc would stand still or run backwards between
         the rows.
     """

@@ -1,8 +1,8 @@
 """The pieces of a motion plan: stretches of the turn with one formula, and how they are evaluated.
 
-A plan may have thousands of pieces, and is asked at a dozen cam angles or at thousands. Pieces with
-equal formulas are evaluated in one call, each angle with the numbers of its piece; where there are
-many more angles than pieces each piece has a call of its own, with nothing to look up.
+A plan may have thousands of pieces and is evaluated at a dozen cam angles or at thousands. Pieces
+with equal formulas are evaluated in one call, each angle with the numbers of its piece; where there
+are many more angles than pieces each piece has a call of its own, with nothing to look up.
 """
 
 from __future__ import annotations
@@ -23,18 +23,18 @@ if TYPE_CHECKING:  # only a motion by data needs splines
     from camgeo.motion.spline import Spline
 
 BLOCK: Final = 8192
-"""Angles worked on at a time, so that intermediate results stay in the processor's cache."""
+"""Angles evaluated at a time, so that intermediate results stay in the processor's cache."""
 
 MANY: Final = 64
-"""Angles to a piece, in the mean, from which on pieces are evaluated one by one."""
+"""Mean number of angles per piece from which pieces are evaluated one by one."""
 
 SNAP: Final = 4.0 * math.ulp(TURN)
-"""Two cam angles [rad] closer than this are the same angle, rounded differently on the way from
+"""Two cam angles [rad] closer than this are the same angle, rounded differently when converted from
 degrees; the angle counts as the joint itself. A millionth of a degree is 5 million times wider."""
 
 COLUMNS: Final = 8
 """Numbers of a piece before those of its formula: start and end of the segment, one over its
-length, origin, and what the near value and the derivatives are multiplied with."""
+length, origin, and the factors of the near value and the derivatives."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,7 +77,7 @@ class Piece:
         return angles
 
     def spline_bounds(self, low: FloatArray, high: FloatArray) -> Jet:
-        """(4, n) what `MotionPlan.jet_and_bounds` gives, for cells of a piece that has a spline."""
+        """(4, n) the result of `MotionPlan.jet_and_bounds` for cells of a piece with a spline."""
         assert self.spline is not None  # called for those only
         shares = [np.clip((a - self.segment_start) / self.length, 0.0, 1.0) for a in (low, high)]
         bounds = self.spline.cell_bounds(*shares)
@@ -153,7 +153,7 @@ class Pieces:
         return self.starts[1:].searchsorted(phi + nudge, side=side)
 
     def _parts(self, phi: FloatArray, side: Side) -> list[tuple[int, slice | IntArray]]:
-        """Each piece in which some of `phi` (n,) lie, with where they stand there."""
+        """Each piece in which some of `phi` (n,) lie, with their indices."""
         if not np.all(phi[1:] >= phi[:-1]):
             return [*places_of(self.at(phi, side))]
         nudge = SNAP if side == "right" else -SNAP
@@ -185,7 +185,7 @@ class Pieces:
 
 
 def places_of(keys: IntArray) -> list[tuple[int, IntArray]]:
-    """Each distinct one of `keys` (n,), ascending, with the places at which it stands."""
+    """Each distinct one of `keys` (n,), ascending, with the indices at which it occurs."""
     order = np.argsort(keys, kind="stable")
     ends = np.flatnonzero(np.diff(keys[order])) + 1
     return [(int(keys[places[0]]), places) for places in np.split(order, ends) if len(places)]

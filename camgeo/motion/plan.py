@@ -40,7 +40,7 @@ Out = TypeVar("Out")
 
 @dataclass(frozen=True, slots=True)
 class Dwell:
-    """A rest over `span` degrees, exactly as written; one of no length is a moment of rest."""
+    """A rest over `span` degrees, exactly as written; one of zero length is a momentary rest."""
 
     span: Span
 
@@ -54,8 +54,8 @@ class Move:
 
     Attributes
     ----------
-    scale : what the values of the law are multiplied with [mm or rad]; None for a normalised law,
-        which the stroke scales. A move that returns to where it started has a law of its own size.
+    scale : factor of the values of the law [mm or rad]; None for a normalised law, which the stroke
+        scales. A move that returns to where it started has a law of its own size.
     """
 
     span: MovingSpan
@@ -74,7 +74,7 @@ class SplineMove:
     Attributes
     ----------
     to : position at the end [mm or rad].
-    spline : over z in [0, 1], the way from the position at the start [mm or rad].
+    spline : over z in [0, 1], the displacement from the position at the start [mm or rad].
     report : how far it is from the rows of a lift table; None for a motion through points.
     """
 
@@ -95,11 +95,11 @@ Segment = Dwell | Move | SplineMove
 
 
 MOST_KEPT: Final = 65_536
-"""Cam angles in all, of the questions asked last, whose lift is kept [3 MB]."""
+"""Total number of cam angles whose lift is kept, of the latest requests [3 MB]."""
 
 
 class Answers:
-    """The lift at the cam angles asked for last, by the question; threads may ask at one time."""
+    """A cache of the lift at the latest cam angles, by request; safe for concurrent threads."""
 
     def __init__(self) -> None:
         self._kept: dict[tuple[Side, bytes], Jet] = {}
@@ -107,7 +107,7 @@ class Answers:
         self._lock = Lock()
 
     def find(self, question: tuple[Side, bytes]) -> Jet | None:
-        """The answer, if it is kept still."""
+        """The answer if it is still kept, else None."""
         with self._lock:
             found = self._kept.pop(question, None)
             if found is not None:
@@ -115,7 +115,7 @@ class Answers:
             return found
 
     def keep(self, question: tuple[Side, bytes], answer: Jet) -> None:
-        """Keep an answer, and forget those that were asked for the longest time ago."""
+        """Keep an answer, and drop the least recently used ones beyond the limit."""
         with self._lock:
             if question not in self._kept:
                 self._kept[question] = answer
@@ -131,7 +131,7 @@ class MotionPlan(Pickled):
     Attributes
     ----------
     segments : in the order of the cam angle.
-    told : what was told of it last, and what for, by the function; see `kept_with_plan`.
+    kept : the last answer of each function of the plan, with its arguments; see `kept_with_plan`.
 
     Raises
     ------
@@ -143,7 +143,7 @@ class MotionPlan(Pickled):
     segments: tuple[Segment, ...]
     joints_deg: tuple[Decimal, ...] = field(init=False, repr=False)
     _answers: Answers = field(default_factory=Answers, init=False, repr=False, compare=False)
-    told: dict[Callable[..., Any], tuple[Any, Any]] = field(
+    kept: dict[Callable[..., Any], tuple[Any, Any]] = field(
         default_factory=dict, init=False, repr=False, compare=False
     )
 
@@ -252,11 +252,11 @@ class MotionPlan(Pickled):
     def jet(self, phi: FloatArray, side: Side = "right", _order: int = FULL_ORDER) -> Jet:
         """(4, n) lift and derivatives at the cam angles `phi` (n,) [rad], any number of turns.
 
-        All orders, as the higher ones cost little once the law's sines are there. Read-only, and
-        the same array for questions asked lately: forces, contact and torque at the same cam angles
-        each ask for the lift there, and so does another follower of the same motion.
+        All orders, because the higher ones cost little once the law's sines are computed.
+        Read-only, and the same array for recent requests: forces, contact and torque each need the
+        lift at the same cam angles, and so does another follower of the same motion.
         """
-        phi = np.array(phi, dtype=np.float64, ndmin=1)  # of our own, before it is evaluated
+        phi = np.array(phi, dtype=np.float64, ndmin=1)  # a copy of our own
         question = (side, phi.tobytes()) if len(phi) <= MOST_KEPT else None
         found = None if question is None else self._answers.find(question)
         if found is None:
@@ -297,17 +297,17 @@ class MotionPlan(Pickled):
 def kept_with_plan(
     make: Callable[Concatenate[MotionPlan, P], Out],
 ) -> Callable[Concatenate[MotionPlan, P], Out]:
-    """`make` of a plan, kept with the plan until something else is asked of `make` beside it.
+    """Keep the result of `make` with its plan until `make` is called with other arguments.
 
-    A follower that is edited leaves the plan as it is, and so all that depends on it alone.
+    Editing the follower does not change the plan, nor anything that depends on the plan alone.
     """
 
     @wraps(make)
     def once(plan: MotionPlan, /, *rest: P.args, **named: P.kwargs) -> Out:
         question = rest, named
-        kept = plan.told.get(make)  # one look: another thread may put another answer there
+        kept = plan.kept.get(make)  # read once: another thread may replace it
         if kept is None or kept[0] != question:
-            kept = plan.told[make] = question, make(plan, *rest, **named)
+            kept = plan.kept[make] = question, make(plan, *rest, **named)
         found: Out = kept[1]
         return found
 

@@ -5,15 +5,15 @@ All of them minimise one energy over the values (y, s', s'') at the given points
     sum over the points of (s(x_i) - y_i)^2  +  lambda * integral of s'''(x)^2 dx,
 
 with some of the nodal values prescribed; an interpolating spline has all y prescribed, so the sum
-is zero and lambda without effect. Between two points the minimiser is the quintic with these nodal
+is zero and lambda has no effect. Between two points the minimiser is the quintic with these nodal
 values. At a point where s' is free s'''' is continuous, where s'' is free s''' is continuous: those
 are the energy's natural conditions (the factors of a variation of s' and s''). So
 
-- where nothing is prescribed, s is continuous with four derivatives (C4);
+- where nothing is prescribed, s is continuous up to the fourth derivative (C4);
 - where only s' is prescribed, s to s''' are continuous and s'''' may jump;
 - where only s'' is prescribed, s to s'' and s'''' are continuous and s''' may jump;
 - where both are, s to s'' are continuous, s''' and s'''' may jump;
-- at an end, what is not prescribed gives way to s''' = 0 (s'' free) and s'''' = 0 (s' free).
+- at an end, the natural conditions are s''' = 0 (s'' free) and s'''' = 0 (s' free).
 
 C. de Boor, A Practical Guide to Splines, ch. XIV (smoothing); C. H. Reinsch, Numer. Math. 10 (1967)
 177-183, for the second derivative instead of the third.
@@ -36,8 +36,8 @@ from camgeo.numeric.arrays import BoolArray, FloatArray
 
 MOST_UNEQUAL: Final = 1e6
 """Largest allowed ratio of the longest to the shortest distance of neighbouring points. The solve
-keeps eight digits there; but what rounding the points' own values have counts ever more in the
-slope between near ones."""
+keeps eight digits there, but the rounding of the points' own values weighs ever more in the slope
+between close ones."""
 
 MIN_RING: Final = 3
 """Points of the smallest ring that can be solved."""
@@ -45,7 +45,7 @@ MIN_RING: Final = 3
 
 @dataclass(frozen=True, slots=True)
 class FitReport:
-    """How far a spline is from the data, at all points of it.
+    """Deviation of a spline from all points of its data.
 
     Attributes
     ----------
@@ -75,7 +75,7 @@ def periodic_spline(
     y : (n,) the values there.
     period : in the unit of x, larger than x[-1] - x[0], or equal with a closing point.
     rise : growth over a period, in the unit of y.
-    gap : how far a closing point may be from y[0] + rise; it is not otherwise used.
+    gap : allowed distance of a closing point from y[0] + rise; it has no other use.
 
     Raises
     ------
@@ -103,7 +103,7 @@ def clamped_spline(
 ) -> Spline:
     """Interpolate with prescribed s' and s'' at the ends and at any inner points.
 
-    The head of the module tells which derivatives are continuous where. With both values given at
+    The module docstring states which derivatives are continuous where. With both values given at
     both ends and none inside, a polynomial of degree 5 is reproduced.
 
     Parameters
@@ -116,7 +116,7 @@ def clamped_spline(
     ------
     GeometryError
         For too few points, points that do not ascend or are spaced too unequally, numbers that are
-        not finite, and an index that is no inner point.
+        not finite, and an index that is not that of an inner point.
     """
     x, y = _checked(x, y)
     nodes, fixed = _prescribed(y, _boundaries(len(x), start, end, {} if inner is None else inner))
@@ -148,7 +148,7 @@ def smooth_periodic_spline(
 
     Returns
     -------
-    The spline, and its deviation from all points, a closing one excepted.
+    The spline, and its deviation from all points except a closing one.
 
     Raises
     ------
@@ -169,10 +169,10 @@ def smooth_clamped_spline(
     *,
     largest_deviation: float,
 ) -> tuple[Spline, FitReport]:
-    """Smooth between the first and the last point, which are kept, with s' and s'' there.
+    """Smooth between the first and the last point, which are kept with their s' and s''.
 
     Parameters and errors as for `clamped_spline` and `smooth_periodic_spline`; n >= 3.
-    C4 inside; at the ends see the head of the module.
+    C4 inside; for the ends see the module docstring.
     """
     x, y = _checked(x, y)
     if len(x) < 3:
@@ -212,7 +212,7 @@ def smoothest_values(
     """
     count = len(x)
     if period is not None:
-        # A ring of few points is laid twice and more: the matrix wants distinct neighbours.
+        # A ring of few points is repeated: the matrix needs distinct neighbours.
         times = -(-MIN_RING // count)
         x = np.concatenate([x + k * period for k in range(times)])
         y = np.tile(y, times)
@@ -318,7 +318,7 @@ def _ring(
 def _boundaries(
     count: int, start: Boundary, end: Boundary, inner: Mapping[int, Boundary]
 ) -> dict[int, Boundary]:
-    """What is prescribed at the points, by index."""
+    """The prescribed values, by index of the point."""
     return {
         0: boundary_of("start", start),
         **boundaries_of("inner", inner, 1, count - 2),

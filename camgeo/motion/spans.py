@@ -1,4 +1,4 @@
-"""Spans of the cam angle [degrees], exactly as written: what one is, and how they add up."""
+"""Spans of the cam angle [degrees], exactly as written: which are valid, and their sums."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from camgeo.numeric import checked
 FULL_TURN: Final = Decimal(360)
 
 SHORTEST_SPAN: Final = Decimal("1e-6")
-"""Of a segment that moves; below it, velocities leave what a double can resolve."""
+"""Shortest span of a segment that moves; below it, velocities exceed what a double can resolve."""
 
 DECIMALS: Final = 300
-"""Of a span at most; with 100 digits more, sums of written decimals stay exact."""
+"""Most decimals of a span; with 100 digits more, sums of written decimals stay exact."""
 
 
 def span_of(key: str, value: Any, shortest: Decimal = Decimal(0)) -> Decimal:
-    """A span from a decimal or another number, a float as Python writes it.
+    """A span from a decimal or another number; a float counts as Python prints it.
 
     Raises
     ------

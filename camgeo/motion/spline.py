@@ -1,6 +1,6 @@
-"""A piecewise polynomial of degree 5: what a motion given by points or by a table becomes.
+"""A piecewise polynomial of degree 5: the form of a motion given by points or by a table.
 
-Made by `camgeo.motion.points`; here it is only evaluated, with numpy alone.
+Built by `camgeo.motion.points`; only evaluated here, with numpy alone.
 """
 
 from __future__ import annotations
@@ -22,13 +22,13 @@ from camgeo.pickled import Pickled
 DEGREE: Final = 5
 
 MAX_STEPS: Final = 200
-"""Every third step of the root search halves the bracket, and 53 halvings of [0, 1] are enough."""
+"""Every third step of the root search halves the bracket; 53 halvings of [0, 1] suffice."""
 
 LARGEST: Final = 1e200
-"""Of knots, coefficients and rise: more than those of any points within their limits."""
+"""Largest magnitude of knots, coefficients and rise: above that of all points within limits."""
 
 EDGE: Final = 8.0 * 2.0**-52
-"""An argument that lies outside the knots by this share of the largest of them was rounded."""
+"""An argument outside the knots by at most this fraction of the largest knot is rounding."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -42,9 +42,9 @@ class Spline(Pickled):
     ----------
     knots : (m + 1,) x, strictly ascending; the domain is [knots[0], knots[-1]].
     taylor : (m, 6) in the unit of s: taylor[i, k] = s^(k)(knots[i]) h^k / k!.
-    periodic : whether s goes on beyond the domain, with s(x + period) = s(x) + rise and
-        period = knots[-1] - knots[0].
-    rise : see there; 0 unless `periodic`.
+    periodic : whether s continues beyond the domain, with s(x + period) = s(x) + rise and period =
+        knots[-1] - knots[0].
+    rise : see `periodic`; 0 unless periodic.
 
     Raises
     ------
@@ -78,8 +78,8 @@ class Spline(Pickled):
     def values(self, x: FloatArray, order: int = FULL_ORDER, side: Side = "right") -> FloatArray:
         """(order + 1, n) s and its derivatives up to `order` (0 to 5) at `x` (n,).
 
-        `side` tells which one-sided value a knot gives; an end of the domain that has but one side
-        gives that one.
+        `side` selects the one-sided value at a knot; an end of the domain with only one side gives
+        that one.
 
         Raises
         ------
@@ -103,7 +103,7 @@ class Spline(Pickled):
         """(m,) upper bounds of the absolute value of the derivative of `order` in each piece.
 
         The largest Bernstein coefficient, by the convex hull property; exact for orders 4 and 5,
-        else too large by a part that vanishes with the square of the piece's length.
+        otherwise the relative excess vanishes with the square of the piece's length.
         """
         local = np.max(np.abs(_bernstein(_derivative(self.taylor, order))), axis=1)
         bound: FloatArray = local / np.diff(self.knots) ** order
@@ -129,7 +129,8 @@ class Spline(Pickled):
         """Smallest and largest derivative of `order` (0 to 5) over the domain, with their places.
 
         Exact but for rounding: all roots of the next derivative in each piece, each in a bracket,
-        and both one-sided values at every knot. A place within the domain, the first of equals.
+        and both one-sided values at every knot. The place lies within the domain; of equal values
+        the first counts.
         """
         local = _derivative(self.taylor, order)
         length = np.diff(self.knots)
@@ -177,7 +178,7 @@ class Spline(Pickled):
         return x
 
     def _reduced(self, x: FloatArray, side: Side) -> tuple[FloatArray, FloatArray]:
-        """Whole periods in `x`, and what is left."""
+        """Whole periods in `x`, and the remainder."""
         first, last = float(self.knots[0]), float(self.knots[-1])
         if not np.all(np.isfinite(x)):
             raise GeometryError("the arguments of a spline must be finite numbers")

@@ -1,10 +1,10 @@
-"""The energy of a spline, the integral of s''' squared: what has the least, exactly or smoothed.
+"""The energy of a spline, the integral of s''' squared, and its minimisers, exact or smoothed.
 
 With t in [0, 1] and u(t) = s, integral of u''' squared = d0^2 + d1^2 + d2^2, the moments of u'''
 with the orthonormal Legendre polynomials. Integrated by parts they are, with the chord
 D = u(1) - u(0), p = u'(0), q = u'(1), A = u''(0), B = u''(1):
     d0 = B - A,  d1 = sqrt(3) (A + B + 2 p - 2 q),  d2 = sqrt(5) (B - A - 6 p - 6 q + 12 D).
-In x the integral is that divided by h^5.
+With respect to x the integral is this sum divided by h^5.
 """
 
 from __future__ import annotations
@@ -35,26 +35,27 @@ SLOPES: Final = [1, 2, 4, 5]
 """Columns of MOMENTS that belong to derivatives."""
 
 LONGEST: Final = 1e4
-"""Largest cut-off length in mean distances of points; rounding grows with its cube and leaves
-eight digits there."""
+"""Largest cut-off length in mean distances of points; rounding grows with its cube and eight digits
+are left there."""
 
 SHORTEST: Final = 1e-4
-"""Smallest cut-off length tried, in shortest distances: its spline interpolates, nearly."""
+"""Smallest cut-off length tried, as a multiple of the shortest distance: its spline nearly
+interpolates."""
 
 NEAR_ENOUGH: Final = 0.97
-"""The search for a cut-off length ends with a deviation of this share of the allowed one."""
+"""The search for a cut-off length ends at this fraction of the allowed deviation."""
 
 MAX_SEARCH: Final = 40
 
 HIGHEST: Final = 1e100
-"""Largest size of y: with it and the spans that `camgeo.numeric.checked` allows no fifth derivative
-overflows."""
+"""Largest magnitude of y: with it and the spans that `camgeo.numeric.checked` allows, no fifth
+derivative overflows."""
 
 TINY: Final = 1e-300
 
 
 def node_scales(step: FloatArray, ring: bool) -> FloatArray:
-    """(n,) for each node the length in which its derivatives are counted: its shorter piece."""
+    """(n,) the length unit of the derivatives at each node: that of its shorter piece."""
     if ring:
         return np.minimum(step, np.roll(step, 1))
     padded = np.concatenate((step[:1], step, step[-1:]))
@@ -71,9 +72,9 @@ def pieces(step: FloatArray, scale: FloatArray, ring: bool) -> tuple[FloatArray,
 
 
 def positions(count: int, ring: bool) -> IntArray:
-    """(count,) the order in which the members of a chain or ring stand in a banded matrix.
+    """(count,) the order of the members of a chain or ring in a banded matrix.
 
-    A ring is laid double, 0, count - 1, 1, count - 2, ...: neighbours are at most 2 apart.
+    A ring is folded, 0, count - 1, 1, count - 2, ...: neighbours are at most 2 apart.
     """
     number = np.arange(count)
     if not ring:
@@ -87,7 +88,7 @@ def hermite(
     """(m, 6) Taylor coefficients of the quintics with these nodal values (m, 3)."""
     p, q = starts[:, 1] * step, ends[:, 1] * step
     a, b = starts[:, 2] * step**2, ends[:, 2] * step**2
-    p_less, q_less = p - chord, q - chord  # a straight motion leaves no rest of rounding
+    p_less, q_less = p - chord, q - chord  # a straight motion leaves no rounding behind
     return np.stack(
         (
             starts[:, 0],
@@ -139,7 +140,7 @@ def interpolate(
             np.add.at(banded, (low[free] - high[free], high[free]), entry)
     banded[0, held] = 1.0
     factor = cholesky_banded(banded, lower=True)
-    for _ in range(2):  # the second time with what rounding has left
+    for _ in range(2):  # the second pass corrects the rounding of the first
         strain = np.einsum("mki,mi->mk", rows, unknown[place]) + shift
         force = np.zeros(2 * count)
         np.add.at(force, place, -np.einsum("mki,mk->mi", rows, strain))
@@ -153,13 +154,13 @@ def interpolate(
 
 
 class Smoothing:
-    """The smoothing problem of one set of points, solved for any cut-off length.
+    """The smoothing problem of one set of points, to be solved for any cut-off length.
 
     With lambda = length^6 / mean distance a wave sin(x / length) in evenly spaced data comes out
     with half its height, a longer wave with more (1 / (1 + (length * angular frequency)^6)).
 
-    The moments of s''' are unknowns beside the nodal values: the matrix then has the condition of a
-    least squares problem and not its square, and the moments come out as exactly as the values.
+    The moments of s''' are unknowns along with the nodal values: the matrix then has the condition
+    of a least-squares problem instead of its square, and the moments are as exact as the values.
     """
 
     def __init__(self, step: FloatArray, nodes: FloatArray, fixed: BoolArray, ring: bool) -> None:
@@ -215,7 +216,8 @@ class Smoothing:
         """Nodal values, moments and the longest cut-off length found that keeps the deviation.
 
         The largest deviation need not grow with the length, so lengths are halved from the longest
-        one on; then false position, on logarithms, between the first that keeps it and the next.
+        one down; then false position, on logarithms, between the first that keeps it and its
+        predecessor.
         """
         allowed = checked.number("largest_deviation", largest_deviation, above=0.0, largest=HIGHEST)
         length, above = min(LONGEST * self.mean, float(np.sum(self.step))), 0.0

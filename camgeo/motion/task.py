@@ -1,4 +1,4 @@
-"""Motion tasks (Bewegungsaufgaben): what a move meets at its two ends (VDI 2143-1, section 3).
+"""Motion tasks (Bewegungsaufgaben): the conditions at the ends of a move (VDI 2143-1, section 3).
 
 | class | German | velocity | acceleration |
 |---|---|---|---|

@@ -2,7 +2,7 @@
 
 VDI 2143-1, eqs. (1) to (4): s' and s'' over the angle, the angle's velocity omega = dphi/dt and
 acceleration alpha = d^2phi/dt^2 give velocity and acceleration over time; the third derivative
-follows from (2) by the chain rule once more.
+follows from (2) by applying the chain rule once more.
 """
 
 from __future__ import annotations
@@ -28,17 +28,18 @@ if TYPE_CHECKING:
     from camgeo.motion.spline import Spline
 
 CLOSING: Final = 1e-9
-"""By this much [rad] may the table of a speed curve miss a full turn: rounding of its degrees."""
+"""The table of a speed curve may miss a full turn by this much [rad]: rounding of its degrees."""
 
 SMOOTH, SHARP = (1, 2), (3, 4)
-"""Rows of velocity and acceleration, which turn where the next one vanishes; of jerk and torque."""
+"""Rows of velocity and acceleration, which have extremes where the next row vanishes; rows of jerk
+and torque."""
 
 LiftUnit = Literal["mm", "rad"]
 
 AngularSpeed = Annotated[float, partial(checked.positive, unit="rad/s")]
 
 METRES: Final[dict[LiftUnit, float]] = {"mm": 1e-3, "rad": 1.0}
-"""Factor from the unit of lift to the one in which M = m v a / omega holds as it stands."""
+"""Factor from the unit of lift to the one in which M = m v a / omega holds without conversion."""
 
 
 class TimeCourse(Protocol):
@@ -62,7 +63,7 @@ class TimeCourse(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class ConstantSpeed:
-    """The cam turns evenly; time 0 at cam angle 0.
+    """The cam turns at constant speed; time 0 is at cam angle 0.
 
     Attributes
     ----------
@@ -94,12 +95,12 @@ class ConstantSpeed:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SpeedCurve(Pickled):
-    """The cam angle over time by a table of one turn: a quintic spline through it, C4, periodic.
+    """The cam angle over time from a table of one turn: a periodic quintic spline through it, C4.
 
     Attributes
     ----------
     t : (n,) time [s], ascending, n >= 4.
-    phi : (n,) cam angle [rad], ascending; the last one is the first one and a turn.
+    phi : (n,) cam angle [rad], ascending; the last one is a turn beyond the first.
     spline : phi over t.
 
     Raises
@@ -207,7 +208,7 @@ def inertia_torque(
     unit : of the lift.
 
     Positive where the cam drives the follower, negative where the follower drives the cam; its
-    integral over the cam angle is zero over a turn. No spring, load or friction is in it.
+    integral over the cam angle is zero over a turn. Spring, load and friction are not included.
     """
     torque: FloatArray = inertia * METRES[unit] ** 2 * timed[1] * timed[2] / omega
     return torque
@@ -235,8 +236,8 @@ def time_extremes(motion: Motion, course: TimeCourse, unit: LiftUnit = "mm") -> 
     """Physical extremes of `motion` with the cam turning as `course` says.
 
     Between neighbouring borders of both, velocity and acceleration turn where acceleration and
-    jerk change sign: those places are bracketed roots. Jerk and torque are searched from the
-    turning points of a grid, to the last digits. Two turning points that lie within a
+    jerk change sign: those places are bracketed roots. Extremes of jerk and torque are refined from
+    the turning points of a grid to the last digits. Two turning points that lie within a
     thirty-second of a piece can be missed. At borders both one-sided values count.
     """
     edges = ascending(np.concatenate((motion.borders, course.borders, [0.0, TURN])))
@@ -260,7 +261,7 @@ def time_extremes(motion: Motion, course: TimeCourse, unit: LiftUnit = "mm") -> 
             np.concatenate((right[row], left[row], flat[row], timed(turning)[row])),
         )
 
-    # Both searches go on together, as each asks for the motion and for the time at its places.
+    # Both searches run together, because each needs the motion and the time at its places.
     cells = [sign_changes(inside, grid[row + 1]) for row in SMOOTH]
     rows = np.repeat(SMOOTH, [len(low) for low, _ in cells])
     low, high = (np.concatenate(each) for each in zip(*cells, strict=True))
@@ -279,11 +280,11 @@ def time_extremes(motion: Motion, course: TimeCourse, unit: LiftUnit = "mm") -> 
 
 
 def plan_extremes(plan: MotionPlan, course: TimeCourse, unit: LiftUnit = "mm") -> TimeExtremes:
-    """As `time_extremes`; for a disc that turns evenly without a search.
+    """As `time_extremes`, without a search for a disc at constant speed.
 
     With constant speed velocity, acceleration, jerk and torque have their extremes where s', s'',
-    s''' and s' s'' have theirs (VDI 2143-1, section 5.1): at the turns of the laws and at the
-    borders, from either side. Motion by data is searched.
+    s''' and s' s'' have theirs (VDI 2143-1, section 5.1): at the turning points of the laws and at
+    the borders, from either side. A motion by data needs the search.
     """
     by_data = any(isinstance(segment, SplineMove) for segment in plan.segments)
     if by_data or not isinstance(course, ConstantSpeed):

@@ -1,4 +1,4 @@
-"""Tables of two columns as people write them: CSV with separators and decimals of any country."""
+"""Tables of two columns: CSV with the separators and decimal marks of any country."""
 
 from __future__ import annotations
 
@@ -27,12 +27,12 @@ LINE_END: Final = re.compile(r"\r\n|\r|\n")
 
 @dataclass(frozen=True, slots=True)
 class Column:
-    """What a column may be called.
+    """The names and units of a column.
 
     Attributes
     ----------
-    what : in messages.
-    names : in headings, in lower case.
+    what : its name in messages.
+    names : those allowed in headings, in lower case.
     units : allowed in headings, in lower case; empty for any.
     """
 
@@ -46,7 +46,7 @@ ANGLE: Final = Column("angle", ("phi", "angle", "cam angle"), ("deg", "degree", 
 FULL_TURN: Final = 360.0
 
 LAST_ROW: Final = 1e-9
-"""By this share of a span may its last angle be off, as 120.00000000001 is from 120."""
+"""The last angle may be off its span by this fraction, as 120.00000000001 is from 120."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -57,7 +57,7 @@ class TwoColumns(Pickled):
     ----------
     file : its name, for messages.
     first, second : (n,) the numbers.
-    unit : of the second column as its heading tells it; empty where it does not.
+    unit : of the second column, from its heading; empty if the heading has none.
     lines : (n,) line of the file on which each row stands, from 1.
     """
 
@@ -72,7 +72,7 @@ class TwoColumns(Pickled):
         checked.hold(self, first=first, second=second)
 
     def fault(self, row: int, values: FloatArray, message: str) -> GeometryError:
-        """What is wrong with the value of a row, from 0 or backwards from the end."""
+        """The error for the value of a row, counted from 0, or backwards from the end."""
         return fault(self.file, self.lines[row], repr(float(values[row])), message)
 
 
@@ -91,11 +91,11 @@ class _Layout:
 def read_two_columns(data: bytes | str, file: str, columns: tuple[Column, Column]) -> TwoColumns:
     """Read a table of two numbers a row.
 
-    Cells are separated by ; or tab or comma, whichever of these in this order is in the first row.
-    Decimals have a point; with ; or tab they may have a comma, all alike. Empty lines, and lines
-    that begin with #, are passed over. A heading may name the columns: then there may be more than
-    two, of which those called as `columns` says count, whatever their case, with a unit in brackets
-    or without. Without a heading there are two columns.
+    Cells are separated by ; or tab or comma, the first of these that occurs in the first row.
+    The decimal mark is a point; with ; or tab it may be a comma, the same in all rows. Empty lines
+    and lines that begin with # are skipped. A heading may name the columns: then there may be more
+    than two, of which those named in `columns` count, in any case, with or without a unit in
+    brackets. Without a heading there are two columns.
 
     Parameters
     ----------
@@ -105,7 +105,7 @@ def read_two_columns(data: bytes | str, file: str, columns: tuple[Column, Column
     Raises
     ------
     GeometryError
-        With file and line, if anything is not as said here: not a number or not a finite one, too
+        With file and line, if the table is not as described: not a number or not a finite one, too
         few or too many rows or cells.
     """
     lines = _lines(data, file)
@@ -206,7 +206,7 @@ def _lines(data: bytes | str, file: str) -> list[str]:
 
 
 def _layout(line: str, file: str, number: int, columns: tuple[Column, Column]) -> _Layout:
-    """Separator and columns from the first line that counts."""
+    """Separator and columns, from the first line that is not skipped."""
     separator = next((mark for mark in (";", "\t", ",") if mark in line), "")
     if not separator:
         raise fault(file, number, line, "one column; allowed separators are ; and tab and comma")
@@ -260,7 +260,7 @@ def _column(headings: list[tuple[str, str]], column: Column, file: str, number: 
 
 
 def fault(file: str, line: int, value: str, message: str) -> GeometryError:
-    """What is wrong in a line of a table."""
+    """The error for a line of a table."""
     shown = value.strip() if len(value.strip()) <= 60 else value.strip()[:57] + "..."
     given = f"{shown!r}: " if shown else ""
     return GeometryError(f"{file}, line {line}: {given}{message}", value=shown)

@@ -28,7 +28,7 @@ PRINTED_DECIMALS: Final = (7, 4, 4)
 """Decimals of f, f' and f'' in the guideline's tables."""
 
 PRINTED_DECIMALS_OF_Z: Final = 3
-"""The same for z; a finer step needs more."""
+"""Decimals of z; a finer step needs more."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -66,8 +66,8 @@ class LawTable(Pickled):
 def law_table(law: Law, step: Decimal = PRINTED_STEP) -> LawTable:
     """Tabulate a law at z = 0, step, 2 step, ... below 1, and at 1.
 
-    The multiples are exact, so no row is lost or doubled by rounding; a step that does not divide 1
-    makes the last interval a shorter one.
+    The multiples are exact, so rounding neither drops nor doubles a row; a step that does not
+    divide 1 makes the last interval shorter.
 
     Parameters
     ----------

@@ -72,7 +72,7 @@ def test_what_is_told_of_a_plan_is_kept_for_the_question_asked_last(plan: Motion
     assert told(own, 3.0, offset=1.0) == 1081.0
     assert told(other, 3.0) == 1080.0
     assert asked == [2.0, 3.0, 3.0, 3.0]
-    assert pickle.loads(pickle.dumps(own)).told == {}
+    assert pickle.loads(pickle.dumps(own)).kept == {}
 
 
 def test_what_is_recalled_cannot_be_changed(recalling: MotionPlan, plan: MotionPlan) -> None:

@@ -1,4 +1,4 @@
-"""Motion laws by name: that of a family in `REGISTERED` is all that names it here."""
+"""Motion laws by name: a family is registered here by its name in `REGISTERED` alone."""
 
 from __future__ import annotations
 
@@ -31,8 +31,8 @@ REGISTERED: Final = (
     "polynomial-7",
     "polynomial",
 )
-"""Names of the families. Each has the module of its name, whose `FAMILY` it is, or stands in a
-table of families that differ by a few numbers."""
+"""Names of the families. Each is the `FAMILY` of the module of its name, or is in a table of
+families that differ by a few numbers."""
 
 TABLED: Final = {family.name: family for family in (*fixed_pulses.FAMILIES, *polynomials.FAMILIES)}
 
@@ -48,7 +48,7 @@ ALIASES: Final[dict[str, str]] = {
 OPTIONS: Final[dict[str, Option]] = {
     option.name: option for family in FAMILIES.values() for option in family.options
 }
-"""The parameters that families have of their own, by name; their defaults are the families'."""
+"""The parameters specific to families, by name; their defaults are the families'."""
 
 BALANCES: Final = ("acceleration", "jerk", "moment")
 """Quantities of which both parts of a law can have the same extreme, see
@@ -65,7 +65,7 @@ def find_family(name: str) -> Family:
     Raises
     ------
     GeometryError
-        If there is none; it tells which was meant, or which there are.
+        If there is none; the message suggests a name, or lists them all.
     """
     known = (*FAMILIES, *ALIASES)
     if not checked.among(name, known):
@@ -95,7 +95,7 @@ def law_of(name: str, task: str, given: Mapping[str, float]) -> Law:
 
 @lru_cache(maxsize=256)
 def _made(name: str, task: str, values: tuple[tuple[str, float], ...]) -> Law:
-    """The law itself: the moves of a plan, and of its variants, have few different ones."""
+    """The law itself: the moves of a plan and of its variants share a few laws."""
     given = dict(values)
     return replace(FAMILIES[name].make(task, given), recipe=(law_of, (name, task, given)))
 
@@ -115,6 +115,6 @@ def make_law(name: str, task: str = "R-R", /, **parameters: float) -> Law:
     ------
     GeometryError
         If there is no such law, it is not made for the task, does not take a parameter, or a value
-        is not possible; it tells which there are, and which values would do.
+        is not possible; the message states which exist, and which values would do.
     """
     return law_of(name, task, parameters)

@@ -1,7 +1,7 @@
-"""The inflection point at which both parts of a law are equally hard: the inverse relations.
+"""The inflection point that makes an extreme of both parts of a law equal: the inverse relations.
 
 VDI 2143-1 gives lambda for equal accelerations, equal jerks and equal dynamic moments of some laws
-as numbers (sections 6.6.1 and 6.6.2); here it follows for each law that has an inflection point.
+as numbers (sections 6.6.1 and 6.6.2); here it is computed for each law with an inflection point.
 """
 
 from __future__ import annotations
@@ -26,10 +26,10 @@ from camgeo.numeric.roots import roots_on_grid
 Given = Mapping[str, float]
 
 NEAREST: Final = 1e-6
-"""How near to 0 and 1 an inflection point is looked for."""
+"""How near to 0 and 1 an inflection point is sought."""
 
 TINY: Final = 1e-300
-"""Stands for a part without acceleration, whose logarithm is asked."""
+"""Stands in for a part without acceleration when a logarithm is taken."""
 
 GRID: Final = 65
 """Places at which the two parts are compared before the root is bracketed."""
@@ -85,7 +85,7 @@ def balanced(name: str, task: str, quantity: str, given: Given) -> float:
 
 
 def _parts(name: str, task: str, given: Given) -> Parts:
-    """The parts of a law whose inflection point is looked for."""
+    """The parts of a law whose inflection point is sought."""
     family = find_family(name)
     if family.parts is None:
         raise GeometryError(f"{name} has no inflection point", key="inflection")

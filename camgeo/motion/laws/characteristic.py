@@ -14,25 +14,25 @@ from camgeo.numeric.arrays import BoolArray, FloatArray
 from camgeo.numeric.extremes import Extreme
 
 ROUNDING = 1e-13
-"""A jump smaller than this part of the largest value is rounding."""
+"""A jump below this fraction of the largest value is rounding."""
 
 BORDER = 4.0 * 2.0**-52
-"""Rounding of the place of a border, as a part of the move."""
+"""Rounding of the place of a border, as a fraction of the move."""
 
 
 @dataclass(frozen=True, slots=True)
 class Characteristic:
     """Characteristic values of a law.
 
-    For a law with an accelerating part before the inflection point and a decelerating one behind
-    it, the starred values are those of the second part; for a law without parts (a polynomial, the
+    For a law with an accelerating part before the inflection point and a decelerating one after it,
+    the starred values are those of the second part; for a law without parts (a polynomial, the
     double harmonic) the values without star are the largest over the whole move, the starred ones
     the smallest. (For U-R and U-G the guideline calls it the other way round: there the part with
     the star is the one at the turn, the first.)
 
     Attributes
     ----------
-    velocity : C_v, largest f'. It is C_Mstat too.
+    velocity : C_v, largest f'. Also C_Mstat.
     least_velocity : smallest f'; negative where the law runs back.
     acceleration, deceleration : C_a, C_a*: the extreme of f'' in each part.
     jerk, braking_jerk : C_j, C_j*: the extreme of f''' in each part, of equal ones the one nearer
@@ -115,7 +115,7 @@ def acceleration_jumps(law: Law) -> tuple[float, ...]:
     scale = float(np.max(np.abs(ends)))
     found = []
     for (before, left), (after, right) in itertools.pairwise(zip(law.regions, ends, strict=True)):
-        # A border is off by its rounding, which the jerk turns into acceleration.
+        # The rounding of a border times the jerk is an acceleration.
         moved = BORDER * max(before.jerk_bound, after.jerk_bound)
         if abs(float(right[0] - left[1])) > ROUNDING * scale + moved:
             found.append(after.start)

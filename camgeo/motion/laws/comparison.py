@@ -38,17 +38,17 @@ MM2_PER_M2: Final = 1e6
 
 @dataclass(frozen=True, slots=True)
 class Entry:
-    """One law of a comparison, or the reason why there is none.
+    """One law of a comparison, or the reason why it does not exist.
 
     Attributes
     ----------
     name, task : what was asked for.
     law, values : the law and its characteristic values; None if `reason` says why there is none.
     shocks, jerks : ascending z at which f' (f'') jumps: at an end of the task R or U (R or G) where
-        the law starts or ends with something else than zero, and inside for f''.
-    unbounded : those of `QUANTITIES` that no number bounds, because of a shock or jerk.
+        the law does not start or end with zero, and inside for f''.
+    unbounded : those of `QUANTITIES` that are infinite because of a shock or jerk.
     ignored : parameters given that the family does not take for the task.
-    assumed : boundary values that the family takes, were not given, and are 0 therefore.
+    assumed : boundary values that the family takes, but that were not given and are therefore 0.
     reason : empty, or why the law cannot be made.
     """
 
@@ -89,7 +89,7 @@ class Entry:
 
 @dataclass(frozen=True, slots=True)
 class Running:
-    """A move as it is run: what the characteristic values are multiplied with.
+    """The speed, span and stroke of a move, by which the characteristic values are multiplied.
 
     Attributes
     ----------
@@ -130,7 +130,7 @@ class Running:
 
 
 def compare(task: str, given: Mapping[str, float], names: Sequence[str] = ()) -> tuple[Entry, ...]:
-    """Each family made for `task`, or those called `names`, with what it takes of `given`.
+    """Each family made for `task`, or those of `names`, with the parameters it takes of `given`.
 
     Parameters
     ----------
@@ -174,10 +174,10 @@ def _entry(name: str, task: str, given: Mapping[str, float]) -> Entry:
 
 
 def _is_zero(name: str, law: Law, own: Mapping[str, float], key: str) -> bool:
-    """Whether the boundary value `key` was not given, and the law has 0 there for that reason.
+    """Whether the law has 0 for the boundary value `key` because it was not given.
 
     An acceleration that follows from the inflection point is not zero, and the free polynomial
-    leaves open what is not given.
+    leaves values that are not given open.
     """
     if key in own or name == "polynomial":
         return False
@@ -186,7 +186,7 @@ def _is_zero(name: str, law: Law, own: Mapping[str, float], key: str) -> bool:
 
 
 def _end_jumps(law: Law, order: str) -> tuple[float, ...]:
-    """z of the ends at which f' ("v") or f'' ("a") is not the zero that the task wants."""
+    """z of the ends at which f' ("v") or f'' ("a") is not zero although the task requires it."""
     found = []
     for place, kind, end in zip((0.0, 1.0), ends_of(law.task), (law.start, law.end), strict=True):
         value = end.velocity if order == "v" else end.acceleration
@@ -196,10 +196,10 @@ def _end_jumps(law: Law, order: str) -> tuple[float, ...]:
 
 
 def _unbounded(law: Law, shocks: tuple[float, ...], jerks: tuple[float, ...]) -> frozenset[str]:
-    """Which quantities have no bound.
+    """The quantities that have no bound.
 
-    After a shock all but the velocity, after a jerk the jerk of the part that the jump borders on;
-    a law without parts has the extremes of the whole move.
+    With a shock all but the velocity, with a jerk the jerk of the part next to the jump; a law
+    without parts has the extremes of the whole move.
     """
     found: set[str] = set()
     after_shock = (QUANTITIES[1::2], QUANTITIES[2::2])

@@ -1,7 +1,7 @@
 """Double harmonic: f = (1 - cos pi z)/2 - (1 - cos 2 pi z)/8, from rest to turn and back.
 
 A gentle start into a turn, f''(1) = -pi^2, for moves that need no rest at the top (H. A. Rothbart,
-Cams, 1956). With s = sin(pi z/2) it is f = s^4, which keeps its digits at both ends.
+Cams, 1956). With s = sin(pi z/2), f = s^4, which keeps its digits at both ends.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from camgeo.motion.laws.law import Boundary, Law, Region, Values
 from camgeo.numeric.arrays import FloatArray
 
 JERK = 4.0 * math.pi**3
-"""More than |f'''| = pi^3 |s c (3 - 8 s^2)| anywhere."""
+"""An upper bound of |f'''| = pi^3 |s c (3 - 8 s^2)|."""
 
 
 def _turns() -> tuple[float, ...]:

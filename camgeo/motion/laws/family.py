@@ -21,16 +21,16 @@ COUNTED_FROM_END: Final = ("U-R", "U-G")
 
 @dataclass(frozen=True, slots=True)
 class Option:
-    """A parameter that a family has of its own, by which a scene and `camgeo laws` ask for it.
+    """A parameter specific to a family, as a scene and `camgeo laws` take it.
 
     Attributes
     ----------
     name : key of a scene, and of the command line.
-    symbol : what formulas and tables call it.
-    text : what it is, without the families that have it.
+    symbol : its name in formulas and tables.
+    text : its description, without the families that have it.
     schema : node of the JSON Schema that its values meet.
-    default : its value where nothing decides it.
-    always : whether it has that value wherever it is left out; else other values may decide it.
+    default : its value where nothing else decides it.
+    always : whether it has that value whenever it is omitted; else other values may decide it.
     """
 
     name: str
@@ -64,11 +64,11 @@ class Family:
     ----------
     name : as written in a scene.
     parameters : for each task that it is made for, the names of the parameters it takes.
-    make : task, parameters given -> law. All are numbers of names that it takes; whether they are
-        possible is its own to check.
-    parts : task, parameters given -> the two pulses and what they meet, for a law that has them.
-    options : those of its parameters that are neither the inflection point nor boundary values.
-    aliases : other names of it.
+    make : task, parameters given -> law. All names are ones that it takes and all values are
+        numbers; it checks whether they are possible.
+    parts : task, parameters given -> the two pulses and their end velocities; None for other laws.
+    options : its parameters that are neither the inflection point nor boundary values.
+    aliases : its other names.
     """
 
     name: str
@@ -98,8 +98,8 @@ def pulse_family(
 ) -> Family:
     """A family of two fixed pulses for each task, with the place of the inflection point.
 
-    It takes `inflection`, v0 and v1 where the task has constant velocity at that end, and, in place
-    of the inflection, a0 or a1 where the task turns there: the acceleration that is wanted.
+    It takes `inflection`, v0 and v1 where the task has constant velocity at that end, and, instead
+    of the inflection, a0 or a1 where the task turns there: the desired acceleration.
     """
 
     def parts(task: str, given: Given) -> Parts:
@@ -116,7 +116,7 @@ def pulse_family(
 def pulse_law(name: str, task: str, parts: Parts, given: Given, **also: float) -> Law:
     """The law of two pulses with the inflection that `given` states or that follows from it.
 
-    `also` are parameters that shaped the pulses, for the law to say.
+    `also` are the parameters that shaped the pulses, which the law lists with its own.
     """
     wanted = [key for key in ("inflection", "a0", "a1") if key in given]
     if len(wanted) > 1:
@@ -152,7 +152,7 @@ def inflection_at(task: str, stated: float) -> Decimal:
 
 
 def share(given: Given, option: Option) -> Decimal:
-    """A parameter that is a part of 1, and above 0 if its schema says so."""
+    """A parameter that is a fraction of 1, and above 0 if its schema requires that."""
     value = given.get(option.name, option.default)
     positive = option.schema["minimum"] > 0
     if not (SMALLEST <= value <= 1.0 or (value == 0.0 and not positive)):

@@ -1,4 +1,4 @@
-"""Laws of two pulses that have no parameters of their own but the inflection point.
+"""Laws of two pulses whose only parameter of their own is the inflection point.
 
 The sines are of the SCCA family, see `camgeo.motion.laws.pulse.sine_pulse`.
 """
@@ -31,7 +31,7 @@ QUARTIC = polynomial_pulse((0, 0, 4, -8, 5, -1))
 
 FAMILIES: Final[tuple[Family, ...]] = (
     # Quadratic parabola (Quadratische Parabel), VDI 2143-1 eqs. (24) to (29): constant
-    # acceleration, the least of all laws from rest to rest, with three jerks.
+    # acceleration, the smallest of all laws from rest to rest, with three jerks.
     pulse_family("quadratic-parabola", {"R-R": (CONSTANT, CONSTANT)}),
     # Simple sine (Einfache Sinuslinie), VDI 2143-1 eqs. (30) to (32) and section 6.3.2. From turn
     # to turn it is free of jerks; from rest to rest f'' jumps at both ends.

@@ -1,8 +1,8 @@
-"""What a motion law is: regions with one formula each, from z = 0 to z = 1.
+"""A motion law: regions with one formula each, from z = 0 to z = 1.
 
 z is the normalised cam angle, f the normalised lift (VDI 2143-1, eqs. 9 to 14). Each region is
 evaluated from the end it belongs to: from the start in z it gives f, from the end in w = 1 - z it
-gives g = 1 - f, so that neither is ever the difference of two nearly equal numbers.
+gives g = 1 - f, so that neither is a difference of two nearly equal numbers.
 """
 
 from __future__ import annotations
@@ -32,15 +32,15 @@ class Region:
     Attributes
     ----------
     start, end : in z.
-    formula : what gives the values. Regions that differ by `numbers` alone have equal ones, by
-        which a plan evaluates all of them at once. The near value is f, or, if `from_end`, g =
-        1 - f; derivatives are with respect to z in both cases.
-    numbers : (k,) what the formula takes beside z and w.
+    formula : what gives the values. Regions that differ only by `numbers` have equal formulas, so
+        that a plan evaluates all of them at once. The near value is f, or, if `from_end`,
+        g = 1 - f; derivatives are with respect to z in both cases.
+    numbers : (k,) the other arguments of the formula, after z and w.
     far : z, w -> the other one of f and g.
     jerk_bound : at least |f'''| everywhere in the region.
     from_end : which of the two the near value is.
     turns : gives all z inside the region at which one of f, f', f'', f''' and f' f'' may have an
-        extremum; others may be among them, in the region or beside it.
+        extremum; other values may be among them, inside or outside the region.
     """
 
     start: float
@@ -76,7 +76,7 @@ class Boundary:
 class Law:
     """A normalised motion law: f(0) = 0, f(1) = 1.
 
-    A pickle or copy of a law has its recipe alone, and makes the law again.
+    A pickle or copy of a law holds only its recipe, from which the law is made again.
 
     Attributes
     ----------
@@ -84,11 +84,11 @@ class Law:
     task : the motion task it is made for, "R-R" to "B-B", see `camgeo.motion.task`.
     regions : from z = 0 to z = 1 without gaps.
     borders : inner z at which f'', f''' or the fourth derivative jumps.
-    start, end : f', f'', f''' at z = 0 and at z = 1. An end that is no rest by its task but of the
-        class R has 0 here; a straight line from rest to rest has not, and starts with a shock.
+    start, end : f', f'', f''' at z = 0 and at z = 1. An end of the class R has 0 here, but
+        not that of a straight line from rest to rest, which starts with a shock.
     inflection : z at which the accelerating part ends and the decelerating one begins; None for
         laws without parts.
-    parameters : what it was made of, by the names that `make_law` takes.
+    parameters : the parameters it was made with, by the names that `make_law` takes.
     recipe : the function of a module that makes it, and its arguments; every law of a family has
         one, see `camgeo.motion.laws.law_of`.
     """

@@ -1,8 +1,8 @@
 """Polynomials of given boundary values, for every motion task.
 
 `polynomial-5` meets velocity and acceleration at both ends (VDI 2143-1 section 6.4, eqs. (131) to
-(150), and its kin in 6.7, 6.9 and 6.10), `polynomial-7` the jerk as well. `polynomial` meets what
-is given and nothing else, with the least degree that can. Any of them may overshoot.
+(150), and its kin in 6.7, 6.9 and 6.10), `polynomial-7` the jerk as well. `polynomial` meets only
+what is given, with the lowest degree possible. Any of them may overshoot.
 """
 
 from __future__ import annotations

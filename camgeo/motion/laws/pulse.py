@@ -1,8 +1,8 @@
 """Pulses of acceleration: the shape of one part of a law, from a border to the inflection point.
 
 x runs from 0 at the border of the move to 1 at the inflection point, where the acceleration ends at
-zero. Two pulses make a law, see `camgeo.motion.laws.two_pulses`; all laws of VDI 2143-1 but the
-straight line and the polynomials of given boundary values are made of them.
+zero. Two pulses make a law, see `camgeo.motion.laws.two_pulses`; all laws of VDI 2143-1 except the
+straight line and the polynomials of given boundary values consist of them.
 
 With a(x) the acceleration, v and p its first and second integral from x = 0, and q(r) its second
 integral backwards from the inflection point, r = 1 - x.
@@ -33,24 +33,24 @@ from camgeo.numeric.polynomial import (
 PI: Final = Decimal("3.14159265358979323846264338327950288419716939937510582097494459")
 
 DIGITS: Final = Context(prec=50)
-"""Constants and amplitudes are worked out with so many digits and rounded once."""
+"""Constants and amplitudes are computed with this many digits and rounded once."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Stretch:
-    """A part of a pulse with one formula; laws of one pulse share it.
+    """A part of a pulse with one formula; laws with the same pulse share it.
 
     Attributes
     ----------
     start, end : in x, with 50 digits.
     formula : u (n,) -> (4, n) p, v, a, a', with u = x - start, or u = end - x if `from_end`.
-    from_end : from which end u is counted: where a value has a zero there, it is exact to its last
-        digits only if u is.
+    from_end : from which end u is counted: a value that vanishes at an end is exact to its last
+        digits only if u is counted from there.
     back : r (n,) -> q (n,).
     jerk : largest |a'|.
     turns : b, s -> all x inside at which b + s v or one of its integral, a, a' and (b + s v) a may
-        have an extremum; others may be among them.
-    continues : whether the function of the stretch before goes on in it.
+        have an extremum; other values may be among them.
+    continues : whether the function of the preceding stretch continues in it.
     """
 
     start: Decimal
@@ -87,7 +87,7 @@ class Pulse:
 
     @property
     def ends_straight(self) -> bool:
-        """Whether it ends with a stretch without acceleration."""
+        """Whether the pulse ends with a stretch without acceleration."""
         return self.stretches[-1].jerk == 0.0 and self.end == 0.0
 
 
@@ -97,10 +97,10 @@ def sine_pulse(sine: Decimal, constant: Decimal, cosine: Decimal) -> Pulse:
 
     Parameters
     ----------
-    sine, constant, cosine : shares of the length; none is negative, they add up to more than 0 and
-        at most 1. What they leave of 1 runs without acceleration.
+    sine, constant, cosine : shares of the length; none is negative, and they add up to more than 0
+        and at most 1. The remainder runs without acceleration.
 
-    VDI 2143-1 has it in eqs. (24) to (32), (36) to (65), (95) to (119), (151) to (192) and (207)
+    VDI 2143-1 gives it in eqs. (24) to (32), (36) to (65), (95) to (119), (151) to (192) and (207)
     to (218); R. L. Norton, Cam Design and Manufacturing Handbook, calls the family SCCA.
     """
     with localcontext(DIGITS):
@@ -152,7 +152,7 @@ class _Shares:
 
     @property
     def before_cosine(self) -> tuple[Decimal, Decimal]:
-        """Velocity and position still to come where the cosine starts, without the velocity then.
+        """Velocity and position still to come where the cosine starts, without its velocity.
 
         These are the integrals backwards, q and its derivative.
         """
@@ -161,7 +161,7 @@ class _Shares:
 
     @property
     def before_constant(self) -> tuple[Decimal, Decimal]:
-        """The same where the constant starts."""
+        """As `before_cosine`, where the constant starts."""
         w, q = self.before_cosine
         return w + self.constant, q + w * self.constant + self.constant**2 / 2
 

@@ -1,7 +1,7 @@
 """SCCA laws: sine, constant, cosine acceleration, one family with two shares.
 
-Of the half span, `sine` (b) is a quarter of a sine, `cosine` (d) a quarter of a cosine, and what is
-left constant acceleration (R. L. Norton, Cam Design and Manufacturing Handbook, section 3.7):
+Of the half span, `sine` (b) is a quarter of a sine, `cosine` (d) a quarter of a cosine, and the
+remainder constant acceleration (R. L. Norton, Cam Design and Manufacturing Handbook, section 3.7):
 b = 1/4, d = 1/4 is the modified trapezoid, 1/4 and 3/4 the modified sine, 1/2 and 1/2 the inclined
 sine, 0 and 0 the parabola, 0 and 1 the simple sine. `curved` (c) below 1 gives the variants with
 constant velocity: the acceleration is squeezed into the outer c of the span, the middle 1 - c runs
@@ -32,10 +32,10 @@ COSINE = Option(
     default=0.75,
 )
 OPTIONS = (SINE, COSINE, CURVED)
-"""The modified sine, where nothing is given."""
+"""The modified sine, if nothing is given."""
 
 ROUNDING = Decimal("1e-15")
-"""What two shares that are meant to add up to 1, 0.1 and 0.9, miss of it as doubles."""
+"""Rounding of the sum of two shares that add up to 1 as decimals, such as 0.1 and 0.9."""
 
 
 def _shares(given: Given) -> tuple[Decimal, Decimal, Decimal]:

@@ -20,7 +20,7 @@ LEAST = math.pi**2 / 4.0
 """Least value of a0 |a1|/(a0 + |a1|), that of the simple sine."""
 
 OWN_CURVED = replace(CURVED, default=0.5, always=False)
-"""c where neither it nor two accelerations are given, as in the guideline's Tafel 3."""
+"""The value of c if neither it nor two accelerations are given, as in the guideline's Tafel 3."""
 
 
 def _make(task: str, given: Given) -> Law:

@@ -1,6 +1,6 @@
 """Straight line (Gerade), VDI 2143-1 eqs. (21) to (23): constant velocity, a shock at both ends.
 
-As a segment between others it sets the velocity of its neighbours' ends.
+As a segment between others it determines the velocity at the ends of its neighbours.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ def _from_end(z: FloatArray, w: FloatArray, _: Any) -> Values:
 
 
 def _make(task: str, given: Given) -> Law:
-    inflection_at(task, given.get("inflection", 0.5))  # nothing bends, so nothing shifts
+    inflection_at(task, given.get("inflection", 0.5))  # a straight line has no inflection to shift
     return Law(
         name="straight-line",
         task=task,

@@ -1,9 +1,9 @@
 """Polynomials through boundary values: f(0) = 0, f(1) = 1 and any of f', f'', f''' at both ends.
 
 VDI 2143-1, section 6.4 (eqs. (131) to (150)) gives the quintic with f' and f'' at both ends; this
-is the polynomial of least degree for any choice of the six values. The coefficients are rational in
-the boundary values and are worked out exactly; the polynomial and its derivatives are evaluated in
-Bernstein's form, whose coefficients are rounded once.
+is the polynomial of lowest degree for any choice of the six values. The coefficients are rational
+in the boundary values and are computed exactly; the polynomial and its derivatives are evaluated in
+Bernstein form, whose coefficients are rounded once.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 
 
 ORDERS: Final = {"v": 1, "a": 2, "j": 3}
-"""Order of the derivative that each letter of a boundary value's name stands for."""
+"""Order of the derivative for each letter in the names of boundary values."""
 
 
 def law_of_boundary_values(
@@ -45,18 +45,18 @@ def law_of_boundary_values(
     parameters: Mapping[str, float],
     rise: float = 1.0,
 ) -> Law:
-    """The polynomial of least degree with these boundary values.
+    """The polynomial of lowest degree with these boundary values.
 
     Parameters
     ----------
     values : derivatives at z = 0 and at z = 1 by their names, "v0" to "j1".
-    parameters : what the law shall say it was made of.
-    rise : f(1), if it is not normalised; then all values are in the unit of the rise.
+    parameters : the parameters that the law lists as its own.
+    rise : f(1) if the polynomial is not normalised; then all values are in the unit of the rise.
 
     Raises
     ------
     GeometryError
-        If the values given do not determine a polynomial: one of f''' alone, for instance.
+        If the given values do not determine a polynomial, as f''' alone.
     """
     start, end = (
         {ORDERS[key[0]]: value for key, value in values.items() if key[1] == side} for side in "01"
@@ -150,11 +150,11 @@ def _undetermined() -> GeometryError:
 
 @dataclass(frozen=True, slots=True)
 class _Half:
-    """A half of the range, from the end it belongs to.
+    """A half of the range, counted from its own end.
 
     Attributes
     ----------
-    size : coefficients of the near value; each derivative has one less, and one at least.
+    size : coefficients of the near value; each derivative has one less, but at least one.
     """
 
     size: int
@@ -176,7 +176,7 @@ def _regions(
     left: tuple[float, ...],
     derivatives: list[tuple[float, ...]],
 ) -> tuple[Region, Region]:
-    """Both halves, from the coefficients of f in powers of z, and of all in Bernstein's form."""
+    """Both halves, from the coefficients of f in powers of z; and all Bernstein coefficients."""
     third = derivative(derivative(derivative(powers)))
     formula = _Half(len(powers))
 

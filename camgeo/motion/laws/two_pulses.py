@@ -7,8 +7,8 @@ A = C_a and B = -C_a* follow from f and f' being continuous at lambda (VDI 2143-
 
     V1 l1 A - V2 l2 B = v1 - v0          P1 l1^2 A + P2 l2^2 B = 1 - l1 v0 - l2 v1
 
-with V, P the velocity and the position at the end of a pulse. f'' is continuous at lambda, for a
-pulse ends at zero there.
+with V, P the velocity and the position at the end of a pulse. f'' is continuous at lambda, because
+each pulse ends at zero there.
 """
 
 from __future__ import annotations
@@ -29,12 +29,12 @@ from camgeo.numeric.arrays import FloatArray
 HALF = Decimal("0.5")
 
 STILL = 8
-"""Numbers that a part needs of which the border is at rest; those of its velocity come behind."""
+"""Numbers of a part whose border is at rest; those of a velocity at the border follow them."""
 
 
 @dataclass(frozen=True, slots=True)
 class Parts:
-    """The two parts of a law and what it meets at its ends, before the place of the inflection.
+    """The two parts of a law and its end velocities, before the inflection point is placed.
 
     Attributes
     ----------
@@ -78,7 +78,7 @@ class Parts:
         Raises
         ------
         GeometryError
-            If there is no lambda in (0, 1); it tells which accelerations there are.
+            If there is no lambda in (0, 1); the message states which accelerations are possible.
         """
         with localcontext(DIGITS):
             b = -Decimal(acceleration)
@@ -97,7 +97,8 @@ class Parts:
             return roots[0]
 
     def reach(self) -> tuple[float, bool]:
-        """The bound of f''(1), and if it lies above it, for a second pulse that starts at its peak.
+        """The bound of f''(1), and whether f''(1) lies above it, for a second pulse that starts at
+        its peak.
 
         f''(1) runs from the bound, at lambda = 0, to infinity, at 1.
         """
@@ -106,7 +107,7 @@ class Parts:
         return -float((1 - v1) / self.second.position), grows <= 0
 
     def _out_of_reach(self, acceleration: float) -> GeometryError:
-        """Why there is no lambda."""
+        """The error for an acceleration that no lambda gives."""
         bound, above = self.reach()
         side = "above" if above else "below"
         return GeometryError(
@@ -122,7 +123,7 @@ class Parts:
         Raises
         ------
         GeometryError
-            If there is none: the smaller of the two is least where lambda reaches 0 or 1.
+            If there is none: the smaller of the two is least as lambda reaches 0 or 1.
         """
         with localcontext(DIGITS):
             v0, v1 = Decimal(self.v0), Decimal(self.v1)
@@ -156,7 +157,7 @@ def law_of_two_pulses(
 ) -> Law:
     """The law of two pulses with its inflection point at z = `inflection`, inside (0, 1).
 
-    `parameters` is what the law shall say it was made of.
+    `parameters` are those that the law lists as its own.
     """
     a, b = parts.amplitudes(inflection)
     with localcontext(DIGITS):
@@ -166,8 +167,8 @@ def law_of_two_pulses(
         speed = float(Decimal(parts.v0) + a * l1 * parts.first.velocity)
         symmetric = parts.first is parts.second and l1 == l2 and a == b
     lengths = float(l1), float(l2)
-    # Distances from the inflection point are taken from the length that is a double; from the
-    # shorter one if both are or neither is, so that the mirror image takes the same.
+    # Distances from the inflection point are based on the length that is exactly a double,
+    # or on the shorter one if both or neither are, so that the mirror image uses the same.
     exact = l1 == Decimal(lengths[0]), l2 == Decimal(lengths[1])
     kept = l1 <= l2 if exact[0] == exact[1] else exact[0]
     middle = lengths[0] if kept else 1.0 - lengths[1]
@@ -208,9 +209,10 @@ class _Part:
     amplitude : A or B.
     base : f' at the border.
     speed : f' at the inflection point.
-    reached : near value (f or g of the part) at the inflection point, and what is then to come.
+    reached : near value (f or g of the part) at the inflection point, and what remains after it.
     middle : z of the inflection point.
-    kept : whether the inflection point lies at y = its own length exactly, else at the other one's.
+    kept : whether the inflection point is placed exactly by the length of this part, else by that
+        of the other.
     """
 
     pulse: Pulse
@@ -247,10 +249,10 @@ class _Part:
             return float(1 - y if from_end else y)
 
     def _count(self, stretch: Stretch, *, from_end: bool) -> tuple[float, float, float, float]:
-        """The numbers of `_place_in` for the u of a stretch, exact to the last digits at its zero.
+        """The numbers of `_place_in` for the u of a stretch, exact to the last digits where u is 0.
 
-        Whether it is counted in w, from where, with what that leaves of 50 digits, and the length
-        that is 1, negative where u falls along that way.
+        Whether u is counted in w, from where (with the rest of its 50 digits), and the length of u
+        = 1, negative where u falls in that direction.
         """
         if stretch.from_end and stretch.end == 1:
             return self._count_back(from_end=from_end)
@@ -274,8 +276,8 @@ class _Part:
         to_lift = to_speed * length
         to_jerk = self.amplitude / length
         far_at = self.reached[1]
-        # Where base and acceleration work against each other, the lift is counted from the
-        # inflection point: the two sums would cancel there.
+        # Where velocity at the border and acceleration have opposite signs, the lift is
+        # counted from the inflection point: the two terms would cancel there.
         from_middle = stretch.from_end and base * self.amplitude < 0.0
         formula = _Run(stretch, moves=base != 0.0, from_middle=from_middle)
         numbers = np.array((
@@ -307,7 +309,7 @@ class _Part:
 
 @dataclass(frozen=True, slots=True)
 class _Run:
-    """How a stretch of a pulse runs in a law, the numbers of which tell where and how fast.
+    """The formula of a stretch of a pulse in a law; its numbers give its place and speed.
 
     Attributes
     ----------
@@ -332,7 +334,7 @@ class _Run:
         return values
 
     def to_inflection(self, z: FloatArray, w: FloatArray, numbers: Any) -> FloatArray:
-        """The way (n,) to the inflection point."""
+        """The distance (n,) to the inflection point."""
         length, speed = numbers[11:13]
         r = _place_in(z, w, *numbers[13:])
         way: FloatArray = length * r * speed - numbers[4] * self.stretch.back(r)

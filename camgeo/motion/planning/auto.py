@@ -1,4 +1,4 @@
-"""`law = "auto"`: the law of a move by its task and by what is to be kept small."""
+"""`law = "auto"`: the law of a move, chosen by its task and the quantities to keep small."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from camgeo.motion.laws.law import Law
 DEFAULT: Mapping[str, float] = {"acceleration": 1.0}
 
 SLACK = 1e-9
-"""A boundary value is met if it is off by no more than this part of the largest one."""
+"""A boundary value is met if its error is at most this fraction of the largest one."""
 
 TIE = 1e-9
-"""Costs that differ by less than this part are equal: where a turn decides the acceleration, many
-laws have no larger one."""
+"""Costs that differ by less than this fraction are equal: where a turn decides the acceleration,
+many laws share it."""
 
 RUNS_BACK = 1e-9
 """A law overshoots if it leaves [0, 1] by more than this."""
@@ -35,17 +35,17 @@ def best_law(
     ----------
     task : "R-R" to "B-B".
     known : boundary values, normalised, "v0" to "a1".
-    parameters : parameters stated by the designer; a family that does not take them is passed over.
+    parameters : parameters stated by the designer; a family that does not take them is skipped.
     optimise : weights of velocity, acceleration, jerk, moment; each value counts as a multiple of
-        the smallest that any law has. Empty: the acceleration.
+        the smallest that any law has. If empty, the acceleration alone.
 
-    Laws that overshoot are taken only if all do. Of equal ones the first registered wins.
+    A law that overshoots is chosen only if all do. Of equal laws the first registered wins.
     """
     found = [law for name in FAMILIES for law in _candidates(name, task, known, parameters)]
     rated = [(law, characteristic(law)) for law in found]
     if not rated:
         raise GeometryError(
-            f"no law for {task} with {_told(parameters)} meets the velocity and the acceleration at"
+            f"no law for {task} with {_stated(parameters)} meets velocity and acceleration at"
             " both its ends; leave those out, or name a law, which then decides how sharply the"
             " motion turns",
             key=next(iter(parameters), "law"),
@@ -118,5 +118,5 @@ def _overshoots(values: Characteristic) -> bool:
     return values.lift.value > 1.0 + RUNS_BACK or values.least_lift.value < -RUNS_BACK
 
 
-def _told(parameters: Mapping[str, float]) -> str:
+def _stated(parameters: Mapping[str, float]) -> str:
     return ", ".join(f"{key} = {value:g}" for key, value in parameters.items()) or "none stated"

@@ -1,4 +1,4 @@
-"""From settled joints to segments: the law that each move asks for, normalised and made."""
+"""From settled joints to segments: the law that each move requests, normalised and built."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ from camgeo.motion.planning.chain import Chain, Link
 from camgeo.motion.planning.request import MoveRequest
 
 MISSED = 1e-9
-"""Part of its size by which a stated value may be missed, from rounding."""
+"""Relative error of a stated value that counts as rounding."""
 
 GENTLEST = 1.0 - 1e-9
-"""c of a sine-straight combination that may turn a little more gently still, by rounding."""
+"""c of a sine-straight combination, which may turn slightly more gently still, by rounding."""
 
 
 def named_law(chain: Chain, number: int, task: str) -> Law:
@@ -28,7 +28,7 @@ def named_law(chain: Chain, number: int, task: str) -> Law:
     Raises
     ------
     GeometryError
-        With the key of the segment, if there is no such law; it names the value that would do.
+        With the key of the segment, if there is no such law; it states which value would do.
     """
     link = chain.links[number]
     request = link.request
@@ -92,7 +92,7 @@ def _scaled(chain: Chain, number: int, unit: float) -> dict[str, float]:
 def _needed(
     chain: Chain, number: int, taken: tuple[str, ...], known: dict[str, float]
 ) -> list[str]:
-    """Boundary values that a law is to be told, of those it takes."""
+    """The boundary values that a law is given, of those it takes."""
     request = chain.links[number].request
     assert isinstance(request, MoveRequest)
     ends = {"0": chain.before(number), "1": chain.after(number)}
@@ -122,14 +122,14 @@ def _check_stated(chain: Chain, number: int, law: Law) -> None:
             if abs(found - wanted) > MISSED * max(abs(found), abs(wanted), abs(unit)):
                 raise GeometryError(
                     f"cannot be met by {law.name} for {law.task} of {link.key}, whose {name} there"
-                    f" is {chain.unit.told(found, order)}; polynomial-5 and auto meet any",
+                    f" is {chain.unit.text(found, order)}; polynomial-5 and auto meet any",
                     key=f"{joint.key}.{name}",
-                    value=chain.unit.told(wanted, order),
+                    value=chain.unit.text(wanted, order),
                 )
 
 
 def law_without_stroke(chain: Chain, number: int, name: str) -> Law:
-    """A move that ends where it starts, a polynomial of its own size [mm or rad]."""
+    """A move that ends where it starts: a polynomial with a scale of its own [mm or rad]."""
     values = _scaled(chain, number, 1.0)
     if name == "polynomial-5":
         values = {key: value for key, value in values.items() if key[0] != "j"}
@@ -141,7 +141,7 @@ def law_without_stroke(chain: Chain, number: int, name: str) -> Law:
 
 @contextmanager
 def keyed(link: Link) -> Iterator[None]:
-    """Errors get the key of the segment that asks for it; "law" where they have none."""
+    """Errors get the key of the segment that requests the law; "law" where they have none."""
     try:
         yield
     except GeometryError as error:
@@ -155,7 +155,8 @@ def keyed(link: Link) -> Iterator[None]:
 def _out_of_reach(
     chain: Chain, number: int, family: Family, task: str, given: dict[str, float]
 ) -> GeometryError | None:
-    """Why a law cannot have the acceleration a0 or a1 of `given`; None if it can, or takes none.
+    """The reason why a law cannot have the acceleration a0 or a1 of `given`; None if it can, or
+    takes neither.
 
     The acceleration at a turn runs from a bound, which it has where the other part of the law takes
     no time, to infinity, where its own part takes none (see `camgeo.motion.laws.two_pulses`).
@@ -181,20 +182,20 @@ def _out_of_reach(
     link = chain.links[number]
     joint = chain.before(number) if key == "a0" else chain.after(number)
     physical = link.stroke / link.length**2
-    told = chain.unit.told
+    text = chain.unit.text
     side = "above" if above == (link.stroke > 0.0) else "below"
     place = "starts" if key == "a0" else "ends"
     message = (
-        f"over {math.degrees(link.length):.6g} degrees and {told(link.stroke)},"
+        f"over {math.degrees(link.length):.6g} degrees and {text(link.stroke)},"
         f" {family.name} for {task} {place} with an acceleration {side}"
-        f" {told(bound * physical, 2)}, here it meets {told(ends[key] * physical, 2)};"
+        f" {text(bound * physical, 2)}, here it meets {text(ends[key] * physical, 2)};"
         " polynomial-5 and auto meet any"
     )
     stated = "acceleration" in joint.stated
     return GeometryError(
         message,
         key=f"{joint.key}.acceleration" if stated else f"{link.key}.law",
-        value=told(ends[key] * physical, 2) if stated else family.name,
+        value=text(ends[key] * physical, 2) if stated else family.name,
     )
 
 

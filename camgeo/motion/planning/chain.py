@@ -1,4 +1,4 @@
-"""The segments of a turn in a ring, with the joints between them: what planning works on.
+"""The segments of a turn in a ring, with the joints between them, which planning works on.
 
 Segment k lies between joint k and joint k + 1; the last joint is the first. What is known of a
 joint is filled in step by step, by the modules of this package in turn.
@@ -26,7 +26,7 @@ from camgeo.motion.planning.request import (
 from camgeo.motion.task import ENDS, End
 
 ROUNDING = 1e-12
-"""Part of a table's largest lift below which its last position counts as 0."""
+"""Fraction of a table's largest lift below which its last position counts as 0."""
 
 STRAIGHT = "straight-line"
 
@@ -35,7 +35,7 @@ TAKE_JERK = tuple(
     for name, family in FAMILIES.items()
     if any({"j0", "j1"} & {*taken} for taken in family.parameters.values())
 )
-"""Laws that meet a jerk."""
+"""Laws that meet a stated jerk."""
 
 
 @dataclass(slots=True)
@@ -46,7 +46,7 @@ class Joint:
     ----------
     position : [mm or rad].
     classes : the classes of motion task that it can still have.
-    velocity, acceleration, jerk : s', s'', s''' [per rad^k]; None while not known.
+    velocity, acceleration, jerk : s', s'', s''' [per rad^k]; None while unknown.
     stated : which of them the designer states.
     key : of the segment that states them, for messages.
     rests : whether the motion rests on one side, or for a moment.
@@ -85,7 +85,7 @@ class Link:
     Attributes
     ----------
     number : of the request, from 0.
-    request : what is asked.
+    request : of the segment.
     length : of its span [rad].
     stroke : from its start to its end [mm or rad].
     """
@@ -149,17 +149,18 @@ class Chain:
 
 
 def chain_of(requests: Sequence[Request], unit: Unit) -> Chain:
-    """The chain of `requests`; segments of no length are gone, but a rest of none leaves its rest.
+    """The chain of `requests`; segments of zero length are dropped, but a rest of zero length keeps
+    its joint at rest.
 
     Raises
     ------
     GeometryError
-        If a joint is given values that cannot be, a velocity at a rest or a jerk that the law does
-        not meet; if the last position is not the first one.
+        If a joint is given impossible values, a velocity at a rest or a jerk that the law does not
+        meet; if the last position is not the first one.
     """
     links: list[Link] = []
     joints: list[Joint] = []
-    moments: set[int] = set()  # joints at which a rest of no length lies
+    moments: set[int] = set()  # joints at which a rest of zero length lies
     position = 0.0
     for number, request in enumerate(requests):
         start = position
@@ -176,7 +177,7 @@ def chain_of(requests: Sequence[Request], unit: Unit) -> Chain:
         joints.append(Joint(start))
     if position != 0.0:
         raise GeometryError(
-            f"the motion starts at 0 and ends at {unit.told(position)}, it does not close after one"
+            f"the motion starts at 0 and ends at {unit.text(position)}, it does not close after one"
             " turn; the last move must return to 0",
             key="motion",
         )
@@ -193,7 +194,7 @@ def chain_of(requests: Sequence[Request], unit: Unit) -> Chain:
 
 
 def _after_table(start: float, request: TableRequest) -> float:
-    """The position behind a table; 0 where only rounding is left of it."""
+    """The position at the end of a table; 0 where it is mere rounding."""
     end = start + request.rise
     size = float(np.max(np.abs(request.lifts)))
     return 0.0 if abs(end) <= ROUNDING * size else end
@@ -223,7 +224,7 @@ def _rest(joint: Joint, unit: Unit) -> None:
             raise GeometryError(
                 "must be 0 at the end of a move that meets a rest (or be left out)",
                 key=f"{joint.key}.{name}",
-                value=unit.told(getattr(joint, name), order),
+                value=unit.text(getattr(joint, name), order),
             )
     joint.rests = True
     joint.velocity = joint.acceleration = 0.0

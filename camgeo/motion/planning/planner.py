@@ -1,4 +1,4 @@
-"""From what is asked to a motion plan: classes, values, laws, in this order."""
+"""From requests to a motion plan: classes, values and laws, in this order."""
 
 from __future__ import annotations
 
@@ -27,23 +27,23 @@ from camgeo.motion.spans import joints_of
 from camgeo.numeric import checked
 
 PLAIN: Final = Unit()
-"""No unit: values are told as they are, per radian."""
+"""No unit: messages state values as they are, per radian."""
 
 
 def plan_motion(requests: Sequence[Request], unit: Unit = PLAIN) -> MotionPlan:
     """The motion plan of `requests`, in the order of the cam angle, over one turn.
 
     Joints get the values that are stated; a rest or a straight line on one side decides the rest.
-    A turn has the acceleration that a law beside it can have, where there is no choice. What is
-    still open becomes as smooth as can be, see `camgeo.motion.planning.values`.
+    A turn has the acceleration that a neighbouring law requires, where there is no choice. What is
+    still open is chosen as smooth as possible, see `camgeo.motion.planning.values`.
 
-    `unit` is what messages tell positions in.
+    `unit` is the unit of positions in messages.
 
     Raises
     ------
     GeometryError
-        With the key of the segment: if the laws cannot join, a law does not exist with the values
-        that it meets, or the segments make no turn (see `MotionPlan`).
+        With the key of the segment: if the laws cannot join, no law exists with the required
+        values, or the segments do not make a turn (see `MotionPlan`).
     """
     _check_spans(requests)
     chain = chain_of(requests, unit)
@@ -58,7 +58,7 @@ def plan_motion(requests: Sequence[Request], unit: Unit = PLAIN) -> MotionPlan:
 
 
 def _check_spans(requests: Sequence[Request]) -> None:
-    """What `MotionPlan` checks of spans, before anything is planned on them."""
+    """The checks of `MotionPlan` on spans, before anything is planned with them."""
     kinds = (Dwell, MoveRequest, PointsRequest, TableRequest)
     for number, request in enumerate(checked.instances("motion", requests, kinds, "requests")):
         if request.span == 0 and not isinstance(request, Dwell):

@@ -1,4 +1,4 @@
-"""What is asked of each segment of a motion plan, before the joints are settled."""
+"""The requests for the segments of a motion plan, before the joints are settled."""
 
 from __future__ import annotations
 
@@ -17,16 +17,16 @@ from camgeo.numeric import checked
 from camgeo.pickled import Pickled
 
 AUTO: Final = "auto"
-"""The law that picks a law."""
+"""The law name that lets the planner choose."""
 
 CRITERIA: Final = ("velocity", "acceleration", "jerk", "moment")
-"""What `AUTO` can be told to keep small."""
+"""The quantities that `AUTO` can keep small."""
 
 NOTHING: Final[Mapping[str, float]] = MappingProxyType({})
 
 SMALLEST_POSITION: Final = 1e-32
-"""Smallest position [mm or rad] that is not 0, a scene's 1e-30 degrees; with less, velocities of up
-to 1e12 as parts of the stroke are beyond what a double can hold when they are multiplied."""
+"""Smallest position [mm or rad] other than 0, a scene's 1e-30 degrees; below it, products of
+velocities of up to 1e12 strokes exceed what a double can hold."""
 
 
 def _position(key: str, value: Any) -> float:
@@ -55,11 +55,11 @@ Balance = Annotated[str, partial(checked.one_of, choices=("", *BALANCES))]
 
 @dataclass(frozen=True, slots=True)
 class Unit:
-    """The unit of position that messages are told in.
+    """The unit of position in messages.
 
     Attributes
     ----------
-    name : "mm", "inch" or "deg"; empty where it is not known.
+    name : "mm", "inch" or "deg"; empty if unknown.
     size : of one such unit [mm or rad].
     """
 
@@ -69,8 +69,8 @@ class Unit:
     def __post_init__(self) -> None:
         checked.check_fields(self)
 
-    def told(self, value: float, order: int = 0) -> str:
-        """A position, or its derivative of that order, in words."""
+    def text(self, value: float, order: int = 0) -> str:
+        """A position, or its derivative of that order, as text with its unit."""
         number = f"{value / self.size + 0.0:.6g}"
         if not order:
             return f"{number} {self.name}".strip()
@@ -91,8 +91,8 @@ class MoveRequest(Pickled):
     velocity, acceleration, jerk : s', s'', s''' at the end of the move, with respect to the cam
         angle [per rad^k]; None where they follow from the neighbours.
     optimise : weights of `CRITERIA`, for `AUTO`.
-    balance : the quantity that shall be equally large before and behind the inflection point, in
-        place of the parameter inflection; see `camgeo.motion.laws.balance`. Empty for none.
+    balance : the quantity that must be equally large before and after the inflection point, in
+        place of the parameter inflection; see `camgeo.motion.laws.balance`. May be empty.
     """
 
     span: MovingSpan
@@ -173,7 +173,7 @@ class TableRequest(Pickled):
 
     @property
     def rise(self) -> float:
-        """Way from the start of the segment to its end [mm or rad]; a whole turn closes."""
+        """Lift from the start of the segment to its end [mm or rad]; a whole turn closes."""
         if self.span == FULL_TURN:
             return 0.0
         return float(self.lifts[-1] - self.lifts[0])

@@ -1,4 +1,4 @@
-"""Lift tables in a plan: the spline of each, and what it makes of the joints beside it."""
+"""Lift tables in a plan: the spline of each, and the values it gives to its joints."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ from camgeo.motion.spline import Spline
 from camgeo.numeric.arrays import FloatArray
 
 CLOSED = 1e-9
-"""Part of the largest lift by which the last row of a turn may miss the first one."""
+"""Fraction of the largest lift by which the last row of a turn may miss the first one."""
 
 
 def settle_tables(chain: Chain) -> None:
-    """Let every table tell its joints what is not stated: its own velocity and acceleration."""
+    """Give the joints of every table its own velocity and acceleration where none is stated."""
     for number, link in enumerate(chain.links):
         if not isinstance(link.request, TableRequest) or len(chain.links) == 1:
             continue
@@ -48,7 +48,7 @@ def fit(chain: Chain, number: int) -> SplineMove:
 
 
 def _fitted(chain: Chain, number: int, request: TableRequest) -> tuple[Spline, FitReport]:
-    """The spline over the parts of the span, and how far it is from the rows."""
+    """The spline over the normalised span, and its deviation from the rows."""
     link = chain.links[number]
     shares, lifts = request.shares, request.lifts - request.lifts[0]
     try:
@@ -75,7 +75,7 @@ def _fitted(chain: Chain, number: int, request: TableRequest) -> tuple[Spline, F
 
 
 def _closed(shares: FloatArray, lifts: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """The rows of a turn, which may lack the closing one, with it."""
+    """The rows of a turn, with the closing one added if missing."""
     if shares[-1] < 1.0:
         return np.append(shares, 1.0), np.append(lifts, 0.0)
     gap = CLOSED * float(np.max(np.abs(lifts)))

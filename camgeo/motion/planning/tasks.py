@@ -1,9 +1,9 @@
-"""Which motion task each move has: the class of every joint, from what is stated and what laws can.
+"""The motion task of each move: the class of every joint, from stated values and allowed laws.
 
-A law family is made for some pairs of classes; a joint's class must suit both its sides. The
-classes that do not fit are struck out until nothing changes; where several remain, the one is taken
-that asks least of the designer: a rest if a law named there can only join at rests, else a turn
-where the motion turns back and a general motion where it goes on.
+A law family is made for some pairs of classes; a joint's class must suit both sides. Classes that
+do not fit are eliminated until nothing changes; where several remain, the one that demands least of
+the designer is chosen: a rest if a law named there can only join at rests, else a turn where the
+motion turns back and a general motion where it continues.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from camgeo.motion.planning.request import AUTO, MoveRequest, PointsRequest
 from camgeo.motion.task import NAMES, TASKS, End, end_of
 
 FREE: Final = (AUTO, "polynomial-5", "polynomial-7", "polynomial")
-"""Laws that can join to anything; between two of them the joint is as smooth as can be."""
+"""Laws that can join to anything; between two of them the joint is as smooth as possible."""
 
 ORDER: Final[tuple[End, ...]] = ("R", "U", "G", "B")
 
@@ -26,18 +26,18 @@ LEGEND: Final = ", ".join(f"{end} {NAMES[end]}" for end in ORDER)
 
 
 def settle_straight_lines(chain: Chain) -> None:
-    """Give the joints beside a straight line its velocity; a rest beside one stays a rest.
+    """Give the joints of a straight line its velocity; a rest next to one stays a rest.
 
     Raises
     ------
     GeometryError
-        If a value that is stated there contradicts it.
+        If a value stated there contradicts it.
     """
     for number, joint in enumerate(chain.joints):
         before, after = chain.around(number)
         if joint.rests:
             if before.straight and before.stroke and "velocity" in joint.stated:
-                raise _contradiction(joint, "velocity", chain.unit.told(before.speed, 1))
+                raise _contradiction(joint, "velocity", chain.unit.text(before.speed, 1))
             continue
         for link in (before, after):
             if link.straight:
@@ -46,12 +46,13 @@ def settle_straight_lines(chain: Chain) -> None:
 
 
 def settle_tasks(chain: Chain) -> None:
-    """Give every joint of `chain` one class, and velocity or acceleration 0 where it says so.
+    """Give every joint of `chain` one class, and velocity or acceleration 0 where the class
+    requires it.
 
     Raises
     ------
     GeometryError
-        If the laws named cannot join: it names laws that could.
+        If the named laws cannot join; the message names laws that could.
     """
     for number in range(len(chain.joints)):
         _from_values(chain, number)
@@ -82,7 +83,7 @@ def is_free(link: Link) -> bool:
 
 
 def _tasks(link: Link) -> set[str] | None:
-    """The tasks that a segment can have; None if it takes whatever there is."""
+    """The tasks that a segment can have; None if it can have any."""
     request = link.request
     if not isinstance(request, MoveRequest) or link.straight or is_free(link):
         return None
@@ -100,7 +101,7 @@ def _tasks(link: Link) -> set[str] | None:
 
 
 def _from_values(chain: Chain, number: int) -> None:
-    """Strike out the classes that known values exclude."""
+    """Eliminate the classes that known values exclude."""
     joint = chain.joints[number]
     if joint.classes == {"R"}:
         return
@@ -108,13 +109,13 @@ def _from_values(chain: Chain, number: int) -> None:
     if velocity is not None:
         joint.classes &= {"R", "U"} if velocity == 0.0 else {"G", "B"}
     else:
-        joint.classes -= {"G"}  # a constant velocity that is nowhere told
+        joint.classes -= {"G"}  # a constant velocity that is stated nowhere
     if acceleration is not None:
         joint.classes &= {"R", "G"} if acceleration == 0.0 else {"U", "B"}
     if velocity is not None and acceleration is not None:
         joint.classes = {end_of(velocity, acceleration)}
     elif velocity is None and joint.classes >= {"U", "B"} and chain.turns(number):
-        joint.classes -= {"B"}  # it turns back here, so it stands for a moment
+        joint.classes -= {"B"}  # it turns back here, so it is momentarily at rest
 
 
 def _on_straight_line(chain: Chain, joint: Joint, link: Link) -> None:
@@ -123,7 +124,7 @@ def _on_straight_line(chain: Chain, joint: Joint, link: Link) -> None:
     ):
         stated = getattr(joint, name) if name in joint.stated else None
         if stated is not None and abs(stated - wanted) > 1e-9 * max(abs(stated), abs(wanted)):
-            raise _contradiction(joint, name, chain.unit.told(wanted, order))
+            raise _contradiction(joint, name, chain.unit.text(wanted, order))
     joint.velocity, joint.acceleration = link.speed, 0.0
 
 
@@ -136,7 +137,7 @@ def _contradiction(joint: Joint, name: str, has: str) -> GeometryError:
 
 
 def _strike_out(chain: Chain, possible: list[set[str] | None]) -> None:
-    """Keep of tasks and classes what fits together, until nothing changes."""
+    """Keep the tasks and classes that fit together, until nothing changes."""
     changed = True
     while changed:
         changed = False
@@ -166,12 +167,12 @@ def _preferred(chain: Chain, number: int) -> End:
 
 
 def _jerks_from_rest(link: Link) -> bool:
-    """Whether a law is free of jerks from turn to turn, but not from rest to rest."""
+    """Whether a law is free of jerk steps from turn to turn, but not from rest to rest."""
     return isinstance(link.request, MoveRequest) and link.request.law == "simple-sine"
 
 
 def _no_task(chain: Chain, number: int) -> GeometryError:
-    """Why a law does not fit between its joints, and which would."""
+    """The error for a law that does not fit between its joints, with those that would."""
     link = chain.links[number]
     assert isinstance(link.request, MoveRequest)
     starts, ends = (joint.classes for joint in (chain.before(number), chain.after(number)))

@@ -1,8 +1,8 @@
 """Velocity and acceleration of every joint: stated, fixed by a neighbour, or the smoothest.
 
-What nobody fixes is chosen so that the integral of s''' squared over the moves around is least: the
-motion then has four continuous derivatives wherever its laws can follow. A turn is made at least as
-sharp as a law beside it asks for; the rest is then chosen anew.
+What nothing fixes is chosen to minimise the integral of s''' squared over the surrounding moves:
+the motion then has four continuous derivatives wherever its laws can follow. A turn is made at
+least as sharp as a neighbouring law requires; the rest is then chosen anew.
 """
 
 from __future__ import annotations
@@ -27,8 +27,8 @@ def settle_values(chain: Chain) -> None:
     Raises
     ------
     GeometryError
-        If a law cannot have the values at one end that it needs at the other, or the motion goes
-        on at a joint where the laws on both sides turn back.
+        If a law cannot have the values at one end that it needs at the other, or the motion
+        continues at a joint where the laws on both sides turn back.
     """
     asked_turns = {
         number: asked
@@ -59,23 +59,23 @@ def settle_values(chain: Chain) -> None:
 
 
 def decides_turn(link: Link, task: str) -> bool:
-    """Whether a law by its own parameters fixes the acceleration with which it turns."""
+    """Whether the parameters of a law fix the acceleration with which it turns."""
     request = link.request
     if not isinstance(request, MoveRequest) or link.straight or is_free(link):
         return False
     taken = find_family(request.law).parameters.get(task, ())
     if not taken:
-        return "U" in task  # the double harmonic has one acceleration only
+        return "U" in task  # the double harmonic has only one acceleration
     if "inflection" not in taken or "U" not in task:
         return False
     if "curved" in taken:
         return {"inflection", "curved"} <= request.shaped_by
-    # Of two turns a law with one parameter can meet one.
+    # A law with one parameter can meet one of two turns.
     return "inflection" in request.shaped_by or task == "U-U"
 
 
 def _from_laws(chain: Chain) -> None:
-    """Turns whose acceleration a law beside them fixes; the laws that are stated in full first."""
+    """Turns whose acceleration a neighbouring law fixes; fully stated laws come first."""
     deciding = [
         number
         for number, link in enumerate(chain.links)
@@ -89,7 +89,7 @@ def _from_laws(chain: Chain) -> None:
         link, task = chain.links[number], task_of(chain, number)
         start, end = chain.before(number), chain.after(number)
         if start.velocity is None or end.velocity is None:
-            continue  # polynomials meet general motions, and they decide nothing
+            continue  # polynomials meet general motions and decide nothing
         law = named_law(chain, number, task)
         for joint, boundary, letter in ((start, law.start, task[0]), (end, law.end, task[-1])):
             if letter == "U" and joint.acceleration is None:
@@ -97,9 +97,9 @@ def _from_laws(chain: Chain) -> None:
 
 
 def _asked_turn(chain: Chain, number: int) -> float | None:
-    """The gentlest acceleration of a turn that suits the laws beside it; None if they suit any.
+    """The gentlest acceleration of a turn that suits the neighbouring laws; None if any does.
 
-    A law is not to turn more gently than it does with its inflection point in the middle.
+    A law must not turn more gently than with its inflection point in the middle.
     """
     found = []
     before, after = chain.around(number)
@@ -134,7 +134,7 @@ def _stated_in_full(link: Link) -> bool:
 
 
 def _smoothest(chain: Chain) -> None:
-    """Fill in what is left, run by run between joints at which all is known."""
+    """Fill in the remaining values, run by run between fully known joints."""
     count = len(chain.joints)
     open_links = [_is_open(chain, number) for number in range(count)]
     if not any(open_links):
@@ -154,12 +154,12 @@ def _smoothest(chain: Chain) -> None:
 
 
 def _is_open(chain: Chain, number: int) -> bool:
-    """Whether a move has something unknown at one of its ends."""
+    """Whether a value at one of the ends of a move is unknown."""
     return not (chain.before(number).settled and chain.after(number).settled)
 
 
 def _fill(chain: Chain, run: Sequence[int], *, ring: bool) -> None:
-    """A run of moves between two joints at which all is known; or a turn without any such joint."""
+    """A run of moves between two fully known joints, or a turn without any such joint."""
     nodes = _Nodes()
     for number in run:
         nodes.add(chain.before(number), chain.links[number])
@@ -191,7 +191,7 @@ class _Nodes:
         self.end += link.length
 
     def close(self, joint: Joint) -> None:
-        """A joint with no link behind it."""
+        """A joint without a link after it."""
         self.joints[len(self.places)] = joint
         self._node(self.end, joint.position, joint.values)
 
@@ -202,7 +202,7 @@ class _Nodes:
 
     def fill(self, period: float | None) -> None:
         """Give the joints the smoothest values."""
-        from camgeo.motion.points import smoothest_values  # most plans have nothing open
+        from camgeo.motion.points import smoothest_values  # most plans have no open values
 
         self._check_distances()
         values = smoothest_values(
@@ -212,7 +212,7 @@ class _Nodes:
             joint.velocity, joint.acceleration = (float(value) for value in values[index])
 
     def _check_distances(self) -> None:
-        """Values lose their digits where the distances are too unequal."""
+        """GeometryError if the distances are so unequal that values would lose their digits."""
         from camgeo.motion.points import MOST_UNEQUAL
 
         steps = np.diff(ascending(np.array([*self.places, self.end])))
