@@ -58,7 +58,7 @@ def stages(scene: str, folder: Path) -> dict[str, float]:
     mark("load the scene")
     assert design.findings
     mark("findings")
-    assert design.drawn.part.boundaries
+    assert design.disc.drawn.part.boundaries
     mark("part: outline and bore")
 
     from camgeo.writing.write import write_files

@@ -24,9 +24,6 @@ if TYPE_CHECKING:
     from camgeo.check.cures.cure import Cure
     from camgeo.effects.effect import Column
     from camgeo.effects.graph import Effects
-    from camgeo.product.drawn import DrawnDisc
-    from camgeo.product.milled import MilledDisc
-    from camgeo.product.pictured import PicturedCam
     from camgeo.product.product import Product
     from camgeo.product.value_table import TabulatedCam
     from camgeo.scene.scene import Scene
@@ -132,16 +129,6 @@ class Design(Pickled):
         """
         return self.effects.result(name)
 
-    @property
-    def effect_findings(self) -> tuple[Finding, ...]:
-        """What the effects find that the scene calls for, in the order of the scene.
-
-        What keeps several of them from an answer is reported once.
-        """
-        names = self.scene.effects
-        found = [each for name in names for each in self.effects.findings(name)]
-        return tuple(dict.fromkeys(found))
-
     # Files ------------------------------------------------------------------------------------
 
     @built
@@ -163,16 +150,6 @@ class Design(Pickled):
         return self.discs[0]
 
     @property
-    def drawn(self) -> DrawnDisc:
-        """The disc as drawings and solids show it."""
-        return self.disc.drawn
-
-    @property
-    def milled(self) -> MilledDisc:
-        """The disc as milling programs make it."""
-        return self.disc.milled
-
-    @property
     def tabulated(self) -> TabulatedCam:
         """The cam as value tables show it; of a scene without follower its motion alone."""
         if self.scene.follower is not None:
@@ -184,11 +161,6 @@ class Design(Pickled):
         return TabulatedCam(
             self.drive, scene.lift_unit, None, scene.unit, spec, self._columns, self.ledger
         )
-
-    @property
-    def pictured(self) -> PicturedCam:
-        """The cam as pictures show it."""
-        return self.disc.pictured
 
     def _columns(self) -> tuple[Column, ...]:
         """The effects over the cam angle; nothing of those that have no answer."""

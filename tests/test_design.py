@@ -39,12 +39,12 @@ def test_nothing_is_computed_on_loading(design: Design, monkeypatch: pytest.Monk
     monkeypatch.setattr(pitch_curve.PitchCurve, "relative_jet", counted)
     camgeo.load(SETZHUB)
     assert calls == []
-    design.pictured.curve("pitch", np.zeros(3))
+    design.disc.pictured.curve("pitch", np.zeros(3))
     assert calls == ["relative_jet"]
 
 
 def test_what_was_not_asked_for_did_not_run(design: Design) -> None:
-    design.pictured.curve("pitch", np.zeros(1))
+    design.disc.pictured.curve("pitch", np.zeros(1))
     design.cam.disc.pitch_curve.transmission_angle(np.zeros(1))
     assert [run.name for run in design.ledger.runs] == ["motion", "pitch_curve"]
     assert {"motion"} == set(lazy_names(Drive)) & set(vars(design.drive))
@@ -96,11 +96,11 @@ def test_quantities_agree_with_the_curves(design: Design) -> None:
     phi = np.linspace(0.0, 2.0 * np.pi, 50)
     pitch = design.cam.disc.pitch_curve.point(phi)
     assert np.array_equal(
-        design.pictured.curve("pitch", phi), np.column_stack((pitch.real, pitch.imag))
+        design.disc.pictured.curve("pitch", phi), np.column_stack((pitch.real, pitch.imag))
     )
     inner = design.cam.disc.inner_curve.point(phi)
     assert np.array_equal(
-        design.pictured.curve("inner", phi), np.column_stack((inner.real, inner.imag))
+        design.disc.pictured.curve("inner", phi), np.column_stack((inner.real, inner.imag))
     )
     kappa = design.cam.disc.pitch_curve.curvature(phi)
     assert radius_of_curvature(kappa) == pytest.approx(1.0 / kappa, rel=1e-15)
@@ -110,8 +110,8 @@ def test_quantities_agree_with_the_curves(design: Design) -> None:
 def test_arrays_of_any_number_of_turns(design: Design) -> None:
     phi = np.linspace(-7.0, 20.0, 101)
     turned = phi - 2.0 * np.pi * np.floor(phi / (2.0 * np.pi))
-    assert design.pictured.curve("pitch", phi) == pytest.approx(
-        design.pictured.curve("pitch", turned), abs=1e-12
+    assert design.disc.pictured.curve("pitch", phi) == pytest.approx(
+        design.disc.pictured.curve("pitch", turned), abs=1e-12
     )
 
 

@@ -663,8 +663,8 @@ def test_scenes_at_all_scales_tell_the_same(kind: str, roller: float, factor: fl
         size = factor if finding.unit.startswith("mm") else 1.0
         assert other.value == pytest.approx(size * finding.value, rel=1e-12, abs=1e-12 * size)
     phi = spread(200)
-    assert two.pictured.curve("pitch", phi) == pytest.approx(
-        factor * one.pictured.curve("pitch", phi), rel=1e-12, abs=1e-13 * factor
+    assert two.disc.pictured.curve("pitch", phi) == pytest.approx(
+        factor * one.disc.pictured.curve("pitch", phi), rel=1e-12, abs=1e-13 * factor
     )
 
 
@@ -1172,7 +1172,7 @@ def test_a_wild_scene_is_refused_or_all_its_numbers_are_finite(text: str) -> Non
         assert refused.faults
         return
     design = Design(parsed)
-    pictured = design.pictured
+    pictured = design.disc.pictured
     pitch = design.cam.disc.pitch_curve
     asked: list[Callable[[FloatArray], FloatArray]] = [
         *(partial(pictured.curve, name) for name in ("pitch", "inner", "outer")),

@@ -16,6 +16,7 @@ from camgeo.check.judge import motion_findings
 from camgeo.cli.main import main
 from camgeo.errors import SceneError
 from camgeo.scene.scene import Scene
+from tests.findings import effect_findings
 
 SCENES = pathlib.Path(__file__).parents[1] / "fixtures" / "scenes"
 
@@ -109,7 +110,7 @@ def test_faults(text: str, key: str, message: str) -> None:
 
 def test_kinematics_need_no_follower() -> None:
     design = camgeo.loads(FREE)
-    findings = {each.name: each for each in design.effect_findings}
+    findings = {each.name: each for each in effect_findings(design)}
     # The modified sine's largest velocity and acceleration as parts of the stroke by the span, VDI
     # 2143-1, at one turn a second.
     assert findings["highest-velocity"].value == pytest.approx(1.76 * 20 / (150 / 360), rel=1e-3)

@@ -47,7 +47,9 @@ PROGRAM: Final = "gcode"
 
 def flanks_of(design: Design) -> tuple[CurveBoundary, ...]:
     """The boundaries of the part that are flanks; bore and rim are exact at any tolerance."""
-    return tuple(each for each in design.drawn.part.boundaries if isinstance(each, CurveBoundary))
+    return tuple(
+        each for each in design.disc.drawn.part.boundaries if isinstance(each, CurveBoundary)
+    )
 
 
 def contour_rows(

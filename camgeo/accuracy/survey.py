@@ -71,7 +71,7 @@ def survey(
 
 def solid_rows(design: Design, tolerances: Sequence[float], *, tell: Tell) -> tuple[SolidRow, ...]:
     """A row for each format and tolerance [mm]; none if the part has no thickness."""
-    if not design.drawn.part.thickness:
+    if not design.disc.drawn.part.thickness:
         return ()
     rows = []
     for name in SOLIDS:

@@ -6,7 +6,7 @@ import argparse
 import math
 from typing import Final
 
-from camgeo.cli.command import add_json, add_scene, opened, show, tell_main_disc, write_told
+from camgeo.cli.command import add_json, add_scene, opened, show, tell_main_disc, write_files
 from camgeo.cli.plot import add_picture, pictures
 from camgeo.formats.format import LARGEST_TOLERANCE, SMALLEST_TOLERANCE
 
@@ -53,7 +53,7 @@ def run(arguments: argparse.Namespace) -> int:
         ripple=arguments.ripple or None,
         tell=arguments.progress,
     )
-    write_told(pictures(found, arguments, "pieces, bytes, seconds"), force=arguments.force)
+    write_files(pictures(found, arguments, "pieces, bytes, seconds"), arguments)
     return show(found, arguments)
 
 

@@ -1,13 +1,15 @@
-"""What all commands share: options and their checks, the scene, text and JSON output."""
+"""What all commands share: options and their checks, the scene, earlier names, output."""
 
 from __future__ import annotations
 
 import argparse
 import json
+import math
 import sys
 from collections.abc import Sequence
 from decimal import Decimal, InvalidOperation
 from pathlib import Path
+from typing import Final
 
 from camgeo.answers import render
 from camgeo.answers.answer import FINE, Answer
@@ -15,8 +17,16 @@ from camgeo.cli.progress import clear
 from camgeo.design import Design
 from camgeo.lazy import Ledger
 
+EARLIER: Final = {
+    "crank-slide": "slotted-lever",
+    "crank-slides": "slotted-levers",
+    "crank-slider": "slider-driven-crank",
+}
+"""Present names of commands, kinds and groups, by those of earlier versions, which are still read.
+"""
+
 Written = tuple[Path, bytes, str]
-"""A file to write: where, what, and what is told of it."""
+"""A file to write: where, what, and what is reported of it."""
 
 
 class CallError(Exception):
@@ -61,13 +71,13 @@ def add_output(
     parser.add_argument("--force", action="store_true", help="write over an existing file")
 
 
-def deliver(text: str, arguments: argparse.Namespace, told: str) -> int:
-    """Print the text, or write it into the file of `-o`, and tell it with what is `told`."""
+def deliver(text: str, arguments: argparse.Namespace, report: str) -> int:
+    """Print the text, or write it into the file of `-o` with a `report` of what was written."""
     if arguments.output is None:
         arguments.progress.end()
         sys.stdout.write(text)
     else:
-        write_told([(Path(arguments.output), text.encode(), told)], force=arguments.force)
+        write_files([(Path(arguments.output), text.encode(), report)], arguments)
     return FINE
 
 
@@ -79,15 +89,16 @@ def tables(answer: Answer, name: str | None) -> list[Written]:
     return [(Path(name), table.csv().encode(), f"{len(table.values)} rows")]
 
 
-def write_told(files: Sequence[Written], *, force: bool) -> None:
-    """Write files of one folder, all or none, and tell each with what is said of it."""
+def write_files(files: Sequence[Written], arguments: argparse.Namespace) -> None:
+    """Write files into one folder, all or none, and report each."""
     if not files:
         return
     from camgeo.writing.transaction import write_set  # most commands write nothing
 
-    write_set(files[0][0].parent, {path.name: data for path, data, _ in files}, force=force)
-    for path, _, text in files:
-        tell(f"{path}: {text}")
+    data = {path.name: data for path, data, _ in files}
+    write_set(files[0][0].parent, data, force=arguments.force)
+    for path, _, report in files:
+        tell(f"{path}: {report}")
 
 
 def require_beside(option: str, name: str | None, output: str | None) -> None:
@@ -104,14 +115,22 @@ def require_beside(option: str, name: str | None, output: str | None) -> None:
 
 
 def decimal(text: str) -> Decimal:
-    """The number in the text of an option."""
+    """The number in the text of an option, exactly."""
     try:
-        number = Decimal(text)
+        value = Decimal(text)
     except InvalidOperation:
-        number = Decimal("NaN")
-    if not number.is_finite():
-        raise argparse.ArgumentTypeError(f"{text!r} is not a number")
-    return number
+        value = Decimal("NaN")
+    if not value.is_finite():
+        raise argparse.ArgumentTypeError(f"{text!r} is not a finite number")
+    return value
+
+
+def number(text: str) -> float:
+    """The number in the text of an option."""
+    value = float(decimal(text))
+    if math.isinf(value):
+        raise argparse.ArgumentTypeError(f"{text!r} is too large for a number")
+    return value
 
 
 def check_step(step: Decimal | None, smallest: Decimal, largest: Decimal) -> None:
@@ -126,18 +145,26 @@ def show(answer: Answer, arguments: argparse.Namespace) -> int:
     arguments.progress.end()
     if arguments.json:
         print(json.dumps(render.to_json(answer), indent=2, allow_nan=False))
-    elif told := render.text(answer):
-        print(told)
+    elif text := render.text(answer):
+        print(text)
     return answer.exit_code
 
 
+def present_name(name: str) -> str:
+    """The present name of what was called `name`; a renaming is reported on standard error."""
+    present = EARLIER.get(name, name)
+    if present != name:
+        tell(f'camgeo: "{name}" is called "{present}" now')
+    return present
+
+
 def tell(message: str) -> None:
-    """A line for the person at the terminal, on standard error."""
+    """Print a line for the person at the terminal, on standard error."""
     clear()
     print(message, file=sys.stderr)
 
 
 def tell_main_disc(design: Design, what: str) -> None:
-    """Say of a conjugate pair that `what`, in the plural, is of the main disc alone."""
+    """Report of a conjugate pair that `what`, in the plural, covers the main disc alone."""
     if design.scene.returning is not None:
         tell(f"{what} of the main disc; the return disc, {design.name}-return, is not covered")

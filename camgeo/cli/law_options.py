@@ -1,13 +1,12 @@
-"""Options that name a motion law with its task and parameters, and the law made from them."""
+"""Options that name a motion law, its task and its parameters."""
 
 from __future__ import annotations
 
 import argparse
-import math
 from typing import Final
 
-from camgeo.motion.laws import OPTIONS, make_law
-from camgeo.motion.laws.law import Law
+from camgeo.cli.command import number
+from camgeo.motion.laws import OPTIONS
 from camgeo.motion.task import TASKS
 
 DEFAULT_TASK: Final = "R-R"
@@ -50,7 +49,7 @@ def add_law_options(parser: argparse.ArgumentParser, *, several: bool = False) -
         + f"; default {DEFAULT_TASK}",
     )
     for name, (metavar, text) in PARAMETERS.items():
-        group.add_argument(f"--{name}", metavar=metavar, type=_number, help=text)
+        group.add_argument(f"--{name}", metavar=metavar, type=number, help=text)
 
 
 def given_options(arguments: argparse.Namespace) -> list[str]:
@@ -58,30 +57,7 @@ def given_options(arguments: argparse.Namespace) -> list[str]:
     return [f"--{name}" for name in ("task", *PARAMETERS) if getattr(arguments, name) is not None]
 
 
-def law_from(arguments: argparse.Namespace) -> Law:
-    """Make the law that the options ask for; `--law` must be among them.
-
-    Raises
-    ------
-    GeometryError
-        If there is no law of that name, it does not serve the task, takes no such parameter, or the
-        value of one is not allowed.
-    """
-    task = arguments.task or DEFAULT_TASK
-    return make_law(arguments.law, task, **parameters_from(arguments))
-
-
 def parameters_from(arguments: argparse.Namespace) -> dict[str, float]:
     """The parameters that are given, by the names that `make_law` takes."""
     parameters = {key: getattr(arguments, key) for key in PARAMETERS}
     return {key: value for key, value in parameters.items() if value is not None}
-
-
-def _number(text: str) -> float:
-    try:
-        number = float(text)
-    except ValueError:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a number") from None
-    if not math.isfinite(number):
-        raise argparse.ArgumentTypeError(f"{text!r} is not a finite number")
-    return number

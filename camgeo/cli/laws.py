@@ -7,7 +7,7 @@ import math
 from typing import Final
 
 from camgeo.answers.laws import laws_of_all_tasks, laws_of_task
-from camgeo.cli.command import CallError, add_json, show, write_told
+from camgeo.cli.command import CallError, add_json, show, write_files
 from camgeo.cli.law_options import (
     DEFAULT_TASK,
     EVERY_TASK,
@@ -70,9 +70,9 @@ def run(arguments: argparse.Namespace) -> int:
         places=arguments.places,
     )
     count = sum(row.entry.law is not None for row in found.rows or ())
-    told = f"{count} laws for {arguments.task or DEFAULT_TASK}"
-    files = pictures(found, arguments, told)
-    write_told(files, force=arguments.force)
+    contents = f"{count} laws for {arguments.task or DEFAULT_TASK}"
+    files = pictures(found, arguments, contents)
+    write_files(files, arguments)
     return found.exit_code if files and not arguments.json else show(found, arguments)
 
 

@@ -12,8 +12,7 @@ from collections.abc import Sequence
 
 from camgeo._version import __version__
 from camgeo.answers.answer import WRONG
-from camgeo.cli.command import CallError, show, tell
-from camgeo.cli.earlier import present_name
+from camgeo.cli.command import CallError, present_name, show, tell
 from camgeo.cli.progress import Progress
 from camgeo.errors import CamgeoError
 

@@ -5,8 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import Final
 
-from camgeo.cli.command import add_output, deliver
-from camgeo.cli.earlier import present_name
+from camgeo.cli.command import add_output, deliver, present_name
 from camgeo.scene.new import KINDS, template
 
 SUMMARY: Final = "write a commented scene to start from"
@@ -30,5 +29,5 @@ def options(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Print or write the template."""
-    told = f"written; next: camgeo check {arguments.output}"
-    return deliver(template(arguments.kind), arguments, told)
+    report = f"written; next: camgeo check {arguments.output}"
+    return deliver(template(arguments.kind), arguments, report)

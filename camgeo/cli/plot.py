@@ -14,7 +14,7 @@ from camgeo.cli.command import (
     add_scene,
     opened,
     tell_main_disc,
-    write_told,
+    write_files,
 )
 from camgeo.errors import Fault, SceneError, meant
 
@@ -71,7 +71,7 @@ def run(arguments: argparse.Namespace) -> int:
     else:
         figure = plots.stacked(design.disc, wanted)
     picture = drawn(figure, target.suffix)
-    write_told([(target, picture, ", ".join(wanted))], force=arguments.force)
+    write_files([(target, picture, ", ".join(wanted))], arguments)
     if set(wanted) - {CAM}:
         tell_main_disc(design, "curves")
     return FINE
@@ -85,14 +85,14 @@ def drawn(figure: Figure, suffix: str) -> bytes:
     return data
 
 
-def pictures(answer: Answer, arguments: argparse.Namespace, told: str) -> list[Written]:
-    """The picture of an answer, of which `told` is said; none if `-o` does not ask for it."""
+def pictures(answer: Answer, arguments: argparse.Namespace, contents: str) -> list[Written]:
+    """The picture of an answer, of which `contents` is said; none if `-o` does not ask for it."""
     if arguments.output is None:
         return []
     target = Path(arguments.output)
-    return [(target, drawn(render.figure(answer), target.suffix), told)]
+    return [(target, drawn(render.figure(answer), target.suffix), contents)]
 
 
 def add_picture(parser: argparse.ArgumentParser, text: str = "draw a picture too") -> None:
-    """The options of a command that draws a picture, by default besides what it prints."""
+    """The options of a command that draws a picture, by default in addition to what it prints."""
     add_output(parser, f"{text}, {', '.join(SUFFIXES)}", SUFFIXES)

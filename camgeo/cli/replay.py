@@ -15,11 +15,12 @@ from camgeo.cli.command import (
     add_scene,
     check_step,
     decimal,
+    number,
     opened,
     show,
     tables,
     tell,
-    write_told,
+    write_files,
 )
 from camgeo.cli.plot import SUFFIXES, pictures
 from camgeo.outline.path import Flank
@@ -74,8 +75,8 @@ def options(parser: argparse.ArgumentParser) -> None:
         help=f"step of the cam angle; default {STEP}",
     )  # fmt: skip
     add_json(parser)
-    told = f"file to write: a table ({TABLE}) or a picture ({', '.join(SUFFIXES)})"
-    add_output(parser, told, (TABLE, *SUFFIXES))
+    contents = f"file to write: a table ({TABLE}) or a picture ({', '.join(SUFFIXES)})"
+    add_output(parser, contents, (TABLE, *SUFFIXES))
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -97,12 +98,12 @@ def run(arguments: argparse.Namespace) -> int:
         files = tables(found, arguments.output)
     else:
         files = pictures(found, arguments, "lift, velocity, acceleration")
-    write_told(files, force=arguments.force)
+    write_files(files, arguments)
     return show(found, arguments)
 
 
 def _from_0(text: str) -> float:
-    number = float(text)
-    if not (math.isfinite(number) and number >= 0.0):
+    value = number(text)
+    if value < 0.0:
         raise argparse.ArgumentTypeError("must be a number from 0 on")
-    return number
+    return value

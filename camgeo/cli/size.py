@@ -17,7 +17,7 @@ from camgeo.cli.command import (
     show,
     tell,
     tell_main_disc,
-    write_told,
+    write_files,
 )
 from camgeo.cli.plot import add_picture, pictures
 from camgeo.errors import Fault, SceneError
@@ -94,9 +94,9 @@ def _write(found: CamSize, arguments: argparse.Namespace) -> None:
             raise SceneError(
                 [Fault("--scene", str(target), "must lie beside SCENE, which reads files there")]
             )
-        told = f"base radius {found.sizing.answer.base_radius / MM_PER[unit]:.6g} {unit}"
-        files.append((target, sized_scene(found).to_toml().encode(), told))
+        radius = f"base radius {found.sizing.answer.base_radius / MM_PER[unit]:.6g} {unit}"
+        files.append((target, sized_scene(found).to_toml().encode(), radius))
     elif arguments.target is not None:
         tell(f"{arguments.target}: not written, there is no such mechanism")
     files += pictures(found, arguments, "region of the cam axis")
-    write_told(files, force=arguments.force)
+    write_files(files, arguments)

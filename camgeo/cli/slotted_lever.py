@@ -16,7 +16,7 @@ from camgeo.cli.command import (
     require_beside,
     show,
     tables,
-    write_told,
+    write_files,
 )
 from camgeo.cli.plot import add_picture, pictures
 
@@ -94,7 +94,7 @@ def run(arguments: argparse.Namespace) -> int:
         printed=arguments.printed,
     )
     files = tables(found, arguments.csv) + pictures(found, arguments, "phi, omega2, eps2")
-    write_told(files, force=arguments.force)
+    write_files(files, arguments)
     if arguments.table and not arguments.json:
         sys.stdout.write(render.table(found).csv())
         return FINE

@@ -6,8 +6,7 @@ import argparse
 from collections.abc import Sequence
 from typing import Final
 
-from camgeo.cli.command import CallError, add_json, show, write_told
-from camgeo.cli.earlier import present_name
+from camgeo.cli.command import CallError, add_json, present_name, show, write_files
 from camgeo.cli.plot import add_picture, pictures
 from camgeo.errors import meant
 
@@ -45,8 +44,8 @@ def run(arguments: argparse.Namespace) -> int:
     cases = suite.all_cases()
     only = _known(arguments.only, suite.names(cases))
     found = stability(cases, only, quick=arguments.quick, tell=arguments.progress)
-    told = f"{len(suite.worst_of_cases(found.readings))} points"
-    write_told(pictures(found, arguments, told), force=arguments.force)
+    points = f"{len(suite.worst_of_cases(found.readings))} points"
+    write_files(pictures(found, arguments, points), arguments)
     return show(found, arguments)
 
 
@@ -56,8 +55,8 @@ def _known(asked: Sequence[str], known: tuple[str, ...]) -> frozenset[str]:
     for name in map(present_name, asked):
         these = [name] if name in known else [each for each in known if each.startswith(name)]
         if not these:
-            told = f"argument --only: there is no {name!r}"
+            message = f"argument --only: there is no {name!r}"
             hint = meant(name, known, '"')
-            raise CallError(f"{told}; {hint}" if hint else told)
+            raise CallError(f"{message}; {hint}" if hint else message)
         found.update(these)
     return frozenset(found)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 from typing import Final
 
-from camgeo.answers.render import text
 from camgeo.answers.table import ValueTable, table_of_law, table_of_scene
 from camgeo.cli.command import (
     CallError,
@@ -18,8 +17,9 @@ from camgeo.cli.command import (
     show,
     tell_main_disc,
 )
-from camgeo.cli.law_options import add_law_options, given_options, law_from
+from camgeo.cli.law_options import DEFAULT_TASK, add_law_options, given_options, parameters_from
 from camgeo.formats.csv import LARGEST_STEP, SMALLEST_STEP
+from camgeo.motion.laws import make_law
 from camgeo.motion.value_table import PRINTED_STEP
 
 SUMMARY: Final = (
@@ -58,9 +58,9 @@ def run(arguments: argparse.Namespace) -> int:
         raise CallError("SCENE and --law are both given; only one of them is allowed")
     if arguments.scene is None:
         step = PRINTED_STEP if arguments.step is None else arguments.step
-        return _deliver(
-            table_of_law(law_from(arguments), step, printed=arguments.printed), arguments
-        )
+        task = arguments.task or DEFAULT_TASK
+        law = make_law(arguments.law, task, **parameters_from(arguments))
+        return _deliver(table_of_law(law, step, printed=arguments.printed), arguments)
     only_with_law = given_options(arguments) + ["--printed"] * arguments.printed
     if only_with_law:
         raise CallError(f"{', '.join(only_with_law)}: allowed with --law only, not with SCENE")
@@ -75,4 +75,4 @@ def _deliver(found: ValueTable, arguments: argparse.Namespace) -> int:
     """Print the table as JSON, or as CSV to the terminal or into a file."""
     if arguments.json:
         return show(found, arguments)
-    return deliver(f"{text(found)}\n", arguments, f"{len(found.table.values)} rows")
+    return deliver(found.table.csv(), arguments, f"{len(found.table.values)} rows")

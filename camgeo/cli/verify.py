@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import argparse
-import math
 from pathlib import Path
 from typing import Final
 
 from camgeo._version import __version__
 from camgeo.answers.verify import verify
-from camgeo.cli.command import CallError, add_json, show, tell
+from camgeo.cli.command import CallError, add_json, number, show, tell
 from camgeo.errors import Fault, SceneError
 from camgeo.verifying.verify import VERIFICATION, Wanted, endings, files_in, write_verification
 
@@ -72,8 +71,8 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _length(text: str) -> float:
-    length = float(text)
-    if not (math.isfinite(length) and length > 0.0):
+    length = number(text)
+    if length <= 0.0:
         raise argparse.ArgumentTypeError("must be a length above 0")
     return length
 

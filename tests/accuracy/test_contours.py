@@ -147,7 +147,7 @@ def test_a_design_drawn_in_another_form() -> None:
     design = load("setzhub")
     drawn = drawn_as(design, "polyline", "fast")
     form, before = drawn.disc.options[FORMAT], design.disc.options[FORMAT]
-    assert (form.entity, drawn.drawn.effort) == ("polyline", "fast")
+    assert (form.entity, drawn.disc.drawn.effort) == ("polyline", "fast")
     assert form.auxiliary == before.auxiliary
     assert before.entity == "arcs"
     writer = find_writer("dxf")

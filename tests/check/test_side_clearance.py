@@ -104,7 +104,9 @@ def design(kind: str, clearance: float = 0.1, roller: float = 8.0, to: float = 1
 def test_the_groove_is_wider_than_the_roller_by_the_clearance(kind: str) -> None:
     cam = design(kind, 0.3)
     phi = np.linspace(0.0, TURN, 37)
-    pitch, inner, outer = (cam.pictured.curve(name, phi) for name in ("pitch", "inner", "outer"))
+    pitch, inner, outer = (
+        cam.disc.pictured.curve(name, phi) for name in ("pitch", "inner", "outer")
+    )
     # Places of 90 mm are rounded to 1e-14 mm.
     assert np.linalg.norm(outer - inner, axis=1) == pytest.approx(np.full(37, 16.3), abs=1e-12)
     assert np.linalg.norm(outer - pitch, axis=1) == pytest.approx(np.full(37, 8.15), abs=1e-12)

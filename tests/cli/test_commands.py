@@ -189,7 +189,7 @@ def test_table_in_inches(capsys: Capture) -> None:
     assert main(["table", str(scene), "--step", "45"]) == 0
     rows = list(csv.reader(io.StringIO(capsys.readouterr().out)))
     column = rows[0].index("inner x [inch]")
-    x = camgeo.load(scene).pictured.curve("inner", np.radians([45.0]))[0, 0]
+    x = camgeo.load(scene).disc.pictured.curve("inner", np.radians([45.0]))[0, 0]
     assert float(rows[2][column]) == pytest.approx(x / MM_PER["inch"], rel=1e-15)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from camgeo.cli.earlier import EARLIER
+from camgeo.cli.command import EARLIER
 from camgeo.cli.main import COMMANDS, main
 from camgeo.scene.new import KINDS
 from camgeo.stability.suite import GROUPS

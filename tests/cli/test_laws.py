@@ -384,7 +384,7 @@ def test_the_table_needs_no_matplotlib() -> None:
     [
         (["--law", "modified-sin"], "is not a motion law; did you mean modified-sine?"),
         (["--task", "X-X"], "argument --task: invalid choice: 'X-X'"),
-        (["--inflection", "x"], "argument --inflection: 'x' is not a number"),
+        (["--inflection", "x"], "argument --inflection: 'x' is not a finite number"),
         (["--speed", "60"], "physical values need --span and --stroke too"),
         (
             ["--speed", "0", "--span", "60", "--stroke", "1"],

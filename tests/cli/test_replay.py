@@ -94,7 +94,7 @@ def test_both_flanks_of_a_groove(drawings: Path, capsys: Capture, side: str) -> 
 
 def points_of(scene: str, count: int) -> str:
     phi = np.linspace(0.0, 2.0 * math.pi, count, endpoint=False)
-    rows = camgeo.load(scene).pictured.curve("inner", phi).tolist()
+    rows = camgeo.load(scene).disc.pictured.curve("inner", phi).tolist()
     return "x,y\n" + "".join(f"{x!r},{y!r}\n" for x, y in rows)
 
 

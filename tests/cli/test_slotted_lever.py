@@ -399,9 +399,9 @@ def test_wrong_values_are_told_with_what_is_allowed(
     [
         (("--frame", "150", "--speed", "90"), "--swing --crank is required"),
         ((*EXERCISE, "--crank", "75"), "not allowed with"),
-        (("--frame", "x", "--swing", "60", "--speed", "90"), "'x' is not a number"),
-        (("--frame", "nan", "--swing", "60", "--speed", "90"), "'nan' is not a number"),
-        (("--frame", "150", "--swing", "60", "--speed", "inf"), "'inf' is not a number"),
+        (("--frame", "x", "--swing", "60", "--speed", "90"), "'x' is not a finite number"),
+        (("--frame", "nan", "--swing", "60", "--speed", "90"), "'nan' is not a finite number"),
+        (("--frame", "150", "--swing", "60", "--speed", "inf"), "'inf' is not a finite number"),
         ((*EXERCISE, "--step", "2", "--printed"), "--step, --printed: allowed with --table"),
         ((*EXERCISE, "-o", "lever.gif"), "must end in one of"),
         ((*EXERCISE, "--csv", "a/lever.csv", "-o", "b/lever.png"), "in the same folder"),

@@ -22,6 +22,7 @@ from camgeo.outline.moments import total
 from camgeo.part.part import Part
 from camgeo.units import TURN
 from tests.effects.scenes import design
+from tests.findings import effect_findings
 
 STEEL = "density = 7850\n"
 RHO = 7850e-12
@@ -122,7 +123,7 @@ def test_the_solid_of_the_writers_has_the_same_mass_and_centre(scene: str) -> No
     tolerance = 2e-3
     made = design(scene, f"[effects.balance]\n{STEEL}")
     result = made.effect("balance")
-    part: Part = made.drawn.part
+    part: Part = made.disc.drawn.part
     solid = body(part, tolerance, lambda x: x)
     mesh = trimesh.Trimesh(solid.vertices, solid.triangles, process=False)
     mass = 1e-3 * 7850e-9 * mesh.volume  # kg from mm^3, in t
@@ -339,7 +340,7 @@ def test_a_disc_of_which_nothing_is_left_has_no_balance() -> None:
     )
     with pytest.raises(EffectError, match="no disc to balance"):
         made.effect("balance")
-    [finding] = made.effect_findings
+    [finding] = effect_findings(made)
     assert (finding.name, finding.severity) == ("balance", "broken")
 
 

@@ -22,6 +22,7 @@ from camgeo.numeric.quadrature import piecewise_integral
 from camgeo.scene.load import parse_scene
 from camgeo.units import TURN
 from tests.effects.scenes import design
+from tests.findings import effect_findings
 
 PHI = np.linspace(0.0, TURN, 721)[:-1]
 
@@ -317,7 +318,7 @@ def test_the_extremes_are_those_of_the_turn() -> None:
 
 def test_a_limit_is_broken() -> None:
     subject = design("plate_translating", TRANSLATING + "limit = 60\n")
-    found = finding(subject.effect_findings, "largest-contact-force")
+    found = finding(effect_findings(subject), "largest-contact-force")
     assert found.severity == "broken"
     assert found.limit == 60.0
     assert "above 60 N" in found.sentence

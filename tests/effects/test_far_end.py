@@ -29,6 +29,7 @@ from tests.effects.test_physics import (
     slope,
     stroke,
 )
+from tests.findings import effect_findings
 
 COUPLER: Final = 0.3e-3
 SHARE: Final = 0.35
@@ -246,5 +247,5 @@ def test_the_moment_of_what_turns_is_refused_where_nothing_does() -> None:
 def test_a_stiffness_swings_with_the_moment_at_the_far_end() -> None:
     vibration = "[effects.vibration]\ntorsional_stiffness = 900\n"
     made = design("four_bar", f"[effects.inertia]\noutput_moment = 0.018\n{vibration}")
-    frequency = next(f for f in made.effect_findings if f.name == "natural-frequency").value
+    frequency = next(f for f in effect_findings(made) if f.name == "natural-frequency").value
     assert frequency == pytest.approx(math.sqrt(900.0 / 0.018) / (2.0 * math.pi), rel=1e-12)

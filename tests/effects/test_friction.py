@@ -26,6 +26,7 @@ from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.numeric.extremes import grid_of
 from camgeo.units import TURN
 from tests.effects.scenes import assert_refused, design
+from tests.findings import effect_findings
 
 ROLLER: Final = {"roller_pin": 0.08, "roller_pin_diameter": 7.0, "rolling": 0.06}
 GUIDE: Final = {"guide": 0.17, "guide_length": 45.0, "guide_overhang": 8.0}
@@ -529,4 +530,4 @@ def test_from_a_scene() -> None:
         assert np.array_equal(found.per_normal(phi, side, sense), wanted)
     assert found.findings == direct.findings
     assert found.error is None
-    assert [each.name for each in made.effect_findings] == ["jamming-margin"]
+    assert [each.name for each in effect_findings(made)] == ["jamming-margin"]

@@ -16,6 +16,7 @@ from camgeo.errors import CycleError, EffectError, GeometryError
 from camgeo.lazy import Ledger
 from tests.effects.fakes import fake
 from tests.effects.scenes import design
+from tests.findings import effect_findings
 
 SUBJECT: Any = SimpleNamespace(disc=object())
 """None of the effects here asks anything of the design."""
@@ -320,7 +321,7 @@ def test_without_what_it_needs_it_cannot_be_told_anew(fakes: Fakes) -> None:
 def test_a_design_has_one_graph_and_one_ledger(fakes: Fakes) -> None:
     plate = design("plate_translating", "")
     assert plate.effects.names == ()
-    assert plate.effect_findings == ()
+    assert effect_findings(plate) == ()
     assert plate.disc.columns() == ()
     assert plate.effects is plate.effects
     assert plate.effects.subject.cam.follower is plate.cam.follower

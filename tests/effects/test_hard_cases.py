@@ -25,6 +25,7 @@ from camgeo.scene.load import parse_scene
 from camgeo.units import TURN
 from tests.effects.scenes import SCENES, only_for
 from tests.effects.test_random_scenes import NAMES, assert_sound, scene_text
+from tests.findings import effect_findings
 
 ROUNDING: Final = 1e-12
 """A few thousand roundings of the largest force, as in the tests of the contact force."""
@@ -493,7 +494,7 @@ def test_inches_are_millimetres() -> None:
     metric = metric.replace('length = "inch"', 'length = "mm"')
     one, other = made(whole), made(metric)
     assert assert_sound(one) == assert_sound(other) == {}
-    pairs = list(zip(one.effect_findings, other.effect_findings, strict=True))
+    pairs = list(zip(effect_findings(one), effect_findings(other), strict=True))
     assert len(pairs) > 40
     for here, there in pairs:
         assert (here.name, here.unit, here.severity) == (there.name, there.unit, there.severity)

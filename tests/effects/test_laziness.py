@@ -138,7 +138,7 @@ from camgeo.scene.load import load_scene
 design = camgeo.load(sys.argv[1])
 if sys.argv[2:]:
     design.findings
-    design.effect_findings
+    [design.effects.findings(name) for name in design.scene.effects]
 json.dump(sorted(sys.modules), sys.stdout)
 """
 

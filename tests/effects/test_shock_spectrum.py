@@ -10,6 +10,7 @@ import pytest
 from camgeo.effects.shock_spectrum.result import QUIET, ShockSpectrum, measured
 from camgeo.motion.laws import make_law
 from tests.effects.scenes import design
+from tests.findings import effect_findings
 from tests.laws import LAWS
 from tests.numeric.shocks import shock_of, shock_spectrum
 
@@ -128,7 +129,7 @@ def test_a_speed_curve_changes_the_move() -> None:
 @pytest.mark.parametrize("scene", ["shuttle", "measured"])
 def test_a_cam_that_never_rests_has_no_spectrum(scene: str) -> None:
     made = design(scene, "[effects.shock-spectrum]\n")
-    (finding,) = made.effect_findings
+    (finding,) = effect_findings(made)
     assert (finding.name, finding.severity) == ("shock-spectrum", "warning")
     assert "from rest to rest" in finding.sentence
     assert made.effect("shock-spectrum").spectra == ()

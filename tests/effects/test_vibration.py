@@ -20,6 +20,7 @@ from camgeo.motion.time_course import in_time
 from camgeo.numeric.arrays import FloatArray
 from camgeo.units import TURN
 from tests.effects.scenes import assert_refused, design
+from tests.findings import effect_findings
 from tests.numeric.shocks import shock_spectrum
 
 PHI = np.linspace(0.0, TURN, 721)[:-1]
@@ -272,7 +273,7 @@ def test_resonance_without_damping_is_told() -> None:
     made_ = made("plate_translating", "natural_frequency = 40")
     with pytest.raises(EffectError, match="harmonic 40 of the cam's speed"):
         made_.effect("vibration")
-    (finding,) = made_.effect_findings
+    (finding,) = effect_findings(made_)
     assert (finding.name, finding.severity, finding.unit) == ("resonance", "broken", "Hz")
     assert finding.value == pytest.approx(40.0, rel=1e-14)
 

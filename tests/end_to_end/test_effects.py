@@ -17,6 +17,7 @@ from camgeo.design import Design
 from camgeo.effects.registry import EFFECTS
 from camgeo.motion.time_course import in_time
 from tests.effects.scenes import SCENES
+from tests.findings import effect_findings
 
 FOLDER = SCENES.parent / "effects"
 
@@ -59,7 +60,7 @@ def test_check_tells_every_effect(scene: Path, subject: Design, capsys: Capture)
     text = capsys.readouterr().out
     bad = any(
         each.severity in ("broken", "no-disc")
-        for each in (*subject.findings, *subject.effect_findings)
+        for each in (*subject.findings, *effect_findings(subject))
     )
     assert code == (1 if bad else 0)
     for name in subject.scene.effects:

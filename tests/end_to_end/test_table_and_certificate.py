@@ -42,12 +42,16 @@ def test_table_holds_the_values_of_the_design(built: Built) -> None:
     assert np.array_equal(degrees, step * np.arange(round(360.0 / step)))
     phi = np.radians(degrees)
     design, unit, mm = built.design, built.design.scene.unit, MM_PER[built.design.scene.unit]
-    curves = {name: partial(design.pictured.curve, name) for name in ("pitch", "inner", "outer")}
+    curves = {
+        name: partial(design.disc.pictured.curve, name) for name in ("pitch", "inner", "outer")
+    }
     if not design.cam.follower.has_pitch_curve:
         curves = {"contact": curves["pitch"]}
         # The contact lies where the face does, turned back by the cam angle.
         contact = (
-            design.pictured.curve("pitch", phi) @ [1.0, 1j] * np.exp(1j * design.cam.rotation * phi)
+            design.disc.pictured.curve("pitch", phi)
+            @ [1.0, 1j]
+            * np.exp(1j * design.cam.rotation * phi)
         )
         foot = _foot_and_direction(design, phi)
         placed = foot[0] + foot[1] * columns[f"on face [{unit}]"] * mm

@@ -38,7 +38,7 @@ an arc does not follow the limit's law; what holds is that the count comes down 
 
 
 def flanks(scene: Path) -> list[CurveBoundary]:
-    part = camgeo.load(scene).drawn.part
+    part = camgeo.load(scene).disc.drawn.part
     return [each for each in part.boundaries if isinstance(each, CurveBoundary)]
 
 

@@ -75,7 +75,7 @@ def _drawing(
     document.header["$INSUNITS"] = units
     space = document.modelspace()
     attributes = {"layer": layer}
-    for index, boundary in enumerate(design.drawn.part.boundaries):
+    for index, boundary in enumerate(design.disc.drawn.part.boundaries):
         contour = boundary.arcs(FIT, "fast").contour
         for start, end, sweep, centre in zip(
             contour.vertices, contour.ends, contour.sweeps, contour.centres, strict=True
@@ -118,7 +118,7 @@ def test_foreign_drawing_passes(design: Design, units: int, scale: float, unit: 
     # Centre and radius are each off by up to 5e-7 mm, so that ends of flat arcs are, too.
     assert 0.0 < gap <= 1e-5
     assert checks["unit", ""].value == ("mm" if scale == 1.0 else "inch")
-    for boundary in design.drawn.part.boundaries:
+    for boundary in design.disc.drawn.part.boundaries:
         value = checks["deviation", boundary.name].value
         assert isinstance(value, float)
         assert gap <= value <= FIT + 3e-5

@@ -72,7 +72,7 @@ def dashed(axes: Axes) -> list[ComplexArray]:
 @pytest.mark.parametrize("scene", TRIMMED)
 def test_what_is_cut_off_begins_and_ends_in_the_corner(scene: str) -> None:
     design = camgeo.load(SCENES / f"{scene}.toml")
-    found = design.pictured.cut_off
+    found = design.disc.pictured.cut_off
     assert len(found) == CORNERS[scene]
     for each in found:
         assert each.course[0] == each.course[-1] == each.corner
@@ -80,7 +80,7 @@ def test_what_is_cut_off_begins_and_ends_in_the_corner(scene: str) -> None:
         steps = np.abs(np.diff(each.course))
         assert np.max(steps) < 0.02 * np.sum(steps)
         for phi in (each.start, each.end):
-            (x, y), *_ = design.pictured.curve(each.flank, np.array([phi]))
+            (x, y), *_ = design.disc.pictured.curve(each.flank, np.array([phi]))
             assert abs(complex(x, y) - each.corner) < 1e-9
     for each in found:
         assert 0.0 <= each.start < TURN
@@ -88,7 +88,7 @@ def test_what_is_cut_off_begins_and_ends_in_the_corner(scene: str) -> None:
 
 
 def test_the_corner_is_that_of_the_hard_case() -> None:
-    (found,) = camgeo.load(SCENES / "swallow_tail.toml").pictured.cut_off
+    (found,) = camgeo.load(SCENES / "swallow_tail.toml").disc.pictured.cut_off
     _, expected = hard_case("HC21c")
     x, y = map(float, expected["crossing_point"])
     assert abs(found.corner - complex(x, y)) < 1e-12
@@ -99,9 +99,9 @@ def test_the_corner_is_that_of_the_hard_case() -> None:
 @pytest.mark.parametrize("scene", ["swallow_tail", "trimmed_ring", "straight_moves"])
 def test_none_of_a_tail_is_farther_from_the_pitch_curve_than_the_roller(scene: str) -> None:
     design = camgeo.load(SCENES / f"{scene}.toml")
-    rows = design.pictured.curve("pitch", np.linspace(0.0, TURN, 100_000, endpoint=False))
+    rows = design.disc.pictured.curve("pitch", np.linspace(0.0, TURN, 100_000, endpoint=False))
     pitch = DensePath(rows[:, 0] + 1j * rows[:, 1])
-    for each in design.pictured.cut_off:
+    for each in design.disc.pictured.cut_off:
         away = pitch.distances(each.course) - design.cam.follower.roller_radius
         # The chord that bridges a corner of the pitch curve is 7e-3 mm long, and less is it off;
         # elsewhere chords are 1e-6 mm off.
@@ -116,13 +116,13 @@ def test_the_disc_is_drawn_and_beside_it_what_is_cut_off(scene: str) -> None:
     assert {"edges of the disc", "cut off", "corner"} <= labels(axes)
     lines = dashed(axes)
     assert len(lines) == CORNERS[scene]
-    for line, each in zip(lines, design.pictured.cut_off, strict=True):
+    for line, each in zip(lines, design.disc.pictured.cut_off, strict=True):
         assert np.array_equal(line, each.course)
     # The fill is the real disc: its area is that of the part, to the chords of the picture.
     bodies = [patch for patch in axes.patches if patch.get_facecolor()[:3] != (1.0, 1.0, 1.0)]
     rings = [np.asarray(ring) for ring in bodies[0].get_path().to_polygons()]
     area = abs(sum(shapely.Polygon(ring).area * (-1) ** k for k, ring in enumerate(rings)))
-    boundaries = design.drawn.part.boundaries
+    boundaries = design.disc.drawn.part.boundaries
     exact = sum((-1) ** k * each.arcs(1e-3).contour.area for k, each in enumerate(boundaries))
     assert area == pytest.approx(exact, rel=1e-3)
 
@@ -139,7 +139,7 @@ def test_what_is_small_is_enlarged_where_nothing_else_is(
         assert small is None  # the lobe is larger than the disc
         return
     assert small is not None
-    largest = max(design.pictured.cut_off, key=lambda each: float(np.ptp(each.course.real)))
+    largest = max(design.disc.pictured.cut_off, key=lambda each: float(np.ptp(each.course.real)))
     x, y = small.get_xlim(), small.get_ylim()
     assert x[0] < largest.course.real.min() < largest.course.real.max() < x[1]
     assert y[0] < largest.course.imag.min() < largest.course.imag.max() < y[1]
@@ -186,7 +186,7 @@ def test_undercut_of_which_nothing_can_be_cut_off(radius: str, label: str, tmp_p
         ('undercut = "trim"', 'undercut = "refuse"'),
         (ROLLER, f"roller_radius = {radius}"),
     )
-    assert design.pictured.cut_off == ()
+    assert design.disc.pictured.cut_off == ()
     axes = drawn(design.disc)
     assert label in labels(axes)
     assert inset(axes) is None

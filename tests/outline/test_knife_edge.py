@@ -96,12 +96,12 @@ def test_a_concave_corner_is_drawn_and_no_cutter_makes_it() -> None:
     """Where the edge sets out from rest with a jump."""
     design = with_motion(CONCAVE)
     assert design.judgement.has_outline
-    fit = design.drawn.part.boundaries[0].arcs(1e-3)
+    fit = design.disc.drawn.part.boundaries[0].arcs(1e-3)
     assert fit.deviation <= 1e-3
     corner = complex(design.cam.disc.pitch_curve.point(np.array([math.radians(100.0)]))[0])
     assert np.min(np.abs(fit.contour.vertices - corner)) <= 1e-12
     with pytest.raises(GeometryError, match="a concave part of it") as caught:
-        design.milled.toolpath(1e-3)
+        design.disc.milled.toolpath(1e-3)
     assert caught.value.key == "output.gcode.tool_diameter"
 
 
@@ -111,4 +111,4 @@ def test_the_check_says_that_any_curvature_fits() -> None:
     assert (found.severity, found.value) == ("ok", 0.0)
     assert "knife edge" in found.sentence
     assert design.cures == ()
-    assert design.pictured.cut_off == ()
+    assert design.disc.pictured.cut_off == ()

@@ -108,7 +108,7 @@ def test_a_polygon_within_a_tolerance_has_moments_within_what_it_allows(scene: s
 
     tolerance = 1e-3
     made = design(scene, "")
-    for boundary in made.drawn.part.boundaries:
+    for boundary in made.disc.drawn.part.boundaries:
         if not hasattr(boundary, "path"):
             continue
         found = path_moments(boundary.path, 1e-10).counter_clockwise()

@@ -15,10 +15,10 @@ SCENES = Path(__file__).parents[2] / "fixtures" / "scenes"
 @pytest.mark.parametrize("name", ["tappet", "flat_rocker"])
 def test_the_contact_lies_on_the_face_that_is_drawn(name: str) -> None:
     design = camgeo.load(SCENES / f"{name}.toml")
-    sketch = design.pictured.follower_sketch
+    sketch = design.disc.pictured.follower_sketch
     assert sketch.face is not None
     start, end = sketch.face
-    contact = complex(*design.pictured.curve("pitch", np.zeros(1))[0])
+    contact = complex(*design.disc.pictured.curve("pitch", np.zeros(1))[0])
     share = (contact - start) / (end - start)
     assert abs(share.imag) <= 1e-14
     assert 0.0 < share.real < 1.0

@@ -34,10 +34,10 @@ def lengths(sketch: MechanismSketch) -> list[float]:
 
 
 def test_links_keep_their_lengths_and_shafts_their_places(design: Design) -> None:
-    start = design.pictured.mechanism_sketch(0.0)
+    start = design.disc.pictured.mechanism_sketch(0.0)
     size = max(abs(point) for point in start.points)
     for phi in ANGLES:
-        sketch = design.pictured.mechanism_sketch(float(phi))
+        sketch = design.disc.pictured.mechanism_sketch(float(phi))
         assert lengths(sketch) == pytest.approx(lengths(start), abs=ROUNDING * size)
         assert sketch.shafts == start.shafts
         for guide, first in zip(sketch.guides, start.guides, strict=True):
@@ -49,7 +49,7 @@ def test_links_keep_their_lengths_and_shafts_their_places(design: Design) -> Non
 def test_rollers_lie_on_the_pitch_curves_of_the_turned_discs(design: Design) -> None:
     discs = design.discs
     for phi in ANGLES:
-        rollers = design.pictured.mechanism_sketch(float(phi)).rollers
+        rollers = design.disc.pictured.mechanism_sketch(float(phi)).rollers
         for disc, (centre, radius) in zip(discs, rollers, strict=False):
             ((x, y),) = disc.pictured.curve("pitch", np.array([phi]))
             turned = complex(x, y) * cmath.exp(1j * design.cam.rotation * phi)
@@ -58,11 +58,12 @@ def test_rollers_lie_on_the_pitch_curves_of_the_turned_discs(design: Design) -> 
 
 
 def test_faces_touch_the_turned_disc(design: Design) -> None:
-    outline = design.pictured.curve("pitch", np.linspace(0.0, TURN, 3601)) @ np.array([1.0, 1j])
+    pictured = design.disc.pictured
+    outline = pictured.curve("pitch", np.linspace(0.0, TURN, 3601)) @ np.array([1.0, 1j])
     for phi in ANGLES:
-        ((x, y),) = design.pictured.curve("pitch", np.array([phi]))
+        ((x, y),) = pictured.curve("pitch", np.array([phi]))
         turn = cmath.exp(1j * design.cam.rotation * phi)
-        for number, (start, end) in enumerate(design.pictured.mechanism_sketch(float(phi)).faces):
+        for number, (start, end) in enumerate(pictured.mechanism_sketch(float(phi)).faces):
             along = (end - start) / abs(end - start)
             outward = 1j * along if ((start * along.conjugate()).imag > 0.0) else -1j * along
             beyond = ((outline * turn - start) * outward.conjugate()).real
@@ -87,7 +88,7 @@ def test_the_far_angle_is_where_the_demanded_motion_is_farthest(design: Design) 
 def test_a_rod_reaches_through_its_guide_all_the_time() -> None:
     design = Design(load_scene(next(path for path in SCENES if path.stem == "plate_translating")))
     for phi in (0.0, design.drive.far_angle, *ANGLES):
-        sketch = design.pictured.mechanism_sketch(float(phi))
+        sketch = design.disc.pictured.mechanism_sketch(float(phi))
         ((foot, end),) = sketch.links
         (guide,) = sketch.guides
         along = [((p - guide.middle) / guide.direction).real for p in (foot, end)]

@@ -78,14 +78,16 @@ def test_a_writer_is_computed_its_own_view_and_no_other(name: str) -> None:
 def test_views_travel_in_pickles_and_answer_the_same() -> None:
     design = camgeo.load(SCENE)
     drawn, milled, tabulated, pictured = pickle.loads(
-        pickle.dumps((design.drawn, design.milled, design.tabulated, design.pictured))
+        pickle.dumps(
+            (design.disc.drawn, design.disc.milled, design.tabulated, design.disc.pictured)
+        )
     )
-    assert len(drawn.part.boundaries) == len(design.drawn.part.boundaries)
-    assert milled.toolpath(0.01).operations[0].cut.name == design.milled.cuts[0].name
+    assert len(drawn.part.boundaries) == len(design.disc.drawn.part.boundaries)
+    assert milled.toolpath(0.01).operations[0].cut.name == design.disc.milled.cuts[0].name
     step = Decimal(30)
     assert np.array_equal(tabulated.table(step).values, design.tabulated.table(step).values)
     phi = np.linspace(0.0, 6.0, 7)
-    assert np.array_equal(pictured.curve("inner", phi), design.pictured.curve("inner", phi))
+    assert np.array_equal(pictured.curve("inner", phi), design.disc.pictured.curve("inner", phi))
 
 
 @pytest.mark.parametrize("step", ["0", "-1", "NaN", "100"])

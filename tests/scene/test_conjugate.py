@@ -16,6 +16,7 @@ from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.scene.load import parse_scene
 from camgeo.units import TURN
 from tests.effects.scenes import only_for
+from tests.findings import effect_findings
 from tests.pairs import lever_of
 from tests.scene.scenes import FIXTURES, spoilt
 
@@ -134,8 +135,8 @@ def test_the_drive_torque_of_a_pair_is_that_of_the_motion() -> None:
     for one, two in zip(pair.disc.columns(), alone.disc.columns(), strict=True):
         assert one.name == two.name
         assert np.array_equal(one.values(phi, "right"), two.values(phi, "right"))
-    assert "torque-without-contact" in {each.name for each in alone.effect_findings}
-    assert "torque-without-contact" not in {each.name for each in pair.effect_findings}
+    assert "torque-without-contact" in {each.name for each in effect_findings(alone)}
+    assert "torque-without-contact" not in {each.name for each in effect_findings(pair)}
 
 
 def test_the_return_disc_is_a_design_of_its_own() -> None:

@@ -13,6 +13,7 @@ from camgeo.errors import GeometryError, SceneError
 from camgeo.mechanism.four_bar import FourBar
 from camgeo.mechanism.slider_driven_crank import SliderDrivenCrank
 from camgeo.scene.load import parse_scene
+from tests.findings import effect_findings
 
 FIXTURES = Path(__file__).parents[2] / "fixtures" / "scenes"
 FOUR_BAR = (FIXTURES / "four_bar.toml").read_text(encoding="utf-8")
@@ -59,7 +60,7 @@ def test_the_follower_decides_which_member_of_a_slider_crank_moves_as_demanded()
     # A positive stroke of the slider moves the roller the way `direction` says.
     assert made.drive.motion.jet(at)[0][0] == inward.drive.motion.jet(at)[0][0] > 0.0
     grown = [
-        np.linalg.norm(each.pictured.curve("pitch", at)) - each.cam.follower.base_radius
+        np.linalg.norm(each.disc.pictured.curve("pitch", at)) - each.cam.follower.base_radius
         for each in (made, inward)
     ]
     assert grown[0] > 0.0 > grown[1]
@@ -126,7 +127,7 @@ def test_a_direction_that_contradicts_the_four_bar_is_told() -> None:
 
 
 def _moves_outward(design: Design) -> bool:
-    at = design.pictured.curve("pitch", np.radians([0.0, 200.0]))
+    at = design.disc.pictured.curve("pitch", np.radians([0.0, 200.0]))
     return bool(np.linalg.norm(at[1]) > np.linalg.norm(at[0]))
 
 
@@ -187,7 +188,7 @@ damping = 0.05
 )
 def test_effects_at_the_follower_itself_work(text: str, tables: str, prefix: str) -> None:
     made = loaded(text, ("[part]", f"{tables}[part]"))
-    assert {each.severity for each in made.effect_findings} <= {"ok", "warning"}
+    assert {each.severity for each in effect_findings(made)} <= {"ok", "warning"}
     names = {column.name: column for column in made.disc.columns()}
     phi = np.radians(np.arange(0.5, 360.0, 7.0))
     own = names[f"{prefix} velocity"].values(phi, "right")
@@ -209,5 +210,5 @@ def test_data_of_another_linkage_are_refused_from_outside_too() -> None:
         moment = f"{INERTIA}moment_of_inertia = 0.01\n"
         made = loaded(text, ("[part]", f"{moment}{table}[part]"))
         with pytest.raises(GeometryError) as caught:
-            _ = made.effect_findings
+            _ = effect_findings(made)
         assert caught.value.key.startswith("effects.")

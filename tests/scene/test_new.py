@@ -10,6 +10,7 @@ from camgeo.design import Design
 from camgeo.scene.load import parse_scene
 from camgeo.scene.new import KINDS, template
 from camgeo.scene.scene import Scene
+from tests.findings import effect_findings
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -50,7 +51,7 @@ def test_effects_that_are_offered_work(kind: str) -> None:
     if not flat and len(design.discs) == 1:
         core |= {"contact-force", "lift-off"}
     assert core <= set(design.scene.effects)
-    assert [f for f in design.effect_findings if f.severity not in ("ok", "warning")] == []
+    assert [f for f in effect_findings(design) if f.severity not in ("ok", "warning")] == []
 
 
 @pytest.mark.parametrize("kind", KINDS)

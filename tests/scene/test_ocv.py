@@ -82,7 +82,7 @@ def test_its_cam_is_the_one_of_the_reference(name: str) -> None:
     phi = np.linspace(0.0, 2.0 * math.pi, 361)
     points = curve.point(phi)
     assert np.array_equal(
-        design.pictured.curve("pitch", phi), np.column_stack((points.real, points.imag))
+        design.disc.pictured.curve("pitch", phi), np.column_stack((points.real, points.imag))
     )
 
 

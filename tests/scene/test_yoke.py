@@ -40,7 +40,7 @@ def on_rollers(yoke: str = "[follower.yoke]\n", offset: str = "") -> str:
 
 def test_the_written_contour_has_the_breadth_in_every_direction() -> None:
     design = Design(parse_scene(TEXT))
-    points = design.drawn.part.boundaries[0].arcs(1e-3).contour.points(1e-5)
+    points = design.disc.drawn.part.boundaries[0].arcs(1e-3).contour.points(1e-5)
     ways = np.exp(1j * np.linspace(0.0, math.pi, 181))
     heights = (points[:, None] * np.conj(ways)).real
     widths = np.max(heights, axis=0) - np.min(heights, axis=0)
@@ -53,7 +53,7 @@ def test_rollers_of_a_yoke_are_as_far_apart_on_the_pitch_curve() -> None:
     phi = np.linspace(0.0, math.pi, 37)
     points = [
         x + 1j * y
-        for x, y in (design.pictured.curve("pitch", angle).T for angle in (phi, phi + math.pi))
+        for x, y in (design.disc.pictured.curve("pitch", angle).T for angle in (phi, phi + math.pi))
     ]
     assert np.abs(points[0] - points[1]) == pytest.approx(design.cam.yoke_breadth, rel=1e-14)
     assert design.cam.yoke_breadth == pytest.approx(120.0)

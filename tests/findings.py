@@ -1,0 +1,12 @@
+"""The findings of a design's effects together."""
+
+from __future__ import annotations
+
+from camgeo.check.finding import Finding
+from camgeo.design import Design
+
+
+def effect_findings(design: Design) -> tuple[Finding, ...]:
+    """What the effects named by the scene find, in its order; what several find alike, once."""
+    found = [each for name in design.scene.effects for each in design.effects.findings(name)]
+    return tuple(dict.fromkeys(found))
