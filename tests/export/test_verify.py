@@ -13,7 +13,7 @@ import ezdxf
 import numpy as np
 import pytest
 import trimesh
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 import camgeo
@@ -314,6 +314,8 @@ def test_faults_of_meshes_are_named() -> None:
 
 
 @pytest.mark.parametrize("verifier", [DXF_VERIFIER, GCODE_VERIFIER, STL_VERIFIER, THREEMF_VERIFIER])
+@example(data=b"EOF")
+@example(data=b"0\nEOF\n")
 @given(data=st.binary(max_size=300))
 def test_any_bytes_are_told_to_be_damaged_or_foreign(verifier: Verifier, data: bytes) -> None:
     """Nothing raises, nothing passes for ours."""

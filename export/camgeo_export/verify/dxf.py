@@ -59,8 +59,9 @@ class DxfVerifier:
         # 9, $CUSTOMPROPERTYTAG, 1, label, 9, $CUSTOMPROPERTY, 1, value
         places = [k for k, line in enumerate(lines) if line == "$CUSTOMPROPERTYTAG"]
         properties = {lines[k + 2]: lines[k + 6] for k in places if k + 6 < len(lines)}
-        ending = data.rstrip()[-3:]
-        damage = "" if ending == b"EOF" else "not a whole DXF file: no EOF at its end"
+        damage = "" if data.rstrip().endswith(b"EOF") else "not a whole DXF file: no EOF at its end"
+        if b"SECTION" not in data:
+            damage = "not a DXF file: no section in it"
         if data.startswith(b"AutoCAD Binary DXF"):
             damage = "is a binary DXF; save it as text (ASCII)"
         return Origin(
