@@ -43,7 +43,7 @@ def run(arguments: argparse.Namespace) -> int:
 
     cases = suite.all_cases()
     only = _known(arguments.only, suite.names(cases))
-    found = stability(cases, only, quick=arguments.quick, tell=arguments.progress)
+    found = stability(cases, only, quick=arguments.quick, progress=arguments.progress)
     points = f"{len(suite.worst_of_cases(found.readings))} points"
     write_files(pictures(found, arguments, points), arguments)
     return show(found, arguments)

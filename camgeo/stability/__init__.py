@@ -1,1 +1,1 @@
-"""Stability shown: what camgeo computes in doubles, held against the same with eighty digits."""
+"""Numerical stability: results of camgeo in doubles compared with references of eighty digits."""

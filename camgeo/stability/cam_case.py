@@ -1,4 +1,4 @@
-"""A cam of the suite, and the cases of its moves: every quantity from the lift to the curvature."""
+"""A cam of the suite, and the cases of its moves: all quantities from the lift to the curvature."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ STEEP: Final = ("30", "60", "40", "80", "150")
 MIDDLE: Final = 0.5
 
 SHARES: Final = (1e-9, 0.07, 0.21, 0.4, 0.5, 0.66, 0.83, 0.97)
-"""Places inside a move as shares of it."""
+"""Places inside a move, as fractions of it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,12 +64,12 @@ class CamSpec:
 
     Attributes
     ----------
-    name : what is hard about it.
+    name : states what is hard about it.
     spans : of the rest, rise, rest, return, rest in degrees, as written.
     stroke : [mm or rad].
     follower, linkage, rotation : the mechanism.
     law, inflection : of both moves.
-    rise, back : places in the rise and in the return, shares of their spans.
+    rise, back : places in the rise and in the return, as fractions of their spans.
     """
 
     name: str
@@ -100,7 +100,7 @@ class CamSpec:
 
     @property
     def curve(self) -> PitchCurve:
-        """The pitch curve, as the engine makes it."""
+        """The pitch curve, as the engine computes it."""
         unit = self.follower.lift_unit if self.linkage is None else self.linkage.unit
         drive = Drive(self.plan, self.linkage, unit)
         return Disc(drive, self.follower, self.rotation).pitch_curve
@@ -111,14 +111,14 @@ class CamSpec:
         return Stage(self.law, self.follower, self.linkage, self.rotation)
 
     def joints(self, *, back: bool) -> tuple[float, float]:
-        """Cam angles [rad] of both ends of a move, as the engine takes them."""
+        """Cam angles [rad] of both ends of a move, as the engine uses them."""
         number = 3 if back else 1
         first = sum(map(Decimal, self.spans[:number]), Decimal(0))
         last = first + Decimal(self.spans[number])
         return math.radians(float(first)), math.radians(float(last))
 
     def parameters(self, *, back: bool) -> tuple[float, ...]:
-        """The inputs of a move for the exact cam."""
+        """The inputs of the exact cam for a move."""
         low, high = (self.stroke, 0.0) if back else (0.0, self.stroke)
         return self.stage.parameters(*self.joints(back=back), low, high, self.inflection)
 
@@ -152,7 +152,7 @@ def of_moves(
 
 
 def computed(curve: PitchCurve) -> Found:
-    """What the engine gives for the quantities of a cam."""
+    """The engine's values of the quantities of a cam."""
     inner = WorkingCurve(curve, -curve.follower.roller_radius)
     outer = WorkingCurve(curve, curve.follower.roller_radius)
 
@@ -160,7 +160,7 @@ def computed(curve: PitchCurve) -> Found:
         motion = curve.motion
         lifts = motion.jet(phi)[:4]
         if isinstance(motion, LinkedMotion):
-            # psi is a difference of angles of a crank; only psi_G + psi goes into the curve.
+            # psi is a difference of crank angles; only psi_G + psi enters the curve.
             crank_angle = getattr(motion.linkage, "crank_angle", None)
             if crank_angle is not None:
                 angle = crank_angle(motion.demanded.jet(phi)[0])
@@ -181,7 +181,7 @@ def computed(curve: PitchCurve) -> Found:
 
 
 def quantities(stage: Stage, phi: Number, parameters: Sequence[Number]) -> tuple[Number, ...]:
-    """The same, exactly."""
+    """The exact values of the same quantities."""
     jet = stage.jet(phi, parameters)
     bend = jet.bend
     angle = jet.transmission_angle

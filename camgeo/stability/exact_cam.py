@@ -1,7 +1,7 @@
 """A cam by its definition, in series of the cam angle: Z = W exp(-i sigma phi).
 
-Nothing here is shared with the engine: W is where the follower carries the roller centre, its
-derivatives are those of its series, and curvature and angles come from the tangent.
+Nothing here is shared with the engine: W is the place of the roller centre on the follower, its
+derivatives are those of its series, and curvature and angles follow from the tangent.
 """
 
 from __future__ import annotations
@@ -41,17 +41,17 @@ NUMBERS: Final[Mapping[type, tuple[str, ...]]] = {
     FourBar: ("crank", "coupler", "lever", "shaft.real", "shaft.imag", "lever_angle"),
     SliderDrivenCrank: ("inner.crank", "inner.coupler", "inner.deflection"),
 }
-"""The attributes that are lengths and angles of each kind, in the order of its exact numbers."""
+"""The attributes of each kind that are lengths and angles, in the order of its exact numbers."""
 
 
 @dataclass(frozen=True, slots=True)
 class Stage:
-    """A move of a cam, as far as it is no number: what the numbers of `parameters` are for.
+    """The discrete part of a move of a cam; `parameters` gives its numbers.
 
     Attributes
     ----------
     law : of the move, from rest to rest.
-    follower, linkage : their discrete choices count; their numbers come with the parameters.
+    follower, linkage : only their discrete choices are used; their numbers are in the parameters.
     rotation : sigma.
     """
 
@@ -63,10 +63,10 @@ class Stage:
     def parameters(
         self, start: float, end: float, low: float, high: float, inflection: float
     ) -> tuple[float, ...]:
-        """The inputs of `jet` behind the cam angle.
+        """The inputs of `jet` after the cam angle.
 
-        start, end are the joints of the move [rad], degrees turned to radians and rounded once as
-        the engine does; low, high the lifts there [mm or rad]; then lambda, and the numbers of the
+        start, end are the joints of the move [rad], degrees converted to radians and rounded once
+        as in the engine; low, high the lifts there [mm or rad]; then lambda, and the numbers of the
         follower and of the linkage.
         """
         follower, linkage = self.follower, self.linkage
@@ -81,7 +81,7 @@ class Stage:
         z = variable((phi - start) / span, 1 / span, terms)
         w = variable((end - phi) / span, -1 / span, terms)
         up, down = lift(self.law, z, w, inflection)
-        # From the nearer end, so that a lift of next to nothing keeps its digits.
+        # From the nearer end, so that a very small lift keeps its digits.
         s: Series = low + (high - low) * up if z.terms[0] <= 0.5 else high - (high - low) * down
         return s
 

@@ -1,6 +1,7 @@
-"""A cam under a flat face by its definition: the lines that the face is in the cam envelop it.
+"""A cam under a flat face by its definition: the envelope of the lines of the face in the cam
+frame.
 
-Nothing here is shared with the engine: the contact is where a line crosses the next one, by
+Nothing here is shared with the engine: the contact is where a line crosses its neighbour, by
 Cramer's rule, and its derivatives are those of the series.
 """
 
@@ -28,8 +29,8 @@ class FaceJet:
     lift : [mm or rad].
     normal : of the face, away from the cam axis.
     distance : of the face from the cam axis [mm].
-    along : direction of the face in which the place of the contact counts.
-    origin : what the place of the contact is counted from, or the point above it [mm].
+    along : direction along the face in which the place of the contact is measured.
+    origin : point from which the place of the contact is measured, or the point above it [mm].
     rotation : sigma.
     """
 

@@ -1,4 +1,5 @@
-"""The real outline by its definition: where W(x) = W(y), what area is left, where the roller rests.
+"""The real outline by its definition: where W(x) = W(y), the remaining area, where the roller
+rests.
 
 Nothing here is shared with the engine: crossings are roots of two equations in series of the cam
 angle, areas are Green's integral over the exact flank, and the roller that rests against a corner
@@ -23,24 +24,25 @@ from camgeo.stability.roots import STEPS, newton
 from camgeo.stability.series import Series, direction, logarithm, root, variable
 
 ENOUGH: Final = 24
-"""Decimals behind which a step is the last one. It leaves its square over the width of the tail,
-1e-43 rad where that is 1e-5; half an ulp of the inputs moves a place by 1e-17 and more."""
+"""A step that vanishes to this many decimals is the last one. Its error is its square over the
+width of the tail, 1e-43 rad for a width of 1e-5; half an ulp of the inputs moves a place by 1e-17
+or more."""
 
 DEGREE: Final = 5
-"""Of mpmath's Gauss-Legendre quadrature: 48 nodes. On each piece of a move an area has its first 18
-digits then, a double 16."""
+"""Degree of mpmath's Gauss-Legendre quadrature: 48 nodes. They give 18 digits of an area on each
+piece of a move; a double has 16."""
 
 ROLLER: Final = 6
-"""Where r_R stands among the numbers."""
+"""Index of r_R among the numbers."""
 
 Numbers = Sequence[Number]
 
 
 @dataclass(frozen=True, slots=True)
 class ExactOutline:
-    """A flank all round: rest, rise, rest, return, rest.
+    """A flank over a full turn: rest, rise, rest, return, rest.
 
-    The methods take the numbers of `parameters` made exact.
+    The methods take the exact numbers of `parameters`.
 
     Attributes
     ----------
@@ -84,7 +86,7 @@ class ExactOutline:
         Raises
         ------
         GeometryError
-            If there is none there: the steps do not settle, or settle at x = y.
+            If there is no crossing there: the steps do not converge, or converge to x = y.
         """
         mp = multiprecision()
         x, y = (mp.mpf(guess) for guess in guesses)
@@ -110,8 +112,8 @@ class ExactOutline:
     def area(self, x: Number, y: Number, numbers: Numbers) -> Number:
         """Area [mm^2] inside the flank without the cam angles from `x` to `y` [rad].
 
-        With W = Z + d n, where the normal n turns by theta, Green's integral is that of the pitch
-        curve, of its length, and of what the ends leave (Steiner's formula):
+        With W = Z + d n, where the normal n turns by theta, Green's integral consists of that of
+        the pitch curve, of its length, and of the terms of the ends (Steiner's formula):
 
             1/2 int Im(conj Z Z') - sigma d int |Z'| + d^2/2 (turn of n) + d/2 [Im(conj Z n)].
         """
@@ -137,7 +139,7 @@ class ExactOutline:
     def _stretches(
         self, x: Number, y: Number, numbers: Numbers
     ) -> Iterator[tuple[Number, Number, bool]]:
-        """What is left of each move (True) and rest (False), in order from y to x + 2 pi."""
+        """The remaining ranges of moves (True) and rests (False), in order from y to x + 2 pi."""
         mp = multiprecision()
         joints = (mp.mpf(0), *numbers[:4], 2 * mp.pi)
         pieces = [(a, b, k % 2 == 1) for k, (a, b) in enumerate(pairwise(joints)) if a < b]
@@ -154,7 +156,7 @@ class ExactOutline:
     def loss(self, phi: Number, corner: Number, numbers: Numbers, terms: int) -> Series:
         """Lost stroke [mm or rad] at the cam angle `phi` [rad], the roller against `corner` [mm].
 
-        Positive where the roller gets farther into the disc than is demanded.
+        Positive where the roller gets farther into the disc than demanded.
         """
         actual = self.actual(phi, corner, numbers, terms)
         demanded = self.jet(phi, numbers, terms).lift
@@ -164,7 +166,7 @@ class ExactOutline:
     def place_of_largest_loss(self, guess: Number, corner: Number, numbers: Numbers) -> Number:
         """Cam angle [rad] near `guess` at which the lost stroke is stationary.
 
-        GeometryError if there is none.
+        GeometryError if there is no such angle.
         """
 
         def slope(phi: Number) -> tuple[Number, Number]:
@@ -176,7 +178,7 @@ class ExactOutline:
 
 @singledispatch
 def _lifted(follower: Any, *_: Any) -> Series:
-    """Lift of a roller, its centre |roller| from `corner`, beyond it if positive."""
+    """Lift of a roller whose centre is |roller| from `corner`, beyond it if positive."""
     raise TypeError(type(follower))
 
 
@@ -217,7 +219,7 @@ def _swung(
     square = apart.real * apart.real + apart.imag * apart.imag
     cosine = (square + (arm**2 - roller**2)) / (2 * arm * root(square))
     between = logarithm(cosine + root(1 - cosine * cosine) * mp.mpc(0, 1)).imag
-    # Angles from the line to the cam axis on, on the rocker's side of it.
+    # Angles measured from the line to the cam axis, towards the rocker's side of it.
     towards = logarithm(apart / -pivot).imag * follower.arm_side
     lift: Series = (towards + between * mp.sign(roller) - start) * _outward(follower)
     return lift
@@ -230,7 +232,7 @@ def _outward(follower: AnyFollower) -> int:
 
 
 def _nodes() -> Sequence[tuple[Number, Number]]:
-    """Nodes in (-1, 1), ascending, and weights; mpmath keeps them."""
+    """Nodes in (-1, 1), ascending, and weights; mpmath caches them."""
     found: Sequence[tuple[Number, Number]] = sorted(
         _rule().get_nodes(-1, 1, DEGREE, multiprecision().prec)
     )

@@ -1,4 +1,4 @@
-"""Cases of places that are roots: extremes of curvature and transmission angle, cusps."""
+"""Cases whose places are roots: extremes of curvature and transmission angle, cusps."""
 
 from __future__ import annotations
 
@@ -45,22 +45,22 @@ CAMS: Final = (
 """Cams whose extremes are measured."""
 
 EXCESS: Final = (1e-3, 1e-4, 1e-5, 1e-6)
-"""How much the roller is larger than the smallest radius of curvature, as a share of it."""
+"""Excess of the roller radius over the smallest radius of curvature, as a fraction of that."""
 
 GUESS: Final = 7
-"""Decimals of a cam angle [rad] at which an exact root is looked for: the pairs of cusps with an
+"""Decimals of a cam angle [rad] from which an exact root is sought: the pairs of cusps with an
 excess of 1e-6 are 5e-4 apart, and Newton's steps double the digits from there."""
 
 TERMS: Final = 5
 """Z to Z'''', for kappa''."""
 
 ENOUGH: Final = 12
-"""Decimals behind which a step is the last one: it leaves an error of about its square, 1e-24, and
-half an ulp of the inputs moves a place by 1e-17 and more."""
+"""A step that vanishes to this many decimals is the last one: its error is about its square, 1e-24,
+and half an ulp of the inputs moves a place by 1e-17 or more."""
 
 RIGHT: Final = 1e-6
-"""A transmission angle this near to 0 or 90 degrees [rad] is no smooth extreme: the acute angle has
-a bend there, and the place is a root of one part of Z'."""
+"""A transmission angle this near to 0 or 90 degrees [rad] is not a smooth extreme: the acute angle
+has a kink there, and the place is a root of one component of Z'."""
 
 
 def cases() -> tuple[Case, ...]:
@@ -80,7 +80,7 @@ def _extremes(
     engine: Extremes,
     slopes: Callable[[CamJet], tuple[Number, Number, Number]],
 ) -> Iterator[Case]:
-    """Extremes inside the moves, not those at their ends."""
+    """Extremes inside the moves, excluding those at their ends."""
 
     def found(guesses: FloatArray) -> tuple[FloatArray, ...]:
         nearest = [int(np.argmin(np.abs(engine.phi - guess))) for guess in guesses]
@@ -117,7 +117,7 @@ def _smooth_transmission(curve: PitchCurve) -> Extremes:
 
 
 def _cusps(spec: CamSpec, excess: float) -> Case:
-    """Both ends of the undercut in the rise, with a roller that is too large by `excess`."""
+    """Both ends of the undercut in the rise, with a roller too large by `excess`."""
     smallest = 1.0 / curvature_extremes(spec.curve).largest()[0]
     roller: dict[str, Any] = {"roller_radius": smallest * (1.0 + excess)}
     large = replace(spec, follower=replace(spec.follower, **roller))
@@ -156,6 +156,6 @@ def _bend(jet: CamJet) -> tuple[Number, Number, Number]:
 
 
 def _tilt(jet: CamJet) -> tuple[Number, Number, Number]:
-    """The transmission angle, and two derivatives of the angle that it is the acute one of."""
+    """The transmission angle, and two derivatives of the angle whose acute angle it is."""
     tilt = jet.tilt
     return jet.transmission_angle, tilt.terms[1], tilt.derivative(2)

@@ -1,4 +1,4 @@
-"""Cases of cams under flat faces: near cusps, faces that nearly stand in the cam, far pivots."""
+"""Cases of cams under flat faces: near cusps, faces nearly standing in the cam, distant pivots."""
 
 from __future__ import annotations
 
@@ -104,7 +104,7 @@ def _translating() -> tuple[CamSpec, ...]:
 def _oscillating() -> tuple[CamSpec, ...]:
     pivot = complex(70.0, -55.0)
     lying = OscillatingFlat(-100.0 + 0j, 8.0, 8.0)
-    # The swing of a 3-4-5 polynomial in 60 degrees that gets psi' = 1 in its middle.
+    # The swing of a 3-4-5 polynomial over 60 degrees that reaches psi' = 1 in its middle.
     steepest = math.radians(60.0) / 1.875
     through = OscillatingFlat(-100.0 + 0j, 40.0, 0.0)
     square = OscillatingFlat(-100.0 + 0j, 20.0 + 100.0 * (1.0 - 1e-9), 20.0, 1, -1)

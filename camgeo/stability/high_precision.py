@@ -7,11 +7,12 @@ from typing import Any, Final
 from camgeo.errors import CamgeoError
 
 Number = Any
-"""A real or complex number of mpmath, which has no types."""
+"""A real or complex number of mpmath, which has no type annotations."""
 
 DIGITS: Final = 80
-"""The textbook formulas lose most of them where a lift begins: f = 1e-48 of the 4-5-6-7 polynomial
-at z = 1e-12 leaves 32 digits of 1 - f; a double needs 16, half an ulp of change 16 more."""
+"""Digits of the references. The textbook formulas lose most of them where a lift begins: f = 1e-48
+of the 4-5-6-7 polynomial at z = 1e-12 leaves 32 digits of 1 - f; a double needs 16, a change by
+half an ulp 16 more."""
 
 
 def multiprecision() -> Any:

@@ -1,4 +1,4 @@
-"""Cases of the motion laws: everywhere, near their ends, strongly shifted, of several tasks."""
+"""Cases of the motion laws: everywhere, near their ends, strongly shifted, for several tasks."""
 
 from __future__ import annotations
 
@@ -24,13 +24,13 @@ GROUP: Final = "laws"
 QUANTITIES: Final = ("f", "1 - f", "f'", "f''", "f'''")
 
 NEAR: Final = 1e-12
-"""Distance from the ends: there the polynomials are 1e-35 and less."""
+"""Distance from the ends, where the polynomials are 1e-35 or less."""
 
 SHIFTS: Final = (0.5, 0.3, 1e-6, 1.0 - 1e-6)
 """lambda: symmetric, moderate, and hard case HC13 with its mirror image."""
 
 SHARES: Final = (NEAR, 0.07, 0.19, 0.42, 0.63, 0.91, 1.0 - NEAR)
-"""Places as shares of a half, or of the whole; none is a border of a law."""
+"""Places as fractions of a half, or of the whole; none is a border of a law."""
 
 TERMS: Final = 4
 
@@ -46,7 +46,7 @@ BOUNDARIES: Final[tuple[tuple[str, str, dict[str, float]], ...]] = (
 ORDERS: Final = {"v": 1, "a": 2, "j": 3}
 
 MET: Final = {"polynomial-5": "va", "polynomial-7": "vaj", "polynomial": ""}
-"""Values that a polynomial has at both ends, zero where none is given."""
+"""Values of a polynomial at both ends, zero where none is given."""
 
 
 def cases() -> tuple[Case, ...]:

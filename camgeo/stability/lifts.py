@@ -1,6 +1,6 @@
 """The motion laws from rest to rest as textbooks define them, for series of any z.
 
-VDI 2143-1, section 6.1; each law by its lift alone, derivatives are those of the series. A law is
+VDI 2143-1, section 6.1; each law by its lift alone; derivatives are those of the series. A law is
 given by its first half, f over [0, 1/2] with f(1/2) = 1/2; the second half is its mirror image, and
 lambda stretches the halves to [0, lambda] and [lambda, 1] (eqs. (66) to (75)).
 """

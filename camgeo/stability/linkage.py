@@ -19,10 +19,10 @@ Transform = Callable[[Series], Series]
 
 @singledispatch
 def exact_linkage(linkage: Any, *numbers: Number) -> tuple[Transform, Transform]:
-    """The follower's motion over what is demanded, and what is told of it.
+    """The follower's motion over the demanded position, and the value compared.
 
-    That is a crank's position [rad], which its motion is a difference of, or the stroke of a slider
-    [mm]. `numbers` are the lengths and angles of `linkage`, as `Stage.parameters` has them.
+    That value is a crank's position [rad], of which its motion is a difference, or the stroke of a
+    slider [mm]. `numbers` are the lengths and angles of `linkage`, as in `Stage.parameters`.
     """
     raise TypeError(type(linkage), numbers)
 
@@ -37,10 +37,10 @@ def _(
     height = crank * mp.cos(deflection)
 
     def crank_angle(stroke: Series) -> Series:
-        """theta [rad]: the pin's angle less that of the triangle of shaft, tip and pin."""
+        """theta [rad]: the pin's angle minus that of the triangle of shaft, tip and pin."""
         pin = -(start + linkage.stroke_direction * stroke) + mp.mpc(0, 1) * height
-        # Counted from straight above the shaft: a pin on the guide through the shaft stays off the
-        # cut of the logarithm whichever way half an ulp moves it.
+        # Measured from straight above the shaft: a pin on the guide through the shaft stays off the
+        # branch cut of the logarithm whichever way half an ulp moves it.
         upward = logarithm(pin * mp.mpc(0, -1)).imag
         angle: Series = upward + mp.pi / 2 - linkage.branch * _triangle(crank, coupler, pin)
         return angle
@@ -69,10 +69,10 @@ def _(
     shaft = mp.mpc(shaft_x, shaft_y)
 
     def crank_angle(motion: Series) -> Series:
-        """theta [rad]: the pin's angle less that of the triangle of shaft, tip and pin.
+        """theta [rad]: the pin's angle minus that of the triangle of shaft, tip and pin.
 
-        The pin's angle is continuous: it is that of the longer of shaft and lever, which the pin
-        stays within a quarter turn of, and what lies between.
+        The pin's angle is continuous: it is that of the longer of shaft and lever, from which the
+        pin stays within a quarter turn, plus the difference.
         """
         lever = linkage.lever_sense * motion + lever_angle
         arm = length * direction(lever)
@@ -120,7 +120,7 @@ def _(
 def _triangle(crank: Number, coupler: Number, pin: Series) -> Series:
     """Angle at the shaft of the triangle shaft, tip, pin [rad], by the law of cosines.
 
-    GeometryError if crank and coupler do not reach the pin, or lie on one line.
+    GeometryError if crank and coupler do not reach the pin, or are collinear.
     """
     square = pin.real**2 + pin.imag**2
     opposite = (square + (crank**2 - coupler**2)) / (2 * crank * root(square))
@@ -131,6 +131,6 @@ def _triangle(crank: Number, coupler: Number, pin: Series) -> Series:
 
 
 def _check_reach(square: Series, fault: str) -> None:
-    """GeometryError where a root is not real, or has no derivatives and they are asked for."""
+    """GeometryError where a root is not real, or lacks derivatives that are requested."""
     if not square.terms[0] > 0 and (len(square.terms) > 1 or square.terms[0] < 0):
         raise GeometryError(fault, key="linkage")

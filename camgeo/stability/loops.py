@@ -1,6 +1,6 @@
 """Cases of cams behind a slider-crank, a four-bar and a slider-driven-crank.
 
-The thesis's examples, dead centres, A = C, next to nothing, all scales.
+The thesis's examples, dead centres, A = C, tiny motions, all scales.
 """
 
 from __future__ import annotations
@@ -17,13 +17,13 @@ from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.stability.cam_case import EVEN, SHARES, CamSpec
 
 PLACES: Final = (1e-9, 0.21, 0.5, 0.83, 0.97)
-"""Places inside a move as shares of it."""
+"""Places inside a move, as fractions of it."""
 
 SHORT: Final = 1e-6
-"""What a motion that ends next to a dead centre leaves of the way to it, as a share of it."""
+"""Fraction of the way to a dead centre by which a motion that ends next to it stops short."""
 
 LATE: Final = (0.3, 0.5, 0.8, 0.97, 0.999)
-"""Places in a motion that ends in a dead centre, shares of its span."""
+"""Places in a motion that ends in a dead centre, as fractions of its span."""
 
 EARLY: Final = (1e-3, *PLACES[1:])
 """Places in a motion that starts in a dead centre."""
@@ -31,7 +31,7 @@ EARLY: Final = (1e-3, *PLACES[1:])
 RIGHT: Final = 0.5 * math.pi
 
 LEAN: Final = math.asin(0.8)
-"""The crank's deflection of hard cases HC06 and HC26 [rad]."""
+"""Deflection of the crank in hard cases HC06 and HC26 [rad]."""
 
 
 def specs() -> tuple[CamSpec, ...]:
@@ -55,7 +55,7 @@ def driven_crank(scale: float = 1.0, *, mirrored: bool = False) -> SliderDrivenC
 
 
 def _rocker(scale: float = 1.0, arm_side: int = 1) -> OscillatingRoller:
-    """Midway in its swing, so that it stays off the line of centres with each linkage."""
+    """Centred in its swing, so that it stays off the line of centres with each linkage."""
     pivot = complex(-100.0 * scale, 0.0)
     return OscillatingRoller(pivot, 80.0 * scale, 120.0 * scale, 5.0 * scale, arm_side, None)
 
@@ -66,7 +66,7 @@ def _guided(scale: float = 1.0, direction: int = 1) -> TranslatingRoller:
 
 def _slider_cranks() -> tuple[CamSpec, ...]:
     setting = OscillatingRoller(complex(-40.46, -62.0), 61.29, 50.199, 7.0, 1, None)
-    # Midway in its swing, so that the rocker stays off the line of centres with each linkage.
+    # Centred in its swing, so that the rocker stays off the line of centres with each linkage.
     middle = OscillatingRoller(-100.0 + 0j, 80.0, 120.0, 5.0, 1, None)
     setzhub = SliderCrank(160.5, 122.87, math.radians(34.68), True, -1, -1, -1)
     feeding = OscillatingRoller(complex(-29.76, -85.37), 82.03, 38.006, 8.0, 1, None)
@@ -100,7 +100,7 @@ def _four_bars() -> tuple[CamSpec, ...]:
     plain, rocker = four_bar(), _rocker()
     closing = FourBar(60.0, 75.0, 50.0, 100.0 + 0j, 2.0, -1, -1)
     way = _to_dead_centre(closing)
-    # The pin is at (80, 60) mm to begin with, without a rounding.
+    # The pin starts at (80, 60) mm exactly, without rounding.
     stretched = FourBar(60.0, 40.0, 60.0, 20.0 + 60.0j, 0.0, -1, 1)
     folded = FourBar(150.0, 50.0, 60.0, 20.0 + 60.0j, 0.0, 1, -1)
     turning = FourBar(80.0, 100.0, 30.0, 100.0 + 0j, 0.4, 1, 1)
@@ -130,7 +130,7 @@ def _slider_driven_cranks() -> tuple[CamSpec, ...]:
     plain, guided = driven_crank(), _guided()
     closing = SliderDrivenCrank(SliderCrank(60.0, 50.0, 0.5, False, 1, -1, 1))
     way = _to_dead_centre(closing)
-    # A little less than a right angle, which the exact crank has on the other side.
+    # Slightly less than a right angle, which the exact crank has on the other side.
     on_line = SliderDrivenCrank(SliderCrank(40.0, 60.0, RIGHT - 2.0**-50, False, 1, -1, 1))
     equal = SliderDrivenCrank(SliderCrank(50.0, 50.0 * (1.0 + 1e-9), 1.57, True, 1, 1, 1))
     long = SliderDrivenCrank(SliderCrank(60.0, 1e6, 0.5, False, 1, -1, 1))

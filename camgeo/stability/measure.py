@@ -1,6 +1,6 @@
-"""A case of the stability suite, and what is measured of it: error and conditioning in ulp.
+"""A case of the stability suite and its measurements: error and conditioning in ulp.
 
-A case has quantities at some places, in doubles and with many digits.
+A case has quantities at several places, in doubles and with many digits.
 """
 
 from __future__ import annotations
@@ -21,21 +21,21 @@ Exact = Callable[..., tuple[Number, ...]]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Case:
-    """Some quantities of one law, table, linkage or cam, at some places.
+    """Quantities of one law, table, linkage or cam at several places.
 
-    The inputs are doubles, each taken for exactly the number that it is.
+    The inputs are doubles, each taken as an exact number.
 
     Attributes
     ----------
-    group : what part of the suite it belongs to, see `camgeo.stability.suite.GROUPS`.
-    name : what is hard about it, one word or a few.
-    quantities : names of what is computed.
-    places : (n,) the first input: z of a law, else the cam angle or the crank angle [rad]; of a
+    group : the part of the suite it belongs to, see `camgeo.stability.suite.GROUPS`.
+    name : what is hard about it, in a few words.
+    quantities : names of the computed quantities.
+    places : (n,) the first input: z of a law, else the cam angle or the crank angle [rad]; for a
         root, a guess.
     parameters : the other inputs, in the order in which `exact` takes them.
     found : places (n,) -> an array (n,) for each quantity: what camgeo computes, real or complex.
     exact : place, parameters -> the quantities by formulas of their own, numbers of mpmath. Called
-        with the inputs themselves, and with each in turn changed by half an ulp.
+        with the inputs as they are, and with each in turn changed by half an ulp.
     """
 
     group: str
@@ -58,7 +58,7 @@ class Reading:
     value : the exact value, rounded; the length of a vector.
     error : distance of camgeo's value from it [ulp]; infinite if camgeo gave none.
     conditioning : how far the exact value moves [ulp] if each input moves by half an ulp of its
-        own: the sum of what the inputs do one by one.
+        own: the sum over the inputs, one at a time.
     """
 
     quantity: str
@@ -71,12 +71,12 @@ class Reading:
 
     @property
     def ratio(self) -> float:
-        """Error over conditioning, or over 1 ulp where the inputs do less."""
+        """Error over conditioning, or over 1 ulp where the conditioning is smaller."""
         return self.error / max(1.0, self.conditioning)
 
     @property
     def at(self) -> dict[str, float]:
-        """The place by its name: z of a law, else the angle [deg] of the crank or the cam."""
+        """The place under its name: z of a law, else the angle [deg] of the crank or the cam."""
         if self.group == "laws":
             return {"z": self.place}
         name = "crank" if self.group == "slotted-levers" else "cam"
@@ -87,7 +87,7 @@ def measure(case: Case) -> tuple[Reading, ...]:
     """The readings of all quantities of a case, place by place.
 
     An ulp is that of the exact value, for a vector that of its length. Where rounding the inputs by
-    half an ulp moves a value by more than its own size, as where it passes 0, it is that of this
+    half an ulp moves a value by more than its own magnitude, as near a zero, it is that of this
     movement.
     """
     found = _found(case)
@@ -111,7 +111,7 @@ def measure(case: Case) -> tuple[Reading, ...]:
 
 
 def _found(case: Case) -> tuple[FloatArray | ComplexArray, ...]:
-    """What camgeo computes; NaN for all of it if it refuses the case."""
+    """The values that camgeo computes; all NaN if it refuses the case."""
     try:
         return case.found(np.array(case.places))
     except GeometryError:
@@ -123,7 +123,7 @@ def _changes(
 ) -> list[Number]:
     """How far half an ulp of one input moves each quantity.
 
-    At an end of its range, where one direction leads to no mechanism at all, the other one counts.
+    At an end of its range, where one direction admits no mechanism, the other one counts.
     """
     mp = multiprecision()
     half = mp.mpf(math.ulp(value)) / 2

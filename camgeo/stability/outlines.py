@@ -1,4 +1,4 @@
-"""Cases of real outlines: swallow tails down to nothing, necks, what is left, what is lost."""
+"""Cases of real outlines: vanishing swallow tails, necks, remaining area, lost stroke."""
 
 from __future__ import annotations
 
@@ -38,23 +38,23 @@ LOSS: Final = ("lost stroke",)
 LARGEST: Final = ("largest lost stroke", "place of largest lost stroke")
 
 EXCESS: Final = (1e-2, 1e-4, 1e-6, 1e-9)
-"""How much the roller is larger than the smallest radius of curvature, as a share of it."""
+"""Excess of the roller radius over the smallest radius of curvature, as a fraction of that."""
 
 SHARES: Final = (0.05, 0.3, 0.5, 0.8)
-"""Places on a corner as shares of the range that is missing."""
+"""Places on a corner, as fractions of the missing range."""
 
 MIDDLE: Final = SHARES[1:]
-"""The same away from its ends. A lost stroke is the difference of two lifts and known to their
-rounding: of one below a thousandth of the lift, as there, few digits are left."""
+"""As `SHARES`, away from the ends. A lost stroke is the difference of two lifts and known to their
+rounding: below a thousandth of the lift, as near the ends, few digits are left."""
 
 MEASURED: Final = ("HC21c swallow tail", "HC22 neck of a lobe")
 """Flanks whose area and lost stroke are measured."""
 
 REPLAYED: Final = (*MEASURED, "tail of a rocker", "tail of an outer flank")
-"""Those on which the roller is rolled."""
+"""Flanks on which the roller is rolled."""
 
 GUESS: Final = 9
-"""Decimals of a cam angle [rad] at which an exact root is looked for: the narrowest swallow tail is
+"""Decimals of a cam angle [rad] from which an exact root is sought: the narrowest swallow tail is
 3e-5 wide."""
 
 INNER, OUTER = -1, 1
@@ -73,7 +73,7 @@ def cases() -> tuple[Case, ...]:
 
 
 def flanks() -> tuple[tuple[CamSpec, int], ...]:
-    """Undercut cams, each with the flank that is looked at; none has an edge at cam angle 0."""
+    """Undercut cams, each with the flank to examine; none has an edge at cam angle 0."""
     rocker = OscillatingRoller(-100.0 + 0j, 85.0, 30.0, 21.75, -1, 1)
     return (
         (CamSpec("HC21c swallow tail", STEEP, 20.0, TranslatingRoller(25.0, 14.843343627412837)),
@@ -156,13 +156,13 @@ class _Rolled:
         return self.exact.crossing(_guesses(self.cut), numbers)[2]
 
     def places(self, shares: tuple[float, ...]) -> tuple[float, ...]:
-        """Cam angles [rad] as shares of the range that is missing."""
+        """Cam angles [rad] at fractions of the missing range."""
         wide = self.cut.second - self.cut.first
         return tuple(self.cut.first + share * wide for share in shares)
 
 
 def _lift(spec: CamSpec, side: int) -> Case:
-    """What the follower really does."""
+    """The actual lift of the follower."""
     rolled = _Rolled(spec, side)
 
     def found(places: FloatArray) -> tuple[FloatArray, ...]:
@@ -176,7 +176,7 @@ def _lift(spec: CamSpec, side: int) -> Case:
 
 
 def _losses(spec: CamSpec, side: int) -> Iterator[Case]:
-    """Lost stroke at some places, and the largest."""
+    """Lost stroke at several places, and the largest."""
     rolled = _Rolled(spec, side)
     largest, parameters = rolled.replay.largest_loss, rolled.exact.parameters
 
@@ -208,7 +208,7 @@ def _lost(replay: Replay, phi: FloatArray) -> FloatArray:
 
 
 def _cut(spec: CamSpec, side: int) -> Crossing:
-    """The crossing at which the disc ends: that with the widest range between its cam angles."""
+    """The crossing at which the disc ends: the one with the widest range between its cam angles."""
     return max(find_crossings(_flank(spec, side)), key=lambda each: each.second - each.first)
 
 

@@ -1,4 +1,4 @@
-"""Exact roots by Newton's steps: from a guess, then from the root that was found."""
+"""Exact roots by Newton's method: from a guess, then from a root found before."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from camgeo.errors import GeometryError
 from camgeo.stability.high_precision import Number, multiprecision
 
 STEPS: Final = 20
-"""At most; from seven digits four are enough, from the first digits of a swallow tail's width six.
+"""Most steps; from seven digits four suffice, from the first digits of a swallow tail's width six.
 """
 
 
@@ -18,19 +18,19 @@ STEPS: Final = 20
 class Roots:
     """Exact roots by their guesses.
 
-    The first one is that of the inputs themselves. Half an ulp of an input moves it by next to
-    nothing, so that one step leads from it where several lead from the guess.
+    The first root is that of the unchanged inputs. Half an ulp of an input moves it very little, so
+    that one step from it suffices where the guess needs several.
 
     Attributes
     ----------
-    decimals : of the guesses, which are told apart by them.
+    decimals : of the guesses, which identify them.
     """
 
     decimals: int
     _known: dict[float, Number] = field(default_factory=dict)
 
     def near(self, guess: Number) -> Number:
-        """The root that is known for `guess`, or `guess` itself."""
+        """The known root for `guess`, or `guess` itself."""
         return self._known.get(self._key(guess), guess)
 
     def keep(self, guess: Number, root: Number) -> None:
@@ -44,9 +44,9 @@ class Roots:
 def newton(
     value_and_slope: Callable[[Number], Sequence[Number]], guess: Number, decimals: int
 ) -> Number:
-    """The root near `guess`; a step that is nothing behind so many decimals is the last one.
+    """The root near `guess`; a step that vanishes to that many decimals is the last one.
 
-    It leaves an error of about its square. GeometryError if the steps do not settle.
+    Its error is about the square of that step. GeometryError if the steps do not converge.
     """
     place, enough = guess, multiprecision().mpf(10) ** -decimals
     for _ in range(STEPS):

@@ -1,4 +1,4 @@
-"""Taylor series of a few terms in exact arithmetic: derivatives without differences.
+"""Short Taylor series in exact arithmetic: derivatives without differences.
 
 A function of t is the tuple of its Taylor coefficients c_0, c_1, ... at t = 0, in numbers of
 mpmath, real or complex. Sums, products and powers of series are exact to the digits of mpmath; the
@@ -16,7 +16,7 @@ from camgeo.stability.high_precision import Number, multiprecision
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Series:
-    """A Taylor series cut off behind its last term; operands have equally many terms."""
+    """A Taylor series truncated after its last term; operands have the same number of terms."""
 
     terms: tuple[Number, ...]
 
@@ -76,7 +76,7 @@ class Series:
         return self.terms[order] * multiprecision().factorial(order)
 
     def slope(self) -> Series:
-        """The series of the derivative, a term shorter."""
+        """The series of the derivative, one term shorter."""
         return Series(tuple(k * a for k, a in enumerate(self.terms))[1:])
 
 

@@ -1,4 +1,4 @@
-"""Cases of the slotted lever: nearly equal lengths, the pin in the lever's axis, many turns."""
+"""Cases of the slotted lever: nearly equal lengths, the pin on the lever's axis, many turns."""
 
 from __future__ import annotations
 
@@ -29,8 +29,8 @@ ACCELERATION: Final = ("largest lever acceleration", "place of largest lever acc
 
 THETAS: Final = (1e-8, 0.3, 1.4, 3.1, 5.0, 6.283, 20.0, -4.0)
 """Crank angles [rad]: next to where the pin is nearest, in the first turn, and in others. The
-others not for a = R: whether half a turn is lost there or a whole one or none, half an ulp of a
-length decides."""
+others are not used for a = R: there half an ulp of a length decides whether half a turn, a whole
+one or none is lost."""
 
 LEVERS: Final = {
     "beta 2.4": (25.0, 60.0),
@@ -45,12 +45,12 @@ LEVERS: Final = {
 """Crank and distance between the axes [mm]."""
 
 GUESS: Final = 7
-"""Digits of a crank angle at which an exact root is looked for: an extreme lies as near to 0 as the
+"""Digits of a crank angle from which an exact root is sought: an extreme lies as near to 0 as the
 lengths are to each other."""
 
 ENOUGH: Final = 46
-"""Decimals behind which a step is the last one; it leaves its square over the angle itself, which
-is 1e-16 at least."""
+"""A step that vanishes to this many decimals is the last one; its error is its square over the
+angle itself, which is at least 1e-16."""
 
 
 def cases() -> tuple[Case, ...]:
@@ -112,8 +112,8 @@ def _extreme(
 def exact_angle(theta: Number, crank: Number, distance: Number, terms: int) -> Series:
     """phi [rad] by the complex vector from the lever's axis to the pin, over any number of turns.
 
-    phi = Im log(a - R exp(-i theta)) in the crank's first turn; with every other one the lever has
-    lost what it lost over the first: a turn if a < R, half a turn if a = R.
+    phi = Im log(a - R exp(-i theta)) in the crank's first turn; with every further turn the lever
+    loses what it lost over the first: a turn if a < R, half a turn if a = R.
     """
     mp = multiprecision()
     slot = distance - crank * direction(variable(-theta, -1, terms))

@@ -1,4 +1,4 @@
-"""The suite: all cases by their groups, what is run of them, and the table of what was found."""
+"""The suite: all cases by group, the selection to run, and the table of results."""
 
 from __future__ import annotations
 
@@ -30,24 +30,24 @@ GROUPS: Final[Mapping[str, Callable[[], tuple[Case, ...]]]] = {
     extremes.GROUP: extremes.cases,
     outlines.GROUP: outlines.cases,
 }
-"""The cases of each part of the suite; what is listed here is run, tested and drawn."""
+"""The cases of each part of the suite; those listed here are run, tested and drawn."""
 
 LIMIT: Final = 64.0
-"""Largest ratio of error to conditioning that is let pass. Fewer than 128 operations lie between
-the cam angle and any quantity, those of the law among them, each rounded by half an ulp at most. If
-none of them does more harm than half an ulp of an input, all together do less than 64 times what
-the inputs do. Beyond it there is one that loses digits that the inputs still have."""
+"""Largest ratio of error to conditioning that passes. Fewer than 128 operations, including those of
+the law, lie between the cam angle and any quantity, each rounded by at most half an ulp. If none of
+them does more harm than half an ulp of an input, all together do less than 64 times the harm of the
+inputs. Above the limit one of them loses digits that the inputs still have."""
 
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """What was found of one quantity.
+    """The result for one quantity.
 
     Attributes
     ----------
     quantity : its name.
-    count : how many values of it were compared.
-    largest_error, largest_ratio : the readings that are worst in these.
+    count : number of its values that were compared.
+    largest_error, largest_ratio : the worst readings of each.
     """
 
     quantity: str
@@ -56,8 +56,8 @@ class Row:
     largest_ratio: Reading
 
     @property
-    def sound(self) -> bool:
-        """True if no ratio is beyond the limit."""
+    def within_limit(self) -> bool:
+        """Whether no ratio is above the limit."""
         return self.largest_ratio.ratio <= LIMIT
 
 
@@ -67,7 +67,7 @@ def all_cases() -> tuple[Case, ...]:
 
 
 def names(cases: Iterable[Case]) -> tuple[str, ...]:
-    """What `run` can be asked for: groups, quantities, cases, each once, in this order."""
+    """The names that `run` accepts: groups, quantities, cases, each once, in this order."""
     cases = tuple(cases)
     found = [case.group for case in cases]
     found += [quantity for case in cases for quantity in case.quantities]
@@ -80,23 +80,23 @@ def run(
     only: Collection[str] = (),
     *,
     quick: bool = False,
-    tell: Callable[[str], None] = lambda _: None,
+    progress: Callable[[str], None] = lambda _: None,
 ) -> tuple[Reading, ...]:
     """The readings of the cases.
 
     Parameters
     ----------
     cases : what to run.
-    only : names of groups, quantities and cases; readings of others are left out. Empty: all.
+    only : names of groups, quantities and cases; readings of others are omitted. If empty, all.
     quick : two places of each case only.
-    tell : told the case at hand.
+    progress : called with the name of each case as it begins.
     """
     readings: list[Reading] = []
     for case in cases:
         whole = not only or case.group in only or case.name in only
         if not whole and not set(case.quantities) & set(only):
             continue
-        tell(f"{case.group}: {case.name}")
+        progress(f"{case.group}: {case.name}")
         found = measure(replace(case, places=_two_of(case.places)) if quick else case)
         readings += [each for each in found if whole or each.quantity in only]
     return tuple(readings)
@@ -122,7 +122,7 @@ def table(readings: Iterable[Reading]) -> tuple[Row, ...]:
 def worst_of_cases(readings: Iterable[Reading]) -> tuple[Reading, ...]:
     """For a picture, the largest error and the largest ratio of each quantity of each case.
 
-    All of them would lie on each other. Where camgeo gave no value there is no point.
+    All readings would overlap. Where camgeo gave no value there is no point.
     """
     by_case: dict[tuple[str, str, str], list[Reading]] = {}
     for reading in readings:
@@ -137,7 +137,7 @@ def worst_of_cases(readings: Iterable[Reading]) -> tuple[Reading, ...]:
 
 
 def _two_of(places: tuple[float, ...]) -> tuple[float, ...]:
-    """The first place, which is the one nearest to the start of a move, and the middle one."""
+    """The first place, nearest to the start of a move, and the middle one."""
     return tuple(dict.fromkeys((places[0], places[len(places) // 2])))
 
 

@@ -1,6 +1,6 @@
 """Cases of lifts by points: the spline through the rows of a table.
 
-A spline is defined by its conditions, and the exact one solves them as they stand: a polynomial of
+A spline is defined by its conditions, and the exact one solves them directly: a polynomial of
 degree 5 between neighbouring points, through both, with four continuous derivatives.
 """
 
@@ -24,11 +24,11 @@ GROUP: Final = "tables"
 QUANTITIES: Final = ("s of a table", "s' of a table", "s'' of a table", "s''' of a table")
 
 SHARES: Final = (0.003, 0.11, 0.37, 0.52, 0.68, 0.96)
-"""Places as shares of the span."""
+"""Places as fractions of the span."""
 
 INSIDE: Final = SHARES[2:5]
-"""The same away from the ends. At a free one the third derivative passes 0, and is known there to
-the rounding of its largest value only."""
+"""As `SHARES`, away from the ends. At a free end the third derivative passes 0 and is known only to
+the rounding of its largest value."""
 
 REST: Final = (0.0, 0.0)
 
@@ -67,7 +67,7 @@ def _table(
         spline = periodic_spline(x, y, math.radians(span))
     else:
         spline = clamped_spline(x, y, ends, ends)
-    # Joints are inputs: degrees turned to radians and rounded once. The first one is 0.
+    # Joints are inputs: degrees converted to radians and rounded once. The first one is 0.
     knots = [float(angle) for angle in np.radians([*angles[1:], *([span] if periodic else [])])]
 
     def found(phi: FloatArray) -> tuple[FloatArray, ...]:
@@ -95,7 +95,7 @@ def exact_spline(
 ) -> list[list[Number]]:
     """Coefficients of (x - x_i)^k, piece by piece, of the spline through the points x, y.
 
-    If `periodic` the four derivatives are continuous from the last point to the first one too; else
+    If `periodic`, the four derivatives are also continuous from the last point to the first; else
     s' = s'' = 0 at both ends if it is to `rest` there, and s''' = s'''' = 0 if not.
     """
     mp = multiprecision()

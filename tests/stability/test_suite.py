@@ -290,9 +290,9 @@ def test_the_table_has_the_largest_ratio_first() -> None:
         made_up("c", "x", 0.0, 0.0),
     ]
     b, a, c = table(readings)
-    assert (b.quantity, b.sound) == ("b", False)
+    assert (b.quantity, b.within_limit) == ("b", False)
     assert (a.largest_error.case, a.largest_ratio.case) == ("x", "y")
-    assert (a.count, a.sound) == (2, True)
+    assert (a.count, a.within_limit) == (2, True)
     assert c.largest_ratio.ratio == 0.0
 
 
@@ -309,7 +309,7 @@ def test_points_of_a_picture() -> None:
 
 def test_only_what_is_asked_for_is_run() -> None:
     told: list[str] = []
-    readings = run(CASES, ["place of a cusp"], quick=True, tell=told.append)
+    readings = run(CASES, ["place of a cusp"], quick=True, progress=told.append)
     assert {each.quantity for each in readings} == {"place of a cusp"}
     assert told == [f"extremes: {name}" for name in dict.fromkeys(each.case for each in readings)]
     whole = run(CASES, ["scca, b 0.3, d 0.2"], quick=True)

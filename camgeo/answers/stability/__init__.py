@@ -34,7 +34,7 @@ class Stability(Answer):
     @property
     def kept(self) -> bool:
         """Whether all ratios are within the limit."""
-        return all(row.sound for row in self.rows)
+        return all(row.within_limit for row in self.rows)
 
     @property
     def exit_code(self) -> int:
@@ -47,8 +47,8 @@ def stability(
     only: Collection[str] = (),
     *,
     quick: bool = False,
-    tell: Callable[[str], None] = lambda _: None,
+    progress: Callable[[str], None] = lambda _: None,
 ) -> Stability:
     """Run cases of the suite; parameters as of `camgeo.stability.suite.run`."""
-    readings = suite.run(cases, only, quick=quick, tell=tell)
+    readings = suite.run(cases, only, quick=quick, progress=progress)
     return Stability(readings, suite.table(readings), quick)

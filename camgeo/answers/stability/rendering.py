@@ -44,7 +44,7 @@ def text(answer: Stability) -> str:
     lines.append(f"limit of the ratio {answer.limit:g}: {'kept' if answer.kept else 'broken'}")
     for row in answer.rows:
         worst = row.largest_ratio
-        if not row.sound:
+        if not row.within_limit:
             lines.append(
                 f"  {row.quantity}: ratio {_number(worst.ratio)} at {_place(worst)}, error"
                 f" {_number(worst.error)}, conditioning {_number(worst.conditioning)}"
