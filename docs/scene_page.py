@@ -1,7 +1,7 @@
 """Writes docs/scene.md and docs/scene.schema.json: `python docs/scene_page.py`.
 
-Both are made from the schema of the scene format, the one definition of keys, types and ranges,
-composed of the format's own and of what is declared elsewhere; a test holds them to it.
+Both are generated from the schema of the scene format, the only definition of keys, types and
+ranges, composed of the format's own part and of what is declared elsewhere; a test compares them.
 """
 
 from __future__ import annotations
@@ -21,14 +21,14 @@ HEAD = """# The scene file
 <!-- Made from the declarations that `camgeo.scene.schema` composes, by docs/scene_page.py. -->
 
 A scene is one TOML file that states what is wanted. `camgeo new KIND` writes one to start from,
-with a comment on every key; `fixtures/scenes` holds more. Lengths are in the unit of
-`[units]`, angles in degrees, speed in rev/min.
+with a comment on every key; `fixtures/scenes` has more. Lengths are in the unit of `[units]`,
+angles in degrees, speed in rev/min.
 
 Frame and signs: the cam axis is the origin, x points right, y up, counter-clockwise is positive;
 cam and fixed frame coincide at cam angle 0, and the drawings show the cam there.
 
-A wrong scene is told all its faults at once, and nothing is written. Spans are decimal numbers and
-are added as they are written: 359.999 is not 360.
+A wrong scene reports all its faults at once, and nothing is written. Spans are decimal numbers and
+are added exactly as written: 359.999 is not 360.
 """
 
 
@@ -94,7 +94,7 @@ def _variants(schema: dict[str, Any], node: dict[str, Any]) -> Iterator[tuple[st
 def _rows(schema: dict[str, Any], nodes: dict[str, Any], required: list[str]) -> Rows:
     rows = []
     for key, node in nodes.items():
-        if isinstance(node, bool):  # the key is allowed here and told of elsewhere
+        if isinstance(node, bool):  # the key is allowed here and described elsewhere
             continue
         merged = {**_resolved(schema, node), **node}
         text = merged.get("description", "").replace("|", "\\|")
