@@ -15,11 +15,11 @@ IntArray = NDArray[np.intp]
 BoolArray = NDArray[np.bool_]
 
 Rows = TypeVar("Rows")
-"""A dataclass of arrays with a row each for the same things."""
+"""A dataclass of arrays whose rows belong together."""
 
 
 def frozen(values: Any, dtype: DTypeLike) -> NDArray[Any]:
-    """Return `values` as a read-only array of `dtype`; a view of ours is reused, never changed."""
+    """Return `values` as a read-only array of `dtype`; a view of ours is reused as is."""
     array = np.array(values, dtype=dtype)
     array.flags.writeable = False
     return array
@@ -34,7 +34,8 @@ def dot(a: ComplexArray, b: ComplexArray | complex) -> FloatArray:
 def ascending(values: FloatArray) -> FloatArray:
     """The distinct `values` (n,), ascending.
 
-    `numpy.unique` does the same and costs 15 ms at its first call, for it imports masked arrays.
+    `numpy.unique` does the same but takes 15 ms at its first call, because it imports masked
+    arrays.
     """
     ordered = np.sort(values)
     if not len(ordered):
@@ -50,9 +51,11 @@ def grouped(counts: IntArray) -> tuple[IntArray, IntArray]:
 
 
 def merged(angles: FloatArray) -> FloatArray:
-    """The distinct `angles` (n,) [rad] of one turn, ascending; what differs by rounding is one.
+    """The distinct `angles` (n,) [rad] of one turn, ascending; angles that differ by rounding are
+    merged.
 
-    Of such a group the first is kept, of the last group the last: both ends of the range stay.
+    Of each group the first is kept, of the last group the last, so that both ends of the range
+    stay.
     """
     ordered = ascending(angles)
     if len(ordered) < 2:
@@ -64,12 +67,12 @@ def merged(angles: FloatArray) -> FloatArray:
 
 
 def taken(rows: Rows, which: IntArray | BoolArray | slice | list[int]) -> Rows:
-    """Those rows of all arrays of `rows`."""
+    """The selected rows of all arrays of `rows`."""
     return type(rows)(*(column[which] for column in _columns(rows)))
 
 
 def joined(parts: Sequence[Rows]) -> Rows:
-    """The rows of all `parts` in turn; a column may itself be such a dataclass."""
+    """The rows of all `parts` one after the other; a column may itself be such a dataclass."""
     columns = zip(*map(_columns, parts), strict=True)
     return type(parts[0])(
         *(joined(each) if is_dataclass(each[0]) else np.concatenate(each) for each in columns)

@@ -1,8 +1,8 @@
-"""Values checked where they come in: each is what it should be, or a `GeometryError` says so.
+"""Values checked on input: each is valid, or a `GeometryError` states what is wrong.
 
 Whole numbers, fractions and numpy's scalars are numbers and become floats; truth values, text and
-complex numbers are none. Products of a few lengths must neither overflow nor vanish, so that no
-number is larger than `LARGEST`, and a positive one no smaller than `SMALLEST`.
+complex numbers are rejected. Products of a few lengths must neither overflow nor vanish, so no
+number may be larger than `LARGEST`, and no positive one smaller than `SMALLEST`.
 """
 
 from __future__ import annotations
@@ -25,13 +25,13 @@ SMALLEST: Final = 1e-30
 LARGEST: Final = 1e30
 
 LONGEST: Final = 60
-"""Characters shown of a value."""
+"""Number of characters of a value that messages show."""
 
 Choice = TypeVar("Choice", str, int, float)
 Kind = TypeVar("Kind")
 
 Check = Callable[[str, Any], Any]
-"""By its key and a value the value as it is kept; raises GeometryError if it is none such."""
+"""From key and value to the value as stored; raises GeometryError if the value is invalid."""
 
 
 def number(
@@ -47,12 +47,13 @@ def number(
 ) -> float:
     """`value` as a float, between the bounds: `above` and `below` are excluded, the others allowed.
 
-    `largest` is the largest magnitude, for what is multiplied less or more often than lengths are.
+    `largest` is the largest magnitude, for values that are multiplied less or more often than
+    lengths.
 
     Raises
     ------
     GeometryError
-        With `key`, the value and what is allowed, in `unit`.
+        With `key`, the value, and the allowed range in `unit`.
     """
     found = _float(value)
     if not (
@@ -95,7 +96,7 @@ def whole(key: str, value: Any, least: int, most: int) -> int:
 
 
 def one_of(key: str, value: Any, choices: Sequence[Choice]) -> Choice:
-    """The one of `choices`, texts or numbers, that `value` is; GeometryError if it is none."""
+    """The one of `choices`, texts or numbers, that equals `value`; GeometryError if none does."""
     if isinstance(value, str | Real) and not isinstance(value, bool):
         for choice in choices:
             if choice == value:
@@ -105,7 +106,7 @@ def one_of(key: str, value: Any, choices: Sequence[Choice]) -> Choice:
 
 
 def among(value: object, names: Collection[str]) -> bool:
-    """Whether `value` is one of `names`; whatever else it is, it is none."""
+    """Whether `value` is one of `names`; `value` may be any object."""
     return isinstance(value, str) and value in names
 
 
@@ -130,7 +131,7 @@ def optional(key: str, value: Any, unit: str = "") -> float | None:
 
 
 def by_name(key: str, values: Any, largest: float = LARGEST) -> Mapping[str, float]:
-    """`values` as a read-only mapping of names to finite numbers; GeometryError if it is none.
+    """`values` as a read-only mapping of names to finite numbers; GeometryError if it is not one.
 
     The key of a number is its own name.
     """
@@ -140,7 +141,7 @@ def by_name(key: str, values: Any, largest: float = LARGEST) -> Mapping[str, flo
 
 
 def array(key: str, values: Any, dimensions: int = 1, largest: float = LARGEST) -> FloatArray:
-    """`values` as a read-only array of finite numbers; GeometryError if they are none."""
+    """`values` as a read-only array of finite numbers; GeometryError if they are not."""
     try:
         found = np.array(values)
     except (ValueError, OverflowError):  # rows of unequal length
@@ -162,11 +163,11 @@ def array(key: str, values: Any, dimensions: int = 1, largest: float = LARGEST) 
 
 
 def check_fields(owner: object, path: str = "") -> None:
-    """Hold the fields of a frozen dataclass that is being made to what their annotations say.
+    """Check the fields of a frozen dataclass under construction against their annotations.
 
     A field of the type `Annotated[float, positive]` becomes what `positive` returns for it; its key
-    is `path` and its name, or the text behind the check. One that is a dataclass must be it. With
-    `| None` it may be None too.
+    is `path` and its name, or the text after the check. A field annotated with a dataclass must be
+    an instance of it. With `| None` it may also be None.
     """
     kind: Any = type(owner)  # a class is hashable, though mypy denies it
     for name, (check, key, optional) in checks_of(kind).items():
@@ -177,7 +178,7 @@ def check_fields(owner: object, path: str = "") -> None:
 
 @cache
 def checks_of(kind: type) -> Mapping[str, tuple[Check, str, bool]]:
-    """Of each field that has one its check, its key, and whether it may be None."""
+    """The check, the key and whether None is allowed, for each field that has a check."""
     found: dict[str, tuple[Check, str, bool]] = {}
     for name, hint in get_type_hints(kind, include_extras=True).items():
         kinds = get_args(hint) if get_origin(hint) in (Union, UnionType) else (hint,)
@@ -192,13 +193,13 @@ def checks_of(kind: type) -> Mapping[str, tuple[Check, str, bool]]:
 
 
 def hold(owner: object, **values: Any) -> None:
-    """Set fields of a frozen dataclass that is being made to their checked values."""
+    """Set fields of a frozen dataclass under construction to their checked values."""
     for name, value in values.items():
         object.__setattr__(owner, name, value)
 
 
 def shown(value: Any) -> str:
-    """A value in a message, shortened."""
+    """A value as a message shows it, shortened."""
     number = _float(value)
     if not math.isnan(number):
         return repr(number)
@@ -207,7 +208,7 @@ def shown(value: Any) -> str:
 
 
 def _float(value: Any) -> float:
-    """`value` as a float; NaN if it is no number."""
+    """`value` as a float; NaN if it is not a number."""
     if isinstance(value, bool) or not isinstance(value, Real):
         return math.nan
     try:
@@ -223,7 +224,7 @@ def _allowed(
     most: float | None,
     unit: str,
 ) -> str:
-    """What is allowed between these bounds, in words."""
+    """The allowed range between these bounds, as text."""
     low = f" above {above:g}" if above is not None else ""
     low = f" from {least:g}" if least is not None else low
     high = f"{' and' if low else ''} below {below:g}" if below is not None else ""

@@ -1,4 +1,4 @@
-"""Largest and smallest values over smooth pieces, and the stretches about them."""
+"""Largest and smallest values over smooth pieces, and the stretches around them."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from camgeo.units import TURN
 class Extreme:
     """A largest or smallest value and the argument at which it is taken first.
 
-    A value may be the limit from one side only, where the quantity jumps.
+    Where the quantity jumps, the value may be a one-sided limit.
     """
 
     value: float
@@ -38,7 +38,7 @@ class Extremes:
 
 
 def extremes_of(x: FloatArray, values: FloatArray) -> Extremes:
-    """Smallest and largest of `values` (n,), which are taken at `x` (n,) in any order."""
+    """Smallest and largest of `values` (n,) at `x` (n,), in any order."""
     order = np.argsort(x, kind="stable")
     x, values = x[order], values[order]
     low, high = int(np.argmin(values)), int(np.argmax(values))
@@ -50,24 +50,25 @@ def extremes_of(x: FloatArray, values: FloatArray) -> Extremes:
 Side = Literal["right", "left"]
 
 SAMPLES: Final = 33
-"""Grid points per piece on which turning points are looked for. A smooth piece of a cam's motion
-has a few."""
+"""Grid points per piece on which turning points are sought. A smooth piece of a cam's motion has
+only a few."""
 
 FEWEST_SAMPLES: Final = 5
 MOST_POINTS: Final = 1_000_000
-"""Of the whole grid: a curve with very many pieces has short ones, and gets fewer points each."""
+"""Most points of the whole grid: a curve with very many pieces has short ones, and each gets fewer
+points."""
 
 INSET: Final = 1e-7
-"""Share of a piece by which its grid keeps off its ends, where the values have two sides."""
+"""Fraction of a piece by which its grid stays off its ends, where values have two sides."""
 
 ROUNDING: Final = 8.0 * 2.0**-52
-"""Values that differ by this share of the largest magnitude are the same, rounded differently."""
+"""Values that differ by less than this fraction of the largest magnitude differ by rounding."""
 
 SECTIONS: Final = 16
 STEPS: Final = 10
-"""A bracket is cut into sections, and the two about the highest cut are the next one. Ten times are
-enough for 1e-9 of its length; the value is then the extreme but for rounding. Golden section asks
-for a quarter of the values, but one by one, and what a call costs does not depend on so few."""
+"""Sections of a bracket; the two around the highest cut are the next bracket. Ten rounds reach 1e-9
+of its length; the value is then the extreme but for rounding. Golden section needs a quarter of the
+values, but one by one, and the cost of a call does not depend on so few."""
 
 
 def grid_of(edges: FloatArray) -> FloatArray:
@@ -90,10 +91,10 @@ def piecewise_extremes(
     function : (n,), side -> (n,); smooth between neighbouring edges, where it may jump.
     edges : (m + 1,) ascending, m >= 1.
 
-    At the edges both one-sided values count. Inside, turning points of a grid are followed to
-    the value but for rounding; two of them that lie within a thirty-second of a
-    piece can be missed. Where an edge has the extreme value but for rounding, it is the place: near
-    a flat top many arguments have that value.
+    At the edges both one-sided values count. Inside, turning points of a grid are refined until the
+    value is exact but for rounding; two of them within a thirty-second of a piece can be missed.
+    Where an edge has the extreme value but for rounding, the edge is the place: near a flat top
+    many arguments have that value.
     """
     inside = grid_of(edges)
     flat = function(inside.ravel(), "right")
@@ -119,14 +120,15 @@ def piecewise_extremes(
 def peaks(
     function: Callable[[FloatArray], FloatArray], grid: FloatArray, values: FloatArray
 ) -> FloatArray:
-    """Places of the extremes that the turning points of `values` along the rows of `grid` show."""
+    """Places of the extremes at the turning points of `values` along the rows of `grid`."""
     return climbed(function, *tops(grid, values))
 
 
 def tops(grid: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Sign, +1 of a top and -1 of a bottom, and bracket of each turning point, (k,) each.
 
-    Of `values` along the rows of `grid`; what cannot be the largest or the smallest is left out.
+    Of `values` along the rows of `grid`; those that cannot be the largest or the smallest are
+    omitted.
     """
     padded = np.concatenate((grid[:, :1], grid, grid[:, -1:]), axis=1)
     moving = np.ptp(values, axis=1, keepdims=True) > 0.0
@@ -136,8 +138,8 @@ def tops(grid: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray, 
         inner = np.pad(heights, ((0, 0), (1, 1)), constant_values=-np.inf)
         top = (heights >= inner[:, :-2]) & (heights >= inner[:, 2:])
         top &= (heights > inner[:, :-2]) | (heights > inner[:, 2:])
-        # A parabola through three points rises above the middle one by an eighth of the larger
-        # difference at most; what cannot get to the largest value even with all of it is left.
+        # A parabola through three points rises above the middle one by at most an eighth of the
+        # larger difference; what cannot reach the largest value even with that is omitted.
         falls = np.abs(np.diff(heights, axis=1, prepend=heights[:, :1], append=heights[:, -1:]))
         top &= heights + np.maximum(falls[:, :-1], falls[:, 1:]) >= np.max(heights)
         top &= moving
@@ -153,9 +155,9 @@ def climbed(
     low: FloatArray,
     high: FloatArray,
 ) -> FloatArray:
-    """Place of the largest sign * function in each bracket [low, high] (k,), which has one top.
+    """Place of the largest sign * function in each bracket [low, high] (k,), which has one maximum.
 
-    The function is asked at equally many places of each bracket, one bracket after the other.
+    The function is evaluated at equally many places of each bracket, one bracket after the other.
     """
     if not len(low):
         return low
@@ -174,7 +176,7 @@ def climbed(
 def stretch_below(
     function: Callable[[FloatArray], FloatArray], edges: FloatArray, place: float
 ) -> tuple[float, float] | None:
-    """From, to [rad] of the stretch around `place` in which `function` is negative.
+    """Start and end [rad] of the stretch around `place` in which `function` is negative.
 
     Parameters
     ----------
@@ -184,8 +186,8 @@ def stretch_below(
 
     Returns
     -------
-    As of `stretch_around`; None if it is negative at `place` alone, if anywhere. A root nearer to
-    an edge than `INSET` of a piece is taken to be at the edge.
+    As for `stretch_around`; None if it is negative nowhere, or at `place` alone. A root nearer to
+    an edge than `INSET` of a piece counts as at the edge.
     """
     cuts = merged(np.concatenate((edges, [place])))
     cuts = merged(np.concatenate((cuts, roots_on_grid(function, grid_of(cuts)))))
@@ -193,7 +195,7 @@ def stretch_below(
 
 
 def stretch_around(cuts: FloatArray, inside: BoolArray, place: float) -> tuple[float, float] | None:
-    """From, to [rad] of the stretch around `place` of which all is inside.
+    """Start and end [rad] of the stretch around `place` that is entirely inside.
 
     Parameters
     ----------
@@ -202,8 +204,8 @@ def stretch_around(cuts: FloatArray, inside: BoolArray, place: float) -> tuple[f
 
     Returns
     -------
-    (0, 2 pi) for all of the turn; else the end lies in [0, 2 pi), below the start if the stretch
-    passes the end of the turn. None if no piece beside `place` is inside.
+    (0, 2 pi) for a whole turn; else the end lies in [0, 2 pi), below the start if the stretch
+    passes the end of the turn. None if neither piece next to `place` is inside.
     """
     if np.all(inside):
         return 0.0, TURN

@@ -12,21 +12,21 @@ import numpy as np
 from camgeo.numeric.arrays import FloatArray
 
 NEARLY_REAL = 1e-6
-"""Imaginary part up to which a root counts as a real one: a double root splits by 1e-8."""
+"""Imaginary part up to which a root counts as real: a double root splits by 1e-8."""
 
 VANISHING = 1e-40
-"""A coefficient smaller than this part of the largest one is far below the rounding of the others
-wherever the roots are looked for, and quotients with it overflow."""
+"""A coefficient below this fraction of the largest one is far below the rounding of the others
+wherever roots are sought, and quotients with it overflow."""
 
 ROUNDING = 1e-12
-"""More than what is lost in evaluating a polynomial of the degrees used here near its maximum."""
+"""More than the rounding of a polynomial of the degrees used here near its maximum."""
 
 
 def horner(coefficients: Sequence[float] | FloatArray, x: FloatArray) -> FloatArray:
     """The polynomial at `x` (n,).
 
-    With (k, n) coefficients each x has its own; with (k, m, 1) the values (m, n) are those of m
-    polynomials.
+    With (k, n) coefficients each x has its own polynomial; with (k, m, 1) the values (m, n) are
+    those of m polynomials.
     """
     if len(coefficients) == 1:
         return np.full_like(x, coefficients[0])
@@ -56,19 +56,19 @@ def roots_inside(coefficients: Sequence[float], low: float, high: float) -> Floa
     scale = np.maximum(1.0, np.abs(roots))
     real: FloatArray = np.sort(roots.real[np.abs(roots.imag) < NEARLY_REAL * scale])
     least, most = 2.0 * low - high, 2.0 * high - low
-    real = real[(real > least) & (real < most)]  # others do not come inside by their last digits
+    real = real[(real > least) & (real < most)]  # the last digits do not bring others inside
     slope = derivative(coefficients)
     for _ in range(2):  # Newton's method
         rise = horner(slope, real)
         value = horner(coefficients, real)
-        with np.errstate(over="ignore"):  # beside a root that is none, or not a simple one
+        with np.errstate(over="ignore"):  # at a candidate that is not a root, or not a simple one
             step = np.divide(value, rise, out=np.zeros_like(real), where=rise != 0.0)
         real = np.clip(real - step, least, most)
     return real[(real >= low) & (real <= high)]
 
 
 def largest_magnitude(coefficients: Sequence[float], low: float, high: float) -> float:
-    """Largest absolute value over [low, high], exact but for rounding upwards."""
+    """Largest absolute value over [low, high], exact except for rounding upwards."""
     turns = roots_inside(derivative(coefficients), low, high)
     places = np.concatenate((turns, [low, high]))
     return float(np.max(np.abs(horner(coefficients, places)))) * (1.0 + ROUNDING)

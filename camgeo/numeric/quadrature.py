@@ -11,21 +11,21 @@ import numpy as np
 from camgeo.numeric.arrays import FloatArray
 
 NODES: Final = 16
-"""Of the Gauss-Legendre rule on a piece; its error is taken from the rule on both halves."""
+"""Nodes of the Gauss-Legendre rule on a piece; the rule on both halves gives its error."""
 
 MOST_HALVINGS: Final = 40
-"""A piece is halved this often at most: 1e-12 of its length."""
+"""A piece is halved at most this often: to 1e-12 of its length."""
 
 MOST_PIECES: Final = 4000
-"""More pieces than that are not halved any further, nor four times those there were: then rounding
-of the function exceeds the tolerance, and no halving cures that."""
+"""Beyond this number of pieces, or four times the initial number, none is halved any further: then
+the rounding of the function exceeds the tolerance, and halving does not help."""
 
 
 @dataclass(frozen=True, slots=True)
 class Integral:
     """An integral, and an estimate of its absolute error.
 
-    The estimate is the change by the last halving, of which the error is a small part; it is at
+    The estimate is the change in the last halving, of which the error is a small fraction; it is at
     least the rounding of the sum.
     """
 
@@ -38,7 +38,7 @@ def piecewise_integral(
 ) -> Integral:
     """The integral of `function` from the first of `edges` to the last.
 
-    See `piecewise_integrals`; the error also has what is lost in the sum.
+    See `piecewise_integrals`; the error includes the rounding of the sum.
     """
     parts, error = piecewise_integrals(function, edges, tolerance)
     return Integral(float(np.sum(parts)), error)
@@ -53,7 +53,7 @@ def piecewise_integrals(
     ----------
     function : (n,) -> (n,), smooth between neighbouring edges.
     edges : (m + 1,) ascending, m >= 1.
-    tolerance : a piece is halved until that changes its part by less than this share of the
+    tolerance : a piece is halved until that changes its integral by less than this fraction of the
         integral of the magnitude.
     """
     low, high = edges[:-1], edges[1:]
@@ -96,7 +96,7 @@ def gauss(
     """Gauss-Legendre's rule over [low, high] (m,) each: (m, n) places of its `nodes` n, half the
     widths (m,), and the weights (n,) over [-1, 1].
     """
-    places, weights = np.polynomial.legendre.leggauss(nodes)  # numpy loads it when first asked
+    places, weights = np.polynomial.legendre.leggauss(nodes)  # numpy loads it on first use
     half, middle = 0.5 * (high - low), 0.5 * (high + low)
     return middle[:, np.newaxis] + half[:, np.newaxis] * places, half, weights
 

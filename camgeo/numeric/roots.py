@@ -1,7 +1,7 @@
 """Bracketed roots and inverses of functions, many at once.
 
-scipy's solvers take one bracket at a time and cost more to import than the rest of a check; this is
-the same guarantee (the root never leaves its bracket) over arrays.
+scipy's solvers take one bracket at a time and their import takes longer than the rest of a check;
+this gives the same guarantee (the root never leaves its bracket) over arrays.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from camgeo.numeric.arrays import FloatArray, IntArray
 Function = Callable[[FloatArray], FloatArray]
 
 MAX_STEPS = 200
-"""Bisection alone would need 1,074 for any two doubles and 60 for neighbours of like size."""
+"""Most steps; bisection alone needs 1,074 for any two doubles and 60 for two of similar size."""
 
 
 def bracketed_roots(
@@ -24,8 +24,8 @@ def bracketed_roots(
 ) -> FloatArray:
     """`indexed_roots` of a `function` (k,) -> (k,) that is the same for all brackets.
 
-    `rows` (n,) for a function that gives (m, k) values, m quantities at once: which of them is
-    meant in each bracket.
+    `rows` (n,) for a function that gives (m, k) values, m quantities at once: which of them to
+    solve for in each bracket.
     """
 
     def values(x: FloatArray, which: IntArray) -> FloatArray:
@@ -43,7 +43,7 @@ def indexed_roots(
     Parameters
     ----------
     function : (k,), (k,) -> (k,), the values at k arguments, given the numbers of their brackets;
-        any subset of the brackets may be asked for.
+        any subset of the brackets may be requested.
     low, high : (n,), ends of the brackets; the values there have opposite signs or are zero.
 
     Returns
@@ -81,7 +81,7 @@ def indexed_roots(
 
 
 def _next_step(newest: FloatArray, across: FloatArray, last: FloatArray) -> FloatArray:
-    """Share of the way from the `newest` place to that `across` the root at which to look next."""
+    """Fraction of the way from the `newest` place to that `across` the root for the next step."""
     (a, fa), (b, fb), (c, fc) = newest, across, last
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         xi = (a - b) / (c - b)
@@ -109,7 +109,7 @@ def sign_changes(grid: FloatArray, values: FloatArray) -> tuple[FloatArray, Floa
 
 
 def roots_on_grid(function: Function, grid: FloatArray) -> FloatArray:
-    """Roots of `function` that a sign change on a row of `grid` (..., m) shows, row by row.
+    """Roots of `function` indicated by a sign change on a row of `grid` (..., m), row by row.
 
     One call of the function evaluates all rows, however many there are. A function that gives
     several quantities at once, (k, n), has the roots of all of them, one quantity after the other.
@@ -124,10 +124,10 @@ def roots_on_grid(function: Function, grid: FloatArray) -> FloatArray:
 
 
 MOST_STEPS: Final = 80
-"""Halving alone needs 60."""
+"""Most steps; halving alone needs 60."""
 
 CLOSE: Final = 2.0 * float(np.finfo(np.float64).eps)
-"""Share of the range of x within which a step of Newton's method counts as rounding."""
+"""Fraction of the range of x below which a step of Newton's method counts as rounding."""
 
 
 def inverse(function: Function, slope: Function, edges: FloatArray, y: FloatArray) -> FloatArray:
@@ -138,7 +138,7 @@ def inverse(function: Function, slope: Function, edges: FloatArray, y: FloatArra
     function : (k,) -> (k,), ascending over `edges`.
     slope : its derivative, above 0.
     edges : (m + 1,) ascending, with `y` between the values at the first and the last; at the value
-        of an edge the edge itself is found.
+        of an edge the result is the edge itself.
 
     Newton's method, kept in its bracket by halving.
     """

@@ -1,18 +1,19 @@
-"""Series of the forcing, and the modal equation u' = lambda u + a(t) in closed form by them.
+"""Series of the forcing, and the closed-form solution of the modal equation u' = lambda u + a(t)
+with them.
 
 On a cell of half length H, with x from -1 to 1 and kappa = lambda H, the solution is a polynomial
 and a free vibration,
 
     u = Q(x) + C exp(kappa (x + 1)),   dQ/dx = kappa Q + H a.
 
-Integrated term by term that is, for the coefficients q_k of Q and a_k of a and k >= 1,
+Integrated term by term this gives, for the coefficients q_k of Q and a_k of a and k >= 1,
 
     2 k q_k = kappa (c q_{k-1} - q_{k+1}) + H (c a_{k-1} - a_{k+1}),   c = 2 for k = 1, else 1
 
-(C. W. Clenshaw, Proc. Camb. Phil. Soc. 53 (1957) 134-149). Where |kappa| is large Q is the
+(C. W. Clenshaw, Proc. Camb. Phil. Soc. 53 (1957) 134-149). Where |kappa| is large, Q is the
 polynomial of the degree of a that these rows give from the highest downwards; no row then magnifies
-what comes from the one above. Where |kappa| is small they are a recurrence whose wanted solution
-falls with k, so that it is eliminated backwards (F. W. J. Olver, J. Res. Nat. Bur. Standards 71B
+the rounding of the one above. Where |kappa| is small they are a recurrence whose desired solution
+decreases with k, so it is eliminated backwards (F. W. J. Olver, J. Res. Nat. Bur. Standards 71B
 (1967) 111-129). In between, the piece is cut until |kappa| is small.
 """
 
@@ -28,17 +29,17 @@ from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, IntArray,
 from camgeo.numeric.extremes import Side
 
 DEGREE: Final = 16
-"""Of the series on a piece. Half a period of a sine needs that much for 16 digits, a polynomial law
-less; a piece that needs more is halved."""
+"""Degree of the series on a piece. Half a period of a sine needs this much for 16 digits, a
+polynomial law less; a piece that needs more is halved."""
 
 MOST_HALVINGS: Final = 40
-"""A piece is halved this often at most. What a halving closes in on is a kink that is no edge; its
-piece is then 1e-12 of what it was."""
+"""A piece is halved at most this often. Repeated halving closes in on a kink that is not an edge;
+its piece is then 1e-12 of the original."""
 
 _ANGLES: Final = np.pi * (np.arange(DEGREE + 1) + 0.5) / (DEGREE + 1)
 
 NODES: Final = frozen(-np.cos(_ANGLES), np.float64)
-"""(17,) zeros of T_17, ascending: inside the piece, where the function has one value only."""
+"""(17,) zeros of T_17, ascending: inside the piece, where the function has a single value."""
 
 TO_SERIES: Final = frozen(
     np.cos(np.outer(np.arange(DEGREE + 1), np.pi - _ANGLES))
@@ -50,7 +51,7 @@ TO_SERIES: Final = frozen(
 polynomials (Trefethen, Approximation Theory and Approximation Practice, chapter 3)."""
 
 TAIL: Final = 3
-"""Coefficients at the end whose sum stands for what is cut off."""
+"""Number of last coefficients whose sum estimates the truncation."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -61,7 +62,7 @@ class Pieces:
     ----------
     edges : (p + 1,) ascending; the pieces lie between neighbours.
     series : (17, p) coefficients of T_0 to T_16 on each piece.
-    error : estimate of the integral of the magnitude of what the series leave out.
+    error : estimate of the integral of the magnitude of the truncated terms.
     largest : magnitude of the function at the nodes.
     """
 
@@ -78,10 +79,10 @@ def interpolated(
 
     Parameters
     ----------
-    function : (n,) -> (n,), smooth between neighbouring edges; it is not asked at them.
+    function : (n,) -> (n,), smooth between neighbouring edges; it is not evaluated at them.
     edges : (m + 1,) ascending, m >= 1.
-    tolerance : a piece is halved until the integral of what its series leaves out is estimated
-        below this share of the integral of the function's magnitude.
+    tolerance : a piece is halved until the estimated integral of its truncation is below this
+        fraction of the integral of the function's magnitude.
     """
     low, high = edges[:-1], edges[1:]
     starts, rows = [], []
@@ -145,7 +146,7 @@ class Cells:
 
     Attributes
     ----------
-    problem : (c,) the problem that each cell belongs to; the cells of a problem are in a row.
+    problem : (c,) the problem that each cell belongs to; the cells of a problem are consecutive.
     start, half : (c,) where the cell begins, and half its length.
     rate : (c,) lambda.
     series : (25, c) coefficients of Q.
@@ -278,7 +279,7 @@ class Mode:
         return u
 
     def _needed(self) -> ComplexArray:
-        """The coefficients up to the last row that is more than rounding of the largest."""
+        """The coefficients up to the last row that exceeds the rounding of the largest."""
         rows = np.max(np.abs(self.cells.series), axis=1)
         counts = np.flatnonzero(rows > np.finfo(np.float64).eps * 0.125 * np.max(rows))
         needed: ComplexArray = self.cells.series[
@@ -299,7 +300,7 @@ def gain_over(cells: Cells, jumps: FloatArray, end: float) -> complex:
 
 
 def followed(cells: Cells, jumps: FloatArray, end: float, begin: complex) -> Mode:
-    """The mode that is `begin` at the start, before the first jump; see `gain_over`."""
+    """The mode with the value `begin` at the start, before the first jump; see `gain_over`."""
     kicks = np.zeros(len(cells.start))
     kicks[cells.first] = jumps
     starts = []

@@ -1,9 +1,9 @@
-"""Shock spectrum: what remains of the vibration after a move, over the ratio t_move / T_n.
+"""Shock spectrum: residual vibration after a move, over the ratio t_move / T_n.
 
-The train is one mass at rest before the move, T_n = 2 pi / w its natural period; what remains is
-the amplitude of the free vibration when the move ends, as a share of the stroke: |u(1)| /
-(w sqrt(1 - D^2)) (Neklutin's use of the spectrum for cams, see Rothbart, Cam Design Handbook,
-section 13.2; Norton, Cam Design and Manufacturing Handbook, chapter on residual vibrations).
+The train is one mass at rest before the move, T_n = 2 pi / w its natural period; the residual is
+the amplitude of the free vibration when the move ends, as a fraction of the stroke: |u(1)| / (w
+sqrt(1 - D^2)) (Neklutin's use of the spectrum for cams, see Rothbart, Cam Design Handbook, section
+13.2; Norton, Cam Design and Manufacturing Handbook, chapter on residual vibrations).
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from camgeo.numeric.oscillator.mode import NODES, Pieces, interpolated, series_v
 from camgeo.numeric.oscillator.steady import FINEST, SOFT
 
 BLOCK: Final = 128
-"""Ratios worked on at a time, so that the cells of a block stay below some ten megabytes."""
+"""Ratios evaluated at a time, so that the cells of a block stay below some ten megabytes."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -29,8 +29,8 @@ class Shock:
 
     Attributes
     ----------
-    lift : the way from its start.
-    end : where it ends: 1, or less if it comes back.
+    lift : the displacement from its start.
+    end : its final value: 1, or less if it returns.
     pieces : minus its acceleration.
     kicks : (p + 1,) minus the jumps of its velocity at the edges of the pieces.
     """
@@ -41,7 +41,7 @@ class Shock:
     kicks: FloatArray
 
     def residual(self, ratios: FloatArray, damping: float = 0.0) -> FloatArray:
-        """(n,) what remains at the ratios (n,), all above 0, with a damping ratio in [0, 1)."""
+        """(n,) the residual at the ratios (n,), all above 0, with a damping ratio in [0, 1)."""
         ratios = np.asarray(ratios, dtype=np.float64)
         root = math.sqrt((1.0 - damping) * (1.0 + damping))
         frequency = 2.0 * math.pi * ratios
@@ -57,7 +57,7 @@ class Shock:
         return remains
 
     def bound(self, ratio: float, damping: float = 0.0) -> float:
-        """What no residual from `ratio` on exceeds.
+        """An upper bound of the residuals from `ratio` on.
 
         Integrated by parts once, the integral of exp(lambda (1 - t)) a is at most the variation of
         a, its jumps at the ends included, by |lambda|.
@@ -78,7 +78,7 @@ class Shock:
         return gain
 
     def _soft_gain(self, rates: ComplexArray) -> ComplexArray:
-        """(k,) the same by the lift, see `camgeo.numeric.oscillator.steady.SOFT`."""
+        """(k,) the same from the lift, see `camgeo.numeric.oscillator.steady.SOFT`."""
         return -rates * (rates * _gains(self.lift, rates) + self.end)
 
 
@@ -101,7 +101,7 @@ def shock(
 
 
 def _gains(pieces: Pieces, rates: ComplexArray) -> ComplexArray:
-    """(k,) what a mode that begins with 0 is at the end of all pieces, for each of `rates`."""
+    """(k,) value at the end of all pieces of a mode that begins with 0, for each of `rates`."""
     count = pieces.series.shape[1]
     cells = solve(pieces, np.tile(np.arange(count), len(rates)), np.repeat(rates, count))
     owner = cells.problem // count

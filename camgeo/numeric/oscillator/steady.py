@@ -1,8 +1,8 @@
-"""Response of an elastic train to a base that repeats its motion: the steady state, exact.
+"""Response of an elastic train to a periodic motion of its base: the exact steady state.
 
-`Forcing` is what drives the modes, from the motion of the base.
+`Forcing` drives the modes and follows from the motion of the base.
 
-Over the turn each mode grows by exp(lambda T) and gains g from the base, so that it repeats itself
+Over the turn each mode is multiplied by exp(lambda T) and gains g from the base, so it is periodic
 if it begins with g / (1 - exp(lambda T)).
 """
 
@@ -22,20 +22,20 @@ from camgeo.numeric.oscillator.mode import Mode, Pieces, followed, gain_over, in
 from camgeo.numeric.oscillator.train import EPS, Train
 
 FINEST: Final = 1e-14
-"""Share of the forcing that its series may leave out at least: rounding of the forcing itself."""
+"""Smallest fraction of the forcing that its series may truncate: rounding of the forcing itself."""
 
 SOFT: Final = 1.0
 """|lambda| T below which the lift is the forcing, not the acceleration. The deflection of a train
-that is soft against the turn is nearly -y, and summing up the acceleration twice over the turn
-would magnify its rounding by 1 / |lambda T|^2."""
+that is slow compared with the turn is nearly -y, and integrating the acceleration twice over the
+turn would magnify its rounding by 1 / |lambda T|^2."""
 
 ROUNDINGS: Final = 8.0
-"""Roundings that the estimates count for each step."""
+"""Number of roundings that the estimates assume for each step."""
 
 
 @dataclass(frozen=True, slots=True)
 class Base:
-    """What moves the train.
+    """The periodic motion of the base.
 
     Attributes
     ----------
@@ -60,13 +60,13 @@ class Base:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Forcing:
-    """What drives the modes: -y'' with the jumps of -y', or y itself.
+    """The forcing of the modes: -y'' with the jumps of -y', or y itself.
 
     Attributes
     ----------
-    pieces : it as series.
-    jumps : (p,) by which u jumps at the start of each piece.
-    soft : whether it is y.
+    pieces : the forcing as series.
+    jumps : (p,) jump of u at the start of each piece.
+    soft : whether the forcing is y.
     """
 
     pieces: Pieces
@@ -74,7 +74,7 @@ class Forcing:
     soft: bool
 
     def gain(self, rate: complex, period: float) -> complex:
-        """What a mode that begins with 0, before the first jump, is at the end of the turn."""
+        """The value at the end of the turn of a mode that is 0 before the first jump."""
         count = self.pieces.series.shape[1]
         cells = solve(self.pieces, np.arange(count), np.full(count, rate))
         return gain_over(cells, self.jumps, period)
@@ -86,7 +86,7 @@ class Forcing:
 
 
 def forcing_of(train: Train, base: Base, tolerance: float) -> Forcing:
-    """What of `base` drives the modes of `train`."""
+    """The forcing of the modes of `train` by `base`."""
     soft = float(np.min(np.abs(train.rates))) * base.period < SOFT
     order, sign = (0, 1.0) if soft else (2, -1.0)
     pieces = interpolated(
@@ -109,22 +109,22 @@ class ResonanceError(ArithmeticError):
     Attributes
     ----------
     frequency : of the mode [rad/s].
-    harmonic : of the turn with which it falls together.
+    harmonic : of the turn with which it coincides.
     """
 
     def __init__(self, frequency: float, harmonic: int) -> None:
         self.frequency = frequency
         self.harmonic = harmonic
-        super().__init__(f"an undamped mode falls together with harmonic {harmonic}")
+        super().__init__(f"an undamped mode coincides with harmonic {harmonic}")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Response:
-    """How the output of a train answers its base.
+    """The response of the output of a train to its base.
 
     Attributes
     ----------
-    train, base, forcing : what answers what.
+    train, base, forcing : the system and its excitation.
     modes : over the turn; of u' = lambda u + forcing.
     error : estimate of the largest error of the deflection, in the unit of y.
     """
@@ -157,9 +157,9 @@ class Response:
     def free_amplitude(self, t: FloatArray, side: Side) -> FloatArray:
         """(n,) amplitude of the free vibration of the output while the base rests.
 
-        Of one mass |u| / (w sqrt(1 - D^2)) = sqrt(e^2 + (e' + D w e)^2 / (w^2 (1 - D^2))), the
-        amplitude that exp(-D w t) then lowers; of two the sum of both, which they reach together
-        sooner or later.
+        For one mass |u| / (w sqrt(1 - D^2)) = sqrt(e^2 + (e' + D w e)^2 / (w^2 (1 - D^2))), the
+        amplitude that then decays with exp(-D w t); for two masses the sum of both modes, which
+        they reach together sooner or later.
         """
         t = self._on_side(t, side)
         total = np.zeros(len(t))
@@ -174,7 +174,7 @@ class Response:
     def harmonic(self, number: int) -> complex:
         """Coefficient of exp(i number 2 pi t / T) in the deflection, for number >= 1.
 
-        It is 0 if the base has no more of it than rounding.
+        It is 0 if the base contains this harmonic only as rounding.
         """
         period = self.base.period
         frequency = number * 2.0 * math.pi / period
@@ -204,17 +204,17 @@ class Response:
 
 
 def steady_state(train: Train, base: Base, tolerance: float) -> Response:
-    """The response that repeats itself with the base.
+    """The periodic response to the base.
 
     Parameters
     ----------
-    tolerance : share of the magnitude of the forcing that its series may leave out, on average.
+    tolerance : fraction of the magnitude of the forcing that its series may truncate, on average.
 
     Raises
     ------
     ResonanceError
-        If an undamped mode falls together with a harmonic that the base has. If the base does not
-        have it, what would grow is left out: the mode is what it is for a frequency beside that.
+        If an undamped mode coincides with a harmonic that the base contains. If the base does not
+        contain it, the growing part is omitted: the mode is the limit for neighbouring frequencies.
     """
     forcing = forcing_of(train, base, tolerance)
     period = base.period
@@ -246,7 +246,7 @@ def _loss(rate: complex, period: float) -> complex:
 
 
 def _beside(forcing: Forcing, rate: complex, period: float) -> complex:
-    """Limit of the begin of a mode whose gain and loss vanish together: Cauchy's mean value."""
+    """Limit of the initial value of a mode whose gain and loss vanish: Cauchy's mean value."""
     around = [
         rate + cmath.rect(1.0 / period, 2.0 * math.pi * (k + 0.5) / CIRCLE) for k in range(CIRCLE)
     ]

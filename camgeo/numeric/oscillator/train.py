@@ -1,4 +1,4 @@
-"""Elastic trains, taken apart into their modes.
+"""Elastic trains, decomposed into their modes.
 
 The base moves by y(t), the masses by x_i; e_i = x_i - y is the deflection. With a = -y'' each mode
 obeys u' = lambda u + a, see `camgeo.numeric.oscillator.mode`, and the deflection of the output is
@@ -24,10 +24,10 @@ class Train:
 
     Attributes
     ----------
-    rates : (m,) lambda [1/s], Im lambda >= 0; of a conjugate pair one stands for both;
-        the slowest first.
+    rates : (m,) lambda [1/s], Im lambda >= 0; one of each conjugate pair represents both; the
+        slowest first.
     weights : (m,) c [s]. Re sum c = 0, Re sum c lambda = 1: a jump of y' does not move the masses.
-    spread : how much rounding the modes magnify, at least 1.
+    spread : factor by which the modes magnify rounding, at least 1.
     """
 
     rates: ComplexArray
@@ -37,7 +37,7 @@ class Train:
     def transfer(self, frequency: float) -> complex:
         """Deflection by -y'' if y is a harmonic of that circular `frequency` [rad/s].
 
-        At the frequency of an undamped mode it is as large as one rounding beside it.
+        At the frequency of an undamped mode it is as large as one rounding away from it.
         """
         s = 1j * frequency
         apart = s - self.rates
@@ -72,8 +72,8 @@ class Second:
 
     Attributes
     ----------
-    frequency : its natural frequency if the first one stood still [rad/s].
-    mass_ratio : by the first one, above 0.
+    frequency : its natural frequency with the first mass held fixed [rad/s].
+    mass_ratio : to the first mass, above 0.
     damping : damping ratio, in [0, 1).
     """
 
@@ -92,7 +92,7 @@ def two_masses(frequency: float, damping: float, second: Second, output: int = 1
     """
     ratio, share = second.frequency / frequency, second.mass_ratio
     stiff, soft = ratio * ratio, 2.0 * second.damping * ratio
-    # In the time w t, so that the entries are numbers. State e_1, e_2, e_1', e_2'.
+    # Over the time w t, so that the entries are dimensionless. State e_1, e_2, e_1', e_2'.
     matrix = np.array(
         [
             [0.0, 0.0, 1.0, 0.0],
@@ -105,9 +105,9 @@ def two_masses(frequency: float, damping: float, second: Second, output: int = 1
     rates: ComplexArray = values.astype(np.complex128)
     vectors = vectors.astype(np.complex128)
     parts = np.linalg.solve(vectors, np.array([0.0, 0.0, 1.0, 1.0], dtype=np.complex128))
-    rates.real = np.minimum(rates.real, 0.0)  # the rounding of the solver may say otherwise
+    rates.real = np.minimum(rates.real, 0.0)  # the rounding of the solver may make it positive
     if damping == 0.0 and second.damping == 0.0:
-        rates.real = 0.0  # nothing is lost
+        rates.real = 0.0  # no damping
     weights = vectors[output] * parts
     kept = np.flatnonzero(rates.imag >= 0.0)
     kept = kept[np.argsort(np.abs(rates[kept]), kind="stable")]
