@@ -1,4 +1,4 @@
-"""Cubic Bezier pieces: what B-splines are made of, cut, measured and bounded.
+"""Cubic Bezier pieces: B-splines split into them, cut, measured and bounded.
 
 A piece is a row of four complex control points [mm]; (n, 4) is n pieces.
 """
@@ -38,7 +38,7 @@ def beziers_of_spline(degree: int, knots: FloatArray, controls: ComplexArray) ->
     Raises
     ------
     GeometryError
-        If the degree is another one, the numbers do not fit together or no span is left.
+        If the degree is another, the numbers do not match or no span is left.
     """
     if not 1 <= degree <= CUBIC:
         raise GeometryError(f"a spline of degree {degree}; degrees 1 to 3 can be taken")
@@ -55,7 +55,7 @@ def beziers_of_spline(degree: int, knots: FloatArray, controls: ComplexArray) ->
         raise GeometryError("a spline without a span: its knots are all the same")
     low, high = knots[spans], knots[spans + 1]
     points = np.empty((len(spans), degree + 1), dtype=np.complex128)
-    for upper in range(degree + 1):  # so many arguments are the upper end of the span
+    for upper in range(degree + 1):  # this many arguments are the upper end of the span
         rows = [controls[spans - degree + k] for k in range(degree + 1)]
         for level in range(1, degree + 1):
             place = high if level <= upper else low
@@ -135,7 +135,7 @@ def length(pieces: ComplexArray) -> float:
         return 0.0
     quarters = cut(pieces, np.full(len(pieces), 4, dtype=np.intp))
     sides = 3.0 * np.diff(quarters, axis=1)
-    nodes, weights = np.polynomial.legendre.leggauss(GAUSS)  # numpy loads it when first asked
+    nodes, weights = np.polynomial.legendre.leggauss(GAUSS)  # numpy loads it on first use
     t = 0.5 + 0.5 * nodes
     w = 1.0 - t
     speeds = np.abs(sides @ np.stack((w * w, 2.0 * w * t, t * t)))

@@ -45,13 +45,13 @@ class Chain:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Run:
-    """All pieces of a contour along one leg, run the way of the leg.
+    """All pieces of a contour along one leg, in the direction of the leg.
 
     Attributes
     ----------
     leg : the exact leg.
     angles : (n + 1,) [rad] parameters of the leg that belong to the vertices, ascending.
-    vertices : (n + 1,) complex [mm] ends of the pieces; n = 0 for a leg too short for a piece.
+    vertices : (n + 1,) complex [mm] ends of the pieces; n = 0 if the leg is too short for a piece.
     sweeps, centres : (n,), as of `Contour`.
     """
 
@@ -80,8 +80,8 @@ class Run:
 def runs_of(parts: list[tuple[Leg, list[Chain]]]) -> tuple[Run, ...]:
     """The runs of all legs in turn, each ending in the first vertex of the next.
 
-    Where a leg begins in a corner or an arc, the exact point there is its first vertex, not the
-    same point as its own curve rounds it.
+    Where a leg begins at a corner or an arc, its first vertex is the exact point there, not that
+    point as rounded by its own curve.
     """
     whole = [_joined_chain(leg, chains) for leg, chains in parts]
     runs: list[Run] = []

@@ -1,7 +1,7 @@
-"""A closed contour of lines and arcs: the form in which an outline leaves the geometry.
+"""A closed contour of lines and arcs: the form in which the geometry hands on an outline.
 
-Vertices, sweeps and centres are arrays, so that a contour of 100,000 pieces costs no more than its
-numbers. Piece i runs from vertex i to vertex i + 1, the last one back to vertex 0, so that
+Vertices, sweeps and centres are arrays, so that a contour of 100,000 pieces needs no more memory
+than its numbers. Piece i runs from vertex i to vertex i + 1, the last one back to vertex 0, so that
 neighbours share their end points exactly.
 """
 
@@ -79,7 +79,7 @@ class Contour:
     def moments(self) -> Moments:
         """Area and first moments of the region inside.
 
-        They are taken about the middle of the vertices and moved from there, so that a small
+        They are computed about the mean of the vertices and shifted from there, so that a small
         contour far from the origin keeps its digits.
         """
         middle = complex(np.mean(self.vertices))
@@ -91,7 +91,7 @@ class Contour:
         return Moments(about.area, first, about.area_error, first_error)
 
     def reversed(self) -> Self:
-        """The same outline run in the other direction."""
+        """The same outline in the opposite direction."""
         return type(self)(np.roll(self.vertices[::-1], 1), -self.sweeps[::-1], self.centres[::-1])
 
     def rolled(self, first: int) -> Self:
@@ -103,7 +103,7 @@ class Contour:
         )
 
     def counter_clockwise(self) -> Self:
-        """The same outline, run counter-clockwise."""
+        """The same outline, counter-clockwise."""
         return self if self.area >= 0.0 else self.reversed()
 
     def split(self, max_sweep: float) -> Self:
@@ -143,7 +143,7 @@ class Contour:
 
 
 Effort = Literal["fast", "fewest"]
-"""How hard a fit tries: one pass, or the fewest pieces and then the least deviation."""
+"""Effort of a fit: one pass, or the fewest pieces and then the least deviation."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -155,7 +155,7 @@ class Fit:
     contour : the closed contour.
     deviation : upper bound [mm] of the distance between contour and exact curve, in both
         directions and for every point; rounding of the arithmetic included.
-    tolerance : what was asked [mm]; `deviation` never exceeds it.
+    tolerance : requested tolerance [mm]; `deviation` never exceeds it.
     """
 
     contour: Contour

@@ -1,8 +1,8 @@
-"""How many parts a smooth piece needs: the least count that a trial finds good enough.
+"""The number of parts that a smooth piece needs: the least count that passes a trial.
 
-Counts never grow when the tolerance is loosened: a trial depends on its count only, the search goes
-upward through counts that are the same for every tolerance, and it begins at one that does not grow
-with the tolerance either.
+Counts never grow when the tolerance is loosened: a trial depends only on its count, the search
+ascends through counts that are the same for every tolerance, and its first count does not grow with
+the tolerance either.
 """
 
 from __future__ import annotations
@@ -19,18 +19,19 @@ from camgeo.numeric.arrays import FloatArray
 Made = TypeVar("Made")
 
 FINE = 200
-"""Up to so many parts each count is tried; above them counts grow by this share of themselves."""
+"""Up to this many parts each count is tried; above, counts grow by this fraction."""
 
 TOGETHER = 64
-"""Parts that are tried at once for one piece: a call costs as much as some hundred points."""
+"""Parts that are tried at once for one piece: the overhead of a call is that of some hundred
+points."""
 
 FAR = 0.8
-"""Share of the way that is jumped where the distance found is more than twice what is aimed at."""
+"""Fraction of the expected increase to skip where the distance found is more than twice the aim."""
 
 
 Make = Callable[[Sequence[tuple[int, int]]], Sequence[tuple[Made, float]]]
-"""[(number of the piece, count), ...] -> what was made of each, and the largest distance [mm] found
-for it, by any rule that knows the count only."""
+"""[(number of the piece, count), ...] -> the result for each and its largest distance [mm] found,
+by any rule that depends only on the count."""
 
 
 def least_counts(
@@ -43,14 +44,15 @@ def least_counts(
     most: int,
     together: int = TOGETHER,
 ) -> list[Made]:
-    """What the least good count makes of each of n pieces, which share their calls.
+    """The results of the least sufficient count for each of n pieces, which share their calls.
 
     Parameters
     ----------
-    expected : (n,) the count of each for small tolerances, a real number; the search begins there.
-    order : power of the count with which the distance falls.
-    most : parts a piece at most.
-    together : parts that are tried at once for one piece, if one count alone has not more.
+    expected : (n,) the asymptotic count of each for small tolerances, a real number; the search
+        begins there.
+    order : power of the count with which the distance decreases.
+    most : largest number of parts per piece.
+    together : parts that are tried at once for one piece, unless a single count has more.
 
     Raises
     ------
@@ -85,17 +87,17 @@ def least_counts(
 
 
 def too_many(most: int, what: str, tolerance: float) -> ToleranceError:
-    """The error that `tolerance` [mm] asks for more than `most` pieces, which are called `what`."""
+    """The error that `tolerance` [mm] needs more than `most` pieces, which are called `what`."""
     return ToleranceError(f"more than {most:,} {what} would be needed", tolerance, math.inf)
 
 
 def above(count: int) -> int:
-    """The next count that is tried after `count`."""
+    """The next count to try after `count`."""
     return count + 1 + count // FINE
 
 
 def ladder(value: float) -> int:
-    """The least count that is ever tried and not below `value`."""
+    """The least count on the list of trials that is not below `value`."""
     count = 1
     while count < value:
         count = above(count)

@@ -1,4 +1,4 @@
-"""Outlines that are lines and arcs by nature, e.g. a bore: approximation and proof."""
+"""Outlines that consist of lines and arcs, e.g. a bore: approximation and proof."""
 
 from __future__ import annotations
 
@@ -22,10 +22,10 @@ MAX_CHORDS = 2_000_000
 """Chords at most."""
 
 WIDEST = 1.6
-"""A chord spans no more of its arc [rad], however small the arc: a circle keeps four."""
+"""Largest span of a chord [rad], however small the arc: a circle keeps four."""
 
 ROUNDING = 2.0**-52 * 8.0
-"""Rounding of a distance, as a share of the outline's size."""
+"""Rounding of a distance, as a fraction of the outline's size."""
 
 
 def chords_of(exact: Contour, tolerance: float) -> Contour:
@@ -45,10 +45,10 @@ def chords_of(exact: Contour, tolerance: float) -> Contour:
 
 
 def fewest_chords_of(exact: Contour, tolerance: float) -> Contour:
-    """As few straight pieces as can be, within `tolerance` [mm] of `exact` on both sides of it.
+    """The fewest straight pieces within `tolerance` [mm] of `exact`, on both sides of it.
 
     Corners of `exact` are vertices; along its arcs vertices lie off them. A whole circle has no
-    corner. There are never more pieces than `chords_of` makes.
+    corner. There are never more pieces than from `chords_of`.
 
     Raises
     ------
@@ -102,8 +102,9 @@ def distance_between(exact: Contour, contour: Contour) -> float:
         contour = contour.reversed()
     owner = np.argmin(_distances(exact, _middles(contour)), axis=0)
     beside = _largest_distances(exact, owner, contour)
-    # Past the end of its owner a piece is as far off as from the corner there: a straight piece at
-    # most as far as at its own end, an arc at most its length farther; what is rounded is not past.
+    # Past the end of its owner the distance of a piece is that from the corner there: for a
+    # straight piece at most that at its own end, for an arc at most its length more; rounding does
+    # not count as past.
     ends = np.maximum(
         _distances_from_owner(exact, owner, contour.vertices),
         _distances_from_owner(exact, owner, contour.ends),
@@ -176,7 +177,8 @@ def _largest_distances(exact: Contour, owner: IntArray, contour: Contour) -> Flo
         return distances
 
     found = np.maximum(off(start), off(end))
-    # A chord is nearest to the centre at its foot; an arc has extremes in line with the centres.
+    # A chord is nearest to the centre at its foot; the extremes of an arc are in line with the
+    # centres.
     chord = end - start
     length = np.where(chord == 0.0, 1.0, np.abs(chord))
     foot = ((centre - start) * np.conj(chord / length)).real
@@ -223,7 +225,7 @@ def _same_circle(exact: Contour, one: IntArray, other: IntArray) -> BoolArray:
 
 
 def _check_all_followed(exact: Contour, owner: IntArray) -> None:
-    """No piece may be left out, e.g. the slot by a full circle; arcs of one circle count as one."""
+    """GeometryError if a piece is omitted, e.g. a slot by a full circle; a circle counts as one."""
     each = np.arange(len(exact))
     before, after = np.roll(each, 1), np.roll(each, -1)
     joined = _same_circle(exact, before, each)
@@ -236,9 +238,10 @@ def _check_all_followed(exact: Contour, owner: IntArray) -> None:
 
 
 def _check_gaps(exact: Contour, owner: IntArray, contour: Contour) -> None:
-    """No piece may pass the gap of an arc, e.g. the slot in a bore, on the far side of its centre.
+    """GeometryError if a piece passes the gap of an arc, e.g. a slot in a bore, on the far side of
+    its centre.
 
-    Its ends would be beside the arc, but the points between them farther than the circle is.
+    Its ends would be near the arc, but the points between them farther off than the circle.
     """
     arm = exact.vertices - exact.centres
     each = np.arange(len(exact))
@@ -256,6 +259,6 @@ def _check_gaps(exact: Contour, owner: IntArray, contour: Contour) -> None:
 
 
 def _check_round(exact: Contour, contour: Contour) -> None:
-    """Both contours must enclose about the same area, else one leaves out a part of the other."""
+    """GeometryError unless both contours enclose about the same area: else one omits a part."""
     if abs(exact.area - contour.area) > 0.5 * abs(exact.area):
         raise GeometryError("the contour does not go once round the exact outline")

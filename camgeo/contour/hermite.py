@@ -1,5 +1,5 @@
-"""Cubics between places where a function and its slope are known: how far they go beyond these, and
-a monotone table of them.
+"""Cubics between places where a function and its slope are known: their overshoot, and a monotone
+table of them.
 """
 
 from __future__ import annotations
@@ -12,9 +12,9 @@ from camgeo.numeric.arrays import FloatArray
 def highest(
     start: FloatArray, end: FloatArray, slope: FloatArray, end_slope: FloatArray
 ) -> FloatArray:
-    """Largest size inside [0, 1] of Hermite's cubics with these values and slopes at 0 and 1.
+    """Largest magnitude inside [0, 1] of Hermite cubics with these values and slopes at 0 and 1.
 
-    All arrays are of one shape, and so is what is returned; 0 where a cubic has no extreme inside.
+    All arrays have one shape, and so has the result; 0 where a cubic has no extreme inside.
     """
     growth = end - start
     square = 3.0 * growth - 2.0 * slope - end_slope
@@ -36,7 +36,7 @@ def monotone(x: FloatArray, y: FloatArray, at: FloatArray) -> FloatArray:
 
     Piecewise cubic, its slopes at the points the harmonic means of those on both sides (F. N.
     Fritsch, J. Butland, SIAM J. Sci. Stat. Comput. 5, 1984): it ascends as the table does. Beyond
-    the ends the first and last cubic count on.
+    the ends the first and last cubic continue.
     """
     width = np.diff(x)
     slope = np.diff(y) / width

@@ -1,5 +1,5 @@
-"""Joints of a fit along a smooth piece of a curve: what the piece must be, how it bends, and where
-joints share the difficulty out evenly.
+"""Joints of a fit along a smooth piece of a curve: conditions on the piece, how it bends, and
+joints that divide the difficulty evenly.
 """
 
 from __future__ import annotations
@@ -17,11 +17,11 @@ from camgeo.errors import GeometryError, UndercutError
 from camgeo.numeric.arrays import FloatArray
 
 CUSP = 1e-12
-"""1 + d kappa within this of zero is a cusp in one point: twenty times its rounding."""
+"""1 + d kappa within this of zero is a cusp at a single point: twenty times its rounding."""
 
 APART = 2.0**-52 * 1e4
-"""Nearest two joints, as a share of their distance from the cam axis: the direction from one to the
-next is still known to 1e-3 rad. Only beside a cusp does a curve move so little."""
+"""Smallest distance of two joints, as a fraction of their distance from the cam axis: the direction
+from one to the next is still known to 1e-3 rad. Only next to a cusp does a curve move so little."""
 
 CROWDED = 1e3 * APART
 """Joints with places between them nearer than this share of their distance from the cam axis are
@@ -32,7 +32,7 @@ looked at for `joints_apart`; a pace that changes thousandfold between two joint
 def require_regular(curve: WorkingCurve, piece: Piece) -> None:
     """Raise UndercutError if 1 + d kappa is negative at some sample of the piece.
 
-    It may be zero in single points, at a cusp without undercut, but not for all of a dwell.
+    It may be zero at single points, at a cusp without undercut, but not over a whole dwell.
     """
     grid = np.linspace(piece.start, piece.end, 257)[1:-1]
     check_regular(curve, piece, curve.regularity(grid))
@@ -58,7 +58,7 @@ def torn_apart(angle: float) -> GeometryError:
 
 
 def joints_apart(curve: WorkingCurve, joints: FloatArray) -> FloatArray:
-    """`joints` (n + 1,) [rad] without those too near to the one before; both ends stay."""
+    """`joints` (n + 1,) [rad] without those too near to the one before; both ends are kept."""
     points = curve.point(joints)
     points[-1] = curve.point(joints[-1:], "left")[0]
     least = APART * float(np.max(np.abs(points)))
@@ -75,15 +75,15 @@ CELLS = 256
 """Cells of a piece over which `bends_of` samples a curve."""
 
 FINER = 8
-"""Cells into which one of `Bends` is divided for counts that are as large as theirs."""
+"""Cells into which one of `Bends` is divided for counts as large as theirs."""
 
 RESTING = 4
-"""Cells of a rest, which is the same everywhere."""
+"""Cells of a rest, which is uniform."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Bends:
-    """How a parallel bends over a smooth piece, in the middle of equal cells of it.
+    """Bend of a parallel over a smooth piece, in the middle of equal cells of it.
 
     Attributes
     ----------
@@ -100,7 +100,8 @@ class Bends:
     def refined(self) -> Bends:
         """The same over `FINER` times as many cells, by linear interpolation.
 
-        With their signs, as it is near a zero that a power of one is hardest to interpolate.
+        With their signs, because a power of a value is hardest to interpolate near a zero of the
+        value.
         """
         places = np.arange(-1.0, len(self.speed) + 1.0)
         fine = (np.arange(FINER * len(self.speed)) + 0.5) / FINER - 0.5
@@ -154,7 +155,7 @@ def evenly_shared(piece: Piece, density: FloatArray, floor: float, count: int) -
     Parameters
     ----------
     density : (n,) of the parts, up to a factor, in the middle of n equal cells of the piece.
-    floor : smallest density, as a share of its mean: no stretch goes without.
+    floor : smallest density, as a fraction of its mean, so that every stretch gets joints.
     """
     phi = np.linspace(piece.start, piece.end, len(density) + 1)
     cells = density * np.diff(phi)

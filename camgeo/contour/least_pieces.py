@@ -1,4 +1,4 @@
-"""How few pieces a contour can have: the limits of the three forms for small tolerances.
+"""The fewest pieces of a contour: asymptotic counts of the three forms for small tolerances.
 
 For a small tolerance eps the best spline of order k with one free number a piece leaves, on a span
 h, the error C |D| h^k, where D is the k-th derivative that it cannot follow. Spans that share the
@@ -51,13 +51,13 @@ def least_chords(path: Path, tolerance: float) -> float:
 
 
 def least_arcs(path: Path, tolerance: float) -> float:
-    """Arcs that a G1 contour within `tolerance` [mm] of `path` needs besides `forced_pieces`."""
+    """Arcs that a G1 contour within `tolerance` [mm] of `path` needs beyond `forced_pieces`."""
     total = math.fsum(_arcs(curve, piece) for curve, piece in _curved(path))
     return total * math.cbrt(ARC / tolerance)
 
 
 def least_cubics(path: Path, tolerance: float) -> float:
-    """Cubics that a spline within `tolerance` [mm] of `path` needs besides `forced_pieces`."""
+    """Cubics that a spline within `tolerance` [mm] of `path` needs beyond `forced_pieces`."""
     total = math.fsum(_cubics(curve, piece) for curve, piece in _curved(path))
     return total * math.sqrt(math.sqrt(CUBIC / tolerance))
 
@@ -117,7 +117,7 @@ def _cubics(curve: WorkingCurve, piece: Piece) -> float:
     sound = length > 0.0
     bend = kappa[sound] / regular[sound]
     fourth = np.abs(growth[sound] / length[sound] - bend**3)
-    # The outermost half cells are as difficult as the halves beside them.
+    # The outermost half cells are as difficult as their neighbouring halves.
     weight = np.ones(len(phi))
     weight[[0, -1]] = 2.0
     return float(np.sum((weight * length)[sound] * fourth**0.25))

@@ -1,7 +1,7 @@
-"""The legs of a path: what lies between its corners, each fitted and proved on its own.
+"""The legs of a path: the stretches between its corners, each fitted and proved on its own.
 
 A leg is a stretch of a parallel over the cam angle, or the arc of a turn about a point over the
-angle turned. Both look alike to fit and proof: a curve Z over a parameter with bounds of its
+angle turned. Fit and proof treat both alike: a curve Z over a parameter with bounds of its
 derivatives, and a signed distance at which the path is its parallel; an arc is its own Z.
 """
 
@@ -24,7 +24,7 @@ SNAP = 8.0 * math.ulp(TURN)
 """Two cam angles [rad] closer than this are the same, rounded differently."""
 
 ROUNDING = 2.0**-52 * 32.0
-"""Rounding of a point, as a share of the lengths that it is made of."""
+"""Rounding of a point, as a fraction of the lengths that it is computed from."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,7 +36,7 @@ class StretchLeg:
     curve : the parallel.
     start, end : range of t [rad], start < end.
     closed : True if it is a whole path that closes without a corner; it may then begin anywhere.
-    first : where it begins [mm], shared with the leg before it; None where its own point counts.
+    first : its start [mm], shared with the leg before it; None where its own point is used.
     """
 
     curve: WorkingCurve
@@ -107,14 +107,14 @@ class StretchLeg:
         """
         rests = np.zeros(len(t), dtype=np.bool_)
         for rest in self.curve.dwells:
-            # Both ends of a rest are borders: what lies between its ends is clear of rounding.
+            # Both ends of a rest are borders: a place between them is not affected by rounding.
             rests |= (t - rest.start) % TURN < rest.span
         return rests
 
 
 @dataclass(frozen=True, slots=True)
 class TurnLeg:
-    """The arc of a pivot as a leg; t is the angle turned, and what is asked of it that of
+    """The arc of a pivot as a leg; t is the angle turned, and the interface is that of
     `StretchLeg`.
 
     Attributes
@@ -194,7 +194,7 @@ def legs_of(path: Path) -> tuple[Leg, ...]:
     GeometryError
         If the path has no stretch.
     UndercutError
-        If an arc has turned inside out: a parallel lies beyond what a concave part of the path
+        If an arc has turned inside out: the parallel is farther off than a concave part of the path
         allows.
     """
     if not path.stretches:
@@ -214,11 +214,12 @@ def legs_of(path: Path) -> tuple[Leg, ...]:
 
 
 def _turn(pivot: Pivot, rotation: int) -> list[TurnLeg]:
-    """The arc of a pivot, or nothing if it is a corner."""
+    """The arc of a pivot, or none if it is a corner."""
     size = abs(pivot.centre) + abs(pivot.distance)
     if abs(pivot.distance * pivot.sweep) <= ROUNDING * size:
         return []
-    # The way on is t = n/(i sigma); along the arc it is i distance n, in the sense of the sweep.
+    # The direction of travel is t = n/(i sigma); along the arc it is i distance n, in the sense of
+    # the sweep.
     if pivot.distance * pivot.sweep * rotation > 0.0:
         raise UndercutError(
             f"the arc about a corner at cam angle {math.degrees(pivot.before):.6g} degrees has"

@@ -21,8 +21,8 @@ from camgeo.errors import GeometryError, ToleranceError
 from camgeo.outline.path import Path
 
 AIM = 0.985
-"""Share of the tolerance that the sampled distance of a fast fit may reach; the proof takes the
-rest."""
+"""Fraction of the tolerance that the sampled distance of a fast fit may reach; the rest is for the
+proof."""
 
 
 Group = Callable[[float, float], Sequence[Chain]]
@@ -33,9 +33,9 @@ the aim; the tolerance is for messages."""
 def fit_by_groups(
     make: Callable[[WorkingCurve, list[Piece]], Group], tolerance: float
 ) -> FitPieces:
-    """What fits the pieces of `camgeo.contour.proved.proved_fit` group by group.
+    """The fit of `camgeo.contour.proved.proved_fit`, group by group.
 
-    `make` makes a group of a curve and its pieces; once, however often the aim is lowered.
+    `make` makes a group from a curve and its pieces, only once however often the aim is lowered.
     """
     groups: list[tuple[Group, list[int]]] = []
 
@@ -60,18 +60,18 @@ def by_curve(pieces: Sequence[PieceOfLeg]) -> list[tuple[WorkingCurve, list[int]
 
 
 ROUNDS = 6
-"""Fits at most; the second is within the tolerance wherever double precision can be."""
+"""Most fits; the second is within the tolerance wherever double precision allows."""
 
 EASE = 0.95
-"""By how much more than the excess the aim is lowered for the next round."""
+"""Factor beyond the excess by which the aim is lowered for the next round."""
 
 FINER = 0.125
-"""Share of the aim that is tried next where the pieces are too coarse for a proof: they turn by
-more than it allows, round the tip of a lobe. Arcs become half as long."""
+"""Fraction of the aim to try next where the pieces are too coarse for a proof, which limits how far
+they turn, round the tip of a lobe. Arcs become half as long."""
 
 SLIGHT = 0.01
-"""An arc of a turn shorter than this share of the tolerance is a corner: files that round to a
-tenth of it, as programs do, could not tell its ends apart."""
+"""An arc of a turn shorter than this fraction of the tolerance is a corner: files rounded to a
+tenth of the tolerance, as programs do, could not keep its ends distinct."""
 
 PieceOfLeg = tuple[StretchLeg, Piece]
 
@@ -89,8 +89,8 @@ def proved_fit(
     ----------
     tolerance : that the proved deviation must not exceed [mm].
     aim : deviation that the first round aims at [mm].
-    fit_pieces : all smooth pieces, each with its stretch, aim [mm] -> a chain each. They come at
-        once so that a fit can share the cost of a call between them.
+    fit_pieces : all smooth pieces, each with its stretch, aim [mm] -> a chain each. They are passed
+        together so that a fit can share the cost of a call between them.
     fit_turn : arc between two stretches, aim [mm] -> its chain.
 
     Raises
@@ -124,18 +124,18 @@ def proved_fit(
 def proved(
     fit: Callable[[float], Made], prove: Callable[[Made], float], aim: float, tolerance: float
 ) -> tuple[Made, float]:
-    """What `fit` makes of an aim [mm], `aim` or the first lower one with which the deviation that
-    `prove` gives is at most `tolerance`; and that deviation [mm].
+    """The result of `fit` for an aim [mm], `aim` or the first lower one whose deviation according
+    to `prove` is at most `tolerance`; and that deviation [mm].
 
     Raises what `prove` raises at last, ToleranceError if the deviation stays too large, and what
-    `fit` raises.
+    As `fit`.
     """
     reached, failed = 0.0, None
     for _ in range(ROUNDS):
         made = fit(aim)
         try:
             reached, failed = prove(made), None
-        except GeometryError as error:  # too coarse to run beside the curve
+        except GeometryError as error:  # too coarse to follow the curve
             failed = error
             aim *= FINER
             continue

@@ -1,6 +1,4 @@
-"""Does a contour cross itself, and how often does it go round a point? Topology only; no geometry
-comes from shapely.
-"""
+"""Self-crossings and winding number of a contour. Topology only; no geometry comes from shapely."""
 
 from __future__ import annotations
 
@@ -10,12 +8,12 @@ from camgeo.contour.contour import Contour
 from camgeo.errors import UndercutError
 
 SAGITTA = 1e-5
-"""Chords for the test lie this share of the contour's length off its arcs."""
+"""Sagitta of the chords for the test, as a fraction of the contour's length."""
 
 
 def crossing(contour: Contour) -> str | None:
-    """Where the contour crosses itself, as shapely tells it; None if it does not."""
-    from shapely import Polygon  # only where files are made: checks must not pay for it
+    """Where the contour crosses itself, according to shapely; None if it does not."""
+    from shapely import Polygon  # only for writing files: a check must not wait for its import
     from shapely.validation import explain_validity
 
     points = contour.points(SAGITTA * contour.length)
@@ -38,7 +36,7 @@ def require_simple(contour: Contour, name: str) -> None:
 
 
 def winding_number(contour: Contour, point: complex) -> int:
-    """How often the contour goes round `point`, counter-clockwise positive.
+    """Winding number of the contour about `point`, counter-clockwise positive.
 
     Exact: the turns of its chords, and its segments.
 
@@ -46,7 +44,8 @@ def winding_number(contour: Contour, point: complex) -> int:
     """
     pieces = contour.split(0.5 * np.pi)
     start, end = pieces.vertices - point, pieces.ends - point
-    # A point between an arc and its chord sees the arc go round by the other way than the chord.
+    # Seen from a point between an arc and its chord, the arc goes round the other way than the
+    # chord.
     inside = np.abs(point - pieces.centres) < pieces.radii
     beyond = (np.conj(end - start) * -start).imag * pieces.sweeps < 0.0
     between = np.where(inside & beyond, np.sign(pieces.sweeps), 0.0)

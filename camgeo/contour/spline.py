@@ -1,4 +1,4 @@
-"""A closed contour of cubic splines and arcs: the form for CAD programs that take curves."""
+"""A closed contour of cubic splines and arcs: the form for CAD programs that accept curves."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class CubicSpline:
     Attributes
     ----------
     knots : (m + 4,) ascending, the first four and the last four equal. Simple knots between make
-        the curve C2, as in every fit; splines from elsewhere may have double and triple ones.
+        the curve C2, as in every fit; imported splines may have double and triple ones.
     controls : (m,) complex [mm], m >= 4.
     """
 
@@ -38,12 +38,12 @@ class CubicSpline:
     def of(cls, degree: int, knots: FloatArray, controls: ComplexArray) -> Self:
         """The same curve as a B-spline of degree 1 to 3, clamped or not.
 
-        One that is clamped and cubic already keeps its knots.
+        One that is already clamped and cubic keeps its knots.
 
         Raises
         ------
         GeometryError
-            If it is no such spline.
+            If it is not such a spline.
         """
         pieces = beziers_of_spline(degree, knots, controls)
         ends = (knots[0] == knots[DEGREE], knots[-1] == knots[-1 - DEGREE])
@@ -83,11 +83,11 @@ class CubicSpline:
         return area(self.beziers)
 
     def reversed(self) -> Self:
-        """The same curve, run the other way."""
+        """The same curve in the opposite direction."""
         return type(self)(self.knots[0] + (self.knots[-1] - self.knots[::-1]), self.controls[::-1])
 
     def between(self, start: complex, end: complex) -> Self:
-        """The same with its ends moved to `start` and `end` [mm]."""
+        """The same curve with its ends moved to `start` and `end` [mm]."""
         controls = np.concatenate(([start], self.controls[1:-1], [end]))
         return type(self)(self.knots, controls)
 
@@ -129,11 +129,11 @@ class Arc:
         return chord + 0.5 * self.radius**2 * (self.sweep - math.sin(self.sweep))
 
     def reversed(self) -> Self:
-        """The same, run the other way."""
+        """The same strand in the opposite direction."""
         return type(self)(self.end, self.start, -self.sweep, self.centre)
 
     def heading(self, point: complex) -> complex:
-        """The way that it runs at `point`, one of its ends; of any length."""
+        """Its direction at `point`, one of its ends; of any length."""
         if not self.sweep:
             return self.end - self.start
         return (point - self.centre) * (1j if self.sweep > 0.0 else -1j)
@@ -149,7 +149,7 @@ class Arc:
         """The same turn between `start` and `end` [mm]; the centre follows."""
         if not self.sweep or abs(self.sweep) == 2.0 * math.pi:
             return type(self)(start, end, self.sweep, self.centre)
-        # Half a chord times cot(sweep/2) left of the chord's middle; of tan's pole nothing is left.
+        # Half a chord times cot(sweep/2) left of the chord's middle; the pole of tan gives zero.
         cot = math.cos(0.5 * self.sweep) / math.sin(0.5 * self.sweep)
         centre = 0.5 * (start + end) + 0.5j * (end - start) * cot
         return type(self)(start, end, self.sweep, centre)
@@ -165,7 +165,7 @@ class Arc:
 
 @dataclass(frozen=True, slots=True)
 class SplineContour:
-    """Closed chain of cubic splines and arcs, each beginning exactly where the last one ended.
+    """Closed chain of cubic splines and arcs, each beginning exactly where the previous one ended.
 
     Attributes
     ----------
@@ -218,17 +218,17 @@ class SplineContour:
         return max(reaches)
 
     def reversed(self) -> Self:
-        """The same outline run in the other direction."""
+        """The same outline in the opposite direction."""
         return type(self)(tuple(strand.reversed() for strand in self.strands[::-1]))
 
     def counter_clockwise(self) -> Self:
-        """The same outline, run counter-clockwise."""
+        """The same outline, counter-clockwise."""
         return self if self.area >= 0.0 else self.reversed()
 
 
 @dataclass(frozen=True, slots=True)
 class SplineFit:
-    """A spline contour and its proof; the rest as of `camgeo.contour.contour.Fit`."""
+    """A spline contour and its proof; otherwise as `camgeo.contour.contour.Fit`."""
 
     contour: SplineContour
     deviation: float
