@@ -14,13 +14,13 @@ import numpy as np
 from camgeo.numeric.arrays import FloatArray
 
 HALVINGS = 60
-"""Halvings that find the least offset: double precision has no more digits."""
+"""Halvings in the search for the least offset: double precision resolves no more."""
 
 
 def circle_count(tolerance: float, radius: float, most_turn: float) -> int:
     """Fewest chords of a whole circle within `tolerance` [mm] on both sides.
 
-    No chord spans more than `most_turn` [rad], and there are three at least.
+    No chord spans more than `most_turn` [rad], and there are at least three.
     """
     step = min(2.0 * _reach(tolerance, radius), most_turn)
     return max(3, _ceil(2.0 * math.pi / step))
@@ -37,7 +37,7 @@ def arc_count(tolerance: float, radius: float, sweep: float, most_turn: float) -
     Parameters
     ----------
     sweep : angle of the arc [rad], positive.
-    most_turn : no chord spans more [rad], but for what those at the ends span less.
+    most_turn : largest span of a chord [rad]; those at the ends span less.
     """
     on_arc = min(2.0 * _end_reach(tolerance, radius), most_turn)
     plain = max(1, _ceil(sweep / on_arc))
@@ -47,7 +47,7 @@ def arc_count(tolerance: float, radius: float, sweep: float, most_turn: float) -
 
 
 def arc_offset(count: int, radius: float, sweep: float) -> float:
-    """Least u [mm] at which `count` chords with exact ends reach along an arc of `sweep` [rad]."""
+    """Least u [mm] with which `count` chords with exact ends cover an arc of `sweep` [rad]."""
     low, high = 0.0, radius
     for _ in range(HALVINGS):
         middle = 0.5 * (low + high)
@@ -81,5 +81,5 @@ def _offset_at_most(radius: float, turn: float) -> float:
 
 
 def _ceil(share: float) -> int:
-    """Smallest whole number that is not below `share` by more than its rounding."""
+    """Smallest whole number not below `share` by more than rounding."""
     return math.ceil(share * (1.0 - 2.0**-46))

@@ -1,7 +1,7 @@
-"""Straight pieces spread so that all of them deviate alike, bend by bend.
+"""Straight pieces placed so that all of them have equal deviations, bend by bend.
 
-Through an inflection runs one chord, from eps off on one side to eps off on the other. It is the
-longest of all; between two of them lies a bend.
+One chord runs through each inflection, from eps off on one side to eps off on the other. It is the
+longest of all; between two such chords lies a bend.
 """
 
 from __future__ import annotations
@@ -16,24 +16,24 @@ from camgeo.contour.hermite import monotone
 from camgeo.numeric.arrays import BoolArray, FloatArray, IntArray, grouped
 
 THROUGH = (2.0 / 3.0) * 1.5**0.5
-"""Share of a chord of a bend that the chord through an inflection takes on each side: on a cubic
-y = c s^3/6 it reaches to h^3 = 24 eps/c, where the integral of sqrt(c s/(16 eps)) is (2/3)
+"""Fraction of a chord of a bend that the chord through an inflection covers on each side: on a
+cubic y = c s^3/6 it reaches to h^3 = 24 eps/c, where the integral of sqrt(c s/(16 eps)) is (2/3)
 sqrt(24/16)."""
 
 CORNER = 0.5 - 0.5 * 0.5**0.5
-"""Share of a chord that is lost where it ends on the curve itself: there its sagitta b keeps
-(4 b - eps)^2 = 16 b eps, and it is sqrt(b/(2 eps)) as long as others."""
+"""Fraction of a chord that is lost where it ends on the curve itself: there its sagitta b obeys (4
+b - eps)^2 = 16 b eps, and its length is sqrt(b/(2 eps)) of the others'."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Bends:
-    """Where the bends between inflections begin and end, in chords, see `StretchTable.shares`.
+    """Starts and ends of the bends between inflections, in chords, see `StretchTable.shares`.
 
     Attributes
     ----------
     low, high : (b,) ends of the bends; equal where two inflections leave no room between.
-    extra : (b,) what a bend takes beyond its length because it ends in corners.
-    beyond : (b,) what chords through inflections take of it.
+    extra : (b,) chords that a bend needs in addition because it ends at corners.
+    beyond : (b,) chords of it that those through inflections replace.
     narrow : (b,) whether chords through inflections could reach farther into it.
     """
 
@@ -44,13 +44,13 @@ class Bends:
     narrow: BoolArray
 
     def counts(self) -> IntArray:
-        """(b,) chords that each bend needs at least."""
+        """(b,) the least number of chords of each bend."""
         length = self.high - self.low
         needed = np.ceil((length + self.extra) * (1.0 - 1e-9))
         return np.where(length > 0.0, np.maximum(needed, 1.0), 0.0).astype(np.intp)
 
     def least(self, counts: IntArray) -> float:
-        """Share of the tolerance at which `counts` (b,) chords are as many as the bends need."""
+        """Fraction of the tolerance at which the bends need exactly `counts` (b,) chords."""
         some = self.high > self.low
         if not np.any(some):
             return 1.0
@@ -68,8 +68,8 @@ def bends_of(
     """The bends of a stretch if the chords through its inflections reach `reaches` (k,) `THROUGH`
     to both sides.
 
-    Two of these chords may leave no room for a bend, and meet in the middle; so they do where
-    `counts` (b,) want no chord, and where they want some, these have half of it at least.
+    Two of these chords may leave no room for a bend and meet in the middle, as where `counts` (b,)
+    is 0; where it is not, its chords get at least half of the bend.
     """
     total = float(shares[-1])
     at = shares[list(stretch.table.inflections)]
@@ -100,22 +100,23 @@ def bends_of(
 
 
 ROUNDS = 8
-"""Times the vertices are spread, at most."""
+"""Most rounds of placing the vertices."""
 
 EVEN = 1.001
-"""Deviations are even enough if the largest is this share of what was to be met."""
+"""Deviations are even enough if the largest is at most this multiple of the target."""
 
 UNEVEN, SINGLE = 1.003, 24
-"""Vertices of pieces that deviate by more than this share are placed one by one in the next rounds,
-unless there are more of them in all: squares are not least where deviations are, beside tips."""
+"""Vertices of pieces that deviate by more than this multiple are placed one by one in the next
+rounds, up to this many: near tips the least squares are not the least deviation."""
 
 LEAST_COST = 0.05
-"""A chord that hardly deviates, on a straight stretch, may become 20 times as long in one round."""
+"""A chord with almost no deviation, on a straight stretch, may become 20 times as long in one
+round."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Evened:
-    """Pieces laid along a stretch.
+    """Pieces placed along a stretch.
 
     Attributes
     ----------
@@ -132,9 +133,9 @@ class Evened:
 def evened(stretch: Stretched, tolerance: float, counts: IntArray, most_turn: float) -> Evened:
     """Pieces that deviate by `tolerance` [mm] if they can: `counts` (b,) of them in the bends.
 
-    Vertices are spread by equal shares of the table first, then of what the pieces were found to
-    deviate. The chords through inflections are shortened where they deviate more, and what still
-    does is placed vertex by vertex.
+    Vertices are placed by equal shares of the table first, then of the deviations found. The chords
+    through inflections are shortened where they deviate more, and pieces that still do are placed
+    vertex by vertex.
     """
     shares = stretch.table.shares(tolerance, most_turn)
     total = float(shares[-1])
@@ -193,11 +194,11 @@ def _places(
 def _offsets(
     stretch: Stretched, bends: Bends, bend: IntArray, through: BoolArray, full: FloatArray
 ) -> tuple[BoolArray, FloatArray, BoolArray]:
-    """Which vertices are held, by how much [mm] these are off the curve, and which are loose.
+    """The vertices that are held, their offsets [mm] from the curve, and those that are loose.
 
-    The ends of a stretch are its own, and the vertices beside them as far off, by the `full` (m,)
-    of bends, as others. So are the ends of a chord through an inflection, where it reaches its full
-    length; where it does not they are loose.
+    The ends of a stretch lie on the curve, and the vertices next to them as far off as others, by
+    the `full` (m,) of bends. So do the ends of a chord through an inflection of full length; those
+    of a shorter one are loose.
     """
     sides = stretch.table.sides
     if stretch.closed and len(sides) > 1:

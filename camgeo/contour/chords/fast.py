@@ -1,8 +1,8 @@
 """Fit by straight pieces: chords between points of the curve.
 
 A chord over a span h of arc length is off the curve by (|kappa| + c |kappa'| h) h^2 / 8. The second
-part matters where the curve has an inflection: from there on a span of kappa' s is off by more than
-its mean curvature tells.
+term matters where the curve has an inflection: a span of kappa' s that begins there is off by more
+than its mean curvature implies.
 """
 
 from __future__ import annotations
@@ -26,24 +26,24 @@ from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.outline.path import Path
 
 SLOPE = 0.06
-"""c: so much makes the span from an inflection on as long as it may be, 1/(9 sqrt(3)) of
-kappa' h^3 off."""
+"""c: with this value the span from an inflection has its full length, 1/(9 sqrt(3)) of kappa' h^3
+off."""
 
 MOST_TURN = 0.4
-"""A chord's curve turns by at most this angle [rad], however small its sagitta: the proof wants the
-two to run the same way."""
+"""The curve turns by at most this angle [rad] along a chord, however small its sagitta: the proof
+needs both to run the same way."""
 
 HALF_ROUND = 2.0
-"""A piece of a larger span [rad] has four chords at least: none goes more than a quarter round."""
+"""A piece of a larger span [rad] has at least four chords: none goes round more than a quarter."""
 
 STEPS = 12
-"""Steps of the search for the error that a number of chords leaves."""
+"""Steps of the search for the error of a number of chords."""
 
 CLOSE = 1.01
-"""So near has the number of chords for an error to come to the one asked."""
+"""The search ends this close to the requested number of chords."""
 
 FLOOR = 0.005
-"""Smallest density of chords, as a share of the piece's mean: no stretch goes without."""
+"""Smallest density of chords, as a fraction of the piece's mean: every stretch gets chords."""
 
 
 class ChordDensity:
@@ -76,7 +76,7 @@ class ChordDensity:
             if self._finer is None:
                 self._finer = ChordDensity(self._piece, self._bends.refined())
             return self._finer.joints(count)
-        # Up to the error with which there are about as many chords as asked.
+        # Until the error gives about the requested number of chords.
         error = (self._total / count) ** 2
         for _ in range(STEPS):
             density = self._density(error)
@@ -98,21 +98,21 @@ class ChordDensity:
 
 
 PARTS = 2
-"""Places a chord at which its distance is looked for: where it starts and half way."""
+"""Places per chord at which its distance is sampled: its start and half way."""
 
 ORDER = 2.0
-"""Power of the number of chords with which the distance falls."""
+"""Power of the number of chords with which the distance decreases."""
 
 MAX_CHORDS = 2_000_000
-"""Chords a smooth piece at most."""
+"""Most chords of a smooth piece."""
 
 
 def fit_polyline(path: Path, tolerance: float) -> Fit:
     """Chords within `tolerance` [mm] of `path`, counter-clockwise, vertices on the path.
 
-    A chord of length h lies kappa h^2/8 off its arc, so chords that share out the integral of
-    sqrt(kappa / (8 tolerance)) ds evenly are as few as chords with both ends on the curve can be.
-    Breaks and corners are vertices.
+    A chord of length h lies kappa h^2/8 off its arc, so chords that divide the integral of
+    sqrt(kappa / (8 tolerance)) ds evenly are the fewest with both ends on the curve. Breaks and
+    corners are vertices.
 
     Raises
     ------

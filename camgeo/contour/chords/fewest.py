@@ -23,30 +23,30 @@ from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.outline.path import Path
 
 PROVED = 1.0 + SHARPNESS + 2e-3
-"""Bound that the proof will give, as a share of the deviation found; a little more, for the
+"""Expected bound of the proof as a multiple of the deviation found: slightly more, because the
 largest deviation lies between the samples."""
 
 FEW = 64
-"""Up to so many pieces the fit is held against chords between points of the curve: on turns of many
-radians a millimetre both are bound by the angle of a chord, not by its sagitta. Beyond, these are
-1.4 times as many."""
+"""Up to this many pieces the fit is compared with chords between points of the curve: on turns of
+many radians per millimetre both are limited by the angle of a chord, not by its sagitta. Beyond,
+there are 1.4 times as many of the latter."""
 
 EASE = 1.0 - 2.0**-8
-"""How much nearer the next layout must come if a proof fails. Beside tips samples miss up to one
-part in a hundred of the distance; three such steps of the six there are make up for it."""
+"""Factor of the deviation of the next layout if a proof fails. Near tips samples miss up to one
+hundredth of the distance; three of the six possible steps make up for that."""
 
 KINK = 2.0**-52 * 256.0
-"""A gap of this share of the distance from the cam axis, or as many radians between tangents, is
-more than rounding: there the curve has a corner or a small tear."""
+"""A gap above this fraction of the distance from the cam axis, or this many radians between
+tangents, is more than rounding: there the curve has a corner or a small gap."""
 
 
 def fewest_chords(path: Path, tolerance: float) -> Fit:
-    """Straight pieces within `tolerance` [mm] of `path`, counter-clockwise, as few as there can be.
+    """The fewest straight pieces within `tolerance` [mm] of `path`, counter-clockwise.
 
     A chord of length h with the curve on both sides lies |kappa| h^2/16 off it, so the integral of
     sqrt(|kappa|/(16 tolerance)) ds is their number. Vertices are off the curve, at bends on its
     outer side; only the corners of the path, and the ends of its arcs, are vertices themselves.
-    Breaks need not be. There are never more pieces than `fit_polyline` makes.
+    Breaks need not be. There are never more pieces than from `fit_polyline`.
 
     Raises
     ------
@@ -66,8 +66,9 @@ def fewest_chords(path: Path, tolerance: float) -> Fit:
         legs = [list(group) for _, group in groupby(pieces, lambda each: id(each[0]))]
         if not ladders:
             ladders.extend(_ladders(own[0][0]) for own in legs)
-        # If a layout proves farther off than was found, one comes that is less far off. Which one
-        # that is does not depend on the tolerance, so a looser one takes no more pieces.
+        # If the proved deviation of a layout exceeds the one found, a layout with less deviation
+        # follows. Which one does not depend on the tolerance, so a looser one takes no more
+        # pieces.
         most = max(found) * EASE if found else aim
         found.clear()
         chains: list[Chain] = []
@@ -128,7 +129,7 @@ def _stretched(leg: StretchLeg, start: float, end: float, *, closed: bool) -> St
 
 
 def _chain(laid: Sequence[Chords]) -> Chain:
-    """Stretches laid one after the other; the last vertex of each is the first of the next."""
+    """Stretches one after the other; the last vertex of each is the first of the next."""
     angles = np.concatenate([each.angles[: len(each.worst)] for each in laid])
     vertices = np.concatenate([each.vertices[: len(each.worst)] for each in laid])
     return Chain.straight(angles, vertices)

@@ -1,8 +1,8 @@
-"""How many straight pieces each bend of a stretch gets: one ladder for all tolerances.
+"""Number of straight pieces for each bend of a stretch: one ladder for all tolerances.
 
-The ladder is a property of the stretch. On its rungs stand numbers of pieces, laid out to deviate
-alike whatever the tolerance; a tolerance takes the fewest pieces that keep it. So a looser one,
-which has the choice of all of these and more, never takes more.
+The ladder is a property of the stretch. Its rungs are numbers of pieces, placed for equal
+deviations whatever the tolerance; a tolerance takes the fewest pieces that meet it. So a looser
+one, which can choose among all of these and more, never takes more.
 """
 
 from __future__ import annotations
@@ -20,30 +20,30 @@ from camgeo.errors import ToleranceError
 from camgeo.numeric.arrays import IntArray
 
 MOST_TURN = 0.5
-"""The curve beside a piece turns by at most this angle [rad], however small its sagitta: the proof
-wants the two to run the same way."""
+"""The curve turns by at most this angle [rad] along a piece, however small its sagitta: the proof
+needs both to run the same way."""
 
 RUNGS = 1024
 """Rungs on which the number of pieces doubles: 0.07 % between two, less than a piece of 1000."""
 
 FINEST = 60 * RUNGS
-"""Last rung: there are more pieces than can be counted in double precision."""
+"""Last rung: beyond it there are more pieces than double precision can count."""
 
 SHORT = 12
-"""Bends of fewer pieces may get single ones more than the formula gives them: it is one of limits,
-and beside inflections close to each other it falls short."""
+"""Bends of fewer pieces may get single pieces more than by the formula: it is asymptotic, and gives
+too few between inflections close to each other."""
 
 LAYOUTS = 250
-"""Layouts tried at most; mostly the first or second will do."""
+"""Most layouts tried; usually the first or second suffices."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Ladder:
-    """The numbers of pieces that may be laid along a stretch.
+    """The possible numbers of pieces along a stretch.
 
     Attributes
     ----------
-    stretch : it.
+    stretch : of the pieces.
     unit : [mm] deviation on rung 0, where the table counts one piece.
     """
 
@@ -52,23 +52,23 @@ class Ladder:
 
     @classmethod
     def of(cls, stretch: Stretched) -> Ladder:
-        """The ladder of a stretch; a straight one has its own length for a unit."""
+        """The ladder of a stretch; the unit of a straight one is its own length."""
         table = stretch.table
         whole = 0.25 * float(np.sum(table.bends))
         return cls(stretch, whole * whole or float(np.sum(table.steps)))
 
     def fewest(self, most: float, share: float, most_pieces: int) -> tuple[Chords, float]:
-        """The fewest pieces of which the proof finds at most `most` [mm], and what it finds.
+        """The fewest pieces whose proved deviation is at most `most` [mm], and that deviation.
 
         Parameters
         ----------
-        share : what the proof finds at most, as a share of the deviation of the layout.
-        most_pieces : more are refused.
+        share : upper bound of the proved deviation, as a multiple of the deviation of the layout.
+        most_pieces : largest number of pieces.
 
         Raises
         ------
         ToleranceError
-            If so few pieces cannot keep the deviation, in double precision.
+            If no such number of pieces can meet the deviation in double precision.
         """
         rung = max(math.ceil(0.5 * RUNGS * math.log2(share * self.unit / most)), -FINEST)
         reached = math.inf
@@ -114,12 +114,12 @@ class Ladder:
         return bends_of(self.stretch, shares, np.ones(len(table.inflections)))
 
     def _counts(self, rung: int) -> IntArray:
-        """(b,) pieces for the bends on a rung; on no later one there are fewer."""
+        """(b,) pieces for the bends on a rung; no later rung has fewer."""
         counts = self._bends(rung).counts()
         return np.maximum(counts, 3) if self.stretch.closed and len(counts) == 1 else counts
 
     def _last_rung(self, counts: IntArray, rung: int) -> int:
-        """The last rung on which no bend wants more than its `counts` (b,); one is `rung`."""
+        """The last rung on which no bend needs more than its `counts` (b,); `rung` is one such."""
         low, step = rung, 1
         while low + step <= FINEST and np.all(self._counts(low + step) <= counts):
             low, step = low + step, 2 * step
@@ -131,7 +131,7 @@ class Ladder:
 
 
 def _worst(laid: Evened, counts: IntArray, aim: float) -> set[int]:
-    """The short bends to which the piece belongs that is farthest off, one or two."""
+    """The one or two short bends of the piece with the largest deviation."""
     chords = laid.chords
     worst = int(np.argmax(np.maximum(chords.worst / aim, chords.turns / MOST_TURN)))
     bend = int(laid.bend[worst])

@@ -1,12 +1,12 @@
 """Straight pieces with the curve on both sides of them: vertices off the curve, for given angles.
 
 On a bend chord and curve lie within eps of each other if each vertex is eps off on the outer side
-and each chord as far on the inner. How far each vertex is off is settled by least squares over the
+and each chord as far on the inner. The offset of each vertex follows from least squares over the
 deviations at the vertices and inside the chords.
 
 Such a chord spans sqrt(16 eps/|kappa|). So the integral of sqrt(|kappa|/(16 eps)) ds counts the
-chords needed, and equal shares of it are chords of equal deviation; an inflection takes part in it
-with the chord that runs through it.
+chords needed, and equal shares of it are chords of equal deviation; an inflection counts with the
+chord that runs through it.
 """
 
 from __future__ import annotations
@@ -24,18 +24,18 @@ from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, ascending
 from camgeo.units import TURN
 
 CELLS = 512
-"""Cells of the table in each smooth piece; they only place knots, what comes of it is measured."""
+"""Cells of the table in each smooth piece; they only place vertices, and the result is measured."""
 
 NEAR = 64
 """Cells on each side of an inflection, over two of the others: the chord through it may be short,
-and beside it the density is a square root."""
+and near it the density is a square root."""
 
 STRAIGHT = 1e-9
-"""Curvatures of a smaller share of the largest, by the turn of a cell, are none: no inflection is
-looked for in their signs."""
+"""Cells that turn by less than this fraction of the largest turn are straight: changes of their
+sign are not inflections."""
 
 FLOOR = 1e-3
-"""Chords that are spread evenly, as a share of all: no stretch goes without, however straight."""
+"""Fraction of the chords that is spread evenly, so that straight stretches get some."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -69,7 +69,7 @@ class StretchTable:
     def sagittas(
         self, tolerance: float, most_turn: float, shares: FloatArray, at: FloatArray
     ) -> FloatArray:
-        """Deviation [mm] of chords that are one share long each, where `shares` reach `at` (m,).
+        """Deviation [mm] of chords that are one share long, where `shares` reach `at` (m,).
 
         It is `tolerance` unless they are shorter so as not to turn by over `most_turn`.
         """
@@ -140,20 +140,20 @@ def _sign_changes(curve: WorkingCurve, grid: FloatArray) -> FloatArray:
 
 
 COARSE, FINE, FINEST = 3, 7, 31
-"""Points inside each chord at which the deviation is taken: the more chords, the more each is a
-parabola; a few long ones may have a sharp bend near an end. Odd, for one to be in the middle."""
+"""Points inside each chord at which the deviation is sampled: the more chords, the closer each is
+to a parabola; a few long ones may have a sharp bend near an end. Odd, with one in the middle."""
 
 MANY, POINTS = 1500, 2000
-"""Chords from which on `COARSE` will do; below, about so many points in all."""
+"""Number of chords from which `COARSE` suffices; below, about this many points in all."""
 
 SWEEPS = 20
 """Sweeps of Jacobi's iteration for the offsets: each leaves a third of the error."""
 
 MOST_CUTS = 40
-"""Steps in which the place of least deviation is closed in, at most: each leaves one line less."""
+"""Most steps in which the place of least deviation is bracketed: each drops one line."""
 
 ROUNDING = 1e-12
-"""Lines that lie above others by a smaller share do not."""
+"""Lines above others by less than this fraction count as equal."""
 
 Place = Callable[[FloatArray], tuple[ComplexArray, ComplexArray]]
 """Points [mm] and unit tangents at ascending cam angles [rad] of one stretch."""
@@ -161,7 +161,7 @@ Place = Callable[[FloatArray], tuple[ComplexArray, ComplexArray]]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Stretched:
-    """A stretch that straight pieces are laid along, from corner to corner or all round.
+    """A stretch for straight pieces, from corner to corner or all round.
 
     Attributes
     ----------
@@ -190,7 +190,7 @@ class Stretched:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Chords:
-    """Vertices of straight pieces along a stretch, and how far these are off.
+    """Vertices of straight pieces along a stretch, and their deviations.
 
     Attributes
     ----------
@@ -220,9 +220,9 @@ def lay(
 ) -> Chords:
     """Straight pieces with vertices on the normals at `angles` (m,).
 
-    Where `held` (m,) a vertex is off the curve by its `offsets` (m,) [mm], outward positive; the
-    others are where least squares put them, and `loose` (m,) ones then where the largest deviation
-    of the vertex and the two pieces there is least.
+    Where `held` (m,), a vertex is off the curve by its `offsets` (m,) [mm], outward positive; least
+    squares place the others, and `loose` (m,) ones are then moved to where the largest deviation of
+    the vertex and its two pieces is least.
     """
     last = angles[0] + TURN if stretch.closed else angles[-1]
     count = len(angles) if stretch.closed else len(angles) - 1
@@ -266,7 +266,7 @@ def lay(
 def _heights(
     vertices: ComplexArray, between: ComplexArray, count: int, rotation: int
 ) -> tuple[FloatArray, FloatArray]:
-    """How far points (c, p) lie outward of their chords, and at which share of their lengths."""
+    """Heights (c, p) of points outward of their chords, and fractions of the chords' lengths."""
     start = vertices[:count]
     chord = (np.roll(vertices, -1) - vertices)[:count]
     local = (between - start[:, None]) * np.conj(chord / np.abs(chord) ** 2)[:, None]
@@ -276,10 +276,10 @@ def _heights(
 def _least_squares(
     height: FloatArray, share: FloatArray, held: BoolArray, offsets: FloatArray
 ) -> FloatArray:
-    """Offsets (m,) that make the squares of themselves and of what is left of the heights least.
+    """Offsets (m,) that minimise the squares of themselves and of the remaining heights.
 
     `height`, `share` (c,): that of the highest point over each chord between points of the curve.
-    Of a parabola half its sagitta is left on each side.
+    For a parabola half the sagitta remains on each side.
     """
     size, count = len(held), len(height)
     weight = np.zeros(size)
@@ -297,10 +297,10 @@ def _least_squares(
 
 
 def _least_worst(number: int, off: FloatArray, height: FloatArray, share: FloatArray) -> float:
-    """Offset of one vertex for which the largest deviation there and beside its pieces is least.
+    """Offset of one vertex that minimises the largest deviation there and of its pieces.
 
-    The largest of straight lines over the offset falls to one lowest place; cutting planes of one
-    that falls and one that rises find it.
+    The maximum of straight lines over the offset has one lowest point; cutting planes, one falling
+    and one rising, find it.
     """
     count, following = len(height), (number + 1) % len(off)
     lines = [(0.0, 1.0)]
