@@ -1,11 +1,12 @@
 """G1 arc splines along smooth pieces of a curve: the least deviation for a number of arcs.
 
-A joint lies a little off the curve, on the normal of its cam angle, and its tangent is turned a
-little against the curve's. Along the curve the deviation of such arcs is that of a C1 quadratic
+A joint lies a little off the curve, on the normal of its cam angle, and its tangent is rotated
+slightly from the curve's. Along the curve the deviation of such arcs is that of a C1 quadratic
 spline from a function with the third derivative dkappa/ds. For given joints least squares find it,
-with the condition of each arc that its chord halves the angle of its tangents; for joints at which
-all arcs deviate alike, least squares are also the best fit but for the first arcs at the ends.
-Biarcs, which have the curve's points and tangents at every other joint, need 1.45 times as many.
+under the condition of each arc that its chord bisects the angle of its tangents; for joints with
+equal deviations of all arcs, least squares are also the best fit except for the first arcs at the
+ends. Biarcs, which have the curve's points and tangents at every other joint, need 1.45 times as
+many.
 """
 
 from __future__ import annotations
@@ -42,7 +43,7 @@ class Strands:
 
     @classmethod
     def of(cls, curve: WorkingCurve, pieces: Sequence[Piece], bends: Sequence[Bends]) -> Strands:
-        """The `pieces` of `curve`, which bends along them as `bends` tell."""
+        """The `pieces` of `curve`, whose bends along them are `bends`."""
         first = curve.traced(np.array([piece.start for piece in pieces]))
         last = curve.traced(np.array([piece.end for piece in pieces]), "left")
         points, tangents = np.stack((first[0], last[0])), np.stack((first[1], last[1]))
@@ -56,7 +57,7 @@ class JointedCurve:
     Attributes
     ----------
     angles, points, tangents : (j,) cam angle [rad], point [mm] and unit tangent of the joints.
-    samples : (n, m) complex [mm] points of the curve beside each arc.
+    samples : (n, m) complex [mm] points of the curve along each arc.
     scale : (j,) [mm] length of the chords about each joint, which makes its turn a length.
     valid : (k,) False for splines that have joints too close to each other.
     """
@@ -73,7 +74,7 @@ class JointedCurve:
     def of(
         cls, strands: Strands, layout: Layout, pieces: IntArray, places: FloatArray, probes: int
     ) -> JointedCurve:
-        """The curve at the `places` (j,) of joints along `pieces` (k,), and at `probes` an arc."""
+        """The curve at the `places` (j,) of joints along `pieces` (k,), and at `probes` per arc."""
         angles = strands.difficulty.angles(layout, pieces, places)
         left, right = layout.left, layout.left + 1
         parts = (np.arange(probes) + 0.5) / probes
@@ -96,8 +97,9 @@ class JointedCurve:
         arcs = Arcs.of(self, off)
         errors, t = arcs.errors(self.samples)
         left, right = self.layout.left, self.layout.left + 1
-        # To first order arcs move by Hermite's cubic of what their ends move by, a quadratic as far
-        # as the condition holds. What is left of the condition now is a cubic part of the error.
+        # To first order arcs move by the Hermite cubic of the motion of their ends, a quadratic as
+        # far as the condition holds. The present residual of the condition is a cubic part of the
+        # error.
         rest = 1.0 - t
         errors += (0.5 * arcs.length * arcs.miss)[:, None] * t * rest * (rest - t)
         before, after = arcs.length / self.scale[left], arcs.length / self.scale[right]
@@ -125,7 +127,7 @@ class JointedCurve:
         return found / np.stack((np.ones(len(found)), self.scale), axis=1)
 
     def deviations(self, off: FloatArray) -> FloatArray:
-        """(n,) [mm] largest distance of the curve from each arc, as far as samples tell."""
+        """(n,) [mm] largest distance of the curve from each arc, from samples."""
         errors = np.abs(Arcs.of(self, off).errors(self.samples)[0])
         joints = np.abs(off[:, 0])
         found = np.maximum(joints[self.layout.left], joints[self.layout.left + 1])
@@ -139,7 +141,7 @@ class JointedCurve:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Arcs:
-    """The arcs of a batch between joints that are off the curve.
+    """The arcs of a batch between joints off the curve.
 
     Attributes
     ----------
@@ -147,7 +149,7 @@ class Arcs:
     middle, along, length : (n,) of the chords: middle [mm], unit vector, length [mm].
     halves : (n,) [rad] half the sweeps.
     miss : (n,) [rad] by which the angle from the first tangent to the chord exceeds that from the
-        chord to the last tangent; both are half the sweep where arcs are G1.
+        chord to the last tangent; both are half the sweep if the arcs are G1.
     """
 
     vertices: ComplexArray
@@ -179,7 +181,8 @@ class Arcs:
         local = (points - self.middle[:, None]) * np.conj(self.along)[:, None]
         x = local.real
         y = local.imag + (0.5 * self.length * np.tan(0.5 * self.halves))[:, None]
-        # From a circle through the origin along x, without its centre, which may be far away.
+        # From a circle through the origin along x, without using its centre, which may be far
+        # away.
         bend = (2.0 * np.sin(self.halves) / self.length)[:, None]
         root = np.sqrt((bend * x) ** 2 + (1.0 - bend * y) ** 2)
         return (2.0 * y - bend * (x * x + y * y)) / (1.0 + root), x / self.length[:, None] + 0.5
@@ -189,27 +192,27 @@ ROUNDS = 14
 """Rounds of evening out the arcs' deviations."""
 
 FIRST_POWER, MOST_POWER, CALMER, BOLDER = 1.0 / 6.0, 0.25, 0.7, 1.2
-"""Power of its deviation by which an arc is shortened in a round. Where arcs change by turns, each
-at its neighbours' cost, deviations go with about the sixth power of lengths: anything near the
-third root would swing. An arc that swings all the same is handled more calmly."""
+"""Power of its deviation by which an arc is shortened in a round. Where arcs change alternately,
+each at its neighbours' cost, deviations grow with about the sixth power of lengths: any power near
+one third would oscillate. An arc that oscillates nevertheless is damped."""
 
 EVEN, REPEATS = 0.15, 3
-"""Where an arc still deviates by so much (a logarithm) more than the mean, as it does where
-dkappa/ds has a zero every other arc, the rounds are repeated."""
+"""Where an arc still deviates by this much (a logarithm) more than the mean, as where dkappa/ds has
+a zero every other arc, the rounds are repeated."""
 
 STEPS = 5
-"""Gauss-Newton steps at the end. Their conditions have exact derivatives and hold to rounding after
-three, where arcs turn by a radian after five."""
+"""Final Gauss-Newton steps. Their conditions have exact derivatives and hold to rounding after
+three, or after five if arcs turn by a radian."""
 
 PROBES, CLOSE_PROBES = 12, 16
-"""Points an arc at which its deviation is sampled for least squares, and when it is final."""
+"""Points per arc at which its deviation is sampled: for least squares, and at the end."""
 
 TANGENT = 2.0**-52 * 8.0
-"""Largest angle between neighbouring arcs that is rounding: times the chord, as a share of the
+"""Largest angle between neighbouring arcs that is rounding: times the chord, as a fraction of the
 distance from the cam axis."""
 
 WIDEST = 1.5
-"""Largest half sweep of an arc [rad]: chords tell nothing of arcs of half a turn."""
+"""Largest half sweep of an arc [rad]: chords do not determine arcs of half a turn."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -221,7 +224,7 @@ class ArcSpline:
     angles : (n + 1,) [rad] cam angles of the vertices' feet, ascending.
     vertices : (n + 1,) complex [mm].
     halves : (n,) [rad] half the sweep of each arc.
-    deviation : how far curve and arcs are apart [mm], sampled; infinite if the arcs are of no use.
+    deviation : sampled distance of curve and arcs [mm]; infinite if the arcs are invalid.
     """
 
     angles: FloatArray
@@ -248,8 +251,7 @@ def arc_splines(strands: Strands, pieces: IntArray, counts: IntArray) -> list[Ar
     """Arc splines of `counts` (k,) arcs along `pieces` (k,), G1 and exact in point and tangent
     at both ends.
 
-    Their deviation is nearly the least that is possible. Each depends on its piece and number
-    of arcs alone.
+    Their deviation is nearly the least possible. Each depends only on its piece and number of arcs.
     """
     layout = Layout.of(counts)
     best, excess = _settled(strands, layout, pieces, strands.difficulty.joints(layout, pieces))

@@ -1,15 +1,15 @@
 """Biarcs between points of a curve, many at once, and their distance from it.
 
-At the ends of a smooth piece they have the curve's own tangents, between them such as leave least.
-The curve is evaluated at `PARTS` places a span, in one call for all spans. Where it crosses the
-middle of a biarc, and how far it is off between the places, follow from Hermite's cubics.
+At the ends of a smooth piece they have the curve's own tangents, between them those that deviate
+least. The curve is evaluated at `PARTS` places per span, in one call for all spans. Its crossing of
+the middle of a biarc, and its distance between the places, follow from Hermite cubics.
 
 The best G1 arcs, two of equal length h a span, pass through the curve at the joints and in the
 middles, but not along its tangent: e = kappa' h^3 B_3(t) / 6 over each arc, B_3 Bernoulli's
 polynomial, has the slope kappa' h^2 / 12 there. So biarcs whose tangents are turned by that follow
-a curve as well as any arcs, 3.08 times as closely as biarcs with its own tangents. As kappa' varies
-and as pieces end with given tangents the angles come from a least sum of squares, which has the
-same limit.
+a curve as closely as any arcs, 3.08 times as closely as biarcs with its own tangents. As kappa'
+varies and as pieces end with given tangents the angles come from least squares, which have the same
+limit.
 """
 
 from __future__ import annotations
@@ -25,14 +25,15 @@ from camgeo.curve.working_curve import WorkingCurve
 from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, IntArray
 
 OUTERMOST = 0.5
-"""Weight of a piece's outermost spans, whose outer tangent is given. With less, the turns beside
-them are those of a piece that goes on, and they have to be short; with more, the others suffer."""
+"""Weight of a piece's outermost spans, whose outer tangent is given. With less, the neighbouring
+rotations are those of a piece that continues, and the outermost spans have to be short; with more,
+the others deviate more."""
 
 
 def tangent_turns(apart: FloatArray, lengths: FloatArray, last: IntArray) -> FloatArray:
     """(2, S) [rad] by which the tangents at the start and at the end of each span turn.
 
-    Where spans join both have the same; at both ends of a chain it is 0.
+    Spans that join have the same rotation there; at both ends of a chain it is 0.
 
     Parameters
     ----------
@@ -47,7 +48,8 @@ def tangent_turns(apart: FloatArray, lengths: FloatArray, last: IntArray) -> Flo
     closes = np.zeros(len(lengths), dtype=np.bool_)
     closes[last] = True
     weight = np.where(closes | np.roll(closes, 1), OUTERMOST, 1.0)
-    # By what a turn by 1 at the start, or at the end, of a span of length 1 moves the biarc.
+    # Displacement of the biarc by a rotation of 1 at the start, or at the end, of a span of length
+    # 1.
     places = np.arange(1, apart.shape[1] + 1) / (apart.shape[1] + 1)
     ahead = np.where(places < 0.5, places - 1.5 * places * places, 0.5 * (1.0 - places) ** 2)
     behind = -ahead[::-1]
@@ -65,10 +67,10 @@ def tangent_turns(apart: FloatArray, lengths: FloatArray, last: IntArray) -> Flo
 
 
 def _tridiagonal(beside: FloatArray, middle: FloatArray, right: FloatArray) -> FloatArray:
-    """Solution (n,) with the bands `middle` (n,) and on both sides of it `beside` (n - 1,)."""
-    from scipy.linalg import solveh_banded  # only where a contour is made
+    """Solution (n,) with the main band `middle` (n,) and `beside` (n - 1,) on both sides of it."""
+    from scipy.linalg import solveh_banded  # only for making a contour
 
-    if len(middle) == 1:  # which scipy does not take
+    if len(middle) == 1:  # which scipy does not accept
         return right / middle
     bands = np.zeros((2, len(middle)))
     bands[0, 1:], bands[1] = beside, middle
@@ -77,15 +79,15 @@ def _tridiagonal(beside: FloatArray, middle: FloatArray, right: FloatArray) -> F
 
 
 PARTS = 6
-"""Places a span: beside a curve of even slope of curvature the distance is a cubic over each of the
-two arcs, and Hermite's cubics are exact."""
+"""Places per span: for a curve whose curvature has a constant slope the distance is a cubic over
+each of the two arcs, and Hermite cubics are exact."""
 
 STEPS = 4
 """Newton steps to the middle, which lies near half way."""
 
 FLAT = 2e-12
-"""An arc with a sagitta of a smaller share of the largest distance from the cam axis is a line: its
-centre has no digits left to be known by."""
+"""An arc whose sagitta is a smaller fraction of the largest distance from the cam axis is a line:
+its centre has no significant digits."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -213,10 +215,10 @@ class _Arcs:
     def beside(
         self, points: ComplexArray, tangents: ComplexArray, slopes: FloatArray
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Parts of the span (S, 2) at which the arcs begin, how far (S, PARTS + 1) [mm] the places
-        lie to the right of the arcs, and the largest such distance (S,) found between places.
+        """Parts of the span (S, 2) at which the arcs begin, distances (S, PARTS + 1) [mm] of the
+        places to the right of the arcs, and the largest such distance (S,) between places.
 
-        `slopes`: of the way along the curve over a part of a span [mm].
+        `slopes`: of the arc length over a part of a span [mm].
         """
         # The curve seen from the middle: its way along the common tangent, and off it.
         middle, across = self.vertices[:, 1], self.tangents[:, 1]
@@ -227,7 +229,7 @@ class _Arcs:
         t, off, turn = _crossing(local[rows, before], local[rows, before + 1],
                                  rates[rows, before], rates[rows, before + 1])  # fmt: skip
 
-        # Beside the first arc up to the part with the middle, beside the second after it.
+        # From the first arc up to the part with the middle, from the second after it.
         second = np.arange(PARTS + 1) > before[:, None]
         arc = second.astype(np.intp)
         row = rows[:, None]

@@ -1,13 +1,13 @@
 """Fit by lines and G1 arcs: biarcs between points of the curve.
 
-Their joints are spread by the law of their distance from it, corrected once by what was found. A
-biarc with turned tangents, see `camgeo.contour.arcs.biarcs`, over a span h of arc length is off the
-curve by
+Their joints are placed by the law of their distance from it, corrected once by the distances found.
+A biarc with turned tangents, see `camgeo.contour.arcs.biarcs`, over a span h of arc length is off
+the curve by
 
     C h^3 (|kappa'| + c |kappa''| h),   C = 0.1001^3,
 
-primes for d/ds: the first part is that of the best arcs. A fit that knows the first part only comes
-out too far off wherever the slope of curvature changes its sign.
+primes for d/ds: the first term is that of the best arcs. A fit based only on the first term
+deviates too much wherever the slope of curvature changes its sign.
 """
 
 from __future__ import annotations
@@ -34,46 +34,45 @@ ARC_CONSTANT = 0.2002
 """Arcs needed, asymptotically: 0.2002 eps^(-1/3) times the integral of |dkappa/ds|^(1/3) ds."""
 
 QUARTIC = 0.6
-"""c: a lone span about a zero of kappa' with tangents turned at will leaves (sqrt(2) - 1)^2 / 384
-of kappa'' h^4, c = 0.45; spans beside it, which have other wishes, make it some more."""
+"""c: a single span about a zero of kappa' with free tangents leaves (sqrt(2) - 1)^2 / 384 of
+kappa'' h^4, c = 0.45; its neighbours, which need other tangents, make it slightly more."""
 
 OUTER = (0.515, 0.891, 0.927)
-"""Lengths of the outermost spans of a piece, where all others are 1 and kappa' is even, with which
-they leave what the others leave. The fourth leaves 1.24 times as much."""
+"""Lengths of the outermost spans of a piece with which they deviate as the others do, if all others
+are 1 and kappa' is constant. The fourth deviates 1.24 times as much."""
 
 ENDS = 0.6
-"""Spans that the ends of a piece cost, at least; by the lengths above it is 1.3."""
+"""Least number of spans that the ends of a piece add; by the lengths above it is 1.3."""
 
 FLOOR = 0.005
-"""Smallest density of spans, as a share of the piece's mean: no stretch goes without."""
+"""Smallest density of spans, as a fraction of the piece's mean: every stretch gets spans."""
 
 STEPS = 3
-"""Steps of the fixed point for the density; each divides what is missing by four or more."""
+"""Steps of the fixed-point iteration for the density; each divides the error by four or more."""
 
 LEAST_REGULARITY = 1e-3
-"""1 + d kappa counts as this where it is less, beside a cusp: the density there is integrable, but
-not by samples."""
+"""Least 1 + d kappa used, near a cusp: the density there is integrable, but not by samples."""
 
 POWER = 0.25
-"""Power of what a span was found to leave by which others stand there: less than a third, as part
-of it comes from the tangents of its neighbours."""
+"""Power of the deviation found of a span that corrects the density there: less than a third,
+because part of it comes from the tangents of its neighbours."""
 
 LEAST_FOUND = 0.01
-"""Share of the largest distance that counts at least."""
+"""Least distance that counts, as a fraction of the largest."""
 
 WIDEST = 2.0
-"""Cam angle [rad] of the widest span: a whole turn without a break, of a stroke that is next to
-nothing, has no chord from its beginning to its end."""
+"""Cam angle [rad] of the widest span: a whole turn without a break and with a tiny stroke has no
+chord from its start to its end."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Found:
-    """What spans between some joints were found to leave.
+    """The deviations found of spans between given joints.
 
     Attributes
     ----------
     places : (m,) [rad] middles of the spans.
-    needs : (m,) by what the density there falls short, up to a factor that is the same for all.
+    needs : (m,) factor by which the density there is too small, up to a common factor.
     """
 
     places: FloatArray
@@ -81,7 +80,7 @@ class Found:
 
     @classmethod
     def of(cls, joints: FloatArray, distances: FloatArray) -> Self:
-        """From the `distances` (m,) [mm] beside the spans between `joints` (m + 1,)."""
+        """From the `distances` (m,) [mm] of the spans between `joints` (m + 1,)."""
         largest = float(np.max(distances))
         shares = distances / largest if largest > 0.0 else np.ones(len(distances))
         return cls(0.5 * (joints[:-1] + joints[1:]), np.maximum(shares, LEAST_FOUND) ** POWER)
@@ -107,7 +106,7 @@ class ArcDensity:
         self._total = self._width * float(np.sum(np.cbrt(self._cubic)))
 
     def count(self, aim: float) -> float:
-        """Spans that are needed at least to come within `aim` [mm], a real number, nearly."""
+        """About the least number of spans within `aim` [mm], a real number."""
         inner = self._width * float(np.sum(self._density(aim / (0.5 * ARC_CONSTANT) ** 3)))
         known = inner * 1.03 + min(max(0.25 * (inner - 1.0), 0.0), ENDS)
         return max(known, (self._piece.end - self._piece.start) / WIDEST)
@@ -115,7 +114,7 @@ class ArcDensity:
     def joints(self, count: int, found: Found | None = None) -> FloatArray:
         """(count + 1,) cam angles [rad] of the ends of `count` parts, both outer ones included.
 
-        `found`: what about as many spans were found to leave.
+        `found`: the deviations of about as many spans.
         """
         if count > len(self._bends.speed) // 2:
             if self._finer is None:
@@ -123,7 +122,7 @@ class ArcDensity:
             return self._finer.joints(count, found)
         error = (self._total / count) ** 3
         density = self._density(error)
-        # That were too many spans: the error with which there are about as many as asked.
+        # These are too many spans: find the error that gives about the requested number.
         error *= (self._width * float(np.sum(density)) / count) ** 3
         density = self._density(error)
         if found is not None:
@@ -158,16 +157,16 @@ def _parts(count: int) -> FloatArray:
 
 
 ORDER = 3.0
-"""Power of the number of arcs with which the distance falls."""
+"""Power of the number of arcs with which the distance decreases."""
 
 TOGETHER = 16
-"""Spans that are tried at once for one piece: a call for more costs as much as another."""
+"""Spans that are tried at once for one piece: for more, a second call costs no more."""
 
 HALVINGS = 8
 """Rounds of halving at most."""
 
 MAX_ARCS = 200_000
-"""Arcs a smooth piece at most; more is a tolerance beyond the arithmetic."""
+"""Most arcs of a smooth piece; a tolerance that needs more is beyond double precision."""
 
 
 def fit_arcs(path: Path, tolerance: float) -> Fit:
@@ -201,7 +200,7 @@ class _Group:
     Attributes
     ----------
     curve, pieces : these.
-    densities, ends : of the pieces that are no rests.
+    densities, ends : of the pieces that are not rests.
     rests : of the others.
     """
 
@@ -263,9 +262,9 @@ def _sound_biarcs(
     curve: WorkingCurve, joints: list[FloatArray], ends: Ends
 ) -> list[tuple[Biarcs, FloatArray]]:
     """Biarcs whose arcs have a parallel on the pitch curve, see `camgeo.contour.proof.deviation`,
-    each with their joints.
+    with their joints.
 
-    Beside a cusp the curvature may grow so fast between two joints that the second arc has to turn
+    Near a cusp the curvature may grow so fast between two joints that the second arc has to turn
     back, with less than the roller's radius: such spans are halved.
     """
     found = _biarcs(curve, joints, ends)

@@ -19,31 +19,31 @@ from camgeo.errors import GeometryError, ToleranceError
 from camgeo.outline.path import Path
 
 AIM = 0.988
-"""Share of the tolerance that the sampled deviation may reach: the proof takes 1 % more, and
-samples miss 0.15 % at most."""
+"""Fraction of the tolerance that the sampled deviation may reach: the proof adds 1 %, and samples
+miss at most 0.15 %."""
 
 TRIALS = 4
-"""Numbers of arcs that are tried at once for a piece: mostly one of them will do."""
+"""Numbers of arcs that are tried at once for a piece: usually one of them suffices."""
 
 ATTEMPTS = 8
-"""Times that as many numbers are tried; biarcs, with half as many arcs again, end the search."""
+"""Most rounds of such trials; biarcs, with half as many arcs again, end the search."""
 
 ALL_NUMBERS = 7
-"""All numbers of arcs up to 2^7 are tried, even ones up to 2^8, and so on: for a hundredth of the
-arcs there is no end of trials."""
+"""All numbers of arcs up to 2^7 are tried, even ones up to 2^8, and so on: one per cent of the arcs
+is not worth endless trials."""
 
 FINEST = 2.0**-52 * 2.0**10
-"""Below this share of the distance from the cam axis it is rounding that decides about deviations:
-there, no number of arcs is better than another."""
+"""Below this fraction of the distance from the cam axis rounding decides the deviations: there, no
+number of arcs is better than another."""
 
 
 def fewest_arcs(path: Path, tolerance: float) -> Fit:
-    """Lines and G1 arcs within `tolerance` [mm] of `path`, as few as there can be.
+    """The fewest lines and G1 arcs found within `tolerance` [mm] of `path`.
 
-    Each smooth piece has the smallest number of arcs that was found to follow it, laid so that they
-    deviate alike. The tolerance does not enter into how a number of arcs is laid, so that a wider
-    one never asks for more. Dwells, turns and corners as of `fit_arcs`; where that fit has no more
-    pieces, it is taken.
+    Each smooth piece has the smallest number of arcs found to follow it, placed for equal
+    deviations. The placing of a number of arcs does not depend on the tolerance, so a wider one
+    never needs more. Dwells, turns and corners as in `fit_arcs`, whose fit is used if it has no
+    more pieces.
 
     Raises
     ------
@@ -77,7 +77,7 @@ class _Group:
 
     Attributes
     ----------
-    missed : True once a number of arcs came to nothing: there, another method may do better.
+    missed : True once a number of arcs gave no result: there, another method may succeed.
     """
 
     def __init__(self, curve: WorkingCurve, pieces: list[Piece]) -> None:
@@ -91,17 +91,17 @@ class _Group:
         self._known: dict[tuple[int, int], ArcSpline] = {}
 
     def fit(self, aim: float, _tolerance: float) -> list[Chain]:
-        """A chain for each of the pieces, always the same ones."""
+        """A chain for each of the pieces, the same ones at each call."""
         curved, rests = iter(self._least(aim) if self._curved else ()), iter(self._rests)
         return [next(rests) if piece.dwell else next(curved).chain() for piece in self._pieces]
 
     def _least(self, aim: float) -> list[ArcSpline]:
         """For each curved piece the spline of the fewest arcs that deviate by at most `aim` [mm].
 
-        ToleranceError if no number of arcs was found to be enough for a piece.
+        ToleranceError if no number of arcs suffices for a piece.
         """
         if aim <= FINEST * float(np.max(np.abs(self._strands.points))):
-            raise ToleranceError("arcs cannot be told from the curve", aim, math.inf)
+            raise ToleranceError("arcs cannot be distinguished from the curve", aim, math.inf)
         limits = self._strands.difficulty.totals * (ARC / aim) ** (1.0 / 3.0)
         ladders = [_numbers(int(limit)) for limit in limits]
         found: dict[int, ArcSpline] = {}
@@ -128,7 +128,7 @@ class _Group:
         pieces, counts = np.array(tries).T
         for pair, spline in zip(tries, arc_splines(self._strands, pieces, counts), strict=True):
             self._known[pair] = spline
-            # One arc is G1 at both ends by chance alone.
+            # One arc is G1 at both ends only by chance.
             self.missed = self.missed or (pair[1] > 1 and spline.deviation == math.inf)
 
 

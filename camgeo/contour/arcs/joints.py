@@ -1,7 +1,7 @@
-"""Where the joints of arc splines go: where all arcs deviate alike; and their least squares.
+"""The joints of arc splines, placed for equal deviations of all arcs; and their least squares.
 
-Splines come in batches, one after the other in the same arrays: they are short, and calls cost more
-than numbers.
+Splines come in batches, one after the other in the same arrays: they are short, and the overhead of
+calls exceeds the arithmetic.
 """
 
 from __future__ import annotations
@@ -20,23 +20,25 @@ from camgeo.numeric.arrays import BoolArray, FloatArray, IntArray
 Scalar = TypeVar("Scalar", bound=np.generic)
 
 ROUNDS = 10
-"""Rounds of evening out what the tables foretell; they cost no evaluation of the curve."""
+"""Rounds of equalising the deviations predicted by the tables; they need no evaluation of the
+curve."""
 
 END = 0.325
-"""By how much of an arc the first and the last one are shorter than the others where the difficulty
-is even, since point and tangent are given there: found with dkappa/ds constant, 3 to 20 arcs."""
+"""Fraction of an arc by which the first and the last one are shorter than the others if the
+difficulty is uniform, because point and tangent are given there: found with dkappa/ds constant, 3
+to 20 arcs."""
 
 ALONE = 1.0 / 3.0
-"""Power of its deviation by which an arc is shortened: it deviates with the third power of its
-length if the others keep theirs, as the tables have it."""
+"""Power of its deviation by which an arc is shortened: its deviation grows with the third power of
+its length if the others keep theirs, as the tables assume."""
 
 LEAST = 1e-3
-"""Smallest deviation of an arc that counts, as a share of the largest of its spline."""
+"""Smallest deviation of an arc that counts, as a fraction of the largest of its spline."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Layout:
-    """Where the joints and arcs of each of k splines are in the arrays of a batch.
+    """Places of the joints and arcs of k splines in the arrays of a batch.
 
     Attributes
     ----------
@@ -90,7 +92,7 @@ class Layout:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Difficulty:
-    """How hard smooth pieces are to follow by arcs, tabulated along each of them.
+    """The difficulty of following smooth pieces by arcs, tabulated along each of them.
 
     The third root of |dkappa/ds|, over the length, is the density of arcs. It is the same for all
     parallels, also where one has a cusp, so the tables are of the pitch curve. The place of a cam
@@ -142,7 +144,7 @@ class Difficulty:
         )
 
     def joints(self, layout: Layout, pieces: IntArray) -> FloatArray:
-        """(j,) places of joints with which arcs deviate alike as far as the tables tell.
+        """(j,) places of joints with equal deviations of the arcs according to the tables.
 
         Spline i of `layout` lies along piece `pieces[i]`.
         """
@@ -241,7 +243,7 @@ class ArcSystem:
         square, pull, bond, gap : (n, 4, 4) A, (n, 4) b, (n, 4) c and (n,) d of each arc.
         free : (j,) False for joints whose unknowns are zero.
         """
-        from scipy.linalg import solve_banded  # only where files are made
+        from scipy.linalg import solve_banded  # only for making files
 
         left, right = self.layout.left, self.layout.left + 1
         mask = np.stack((free[left], free[left], free[right], free[right]), axis=1)

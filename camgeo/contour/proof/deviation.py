@@ -1,14 +1,14 @@
 """Proof of a contour: an upper bound of its distance from the exact curve, for every point.
 
-Each leg of the path is held against its own run of pieces, and each piece against the part of the
-leg between the two places that are given for its ends. Over cells of the leg's parameter
+Each leg of the path is compared with its own run of pieces, and each piece with the part of the leg
+between the two places given for its ends. Over cells of the leg's parameter
 `camgeo.contour.proof.enclosure` encloses the distance of the leg from the line or circle of the
 piece, and the angle alpha between both; cells that decide the largest distance b are halved until
 the bound is sharp.
 
-Why b, and how far the ends are off, bound the distance in both directions: as long as alpha stays
+Why b and the distances of the ends bound the distance in both directions: as long as alpha stays
 far from a right angle, the place square across on the line or circle moves steadily forward along
-the part of the leg, and it turns about the centre by the sweep and not by some turn more.
+the part of the leg, and it turns about the centre by the sweep and not by a further turn.
 
 - A point of the piece that some point of the part lies square across from is within b of it. What
   is left of the piece lies between one of its ends, A, and the place square across from the given
@@ -50,18 +50,18 @@ from camgeo.outline.path import Path
 from camgeo.units import TURN
 
 SHARPNESS = 0.01
-"""The bound exceeds the largest distance found by at most this share, and rounding."""
+"""The bound exceeds the largest distance found by at most this fraction, plus rounding."""
 
 STEEPEST = 0.5
 """Largest sin(alpha) for which a piece counts as following the curve: 30 degrees."""
 
 ARC_CELLS = 10
-"""Cells an arc to begin with, on the average over a run, all of one width: what is not known of the
-third derivative of the distance has the cube of the width in it, and the same share of the largest
+"""Initial cells per arc, on average over a run, all of one width: the uncertainty of the distance
+is the cube of the width times the bound of its third derivative, the same fraction of the largest
 distance whatever the tolerance."""
 
 FEWEST, MOST = 4, 256
-"""Fewest and most cells of one arc to begin with."""
+"""Fewest and most initial cells of one arc."""
 
 HALVINGS = 40
 """Rounds of halving at most."""
@@ -70,11 +70,11 @@ MAX_CELLS = 4_000_000
 """Cells at most; a contour within its tolerance needs a few for each piece."""
 
 ROUNDING = 2.0**-52 * 32.0
-"""Rounding of a distance, as a share of the largest length that enters it."""
+"""Rounding of a distance, as a fraction of the largest length that enters it."""
 
 BEFORE = 2.0 * SNAP
-"""So far before a border its left-hand value is taken [rad]: a few ulps, so that the point there is
-within its rounding, and beyond the reach within which an angle counts as the border."""
+"""Distance before a border at which its left-hand value is taken [rad]: a few ulps, so that the
+point there is within its rounding, and beyond the reach of the border."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -111,9 +111,9 @@ def deviation(path: Path, contour: Contour) -> float:
 def proved_bound(runs: tuple[Run, ...], arc_cells: int = ARC_CELLS) -> float:
     """Upper bound [mm] of the distance between the contour of `runs` and their legs.
 
-    Each run is held against its own leg; its ends against those of the leg, so that a corner of
-    the path is one of the contour. `arc_cells` are the cells an arc to begin with: fewer do where
-    the arcs are much finer than the distance asks for; they only decide the time it takes.
+    Each run is compared with its own leg, and its ends with those of the leg, so that a corner of
+    the path is one of the contour. `arc_cells` are the initial cells per arc: fewer suffice where
+    the arcs are much finer than the distance requires; they only affect the time.
 
     Raises
     ------
@@ -131,14 +131,14 @@ def proved_bound(runs: tuple[Run, ...], arc_cells: int = ARC_CELLS) -> float:
 
 
 def _reach_from(run: Run) -> float:
-    """Bound of the distance of a leg without pieces from the one vertex it has."""
+    """Bound of the distance of a leg without pieces from its only vertex."""
     if not isinstance(run.leg, TurnLeg):
         raise GeometryError("the contour leaves out a stretch of the exact outline")
     return float(abs(run.vertices[0] - run.leg.last)) + run.leg.length
 
 
 def _run_bound(run: Run, found: float, arc_cells: int) -> tuple[float, float]:
-    """Largest distance found by now, `found` of other runs included, and bound for this run.
+    """Largest distance found so far, including `found` of other runs, and bound for this run.
 
     Rounding is charged to each piece with the lengths that enter its own distances: the circle of a
     nearly straight arc is large, and no other piece is measured from it.
@@ -150,7 +150,7 @@ def _run_bound(run: Run, found: float, arc_cells: int) -> tuple[float, float]:
     largest = 0.0
     turned = np.zeros((2, len(run.sweeps)))
     for _ in range(HALVINGS):
-        if np.max(enclosure.steep) > STEEPEST:  # no halving would mend that
+        if np.max(enclosure.steep) > STEEPEST:  # halving would not help
             break
         found = max(found, float(np.max(enclosure.found)))
         own = rounding[cells.piece]
@@ -173,7 +173,7 @@ def _run_bound(run: Run, found: float, arc_cells: int) -> tuple[float, float]:
 
 
 def _first_cells(run: Run, arc_cells: int) -> _Cells:
-    """Each piece's range in equal parts, cut at the borders of the leg's formulas.
+    """The range of each piece in equal parts, cut at the borders of the leg's formulas.
 
     One part for a line, from which the curve departs like a parabola, and for a rest.
     """
@@ -204,7 +204,7 @@ def _first_cells(run: Run, arc_cells: int) -> _Cells:
 def _first_enclosure(run: Run, cells: _Cells) -> tuple[Enclosure, ComplexArray]:
     """The first cells, and (2, n) [mm] the places of the pieces' starts and ends on the leg.
 
-    All from one evaluation, as calls cost more than numbers: a place is a cell without width.
+    All from one evaluation, because calls cost more than numbers: a place is a cell of zero width.
     """
     starts, ends = run.angles[:-1], run.angles[1:]
     at_border = _near(ends, run.leg.borders)
@@ -238,12 +238,12 @@ def _enclosed(run: Run, cells: _Cells, jet: ComplexArray, speeds: FloatArray) ->
 
 
 def _with_ends(run: Run, places: ComplexArray, bound: float) -> float:
-    """The bound of the distance across [mm] with what the ends of the pieces add to it.
+    """The bound of the distance across [mm], including the contribution of the ends of the pieces.
 
     With g and n the distance of the place from the end along and across the piece, n outward, the
     chord c of the circle of radius rho + b is c^2 = 2 rho (rho + b) g^2 / (r (r + rho + n)), r the
-    distance of the place from the centre: the law of cosines without its cancellation. How far an
-    arc's end is off the circle about its centre through its start comes on top.
+    distance of the place from the centre: the law of cosines without its cancellation. The distance
+    of an arc's end from the circle about its centre through its start is added.
     """
     is_arc = run.sweeps != 0.0
     radii = np.where(is_arc, run.radii, 1.0)
@@ -266,10 +266,11 @@ def _with_ends(run: Run, places: ComplexArray, bound: float) -> float:
 
 
 def _check_turns(run: Run, least: FloatArray, most: FloatArray) -> None:
-    """Each arc turns about its centre as far as the curve beside it, not the long way round.
+    """GeometryError unless each arc turns about its centre as far as the curve, not the long way
+    round.
 
-    `least` and `most` (n,) [rad] bound how far the curve turns. It is the sweep, give or take what
-    the ends are off and whole turns: only one of these lies between the bounds.
+    `least` and `most` (n,) [rad] bound how far the curve turns. It is the sweep, except for the
+    deviations of the ends and whole turns: only one such value lies between the bounds.
     """
     arcs = run.sweeps != 0.0
     sweep, least, most = np.abs(run.sweeps[arcs]), least[arcs], most[arcs]

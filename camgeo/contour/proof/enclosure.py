@@ -1,9 +1,9 @@
-"""Enclosure of the distance between a leg and the pieces beside it, over cells of the parameter.
+"""Enclosure of the distance between a leg and its pieces, over cells of the parameter.
 
 The curve is an offset by d of the pitch curve Z, and so is, of a circle about c, the circle of
-another radius: what Z does to the circle of radius rho_z = rho - s d tells what the curve does to
-the arc of radius rho (s = +1 if the outward normal points away from c). With r = |Z - c| and alpha
-the angle between Z' and the circle's tangent,
+another radius: the distance of Z from the circle of radius rho_z = rho - s d determines that of the
+curve from the arc of radius rho (s = +1 if the outward normal points away from c). With r = |Z - c|
+and alpha the angle between Z' and the circle's tangent,
 
     distance = sqrt((r + s d)^2 - 2 r s d (1 - cos alpha)) - rho,   sin alpha = |dr/dphi| / |Z'|.
 
@@ -12,8 +12,8 @@ that it osculates in the middle, give or take a bound of its third derivative, w
 than bounds of |Z'|, |Z''|, |Z'''|. For a line the same with its normal.
 
 The third derivative of q = |Z - p|^2/2 - Re(conj(c - p) (Z - p)) + ... where Z turns rigidly about
-a point p is at most |c - p| |Z'''|: nothing for the arc about the cam axis that a rest is, so that
-one cell encloses all of it.
+a point p is at most |c - p| |Z'''|: zero for a rest, an arc about the cam axis, so that one cell
+encloses all of it.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, IntArray
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Taylor:
-    """What is known of Z over each cell: its jet in the middle, and bounds.
+    """Z over each cell: its jet in the middle, and bounds.
 
     Attributes
     ----------
@@ -54,10 +54,10 @@ class Taylor:
     def value_range(
         self, slope: FloatArray, bend: FloatArray, third: FloatArray
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Least and greatest of a function over a cell less its value in the middle.
+        """Least and greatest value of a function over a cell, minus its value in the middle.
 
         From slope and second derivative there, and a bound of the third: the range of the parabola,
-        and by how much the function may be off it.
+        and the largest difference of the function from it.
         """
         half = self.half
         ends, sag = half * np.abs(slope), 0.5 * half * half * bend
@@ -71,7 +71,7 @@ class Taylor:
         return low, high, half * half * half * third / 6.0
 
     def slope_change(self, bend: FloatArray, third: FloatArray) -> FloatArray:
-        """By how much the slope of a function may differ over a cell from that in its middle."""
+        """Largest difference of the slope of a function over a cell from that in its middle."""
         half = self.half
         return half * (np.abs(bend) + 0.5 * half * third)
 
@@ -85,11 +85,11 @@ class Taylor:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Enclosure:
-    """What is known of the curve beside a piece, over each of n cells.
+    """The curve relative to a piece, over each of n cells.
 
     Attributes
     ----------
-    found : (n,) [mm] a distance that is surely reached.
+    found : (n,) [mm] a distance that is certainly reached.
     bound : (n,) [mm] bound of the distance.
     steepness : (n,) bound of sin alpha, 1 where the piece runs backwards.
     steep : (n,) sin alpha found in its middle, 1 where the piece runs backwards.
@@ -106,7 +106,7 @@ class Enclosure:
 
 
 def enclose(taylor: Taylor, run: Run, piece: IntArray) -> Enclosure:
-    """The cells of `taylor` held against the pieces `piece` (n,) of `run`.
+    """The cells of `taylor` compared with the pieces `piece` (n,) of `run`.
 
     Raises
     ------
@@ -135,7 +135,7 @@ def _sines(
 
 
 def _arc_cells(taylor: Taylor, run: Run, piece: IntArray) -> tuple[FloatArray, ...]:
-    """The parts of an `Enclosure` for cells beside arcs."""
+    """The parts of an `Enclosure` for cells of arcs."""
     z, z1, z2 = taylor.jet[0], taylor.jet[1], taylor.jet[2]
     offset, rotation = run.leg.distance, run.leg.rotation
     centre, sense = run.centres[piece], np.sign(run.sweeps[piece])
@@ -194,7 +194,7 @@ def _arc_cells(taylor: Taylor, run: Run, piece: IntArray) -> tuple[FloatArray, .
 
 
 def _line_cells(taylor: Taylor, run: Run, piece: IntArray) -> tuple[FloatArray, ...]:
-    """The parts of an `Enclosure` for cells beside lines."""
+    """The parts of an `Enclosure` for cells of lines."""
     z, z1, z2 = taylor.jet[0], taylor.jet[1], taylor.jet[2]
     offset, rotation = run.leg.distance, run.leg.rotation
     start, chord = run.starts[piece], (run.ends - run.starts)[piece]
@@ -206,7 +206,7 @@ def _line_cells(taylor: Taylor, run: Run, piece: IntArray) -> tuple[FloatArray, 
     change = taylor.slope_change(bend, taylor.v3)
     low, high = _sines(slope, change, slowest, fastest)
     # 1 - cos alpha = k slope^2, k between these two: with the parabola that the slope is a line of,
-    # one more parabola. Where both pull apart, their ranges by themselves would say too much.
+    # one more parabola. Where the two have opposite signs, adding their ranges would overestimate.
     least_k = 1.0 / (fastest * fastest * (1.0 + np.sqrt(1.0 - low * low)))
     with np.errstate(divide="ignore"):
         most_k = 1.0 / (slowest * slowest * (1.0 + np.sqrt(1.0 - high * high)))

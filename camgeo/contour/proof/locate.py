@@ -1,4 +1,4 @@
-"""Which place of a path a vertex of a contour belongs to: the one across from it on the curve."""
+"""The place of a path for a vertex of a contour: the one across from it on the curve."""
 
 from __future__ import annotations
 
@@ -15,16 +15,16 @@ from camgeo.outline.path import Path
 from camgeo.units import TURN
 
 SAMPLES = 4096
-"""Points of a leg from which the search for places starts."""
+"""Samples of a leg from which the search for places starts."""
 
 A_FORMULA = 64
-"""Least number of them between two borders: all of a steep move may lie within a degree."""
+"""Least number of samples between two borders: a whole steep move may lie within a degree."""
 
 STEPS = 30
-"""Newton steps at most; from a good start three do."""
+"""Most Newton steps; from a good start three suffice."""
 
 SMALL = 1e-9
-"""A step [rad] after which there is none: what is left is the square of it."""
+"""A step [rad] below this is the last one: the remaining error is its square."""
 
 ASKEW = 0.5
 """Least cosine of the angle between a vertex's direction and the leg for it to count."""
@@ -33,9 +33,9 @@ ASKEW = 0.5
 def _places(leg: Leg, points: ComplexArray, ahead: ComplexArray, guess: FloatArray) -> FloatArray:
     """Parameters (n,) [rad] of the places of `leg` beside `points` (n,), near `guess` (n,).
 
-    Beside means across from the direction `ahead` (n,) of the contour there, which leaves the proof
-    no gap along it; where that is askew, at the foot of the perpendicular. Where the leg does not
-    go forwards at its present place a search stops.
+    The place lies square to the direction `ahead` (n,) of the contour, which leaves the proof no
+    gap along it; where that is too oblique, it is the foot of the perpendicular. A search stops
+    where the leg does not move forward.
     """
     t = guess
     for _ in range(STEPS):
@@ -69,7 +69,7 @@ def _directions(vertices: ComplexArray, contour: Contour) -> ComplexArray:
 
 
 def locate(path: Path, contour: Contour) -> tuple[Run, ...]:
-    """Run `contour` the way of `path`, cut it where legs meet, and find the places of its vertices.
+    """Orient `contour` as `path`, cut it where legs meet, and find the places of its vertices.
 
     A vertex belongs to each corner of the path and to each end of an arc: the nearest one.
 
@@ -130,7 +130,7 @@ def _first(leg: Leg) -> complex:
 
 
 def _counts(legs: tuple[Leg, ...], nearest: IntArray, pieces: int) -> IntArray:
-    """Number of pieces along each leg, of `pieces`; none along one too short to have its own."""
+    """Number of pieces along each leg, of `pieces`; none along a leg too short to have its own."""
     counts: IntArray = (np.roll(nearest, -1) - nearest) % pieces
     if not np.any(counts):
         stretches = [k for k, leg in enumerate(legs) if isinstance(leg, StretchLeg)]
