@@ -1,6 +1,6 @@
-"""Smooth pieces of a curve over their arc length, and how hard a spline finds them.
+"""Smooth pieces of a curve over their arc length, and their difficulty for a spline.
 
-All pieces of a path are looked at in one call: the cost of a call, not of its points, decides.
+All pieces of a path are evaluated in one call: the cost is in the calls, not in the points.
 """
 
 from __future__ import annotations
@@ -18,20 +18,20 @@ from camgeo.motion.motion import FULL_ORDER, Side
 from camgeo.numeric.arrays import ComplexArray, FloatArray, IntArray, taken
 
 CELLS = 160
-"""Cells of cam angle a piece. The arc length is only a parameter: its error of some 1e-8 moves a
+"""Cells of cam angle per piece. The arc length is only a parameter: its error of some 1e-8 moves a
 spline along the curve, not off it."""
 
 NODES = np.sqrt(0.6) * np.array([-1.0, 0.0, 1.0])
-"""Gauss's three nodes in [-1, 1]."""
+"""The three Gauss nodes in [-1, 1]."""
 
 WEIGHTS = np.array([5.0, 8.0, 5.0]) / 9.0
 
 SLOWEST = 1e-9
-"""Smallest 1 + d kappa by which is divided; below it a cusp is, where the difficulty is infinite in
-one point."""
+"""Smallest divisor 1 + d kappa; below it there is a cusp, where the difficulty is infinite at one
+point."""
 
 FLOOR = 0.02
-"""Smallest density of knots, as a share of the piece's mean: no stretch goes without."""
+"""Smallest density of knots, as a fraction of the piece's mean: every stretch gets knots."""
 
 NEWTON = 4
 """Steps from the arc length to the cam angle, from a start within a cell."""
@@ -39,7 +39,7 @@ NEWTON = 4
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Traced:
-    """What one evaluation of a parallel tells at n cam angles, in arrays of one shape.
+    """One evaluation of a parallel at n cam angles, in arrays of one shape.
 
     Attributes
     ----------
@@ -59,7 +59,7 @@ class Traced:
 
     @classmethod
     def of(cls, curve: WorkingCurve, phi: FloatArray, side: Side = "right") -> Traced:
-        """At `phi` (n,) [rad], in one go."""
+        """The evaluation at `phi` (n,) [rad], in one call."""
         pitch = curve.pitch
         relative = pitch.relative_jet(phi, side)
         speed = pitch.speed(relative)
@@ -77,7 +77,7 @@ class Traced:
         return cls(points, tangents, speed, 1.0 + curve.distance * bend, bend, slope)
 
     def shaped(self, which: slice, shape: tuple[int, ...]) -> Traced:
-        """The part `which` of all arrays, in another shape."""
+        """The part `which` of all arrays, reshaped."""
         part = taken(self, which)
         return Traced(*(getattr(part, each.name).reshape(shape) for each in fields(part)))
 
@@ -117,7 +117,7 @@ class ArcLength:
     ) -> ArcLength:
         """From the curve at the cells' ends and, `inside`, at the nodes: see `cells_of`.
 
-        The pieces must be regular, but for cusps in single points.
+        The pieces must be regular, except for cusps at single points.
         """
         half = 0.5 * (phi[:, -1:] - phi[:, :1]) / CELLS
         regular = np.maximum(inside.regular, SLOWEST)
@@ -180,7 +180,7 @@ class ArcLength:
         return low + half * (x + 1.0)
 
     def near(self, piece: IntArray, s: FloatArray) -> tuple[ComplexArray, ComplexArray]:
-        """(n,), (n,) complex points [mm] and about unit tangents at S `s` (n,) [mm].
+        """(n,), (n,) complex points [mm] and approximate unit tangents at S `s` (n,) [mm].
 
         By cubics between the cells' ends: for spans of at least four cells the cubics are off by
         less than a hundredth of what a spline of such spans is. Costs no evaluation.
@@ -217,7 +217,7 @@ def cells_of(pieces: Sequence[Piece]) -> tuple[FloatArray, FloatArray]:
 
 
 def require_finite(course: ArcLength) -> None:
-    """Raise GeometryError if the curve stands still or its difficulty cannot be told."""
+    """Raise GeometryError if the curve stands still or its difficulty is not finite."""
     if not np.all(np.isfinite(course.s)) or np.any(np.diff(course.s, axis=1) <= 0.0):
         raise GeometryError("the curve stands still: no spline over its arc length can be made")
     if not np.all(np.isfinite(course.totals)):

@@ -1,4 +1,4 @@
-"""Proof of a spline contour: by lines and arcs that are proved to lie much nearer to it."""
+"""Proof of a spline contour: by lines and arcs that are proved to lie much closer to it."""
 
 from __future__ import annotations
 
@@ -20,23 +20,23 @@ from camgeo.numeric.arrays import FloatArray
 from camgeo.outline.path import Path
 
 SHARE = 0.01
-"""Distance of the arcs from the spline, as a share of the deviation: arcs become longer by the cube
-root only where they may lie farther off."""
+"""Distance of the arcs from the spline, as a fraction of the deviation: a larger one lengthens the
+arcs only by its cube root."""
 
 SHARPNESS = 0.015
-"""Largest share of the bound that the arcs may cost."""
+"""Largest fraction of the bound that the arcs may add."""
 
 COARSE = 1e-6
-"""First guess of a deviation of which nothing is known, as a share of the contour's reach."""
+"""First guess of an unknown deviation, as a fraction of the contour's reach."""
 
 FINEST = 2.0**-52 * 64.0
-"""Share of the reach below which nearer arcs are only rounding."""
+"""Fraction of the reach below which closer arcs are mere rounding."""
 
 ROUNDS = 8
-"""Finer arcs at most; two do where the scale is known."""
+"""Most refinements of the arcs; two suffice where the scale is known."""
 
 COARSER = 8.0
-"""By how much farther off arcs may lie that are tried where finer ones cannot be measured."""
+"""Factor of the distance of coarser arcs, tried where finer ones cannot be measured."""
 
 ARC_CELLS = 4
 """Cells of an arc to begin with in the proof of a fit. What is not known over a cell falls with the
@@ -75,7 +75,8 @@ def bound_by_arcs(measure: Measure, contour: SplineContour) -> float:
         try:
             reached = measure(beside.contour)
         except GeometryError as fault:
-            # Fine arcs show each bend of the spline, also such as the proof of arcs cannot take.
+            # Fine arcs follow each bend of the spline, also those that the proof of arcs cannot
+            # handle.
             failed = fault
             if found < math.inf:
                 break
@@ -95,12 +96,12 @@ def bound_by_arcs(measure: Measure, contour: SplineContour) -> float:
 def fitted_deviation(
     legs: Sequence[Leg], parts: Sequence[Part], contour: SplineContour, scale: float
 ) -> float:
-    """As `spline_deviation`, for a contour of which is known where it lies.
+    """As `spline_deviation`, for a contour whose place along the path is known.
 
     Parameters
     ----------
     legs : of the path, in order.
-    parts : (strands,) what each strand is of; the contour runs the way of the path.
+    parts : (strands,) the part of the path of each strand; the contour runs in its direction.
     scale : largest distance found [mm].
 
     Raises
@@ -127,10 +128,10 @@ def fitted_deviation(
 
 
 def _angles(parts: Sequence[Part], contour: SplineContour, beside: ArcsBeside) -> FloatArray:
-    """(n,) parameters [rad] of the legs beside the vertices of the arcs, at the foot of each.
+    """(n,) parameters [rad] of the legs at the feet of the vertices of the arcs.
 
-    A spline runs over the arc length, but for what it is off along the curve, which is as little as
-    what it is off across: one step of Newton is enough, and any other place would do, see
+    A spline runs over the arc length, except for its deviation along the curve, which is as small
+    as that across: one Newton step is enough, and any other place would do, see
     `camgeo.contour.proof.deviation`.
     """
     angles = np.repeat([part.begin for part in parts], beside.counts)

@@ -18,12 +18,12 @@ from camgeo.errors import ToleranceError
 from camgeo.outline.path import Path
 
 AIM = 0.96
-"""Share of the tolerance that the distance found may reach. The proof takes 1 % for its cells and
-2 % for its arcs, which may lie farther off than the spline; the rest is for what the parabolas
+"""Fraction of the tolerance that the distance found may reach. The proof takes 1 % for its cells
+and 2 % for its arcs, which may lie farther off than the spline; the rest is for what the parabolas
 between samples miss, so that the first proof holds."""
 
 STRAIGHT = 2.0**-52 * 64.0
-"""A piece whose sagitta is a smaller share of its distance from the cam axis is a line."""
+"""A piece whose sagitta is a smaller fraction of its distance from the cam axis is a line."""
 
 Search = Callable[[ArcLength, Ends, float, float], list[Found]]
 
@@ -50,8 +50,8 @@ def fit_spline(path: Path, tolerance: float) -> SplineFit:
 def fewest_cubics(path: Path, tolerance: float) -> SplineFit:
     """As `fit_spline`, with the fewest cubics along each smooth piece, then the least deviation.
 
-    Splines over the arc length only are searched, see
-    `camgeo.contour.cubics.search.CUBIC_CONSTANT` for how many they need.
+    Only splines over the arc length are searched; for their number see
+    `camgeo.contour.cubics.search.CUBIC_CONSTANT`.
     """
     return _proved(path, tolerance, fewest)
 
@@ -85,7 +85,7 @@ def _proved(path: Path, tolerance: float, search: Search) -> SplineFit:
 def _groups(
     parts: Sequence[Part], ends: Sequence[complex], open_parts: Sequence[int]
 ) -> list[tuple[list[int], ArcLength, Ends]]:
-    """The parts that need splines, by the curve that they are of, which nearly always is one."""
+    """The parts that need splines, by their curve; nearly always there is only one."""
     chosen: dict[int, tuple[ArcLength, list[int]]] = {}
     for k in open_parts:
         course = parts[k].course
@@ -105,7 +105,7 @@ def _groups(
 
 
 def _strand(spline: CubicSpline, size: float) -> CubicSpline | Arc:
-    """The spline, or the line that it is."""
+    """The spline, or a line if it is straight."""
     chord = spline.end - spline.start
     across = np.conj(chord) * (spline.controls - spline.start)
     if len(spline) == 1 and np.max(np.abs(across.imag)) <= STRAIGHT * size * abs(chord):

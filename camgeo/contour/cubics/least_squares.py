@@ -15,15 +15,15 @@ from camgeo.contour.cubics.arc_length import CELLS, ArcLength
 from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, IntArray
 
 PARTS = np.array([0.0, 0.25, 0.5, 0.75])
-"""Where in each span the curve is evaluated while knots are shifted; the largest errors lie near 0
-and 1/2."""
+"""Places in each span at which the curve is evaluated while knots are shifted; the largest errors
+lie near 0 and 1/2."""
 
 FINE_PARTS = np.arange(8) / 8.0
-"""Where it is evaluated for the error that counts; between them parabolas tell the peaks."""
+"""Places in each span for the final error; parabolas between them give the peaks."""
 
 CELLS_A_SPAN = 4
-"""Cells that a span must have, on the average over its piece, for the curve to be taken from
-between them while knots are shifted."""
+"""Cells that a span must have, on average over its piece, for the curve to be interpolated between
+them while knots are shifted."""
 
 ORDER = 4
 
@@ -40,7 +40,8 @@ class Ends:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Layout:
-    """Splines to be fitted, one after the other: spans, control points, and which belong where.
+    """Splines to be fitted, one after the other, with the indices of their spans and control
+    points.
 
     Attributes
     ----------
@@ -67,7 +68,7 @@ class Layout:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Solution:
-    """Splines fitted with their errors.
+    """Fitted splines with their errors.
 
     Attributes
     ----------
@@ -87,8 +88,8 @@ def solve(
 ) -> Solution:
     """The splines with spans from `low` to `high` (spans,) [mm] in S.
 
-    At last the curve itself is taken and the error found at `FINE_PARTS`; before, points between
-    the cells of `course` will do, at `PARTS`.
+    If `final`, the curve itself is evaluated and the error found at `FINE_PARTS`; before, points
+    interpolated between the cells of `course` suffice, at `PARTS`.
 
     Ends and end tangents are those of the curve: the outermost legs are a third of a span long, as
     they are where the parameter is the arc length.
@@ -129,7 +130,7 @@ def solve(
     controls = np.where(held, fixed, solved[:, 0] + 1j * solved[:, 1])
 
     apart = np.einsum("sqc,sc->sq", basis, controls[columns]) - points
-    off = (np.conj(tangents) * apart).imag  # what lies along the curve is no distance
+    off = (np.conj(tangents) * apart).imag  # the part along the curve is not a distance
     errors = np.max(np.abs(off), axis=1)
     if final:
         first = layout.span_starts
@@ -138,7 +139,8 @@ def solve(
 
 
 def _peaks(off: FloatArray, first: IntArray, last: IntArray) -> FloatArray:
-    """(spans,) largest size of the parabolas through any three neighbours of `off` (spans, parts).
+    """(spans,) largest magnitude of the parabolas through any three neighbours of `off` (spans,
+    parts).
 
     At their vertices; those of the spans before and after count too. Before the spans `first` and
     after the spans `last` (splines,) nothing is off.
@@ -178,7 +180,7 @@ def _exact(course: ArcLength, piece: IntArray, s: FloatArray) -> tuple[ComplexAr
 
 
 def _fixed(layout: Layout, low: FloatArray, high: FloatArray) -> tuple[ComplexArray, BoolArray]:
-    """(control points,) the four outer ones of each spline, 0 for the free ones; which they are."""
+    """(control points,) the four outer ones of each spline, 0 for free ones; their indices."""
     fixed = np.zeros(int(np.sum(layout.counts + ORDER - 1)), dtype=np.complex128)
     begin = layout.control_starts
     end = begin + layout.counts + ORDER - 2

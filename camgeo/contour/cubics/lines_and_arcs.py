@@ -1,10 +1,10 @@
-"""A spline contour as lines and arcs, and the proof of how near they are to it.
+"""A spline contour as lines and arcs, and the proof of their distance from it.
 
 Each cubic is cut into parts, and each part gets the arc through its two ends and its middle;
-`bounds_beside_arcs` tells how far the part may be off the circle. The part moves
-forwards round the centre all the way, so that its rays from there meet the arc and nothing but the
-arc; and as both share their ends, each ray through the arc meets the part. So the bound holds in
-both directions. For a line the same with its normal.
+`bounds_beside_arcs` bounds the distance of the part from the circle. The part moves forwards round
+the centre all the way, so that its rays from there meet the arc and nothing but the arc; and as
+both share their ends, each ray through the arc meets the part. So the bound holds in both
+directions. For a line the same with its normal.
 
 With c and r of the arc, q(t) = (|x(t) - c|^2 - r^2) / 2r is a polynomial of degree 6; its Bernstein
 coefficients over quarters of the part enclose it, and the distance of x(t) from the circle follows
@@ -32,7 +32,7 @@ WIDEST = 0.5
 together stay far from a right angle."""
 
 QUARTERS = 4
-"""Parts of [0, 1] over each of which the Bernstein coefficients bound: they are too large by half
+"""Parts of [0, 1] over which the Bernstein coefficients give bounds: these are too large by a half
 over the whole, and by a twentieth over quarters."""
 
 ORDER: Final = 6
@@ -80,7 +80,7 @@ def bounds_beside_arcs(
     parts: ComplexArray, aim: float, flattest: float
 ) -> tuple[FloatArray, FloatArray]:
     """Sagitta of the arc beside each part, 0 for a line, positive where it turns counter-clockwise;
-    bound of the distance, infinite where the part does not surely run beside its arc.
+    bound of the distance, infinite where the part does not certainly follow its arc.
 
     Where an arc would have more than the radius `flattest` the bound is such that the part is
     halved, until it is a line.
@@ -136,42 +136,43 @@ def _from_arcs(
 
 
 ROUNDING = 2.0**-52 * 16.0
-"""Rounding of a distance, as a share of the largest length that enters it."""
+"""Rounding of a distance, as a fraction of the largest length that enters it."""
 
 FLATNESS = 2.0**-52 * 256.0
-"""Rounding of a distance from a circle, as a share of its radius: four times what the proof of arcs
-charges, see `camgeo.contour.proof.deviation`. An arc that would round by more than the tolerance is
-cut until its parts are lines."""
+"""Rounding of a distance from a circle, as a fraction of its radius: four times that assumed by the
+proof of arcs, see `camgeo.contour.proof.deviation`. An arc that would round by more than the
+tolerance is cut until its parts are lines."""
 
 FLATTEST = 16.0
-"""An arc of up to so many times the contour's reach stays one, whatever the tolerance."""
+"""An arc with a radius up to this multiple of the contour's reach stays an arc, whatever the
+tolerance."""
 
 ROUNDS = 24
-"""Rounds of finer parts at most."""
+"""Most rounds of refinement."""
 
 MAX_PARTS = 2_000_000
-"""Parts of a contour at most."""
+"""Most parts of a contour."""
 
 MOST_TURNING = 4096
-"""Parts of a cubic at most that still turn too far: finer ones hold a point in which it turns back.
+"""Most parts of a cubic that still turn too far: finer ones contain a point in which it turns back.
 """
 
 FINEST = 64.0
-"""By how much more parts a round may take."""
+"""Largest factor of the number of parts in a round."""
 
 FIRST = 1.04
-"""More parts than the estimate of the error asks for: what bounds the error is a tenth more."""
+"""Factor on the estimated number of parts: the bound of the error exceeds it by a tenth."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ArcsBeside:
-    """Lines and arcs beside a spline contour.
+    """Lines and arcs close to a spline contour.
 
     Attributes
     ----------
     contour : these.
     apart : upper bound of the distance between the two, in both directions [mm].
-    counts : (strands,) pieces of `contour` beside each strand.
+    counts : (strands,) pieces of `contour` for each strand.
     cubics, shares : (n,) where the vertices of `contour` lie on the splines: the number of the
         cubic among all cubics of the contour, and the share of its span; -1 and 0 at arcs.
     """
@@ -184,18 +185,18 @@ class ArcsBeside:
 
 
 def arcs_beside(contour: SplineContour, tolerance: float) -> ArcsBeside:
-    """Lines and arcs beside a spline contour, as near as is proved, and what belongs to what.
+    """Lines and arcs close to a spline contour, with their proved distance and their places on it.
 
-    Joints lie on the splines; they are tangent only as far as the tolerance lets them be.
+    Joints lie on the splines; the arcs are tangent there only within the tolerance.
 
     Parameters
     ----------
-    tolerance : distance [mm] that the arcs aim at; they are no farther off but for rounding.
+    tolerance : distance [mm] that the arcs aim at; only rounding may exceed it.
 
     Raises
     ------
     GeometryError
-        If a spline turns back in a point, so that no arcs run beside it.
+        If a spline turns back in a point, so that no arcs can follow it.
     """
     strands = contour.strands
     pieces = [strand.beziers for strand in contour.splines]
@@ -274,7 +275,8 @@ def _parts(pieces: list[ComplexArray], owners: list[int], tolerance: float, reac
             of_whole, number = grouped(counts)
             shares = number / counts[of_whole]
             return _Parts(parts, sagittas, bounds, owner[of_whole], moving[of_whole], shares)
-        # An arc is off by the cube of its length; 1.02 for what is not yet so short.
+        # The error of an arc grows with the cube of its length; 1.02 for arcs that are not yet
+        # short.
         finer = np.where(np.isinf(worst), 2.0, np.minimum(1.02 * np.cbrt(worst / aim), FINEST))
         counts = np.where(bad, np.maximum(counts + 1, np.ceil(counts * finer)), counts)
         counts = counts.astype(np.intp)
@@ -285,8 +287,8 @@ def _parts(pieces: list[ComplexArray], owners: list[int], tolerance: float, reac
 
 
 def _first_counts(whole: ComplexArray, aim: float) -> IntArray:
-    """(n,) how many arcs each cubic will about need: one through both ends and the middle is off by
-    sqrt(3)/36 of the third difference across the chord.
+    """(n,) about the number of arcs that each cubic needs: one through both ends and the middle is
+    off by sqrt(3)/36 of the third difference across the chord.
     """
     chord = whole[:, 3] - whole[:, 0]
     length = np.abs(chord)

@@ -1,4 +1,4 @@
-"""What a path is for a fit of splines: smooth pieces, traced at once, and arcs."""
+"""A path as parts for a fit of splines: smooth pieces, evaluated at once, and arcs."""
 
 from __future__ import annotations
 
@@ -17,19 +17,19 @@ from camgeo.curve.working_curve import WorkingCurve
 from camgeo.numeric.arrays import ComplexArray, taken
 
 ROUNDING = 2.0**-52 * 64.0
-"""Rounding of a point, and smallest tolerance, as a share of the distance from the cam axis."""
+"""Rounding of a point, and smallest tolerance, as a fraction of the distance from the cam axis."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Part:
-    """What will be one strand: a smooth piece of a stretch, or a turn.
+    """A part of a path that becomes one strand: a smooth piece of a stretch, or a turn.
 
     Attributes
     ----------
     leg : number of the leg that it lies on.
     begin : its parameter [rad] where the strand begins.
-    start : where that is [mm].
-    course, piece : for a spline, the arc length that its knots count, from the start of the piece
+    start : its point there [mm].
+    course, piece : for a spline, the arc length that its knots measure, from the start of the piece
         of that number; None for an arc.
     sweep, centre : of an arc, [rad] and [mm].
     first, last : unit tangents at the ends of a smooth piece.
@@ -46,14 +46,14 @@ class Part:
     last: complex = 0j
 
     def arc(self, end: complex) -> Arc | None:
-        """The one arc that a dwell or a turn is; None for a piece that needs a spline."""
+        """The single arc of a dwell or a turn; None for a piece that needs a spline."""
         if self.course is not None:
             return None
         return Arc(self.start, end, self.sweep, self.centre)
 
 
 def parts_of(legs: Sequence[Leg], tolerance: float) -> list[Part]:
-    """The strands to be, in order; what is too short to be one is left out.
+    """The parts of a path, in order; those too short for a strand are omitted.
 
     Raises
     ------
@@ -84,7 +84,7 @@ def parts_of(legs: Sequence[Leg], tolerance: float) -> list[Part]:
         _require_joined(leg, right[begin:end], left[begin:end], tolerance)
         kept = [part for part in found[begin:end] if part is not None]
         if kept and not leg.closed:
-            # What is left out before it belongs to it.
+            # An omitted piece before a part belongs to that part.
             start = kept[0].start if leg.first is None else leg.first
             kept[0] = replace(kept[0], start=start, begin=leg.start)
         order += kept

@@ -1,4 +1,4 @@
-"""Spans of least-squares splines: where the knots go, and how many of them."""
+"""Spans of least-squares splines: the number and the places of the knots."""
 
 from __future__ import annotations
 
@@ -24,31 +24,31 @@ centres to +-1/32. The order is 4; it could be raised by parameters other than t
 are as free as a plane curve has components, but not by a C2 spline over the length."""
 
 DAMPING = (1.0, 0.8, 0.6, 0.5, 0.4, 0.3, 0.3)
-"""Powers of the correction of the spans, round by round: a knot moved changes the errors of all
+"""Powers of the correction of the spans, round by round: moving a knot changes the errors of all
 spans near it."""
 
 FAST_ROUNDS = 2
-"""Corrections of a fit in one pass."""
+"""Number of corrections of a fit in one pass."""
 
 SMALLEST = 1e-3
-"""A span's error counts as at least this share of the largest one: it stays a correction."""
+"""Least error of a span that counts, as a fraction of the largest one: it limits the correction."""
 
 LEAST, LESS = 0.95, 1
-"""The search for the fewest cubics begins at this share of the limit, so many lower: below the
-limit one may come only by chance, where a piece has few cubics."""
+"""The search for the fewest cubics begins at this fraction of the limit, less this number: a count
+below the limit suffices only by chance, where a piece has few cubics."""
 
 CANDIDATES = 6
 """Numbers of cubics that are tried at once."""
 
 ONE_BY_ONE, STEP = 60, 1.015
-"""Up to so many cubics each number is tried, then every so many more: a smooth piece of hundreds of
-cubics is not worth a solution each."""
+"""Up to this many cubics each number is tried, then in steps: for a smooth piece of hundreds of
+cubics a solution for each number is not worth its cost."""
 
 SPARE = ((1.04, 1), (1.10, 1), (1.17, 2), (1.25, 2))
-"""The fast fit tries the limit times the first number, and so many more for the ends."""
+"""The fast fit tries the limit times the first number, plus the second for the ends."""
 
 MAX_CUBICS = 20_000
-"""Cubics a smooth piece at most; more is a tolerance beyond the arithmetic."""
+"""Most cubics of a smooth piece; a tolerance that needs more is beyond double precision."""
 
 
 def _ladder() -> list[int]:
@@ -63,7 +63,7 @@ LADDER = _ladder()
 
 @dataclass(frozen=True, slots=True)
 class Found:
-    """A spline for a piece, and the largest distance [mm] found of it."""
+    """A spline for a piece, and its largest distance [mm] found."""
 
     spline: CubicSpline
     error: float
@@ -106,8 +106,8 @@ def limits(course: ArcLength, aim: float) -> FloatArray:
 def fewest(course: ArcLength, ends: Ends, aim: float, tolerance: float) -> list[Found]:
     """A spline for each piece, of the fewest cubics whose distance found is at most `aim` [mm].
 
-    For a number of cubics the distance depends on the piece alone, and the numbers tried on nothing
-    but the aim they begin at; so a larger aim never takes more cubics.
+    For a number of cubics the distance depends only on the piece, and the numbers tried only on the
+    aim at which they begin; so a larger aim never needs more cubics.
 
     Raises
     ------
@@ -137,7 +137,7 @@ def _next(place: int, tolerance: float) -> range:
 
 def fast(course: ArcLength, ends: Ends, aim: float, tolerance: float) -> list[Found]:
     """A spline for each piece whose distance found is at most `aim` [mm], nearly always in one
-    pass: a few numbers of cubics are tried at once, as calls cost more than numbers.
+    pass: a few numbers of cubics are tried at once, because calls cost more than numbers.
 
     Raises
     ------
@@ -166,7 +166,7 @@ def fast(course: ArcLength, ends: Ends, aim: float, tolerance: float) -> list[Fo
 def _equalised(
     course: ArcLength, ends: Ends, tried: list[tuple[int, int]], damping: tuple[float, ...]
 ) -> Trial:
-    """Splines for pairs (piece, cubics), their spans shifted until all errors are about alike."""
+    """Splines for pairs (piece, cubics), their spans shifted until all errors are about equal."""
     piece = np.array([k for k, _ in tried], dtype=np.intp)
     counts = np.array([count for _, count in tried], dtype=np.intp)
     layout = Layout(piece, counts, taken(ends, piece))
