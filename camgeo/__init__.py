@@ -1,4 +1,4 @@
-"""camgeo: from a scene file to cams that machines and CAD programs take.
+"""camgeo: from a scene file to cams for machines and CAD programs.
 
 import camgeo
 design = camgeo.load("scene.toml")
@@ -53,7 +53,7 @@ WHEN_ASKED: Final = {
     "TranslatingFlat": "camgeo.mechanism.translating_flat",
     "TranslatingRoller": "camgeo.mechanism.translating_roller",
 }
-"""Public names of which a run needs a few, imported when they are first asked for, by module."""
+"""Public names by module, imported on first use, as a run needs only a few."""
 
 
 def __getattr__(name: str) -> Any:

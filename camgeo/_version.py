@@ -1,3 +1,3 @@
-"""The version, in the one place that everything else reads it from."""
+"""The version, in the only place that everything else reads it from."""
 
 __version__ = "0.1.0"

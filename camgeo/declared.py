@@ -1,4 +1,4 @@
-"""The JSON Schema of a declaration, which lies beside its module."""
+"""The JSON Schema of a declaration, stored next to its module."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from typing import Any
 
 
 def schema_beside(file: str, name: str = "") -> dict[str, Any]:
-    """The JSON Schema `name` beside the module `file`.
+    """The JSON Schema `name` in the folder of the module `file`.
 
-    Without a name that of its stem, beside a package schema.json.
+    By default the one with the module's stem, or schema.json for a package.
     """
     path = pathlib.Path(file)
     stem = name or ("schema" if path.stem == "__init__" else path.stem)

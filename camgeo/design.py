@@ -1,7 +1,7 @@
-"""A design: a scene with its cams, what is found of them, and the files they are made from.
+"""A design: a scene with its cams, their findings, and the files to manufacture them from.
 
-Lazy: nothing is computed before it is asked for, and each quantity at most once. Stages that only
-files need are imported only then, so that a check stays as quick as its sums.
+Lazy: nothing is computed before it is needed, and each quantity at most once. Stages that only
+files need are imported only then, so that a check takes no longer than its computations.
 """
 
 from __future__ import annotations
@@ -34,14 +34,14 @@ if TYPE_CHECKING:
 class Design(Pickled):
     """What follows from a scene, on demand.
 
-    Errors of the mechanism are raised as `GeometryError` when the quantity is asked for. Any number
-    of threads may ask; pickles and copies carry the scene, and compute anew.
+    Errors of the mechanism are raised as `GeometryError` when a quantity is accessed. Any number of
+    threads may access it; pickles and copies hold the scene, and compute everything again.
 
     Attributes
     ----------
-    scene : what is asked for.
-    ledger : what was computed, and how long it took; give it a `progress` and a `cancelled` to
-        follow or end a long computation.
+    scene : the specification of the design.
+    ledger : records what was computed and how long it took; its `progress` and `cancelled` follow
+        or end a long computation.
     """
 
     scene: Scene
@@ -61,7 +61,7 @@ class Design(Pickled):
 
     @built
     def cams(self) -> tuple[Cam, ...]:
-        """The cam; of a conjugate pair the main one and the return one, of the same drive.
+        """The cam; for a conjugate pair the main and the return cam, with the same drive.
 
         Raises SceneError with key "follower" if the scene has none.
         """
@@ -81,23 +81,23 @@ class Design(Pickled):
 
     @property
     def cam(self) -> Cam:
-        """The cam; of a conjugate pair the main one."""
+        """The cam; for a conjugate pair the main one."""
         return self.cams[0]
 
     # Checks -----------------------------------------------------------------------------------
 
     @built
     def judgement(self) -> Judgement:
-        """What the checks find; without a follower, of the motion alone."""
+        """What the checks find; without a follower, only for the motion."""
         scene = self.scene
         cams = self.cams if scene.follower is not None else ()
         return Judgement(self.drive, cams, scene.limits, scene.output.tolerance, self.ledger)
 
     @property
     def findings(self) -> tuple[Finding, ...]:
-        """What the checks find, the good with the bad, worst first.
+        """What the checks find, both good and bad, worst first.
 
-        Of a conjugate pair also what they find of the return disc, and of both together.
+        For a conjugate pair this includes findings on the return disc, and on both together.
         """
         return self.judgement.findings
 
@@ -110,7 +110,7 @@ class Design(Pickled):
 
     @built
     def effects(self) -> Effects:
-        """The effects that the scene calls for, each computed when it is asked for."""
+        """The effects that the scene calls for, each computed on first use."""
         from camgeo.effects.effect import Subject  # few scenes name an effect
         from camgeo.effects.graph import Effects
 
@@ -133,8 +133,8 @@ class Design(Pickled):
 
     @built
     def discs(self) -> tuple[Product, ...]:
-        """The discs as they are made, the main one first."""
-        from camgeo.product.product import Product  # a check makes none
+        """The finished discs, the main one first."""
+        from camgeo.product.product import Product  # a check needs none
 
         pieces: list[Product] = []
         for cam in reversed(self.cams):  # the main one knows the other
@@ -146,12 +146,12 @@ class Design(Pickled):
 
     @property
     def disc(self) -> Product:
-        """The disc as it is made; of a conjugate pair the main one."""
+        """The finished disc; for a conjugate pair the main one."""
         return self.discs[0]
 
     @property
     def tabulated(self) -> TabulatedCam:
-        """The cam as value tables show it; of a scene without follower its motion alone."""
+        """The cam as value tables list it; for a scene without follower only its motion."""
         if self.scene.follower is not None:
             return self.disc.tabulated
         from camgeo.formats.csv import FORMAT
@@ -163,7 +163,7 @@ class Design(Pickled):
         )
 
     def _columns(self) -> tuple[Column, ...]:
-        """The effects over the cam angle; nothing of those that have no answer."""
+        """The effects over the cam angle; effects without an answer are left out."""
         from camgeo.errors import EffectError
 
         found: list[Column] = []
@@ -184,22 +184,22 @@ class Design(Pickled):
     ) -> Report:
         """Write the files and their certificate into `folder`, all of them or none.
 
-        Of a conjugate pair those of both discs.
+        For a conjugate pair, those of both discs.
 
         Parameters
         ----------
-        folder : made if it does not exist.
+        folder : created if it does not exist.
         formats : names of writers, or None for those of the scene.
         tolerance : largest deviation [mm] of any contour from the exact curve, or None for the
             scene's.
-        force : write over files that exist and differ.
+        force : overwrite files that exist and differ.
 
         Raises
         ------
         SceneError
-            If there is no such format, or the scene lacks what it needs.
+            If a format does not exist, or the scene lacks what it needs.
         UndercutError
-            If the cam has no outline, or its return disc none.
+            If the cam or its return disc has no outline.
         ToleranceError
             If the tolerance cannot be reached.
         OutputError

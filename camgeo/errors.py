@@ -1,7 +1,7 @@
 """The error tree: wrong input raises, a poor design is a `Finding` (see `camgeo.check.finding`).
 
-Every class also is the built-in error that it specialises, so that callers who know nothing of
-camgeo can still catch it.
+Every class also derives from the built-in error that it specialises, so that callers that do not
+know camgeo can catch it.
 """
 
 from __future__ import annotations
@@ -12,14 +12,14 @@ from typing import Any
 
 
 class CamgeoError(Exception):
-    """Root of all errors that camgeo raises on purpose; each can be pickled, as pools ask."""
+    """Root of all errors that camgeo raises on purpose; each can be pickled, as pools require."""
 
     def __reduce__(self) -> tuple[Any, ...]:
         return _again, (type(self), self.args), self.__dict__
 
 
 def _again(kind: type[CamgeoError], arguments: tuple[Any, ...]) -> CamgeoError:
-    """An error without what its own class makes of its arguments: that is in its state."""
+    """An error created without its class's `__init__`, whose results are in its state."""
     return kind.__new__(kind, *arguments)
 
 
@@ -30,10 +30,10 @@ class Fault:
     Attributes
     ----------
     key : path of the key, e.g. ``motion[2].span``; empty for the file as a whole.
-    value : what was given, as written; empty where nothing was given.
+    value : what was given, as written; empty if nothing was given.
     message : what is wrong and what is allowed, one sentence without the key.
     hint : a suggestion ("did you mean ..."), or empty.
-    line : line in the file, counted from 1, or None where it is not known.
+    line : line in the file, counted from 1, or None if it is not known.
     """
 
     key: str
@@ -81,7 +81,7 @@ class GeometryError(CamgeoError, ValueError):
 
 
 class UndercutError(GeometryError):
-    """A contour was asked of a flank that has a cusp or undercut: it is no outline of a disc."""
+    """A contour was requested of a flank with a cusp or undercut, which is no outline of a disc."""
 
 
 class ToleranceError(CamgeoError, ArithmeticError):
@@ -89,41 +89,41 @@ class ToleranceError(CamgeoError, ArithmeticError):
 
     Attributes
     ----------
-    reason : what cannot follow what.
-    asked : tolerance asked [mm].
+    reason : what cannot follow which curve.
+    asked : tolerance requested [mm].
     reached : smallest deviation reached [mm].
     """
 
     def __init__(self, message: str, asked: float, reached: float) -> None:
-        super().__init__(f"{message}: tolerance {asked:g} mm asked, {reached:g} mm reached")
+        super().__init__(f"{message}: tolerance {asked:g} mm requested, {reached:g} mm reached")
         self.reason = message
         self.asked = asked
         self.reached = reached
 
 
 class OutputError(CamgeoError, OSError):
-    """A file could not be written; what had been written of the set was taken back."""
+    """A file could not be written; files of the set already written have been removed."""
 
 
 class CycleError(CamgeoError, RecursionError):
-    """Quantities need each other in a ring.
+    """Quantities depend on each other in a cycle.
 
     Attributes
     ----------
-    way : from a quantity to what it needs, on to itself.
+    way : from a quantity through what it depends on back to itself.
     """
 
     def __init__(self, way: tuple[str, ...]) -> None:
         self.way = way
-        super().__init__(f"needs itself: {' -> '.join(way)}")
+        super().__init__(f"depends on itself: {' -> '.join(way)}")
 
 
 class VersionError(CamgeoError, ValueError):
-    """What was pickled is of another version of camgeo, and is not read."""
+    """A pickle is from another version of camgeo and is not read."""
 
 
 class Cancelled(CamgeoError, RuntimeError):
-    """A computation was told to stop before it was done."""
+    """A computation was cancelled before it was done."""
 
 
 @dataclass(eq=False, repr=False)
@@ -133,7 +133,7 @@ class EffectError(CamgeoError, ArithmeticError):
     Attributes
     ----------
     message : one sentence, with value, limit and place.
-    finding : name of the finding that says so; empty for the effect's own.
+    finding : name of the finding that reports it; empty for the effect's own.
     value, limit, unit, cam_angle, cam_range : as of `camgeo.check.finding.Finding`.
     """
 
@@ -157,7 +157,7 @@ def unreadable(error: OSError | ValueError) -> str:
 
 def nearest(word: str, words: Iterable[str]) -> str:
     """Return the word that was probably meant, or nothing."""
-    import difflib  # only what is wrong needs it
+    import difflib  # only errors need it
 
     by_lower = {item.lower(): item for item in words}
     close = difflib.get_close_matches(word[:100].lower(), by_lower, n=1)
@@ -165,6 +165,6 @@ def nearest(word: str, words: Iterable[str]) -> str:
 
 
 def meant(word: str, words: Iterable[str], mark: str = "") -> str:
-    """The hint that one of `words` was probably meant, between two of `mark`; or nothing."""
+    """The hint that one of `words` was probably meant, enclosed in `mark`; or nothing."""
     near = nearest(word, words)
     return f"did you mean {mark}{near}{mark}?" if near else ""

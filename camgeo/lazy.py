@@ -1,4 +1,4 @@
-"""Quantities that are computed when they are first asked for, and a ledger of what that took."""
+"""Quantities that are computed on first use, and a ledger of what was computed."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ class Run:
     Attributes
     ----------
     name : of the quantity.
-    asked_by : the quantity for which it was computed; empty if it was asked for from outside.
-    seconds : it took, with all that it asked for.
-    own_seconds : of these, without what it asked for.
+    asked_by : the quantity for which it was computed; empty if requested from outside.
+    seconds : it took, including all that it needed.
+    own_seconds : of these, without what it needed.
     failed : whether it ended in an error.
     """
 
@@ -35,22 +35,22 @@ class Run:
 
 
 class Ledger:
-    """What was computed, in the order of the answers.
+    """A record of what was computed, in order of completion.
 
-    Threads may ask at the same time: one of them computes, with all that it asks for, and the
-    others wait for it. No computation may wait for another thread that asks the same owner.
+    Threads may access quantities concurrently: one of them computes, with all that it needs, and
+    the others wait. No computation may wait for another thread that accesses the same owner.
 
     Parameters
     ----------
     progress : is called with the name of each quantity that starts.
-    cancelled : is asked when a quantity starts whether all is to end.
-    beside : the ledger of an owner whose quantities ask for those of this one, and the other way
-        round: of both together one thread computes at a time.
+    cancelled : is called when a quantity starts; True ends the computation.
+    beside : the ledger of an owner whose quantities use those of this one, and vice versa: only one
+        thread at a time computes for both.
 
     Attributes
     ----------
     runs : one for each computation that has ended.
-    lock : is held by the thread that computes.
+    lock : held by the thread that computes.
     """
 
     def __init__(
@@ -67,34 +67,34 @@ class Ledger:
         self._inner: list[float] = []
 
     def __reduce__(self) -> tuple[type[Ledger], tuple[()]]:
-        """A copy or pickle is an empty ledger: what was computed stays behind, and so do hooks."""
+        """A copy or pickle is an empty ledger, without results and hooks."""
         return Ledger, ()
 
     def once(self, name: str, known: MutableMapping[str, Any], make: Callable[[], Any]) -> Any:
-        """What stands in `known` under `name`; if nothing does, what `make` gives stands there now.
+        """The entry `name` of `known`; if there is none, it is set to the result of `make`.
 
         Raises as `run`.
         """
-        with self.lock:  # another thread may have made it meanwhile
+        with self.lock:  # another thread may have set it meanwhile
             if name not in known:
                 known[name] = self.run(name, make)
             return known[name]
 
     def run(self, name: str, make: Callable[[], Value]) -> Value:
-        """What `make` gives, entered under `name`.
+        """The result of `make`, recorded as `name`.
 
         Raises
         ------
         CycleError
-            If `name` is being computed already: it needs itself.
+            If `name` is already being computed: it depends on itself.
         Cancelled
-            If all is to end.
+            If `cancelled` returns True.
         """
         with self.lock:
             if name in self._open:
                 raise CycleError((*self._open[self._open.index(name) :], name))
             if self._cancelled is not None and self._cancelled():
-                raise Cancelled(f"told to stop before {name} was computed")
+                raise Cancelled(f"cancelled before {name} was computed")
             if self._progress is not None:
                 self._progress(name)
             return self._run(name, make)
@@ -119,19 +119,19 @@ class Ledger:
 
 
 class HasLedger(Protocol):
-    """What has lazy quantities."""
+    """An object with lazy quantities."""
 
     @property
     def ledger(self) -> Ledger: ...
 
 
 class lazy(Generic[Out]):
-    """A property that is computed at most once, and entered into the ledger of its owner.
+    """A property that is computed at most once, and recorded in the ledger of its owner.
 
-    Like `functools.cached_property` the value stands in the owner's ``__dict__`` afterwards, so
-    that asking again costs nothing. The ledger must be there when the owner is: two threads that
-    made one each would compute twice. Neither travels in a pickle or copy of an owner that is
-    `camgeo.pickled.Pickled`.
+    As with `functools.cached_property` the value is then stored in the owner's ``__dict__``, so
+    that further access costs nothing. The ledger must exist as soon as the owner does: two threads
+    that created one each would compute twice. Pickles and copies of an owner that is
+    `camgeo.pickled.Pickled` contain neither.
     """
 
     def __init__(self, make: Callable[[Any], Out]) -> None:
@@ -154,13 +154,13 @@ class lazy(Generic[Out]):
         return self.find(instance)
 
     def find(self, instance: HasLedger) -> Out:
-        """The value, made now if no thread has made it."""
+        """The value, computed now if no thread has done so."""
         found: Out = instance.ledger.once(self.name, instance.__dict__, lambda: self.make(instance))
         return found
 
 
 class built(lazy[Out]):
-    """A property that is put together at most once and computes nothing, so no ledger has it."""
+    """A property that is assembled at most once and computes nothing, so no ledger records it."""
 
     def find(self, instance: HasLedger) -> Out:
         """See `lazy.find`."""

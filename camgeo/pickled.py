@@ -1,7 +1,7 @@
-"""Data that travel in pickles and copies as what they were made of, and nothing else.
+"""Data that are pickled and copied as the values they were created from, and nothing else.
 
-What was computed of them, their ledgers and caches stay behind; what is made again goes through
-their own checks, and has read-only arrays as they had.
+Computed results, ledgers and caches are left out; the objects are created again through their own
+checks, and have read-only arrays as before.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ Made = TypeVar("Made")
 
 
 class Pickled:
-    """Base of a dataclass whose pickles and copies are made again from its fields.
+    """Base of a dataclass whose pickles and copies are recreated from its fields.
 
     A pickle names its class and the version of camgeo; another version raises VersionError.
     """
@@ -31,12 +31,12 @@ class Pickled:
 
 
 def pickled(make: Callable[..., Any], **given: Any) -> tuple[Any, ...]:
-    """What `__reduce__` of a class returns whose objects are made by `make` of what is `given`."""
+    """The result of `__reduce__` for objects that `make` creates from `given`."""
     return _again, (make, __version__, given)
 
 
 def _plain(value: Any) -> Any:
-    """A mapping that is read-only as one that can be pickled; its owner makes it so again."""
+    """A read-only mapping as one that can be pickled; its owner makes it read-only again."""
     return dict(value) if isinstance(value, MappingProxyType) else value
 
 
@@ -45,6 +45,6 @@ def _again(make: Callable[..., Made], version: str, given: dict[str, Any]) -> Ma
         name = getattr(make, "__name__", "object")
         raise VersionError(
             f"a {name} pickled by camgeo {version} cannot be read by camgeo {__version__};"
-            " make it again from its scene"
+            " create it again from its scene"
         )
     return make(**given)

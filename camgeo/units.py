@@ -1,6 +1,6 @@
 """Conversion between the units of a scene and those inside: millimetres and radians.
 
-Converted once at the edges: by the scene loader on the way in, by a writer on the way out.
+Values are converted once: by the scene loader on the way in, by a writer on the way out.
 """
 
 from __future__ import annotations

@@ -159,7 +159,7 @@ class Ring:
 
 def test_a_ring_is_refused_with_its_way() -> None:
     ring = Ring()
-    with pytest.raises(CycleError, match="needs itself: one -> two -> one") as caught:
+    with pytest.raises(CycleError, match="depends on itself: one -> two -> one") as caught:
         ring.entry  # noqa: B018 - it is computed
     assert caught.value.way == ("one", "two", "one")
     assert isinstance(caught.value, RecursionError)
@@ -268,7 +268,7 @@ def test_a_ring_is_found_in_every_thread_and_only_there() -> None:
     def ask(number: int) -> object:
         if number % 2:
             return owner.whole
-        with pytest.raises(CycleError, match="needs itself: circle -> circle"):
+        with pytest.raises(CycleError, match="depends on itself: circle -> circle"):
             owner.circle  # noqa: B018 - it is computed
         return owner.whole
 

@@ -75,7 +75,7 @@ def test_data_travel_without_what_was_computed(travel: Callable[[Row], Row]) -> 
 def test_another_version_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     data = pickle.dumps(Row(np.ones(2)))
     monkeypatch.setattr(pickled, "__version__", "99.1")
-    with pytest.raises(VersionError, match=r"a Row pickled by camgeo .* camgeo 99\.1; make it"):
+    with pytest.raises(VersionError, match=r"a Row pickled by camgeo .* camgeo 99\.1; create it"):
         pickle.loads(data)
 
 
@@ -89,7 +89,7 @@ def test_another_version_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
         OutputError("cannot be written"),
         CycleError(("a", "b", "a")),
         EffectError("jams", finding="jam", value=1.0, cam_range=(0.0, 1.0)),
-        Cancelled("told to stop"),
+        Cancelled("cancelled before it was computed"),
         VersionError("of another version"),
     ],
     ids=lambda error: type(error).__name__,

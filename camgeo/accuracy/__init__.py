@@ -1,1 +1,1 @@
-"""What accuracy costs: pieces, bytes, computing and machining time over the tolerance."""
+"""The cost of accuracy: pieces, bytes, computing and machining time over the tolerance."""

@@ -35,10 +35,10 @@ LEAST: Final[dict[Form, Least]] = {
 }
 
 RUNS: Final = 3
-"""Runs at most, the quickest of which counts: what else a machine does only makes things slower."""
+"""Most runs, of which the fastest counts: other load on a machine only adds time."""
 
 PATIENCE: Final = 0.2
-"""Seconds after which nothing is run again."""
+"""Time [s] after which nothing is run again."""
 
 DRAWING: Final = "dxf"
 PROGRAM: Final = "gcode"
@@ -55,9 +55,9 @@ def flanks_of(design: Design) -> tuple[CurveBoundary, ...]:
 def contour_rows(
     design: Design, tolerances: Sequence[float], *, ripple: bool, tell: Tell
 ) -> tuple[ContourRow, ...]:
-    """A row for each form, effort and tolerance [mm], in this order.
+    """One row per form, effort and tolerance [mm], in this order.
 
-    What cannot be reached is told in the row.
+    A row states what cannot be reached.
     """
     rows = []
     for form in FORMS:
@@ -77,24 +77,24 @@ def drawn_as(design: Design, form: Form, effort: Effort) -> Design:
 
 
 def _warm(design: Design, form: Form, effort: Effort, tolerance: float) -> None:
-    """Compute what belongs to no tolerance, so that no row pays for it."""
+    """Compute what does not depend on a tolerance, so that its time is in no row."""
     for flank in flanks_of(design):
         try:
             fitted(flank, form, effort, tolerance)
-        except (ToleranceError, GeometryError):  # which the row will tell
+        except (ToleranceError, GeometryError):  # which the row will state
             return
 
 
 def fitted(flank: CurveBoundary, form: Form, effort: Effort, tolerance: float) -> Fit | SplineFit:
     """The contour of `flank` in one of the forms; raises as `camgeo.part.part.Boundary`."""
-    fit: Callable[[float, Effort], Fit | SplineFit] = getattr(flank, form)  # each has its method
+    fit: Callable[[float, Effort], Fit | SplineFit] = getattr(flank, form)  # a method for each form
     return fit(tolerance, effort)
 
 
 def _row(design: Design, row: ContourRow, *, ripple: bool) -> ContourRow:
-    """The row with all that can be had."""
+    """The row with all values that exist."""
     form, effort, tolerance = row.form, row.effort, row.tolerance
-    # Feed and machine of the scene, or those that a scene has if it says nothing.
+    # Feed and machine of the scene, or the defaults of a scene.
     spec = design.disc.options[gcode.FORMAT]
     dynamics = load(spec.machine).dynamics
     flanks = flanks_of(design)
@@ -112,7 +112,7 @@ def _row(design: Design, row: ContourRow, *, ripple: bool) -> ContourRow:
             row,
             count=Count(
                 pieces=sum(len(contour) for contour in contours),
-                # A polyline has no arcs: its limit holds for dwells and turns too.
+                # A polyline has no arcs: its limit also applies to dwells and turns.
                 forced=0 if form == "polyline" else sum(forced_pieces(f.path) for f in flanks),
                 least=sum(LEAST[form](flank.path, tolerance) for flank in flanks),
                 deviation=max(fit.deviation for fit in fits),
@@ -135,7 +135,7 @@ def _row(design: Design, row: ContourRow, *, ripple: bool) -> ContourRow:
 
 
 def timed(work: Callable[[], Result]) -> tuple[Result, float]:
-    """What `work` returns, and its seconds."""
+    """The result of `work`, and its time [s]."""
     start = time.perf_counter()
     result, best, total = work(), float("inf"), 0.0
     for run in range(RUNS):
@@ -163,7 +163,7 @@ def file_cost(product: Product, format: str, tolerance: float) -> FileCost:  # n
 
 
 def anew(product: Product) -> Product:
-    """The same, all of whose fits are to be made anew."""
+    """The same design without any computed fits."""
     for boundary in product.drawn.part.boundaries:
         if isinstance(boundary, CurveBoundary):
             boundary.known.clear()
@@ -171,19 +171,19 @@ def anew(product: Product) -> Product:
 
 
 def reason(error: ToleranceError | GeometryError | EffectError) -> str:
-    """Why a row has no value, one short sentence."""
+    """Why a row has no value, in one short sentence."""
     return error.reason if isinstance(error, ToleranceError) else error.message
 
 
 def _ripple(
     design: Design, flanks: Sequence[CurveBoundary], contours: Sequence[Contour]
 ) -> float | None:
-    """The largest ripple of all flanks; None where nothing is demanded."""
+    """The largest ripple of all flanks; None where no acceleration is prescribed."""
     found = []
     for flank, contour in zip(flanks, contours, strict=True):
         side = Flank.OUTER if flank.hole else Flank.INNER
         replay = replay_contour(design.cam.disc.pitch_curve, contour, side)
-        # Where the roller falls off an edge, the acceleration has no bound.
+        # Where the roller drops off an edge, the acceleration is unbounded.
         if replay.ripple is not None and not len(replay.drops):
             found.append(replay.ripple)
     return max(found, default=None)

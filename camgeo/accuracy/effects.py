@@ -1,4 +1,4 @@
-"""The numerical effects of a design over their tolerance: seconds, and what they are off by."""
+"""The numerical effects of a design over their tolerance: computing time and error."""
 
 from __future__ import annotations
 
@@ -17,25 +17,25 @@ from camgeo.numeric.arrays import FloatArray
 from camgeo.units import TURN
 
 TOLERANCES: Final = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10)
-"""Tolerances that are looked at, as shares of the largest magnitude of what an effect gives."""
+"""Tolerances measured, relative to the largest magnitude of an effect's results."""
 
 ANGLES: Final = 720
 """Cam angles over a turn at which the results are compared."""
 
 OFFSET: Final = 0.381966
-"""Share of their distance by which the first of these lies behind 0: so the borders of a motion,
+"""Offset of the first of these angles from 0, as a fraction of their spacing: the ends of a motion,
 where a quantity may jump, are hardly ever among them."""
 
 Values = dict[str, FloatArray]
-"""Quantities to be compared, by unit."""
+"""Quantities to compare, by unit."""
 
 
 def effect_rows(
     design: Design, tolerances: Sequence[float] = TOLERANCES, *, tell: Tell
 ) -> tuple[EffectRow, ...]:
-    """A row for each numerical effect that the scene names, and each of the `tolerances`.
+    """One row per numerical effect that the scene names and per tolerance of `tolerances`.
 
-    What has no answer is told in the row.
+    A row states why it has no answer.
     """
     rows: list[EffectRow] = []
     for name in design.scene.effects:
@@ -61,21 +61,21 @@ def _rows(design: Design, name: str, tolerances: Sequence[float], tell: Tell) ->
 
 
 def _result(design: Design, name: str, tolerance: float) -> Result:
-    """The effect anew; the effects that it is given are computed once for all."""
+    """The effect recomputed; the effects that it depends on are computed only once."""
     result: Result = design.effects.recomputed(name, tolerance).result(name)
     return result
 
 
 def _warm(design: Design, name: str, tolerance: float) -> None:
-    """Compute what belongs to no tolerance, so that no row pays for it."""
+    """Compute what does not depend on a tolerance, so that its time is in no row."""
     try:
         _result(design, name, tolerance)
-    except (EffectError, GeometryError, ToleranceError):  # which the row will tell
+    except (EffectError, GeometryError, ToleranceError):  # which the row will state
         return
 
 
 def _row(design: Design, name: str, tolerance: float) -> tuple[EffectRow, Values | None]:
-    """A row without its difference, and what this is taken from."""
+    """A row without its difference, and the quantities from which that is computed."""
     row = EffectRow(name, tolerance)
     try:
         result, seconds = timed(lambda: _result(design, name, tolerance))
@@ -86,7 +86,7 @@ def _row(design: Design, name: str, tolerance: float) -> tuple[EffectRow, Values
 
 
 def compared(result: Result) -> Values:
-    """What two results are compared by: the first column, else the values of the findings."""
+    """The quantities to compare: the first column, else the values of the findings."""
     if result.columns:
         return {result.columns[0].unit: _sampled(result.columns[0])}
     found: dict[str, list[float]] = {}
@@ -102,9 +102,9 @@ def _sampled(column: Column) -> FloatArray:
 
 
 def difference(values: Values | None, best: Values | None) -> float | None:
-    """Largest difference, as a share of the largest magnitude of what has the same unit.
+    """Largest difference, relative to the largest magnitude among quantities of the same unit.
 
-    None if there is nothing to compare, or if what the results tell is not the same.
+    None if there is nothing to compare, or if the results hold different quantities.
     """
     if not values or best is None or _shapes(values) != _shapes(best):
         return None

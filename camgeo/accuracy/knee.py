@@ -1,27 +1,28 @@
-"""The knee: the tolerance beyond which paying more buys nothing, out of what was measured.
+"""The knee: among what was measured, the tolerance beyond which more cost gains nothing.
 
 Each decade of accuracy multiplies the pieces by 10^(1/k), k = 2, 3, 4 for chords, arcs and cubics;
-a power has no knee of its own. What has one is the use of the pieces, so the knee is where the
-first of the things that they serve ends.
+a power law has no knee. The benefit of the pieces has one: the knee is where the first of their
+benefits ends.
 
 Milling (the scene has a program, its machine an acceleration). Of all contours that a controller
-takes, lines and arcs, the quickest round is the price of a coarse contour. The knee is the tightest
-tolerance
+accepts, lines and arcs, the fastest round is the cost of a coarse contour. The knee is the
+tightest tolerance
 
-- at which a contour is milled in at most 5 % more time than that: beyond, blocks grow too short for
-  the feed, and the part is paid for in minutes;
-- and whose program is printed with no more decimals than the loosest one: a controller is asked for
-  its own number of decimals at least, and beyond that its numbers set the limit, not the contour;
-- and from which on the ripple of the replay, if it was asked for, still falls by 5 % at a tighter
-  tolerance: a follower that runs no smoother has no use for it.
+- at which a contour is milled in at most 5 % more time than that: beyond it, blocks become too
+  short for the feed, which costs minutes of machining;
+- and whose program is printed with no more decimals than the loosest one: a program has at least
+  the controller's number of decimals, and beyond that the printed numbers set the limit, not the
+  contour;
+- and up to which the ripple of the replay, if requested, falls by at least 5 %: beyond it the
+  follower runs no smoother.
 
-Files only. A drawing has a part that every tolerance pays, header and layers, and a part that grows
-by the power above. While the growing part is the smaller one, accuracy comes with what is paid
-anyway; beyond, each decade multiplies the whole file. The knee of a form is the tightest tolerance
-whose drawing is at most twice its smallest one, that of the design the tightest of the three.
+Files only. A drawing has a constant part, header and layers, and a part that grows by the power
+above. While the growing part is the smaller one, accuracy adds little; beyond that, each decade
+multiplies the whole file. The knee of a form is the tightest tolerance whose drawing is at most
+twice its smallest one, that of the design the tightest of the three.
 
-Of several contours at the knee the one of fewest pieces is recommended, of those with the least
-ripple if it was asked for.
+Of several contours at the knee the one with the fewest pieces is recommended, among those with the
+least ripple if it was requested.
 """
 
 from __future__ import annotations
@@ -33,11 +34,11 @@ from typing import Final, Literal
 from camgeo.accuracy.rows import FORMS, ContourRow, Form
 
 SLACK: Final = 1.05
-"""Machining times and ripples up to this factor of the best count as the best: less than what feed
-override and rounding of a plan do."""
+"""Machining times and ripples up to this factor of the best count as the best: feed override and
+rounding of a plan change them more."""
 
 DOUBLE: Final = 2.0
-"""A drawing up to this factor of the smallest: what grows is no more than what was there."""
+"""Largest drawing relative to the smallest: the growing part is no larger than the constant one."""
 
 NAMES: Final[dict[Form, str]] = {
     "polyline": "straight pieces",
@@ -50,16 +51,16 @@ End = Literal["time", "decimals", "ripple", "size", "reach", "range"]
 
 @dataclass(frozen=True, slots=True)
 class Knee:
-    """What is recommended, and what ends beyond it.
+    """The recommendation, and which benefit ends beyond it.
 
     Attributes
     ----------
     row : the recommended contour.
     end : what a tighter tolerance loses: "time", "decimals", "ripple" or, without milling, "size";
-        "reach" if it cannot be reached, "range" if none was looked at.
+        "reach" if it cannot be reached, "range" if none was measured.
     quick : with milling the tightest tolerance [mm] that is milled in at most 5 % more than the
         least time; None without.
-    next : the same contour one tolerance tighter, if it could be had.
+    next : the same contour one tolerance tighter, if there is one.
     """
 
     row: ContourRow
@@ -69,7 +70,7 @@ class Knee:
 
 
 def knee_of(rows: Iterable[ContourRow]) -> Knee | None:
-    """The knee of what was measured; None if nothing could be reached."""
+    """The knee of the measured rows; None if nothing could be reached."""
     asked = tuple(rows)
     milled = [row for row in _sound(asked) if row.round_seconds is not None]
     if any(row.program is not None for row in milled):
@@ -88,23 +89,23 @@ def _sound(rows: Iterable[ContourRow]) -> list[ContourRow]:
 
 
 def advice(knee: Knee | None) -> str:
-    """The sentence for a knee; one that says so for None."""
+    """The sentence for a knee; for None, that none can be reached."""
     if knee is None:
         return "none of these tolerances can be reached"
     row = knee.row
     head = f"{NAMES[row.form]} ({row.effort}) within {row.tolerance:g} mm"
-    told = [f"{_pieces(row):,} pieces"]
+    costs = [f"{_pieces(row):,} pieces"]
     if row.drawing is not None:
-        told.append(f"drawing of {row.drawing.size:,} bytes")
+        costs.append(f"drawing of {row.drawing.size:,} bytes")
     if knee.quick is not None:
-        told.append(f"milled round in {row.round_seconds:.1f} s")
+        costs.append(f"milled round in {row.round_seconds:.1f} s")
     if row.ripple is not None:
-        told.append(f"ripple {100.0 * row.ripple:.2g} %")
-    return f"{head}: {', '.join(told)}; {_beyond(knee)}"
+        costs.append(f"ripple {100.0 * row.ripple:.2g} %")
+    return f"{head}: {', '.join(costs)}; {_beyond(knee)}"
 
 
 def _beyond(knee: Knee) -> str:
-    """What a tighter tolerance costs or cannot have."""
+    """What a tighter tolerance costs, or why there is none."""
     if knee.end == "range":
         return "no tighter tolerance was looked at"
     if knee.end == "reach":
@@ -148,7 +149,7 @@ def _milling(asked: Sequence[ContourRow], rows: Sequence[ContourRow]) -> Knee:
 
 
 def _smoothest(rows: Sequence[ContourRow]) -> Sequence[ContourRow]:
-    """Those with the least ripple; all of them where it was not asked for."""
+    """Those with the least ripple; all of them where it was not requested."""
     ripples = [row.ripple for row in rows if row.ripple is not None]
     if not ripples:
         return rows
@@ -175,7 +176,7 @@ def _files(asked: Sequence[ContourRow], rows: Sequence[ContourRow]) -> Knee | No
 def _end(
     asked: Sequence[ContourRow], rows: Sequence[ContourRow], tightest: float, price: End
 ) -> End:
-    """Why it is not the next tighter tolerance: its price, if it has one."""
+    """Why it is not the next tighter tolerance: its cost, if any."""
     forms = {row.form for row in rows}
     tighter = [row.tolerance for row in asked if row.form in forms and row.tolerance < tightest]
     if not tighter:
@@ -214,15 +215,15 @@ def _knee(
 
 
 def _seconds(row: ContourRow) -> float:
-    assert row.round_seconds is not None  # asked before
+    assert row.round_seconds is not None  # checked before
     return row.round_seconds
 
 
 def _size(row: ContourRow) -> int:
-    assert row.drawing is not None  # asked before
+    assert row.drawing is not None  # checked before
     return row.drawing.size
 
 
 def _pieces(row: ContourRow) -> int:
-    assert row.count is not None  # asked before
+    assert row.count is not None  # checked before
     return row.count.pieces

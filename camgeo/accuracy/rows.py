@@ -1,4 +1,4 @@
-"""What is measured: a row for each form of the contour, each solid, table step and effect."""
+"""The rows measured: one for each form of the contour, each solid, table step and effect."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from camgeo.contour.contour import Effort
 Form = Literal["polyline", "arcs", "spline"]
 
 FORMS: Final[tuple[Form, ...]] = ("polyline", "arcs", "spline")
-"""Forms of a contour, the names of the entities of a drawing."""
+"""Forms of a contour, named by the entities of a drawing."""
 
 EFFORTS: Final[tuple[Effort, ...]] = ("fewest", "fast")
 
 ORDER: Final[dict[Form, int]] = {"polyline": 2, "arcs": 3, "spline": 4}
-"""The pieces of a form grow with the power -1/order of the tolerance."""
+"""The number of pieces of a form grows with the power -1/order of the tolerance."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,10 +26,10 @@ class Count:
     Attributes
     ----------
     pieces : of all flanks together.
-    forced : pieces among them that dwells and turns are, whatever the tolerance.
-    least : limit of the others for small tolerances, see `camgeo.contour.least_pieces`.
+    forced : those of them for dwells and turns, needed at any tolerance.
+    least : asymptotic limit of the others for small tolerances, see `camgeo.contour.least_pieces`.
     deviation : proved [mm], the largest.
-    fit_seconds, proof_seconds : of the fits with their own proof, and of the proofs again from
+    fit_seconds, proof_seconds : of the fits with their own proof, and of proofs repeated from
         the finished contours alone.
     """
 
@@ -54,8 +54,8 @@ class FileCost:
     ----------
     size : in bytes.
     deviation : proved for the file as read back [mm]; None if it has none.
-    write_seconds, read_seconds : of writing it, fits among it, and of reading it back and proving.
-    facts : what its writer says of it.
+    write_seconds, read_seconds : of writing it, fits included, and of reading it back and proving.
+    facts : what its writer reports about it.
     """
 
     size: int
@@ -71,15 +71,15 @@ class ContourRow:
 
     Attributes
     ----------
-    form, effort, tolerance : what was asked; the tolerance in mm.
-    count : of the contours; None if they cannot be had.
-    drawing : the DXF with that entity; None if it cannot be had.
+    form, effort, tolerance : as requested; the tolerance in mm.
+    count : of the contours; None if there are none.
+    drawing : the DXF with that entity; None if there is none.
     program : the G-code, for arcs only and if the scene asks for milling.
     round_seconds : estimated time of milling once along the flanks; None for splines, and where the
         machine's acceleration is not known.
-    ripple : largest error of the acceleration in a replay, as a share of its demanded peak; None if
-        it was not asked for, and for splines.
-    fault : why something is missing, or empty.
+    ripple : largest error of the acceleration in a replay, relative to its prescribed peak; None if
+        it was not requested, and for splines.
+    fault : why something is missing; empty if nothing is.
     """
 
     form: Form
@@ -95,7 +95,7 @@ class ContourRow:
 
 @dataclass(frozen=True, slots=True)
 class SolidRow:
-    """A solid at one tolerance; `fault` says why there is no `file`."""
+    """A solid at one tolerance; `fault` states why there is no `file`."""
 
     format: str
     tolerance: float
@@ -111,8 +111,8 @@ class TableRow:
     ----------
     step : [degrees].
     rows, size : of the table, and of its CSV file in bytes.
-    seconds : of making it.
-    error : bound of the error of the lift between rows if it is interpolated linearly [mm or rad].
+    seconds : of computing it.
+    error : bound on the error of the lift interpolated linearly between rows [mm or rad].
     """
 
     step: Decimal
@@ -129,12 +129,12 @@ class EffectRow:
     Attributes
     ----------
     effect : its name.
-    tolerance : asked, as a share of the largest magnitude of what the effect gives.
+    tolerance : requested, relative to the largest magnitude of the effect's results.
     seconds : of computing it, without the effects that it needs; None if it has no answer.
-    error : that it estimates itself, as such a share; None if it gives none.
-    difference : from the result at the tightest tolerance that has an answer, as such a share; None
-        for that one, and where the two cannot be compared.
-    fault : why it has no answer, or empty.
+    error : its own estimate, relative likewise; None if it gives none.
+    difference : from the result at the tightest tolerance that has an answer, relative likewise;
+        None for that one, and where the two cannot be compared.
+    fault : why it has no answer; empty if it has one.
     """
 
     effect: str

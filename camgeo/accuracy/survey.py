@@ -1,4 +1,4 @@
-"""All that is measured of one design."""
+"""All measurements of one design."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from camgeo.design import Design
 from camgeo.errors import GeometryError, ToleranceError
 
 TOLERANCES: Final = (1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7)
-"""Tolerances that are looked at if none are named [mm]."""
+"""Default tolerances [mm]."""
 
 SOLIDS: Final = ("stl", "3mf")
 """Names of the writers of solids."""
@@ -23,13 +23,13 @@ SOLIDS: Final = ("stl", "3mf")
 
 @dataclass(frozen=True, slots=True)
 class Survey:
-    """What accuracy costs.
+    """The cost of accuracy.
 
     Attributes
     ----------
-    contours, solids, tables : what was measured, row by row.
-    knee : where paying more stops buying anything; None if nothing could be reached.
-    effects : the same of the numerical effects that the scene names.
+    contours, solids, tables : the measured rows.
+    knee : beyond which more cost gains nothing; None if nothing could be reached.
+    effects : rows of the numerical effects that the scene names.
     """
 
     contours: tuple[ContourRow, ...]
@@ -52,16 +52,16 @@ def survey(
 
     Parameters
     ----------
-    ripple : whether the contours are replayed too.
-    solids : whether solids are written too, if the part has a thickness.
-    tell : told the step at hand.
+    ripple : whether the contours are also replayed.
+    solids : whether solids are also written, if the part has a thickness.
+    tell : called with the name of each step.
 
     Raises
     ------
     UndercutError
         If the cam has no outline.
     GeometryError
-        If the part cannot be.
+        If the part is impossible.
     """
     contours = contour_rows(design, tolerances, ripple=ripple, tell=tell)
     bodies = solid_rows(design, tolerances, tell=tell) if solids else ()
@@ -70,7 +70,7 @@ def survey(
 
 
 def solid_rows(design: Design, tolerances: Sequence[float], *, tell: Tell) -> tuple[SolidRow, ...]:
-    """A row for each format and tolerance [mm]; none if the part has no thickness."""
+    """One row per format and tolerance [mm]; none if the part has no thickness."""
     if not design.disc.drawn.part.thickness:
         return ()
     rows = []

@@ -1,7 +1,7 @@
 """The value table of a design over its step: rows, bytes, and the error of interpolation.
 
-Between two rows a step h apart a lift s with a continuous velocity leaves its chord by at most
-max|s''| h^2/8. A jump j of the velocity at the distance x behind a row adds the kink j x (h - x)/h.
+Between two rows a step h apart a lift s with a continuous velocity departs from its chord by at
+most max|s''| h^2/8. A jump j of the velocity at the distance x after a row adds j x (h - x)/h.
 """
 
 from __future__ import annotations
@@ -23,15 +23,15 @@ from camgeo.units import TURN
 STEPS: Final = tuple(
     Decimal(text) for text in ("10", "5", "2", "1", "0.5", "0.2", "0.1", "0.05", "0.02", "0.01")
 )
-"""Steps that are shown [degrees]."""
+"""Steps measured [degrees]."""
 
 CELL: Final = np.radians(0.05)
 """Largest cell [rad] over which |s''| is bounded. The bound exceeds the largest value in the cell
-by what s'' changes in half of it: some thousandths of the peak of a law of 40 degrees."""
+by the change of s'' over half of it: some thousandths of the peak of a law of 40 degrees."""
 
 
 def table_rows(design: Design, steps: Sequence[Decimal], *, tell: Tell) -> tuple[TableRow, ...]:
-    """A row for each step [degrees]; the lift is that of the motion plan."""
+    """One row per step [degrees]; the lift is that of the motion plan."""
     rows = []
     for step in steps:
         tell(f"value table, {step} degrees")
@@ -51,7 +51,7 @@ def interpolation_error(motion: Motion, phi: FloatArray) -> float:
 
     Parameters
     ----------
-    motion : whose lift is meant.
+    motion : whose lift is interpolated.
     phi : (n,) [rad] ascending in [0, 2 pi), the first 0; the last chord ends at 2 pi.
     """
     rows = np.append(phi, TURN)
@@ -62,7 +62,7 @@ def interpolation_error(motion: Motion, phi: FloatArray) -> float:
     cuts = ascending(np.concatenate((cuts, borders, [TURN])))
     low, high = cuts[:-1], cuts[1:]
     _, bounds = motion.jet_and_bounds(low, high)
-    # A cell lies in one chord: the rows are among the cuts.
+    # Each cell lies in one chord, as the rows are among the cuts.
     chord = np.clip(np.searchsorted(rows, 0.5 * (low + high), side="right") - 1, 0, len(phi) - 1)
     largest = np.zeros(len(phi))
     np.maximum.at(largest, chord, bounds[2])

@@ -1,4 +1,4 @@
-"""How wide a cam of constant breadth is between the two sides of its yoke.
+"""Width of a cam of constant breadth between the two sides of its yoke.
 
 A yoke holds two parallel faces, or two rollers in line with the cam axis, at a fixed distance b.
 The follower's height above the axis is h(phi) = h_0 + kappa_F s(phi) on one side; on the other side
@@ -28,7 +28,7 @@ HALF = 0.5 * TURN
 
 @dataclass(frozen=True)
 class Breadth:
-    """How wide a cam is between the two sides of a yoke, as a function of the cam angle.
+    """Width of a cam between the two sides of a yoke, as a function of the cam angle.
 
     Attributes
     ----------
@@ -49,7 +49,7 @@ class Breadth:
 
     @property
     def dwells(self) -> tuple[Dwell, ...]:
-        """None: where both sides rest the slope is simply 0."""
+        """None: where both sides dwell the slope is simply 0."""
         return ()
 
     def width(self, phi: FloatArray, side: Side = "right") -> FloatArray:
@@ -73,7 +73,7 @@ class Breadth:
 
     @property
     def best(self) -> float:
-        """The breadth of the yoke [mm] with the smallest largest error."""
+        """The breadth of the yoke [mm] that minimizes the largest error."""
         (least, _), (most, _) = self.range
         return 0.5 * (least + most)
 
@@ -90,7 +90,7 @@ class Yoke:
     Raises
     ------
     GeometryError
-        With key "follower.yoke.breadth", if that is not a length above 0.
+        With key "follower.yoke.breadth" if that is not a length above 0.
     """
 
     breadth: Length | None = None

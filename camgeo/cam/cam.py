@@ -20,12 +20,12 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Cam(Pickled):
-    """One disc with what it moves; a conjugate pair is two cams with one drive.
+    """One disc with its drive and follower; a conjugate pair is two cams with one drive.
 
     Attributes
     ----------
-    drive : the motion that is demanded.
-    follower : what touches the disc.
+    drive : gives the prescribed motion.
+    follower : the one that touches the disc.
     rotation, contact, clearance : as for `Disc`.
     yoke : the other side of the follower on a cam of constant breadth; None if there is none.
     """
@@ -60,7 +60,7 @@ class Cam(Pickled):
 
     @built
     def breadth(self) -> Breadth | None:
-        """How wide the disc is between the two sides of its yoke; None if there is no yoke."""
+        """Width of the disc between the two sides of its yoke; None if there is no yoke."""
         if self.yoke is None:
             return None
         from camgeo.cam.breadth import Breadth  # few followers are yokes
@@ -75,8 +75,8 @@ class Cam(Pickled):
         return self.breadth.best if self.yoke.breadth is None else self.yoke.breadth
 
     def sized(self, **sizes: complex) -> Cam:
-        """The same cam with other dimensions of the follower; GeometryError if there is no such
-        follower.
+        """The same cam with other dimensions of the follower; GeometryError if they are
+        impossible.
 
         The drive is shared, so its linkage is not checked over the turn again.
         """

@@ -22,12 +22,12 @@ class Contact(StrEnum):
 
     @property
     def closed_by_form(self) -> bool:
-        """Whether the roller is held on both sides."""
+        """Whether the roller is guided on both sides."""
         return len(self.flanks) > 1
 
     @property
     def runs_inside(self) -> bool:
-        """Whether a flank in use encloses material about the cam axis; not so in a ring."""
+        """Whether a flank in use encloses material around the cam axis; false for a ring."""
         return Flank.INNER in self.flanks
 
     @property
@@ -42,7 +42,7 @@ class Contact(StrEnum):
 
     @property
     def push(self) -> int:
-        """Sign of the force that presses the follower on that flank, positive outward."""
+        """Sign of the force that presses the follower onto that flank, positive outward."""
         return -self.main.sign
 
     def distances(self, half: float) -> dict[Flank, float]:

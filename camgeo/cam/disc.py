@@ -1,4 +1,4 @@
-"""A disc: the body of a cam that turns in a plane, its curves, and what remains of its flanks."""
+"""A disc: the body of a cam that turns in a plane, its curves and its real flanks."""
 
 from __future__ import annotations
 
@@ -25,12 +25,12 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Disc(Pickled):
-    """The curves of a disc, on demand; GeometryError if there is no such mechanism.
+    """The curves of a disc, on demand; GeometryError if the mechanism is impossible.
 
     Attributes
     ----------
     drive : what moves the follower.
-    follower : what touches the disc.
+    follower : the one that touches the disc.
     rotation : sense in which the disc turns: +1 counter-clockwise, -1 clockwise.
     contact : the flank on which the follower runs; both for a groove.
     clearance : width of the groove minus the diameter of the roller [mm].
@@ -79,7 +79,7 @@ class Disc(Pickled):
     def bends(self) -> Extremes:
         """The extremes of the pitch curve's curvature; GeometryError if it stands still somewhere.
 
-        Guaranteed to include every extreme behind which undercut on a flank in use could hide.
+        Guaranteed to include every extreme that could cause undercut on a flank in use.
         """
         bends = curvature_extremes(self.pitch_curve)
         if not self.follower.has_pitch_curve:
@@ -112,10 +112,10 @@ class Disc(Pickled):
     def replay(self, flank: str) -> Replay:
         """The roller pressed against what remains of the "inner" or "outer" flank.
 
-        In a groove with side clearance the roller is taken without play: what it loses adds to
-        the play.
+        In a groove with side clearance the roller is treated without play: lost stroke adds to the
+        play.
         """
-        from camgeo.outline.replay import replay_outline  # only a disc that undercuts needs it
+        from camgeo.outline.replay import replay_outline  # only needed with undercut
 
         path = self.outline(flank).path
         return self.ledger.run(

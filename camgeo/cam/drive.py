@@ -1,4 +1,4 @@
-"""A drive: the motion demanded, the linkage ahead of the follower, and the speed of the cam.
+"""A drive: the prescribed motion, the linkage ahead of the follower, and the speed of the cam.
 
 It needs no disc: motion, time and kinematics follow from it alone.
 """
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 LiftUnit = Literal["mm", "rad"]
 
 Demanded = Literal["follower"] | Member
-"""Whose motion is demanded: the follower's, or that of the far end of a linkage."""
+"""Whose motion is prescribed: the follower's, or that of the far end of a linkage."""
 
 
 @dataclass(frozen=True)
@@ -39,7 +39,7 @@ class Drive(Pickled):
 
     Attributes
     ----------
-    plan : the motion demanded: of the far end of a linkage if there is one, else of the follower.
+    plan : the prescribed motion: of the far end of a linkage if there is one, else of the follower.
     linkage : between plan and follower, or None.
     unit : of the plan's positions.
     speed : of the cam, positive [rad/s], the mean if it varies; None if none is given.
@@ -66,12 +66,12 @@ class Drive(Pickled):
 
     @property
     def demanded_of(self) -> Demanded:
-        """Whose motion is demanded."""
+        """Whose motion is prescribed."""
         return "follower" if self.linkage is None else self.linkage.member
 
     @lazy
     def motion(self) -> Motion:
-        """The follower's own motion, behind the linkage if there is one [mm or rad].
+        """The follower's own motion, at the near end of a linkage if there is one [mm or rad].
 
         Raises GeometryError with key "linkage" if the linkage does not close.
         """
@@ -120,7 +120,7 @@ class Drive(Pickled):
 
     @property
     def far_angle(self) -> float:
-        """The first cam angle [rad] at which the demanded motion is farthest from its start."""
+        """The first cam angle [rad] at which the prescribed motion is farthest from its start."""
         from camgeo.motion.extremes import turning_angles
 
         angles = merged(np.concatenate((self.plan.borders, turning_angles(self.plan))))

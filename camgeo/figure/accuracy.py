@@ -1,7 +1,7 @@
-"""What accuracy costs, over the tolerance: pieces beside their limits, bytes, seconds, effects.
+"""The cost of accuracy over the tolerance: pieces with their limits, bytes, seconds, effects.
 
-All on logarithmic axes, the tolerance falling to the right: what costs more stands farther right.
-Forms differ by marker and dash, fast fits have hollow markers, so that a print in grey can be read.
+All axes are logarithmic, with the tolerance falling to the right, where costs are higher. Forms
+differ by marker and dash, fast fits have hollow markers, so that a print in grey can be read.
 """
 
 from __future__ import annotations
@@ -22,10 +22,10 @@ WIDTH, HEIGHT = 8.0, 3.2
 """Sizes [inch] of the figure and of each panel."""
 
 LEFT, RIGHT, TOP, BOTTOM, GAP = 0.85, 2.0, 0.4, 0.55, 0.3
-"""Margins [inch]; the legends stand in the right one, the gap between the panels."""
+"""Margins [inch]; the legends are in the right one. Last the gap between the panels."""
 
 EFFECTS_GAP: Final = 0.75
-"""Gap [inch] above the panel of the effects, whose axis of tolerances is its own."""
+"""Gap [inch] above the panel of the effects, which has its own axis of tolerances."""
 
 COLOURS: Final[dict[Form, str]] = {"polyline": "#c05a00", "arcs": LINE, "spline": "#6a8f3c"}
 
@@ -34,10 +34,10 @@ MARKERS: Final[dict[Form, str]] = {"polyline": "s", "arcs": "o", "spline": "^"}
 SOLID_STYLES: Final[dict[str, tuple[str, str]]] = {"stl": ("x", "#808080"), "3mf": ("+", "#404040")}
 
 EFFECT_MARKERS: Final = "osD^vP*X"
-"""Of the effects, in their order; with more of them they begin anew."""
+"""Colours of the effects in order, repeated if there are more effects."""
 
 LEAST_RANGE: Final = 100.0
-"""Factor from the lower to the upper end of an axis, at least."""
+"""Least factor from the lower to the upper end of an axis."""
 
 DOTTED: Final = (1.0, 1.5)
 
@@ -47,11 +47,11 @@ Value = Callable[[ContourRow], float | None]
 
 
 def figure(survey: Survey, *, title: str, computing: bool = True) -> Figure:
-    """The measurements, a panel a kind of cost.
+    """The measurements, one panel per kind of cost.
 
     Parameters
     ----------
-    computing : whether seconds of computing are drawn, which differ from run to run.
+    computing : whether computing times are drawn, which differ from run to run.
     """
     drawn = [("pieces, dwells and turns not counted", _pieces(survey)), ("bytes", _bytes(survey))]
     if computing or any(row.round_seconds is not None for row in survey.contours):
@@ -80,7 +80,7 @@ def figure(survey: Survey, *, title: str, computing: bool = True) -> Figure:
 def _panel(bottom: float, height: float, x: Axis, label: str, lines: list[Line]) -> Panel:
     """A panel whose lower edge is `bottom` inches above that of the figure of `height`."""
     low, high = log_limits(heights(lines))
-    if high < LEAST_RANGE * low:  # a few per cent must not look like a mountain
+    if high < LEAST_RANGE * low:  # a few per cent must not look like a large change
         wider = math.sqrt(LEAST_RANGE * low / high)
         low, high = low / wider, high * wider
     named = entries(lines)
@@ -99,7 +99,7 @@ def _tolerances(tolerances: list[float], label: str, *, numbered: bool = True) -
 
 
 def _pieces(survey: Survey) -> list[Line]:
-    """Pieces without those that dwells and turns are, and the limits with their slopes."""
+    """Pieces without those of dwells and turns, and the limits with their slopes."""
 
     def free(row: ContourRow) -> float | None:
         return None if row.count is None else row.count.pieces - row.count.forced
@@ -107,7 +107,7 @@ def _pieces(survey: Survey) -> list[Line]:
     lines = []
     for form in FORMS:
         own = [row for row in survey.contours if row.form == form and row.count is not None]
-        # The same limit stands in the rows of both efforts.
+        # The rows of both efforts hold the same limit.
         least = {row.tolerance: row.count.least for row in own if row.count}
         tolerances = sorted(least, reverse=True)
         if tolerances and least[tolerances[0]] > 0.0:
@@ -117,13 +117,13 @@ def _pieces(survey: Survey) -> list[Line]:
         for effort in EFFORTS:
             rows = [row for row in own if row.effort == effort]
             lines += _points(rows, free, f"{form}, {effort}", _style(form, effort))
-    if survey.knee is not None:  # its line stands in every panel, its name in this one
+    if survey.knee is not None:  # its line is in every panel, its name only in this one
         lines.append(Line(over([], []), ADVICE, "advice"))
     return lines
 
 
 def _bytes(survey: Survey) -> list[Line]:
-    """Sizes of the files: drawings, programs, solids; of contours those of fewest pieces."""
+    """Sizes of the files: drawings, programs, solids; for contours those with the fewest pieces."""
     fewest = [row for row in survey.contours if row.effort == EFFORTS[0]]
     lines = []
     for form in FORMS:
@@ -141,7 +141,7 @@ def _bytes(survey: Survey) -> list[Line]:
 
 
 def _seconds(survey: Survey, *, computing: bool) -> list[Line]:
-    """Milling once round, and computing: fit with its proof."""
+    """Time of milling one round, and of computing: fit with its proof."""
     fewest = [row for row in survey.contours if row.effort == EFFORTS[0]]
     lines = []
     for form in FORMS:
@@ -157,7 +157,7 @@ def _seconds(survey: Survey, *, computing: bool) -> list[Line]:
 
 
 def _effects(survey: Survey) -> list[Line]:
-    """Computing of the numerical effects, over tolerances of their own."""
+    """Computing times of the numerical effects, over their own tolerances."""
     lines = []
     for number, name in enumerate(dict.fromkeys(row.effect for row in survey.effects)):
         found = [(row.tolerance, row.seconds) for row in survey.effects

@@ -1,7 +1,7 @@
 """The cam: disc with bore, pitch curve, base circle, and the roller or face at cam angle 0.
 
-The disc is the real one: what is cut off from an undercut flank is drawn beside it. Of a conjugate
-pair the return disc and its roller are drawn over the main disc, dashed.
+The disc is the real one: what is cut off from an undercut flank is drawn next to it. For a
+conjugate pair the return disc and its roller are drawn over the main disc, dashed.
 """
 
 from __future__ import annotations
@@ -33,16 +33,16 @@ PIVOT = Style("black", 0.0, marker="o", face="white")
 RETURN_CROSS = Style(RETURN_STYLE.color, 0.0, marker="+")
 
 ARROW = np.radians(np.linspace(200.0, 320.0, 61))
-"""Directions [rad] of the arrow about the axis."""
+"""Directions [rad] of the arrow around the axis."""
 
 KNIFE = 0.1
-"""Size by which a knife edge is drawn, which has none, relative to the base radius."""
+"""Size at which a knife edge, which has no size, is drawn, relative to the base radius."""
 
 BOTTOM = 0.95
 """Margin below [inch], with room for the legend."""
 
 BELOW = 0.452
-"""Distance of the legend from the axes [inch], room for their label and numbers."""
+"""Distance of the legend from the axes [inch], with room for their label and numbers."""
 
 SIZE = (7.0, 7.0)
 
@@ -115,14 +115,14 @@ def _part(product: Product) -> Part | None:
 
 
 def _return_disc(beside: Product, scale: float) -> tuple[list[Mark], list[ComplexArray]]:
-    """Flank of the return disc, its roller at cam angle 0 and what holds that; and the lines.
+    """Flank of the return disc, its roller at cam angle 0 with guide or lever; and the lines.
 
-    The flank is drawn as it runs, whole: its own picture shows what is cut off from it.
+    The whole flank is drawn: its own picture shows what is cut off from it.
     """
     curves = beside.cam.disc
     try:
         flank = curves.inner_curve.point(cam_angles()) * scale
-    except GeometryError:  # the roller centre stands still in the cam, which the findings tell
+    except GeometryError:  # the roller centre stands still in the cam, which the findings report
         flank = np.empty(0, dtype=np.complex128)
     roller = complex(curves.pitch_curve.point(np.zeros(1))[0] * scale)
     rim = roller + beside.cam.follower.roller_radius * scale * np.exp(1j * cam_angles())
@@ -158,26 +158,26 @@ def _legend(
 
 
 def _height(size: Size, frame: Frame, x: cut_off.Limits, y: cut_off.Limits) -> float:
-    """Height [inch] of axes in `frame` whose units are as long upwards as across."""
+    """Height [inch] of axes in `frame` whose units are equally long in both directions."""
     left, bottom, right, top = frame
     return min((top - bottom) * size[1], (right - left) * size[0] * (y[1] - y[0]) / (x[1] - x[0]))
 
 
 def _size(product: Product) -> float:
-    """Radius [mm] of the roller, or the size by which a knife edge is drawn."""
+    """Radius [mm] of the roller, or the size at which a knife edge is drawn."""
     return product.cam.follower.roller_radius or KNIFE * product.cam.follower.base_radius
 
 
 def _follower(
     product: Product, sketch: FollowerSketch, roller: complex, radius: float, scale: float
 ) -> tuple[list[Mark], complex]:
-    """The roller at cam angle 0 and the line to its pivot, or along its guide; where that ends."""
+    """The roller at cam angle 0 and the line to its pivot, or along its guide; the line's end."""
     end = sketch.end * scale
     along = (end - roller) / abs(end - roller)
     marks: list[Mark] = []
     if sketch.kind == "guide":
         end = roller + 3.5 * radius * along
-        # a short bar on each side stands for the guide
+        # a short bar on each side represents the guide
         for side in (0.3j, -0.3j):
             bar = (end + (side - 1.5) * radius * along, end + side * radius * along)
             marks.append(Line(plane(bar), GUIDE, layer=3.0))
@@ -193,7 +193,7 @@ def _flat(sketch: FollowerSketch, contact: complex, scale: float) -> tuple[list[
     assert sketch.face is not None  # of a flat follower
     start, stop = (point * scale for point in sketch.face)
     end = sketch.end * scale
-    # A follower that never moves needs no length of face: its stem stands on the contact.
+    # A follower that never moves needs no face length: its stem is at the contact.
     along = (stop - start) / abs(stop - start) if stop != start else 0j
     foot = start + along * ((end - start) * along.conjugate()).real
     marks: list[Mark] = [

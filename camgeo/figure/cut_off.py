@@ -1,6 +1,6 @@
-"""What is cut off from a flank: dashed in a colour of its own, its corner marked, and enlarged.
+"""What is cut off from a flank: dashed in its own colour, its corner marked, and enlarged.
 
-A swallow tail is often a thousandth of the disc wide; then an inset shows the largest one.
+A swallowtail is often only a thousandth of the disc wide; then an inset shows the largest one.
 """
 
 from __future__ import annotations
@@ -16,37 +16,37 @@ from camgeo.numeric.arrays import BoolArray, ComplexArray
 from camgeo.product.pictured import CutOff
 
 CUT: Final = "#c05a00"
-"""Colour of what is not on the disc: between lines and grid also in grey."""
+"""Colour of what is not on the disc: in grey it lies between lines and grid."""
 
 COURSE: Final = Style(CUT, 1.1, (3.0, 1.6))
 CORNER: Final = Style(CUT, 0.0, marker="D", size=4.2, edge="white", edge_width=0.6)
 
 SMALL: Final = 0.05
-"""What is cut off is enlarged if it is smaller than this share of the disc."""
+"""What is cut off is enlarged if it is smaller than this fraction of the disc."""
 
 TINIEST: Final = 1e-5
-"""But not below this share: the edges beside it would need contours finer than any file's."""
+"""But not below this fraction: the edges next to it would need contours finer than any file's."""
 
 MARGIN: Final = 1.9
 """Side of what the inset shows, as a multiple of what is cut off."""
 
 SIDES: Final = (0.34, 0.28, 0.22)
-"""Sides of the inset that are tried, as shares of the picture's smaller side."""
+"""Sides tried for the inset, as fractions of the picture's smaller side."""
 
 WORTH: Final = 3.0
-"""An inset may lie this much farther away for being larger by 1."""
+"""An inset may lie this much farther away if it is larger by 1."""
 
 RIM: Final = 0.07
 TITLE: Final = 0.16
-"""Kept free around and above the inset, as shares of its side."""
+"""Space kept free around and above the inset, as fractions of its side."""
 
 PLACES: Final = 13
-"""Of the inset that are tried, along each side."""
+"""Positions tried for the inset, along each side."""
 
 Limits = tuple[float, float]
 
 Window = Callable[[complex, float], list[Mark]]
-"""Draws what there is about a point [mm], within a square of the given side [mm]."""
+"""Draws what lies around a point [mm], within a square of the given side [mm]."""
 
 
 def marks(found: Sequence[CutOff], scale: float) -> list[Mark]:
@@ -59,7 +59,7 @@ def marks(found: Sequence[CutOff], scale: float) -> list[Mark]:
 
 
 def names(label: str) -> list[Entry]:
-    """For the legend; `label` says what is dashed."""
+    """Names for the legend; `label` describes the dashed line."""
     return [Entry(label, COURSE), Entry("corner", CORNER)]
 
 
@@ -72,19 +72,19 @@ def enlarged(
     scale: float,
     window: Window,
 ) -> tuple[tuple[Inset, ...], Limits]:
-    """An inset of the largest part that is cut off, where little is drawn, if it is small.
+    """An inset of the largest part that is cut off, if it is small, in a free area.
 
     Parameters
     ----------
     x, y : limits of the picture.
-    drawn : lines [unit of the picture] not to be covered.
+    drawn : lines [unit of the picture] that must not be covered.
     size : of the disc [mm].
-    scale : units of the picture in 1 mm; the inset is drawn in mm.
+    scale : units of the picture per mm; the inset is drawn in mm.
     window : draws what is not cut off into the inset.
 
     Returns
     -------
-    The inset, if there is one, and the limits of x, wider if room had to be made.
+    The inset, if any, and the limits of x, wider if room had to be made.
     """
     largest = max(found, key=_extent)
     extent = _extent(largest)
@@ -108,7 +108,7 @@ def enlarged(
 
 
 def clipped(ring: ComplexArray, middle: complex, width: float) -> ComplexArray:
-    """The closed `ring` cut down to the square of side `width` about `middle`."""
+    """The closed `ring` clipped to the square of side `width` around `middle`."""
     for outward in (1.0, 1j, -1.0, -1j):
         if not len(ring):
             break
@@ -124,7 +124,7 @@ def clipped(ring: ComplexArray, middle: complex, width: float) -> ComplexArray:
 
 
 def near(line: ComplexArray, middle: complex, width: float) -> ComplexArray:
-    """The open `line`, NaN where it is outside of a square thrice as wide."""
+    """The open `line`, NaN where it is outside a square three times as wide."""
     away = line - middle
     inside: BoolArray = np.maximum(np.abs(away.real), np.abs(away.imag)) < 1.5 * width
     return np.where(inside, line, complex(np.nan, np.nan))
@@ -145,7 +145,7 @@ def _room(
 ) -> tuple[tuple[float, float], float, Limits]:
     """Lower left corner and side of a square that covers nothing, and the limits of x.
 
-    If need be room is made.
+    Room is made if necessary.
     """
     (left, right), (low, high) = x_limits, y_limits
     smaller = min(right - left, high - low)
@@ -168,7 +168,7 @@ def _room(
 
 
 def _evenly(line: ComplexArray, step: float) -> ComplexArray:
-    """Points along `line`, not farther apart than `step`."""
+    """Points along `line`, at most `step` apart."""
     lengths = np.concatenate(([0.0], np.cumsum(np.abs(np.diff(line)))))
     places = np.linspace(0.0, lengths[-1], max(2, int(lengths[-1] / step) + 2))
     points: ComplexArray = np.interp(places, lengths, line)

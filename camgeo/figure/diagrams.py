@@ -20,7 +20,7 @@ FINDING = "transmission-angle"
 def curvature(product: Product, size: Size = SIZE) -> Figure:
     """Curvature of the pitch curve with the limits of +-1/d, d the flanks' distance.
 
-    Beyond these a flank comes to a cusp.
+    Beyond these a flank has a cusp.
     """
     disc, follower, joints = product.cam.disc, product.cam.follower, product.cam.drive.joints
     phi = diagram_angles(joints)
@@ -40,7 +40,7 @@ def curvature(product: Product, size: Size = SIZE) -> Figure:
 
 
 def transmission_angle(product: Product, size: Size = SIZE) -> Figure:
-    """The transmission angle with the limit that the design is held to."""
+    """The transmission angle with the limit of the design."""
     joints = product.cam.drive.joints
     phi = diagram_angles(joints)
     angle = np.degrees(product.cam.disc.pitch_curve.transmission_angle(phi))

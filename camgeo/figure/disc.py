@@ -1,4 +1,4 @@
-"""The disc as a body: filled, with its edges; as a whole, or what a window shows of it."""
+"""The disc as a body, filled and with its edges: the whole or a window of it."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ FINE = 1e-3
 
 
 def whole(part: Part, scale: complex, sagitta: float) -> tuple[list[Mark], list[ComplexArray]]:
-    """The part and its rings; `scale` units in 1 mm, chords `sagitta` [mm] off.
+    """The part and its rings; `scale` units per mm, chords within `sagitta` [mm].
 
     A complex scale turns the part.
     """
@@ -36,7 +36,7 @@ def whole(part: Part, scale: complex, sagitta: float) -> tuple[list[Mark], list[
 
 
 def behind(part: Part, scale: complex, sagitta: float) -> list[Mark]:
-    """The outline of a second disc, that of a conjugate pair, over the first one."""
+    """The outline of the second disc of a conjugate pair, over the first one."""
     return [
         Line(plane(np.append(ring, ring[:1]) * scale), RETURN_STYLE, layer=3.0)
         for ring in _rings(part.boundaries[:1], sagitta)
@@ -44,7 +44,7 @@ def behind(part: Part, scale: complex, sagitta: float) -> list[Mark]:
 
 
 def near(part: Part, middle: complex, width: float) -> list[Mark]:
-    """What lies in and about the square of side `width` [mm] round `middle`, in mm."""
+    """What lies in and near the square of side `width` [mm] around `middle`, in mm."""
     sagitta = FINE * width
     marks: list[Mark] = []
     for boundaries, fill in _areas(part):
@@ -60,7 +60,7 @@ def near(part: Part, middle: complex, width: float) -> list[Mark]:
 
 
 def _areas(part: Part) -> list[tuple[tuple[Boundary, ...], Fill]]:
-    """What is filled alike: the lowest layer, and what each of the others begins."""
+    """Areas of one filling each: the lowest layer, and what begins with each of the others."""
     found = [(part.layers[0].boundaries, BODY)]
     for lower, upper in pairwise(part.layers):
         begins = tuple(each for each in upper.boundaries if each not in lower.boundaries)

@@ -27,29 +27,29 @@ from camgeo.numeric.arrays import FloatArray, merged
 from camgeo.product.product import Product
 from camgeo.units import MM_PER, TURN, LengthUnit
 
-if TYPE_CHECKING:  # a picture without effects needs none of this
+if TYPE_CHECKING:  # unused in a picture without effects
     from camgeo.effects.effect import Column
 
 WIDTH: Final = 7.0
-"""Of the figure [inch]."""
+"""Width of the figure [inch]."""
 
 PANEL: Final = 1.7
 """Height of a panel [inch]."""
 
 GAP: Final = 0.2
-"""Gap between two panels [inch], with room for a power of ten of the lower one."""
+"""Gap between two panels [inch], with room for the power of ten of the lower one."""
 
 NAME_PLACE: Final = 0.6
-"""Distance of the titles to the left of the vertical axes [inch]."""
+"""Distance [inch] of the titles from the vertical axes, to the left."""
 
 PLAIN: Final = (-3, 5)
-"""Powers of ten between which numbers are written out; longer ones would overlap the axis title."""
+"""Powers of ten between which numbers are written in full; longer ones would overlap the title."""
 
 ABREAST: Final = 3
 """Largest number of curve names in a row."""
 
 HEADROOM: Final = 0.17
-"""Space above the curves for each row of names, as a share of their range."""
+"""Space above the curves for each row of names, as a fraction of their range."""
 
 CURVES: Final = (
     Style(LINE),
@@ -61,9 +61,9 @@ CURVES: Final = (
 
 
 def figure(product: Product, size: Size | None = None) -> Figure:
-    """The columns of all effects, with neighbours of equal unit in one panel.
+    """The columns of all effects, adjacent ones of equal unit in one panel.
 
-    The curves jump where the effects do: both sides of the joints of the motion and of the borders
+    The curves jump where the effects do: both sides of the joints of the motion and of the breaks
     of the effects are drawn.
     """
     groups = panels(product.columns())
@@ -85,7 +85,7 @@ def figure(product: Product, size: Size | None = None) -> Figure:
 
 
 def panels(columns: Sequence[Column]) -> list[list[Column]]:
-    """The columns in groups of neighbours with equal unit, at most one per curve style."""
+    """The columns in groups of adjacent ones with equal unit, at most one per curve style."""
     found: list[list[Column]] = []
     for column in columns:
         if found and found[-1][0].unit == column.unit and len(found[-1]) < len(CURVES):
@@ -139,8 +139,8 @@ def shown_unit(unit: str, length: LengthUnit) -> tuple[str, float]:
 def sampled(column: Column, places: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Cam angles [rad] over one turn, ascending, and values (n,), (n,) of `column`.
 
-    Each of `places` [rad] and of the column's own borders is there twice: with the left-hand value,
-    then with the right-hand one. So is the start of the turn, with the value of its end.
+    Each of `places` [rad] and of the column's own breaks occurs twice: with the left-hand value,
+    then with the right-hand one. So does the start of the turn, with the value of its end.
     """
     ends = np.array([0.0, TURN])
     borders = np.concatenate((places, column.borders))

@@ -1,4 +1,4 @@
-"""The flanks where there is no disc: as they run, with what undercuts marked."""
+"""The flanks if there is no disc: the full curves, with undercut marked."""
 
 from __future__ import annotations
 
@@ -20,19 +20,19 @@ UNDERCUT = Style(LIMIT, 2.2, (1.5, 0.8))
 CUSP = Style(LIMIT, 0.0, marker="D", size=4.2, edge="white", edge_width=0.6)
 
 OF_UNDERCUT, OF_CUSP = "undercut-", "cusp-"
-"""How the names of findings begin that tell where a flank undercuts; the flank's follows."""
+"""Prefixes of the names of findings on undercut; the name of the flank follows."""
 
 RANGE = 721
-"""Points of a range of cam angle."""
+"""Points per range of cam angle."""
 
 BESIDE = 4.0
-"""How far a window shows a flank beside what is cut off, as a multiple of its cam angle."""
+"""How far a window shows a flank on either side of the cut-off part, relative to its cam angle."""
 
 
 def whole(
     product: Product, found: tuple[CutOff, ...], scale: float
 ) -> tuple[list[Mark], list[ComplexArray]]:
-    """The flanks in use with their cusps and loops: there is no disc, but the reason shows."""
+    """The flanks in use with their cusps and loops, the reason that there is no disc."""
     lines = []
     for flank in product.cam.contact.flanks:
         for start, end in _left(found, flank):
@@ -52,7 +52,7 @@ def whole(
 
 
 def near(product: Product, found: tuple[CutOff, ...], middle: complex, width: float) -> list[Mark]:
-    """What lies in and about the square of side `width` [mm] round `middle`, in mm."""
+    """What lies in and near the square of side `width` [mm] around `middle`, in mm."""
     shares = np.linspace(0.0, 1.0, RANGE)
     reach = BESIDE * max(each.end - each.start for each in found)
     marks: list[Mark] = []
@@ -66,7 +66,7 @@ def near(product: Product, found: tuple[CutOff, ...], middle: complex, width: fl
 
 
 def names(product: Product, found: tuple[CutOff, ...]) -> list[Entry]:
-    """For the legend: what is marked."""
+    """Names for the legend: what is marked."""
     marked = cut_off.names("would be cut off") if found else []
     if not found and _undercut(product):
         marked.append(Entry("undercut", UNDERCUT))
@@ -76,7 +76,7 @@ def names(product: Product, found: tuple[CutOff, ...]) -> list[Entry]:
 
 
 def note(x: cut_off.Limits, y: cut_off.Limits) -> list[ComplexArray]:
-    """Lines about the words in the corner of a picture with these limits."""
+    """Lines around the text in the corner of a picture with these limits."""
     (left, right), (_, high) = x, y
     height = 0.03 * (right - left)
     return [np.array([left, left + 12.0 * height]) + 1j * (high - down) for down in (0.0, height)]

@@ -1,7 +1,7 @@
-"""Motion laws side by side: f', f'', f''' and f' f'', a row a law (VDI 2143-1, Tafeln 2 to 4).
+"""Motion laws side by side: f', f'', f''' and f' f'', one row per law (VDI 2143-1, Tafeln 2 to 4).
 
-A row a law and one scale a column: eleven curves in one panel cannot be told apart in grey, and
-heights can be compared along a column.
+One row per law and one scale per column: eleven curves in one panel could not be distinguished in
+grey, and heights can be compared along a column.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ SAMPLES: Final = 129
 """Points of a region of a law: finer than a printed line over the quarter of a panel it fills."""
 
 OUTSIDE: Final = 0.07
-"""How much of z is drawn of the rest or constant velocity that a law joins."""
+"""Length in z over which the rest or constant velocity that a law joins is drawn."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,10 +49,10 @@ LEFT, RIGHT, TOP, BOTTOM = 1.75, 0.15, 0.75, 0.95
 """Sizes [inch]."""
 
 GAP: Final = 0.26
-"""Between columns, as a share of a column: room for the numbers of the next one."""
+"""Gap between columns, as a fraction of a column: room for the numbers of the next one."""
 
 HEADROOM: Final = 0.3
-"""Above and below the curves of a column, as a share of their range: room for the values."""
+"""Space above and below the curves of a column, as a fraction of their range, for the values."""
 
 NAME_PLACE: Final = 72.0 * (LEFT - 0.12)
 """Distance of the laws' names from the first column [points]."""
@@ -66,7 +66,7 @@ UNBOUNDED: Final = Style(LIMIT, 0.0, marker="^", size=5.0)
 
 
 def figure(compared: Sequence[Compared]) -> Figure:
-    """The comparison, a row a law; what no law of a family can do is said below."""
+    """The comparison, one row per law; families that cannot do the task are listed below."""
     drawn = [(entry, entry.law) for entry in compared if entry.law is not None]
     left_out = [entry for entry in compared if entry.law is None]
     rows = max(1, len(drawn))
@@ -117,11 +117,11 @@ def _title(task: str) -> str:
 
 
 def _marks(entry: Compared, law: Law) -> list[list[Mark]]:
-    """What stands in the panels of one law."""
+    """The marks in the panels of one law."""
     pieces = [_piece(law, index) for index in range(len(law.regions))]
     z = np.concatenate([piece[0] for piece in pieces])
     curves = [np.concatenate([piece[1][order] for piece in pieces]) for order in range(4)]
-    # What the law joins at a rest or a constant velocity, where the task says what that is.
+    # The rest or constant velocity that the law joins, where the task states it.
     before, after = (_neighbour(law, at_end=at_end) for at_end in (False, True))
     borders = [place for place in (0.0, *law.borders, 1.0) if place != law.inflection]
     rules = [Rule("x", place, BORDER) for place in borders]
@@ -147,7 +147,7 @@ def _marks(entry: Compared, law: Law) -> list[list[Mark]]:
 
 
 def _piece(law: Law, index: int) -> tuple[FloatArray, tuple[FloatArray, ...]]:
-    """z and f', f'', f''', f' f'' of a region, from inside at both ends: jumps stay jumps."""
+    """z and f', f'', f''', f' f'' of a region, one-sided at both ends: jumps stay jumps."""
     region = law.regions[index]
     z = np.unique(np.append(np.linspace(region.start, region.end, SAMPLES), region.places))
     _, f1, f2, f3 = region.values(z)
@@ -155,14 +155,14 @@ def _piece(law: Law, index: int) -> tuple[FloatArray, tuple[FloatArray, ...]]:
 
 
 def _neighbour(law: Law, *, at_end: bool) -> tuple[float, ...] | None:
-    """f', f'', f''', f' f'' of what the task joins to the law there; None if that is not known."""
+    """f', f'', f''', f' f'' of what the task joins to the law there; None if unknown."""
     kind = ends_of(law.task)[at_end]
     end = law.end if at_end else law.start
     return {"R": (0.0, 0.0, 0.0, 0.0), "G": (end.velocity, 0.0, 0.0, 0.0)}.get(kind)
 
 
 def _value(entry: Compared, quantity: str, name: str) -> list[Mark]:
-    """A dot at a characteristic value, and the value in the panel's upper or lower edge."""
+    """A dot at a characteristic value, and the value at the panel's upper or lower edge."""
     value = entry.bounded(quantity)
     first = not name.endswith("*")
     marks: list[Mark] = []
@@ -172,8 +172,8 @@ def _value(entry: Compared, quantity: str, name: str) -> list[Mark]:
         dot = over([getattr(entry.values, quantity).place], [value])
         marks.append(Line(dot, EXTREME, layer=3.0))
         text = f"{name} = {value + 0.0:.4g}".replace("-", "−")
-    told = Text(text, (0.97, 0.95), 7.0, "panel", across="right", up="top", box=Box(0.8, 0.85))
-    return [*marks, told if first else replace(told, at=(0.97, 0.05), up="bottom")]
+    label = Text(text, (0.97, 0.95), 7.0, "panel", across="right", up="top", box=Box(0.8, 0.85))
+    return [*marks, label if first else replace(label, at=(0.97, 0.05), up="bottom")]
 
 
 def _unbounded(entry: Compared, heading: str) -> list[Mark]:
@@ -184,12 +184,12 @@ def _unbounded(entry: Compared, heading: str) -> list[Mark]:
 
 
 def _name(entry: Compared, law: Law) -> str:
-    """Name and parameters of the law, and its faults, a line each."""
+    """Name and parameters of the law, and its faults, one per line."""
     symbols = {"inflection": "λ", "curved": "c", "sine": "b", "cosine": "d"}
-    told = [f"{symbols.get(key, key)} = {value:.4g}" for key, value in law.parameters.items()]
+    shown = [f"{symbols.get(key, key)} = {value:.4g}" for key, value in law.parameters.items()]
     lines = [entry.name]
-    wide = 1 if len(told) < 4 else 2
-    lines += [", ".join(told[first : first + wide]) for first in range(0, len(told), wide)]
+    wide = 1 if len(shown) < 4 else 2
+    lines += [", ".join(shown[first : first + wide]) for first in range(0, len(shown), wide)]
     for word, places in (("shock", entry.shocks), ("jerk", entry.jerks)):
         if places:
             noun = word if len(places) == 1 else f"{word}s"

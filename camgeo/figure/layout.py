@@ -1,4 +1,4 @@
-"""Where panels stand in a figure, and the limits of axes that hold what is drawn."""
+"""Positions of panels in a figure, and the limits of axes that contain what is drawn."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ Margins = tuple[float, float, float, float]
 """Left, right, upper and lower margin of a figure [inch]."""
 
 MARGIN = 0.05
-"""Free beyond what is drawn, as a share of its range."""
+"""Space left free beyond what is drawn, as a fraction of its range."""
 
 FLAT = 1e-15
-"""A range that is a smaller part of its values than this is none."""
+"""A range that is a smaller fraction of its values than this counts as zero."""
 
 
 def grid(
@@ -36,7 +36,7 @@ def grid(
 
     Parameters
     ----------
-    gaps : between two rows and between two columns, as shares of a panel.
+    gaps : between two rows and between two columns, as fractions of a panel.
     """
     (width, height), (left, right, top, bottom) = size, margins
     first, last = left / width, 1.0 - right / width
@@ -51,7 +51,7 @@ def grid(
 
 
 def box(left: float, bottom: float, width: float, height: float) -> Frame:
-    """The frame of that width and height, all as shares of the figure."""
+    """The frame of that width and height, all as fractions of the figure."""
     return left, bottom, left + width, bottom + height
 
 
@@ -79,7 +79,7 @@ class Strips:
         )
 
     def words(self, height: float, marks: list[Mark]) -> Panel:
-        """A strip without axes, over one turn in degrees, its height 1."""
+        """A strip without axes, over one turn in degrees, of height 1."""
         x, y = Axis((0.0, 360.0)), Axis((0.0, 1.0))
         return Panel(self.frame(height), x, y, tuple(marks), bare=True)
 
@@ -93,13 +93,13 @@ def _steps(length: float, count: int, gap: float) -> list[tuple[float, float]]:
     """Where each of `count` equal parts of `length` begins and ends."""
     part = length / (count + gap * (count - 1))
     between = gap * part
-    part = part * count / count  # keeps the last digits, which names inside the files depend on
+    part = part * count / count  # keeps the last digits, on which names inside the files depend
     edges = np.cumsum([0.0, part, *[between, part] * (count - 1)])
     return [(float(a), float(b)) for a, b in edges.reshape(-1, 2)]
 
 
 def rooms(width: float, heights: Sequence[float]) -> list[Size]:
-    """What each of several rows of one page has room for: their `heights` [inch] but for rounding.
+    """The space for each of several rows of one page: their `heights` [inch] up to rounding.
 
     Rounded as matplotlib does when it divides a page of 100 dots per inch: names inside SVG files
     depend on the last digits of where panels are.
@@ -113,9 +113,9 @@ def rooms(width: float, heights: Sequence[float]) -> list[Size]:
 def limits(
     drawn: Iterable[ArrayLike], rules: Iterable[float] = (), margin: float = MARGIN
 ) -> tuple[float, float]:
-    """Limits of an axis that hold all values of `drawn`, with a margin.
+    """Limits of an axis that contain all values of `drawn`, with a margin.
 
-    The `rules` are seen too: one that the margin holds takes no further room.
+    The `rules` are visible too: one within the margin takes no further room.
     """
     held = _values(drawn)
     low, high = _widened(held, margin)
@@ -154,11 +154,11 @@ def log_limits(drawn: Iterable[ArrayLike]) -> tuple[float, float]:
 def round_ticks(
     limits: tuple[float, float], steps: Sequence[float], parts: int
 ) -> tuple[float, ...]:
-    """Multiples of a step within `limits`, the least that makes of them no more than `parts`.
+    """Multiples within `limits` of the smallest step that divides them into at most `parts`.
 
     Parameters
     ----------
-    steps : from 1 to 10 in ascending order, of which a step is one times a power of ten.
+    steps : from 1 to 10 in ascending order; a step is one of them times a power of ten.
     """
     low, high = limits
     least = (high - low) / parts

@@ -1,7 +1,7 @@
-"""What stands in a panel: lines, areas, words, and how each is drawn. Nothing here draws.
+"""The contents of a panel: lines, areas, text, and how each is drawn. Nothing here draws.
 
-Coordinates are those of the panel's axes unless a mark says otherwise, widths and sizes of text and
-markers are points, colours as in HTML. NaN in a line or a band is a gap.
+Coordinates are those of the panel's axes unless a mark states otherwise; widths and sizes of text
+and markers are in points, colours as in HTML. NaN in a line or a band is a gap.
 """
 
 from __future__ import annotations
@@ -23,9 +23,9 @@ class Style:
 
     Attributes
     ----------
-    color : of the line, and of the markers where they have none of their own.
+    color : of the line, and of the markers unless they have their own.
     width : of the line; 0 for markers alone.
-    dashes : lengths on and off in turn, in widths of the line; none for a solid line.
+    dashes : alternating lengths on and off, in line widths; empty for a solid line.
     marker : "o" round, "s" square, "D" on a corner, "^" "v" "<" triangle, "P" "X" cross, "*" star,
         "+" "x" thin cross; "" for none.
     size, face, edge, edge_width : of the markers.
@@ -62,7 +62,7 @@ class Line:
 
     Attributes
     ----------
-    layer : marks of a higher one are drawn over those of a lower one, in one layer the later ones.
+    layer : marks of higher layers are drawn on top, within a layer later ones.
     clipped : whether it ends at the panel's edges.
     """
 
@@ -75,7 +75,7 @@ class Line:
 
 @dataclass(frozen=True, slots=True)
 class Rule:
-    """A straight line all across the panel, where the `axis` has the value `at`."""
+    """A straight line across the whole panel, where the `axis` has the value `at`."""
 
     axis: Literal["x", "y"]
     at: float
@@ -104,7 +104,7 @@ class Band:
 class Area:
     """The area inside closed rings, each (n, 2): the first the outermost, the others its holes.
 
-    `closed` is false where the edge is drawn open, from the first to the last point.
+    `closed` is false if the edge is drawn open, from the first to the last point.
     """
 
     rings: tuple[FloatArray, ...]
@@ -140,7 +140,7 @@ class Field:
 
     Attributes
     ----------
-    within : only there.
+    within : only inside this.
     """
 
     x: FloatArray
@@ -158,7 +158,7 @@ class Field:
 
 @dataclass(frozen=True, slots=True)
 class Box:
-    """What stands behind words, so that they can be read on lines: `pad` as it is meant there."""
+    """The box behind a text, so that it can be read on top of lines; `pad` as in matplotlib."""
 
     pad: float
     opacity: float = 1.0
@@ -167,15 +167,15 @@ class Box:
 
 @dataclass(frozen=True, slots=True)
 class Text:
-    r"""Words.
+    r"""A text.
 
     Attributes
     ----------
-    text : lines parted by "\n"; letters between "$_" and "$" are lowered, as TeX has it.
-    at : place, as shares of the panel or figure from the lower left if not of the axes.
-    offset : from there to where the words stand [points].
-    across, up : which part of the words stands there.
-    spacing : of lines, in sizes of the text; None as the font has it.
+    text : lines separated by "\n"; letters between "$_" and "$" are subscripts, as in TeX.
+    at : place, as fractions of the panel or figure from the lower left if not of the axes.
+    offset : from there to the text [points].
+    across, up : which part of the text is placed there.
+    spacing : of lines, in sizes of the text; None for the font's own.
     """
 
     text: str

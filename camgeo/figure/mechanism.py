@@ -21,7 +21,7 @@ SAGITTA = 1e-4
 """Chords of the picture, relative to the base radius: far below a printed line."""
 
 COARSE = 1e-2
-"""Tolerance of the outline by which the picture's room is found, relative to the base radius."""
+"""Tolerance of the outline that sets the picture's extent, relative to the base radius."""
 
 LINK = Style("black", 1.8, cap="round")
 FACE = Style("black", 3.0, cap="butt")
@@ -29,16 +29,16 @@ THIN = Style("black", 1.0)
 BODY = Fill("white", "black", 1.2)
 
 JOINT = 0.012
-"""Radius of a joint, as a share of the root of the picture's area."""
+"""Radius of a joint, as a fraction of the square root of the picture's area."""
 
 HATCHES = 5
-"""Strokes that mark a fixed body."""
+"""Number of strokes that mark a fixed body."""
 
 ROOM = 0.07
-"""Room around what is drawn, as a share of its size."""
+"""Room around what is drawn, as a fraction of its size."""
 
 WIDTH = 10.0
-"""Of the picture [inch]."""
+"""Width of the picture [inch]."""
 
 HEIGHTS = (2.5, 9.0)
 """Least and greatest height of the two panes [inch]."""
@@ -47,11 +47,11 @@ HEAD = 0.75
 """Room for the titles [inch]."""
 
 EDGE = 0.15
-"""Room beside the panes and between them [inch]."""
+"""Room next to the panes and between them [inch]."""
 
 
 def figure(product: Product, size: Size | None = None) -> Figure:
-    """The mechanism twice, both to one scale; the panes as high as what is in them."""
+    """The mechanism twice, both to the same scale; the panes as high as their contents."""
     parts = _parts(product)
     sketches = [
         (phi, product.pictured.mechanism_sketch(phi)) for phi in (0.0, product.cam.drive.far_angle)
@@ -104,7 +104,7 @@ def _window(
 
 
 def _parts(product: Product) -> tuple[Part, ...]:
-    """The disc and, of a pair, the return disc; none if one cannot be made or its bore not fit."""
+    """The disc and, of a pair, the return disc; none if one or its bore is impossible."""
     try:
         return tuple(each.drawn.part for each in product.discs)
     except CamgeoError:
@@ -130,7 +130,7 @@ def _circle(centre: complex, radius: float, layer: float = 6.0) -> Mark:
 
 
 def _guide(guide: Guide, joint: float) -> list[Mark]:
-    """Two bars, hatched on the outside, beside a rod or a block."""
+    """Two bars, hatched on the outside, on both sides of a rod or a block."""
     along, across = guide.direction * joint, 1j * guide.direction * joint
     marks: list[Mark] = []
     if guide.block:

@@ -1,7 +1,7 @@
-"""A figure as data: panels with axes and marks, words and a legend.
+"""A figure as data: panels with axes and marks, text and a legend.
 
-Everything that is shown is decided here: limits, ticks, words, order. What draws it, matplotlib
-or a browser, chooses no more than how to write a number at a tick, and where a legend covers least.
+Everything shown is decided here: limits, ticks, text, order. A renderer, matplotlib or a browser,
+only chooses how to write a number at a tick, and where a legend covers least.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ import numpy as np
 from camgeo.figure.marks import Area, Band, Field, Fill, Line, Mark, Point, Rule, Style, Text
 
 Frame = tuple[float, float, float, float]
-"""Left, lower, right and upper edge, as shares of a figure from its lower left corner."""
+"""Left, lower, right and upper edge, as fractions of a figure from its lower left corner."""
 
 
 Corner = Literal["best", "upper left", "upper center", "upper right", "lower left", "lower center"]
@@ -27,12 +27,12 @@ class Axis:
 
     Attributes
     ----------
-    limits : of what is shown; the greater one first if the axis runs backwards.
+    limits : of what is shown; the greater one first if the axis is reversed.
     log : whether its scale is logarithmic.
-    ticks, names : where ticks are and what stands there; None for round numbers.
-    numbered : whether anything stands at the ticks.
-    powers : numbers at the ticks have a power of ten in common if theirs is not between these two.
-    label_place : distance of the label from the panel [inch]; None beside the numbers.
+    ticks, names : positions of ticks and their labels; None for round numbers.
+    numbered : whether the ticks have labels.
+    powers : numbers at the ticks share a power of ten if theirs is not between these two.
+    label_place : distance of the label from the panel [inch]; None for next to the numbers.
     """
 
     limits: tuple[float, float]
@@ -48,7 +48,7 @@ class Axis:
 
 @dataclass(frozen=True, slots=True)
 class Entry:
-    """One name in a legend, and how what it names is drawn."""
+    """One name in a legend, with the style of what it names."""
 
     label: str
     style: Style | Fill
@@ -60,8 +60,8 @@ class Legend:
 
     Attributes
     ----------
-    place : which part of it stands at `anchor`; "best" where it covers least.
-    anchor : shares of the panel or figure; None in the corner or at the edge named by `place`.
+    place : which part of it is at `anchor`; "best" where it covers least.
+    anchor : fractions of the panel or figure; None in the corner or at the edge named by `place`.
     gap, pad, spacing : between it and the anchor, inside its frame and between names, in sizes of
         the text.
     """
@@ -84,8 +84,8 @@ class Panel:
     ----------
     title_size, title_gap : of the title, and its distance from the frame [points].
     right, above : further scales of the same frame.
-    equal : whether a unit is as long upwards as across; then the frame is made smaller to fit.
-    bare : whether marks are all that is drawn, neither frame nor axes.
+    equal : whether a unit is equally long on both axes; then the frame shrinks to fit.
+    bare : whether only marks are drawn, neither frame nor axes.
     """
 
     frame: Frame
@@ -104,7 +104,7 @@ class Panel:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Inset:
-    """A panel in a panel, which shows a part of it enlarged.
+    """A panel within a panel, which shows part of it enlarged.
 
     Attributes
     ----------
@@ -127,8 +127,8 @@ class Figure:
     Attributes
     ----------
     size : width and height [inch].
-    aligned : whether the labels of the vertical axes stand in a line.
-    rows : figures of one width, from the top; then nothing else is in it.
+    aligned : whether the labels of the vertical axes are aligned.
+    rows : figures of equal width, from the top; then the figure holds nothing else.
     """
 
     size: tuple[float, float]
@@ -145,7 +145,7 @@ class Figure:
 
 
 def entries(marks: Iterable[Mark]) -> tuple[Entry, ...]:
-    """Of each mark that has a label."""
+    """One for each mark that has a label."""
     named = (mark for mark in marks if isinstance(mark, Line | Rule | Band | Area | Field))
     return tuple(Entry(mark.label, mark.style) for mark in named if mark.label)
 

@@ -1,8 +1,8 @@
 """Motion plan and motion diagram (VDI 2143-1, section 3) over the cam angle.
 
-The plan (Bewegungsplan) shows what is asked: joints, numbered, with their motion tasks, and the law
-of each segment. The diagram (Bewegungsdiagramm) below shows what the follower does: lift and three
-derivatives. With a linkage the plan is the slider's, the diagram the follower's.
+The plan (Bewegungsplan) shows the requirements: joints, numbered, with their motion tasks, and the
+law of each segment. The diagram (Bewegungsdiagramm) below shows what the follower does: lift and
+three derivatives. With a linkage the plan is the slider's, the diagram the follower's.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ SECOND_SCALE: Final = 0.75
 """Right margin [inch] with a second scale."""
 
 ANGLES: Final = {"lever": "χ", "crank": "θ"}
-"""Symbols of demanded angles that are not the follower's own."""
+"""Symbols of prescribed angles that are not the follower's own."""
 
 NAMES: Final = (
     (plan.REST, "dwell"),
@@ -48,7 +48,7 @@ def figure(product: Product, size: Size = SIZE) -> Figure:
 def of_drive(
     name: str, length: LengthUnit, drive: Drive, lift_unit: LiftUnit, size: Size = SIZE
 ) -> Figure:
-    """The same of the design `name` without any cam.
+    """The same for the design `name` without any cam.
 
     Parameters
     ----------

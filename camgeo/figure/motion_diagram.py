@@ -32,19 +32,19 @@ NAME_PLACE: Final = 0.6
 """Distance [inch] of the names of the vertical axes to the left of them."""
 
 SECOND_PLACE: Final = 0.09
-"""That of the names of the second scales, as a share of the width."""
+"""Distance of the names of the second scales, as a fraction of the width."""
 
 SMALL: Final = 7.5
 """Size of the text of plan and diagram [points]."""
 
 HEADROOM: Final = 0.28
-"""Above the curve of a panel, as a share of its range: room for the extremes."""
+"""Space above the curve of a panel for the extremes, as a fraction of its range."""
 
 CLOSER: Final = 101
-"""Points between two neighbours of an extreme: a half-degree in steps of 0.005 degrees."""
+"""Points between two neighbours of an extreme: half a degree in steps of 0.005 degrees."""
 
 SAME: Final = 1e-10
-"""Values that differ by less than this part of the largest are the same extreme."""
+"""Values that differ by less than this fraction of the largest are the same extreme."""
 
 INFINITE: Final = Style(LIMIT, 0.0, marker="^", size=5.5)
 
@@ -54,7 +54,7 @@ ValuesAt = Callable[[FloatArray], FloatArray]
 
 @dataclass(frozen=True, slots=True)
 class Unit:
-    """How a length or angle is written: its unit, symbol, and how many of it are in 1 mm or rad."""
+    """How a length or angle is written: its unit, symbol, and units per mm or rad."""
 
     name: str
     symbol: str
@@ -77,7 +77,7 @@ def panels(strips: Strips, drive: Drive, unit: Unit, speed: float | None) -> lis
         values = values_at(phi)
         low, high = limits([values, 0.0])
         shown = low, high + HEADROOM * (high - low)
-        # From the value at the end of the turn: a jump at cam angle 0 is one like the others.
+        # From the value at the end of the turn: a jump at cam angle 0 is drawn like the others.
         curve = over([0.0, *np.degrees(phi)], [values[-1], *values])
         infinite = [math.degrees(angle) for angle in infinite_at(drive, order)]
         marks: list[Mark] = [ZERO, Line(curve, CURVE), *joint_marks(places)]
@@ -102,24 +102,24 @@ def panels(strips: Strips, drive: Drive, unit: Unit, speed: float | None) -> lis
 
 
 def infinite_at(drive: Drive, order: int) -> list[float]:
-    """Cam angles [rad] at which the derivative is infinite for a lower one jumps."""
+    """Cam angles [rad] at which the derivative is infinite because a lower one jumps."""
     return [joint.cam_angle for joint in breaks(drive.plan) if joint.order + 1 < order]
 
 
 def number(value: float) -> str:
-    """Four digits, all of them before the point if there are more."""
+    """Four digits, or all digits before the point if there are more."""
     text = f"{value:.0f}" if 1e3 <= abs(value) < 1e7 else f"{value + 0.0:.4g}"
     return text.replace("-", "−")
 
 
 def _extremes(values_at: ValuesAt, phi: FloatArray) -> Text:
-    """Largest and smallest value, with their first places, to the digits that are written.
+    """Largest and smallest value with the first place of each, to the digits written.
 
-    They are looked for between the neighbours of the largest of the drawn points.
+    They are searched for between the neighbours of the largest of the drawn points.
     """
     values = values_at(phi)
     size = float(np.max(np.abs(values)))
-    told = []
+    lines = []
     for word, sign in (("max", 1.0), ("min", -1.0)):
         index = int(np.argmax(sign * values))
         around = slice(max(index - 1, 0), index + 2)
@@ -129,9 +129,9 @@ def _extremes(values_at: ValuesAt, phi: FloatArray) -> Text:
         found = values_at(closer)
         extreme = float(np.max(sign * found)) * sign
         first = np.argmax(np.abs(found - extreme) <= SAME * size)
-        told.append(f"{word} {number(extreme)} at {math.degrees(closer[first]):.1f}°")
+        lines.append(f"{word} {number(extreme)} at {math.degrees(closer[first]):.1f}°")
     return Text(
-        ",  ".join(told), (0.99, 0.95), SMALL, "panel", across="right", up="top", box=Box(1.0)
+        ",  ".join(lines), (0.99, 0.95), SMALL, "panel", across="right", up="top", box=Box(1.0)
     )
 
 

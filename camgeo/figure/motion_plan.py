@@ -1,4 +1,4 @@
-"""The motion plan: what is asked of each segment, and what meets at each joint."""
+"""The motion plan: what each segment requires, and what meets at each joint."""
 
 from __future__ import annotations
 
@@ -22,16 +22,16 @@ NUMBERS, CLASSES = 0.26, 0.36
 """Heights [inch] of the strips above and below the plan."""
 
 BAND: Final = 0.5
-"""Height [inch] of the laws' names while they are written across."""
+"""Height [inch] of the laws' names when written across."""
 
 LETTER: Final = 0.062
-"""Width [inch] of a letter of the laws' names, generously."""
+"""Width [inch] of a letter of the laws' names, a generous estimate."""
 
 TURNED_GAP, NUMBER_GAP, LETTERS_GAP, CLASS_GAP = 0.15, 0.2, 0.3, 0.4
 """Least distances [inch] of names written upwards, of numbers, of tasks, of tasks with angles."""
 
 FARTHEST: Final = 0.4
-"""A task with its angle that came to stand farther [inch] from its joint would mislead."""
+"""Largest distance [inch] of a task with its angle from its joint; farther off would mislead."""
 
 TICK_GAP: Final = 0.17
 """Least distance [inch] of the numbers on the plan's vertical axis."""
@@ -54,9 +54,9 @@ class PlanSegment:
     ----------
     start, end : cam angles [rad] in [0, 2 pi].
     label : name of its motion law; "dwell", or "data" for a motion by data.
-    style : how it is drawn: REST, MOVE or DATA.
+    style : of the drawing: REST, MOVE or DATA.
     course : (n, 2) cam angles [rad] and positions [unit of the plan] of a motion by data, which is
-        asked for as a whole; None for the others.
+        prescribed as a whole; None for the others.
     """
 
     start: float
@@ -73,7 +73,7 @@ class PlanSketch:
     Attributes
     ----------
     joints : of the plan, as many as segments: joint k is where segment k begins.
-    segments : by ascending cam angle, without those of no length.
+    segments : by ascending cam angle, without those of zero length.
     """
 
     joints: tuple[Joint, ...]
@@ -97,7 +97,7 @@ def _segment(plan: MotionPlan, segment: Segment, start: float, end: float) -> Pl
 
 
 def panels(strips: Strips, sketch: PlanSketch, unit: Unit, below: float) -> list[Panel]:
-    """The plan between its strips of words, with `below` [inch] left over under it."""
+    """The plan between its strips of text, with `below` [inch] free under it."""
     names = _names(sketch, strips.across)
     band = max(BAND, *(LETTER * len(name.text) + 0.2 for name in names if name.turned), 0.0)
     return [
@@ -110,7 +110,7 @@ def panels(strips: Strips, sketch: PlanSketch, unit: Unit, below: float) -> list
 
 @dataclass(frozen=True, slots=True)
 class _Name:
-    """Text of a segment: at which angle [degrees] it is written, across or upwards."""
+    """Text of a segment: its cam angle [degrees], and whether it is written upwards."""
 
     text: str
     place: float
@@ -132,7 +132,7 @@ def _names(sketch: PlanSketch, across: float) -> list[_Name]:
     places = middles.copy()
     places[turned] = spread(middles[turned], gap, 0.0, 360.0)
     if np.any(np.abs(places - middles) > halves):
-        # Some would come to lie under their neighbours' names.
+        # Some would be hidden by their neighbours' names.
         turned[:] = True
         places = spread(middles, gap, 0.0, 360.0)
     return [
@@ -144,19 +144,19 @@ def _names(sketch: PlanSketch, across: float) -> list[_Name]:
 
 
 def _tasks(sketch: PlanSketch) -> list[str]:
-    """Motion task of each segment, as its ends are."""
+    """Motion task of each segment, from its ends."""
     following = (*sketch.joints[1:], *sketch.joints[:1])
     return [f"{a.after}-{b.before}" for a, b in zip(sketch.joints, following, strict=True)]
 
 
 def _wrapped(label: str) -> list[str]:
-    """A law's name in lines, broken behind its hyphens."""
+    """A law's name in lines, broken after its hyphens."""
     parts = label.split("-")
     return [f"{part}-" for part in parts[:-1]] + parts[-1:]
 
 
 def spread(places: FloatArray, gap: float, low: float, high: float) -> FloatArray:
-    """`places` (n,), ascending, moved as little as may be until all are `gap` apart.
+    """`places` (n,), ascending, moved as little as possible until all are `gap` apart.
 
     Least squares, by merging neighbours that are too close; inside [low, high], closer than `gap`
     where there is no room.
@@ -226,15 +226,15 @@ def _plan(strips: Strips, sketch: PlanSketch, unit: Unit, height: float) -> Pane
     room = 0.15 * (high - low) or 1.0
     levels = np.unique(np.round(positions, 9))
     apart = np.min(np.diff(levels), initial=math.inf) / (high - low + 2.0 * room) * height
-    told = bool(apart > TICK_GAP) and len(extent) == 1
+    at_levels = bool(apart > TICK_GAP) and len(extent) == 1
     return Panel(
         strips.frame(height),
         turn_axis(numbered=False),
         Axis(
             (low - room, high + room),
             f"{unit.symbol} [{unit.name}]",
-            ticks=tuple(map(float, levels)) if told else None,
-            names=tuple(map(number, levels)) if told else None,
+            ticks=tuple(map(float, levels)) if at_levels else None,
+            names=tuple(map(number, levels)) if at_levels else None,
             label_place=NAME_PLACE,
         ),
         (*marks, *joint_marks(tuple(joint.cam_angle for joint in sketch.joints))),

@@ -1,4 +1,4 @@
-"""The plots of a design by their names, and several of them one above the other."""
+"""The plots of a design by name, and several of them one above the other."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ GROUP = "camgeo.plots"
 
 
 class Builder(Protocol):
-    """Makes a figure of a design: of its own size, or of that which a page has room for."""
+    """Makes a figure of a design: of its own size, or of the size available on a page."""
 
     def __call__(self, product: Product, size: Size = ..., /) -> Figure: ...
 
@@ -31,16 +31,16 @@ OWN = {
     "transmission-angle": "diagrams:transmission_angle",
     "effects": "effects:figure",
 }
-"""Each with its module in this package and its builder there."""
+"""Each plot with its module in this package and its builder there."""
 
 
 def names() -> list[str]:
-    """Of all plots, own and others, in alphabetical order."""
+    """Names of all plots, ours and others, in alphabetical order."""
     return sorted({*OWN, *entry_points(group=GROUP).names})
 
 
 def find(name: str) -> Builder:
-    """The plot of that name; raises KeyError with the names there are."""
+    """The plot of that name; raises KeyError with the available names."""
     if name in OWN:
         module, _, builder = OWN[name].partition(":")
         own: Builder = getattr(import_module(f"camgeo.figure.{module}"), builder)
@@ -49,8 +49,8 @@ def find(name: str) -> Builder:
         other: Builder = entry.load()
         return other
     hint = meant(name, names())
-    told = f"no plot {name!r}; there are {', '.join(names())}"
-    raise KeyError(f"{told}; {hint}" if hint else told)
+    message = f"no plot {name!r}; there are {', '.join(names())}"
+    raise KeyError(f"{message}; {hint}" if hint else message)
 
 
 def stacked(product: Product, wanted: Sequence[str]) -> Figure:

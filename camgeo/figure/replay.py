@@ -24,25 +24,25 @@ LOST: Final = Fill(LIMIT, LIMIT, 0.0, opacity=0.35)
 SHOCK: Final = Style(LIMIT, 0.0, marker="^", size=3.5)
 
 FOOT: Final = 0.03
-"""Where shocks are marked, as a share of the panel's height."""
+"""Where shocks are marked, as a fraction of the panel's height."""
 
 MOST: Final = 3.0
-"""The acceleration is drawn up to so many times its demanded peak: beyond that a corner's spike
-would flatten all else."""
+"""The acceleration is drawn up to this multiple of its prescribed peak: a corner's spike beyond it
+would flatten everything else."""
 
 SHARE: Final = 0.05
-"""Lost stroke below this share of the lift's range is too thin to be seen as an area."""
+"""Lost stroke below this fraction of the lift's range is too thin to be visible as an area."""
 
 
 def figure(
     replay: Replay, *, title: str, unit: str, scale: float, joints: tuple[float, ...]
 ) -> Figure:
-    """The lift and two derivatives, demanded and actual.
+    """The lift and two derivatives, prescribed and actual.
 
     Parameters
     ----------
-    unit, scale : in which the lift is drawn, and how many of it are in 1 mm or rad.
-    joints : cam angles [rad] to be marked.
+    unit, scale : of the drawn lift, and units per mm or rad.
+    joints : cam angles [rad] to mark.
     """
     unit = "°" if unit == "deg" else unit
     panels = []
@@ -82,18 +82,18 @@ def _panel(
     if order == 0:
         loss = replay.largest_loss.value * scale
         marks += _lost(replay, phi, demanded, actual)
-        marks.append(_told(f"lost stroke up to {loss:.3g} {unit}"))
+        marks.append(_note(f"lost stroke up to {loss:.3g} {unit}"))
     elif order == 1 and len(replay.shocks):
         count = len(replay.shocks.phi)
         foot = shown[0] + FOOT * (shown[1] - shown[0])
         places = over(np.degrees(replay.shocks.phi), np.full(count, foot))
         marks.append(Line(places, SHOCK, "shock"))
-        marks.append(_told("1 shock" if count == 1 else f"{count} shocks"))
+        marks.append(_note("1 shock" if count == 1 else f"{count} shocks"))
     elif order == 2:
         if replay.ripple is not None:
             share = 100.0 * replay.ripple
             text = f"{share:.0f}" if share >= 100.0 else f"{share:.3g}"
-            marks.append(_told(f"ripple {text} % of the demanded peak"))
+            marks.append(_note(f"ripple {text} % of the demanded peak"))
         peak = replay.demanded_acceleration * scale
         if peak > 0.0 and float(np.max(np.abs(actual[seen]))) > MOST * peak:
             shown = -MOST * peak, MOST * peak  # keeps spikes from flattening the curve
@@ -108,5 +108,5 @@ def _lost(replay: Replay, phi: FloatArray, demanded: FloatArray, actual: FloatAr
     return [Band("x", phi, low, high, LOST, "lost stroke")]
 
 
-def _told(text: str) -> Text:
+def _note(text: str) -> Text:
     return Text(text, (0.99, 0.94), 8.0, "panel", across="right", up="top", box=Box(1.0))

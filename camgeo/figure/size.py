@@ -1,6 +1,7 @@
 """Where the cam axis may lie: the exact region and Flocke's, the present design and the answer.
 
-Drawn as a designer would: the follower in its starting position, the cam axis below or beside it.
+Drawn as a designer would: the follower in its starting position, the cam axis below it or to its
+side.
 """
 
 from __future__ import annotations
@@ -21,13 +22,13 @@ from camgeo.numeric.arrays import FloatArray
 SIZE: Final = (7.4, 7.0)
 ROWS: Final = 401
 CELLS: Final = 141
-"""Of the grid on which the border of the ratio of radii is drawn: a cell is a mm of the picture."""
+"""Grid cells for the limit of the ratio of radii: each is 1 mm of the picture."""
 
 MOST: Final = 3.0
-"""Ratios are drawn up to this many times the largest allowed one; all beyond it is undercut."""
+"""Ratios are drawn up to this multiple of the largest allowed one; beyond it is undercut."""
 
 TOO_BENT: Final = Fill("#f0b8b4", "#f0b8b4")
-"""Of places at which the roller is too large."""
+"""Colour of places at which the roller is too large."""
 
 REGION: Final = Fill("#c9dcee", "#c9dcee", 0.0)
 FLOCKE: Final = Fill(edge=AUXILIARY, width=0.9, hatched=True)

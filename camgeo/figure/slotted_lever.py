@@ -1,7 +1,7 @@
 """Diagram of a slotted lever: phi, omega_2 and eps_2 over one turn of the crank, extremes marked.
 
-A panel a quantity, one under the other: in one panel, as the SAM exercise has them, each would need
-a scale of its own.
+One panel per quantity, one below the other: in a single panel, as in the SAM exercise, each would
+need its own scale.
 """
 
 from __future__ import annotations
@@ -23,16 +23,16 @@ LEFT, RIGHT, TOP, BOTTOM = 0.85, 0.3, 0.85, 0.55
 """Sizes [inch]."""
 
 DEGREE_STEPS: Final = (1.0, 1.5, 3.0, 4.5, 6.0, 9.0, 10.0)
-"""Between ticks of an angle, times a power of ten: 15, 30, 45, 60, 90 degrees."""
+"""Steps between ticks of an angle, times a power of ten: 15, 30, 45, 60, 90 degrees."""
 
 MOST_TICKS: Final = 7
-"""Parts into which the ticks of an angle divide the axis, at most."""
+"""Most parts into which the ticks of an angle divide the axis."""
 
 POWERS: Final = (-3, 4)
-"""Of ten: numbers at the ticks beyond these have the power in common, so that they fit."""
+"""Powers of ten: numbers at the ticks beyond these share the power, so that they fit."""
 
 HEADROOM: Final = 0.18
-"""Above and below a curve, as a share of its range: room for the values."""
+"""Space above and below a curve for the values, as a fraction of its range."""
 
 PANELS: Final[tuple[tuple[Quantity, str, str], ...]] = (
     ("phi", "lever angle φ", "°"),
@@ -47,7 +47,7 @@ STROKE: Final = Style(AUXILIARY, 0.8, (5.0, 2.0))
 
 
 def figure(driven: DrivenLever) -> Figure:
-    """A panel a quantity, with the extremes as dots and their values beside them."""
+    """One panel per quantity, with the extremes as dots and their values next to them."""
     size = WIDTH, HEIGHT
     theta = crank_angles(driven)
     strokes = [
@@ -88,9 +88,9 @@ def figure(driven: DrivenLever) -> Figure:
 def crank_angles(driven: DrivenLever) -> FloatArray:
     """Crank angles of the curves within one turn [rad], ascending.
 
-    Dense where the pin passes near the lever's axis: there all happens within about the angle at
-    which the acceleration is largest, which may be far less than the step elsewhere. For R = a
-    without the ends, where phi is undefined.
+    Dense where the pin passes near the lever's axis: there everything changes within about the
+    angle at which the acceleration is largest, which may be far less than the step elsewhere. For
+    R = a without the ends, where phi is undefined.
     """
     even = np.linspace(0.0, TURN, SAMPLES)
     if not driven.extremes:
@@ -105,15 +105,15 @@ def crank_angles(driven: DrivenLever) -> FloatArray:
 def _marked(extreme: LeverExtreme, scale: float, unit: str) -> list[Mark]:
     """A dot at the extreme, its value and its crank angle outside the curve."""
     place, value = float(np.degrees(extreme.crank)), scale * extreme.value
-    places = [place, 360.0] if place == 0.0 else [place]  # one turn on the same extreme again
-    told = f"{value + 0.0:.5g}".replace("-", "−")
+    places = [place, 360.0] if place == 0.0 else [place]  # the same extreme again, one turn later
+    number = f"{value + 0.0:.5g}".replace("-", "−")
     space = "" if unit == "°" else " "
     left = place <= 180.0
     inside = 60.0 < place < 300.0
     return [
         Line(over(places, [value] * len(places)), EXTREME, layer=3.0, clipped=False),
         Text(
-            f"{told}{space}{unit} at {place:.4g}°",
+            f"{number}{space}{unit} at {place:.4g}°",
             (place, value),
             8.0,
             offset=(0.0 if inside else 7.0 if left else -7.0, 6.0 if extreme.largest else -6.0),

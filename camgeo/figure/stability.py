@@ -1,7 +1,7 @@
-"""Error against conditioning, a point for each quantity of each case of the stability suite.
+"""Error against conditioning, one point per quantity of each case of the stability suite.
 
-Both in ulp on logarithmic axes. On the diagonal an error is what half an ulp of the inputs does;
-left of 1 ulp the least that a double can be wrong by takes its place.
+Both in ulp on logarithmic axes. On the diagonal an error equals the effect of half an ulp of the
+inputs; left of 1 ulp the least possible error of a double replaces it.
 """
 
 from __future__ import annotations
@@ -22,15 +22,15 @@ LEFT, RIGHT, TOP, BOTTOM = 0.75, 2.75, 0.5, 0.6
 """Sizes [inch]; the legend stands in the right margin."""
 
 LEAST: Final = 0.1
-"""Errors and conditionings below this [ulp], zero among them, are drawn at it."""
+"""Errors and conditionings below this [ulp], zero included, are drawn at it."""
 
 ROOM: Final = 3.0
-"""Factor by which the axes go beyond the points."""
+"""Factor by which the axes extend beyond the points."""
 
 COLOURS: Final = ("#12365c", "#c05a00", "#2e7d32", "#8e24aa", "#6d4c41", "#0097a7", "#9e9d24")
 
 MARKERS: Final = ("o", "s", "^", "D", "v", "P", "X", "<")
-"""Every quantity has a colour and a marker of its own; they differ in shape for prints in grey."""
+"""Every quantity has its own colour and marker; shapes differ for prints in grey."""
 
 
 def figure(readings: Sequence[Reading], limit: float) -> Figure:
@@ -39,7 +39,7 @@ def figure(readings: Sequence[Reading], limit: float) -> Figure:
     Parameters
     ----------
     readings : with finite errors.
-    limit : the largest ratio that is let pass, drawn as a line.
+    limit : the largest ratio that passes, drawn as a line.
     """
     points = []
     for number, quantity in enumerate(dict.fromkeys(reading.quantity for reading in readings)):

@@ -1,6 +1,6 @@
-"""What all our figures share: colours, margins, and a way to say cam angles.
+"""What all our figures share: colours, margins, and axes of cam angle.
 
-Colours differ in lightness too, and kinds of line differ in their dashes, so that a print in grey
+Colours also differ in lightness, and kinds of line differ in their dashes, so that a print in grey
 can be read.
 """
 
@@ -15,7 +15,7 @@ from camgeo.numeric.arrays import FloatArray
 from camgeo.units import TURN
 
 LINE = "#12365c"
-"""Colour of what a figure is about."""
+"""Colour of a figure's subject."""
 
 LIMIT = "#b3261e"
 """Colour of limits; always dashed."""
@@ -28,7 +28,7 @@ CURVE = Style(LINE)
 LIMIT_STYLE = Style(LIMIT, 1.0, (3.7, 1.6))
 
 RETURN_STYLE = Style("#b3541e", 1.4, (6.0, 2.0))
-"""How the return disc of a conjugate pair is drawn over the main disc."""
+"""Style of the return disc of a conjugate pair over the main disc."""
 
 ZERO = Rule("y", 0.0, Style("black", 0.5))
 """The line at zero."""
@@ -58,7 +58,7 @@ def diagram_angles(joints: tuple[float, ...]) -> FloatArray:
 
 
 def turn_axis(*, label: str = "cam angle φ [°]", numbered: bool = True) -> Axis:
-    """The axis of one turn in degrees, with its label if numbers stand there."""
+    """The axis of one turn in degrees, with its label if it has numbers."""
     return Axis((0.0, 360.0), label if numbered else "", ticks=EVERY_30, numbered=numbered)
 
 

@@ -1,4 +1,4 @@
-"""Boundaries of a part: outlines of the flanks, and outlines of lines and arcs by nature."""
+"""Boundaries of a part: outlines of the flanks, and outlines that are exactly lines and arcs."""
 
 from __future__ import annotations
 
@@ -31,13 +31,13 @@ Found = TypeVar("Found", Fit, SplineFit)
 
 @dataclass(frozen=True, slots=True)
 class CurveBoundary(Pickled):
-    """The outline of a flank as boundary, see `camgeo.part.part.Boundary`.
+    """The outline of a flank as a boundary, see `camgeo.part.part.Boundary`.
 
     Attributes
     ----------
     path : the outline.
-    ledger : where its fits are entered.
-    known : the fits that were made, by function and tolerance: several files want the same one.
+    ledger : records its fits.
+    known : the fits already made, by function and tolerance: several files need the same one.
     """
 
     name: str
@@ -53,17 +53,17 @@ class CurveBoundary(Pickled):
         instance("part", self.ledger, Ledger, "a ledger")
 
     def arcs(self, tolerance: float, effort: Effort = "fewest") -> Fit:
-        """Lines and arcs; raises UndercutError if the path is no outline, ToleranceError."""
+        """Lines and arcs; raises ToleranceError, or UndercutError if the path is not an outline."""
         fit = fit_arcs if effort == "fast" else fewest_arcs
         return self._fitted("arcs", fit, tolerance, lambda found: found.contour)
 
     def polyline(self, tolerance: float, effort: Effort = "fewest") -> Fit:
-        """Straight pieces; raises as `arcs`."""
+        """Straight pieces; raises like `arcs`."""
         fit = fit_polyline if effort == "fast" else fewest_chords
         return self._fitted("chords", fit, tolerance, lambda found: found.contour)
 
     def spline(self, tolerance: float, effort: Effort = "fewest") -> SplineFit:
-        """Cubic splines and arcs; raises as `arcs`."""
+        """Cubic splines and arcs; raises like `arcs`."""
         fit = fit_spline if effort == "fast" else fewest_cubics
         return self._fitted(
             "cubics", fit, tolerance, lambda found: arcs_beside(found.contour, tolerance).contour
@@ -76,7 +76,7 @@ class CurveBoundary(Pickled):
         tolerance: float,
         drawn: Callable[[Found], Contour],
     ) -> Found:
-        """The fit, whose contour as lines and arcs, `drawn`, does not cross itself."""
+        """The fit; its contour as lines and arcs, `drawn`, does not cross itself."""
         if (fit, tolerance) not in self.known:
             found = self.ledger.run(f"{what} of {self.name}", lambda: fit(self.path, tolerance))
             require_simple(drawn(found), self.name)
@@ -91,20 +91,20 @@ class CurveBoundary(Pickled):
         return deviation(self.path, contour)
 
     def beside(self, distance: float) -> CurveBoundary:
-        """See `camgeo.part.part.Boundary`; the cutter rolls round corners on arcs."""
+        """See `camgeo.part.part.Boundary`; the cutter rolls around corners on arcs."""
         path = self.path.offset(-distance if self.hole else distance)
         return CurveBoundary(f"path of the cutter along the {self.name}", self.hole, path)
 
 
 @dataclass(frozen=True, slots=True)
 class ExactBoundary:
-    """An outline of lines and arcs as boundary, see `camgeo.part.part.Boundary`.
+    """An outline of lines and arcs as a boundary, see `camgeo.part.part.Boundary`.
 
     Attributes
     ----------
     exact : the outline.
-    core : the circle that a round cutter makes of it, of a bore with keyway; None if that is the
-        whole outline.
+    core : for a bore with keyway, the circle that a round cutter makes; None if that is the whole
+        outline.
     """
 
     name: str
@@ -121,14 +121,14 @@ class ExactBoundary:
 
     @property
     def round_radius(self) -> float:
-        """Radius [mm] of what a round cutter makes of it; GeometryError if that is no circle."""
+        """Radius [mm] of what a round cutter makes; GeometryError if that is not a circle."""
         circle = self.core or self.exact
         if circle.arc_count < len(circle) or np.ptp(circle.centres) != 0.0:
             raise GeometryError(f"the {self.name} is not round", key="part", value=self.name)
         return float(circle.radii[0])
 
     def beside(self, distance: float) -> ExactBoundary:
-        """See `camgeo.part.part.Boundary`; of a round outline or core only."""
+        """See `camgeo.part.part.Boundary`; only for a round outline or core."""
         radius = self.round_radius + (-distance if self.hole else distance)
         positive("part", radius, "mm")
         centre = complex((self.core or self.exact).centres[0])
@@ -136,17 +136,17 @@ class ExactBoundary:
         return ExactBoundary(name, self.hole, Contour.circle(radius, centre))
 
     def arcs(self, tolerance: float, effort: Effort = "fewest") -> Fit:
-        """The outline itself, with either effort."""
+        """The outline itself, at either effort."""
         return Fit(self.exact.counter_clockwise(), 0.0, tolerance)
 
     def polyline(self, tolerance: float, effort: Effort = "fewest") -> Fit:
-        """Straight pieces with their vertices on the outline, or on both sides of it if fewest."""
+        """Straight pieces with vertices on the outline, or on both sides of it for the fewest."""
         chords = chords_of if effort == "fast" else fewest_chords_of
         contour = chords(self.exact, tolerance).counter_clockwise()
         return Fit(contour, distance_between(self.exact, contour), tolerance)
 
     def spline(self, tolerance: float, effort: Effort = "fewest") -> SplineFit:
-        """The outline itself, with either effort: lines and arcs are strands as they are."""
+        """The outline itself, at either effort: lines and arcs already are strands."""
         contour = self.exact.counter_clockwise()
         pieces = zip(
             contour.vertices.tolist(),
@@ -158,7 +158,7 @@ class ExactBoundary:
         return SplineFit(SplineContour(tuple(Arc(*piece) for piece in pieces)), 0.0, tolerance)
 
     def deviation(self, contour: Contour | SplineContour) -> float:
-        """Bound [mm] in closed form, see `camgeo.contour.exact`; of a spline by its arcs."""
+        """Bound [mm] in closed form, see `camgeo.contour.exact`; for a spline by its arcs."""
         if isinstance(contour, SplineContour):
             return bound_by_arcs(lambda arcs: distance_between(self.exact, arcs), contour)
         return distance_between(self.exact, contour)
@@ -170,14 +170,14 @@ def largest_radius(contour: Contour) -> float:
 
 
 def smallest_radius(contour: Contour) -> float:
-    """Smallest distance of the contour from the cam axis [mm]; 0 if the axis lies outside of it."""
+    """Smallest distance of the contour from the cam axis [mm]; 0 if the axis lies outside it."""
     from camgeo.contour.simple import winding_number
 
     return min(_radii(contour)) if winding_number(contour, 0j) else 0.0
 
 
 def _radii(contour: Contour) -> list[float]:
-    """Distances from the cam axis: of the ends of pieces, and of what is nearest or farthest."""
+    """Distances from the cam axis of the ends of pieces and of their nearest or farthest points."""
     radii: list[float] = []
     for start, end, sweep, centre in zip(
         contour.vertices, contour.ends, contour.sweeps, contour.centres, strict=True

@@ -1,4 +1,4 @@
-"""The part made of a scene's numbers and the flanks of the cam."""
+"""The part built from a scene's numbers and the flanks of the cam."""
 
 from __future__ import annotations
 
@@ -37,17 +37,17 @@ def build_part(
     Parameters
     ----------
     contact : flank on which the roller runs.
-    inner, outer : the real outlines of the flanks; only those of the contact are looked at.
-    spec : what the scene says of the part.
-    tolerance : of the contours [mm] by which it is seen that one boundary lies inside another.
-    ledger : where fits of the flanks are entered.
+    inner, outer : the real outlines of the flanks; only those of the contact are used.
+    spec : the scene's specification of the part.
+    tolerance : of the contours [mm] that show that one boundary lies inside another.
+    ledger : records fits of the flanks.
 
     Raises
     ------
     GeometryError
-        With the key of the scene, if a bore does not fit inside the disc or a flank inside the rim.
+        With the key of the scene if a bore does not fit inside the disc or a flank inside the rim.
     UndercutError
-        If a flank is no outline.
+        If a flank is not an outline.
     """
     return PARTS[contact](inner, outer, spec, tolerance, ledger or Ledger())
 
@@ -60,7 +60,7 @@ def _plate(inner: Path, _: Path, spec: PartSpec, tolerance: float, book: Ledger)
 
 
 def _ring(_: Path, outer: Path, spec: PartSpec, tolerance: float, book: Ledger) -> Part:
-    """A blank with a hole whose outline is the outer flank: there is no place for a bore."""
+    """A blank with a hole whose outline is the outer flank: there is no room for a bore."""
     rim = _rim(spec, outer, tolerance, book)
     flank = CurveBoundary("outline", hole=True, path=outer, ledger=book)
     return Part((Layer(-(spec.thickness or 0.0), 0.0, (rim, flank)),))
@@ -75,7 +75,7 @@ def _grooved(inner: Path, outer: Path, spec: PartSpec, tolerance: float, book: L
     )
     _bore_fits(spec, groove[0], tolerance)
     body = (rim, *_bore(spec))
-    # Without thickness there is nothing for the groove to be sunk into.
+    # Without thickness there is nothing to sink the groove into.
     floor = -(spec.groove_depth or 0.0) if spec.thickness else 0.0
     bottom = -(spec.thickness or 0.0)
     return Part((Layer(bottom, floor, body), Layer(floor, 0.0, (*body, *groove), "groove")))
@@ -96,7 +96,7 @@ def _rim(spec: PartSpec, outer: Path, tolerance: float, book: Ledger) -> ExactBo
     needed = 2.0 * (largest_radius(fit.contour) + fit.deviation)
     if spec.rim <= needed:
         raise GeometryError(
-            f"the rim must lie outside of the outer flank: more than {needed:.6g} mm",
+            f"the rim must lie outside the outer flank: more than {needed:.6g} mm",
             key="part.rim",
             value=f"{spec.rim:g}",
         )
@@ -119,13 +119,13 @@ def _bore_fits(spec: PartSpec, flank: CurveBoundary, tolerance: float) -> None:
 
 
 def bore_boundary(diameter: float, keyway: Keyway | None) -> ExactBoundary:
-    """The bore as boundary; raises as `bore_outline`."""
+    """The bore as a boundary; raises like `bore_outline`."""
     core = None if keyway is None else Contour.circle(diameter / 2.0)
     return ExactBoundary("bore", hole=True, exact=bore_outline(diameter, keyway), core=core)
 
 
 def bore_outline(diameter: float, keyway: Keyway | None) -> Contour:
-    """The bore about the cam axis [mm], counter-clockwise: two half circles, or circle and slot.
+    """The bore around the cam axis [mm], counter-clockwise: two half circles, or circle and slot.
 
     Raises
     ------
@@ -143,7 +143,7 @@ def bore_outline(diameter: float, keyway: Keyway | None) -> Contour:
             key="part.keyway.width",
             value=f"{keyway.width:g}",
         )
-    # In axes turned into the keyway's middle line: up the slot, across its bottom, down again.
+    # In axes along the keyway's middle line: up the slot, across its bottom, down again.
     reach = math.sqrt(radius * radius - half * half)
     bottom = radius + keyway.depth
     corners = np.array(

@@ -1,4 +1,4 @@
-"""The part: layers of closed boundaries, and on which side of each the material is."""
+"""The part: layers of closed boundaries, each with its material side."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ class Boundary(Protocol):
     ----------
     name : its identity, unique in the part: "outline", "inner flank", "outer flank", "rim", "bore".
         Faces of a solid, dimensions and milling operations refer to it.
-    hole : True where the material lies outside of the boundary.
+    hole : True if the material lies outside the boundary.
     """
 
     @property
@@ -41,38 +41,38 @@ class Boundary(Protocol):
         """
 
     def deviation(self, contour: Contour | SplineContour) -> float:
-        """Proved upper bound [mm] of the distance between `contour` and the exact boundary."""
+        """Proved upper bound [mm] on the distance between `contour` and the exact boundary."""
 
     def beside(self, distance: float) -> Boundary:
         """The path of a cutter's centre at `distance` [mm], on the side without material.
 
-        A hole gives a hole. Raises GeometryError if the boundary has no such parallel.
+        A hole gives a hole. Raises GeometryError if the boundary has no such parallel curve.
         """
 
 
 def require_boundary(value: Any) -> None:
-    """Raise GeometryError with key "part" unless `value` is a boundary, as far as its names go."""
+    """Raise GeometryError with key "part" unless `value` has the members of a boundary."""
     if not (isinstance(getattr(value, "name", None), str) and hasattr(value, "beside")):
         raise GeometryError("must be a boundary of a part", "part", shown(value))
 
 
 @dataclass(frozen=True, slots=True)
 class Layer:
-    """A slice of the part with the same section all through.
+    """A slice of the part with a constant section.
 
     Attributes
     ----------
     z0, z1 : heights of its lower and upper face [mm]; 0 is the upper face of the disc, as in its
-        milling program. Equal where the scene does not tell how high the layer is.
-    boundaries : of the section, nested without crossing; one that holds others stands before them
-        or they before it, the outermost of the part is the first of all.
-    name : what the layer is made for: "disc", "groove".
+        milling program. Equal if the scene does not give the height of the layer.
+    boundaries : of the section, nested without crossing; one that contains others precedes or
+        follows all of them, and the outermost of the part is the first of all.
+    name : what the layer is for: "disc", "groove".
 
     Raises
     ------
     GeometryError
-        With key "part", if a height is not finite or the layer upside down, or if it has no
-        boundary or two of one name.
+        With key "part" if a height is not finite or the layer upside down, or if it has no
+        boundary or two of the same name.
     """
 
     z0: float
@@ -90,7 +90,7 @@ class Layer:
             require_boundary(each)
         names = [each.name for each in self.boundaries]
         if not names or len(set(names)) < len(names):
-            message = f"the {self.name} needs boundaries, each with a name of its own"
+            message = f"the {self.name} needs boundaries, each with its own name"
             raise GeometryError(message, key="part", value=", ".join(names))
 
 
@@ -114,10 +114,10 @@ class Level:
 
     Attributes
     ----------
-    name : "lower face", "upper face", or that of the floor between two layers.
+    name : "lower face", "upper face", or the name of the floor between two layers.
     z : height [mm].
-    below : boundaries that end here; the faces inside of their material look up.
-    above : boundaries that begin here; the faces inside of their material look down.
+    below : boundaries that end here; the faces within their material point up.
+    above : boundaries that begin here; the faces within their material point down.
     """
 
     name: str
@@ -133,14 +133,14 @@ class Level:
 
 @dataclass(frozen=True, slots=True)
 class Part:
-    """The part: layers from the lowest upwards, each upon the one before.
+    """The part: layers from the lowest upwards, each on top of the previous one.
 
-    A boundary that goes through several layers is the same object in each.
+    A boundary that extends through several layers is the same object in each.
 
     Raises
     ------
     GeometryError
-        With key "part", if there is no layer, a gap between two, or a name for two boundaries.
+        With key "part" if there is no layer, a gap between two, or one name for two boundaries.
     """
 
     layers: tuple[Layer, ...]
@@ -155,12 +155,12 @@ class Part:
                 raise GeometryError(message, key="part", value=f"{lower.z1} and {upper.z0} mm")
         names = [boundary.name for boundary in self.boundaries]
         if len(set(names)) < len(names):
-            message = "each boundary needs a name of its own"
+            message = "each boundary needs its own name"
             raise GeometryError(message, key="part", value=", ".join(names))
 
     @property
     def boundaries(self) -> tuple[Boundary, ...]:
-        """All boundaries, each once, in the order of drawing: as they begin on the way up."""
+        """All boundaries, each once, in the order of drawing: as they begin from below."""
         found: list[Boundary] = []
         for layer in self.layers:
             found += [each for each in layer.boundaries if each not in found]
@@ -173,7 +173,7 @@ class Part:
 
     @property
     def walls(self) -> tuple[Wall, ...]:
-        """The upright faces, boundary by boundary; a wall goes on through layers."""
+        """The upright faces, boundary by boundary; a wall continues through layers."""
         found: list[Wall] = []
         for boundary in self.boundaries:
             there = [boundary in layer.boundaries for layer in self.layers]
@@ -184,9 +184,9 @@ class Part:
         return tuple(found)
 
     def require_heights(self) -> None:
-        """Raise GeometryError with the key of a height that the scene does not tell.
+        """Raise GeometryError with the key of a height that the scene does not give.
 
-        Such a part can be drawn, but there is no solid and nothing to be milled.
+        Such a part can be drawn, but there is no solid and nothing to mill.
         """
         if not self.thickness:
             raise GeometryError("a solid needs part.thickness", key="part.thickness")
@@ -197,7 +197,7 @@ class Part:
 
     @property
     def levels(self) -> tuple[Level, ...]:
-        """The flat faces, from the lowest upwards; raises as `require_heights`."""
+        """The flat faces, from the lowest upwards; raises like `require_heights`."""
         self.require_heights()
         first, last = self.layers[0], self.layers[-1]
         found = [Level("lower face", first.z0, (), first.boundaries)]

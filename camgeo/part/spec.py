@@ -1,4 +1,4 @@
-"""What a scene says of the part."""
+"""The specification of the part in a scene."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class Keyway:
     Raises
     ------
     GeometryError
-        With the key, if a value is not what it has to be.
+        With the key, if a value is invalid.
     """
 
     width: Length
@@ -36,22 +36,22 @@ class Keyway:
 
 @dataclass(frozen=True, slots=True)
 class PartSpec:
-    """What a scene says of the part; every length in mm, None where the scene is silent.
+    """The specification of the part; every length in mm, None if the scene does not give it.
 
     Attributes
     ----------
     thickness : of the disc.
     bore : diameter of the bore.
     keyway : of the bore.
-    rim : diameter of the blank, the outer boundary of a groove cam or of a cam whose roller runs
+    rim : diameter of the blank, the outer boundary of a groove cam, or of a cam whose roller runs
         inside ("outer" contact).
     groove_depth : of a groove cam, less than the thickness; the groove is open to the upper face.
 
     Raises
     ------
     GeometryError
-        With the key, if a value is not what it has to be, the groove as deep as the disc, or a
-        keyway without bore.
+        With the key, if a value is invalid, the groove is as deep as the disc, or a keyway has no
+        bore.
     """
 
     thickness: Length | None = None

@@ -1,1 +1,1 @@
-"""A disc as it is made, with the view of it that each kind of file is written from."""
+"""A finished disc, with the view of it from which each kind of file is written."""

@@ -1,4 +1,4 @@
-"""A disc as drawings and solids show it: its part, and the pitch curve beside it."""
+"""A disc as drawings and solids show it: its part, and the pitch curve."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from camgeo.part.part import Part
 
 TOPOLOGY_TOLERANCE = 0.01
-"""Contours by which it is seen that a bore fits are this exact [mm]; their deviation is counted."""
+"""Accuracy [mm] of the contours that show that a bore fits; their deviation is accounted for."""
 
 
 @dataclass(frozen=True)
@@ -25,11 +25,11 @@ class DrawnDisc(Pickled):
 
     Attributes
     ----------
-    cam : the cam whose disc it is.
-    spec : what is asked of the part beyond the flanks; None asks for nothing.
+    cam : the cam that the disc belongs to.
+    spec : specification of the part beyond the flanks; None for none.
     effort : how hard fits try.
-    judgement : whether there is such a disc.
-    ledger : where it is entered what was computed.
+    judgement : whether such a disc exists.
+    ledger : records what was computed.
     """
 
     cam: Cam
@@ -45,12 +45,12 @@ class DrawnDisc(Pickled):
 
     @property
     def has_pitch_curve(self) -> bool:
-        """False of a flat face, whose contact runs on the outline itself."""
+        """False for a flat face, whose contact point runs on the outline itself."""
         return self.cam.follower.has_pitch_curve
 
     @lazy
     def part(self) -> Part:
-        """The part; GeometryError if it does not fit together, UndercutError if there is none."""
+        """The part; GeometryError if it is inconsistent, UndercutError if none exists."""
         from camgeo.part.build import build_part
 
         self.judgement.require_outline(self.cam)
@@ -67,7 +67,7 @@ class DrawnDisc(Pickled):
         return self.ledger.run("arcs of pitch curve", lambda: fit(path, tolerance))
 
     def pitch_deviation(self, contour: Contour) -> float:
-        """Proved bound [mm] of the distance between `contour` and the pitch curve."""
+        """Proved bound [mm] on the distance between `contour` and the pitch curve."""
         from camgeo.contour.proof.deviation import deviation
 
         return deviation(self.cam.disc.pitch_path, contour)

@@ -1,4 +1,4 @@
-"""A disc as milling programs make it."""
+"""A disc as milling programs cut it."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class MilledDisc(Pickled):
-    """What programs make of a disc.
+    """A disc as seen by milling programs.
 
     Attributes
     ----------
     drawn : the disc to be milled.
-    options : tool, feeds and machine among them.
-    values : of the scene, which may lack what milling needs.
-    ledger : where it is entered what was computed.
+    options : include tool, feeds and machine.
+    values : of the scene; what milling needs may be missing.
+    ledger : records what was computed.
     """
 
     drawn: DrawnDisc
@@ -36,7 +36,7 @@ class MilledDisc(Pickled):
 
     @lazy
     def cuts(self) -> tuple[Cut, ...]:
-        """What is milled, exactly; GeometryError if the scene lacks what milling needs."""
+        """The exact cuts; GeometryError if the scene lacks what milling needs."""
         from camgeo.toolpath.sequence import cuts_of
 
         if lacking := FORMAT.lacking(self.values):

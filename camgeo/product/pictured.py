@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from camgeo.cam.cam import Cam
 
 SAMPLES = 721
-"""Points of what is cut off from a flank: finer than a printed line."""
+"""Points along the cut-off part of a flank: finer than a printed line."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,7 +33,7 @@ class FollowerSketch:
     Attributes
     ----------
     kind : "guide" for a translating follower, "pivot" for an oscillating one.
-    end : complex [mm], the pivot, or any point of the guide further out than the roller centre.
+    end : complex [mm], the pivot, or any point of the guide farther out than the roller centre.
     face : complex [mm], the two ends of a flat face; None for a roller.
     """
 
@@ -48,10 +48,10 @@ class CutOff:
 
     Attributes
     ----------
-    flank : that is cut off.
+    flank : the one that is cut off.
     start, end : cam angles [rad] of the flank at the corner, start in [0, 2 pi), end above it.
     course : (n,) complex [mm], the flank between them, which is not on the disc; it begins and ends
-        in the corner.
+        at the corner.
     """
 
     flank: Flank
@@ -67,7 +67,7 @@ class CutOff:
 
 @dataclass(frozen=True)
 class PicturedCam(Pickled):
-    """What pictures show of a cam, besides its own quantities.
+    """What pictures show of a cam in addition to its own quantities.
 
     Attributes
     ----------
@@ -85,7 +85,7 @@ class PicturedCam(Pickled):
 
     @property
     def follower_sketch(self) -> FollowerSketch:
-        """Where the follower is held."""
+        """Where the follower is guided or pivoted."""
         return FollowerSketch(*self.cam.follower.held(self._face_ends))
 
     def mechanism_sketch(self, phi: float) -> MechanismSketch:
@@ -109,19 +109,19 @@ class PicturedCam(Pickled):
 
     @property
     def cut_off(self) -> tuple[CutOff, ...]:
-        """Where the flanks in use are cut off; empty also if it cannot be told what is left."""
+        """Where the flanks in use are cut off; empty also if what is left is unknown."""
         found: list[CutOff] = []
         for flank in self.cam.contact.flanks:
             try:
                 outline = self.cam.disc.outline(flank)
-            except GeometryError:  # which the findings tell
+            except GeometryError:  # reported by the findings
                 continue
             found += _cut_off(self.cam.disc.curve(flank), outline, flank)
         return tuple(found)
 
     @property
     def _face_ends(self) -> tuple[float, float]:
-        """Where a flat face begins and ends [mm]: as the scene says, else as the contact needs it.
+        """Where a flat face begins and ends [mm]: as the scene states, else as contact requires.
 
         Zeros for a roller, which has no face.
         """
@@ -135,9 +135,9 @@ class PicturedCam(Pickled):
 
 
 def _cut_off(curve: WorkingCurve, outline: Outline, flank: Flank) -> list[CutOff]:
-    """What is cut off at the corners of `outline`, the real one of the flank `curve`.
+    """What is cut off at the corners of `outline`, the real outline of the flank `curve`.
 
-    Nothing for a knife edge: the corners of its flank are those of the pitch curve, none is cut.
+    Empty for a knife edge: the corners of its flank are those of the pitch curve, not cuts.
     """
     if curve.distance == 0.0:
         return []
@@ -149,7 +149,7 @@ def _cut_at(envelope: Envelope, corner: Pivot, flank: Flank) -> CutOff:
     start = corner.before % TURN
     first, last = envelope.place_of(start, "left"), envelope.place_of(corner.after % TURN)
     last += envelope.total if last < first else 0.0
-    # Both sides of the roller's turns, so that the ends of their arcs are drawn.
+    # Both sides of the roller's turns, to include the ends of their arcs.
     turns = [*envelope.starts, *(envelope.starts + envelope.total)]
     inside = [place for place in turns if first < place < last]
     places = np.unique(np.append(np.linspace(first, last, SAMPLES)[1:-1], inside))

@@ -1,4 +1,4 @@
-"""A disc as it is made, which is what its writers see of a design."""
+"""A finished disc, which is what writers see of a design."""
 
 from __future__ import annotations
 
@@ -27,18 +27,18 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Product(Pickled):
-    """One disc as its files show it: what all of them share, and a view for each reader.
+    """One disc as its files show it: what all files share, and a view for each kind of file.
 
-    A writer is computed the views that it reads, and no other.
+    Only the views that a writer reads are computed.
 
     Attributes
     ----------
-    scene : what is asked for.
-    cam : the cam whose disc it is.
-    judgement : what is found of it, and whether there is such a disc.
-    others : the discs that turn with it: of a conjugate pair's main disc the return disc.
-    columns : gives the effects over the cam angle; nothing of those that have no answer.
-    ledger : where it is entered what was computed, and how long it took.
+    scene : the specification of the design.
+    cam : the cam that the disc belongs to.
+    judgement : the findings, and whether such a disc exists.
+    others : the discs that turn with it: for a conjugate pair's main disc, the return disc.
+    columns : gives the effects over the cam angle; effects without an answer are left out.
+    ledger : records what was computed, and how long it took.
     """
 
     scene: Scene
@@ -61,7 +61,7 @@ class Product(Pickled):
 
     @property
     def scene_hash(self) -> str:
-        """SHA-256 of what the scene says of files, see `camgeo.scene.scene.Scene.made`."""
+        """SHA-256 of what decides the files in the scene, see `camgeo.scene.scene.Scene.made`."""
         return self.scene.made
 
     @property
@@ -76,22 +76,22 @@ class Product(Pickled):
 
     @property
     def options(self) -> Options:
-        """What the scene says of the formats."""
+        """The scene's options of the formats."""
         return self.scene.output.options
 
     @property
     def values(self) -> Values:
-        """The scene's values, by which it is seen in which formats it can be written."""
+        """The scene's values, which decide the formats in which it can be written."""
         return self.scene.stated
 
     @property
     def findings(self) -> tuple[Finding, ...]:
-        """What the checks find of all discs."""
+        """Findings of the checks on all discs."""
         return self.judgement.findings
 
     @property
     def discs(self) -> tuple[Product, ...]:
-        """The disc, and behind it those that turn with it; for pictures of all."""
+        """The disc, followed by those that turn with it; for pictures of all."""
         return (self, *self.others)
 
     @built
@@ -104,14 +104,14 @@ class Product(Pickled):
 
     @built
     def milled(self) -> MilledDisc:
-        """The disc as milling programs make it."""
+        """The disc as milling programs cut it."""
         from camgeo.product.milled import MilledDisc
 
         return MilledDisc(self.drawn, self.options, self.values, self.ledger)
 
     @built
     def tabulated(self) -> TabulatedCam:
-        """The cam as value tables tell it."""
+        """The cam as value tables list it."""
         from camgeo.formats.csv import FORMAT
         from camgeo.product.value_table import TabulatedCam
 
@@ -128,9 +128,9 @@ class Product(Pickled):
 
 
 def disc_of(discs: Sequence[Product], stem: str) -> Product:
-    """The disc of which a file named `stem` without its ending is.
+    """The disc to which a file belongs that is named `stem` without its ending.
 
-    A name that ends as that of a further disc does is that of such a disc, whatever comes before.
+    A name with the ending of a further disc belongs to that disc, whatever precedes the ending.
     """
     main, *others = discs
     marks = [(disc, disc.name.removeprefix(main.name)) for disc in others if stem != main.name]

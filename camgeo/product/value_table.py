@@ -32,16 +32,16 @@ FULL_TURN = Decimal(360)
 POWERS = ("s", "s^2", "s^3")
 
 MARKS = ("", "'", "''", "'''")
-"""Of a motion and its derivatives over the cam angle."""
+"""Units of a motion's derivatives over the cam angle."""
 
 ANGLES: dict[Demanded, str] = {"lever": "chi", "crank": "theta"}
-"""What a demanded angle is called that is not the follower's own."""
+"""Name of a prescribed angle that is not the follower's own."""
 
 Columns = list[tuple[str, FloatArray]]
 """Headings, each with its values (n,)."""
 
 SWING = ("omega", "alpha", "j")
-"""How the names of angular velocity, acceleration and jerk begin."""
+"""Prefixes of the names of angular velocity, acceleration and jerk."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -51,9 +51,9 @@ class Table:
     Attributes
     ----------
     names : of the columns, with their unit in brackets, e.g. "phi [deg]".
-    values : (n, k), one column a name; NaN-free.
-    cells : the same as text, for numbers that are written rounded; None for the shortest form that
-        reads back the same, in which no number is -0.0.
+    values : (n, k), one column per name, without NaN.
+    cells : the same as text, for rounded numbers; None for the shortest form that reads back the
+        same, in which no number is -0.0.
     """
 
     names: tuple[str, ...]
@@ -70,7 +70,7 @@ class Table:
 
     @property
     def columns(self) -> dict[str, FloatArray]:
-        """By their names, (n,) each."""
+        """The columns by name, (n,) each."""
         return dict(zip(self.names, self.values.T, strict=True))
 
     def csv(self) -> str:
@@ -86,8 +86,8 @@ class Table:
 def cam_angles(step: Decimal) -> FloatArray:
     """0, step, 2 step, ... below 360 [degrees], each rounded once from the exact decimal.
 
-    A float that is counted up would arrive at 359.999999999988 after 1,800 steps of 0.2 and give
-    one row too many.
+    Adding up floats would reach 359.999999999988 after 1,800 steps of 0.2 and give one row too
+    many.
     """
     count = math.ceil(FULL_TURN / step)
     return np.array([float(step * k) for k in range(count)])
@@ -95,7 +95,7 @@ def cam_angles(step: Decimal) -> FloatArray:
 
 @dataclass(frozen=True)
 class TabulatedCam(Pickled):
-    """What tables tell of a cam.
+    """A cam as value tables list it.
 
     Attributes
     ----------
@@ -103,9 +103,9 @@ class TabulatedCam(Pickled):
     lift_unit : of the follower's own motion.
     cam : the cam; None if there is no follower.
     unit : of lengths in the table.
-    spec : the step of the table.
+    spec : holds the step of the table.
     columns : gives the effects over the cam angle.
-    ledger : where it is entered what was computed.
+    ledger : records what was computed.
     """
 
     drive: Drive
@@ -117,11 +117,11 @@ class TabulatedCam(Pickled):
     ledger: Ledger = field(default_factory=Ledger, repr=False, compare=False)
 
     def table(self, step: Decimal | None = None) -> Table:
-        """One row for every `step` degrees of cam angle, or at the scene's; right-hand values at
-        the joints.
+        """One row for every `step` degrees of cam angle, by default the scene's step; right-hand
+        values at the joints.
 
-        With a speed also the time, and velocity, acceleration and jerk in time; then what the cam
-        has, if there is one, and the effects. In the scene's unit and degrees.
+        With a speed also the time and the derivatives in time: velocity, acceleration and jerk;
+        then the cam's columns, if there is a cam, and the effects. In the scene's unit and degrees.
         """
         if step is None:
             return self.value_table
@@ -150,8 +150,8 @@ class TabulatedCam(Pickled):
 def _of_cam(cam: Cam, unit: LengthUnit, phi: FloatArray) -> Columns:
     """Curves, transmission angle and curvature.
 
-    A flat face has one curve, the outline on which its contact runs, and the place of the contact
-    on the face.
+    A flat face has one curve, the outline on which its contact runs, and the position of the
+    contact on the face.
     """
     disc, mm = cam.disc, MM_PER[unit]
     pitch = disc.pitch_curve
@@ -176,9 +176,9 @@ def _of_cam(cam: Cam, unit: LengthUnit, phi: FloatArray) -> Columns:
 
 
 def _motions(drive: Drive, lift_unit: LiftUnit, phi: FloatArray) -> list[tuple[str, Jet]]:
-    """The motion that the scene demands, and the follower's own if that is another one.
+    """The motion that the scene prescribes, and the follower's own if it differs.
 
-    Each (4, n) behind the name of its angle, empty for a way.
+    Each (4, n) with the name of its angle, empty for a length.
     """
     found = [("psi" if lift_unit == "rad" else "", drive.motion.jet(phi))]
     if drive.demanded_of != "follower":
@@ -204,7 +204,7 @@ def _angle(name: str, motion: Jet) -> list[tuple[str, FloatArray]]:
 def _in_time(
     drive: Drive, motions: list[tuple[str, Jet]], unit: LengthUnit, phi: FloatArray
 ) -> Columns:
-    """Time and derivatives in time: of the motion that the scene demands, and of the follower."""
+    """Time and derivatives in time: of the motion the scene prescribes, and of the follower."""
     course = drive.time_course
     if course is None:
         return []

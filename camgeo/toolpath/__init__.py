@@ -1,1 +1,1 @@
-"""Toolpaths: exact cutter paths, leads, depth passes; moves that a G-code writer spells."""
+"""Toolpaths: exact cutter paths, leads, depth passes; moves that a G-code writer prints."""

@@ -1,4 +1,4 @@
-"""What an operation is to cut, exactly, before any tolerance."""
+"""What an operation cuts, exactly, before any tolerance."""
 
 from __future__ import annotations
 
@@ -14,31 +14,31 @@ from camgeo.part.part import Boundary, require_boundary
 from camgeo.toolpath.spec import Tool
 
 MOST_PASSES: Final = 10_000
-"""Of one cut; a thinner chip than a ten-thousandth of a part is a slip of the pen."""
+"""Of one cut; a pass thinner than a ten-thousandth of a part is a typing error."""
 
 
 @dataclass(frozen=True, slots=True)
 class Cut:
-    """One operation to be planned.
+    """One operation to plan.
 
     Attributes
     ----------
-    name : its identity, unique in the program and named in the file.
+    name : its identity, unique in the program and stated in the file.
     strategy : how it is cut, a name in `camgeo.toolpath.strategies.STRATEGIES`.
-    tool : with which it is cut.
-    centre : the exact closed path of the cutter's centre. Where it is a hole, as inside of a bore,
-        it is run counter-clockwise, else clockwise: so the cutter climbs (spindle clockwise).
-    right, left : names of the part's boundaries that come about on either side of the cutter, seen
-        in the direction of cutting; empty where nothing of the part is.
+    tool : the one that cuts it.
+    centre : the exact closed path of the cutter's centre. If it is a hole, as inside a bore, it is
+        run counter-clockwise, else clockwise, for climb milling (spindle clockwise).
+    right, left : names of the part's boundaries produced on either side of the cutter, seen in the
+        direction of cutting; empty where none is produced.
     depths : Z of each pass [mm], descending.
-    room : largest radius of the arcs that lead onto the path and off again [mm]; 0 without any.
-    note : what the person at the machine should know, or empty.
+    room : largest radius of the arcs that lead onto and off the path [mm]; 0 for none.
+    note : for the machine operator, or empty.
 
     Raises
     ------
     GeometryError
-        With key "toolpath", if a text or the tool is none, the depths do not descend or the room
-        is negative; with key "part", if the centre runs on no boundary.
+        With key "toolpath" if a text or the tool is invalid, the depths do not descend or the room
+        is negative; with key "part" if the centre's path is not a boundary.
     """
 
     name: str
@@ -58,7 +58,7 @@ class Cut:
         require_boundary(self.centre)
         depths = array("toolpath", instance("toolpath", self.depths, tuple, "a tuple of depths"))
         if not len(depths) or not np.all(np.diff(depths) < 0.0):
-            raise GeometryError("must be depths that descend", "toolpath", shown(self.depths))
+            raise GeometryError("must be descending depths", "toolpath", shown(self.depths))
         hold(
             self,
             depths=tuple(depths.tolist()),

@@ -10,10 +10,10 @@ from camgeo.contour.contour import Contour
 from camgeo.errors import GeometryError
 
 CHECKED_POINTS = 33
-"""Points of a lead that are looked at for gouging."""
+"""Points of a lead that are checked for gouging."""
 
 SMALLEST_SHARE = 1.0 / 64.0
-"""A lead is made smaller, by halves, down to this share of its room before it is given up."""
+"""A lead is halved down to this fraction of its room before it is given up."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,7 +56,7 @@ def start_tangent(contour: Contour) -> complex:
 
 
 def quarter_circle_lead(path: Contour, room: float) -> Lead:
-    """Quarter circles on the free side, the left, at most `room` [mm] large, clear of the path.
+    """Quarter circles on the free side, the left, of at most `room` [mm], clear of the path.
 
     Raises
     ------
@@ -80,6 +80,6 @@ def quarter_circle_lead(path: Contour, room: float) -> Lead:
             return Lead(centre - radius * tangent, centre + radius * tangent, centre)
         radius /= 2.0
     raise GeometryError(
-        "there is no room for a tangential lead-in beside the outline; a smaller cutter may help",
+        "there is no room for a tangential lead-in next to the outline; a smaller cutter may help",
         key="output.gcode.tool_diameter",
     )

@@ -1,4 +1,4 @@
-"""Machine profiles: what a controller wants to read, as data."""
+"""Machine profiles: the program format of a controller, as data."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ KEY = "output.gcode.machine"
 """Key of the scene that names the profile."""
 
 SMALLEST_SWEEP, LARGEST_SWEEP = 1.0, 180.0
-"""No arc of a program exceeds half a turn [degrees]: controllers grow strict beyond. No controller
-wants them divided finely."""
+"""No arc of a program exceeds half a turn [degrees], beyond which controllers are strict. No
+controller needs finely divided arcs."""
 
 MOST_DECIMALS = 10
-"""More decimals than a controller's double holds of a length of metres."""
+"""More decimals than a controller's double holds for a length of metres."""
 
 LONGEST_LINE = 10_000
-"""Characters; no controller takes as many."""
+"""Characters; no controller accepts as many."""
 
 
 def _blocks(key: str, given: Any) -> tuple[str, ...]:
@@ -81,14 +81,14 @@ class Decimals:
 
 @dataclass(frozen=True, slots=True)
 class ArcLimits:
-    """Arcs that the controller takes, in mm.
+    """Arcs that the controller accepts, in mm.
 
     Attributes
     ----------
     smallest_radius, largest_radius : arcs beyond are written as chords.
     radius_tolerance : largest difference of an arc's radii at its two ends.
     largest_sweep : [degrees] from 1 to 180; larger arcs are divided.
-    interpolation : how far the path that the controller runs leaves the arc.
+    interpolation : how far the path that the controller runs departs from the arc.
     """
 
     smallest_radius: Size
@@ -113,7 +113,7 @@ class Blending:
     Attributes
     ----------
     share : P as a share of the tolerance.
-    smallest : P [mm] below which the exact path is asked for instead.
+    smallest : P [mm] below which the exact path is programmed instead.
     """
 
     on: Text
@@ -129,8 +129,8 @@ class Blending:
 class Machine:
     """One controller; its blocks are written with {unit}, {tool} and {speed} filled in.
 
-    `dynamics` is None where a profile does not tell it: then there is no machining time. Like all
-    of its tables it raises GeometryError, with the key of the profile, for a value of another type,
+    `dynamics` is None if a profile does not give it: then there is no machining time. Like all
+    its tables it raises GeometryError, with the key of the profile, for a value of another type,
     a negative number, or a block that cannot be filled in.
     """
 
@@ -167,7 +167,7 @@ class Machine:
 
 
 def names() -> list[str]:
-    """Names of the profiles that come with the package."""
+    """Names of the profiles in the package."""
     folder = files("camgeo.toolpath").joinpath("machines")
     return sorted(
         entry.name.removesuffix(".toml")
@@ -177,7 +177,7 @@ def names() -> list[str]:
 
 
 def load(machine: str) -> Machine:
-    """The profile of that name or file; raises SceneError with all that is wrong in it."""
+    """The profile of that name or file; raises SceneError with all its faults."""
     known = names()
     if machine in known:
         resource = files("camgeo.toolpath").joinpath("machines", f"{machine}.toml")
@@ -207,7 +207,7 @@ def parse(text: str, file: str) -> Machine:
 
 
 def _build(kind: Any, table: dict[str, Any], path: str, faults: list[Fault]) -> Any:
-    """An object of the dataclass `kind` from a TOML table; what is wrong goes to `faults`."""
+    """An object of the dataclass `kind` from a TOML table; faults are added to `faults`."""
     hints = get_type_hints(kind)
     for key, given in table.items():
         if key not in hints:

@@ -1,14 +1,15 @@
-"""How long a machine takes: an estimate from the lengths of its blocks, feed and acceleration.
+"""Machining time, estimated from the lengths of the blocks, feed and acceleration.
 
-A controller must be able to stop at the end of the block that it runs, or of the next one, for it
-does not see farther. From rest, with the acceleration a, a block of length L allows sqrt(2 a L); so
-blocks shorter than feed^2/(2 a) never reach the feed. On an arc of radius r the cutter is turned
-with v^2/r, which the same a bounds. Each cutting block is run at the least of the three speeds, and
-the time is the sum of L/v: halving a block never saves time. LinuxCNC's documentation states the
-rule as feed^2/A with A half the largest acceleration, which keeps the other half for blending.
+A controller must be able to stop at the end of the block that it runs, or of the next one, as it
+looks no farther ahead. From rest, with the acceleration a, a block of length L allows sqrt(2 a L);
+so blocks shorter than feed^2/(2 a) never reach the feed. On an arc of radius r the lateral
+acceleration is v^2/r, bounded by the same a. Each cutting block is run at the least of the three
+speeds, and the time is the sum of L/v: halving a block never saves time. LinuxCNC's documentation
+states the rule as feed^2/A with A half the largest acceleration, which keeps the other half for
+blending.
 
-What is left out: ramps between blocks of different speed, braking in corners, the jerk, the time a
-controller takes to read a block, the changing of the tool.
+Left out are ramps between blocks of different speed, braking in corners, the jerk, the time a
+controller takes to read a block, and tool changes.
 """
 
 from __future__ import annotations
@@ -28,12 +29,12 @@ from camgeo.toolpath.moves import ArcFeed, Feed, Point, Rapid, Toolpath
 from camgeo.toolpath.spec import FeedRate
 
 SECONDS = 60.0
-"""Of a minute, by which feeds are told."""
+"""Of a minute, the unit of time of feeds."""
 
 
 @dataclass(frozen=True, slots=True)
 class Dynamics:
-    """What a machine can do.
+    """The dynamics of a machine.
 
     Attributes
     ----------
@@ -68,13 +69,13 @@ def block_times(
 
 
 def contour_time(contour: Contour, feed: float, acceleration: float) -> float:
-    """Time [s] of one round of `contour` at `feed` [mm/min], a block a piece."""
+    """Time [s] of one round of `contour` at `feed` [mm/min], one block per piece."""
     return math.fsum(block_times(contour.lengths, contour.radii, feed, acceleration))
 
 
 def traverse_time(length: float, dynamics: Dynamics) -> float:
-    """Time [s] of a traverse of `length` [mm] from rest to rest, which may be too short for the
-    rapid feed.
+    """Time [s] of a traverse of `length` [mm] from rest to rest, even if too short for the rapid
+    feed.
     """
     speed, acceleration = dynamics.rapid_feed / SECONDS, dynamics.acceleration
     if speed * speed >= acceleration * length:
@@ -83,7 +84,7 @@ def traverse_time(length: float, dynamics: Dynamics) -> float:
 
 
 def toolpath_time(toolpath: Toolpath, dynamics: Dynamics) -> float:
-    """Time [s] of a whole program, without that to its first point, which nobody knows."""
+    """Time [s] of a whole program, without the move to its first point, which is unknown."""
     at: Point | None = None
     traverses = 0.0
     lengths: list[float] = []
@@ -116,10 +117,10 @@ def _measures(start: Point, move: Feed | ArcFeed) -> tuple[float, float]:
 
 
 def arc_sweep(start: complex, end: complex, *, ccw: bool) -> float:
-    """Signed angle [rad] from arm `start` to arm `end`, which is at most half a turn that way.
+    """Signed angle [rad] from arm `start` to arm `end`, at most half a turn in that direction.
 
-    An angle a little below 0 is one of 0 that was rounded; one a little beyond half a turn is not
-    taken for the other way round.
+    An angle slightly below 0 is a rounded 0; one slightly beyond half a turn is not taken for a
+    turn in the other direction.
     """
     turn = cmath.phase(end / start) * (1.0 if ccw else -1.0)
     if turn < -0.5 * math.pi:

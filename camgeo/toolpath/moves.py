@@ -1,6 +1,6 @@
-"""Moves of a cutter: what a toolpath is made of and what a G-code writer spells.
+"""Moves of a cutter: what a toolpath consists of and what a G-code writer prints.
 
-Millimetres, mm/min, Z = 0 on the upper face of the part, Z up. What moves is the cutter's tip.
+Millimetres, mm/min, Z = 0 on the upper face of the part, Z up. Positions are of the cutter's tip.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ class Feed:
 
 @dataclass(frozen=True, slots=True)
 class ArcFeed:
-    """Circular cut in the XY plane to `end` [mm] about `centre` (x, y) [mm] at `feed` [mm/min].
+    """Circular cut in the XY plane to `end` [mm] around `centre` (x, y) [mm] at `feed` [mm/min].
 
     At constant Z, at most half a turn; `ccw` seen from +Z.
     """
@@ -74,13 +74,13 @@ class Operation:
 
     Attributes
     ----------
-    cut : what it cuts, and with which tool.
+    cut : what it cuts, with its tool.
     moves : in order; the first is a traverse to the safe height above the first point.
 
     Raises
     ------
     GeometryError
-        With key "toolpath", if there is no cut, or it does not begin with a traverse.
+        With key "toolpath" if there is no cut, or it does not begin with a traverse.
     """
 
     cut: Cut
@@ -101,13 +101,13 @@ class Toolpath:
     Attributes
     ----------
     safe_height : Z of all traverses [mm].
-    operations : in the order of cutting, each with a name of its own.
+    operations : in the order of cutting, each with its own name.
 
     Raises
     ------
     GeometryError
         With key "output.gcode.safe_height", if that is not above 0; with key "toolpath", if two
-        operations have one name.
+        operations have the same name.
     """
 
     safe_height: float
@@ -120,5 +120,5 @@ class Toolpath:
             instance("toolpath", each, Operation, "an operation")
         names = [each.cut.name for each in self.operations]
         if len(set(names)) < len(names):
-            message = "each operation needs a name of its own"
+            message = "each operation needs its own name"
             raise GeometryError(message, "toolpath", ", ".join(names))

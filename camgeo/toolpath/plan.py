@@ -1,4 +1,4 @@
-"""The milling program: the moves of each cut, as its strategy has them and a machine takes them."""
+"""The milling program: the moves of each cut, from its strategy, within a machine's limits."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ def plan_toolpath(
 ) -> Toolpath:
     """The whole program; its arcs lie within `tolerance` [mm] of the exact cutter paths.
 
-    Arcs are as large as `limits` of the machine have them at most.
+    Arcs are at most as large as `limits` of the machine allow.
 
     Raises
     ------
     GeometryError
-        With key "output.gcode.tool_diameter", if a cutter is too large for what it is to cut.
+        With key "output.gcode.tool_diameter", if a cutter is too large for its cut.
     """
     operations = []
     for cut in cuts:

@@ -1,4 +1,4 @@
-"""What is milled of a part, and in which order, if nothing else is asked for."""
+"""The default sequence of cuts for a part."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from camgeo.toolpath.cut import Cut, passes
 from camgeo.toolpath.spec import Tool
 
 SAME = 2.0**-48
-"""Radii that differ by less, as a share of them, are one: what a sum of two lengths rounds to."""
+"""Radii that differ by less, relative to them, are equal: the rounding of a sum of two lengths."""
 
 
 def cuts_of(part: Part, tool: Tool, pass_depth: float | None) -> tuple[Cut, ...]:
-    """The bore first, for it is cut while the blank is whole; then outline or groove.
+    """The bore first, as it is cut while the blank is whole; then outline or groove.
 
-    The rim is that of the blank. `pass_depth` [mm] is the largest depth of a pass; None cuts in
-    one.
+    The rim is that of the blank. `pass_depth` [mm] is the largest depth of a pass; None for a
+    single pass.
 
     Raises
     ------
@@ -39,7 +39,7 @@ def cuts_of(part: Part, tool: Tool, pass_depth: float | None) -> tuple[Cut, ...]
 
 
 def _profile(wall: Wall, tool: Tool, pass_depth: float | None, room: float, note: str = "") -> Cut:
-    """Round a wall from its upper edge to its lower one, the material on the right."""
+    """Along a wall from its upper edge to its lower one, with the material on the right."""
     boundary = wall.boundary
     depths = passes(wall.z1, wall.z0, pass_depth)
     path = boundary.beside(tool.radius)
@@ -50,7 +50,7 @@ def _profile(wall: Wall, tool: Tool, pass_depth: float | None, room: float, note
 
 
 def _bore(wall: Wall, tool: Tool, pass_depth: float | None) -> Cut:
-    """Round the inside of the bore; a keyway is no work for an end mill."""
+    """Around the inside of the bore; an end mill cannot cut a keyway."""
     bore = wall.boundary
     assert isinstance(bore, ExactBoundary)  # as every bore is
     room = bore.round_radius - tool.radius
@@ -67,8 +67,8 @@ def _bore(wall: Wall, tool: Tool, pass_depth: float | None) -> Cut:
 def _groove(inner: Wall, outer: Wall, tool: Tool, pass_depth: float | None) -> list[Cut]:
     """One round of a cutter as wide as the groove on the pitch curve, or one along each flank.
 
-    What the roller sweeps where a flank is trimmed is wider than two rounds along what is left of
-    the flanks; there only a cutter as wide as the groove clears it for certain.
+    Where a flank is trimmed, the roller sweeps more than two rounds along the remaining flanks
+    clear; there only a cutter as wide as the groove is sure to clear it.
     """
     flanks = inner.boundary, outer.boundary
     paths = [flank.path for flank in flanks if isinstance(flank, CurveBoundary)]
@@ -84,7 +84,7 @@ def _groove(inner: Wall, outer: Wall, tool: Tool, pass_depth: float | None) -> l
         return [Cut("groove", "slot", tool, centre, *names, depths)]
     if side < 0.0 or tool.diameter < half:
         raise GeometryError(
-            f"the cutter of a groove must not be larger than {like}, and at least half as large,"
+            f"the cutter of a groove must be no larger than {like}, and at least half as large,"
             f" so that two rounds clear it: from {half:g} to {2.0 * half:g} mm",
             key="output.gcode.tool_diameter",
             value=f"{tool.diameter:g}",

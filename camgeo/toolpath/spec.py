@@ -1,4 +1,4 @@
-"""What a scene says of the milling program, and of the tool that it is run with."""
+"""The specification of the milling program and its tool in a scene."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from camgeo.mechanism.values import Length
 from camgeo.numeric.checked import check_fields, instance, positive, whole
 
 LARGEST_NUMBER: Final = 99_999
-"""Of a tool in the tables of controllers."""
+"""Of a tool in a controller's tool table."""
 
 ToolNumber = Annotated[int, partial(whole, least=1, most=LARGEST_NUMBER)]
 SpindleSpeed = Annotated[float, partial(positive, unit="rev/min")]
@@ -63,13 +63,13 @@ class GcodeSpec:
     tool_diameter, tool_number : of the end mill.
     spindle_speed : rev/min.
     feed, plunge_feed : in the plane and along Z.
-    pass_depth : largest depth of one pass; None cuts in one.
+    pass_depth : largest depth of one pass; None for a single pass.
     safe_height : Z of traverses above the upper face.
 
     Raises
     ------
     GeometryError
-        With the key, if a value is not what it has to be.
+        With the key, if a value is invalid.
     """
 
     machine: Profile = "linuxcnc"

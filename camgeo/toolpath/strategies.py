@@ -1,6 +1,6 @@
-"""Strategies of milling: each makes the moves of a cut. A new one is a function and a line below.
+"""Milling strategies: each makes the moves of a cut. A new one is a function and a line below.
 
-Every strategy runs round the closed path of the cutter's centre, and begins and ends with a
+Every strategy runs around the closed path of the cutter's centre, and begins and ends with a
 traverse at the safe height.
 """
 
@@ -20,13 +20,13 @@ from camgeo.toolpath.leads import quarter_circle_lead, started
 from camgeo.toolpath.moves import ArcFeed, Feed, Move, Rapid
 
 HALF_TURN = math.pi
-"""No arc of a program exceeds half a turn: the rules of controllers grow strict beyond it."""
+"""No arc of a program exceeds half a turn: controllers are strict beyond that."""
 
 
 def profile(cut: Cut, safe_height: float, tolerance: float, effort: Effort) -> list[Move]:
-    """Round one boundary, outside of material or inside of a hole, with tangential leads.
+    """Along one boundary, outside material or inside a hole, with tangential leads.
 
-    At each depth: down beside the path, onto it and once round, off it and up.
+    At each depth: down next to the path, onto it and once around, off it and up.
 
     Raises
     ------
@@ -52,9 +52,9 @@ def profile(cut: Cut, safe_height: float, tolerance: float, effort: Effort) -> l
 
 
 def slot(cut: Cut, safe_height: float, tolerance: float, effort: Effort) -> list[Move]:
-    """One round between two boundaries, with a cutter as wide as their distance.
+    """One round between two boundaries, with a cutter as wide as the gap.
 
-    Down on the path itself, once round at each depth, and up at the end.
+    Down on the path itself, once around at each depth, and up at the end.
 
     Raises
     ------
@@ -70,8 +70,8 @@ def slot(cut: Cut, safe_height: float, tolerance: float, effort: Effort) -> list
 
 
 Strategy = Callable[[Cut, float, float, Effort], list[Move]]
-"""The moves of a cut: by it, the safe height [mm], the tolerance of its path [mm] and the effort of
-fitting."""
+"""Gives the moves of a cut from it, the safe height [mm], the tolerance of its path [mm] and the
+effort of fitting."""
 
 STRATEGIES: Final[Mapping[str, Strategy]] = MappingProxyType({"profile": profile, "slot": slot})
 
@@ -84,14 +84,14 @@ def fitted(cut: Cut, tolerance: float, effort: Effort) -> Contour:
     Raises
     ------
     GeometryError
-        With key "output.gcode.tool_diameter", if the cutter does not reach all of the boundary.
+        With key "output.gcode.tool_diameter", if the cutter cannot reach the whole boundary.
     """
     try:
         contour = cut.centre.arcs(tolerance, effort).contour
     except UndercutError as error:
         raise GeometryError(
-            f"the cutter is too large for the {cut.name}: a concave part of it bends more tightly"
-            f" than the cutter ({error.message})",
+            f"the cutter is too large for the {cut.name}: a concave part of it is more tightly"
+            f" curved than the cutter ({error.message})",
             key="output.gcode.tool_diameter",
         ) from None
     if not cut.centre.hole:

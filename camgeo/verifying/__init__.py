@@ -1,1 +1,1 @@
-"""Files of any origin, held against their certificate and their scene."""
+"""Files of any origin, compared with their certificate and their scene."""

@@ -1,4 +1,4 @@
-"""The certificate beside a set of files, read again."""
+"""The certificate of a set of files, read back."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ from camgeo.writing.write import CERTIFICATE
 
 @dataclass(frozen=True, slots=True)
 class Certificate:
-    """What `certificate.json` says.
+    """The contents of `certificate.json`.
 
     Attributes
     ----------
-    scene : SHA-256 of what the scene says of files; one of before says that of its text.
+    scene : SHA-256 of what decides the files in the scene; earlier ones: of the scene's text.
     scene_files : SHA-256 of the files that the scene reads, by their names.
     tolerances : [mm] of each file, by its name.
     hashes : SHA-256 of each file, by its name, in their order.
-    damage : why it cannot be read, or empty.
+    damage : why it cannot be read; empty if it can.
     """
 
     scene: str = ""

@@ -1,4 +1,4 @@
-"""What the verification of a file says: checks, each with its value and its limit, and a verdict.
+"""The result of verifying a file: checks, each with its value and its limit, and a verdict.
 
 Verifiers register as entry points of the group ``camgeo.verifiers``; the entry point's name is the
 ending of the files that it reads, without the dot, and it loads an object that is a `Verifier`.
@@ -14,22 +14,22 @@ from camgeo.product.product import Product
 from camgeo.units import LengthUnit
 
 KIND: Final = "camgeo verification"
-"""By this a verification is told from any other JSON file."""
+"""Distinguishes a verification from any other JSON file."""
 
 
 @dataclass(frozen=True, slots=True)
 class Check:
-    """One thing that was looked at.
+    """One thing that was checked.
 
     Attributes
     ----------
-    name : what was looked at, e.g. "deviation".
-    of : of which boundary or operation; empty for the whole file.
-    value : what was found; None if it cannot be told.
+    name : what was checked, e.g. "deviation".
+    of : the boundary or operation checked; empty for the whole file.
+    value : what was found; None if it could not be determined.
     expected : what it should be; None if only `limit` bounds it.
     limit : largest value, or largest difference from `expected`; None if it must be equal.
     unit : of the numbers, or empty.
-    ok : whether it passes; None for what is only told.
+    ok : whether it passes; None for information only.
     note : a sentence or a place, or empty.
     """
 
@@ -53,7 +53,7 @@ class Check:
 def at_most(
     name: str, value: float, limit: float, unit: str, of: str = "", note: str = ""
 ) -> Check:
-    """The check that `value` does not exceed `limit`; NaN and infinity do, and are not told."""
+    """The check that `value` does not exceed `limit`; NaN and infinity fail, and are not shown."""
     kept = value if math.isfinite(value) else None
     return Check(name, of, kept, None, limit, unit, value <= limit, note)
 
@@ -61,47 +61,47 @@ def at_most(
 def near(
     name: str, value: float, expected: float, limit: float, unit: str, of: str = "", note: str = ""
 ) -> Check:
-    """The check that `value` is `expected`, give or take `limit`."""
+    """The check that `value` is `expected` to within `limit`."""
     return Check(name, of, value, expected, limit, unit, abs(value - expected) <= limit, note)
 
 
 def equal(
     name: str, value: float | str, expected: float | str, of: str = "", note: str = ""
 ) -> Check:
-    """The check that `value` is `expected`; the note tells what it means if it is not."""
+    """The check that `value` is `expected`; the note says what it means if it is not."""
     ok = value == expected
     return Check(name, of, value, expected, None, "", ok, "" if ok else note)
 
 
-def told(name: str, value: float | str, unit: str = "", of: str = "", note: str = "") -> Check:
-    """A figure that nothing is asked of."""
+def reported(name: str, value: float | str, unit: str = "", of: str = "", note: str = "") -> Check:
+    """A figure reported without a requirement."""
     return Check(name, of, value, None, None, unit, None, note)
 
 
 def unit_check(unit: str, reading: Reading, ours: str, note: str) -> Check:
-    """The unit of a file, which is to be `ours` if camgeo wrote it, else that of the person."""
+    """The unit of a file, which must be `ours` if camgeo wrote it, else the user's."""
     if reading.ours:
         return equal("unit", unit, ours, note=note)
     if reading.unit is not None:
         return equal("unit", unit, reading.unit, note="the file is not in the unit of --unit")
-    return told("unit", unit)
+    return reported("unit", unit)
 
 
 def failed(name: str, note: str, of: str = "") -> Check:
-    """What could not even be measured, and why."""
+    """A check that could not even be measured, and why."""
     return Check(name, of, ok=False, note=note)
 
 
 @dataclass(frozen=True, slots=True)
 class Origin:
-    """What a file says of itself.
+    """What a file states about itself.
 
     Attributes
     ----------
-    ours : whether it says that camgeo wrote it.
-    scene : hash of the scene that it names, or the first digits of it; empty if it names none.
+    ours : whether it states that camgeo wrote it.
+    scene : hash of the scene that it names, or its first digits; empty if it names none.
     tolerance : [mm] that it names, or None.
-    damage : why it cannot be read at all, or empty.
+    damage : why it cannot be read at all; empty if it can.
     """
 
     ours: bool = False
@@ -121,14 +121,14 @@ def length_of(text: str) -> float | None:
 
 @dataclass(frozen=True, slots=True)
 class Reading:
-    """How a file is to be read.
+    """How to read a file.
 
     Attributes
     ----------
     name : of the file, for messages.
-    ours : whether camgeo wrote it; then all that our writer puts into it must be there.
-    layer : of a drawing, whose entities are read; None for CUT if there is one, else for all.
-    unit : of the file if it does not say one; None where the person has not said it either.
+    ours : whether camgeo wrote it; then it must hold everything that our writer puts in.
+    layer : the one read in a drawing; None for CUT if it exists, else for all layers.
+    unit : of the file if it does not state one; None if the user has not given it either.
     """
 
     name: str
@@ -138,24 +138,24 @@ class Reading:
 
 
 class Verifier(Protocol):
-    """Reads one format and holds it against a design."""
+    """Reads one format and compares it with a design."""
 
     @property
     def format(self) -> str:
         """Name of the format."""
 
     def origin(self, data: bytes) -> Origin:
-        """What the file says of itself; raises nothing."""
+        """What the file states about itself; raises nothing."""
 
     def checks(
         self, product: Product, data: bytes, reading: Reading, tolerance: float
     ) -> tuple[Check, ...]:
-        """All that is looked at, against `tolerance` [mm]; what cannot be measured has failed."""
+        """All checks, against `tolerance` [mm]; what cannot be measured fails."""
 
 
 @dataclass(frozen=True, slots=True)
 class Verdict:
-    """One file with all that was looked at.
+    """One file with all its checks.
 
     Attributes
     ----------
@@ -163,9 +163,9 @@ class Verdict:
     format : name of its format.
     sha256 : of its bytes, hexadecimal.
     size : in bytes.
-    scene : name and hash of the scene that it was held against; empty if it was not measured.
-    tolerance : [mm] that it was held to, and who says it; None if it was not measured.
-    checks : in the order to be told.
+    scene : name and hash of the scene it was compared with; empty if it was not measured.
+    tolerance : [mm] that applied, and where it is from; None if it was not measured.
+    checks : in the order of the report.
     """
 
     file: str
@@ -183,7 +183,7 @@ class Verdict:
 
     @property
     def measured(self) -> bool:
-        """True if it was held against its scene."""
+        """True if it was compared with its scene."""
         return self.tolerance is not None
 
     @property

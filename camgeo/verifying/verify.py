@@ -1,4 +1,4 @@
-"""Files held against their certificate and their scene."""
+"""Files compared with their certificate and their scene."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from camgeo.verifying.verification import (
     document,
     equal,
     failed,
-    told,
+    reported,
 )
 from camgeo.writing.transaction import write_set
 from camgeo.writing.write import CERTIFICATE
@@ -32,19 +32,19 @@ from camgeo.writing.write import CERTIFICATE
 GROUP: Final = "camgeo.verifiers"
 
 VERIFICATION: Final = "verification.json"
-"""Name of the file that a verification is written to, if no other is asked for."""
+"""Default name of the file that a verification is written to."""
 
 SHORT: Final = 16
-"""Digits of a hash that are told."""
+"""Digits of a hash that are shown."""
 
 
 @dataclass(frozen=True, slots=True)
 class Wanted:
-    """What the person asks for.
+    """What the user asks for.
 
     Attributes
     ----------
-    tolerance : [mm], or None for what the files, their certificate or the scene say.
+    tolerance : [mm], or None for what the files, their certificate or the scene state.
     layer, unit : as of `Reading`.
     """
 
@@ -55,14 +55,14 @@ class Wanted:
 
 @dataclass(frozen=True, slots=True)
 class Against:
-    """What files are held against.
+    """What files are compared with.
 
     Attributes
     ----------
     discs : of the design, the main one first.
     tolerance : of its scene [mm].
-    hash_before : of the scene, which files name that were written when its text was hashed; empty
-        if it has no text.
+    hash_before : hash of the scene's text, which files of earlier versions name; empty if it has
+        no text.
     """
 
     discs: Sequence[Product]
@@ -70,13 +70,13 @@ class Against:
     hash_before: str = ""
 
     def hash_like(self, named: str) -> str:
-        """The scene's hash: the earlier one, if what a file or certificate names is that one."""
+        """The scene's hash: that of its text if a file or certificate names that one."""
         before = self.hash_before
         return before if named and before.startswith(named) else self.discs[0].scene_hash
 
 
 Scenes = Callable[[Path, str], Against]
-"""Folder of a file, and the hash of its scene, or the first digits of it, or nothing -> the design;
+"""Folder of a file, and the hash of its scene, or its first digits, or nothing -> the design;
 raises SceneError if it is not found."""
 
 
@@ -86,7 +86,7 @@ def endings() -> tuple[str, ...]:
 
 
 def files_in(folder: Path) -> tuple[Path, ...]:
-    """The files of `folder` that can be verified, and those that its certificate names, sorted."""
+    """The files of `folder` that can be verified or that its certificate names, sorted."""
     known = endings()
     found = {path for path in folder.iterdir() if path.suffix.lower() in known and path.is_file()}
     certificate = certificate_in(folder)
@@ -95,7 +95,7 @@ def files_in(folder: Path) -> tuple[Path, ...]:
 
 
 def verify_files(paths: tuple[Path, ...], scenes: Scenes, wanted: Wanted) -> tuple[Verdict, ...]:
-    """One verdict a file.
+    """One verdict per file.
 
     Raises
     ------
@@ -128,7 +128,7 @@ def _verdict(
     certified = certificate is not None and path.name in certificate.hashes
     if verifier is None and not certified:
         allowed = ", ".join(endings())
-        message = f"the name must end in one of {allowed}, or {CERTIFICATE} beside it name the file"
+        message = f"the name must end in one of {allowed}, or {CERTIFICATE} here name the file"
         message = message if path.exists() else "there is no such file or folder"
         raise SceneError([Fault("FILE", str(path), message)])
     kind = path.suffix.removeprefix(".").lower() if verifier is None else verifier.format
@@ -155,7 +155,7 @@ def _verdict(
         return without_scene()
     named = origin.scene
     if certificate is not None and (not named or certificate.scene.startswith(named)):
-        named = certificate.scene  # the whole of it, where the file has its first digits only
+        named = certificate.scene  # in full, where the file has only its first digits
     against = scenes(path.parent, named)
     product, present = disc_of(against.discs, path.stem), against.hash_like(named)
     checks += _scene(product, present, origin, certificate)
@@ -163,7 +163,7 @@ def _verdict(
     if origin.tolerance is not None and certificate is not None:
         certain = certificate.tolerances.get(path.name)
         if certain is not None:
-            note = f"the file names another tolerance than {CERTIFICATE}"
+            note = f"the file names a different tolerance from {CERTIFICATE}"
             checks.append(equal("tolerance", origin.tolerance, certain, note=note))
     reading = Reading(path.name, origin.ours, wanted.layer, wanted.unit)
     try:
@@ -177,27 +177,27 @@ def _verdict(
 def _bytes(name: str, sha256: str, certificate: Certificate | None) -> Check:
     """The file's bytes against its certificate."""
     if certificate is None:
-        note = f"no {CERTIFICATE} beside the file: only what it draws is judged"
-        return told("sha256", sha256[:SHORT], note=note)
+        note = f"no {CERTIFICATE} next to the file: only its geometry is checked"
+        return reported("sha256", sha256[:SHORT], note=note)
     if certificate.damage:
         return failed("sha256", f"{CERTIFICATE} {certificate.damage}")
     certain = certificate.hashes.get(name)
     if not certain:
-        note = f"{CERTIFICATE} does not name the file: only what it draws is judged"
-        return told("sha256", sha256[:SHORT], note=note)
+        note = f"{CERTIFICATE} does not name the file: only its geometry is checked"
+        return reported("sha256", sha256[:SHORT], note=note)
     ok = sha256 == certain
-    note = "" if ok else f"the file is not the one that {CERTIFICATE} is of: it was changed"
+    note = "" if ok else f"the file is not the one that {CERTIFICATE} certifies: it was changed"
     return Check("sha256", "", sha256[:SHORT], certain[:SHORT], ok=ok, note=note)
 
 
 def _scene(
     product: Product, present: str, origin: Origin, certificate: Certificate | None
 ) -> list[Check]:
-    """The scene that the file is held against, against those that file and certificate name."""
+    """The scene that the file is compared with, against those that file and certificate name."""
     checks = []
     if origin.scene:
         digits = present[: len(origin.scene)]
-        note = "the file was made from another scene, or another state of it"
+        note = "the file was made from another scene, or another version of it"
         ok = origin.scene == digits
         checks.append(
             Check("scene", "", digits[:SHORT], origin.scene[:SHORT], ok=ok, note="" if ok else note)
@@ -205,11 +205,11 @@ def _scene(
     elif origin.ours:
         checks.append(failed("scene", "the file names no scene"))
     else:
-        checks.append(told("scene", present[:SHORT], note="not of camgeo: it is only measured"))
+        checks.append(reported("scene", present[:SHORT], note="not from camgeo: only measured"))
     if certificate is None or certificate.damage:
         return checks
     if certificate.scene != present:
-        note = f"{CERTIFICATE} is of another scene, or of another state of it"
+        note = f"{CERTIFICATE} belongs to another scene, or to another version of it"
         checks.append(failed("scene", note, "certificate"))
     if certificate.scene_files != product.scene_files:
         note = f"a file that the scene reads is not the one that {CERTIFICATE} names"
@@ -224,7 +224,7 @@ def _tolerance(
     certificate: Certificate | None,
     against: Against,
 ) -> tuple[float, str]:
-    """The tolerance to hold the file to [mm], and who says it."""
+    """The tolerance that applies to the file [mm], and where it is from."""
     certain = None if certificate is None else certificate.tolerances.get(name)
     said = (
         (wanted.tolerance, "--tolerance"),
@@ -240,13 +240,13 @@ def _tolerance(
 def write_verification(
     path: Path, version: str, verdicts: tuple[Verdict, ...], *, force: bool
 ) -> Path:
-    """Write the verdicts to `path`, over an earlier verification of camgeo's at most.
+    """Write the verdicts to `path`, overwriting at most an earlier verification of camgeo's.
 
     Raises
     ------
     OutputError
-        If something else stands there and `force` is not given, or on any error of the disk; then
-        nothing was changed.
+        If something else is there and `force` is not set, or on any disk error; in both cases
+        nothing has been changed.
     """
     text = json.dumps(document(version, verdicts), indent=2, allow_nan=False) + "\n"
     replace = force or _is_verification(path)
@@ -271,10 +271,10 @@ def scene_file(
 
     Parameters
     ----------
-    folders : that of the files to be verified first; what its certificate says of the scene's own
-        files holds, so that a scene is found whose files were changed since.
-    hashes : of a scene file, all that files may name it by, with the SHA-256 of files that it reads
-        where they are known; OSError if it cannot be read.
+    folders : first that of the files to be verified; what its certificate states of the scene's own
+        files applies, so that a scene is found even if its files have changed since.
+    hashes : all hashes by which files may name a scene file, given the SHA-256 of the files that it
+        reads where known; OSError if it cannot be read.
 
     Raises
     ------
@@ -291,8 +291,8 @@ def scene_file(
                         return path
                 except OSError:
                     continue
-        places = "its folder, the folder above it and the present one"
+        places = "its folder, the folder above it and the current one"
         message = f"no scene with SHA-256 {sha256[:SHORT]}... in {places}; name it with --scene"
     else:
-        message = "the file names no scene; name the one to hold it against with --scene"
+        message = "the file names no scene; name the one to compare it with by --scene"
     raise SceneError([Fault("", "", message)])

@@ -1,1 +1,1 @@
-"""Files written, read back and measured, certified, and put in place all together."""
+"""Files written, read back and measured, certified, and moved into place together."""

@@ -1,4 +1,4 @@
-"""A set of files written whole or not at all, and never over something without being told."""
+"""A set of files written completely or not at all, overwriting nothing unless told to."""
 
 from __future__ import annotations
 
@@ -12,17 +12,17 @@ from camgeo.errors import OutputError
 
 
 def write_set(folder: Path, files: Mapping[str, bytes], *, force: bool) -> tuple[Path, ...]:
-    """Write `files` (name -> content) into `folder`, which is made if need be.
+    """Write `files` (name -> content) into `folder`, which is created if necessary.
 
-    Everything is first written into a hidden folder beside the targets and moved into place only
-    when it is complete on the disk; a move that fails takes back those before it. A file that
-    exists with the same content counts as written.
+    Everything is first written to a hidden folder next to the targets and moved into place only
+    when it is complete on disk; a move that fails undoes the moves before it. A file that
+    already exists with the same content counts as written.
 
     Raises
     ------
     OutputError
-        If a file exists that differs and `force` is not given, or on any error of the disk; then
-        nothing was changed.
+        If a different file exists and `force` is not set, or on any disk error; in both cases
+        nothing has been changed.
     """
     _refuse_overwriting(folder, files, force=force)
     made = _make_folder(folder)
@@ -42,7 +42,7 @@ def write_set(folder: Path, files: Mapping[str, bytes], *, force: bool) -> tuple
             shutil.rmtree(staging, ignore_errors=True)
         for created in reversed(made):
             try:
-                created.rmdir()  # only if nothing came to lie in it
+                created.rmdir()  # only if nothing has been put in it
             except OSError:
                 break
     return tuple(folder / name for name in files)
@@ -65,13 +65,13 @@ def _refuse_overwriting(folder: Path, files: Mapping[str, bytes], *, force: bool
             ) from error
     if differing and not force:
         raise OutputError(
-            f"{folder}: {', '.join(differing)} would be written over; give --force to allow it, or"
-            " another folder with -o; nothing was written"
+            f"{folder}: {', '.join(differing)} would be overwritten; allow it with --force, or"
+            " give another folder with -o; nothing was written"
         )
 
 
 def _make_folder(folder: Path) -> list[Path]:
-    """Make `folder` and what is missing above it; return what was made, outermost first."""
+    """Create `folder` and its missing parents; return what was created, outermost first."""
     missing = []
     place = folder
     while not place.exists():
@@ -86,7 +86,7 @@ def _make_folder(folder: Path) -> list[Path]:
         for place in reversed(made):
             place.rmdir()
         raise OutputError(
-            f"{folder}: cannot make the folder: {error.strerror or error}; nothing was written"
+            f"{folder}: cannot create the folder: {error.strerror or error}; nothing was written"
         ) from error
     return made
 

@@ -1,4 +1,4 @@
-"""A design's files: written by their writers, read back and measured, certified, put in place."""
+"""A design's files: written by their writers, measured as read back, certified, put in place."""
 
 from __future__ import annotations
 
@@ -31,9 +31,9 @@ class FileReport:
     name : of the file.
     format : name of its writer.
     size : in bytes.
-    tolerance : that was asked [mm].
+    tolerance : the requested one [mm].
     deviation : proved for the file as read back [mm]; None for pictures.
-    facts : what its writer has to say, e.g. the number of arcs.
+    facts : what its writer reports, e.g. the number of arcs.
     """
 
     name: str
@@ -51,7 +51,7 @@ class Report:
     Attributes
     ----------
     paths : of all files, the certificate last.
-    files : one report each, without the certificate.
+    files : one report per file, without the certificate.
     """
 
     paths: tuple[Path, ...]
@@ -59,7 +59,7 @@ class Report:
 
 
 def _silent(_: str) -> None:
-    """Tell no one."""
+    """Report progress to no one."""
 
 
 def write_files(
@@ -73,7 +73,7 @@ def write_files(
 ) -> Report:
     """Write `formats` of `discs` and their certificate into `folder`, see `Design.write`.
 
-    The first disc is the main one, by whose name the certificate goes.
+    The first disc is the main one, which names the certificate.
     """
     if not SMALLEST_TOLERANCE <= tolerance <= LARGEST_TOLERANCE:
         message = f"must be a length of {SMALLEST_TOLERANCE:g} mm to {LARGEST_TOLERANCE:g} mm"
@@ -90,9 +90,9 @@ def make_files(
     *,
     progress: Progress = _silent,
 ) -> tuple[dict[str, bytes], tuple[FileReport, ...]]:
-    """The files by their names, the certificate last, and what is told of each; none is written.
+    """The files by name, the certificate last, and a report on each; none is written.
 
-    The files of the first disc, then those of the next. Raises as `Design.write`.
+    The files of the first disc, then those of the next. Raises like `Design.write`.
     """
     product = discs[0]
     contents: dict[str, bytes] = {}
@@ -110,8 +110,8 @@ def make_files(
     writers = [(name, each) for name, one in found.items() for each in with_companions(one)]
     for disc in discs:
         for name, writer in writers:
-            told = name if disc is product else f"{name} of {disc.name}"
-            written, deviation = _make(disc, told, writer, tolerance, progress)
+            label = name if disc is product else f"{name} of {disc.name}"
+            written, deviation = _make(disc, label, writer, tolerance, progress)
             file = f"{disc.name}{writer.format.suffix}"
             contents[file] = written.data
             reports.append(
@@ -129,7 +129,7 @@ def _make(
     try:
         written = disc.ledger.run(f"{name} file", partial(writer.write, disc, tolerance))
     except ToleranceError as error:
-        # The writer asked for a share of it; what the user knows is the whole.
+        # The writer used a share of the tolerance; the user knows the whole.
         raise ToleranceError(f"{name}: {error.reason}", tolerance, error.reached) from error
     progress(f"{name}: reading back")
     deviation = disc.ledger.run(
@@ -143,7 +143,7 @@ def _make(
 def _certificate(
     product: Product, tolerance: float, reports: list[FileReport], contents: dict[str, bytes]
 ) -> bytes:
-    """What is proved of the files, as JSON; the same for the same scene."""
+    """What has been proved about the files, as JSON; the same for the same scene."""
     document: dict[str, Any] = {
         "camgeo": product.version,
         "scene": {

@@ -1,4 +1,4 @@
-"""What a writer of one format is, and the writers at hand.
+"""What a writer of one format is, and the writers available.
 
 Writers register as entry points of the group ``camgeo.writers``; the entry point's name is the
 format's name on the command line and in the scene, and it loads an object that is a `Writer`.
@@ -17,13 +17,13 @@ from camgeo.product.product import Product
 
 @dataclass(frozen=True, slots=True)
 class Written:
-    """A file's content and what its writer says of it.
+    """A file's content and what its writer reports about it.
 
     Attributes
     ----------
     data : the whole file.
-    facts : what the certificate should name besides the deviation, e.g. {"arcs": 64}; numbers and
-        short texts, in the order to be written.
+    facts : what the certificate should state besides the deviation, e.g. {"arcs": 64}; numbers and
+        short texts, in the order of writing.
     """
 
     data: bytes
@@ -37,17 +37,17 @@ class Writer(Protocol):
     ----------
     format : its declaration; the name is that of the entry point.
 
-    A writer may have `companions` too, a tuple of writers: the format's further files, each with
-    a suffix of its own.
+    A writer may also have `companions`, a tuple of writers of the format's further files, each
+    with its own suffix.
     """
 
     @property
     def format(self) -> Format[Any]: ...
 
     def write(self, product: Product, tolerance: float) -> Written:
-        """The file. `tolerance` [mm] bounds the distance of everything in it from the exact curve.
+        """The file; everything in it lies within `tolerance` [mm] of the exact curve.
 
-        Raises ToleranceError if that cannot be met.
+        Raises ToleranceError if this cannot be met.
         """
 
     def measure(self, product: Product, data: bytes) -> float | None:
@@ -60,7 +60,7 @@ def writer_names() -> tuple[str, ...]:
 
 
 def with_companions(writer: Writer) -> tuple[Writer, ...]:
-    """The writers of all files of a format, `writer` the first; their suffixes differ."""
+    """The writers of all files of a format, `writer` first; their suffixes differ."""
     further: tuple[Writer, ...] = getattr(writer, "companions", ())
     return (writer, *further)
 

@@ -1,4 +1,4 @@
-"""A contour from what files give: end points and the angle turned between them."""
+"""A contour from what files state: end points and the angle turned between them."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from camgeo.numeric.arrays import ComplexArray, FloatArray
 def chain(vertices: ComplexArray, sweeps: FloatArray) -> Contour:
     """Closed contour through `vertices` (n,) [mm] whose pieces turn by `sweeps` (n,) [rad].
 
-    The centres follow from both, so that each arc meets its end points.
+    The centres follow from both, so that each arc passes through its end points.
     """
     chord = np.roll(vertices, -1) - vertices
     straight = sweeps == 0.0

@@ -12,11 +12,11 @@ class FileError(CamgeoError, ValueError):
 
 
 def finite(text: str, name: str, line: int) -> float:
-    """The number that stands in a line of the file `name`; FileError if it is no finite one."""
+    """The number `text` in a line of the file `name`; FileError if it is not finite."""
     try:
         number = float(text)
     except ValueError:
         number = math.nan
     if not math.isfinite(number):
-        raise FileError(f"{name}, line {line}: {text[:40]!r} is no finite number")
+        raise FileError(f"{name}, line {line}: {text[:40]!r} is not a finite number")
     return number

@@ -1,4 +1,4 @@
-"""Which contour of a file is which boundary of the part."""
+"""Assignment of a file's contours to the boundaries of the part."""
 
 from __future__ import annotations
 
@@ -14,26 +14,26 @@ from camgeo_export.errors import FileError
 from camgeo_export.verify.farthest import points_of
 
 LOOSE = 1e-3
-"""Tolerance at which a boundary's area is taken, relative to the extent of the drawing: coarse
+"""Tolerance at which a boundary's area is computed, relative to the extent of the drawing: coarse
 enough to cost nothing, and the areas of nested boundaries differ by more."""
 
 ALIKE = 0.05
-"""Areas that differ by this share tell nothing about which is which: that of a small hole is not
-known better than that with a tolerance for the whole drawing."""
+"""Areas that differ by less than this fraction do not show which is which: that of a small hole is
+known no better with a tolerance for the whole drawing."""
 
 AnyContour = Contour | SplineContour
 
 
 def deviation(contours: Sequence[AnyContour], boundaries: tuple[Boundary, ...]) -> float:
-    """Proved bound [mm] of the distance between the `contours` of a file and the `boundaries`.
+    """Proved bound [mm] on the distance between the `contours` of a file and the `boundaries`.
 
-    A wrong pair would show as a large deviation, never as a small one. Raises FileError unless
+    A wrong pairing would show as a large deviation, never as a small one. Raises FileError unless
     there are as many contours as boundaries.
     """
     if len(contours) != len(boundaries):
         names = ", ".join(boundary.name for boundary in boundaries)
         raise FileError(f"{len(contours)} closed contours, expected {len(boundaries)}: {names}")
-    # A power of 2: so all files of a part ask for the same polygons, which are made once.
+    # A power of 2, so that all files of a part need the same polygons, which are computed once.
     loose = LOOSE * 2.0 ** math.floor(math.log2(max(map(reach_of, contours))))
     outlines = [boundary.polyline(loose, "fast").contour for boundary in boundaries]
     pairs = zip(boundaries, paired(contours, outlines), strict=True)
@@ -41,10 +41,10 @@ def deviation(contours: Sequence[AnyContour], boundaries: tuple[Boundary, ...]) 
 
 
 def paired(contours: Sequence[AnyContour], outlines: Sequence[Contour]) -> list[AnyContour]:
-    """The contours of a file in the order of as many `outlines`, polygons near those of the part.
+    """The contours of a file in the order of as many `outlines`, approximate polygons of the part.
 
-    The order of the areas tells boundaries apart that lie inside each other; those of the same
-    size, as the holes of a bolt circle, lie at different places.
+    The order of the areas distinguishes boundaries that lie inside each other; those of the same
+    size, such as the holes of a bolt circle, lie at different places.
     """
     order = sorted(range(len(outlines)), key=lambda k: abs(outlines[k].area))
     free = sorted(contours, key=lambda each: abs(each.area))
@@ -60,13 +60,13 @@ def paired(contours: Sequence[AnyContour], outlines: Sequence[Contour]) -> list[
 
 
 def _apart(contour: AnyContour, outline: Contour) -> float:
-    """How far two are from each other in place and size [mm]."""
+    """How far two contours differ in place and size [mm]."""
     sizes = math.sqrt(abs(contour.area)) - math.sqrt(abs(outline.area))
     return abs(_middle(contour) - _middle(outline)) + abs(sizes)
 
 
 def _middle(contour: AnyContour) -> complex:
-    """Middle of the box that holds it [mm]."""
+    """Middle of its bounding box [mm]."""
     points = points_of(contour, LOOSE * reach_of(contour))
     sides = (points.real, points.imag)
     x, y = (0.5 * float(np.min(each) + np.max(each)) for each in sides)

@@ -129,7 +129,7 @@ def test_the_table(tmp_path: Path) -> None:
     lift = camgeo.load(PLATE).drive.motion.jet(np.radians(values[:, 0]))
     assert values[:, 2] == pytest.approx(lift[0], abs=1e-12)
     assert np.all(values[:, 3] == 0.0)
-    with pytest.raises(OutputError, match="written over"):
+    with pytest.raises(OutputError, match="overwritten"):
         replay(PLATE, "-o", str(target))
 
 
@@ -163,7 +163,7 @@ def test_wrong_files(tmp_path: Path) -> None:
         replay(PLATE, str(tmp_path / "none.csv"))
     broken = tmp_path / "broken.csv"
     broken.write_text("0,0\n1,a\n")
-    with pytest.raises(CamgeoError, match=r"broken.csv, line 2: 'a' is no finite number"):
+    with pytest.raises(CamgeoError, match=r"broken.csv, line 2: 'a' is not a finite number"):
         replay(PLATE, str(broken))
     aside = tmp_path / "aside.csv"
     aside.write_text("100,100\n110,100\n110,110\n")

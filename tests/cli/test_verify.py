@@ -65,7 +65,7 @@ def test_verdict_and_certificate(folder: Path, capsys: pytest.CaptureFixture[str
 def test_scene_is_found_by_its_hash(
     place: str, folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """In the file's folder, the one above, or the present one; its name does not matter."""
+    """In the file's folder, the one above, or the current one; its name does not matter."""
     here = tmp_path / "elsewhere"
     here.mkdir()
     monkeypatch.chdir(here)
@@ -183,7 +183,7 @@ def test_only_verifications_are_replaced(folder: Path, capsys: pytest.CaptureFix
     target = folder / "verification.json"
     target.write_text('{"kind": "a diary"}')
     assert main(words) == 2
-    assert "verification.json would be written over" in capsys.readouterr().err
+    assert "verification.json would be overwritten" in capsys.readouterr().err
     assert target.read_text() == '{"kind": "a diary"}'
     assert main([*words, "--force"]) == 0
     assert main([*words, "--tolerance", "0.02"]) == 0
@@ -202,7 +202,7 @@ def test_nothing_is_written_if_nothing_was_measured(
     assert main(["verify", str(drawing)]) == 1
     out, err = capsys.readouterr()
     assert "FAIL, not measured" in out
-    assert "not a whole DXF file" in out
+    assert "not a complete DXF file" in out
     assert "nothing was written" in err
     assert not (folder / "verification.json").exists()
 

@@ -166,7 +166,7 @@ def test_counts_follow_their_law(name: tuple[str, int], fitter: Fitter, power: f
 
 @pytest.mark.parametrize("fitter", FITTERS)
 def test_tolerance_beyond_arithmetic_is_refused(fitter: Fitter) -> None:
-    with pytest.raises(ToleranceError, match="tolerance 1e-14 mm asked") as caught:
+    with pytest.raises(ToleranceError, match="tolerance 1e-14 mm requested") as caught:
         fitter(whole(flank("setzhub", -1)), 1e-14)
     assert caught.value.reached > caught.value.asked == 1e-14
 

@@ -177,7 +177,7 @@ def test_a_use_that_the_scene_does_not_name_closes_no_ring(fakes: Fakes) -> None
 
 def test_an_effect_that_needs_itself_is_refused(fakes: Fakes) -> None:
     fakes.add("alone", needs=("alone",))
-    with pytest.raises(CycleError, match="needs itself: alone -> alone"):
+    with pytest.raises(CycleError, match="depends on itself: alone -> alone"):
         fakes.of().result("alone")
 
 

@@ -214,7 +214,7 @@ def test_any_digit_is_caught_with_its_certificate(
     (tmp_path / "certificate.json").unlink()
     code, record = _verify(capsys, path)
     assert code == 0
-    assert "only what it draws is judged" in record["checks"][0]["note"]
+    assert "only its geometry is checked" in record["checks"][0]["note"]
 
 
 @pytest.mark.parametrize("suffix", [".dxf", ".ngc", ".stl", ".3mf"])
@@ -226,7 +226,7 @@ def test_another_scene_is_told(
     tmp_path: Path,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    """Against a scene that the file was not made from; then against another state of its own."""
+    """Against a scene that the file was not made from; then against another version of its own."""
     (path,) = setzhub.glob(f"*{suffix}")
     shutil.copy(path, tmp_path)
     if certified:

@@ -151,11 +151,11 @@ def test_a_changed_angle_ratio_or_radius_is_refused(place: int) -> None:
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
-        (b"0,0,0,0,0,0,", b"0,0,0,0,0,", "other columns or rows"),
+        (b"0,0,0,0,0,0,", b"0,0,0,0,0,", "does not have this scene's columns and rows"),
         (b"0,0,0,0,0,0,", b"zero,0,0,0,0,0,", "not a number"),
-        (b"0,0,0,0,0,0,", b"0,nan,0,0,0,0,", "no finite number"),
+        (b"0,0,0,0,0,0,", b"0,nan,0,0,0,0,", "not a finite number"),
         (b"0,0,0,0,0,0,", b"0,0,0,nan,0,0,", "differ from this scene's"),
-        (b"\n0.5,0", b"\n", "differ|other columns"),
+        (b"\n0.5,0", b"\n", "differ|does not have"),
     ],
 )
 def test_a_damaged_file_is_refused(old: bytes, new: bytes, message: str) -> None:
@@ -167,7 +167,7 @@ def test_a_damaged_file_is_refused(old: bytes, new: bytes, message: str) -> None
 
 
 def test_no_file_is_refused() -> None:
-    with pytest.raises(FileError, match="other columns or rows"):
+    with pytest.raises(FileError, match="does not have this scene's columns and rows"):
         SECOND.measure(design("setzhub"), b"")
 
 

@@ -71,13 +71,13 @@ def test_units(units: int, scale: float) -> None:
 
 def test_the_unit_must_be_known_and_agree() -> None:
     silent = drawn(stadium, units=0)
-    with pytest.raises(FileError, match=r"a.dxf: does not say its unit .* say mm or inch"):
+    with pytest.raises(FileError, match=r"a.dxf: does not state its unit .* give mm or inch"):
         read_dxf(silent)
     (contour,) = read_dxf(silent, unit="inch")
     assert contour.area == pytest.approx(STADIUM * 25.4**2, rel=1e-12)
     with pytest.raises(FileError, match="which is not inch"):
         read_dxf(drawn(stadium, units=4), unit="inch")
-    with pytest.raises(FileError, match=r"INSUNITS is 13; read are inch"):
+    with pytest.raises(FileError, match=r"INSUNITS is 13; supported are inch"):
         read_dxf(drawn(stadium, units=13))
 
 
@@ -147,7 +147,7 @@ def test_gaps_up_to_the_limit_are_closed() -> None:
 
     (contour,) = read_dxf(drawn(draw), gap=0.02)
     assert contour.area == pytest.approx(50.0, abs=0.1)
-    with pytest.raises(FileError, match=r"a.dxf, line \d+: LINE ends free at \(10, 0\) mm"):
+    with pytest.raises(FileError, match=r"a.dxf, line \d+: LINE has a loose end at \(10, 0\) mm"):
         read_dxf(drawn(draw))
 
 
@@ -169,7 +169,8 @@ def test_curves_are_refused(kind: str) -> None:
         else:
             space.add_ellipse((0.0, 0.0), (5.0, 0.0), 0.5)
 
-    with pytest.raises(FileError, match=rf"line \d+: {kind} is no line or arc; read are LINE, ARC"):
+    message = rf"line \d+: {kind} is not a line or arc; supported are LINE, ARC"
+    with pytest.raises(FileError, match=message):
         read_dxf(drawn(draw))
 
 
@@ -196,7 +197,7 @@ def test_what_is_no_dxf(data: bytes, message: str) -> None:
 
 def test_numbers_that_are_none() -> None:
     broken = drawn(stadium).replace(b"\n-10.0\n", b"\nnan\n", 1)
-    with pytest.raises(FileError, match=r"line \d+: 'nan' is no finite number"):
+    with pytest.raises(FileError, match=r"line \d+: 'nan' is not a finite number"):
         read_dxf(broken)
 
 
@@ -223,10 +224,10 @@ def test_csv_of_points_run_clockwise_and_closed_twice_over() -> None:
         ("x,y\n", "a.csv: holds no points"),
         ("1,2,3,4\n", r"a.csv, line 1: 4 columns; allowed are x, y and x, y, bulge"),
         ("0,0\n1,0\n1\n", r"a.csv, line 3: 1 values where 2 are expected"),
-        ("0,0\n1,zero\n", r"a.csv, line 2: 'zero' is no finite number"),
-        ("# c\n0,0\n1,inf\n", r"a.csv, line 3: 'inf' is no finite number"),
+        ("0,0\n1,zero\n", r"a.csv, line 2: 'zero' is not a finite number"),
+        ("# c\n0,0\n1,inf\n", r"a.csv, line 3: 'inf' is not a finite number"),
         ("0,0\n1,0\n", "2 points enclose nothing"),
-        ("0,0\n0,0\n1,0\n1,1\n", "a.csv, line 2: the same point as in the row before"),
+        ("0,0\n0,0\n1,0\n1,1\n", "a.csv, line 2: the same point as in the previous row"),
         ("0,0\n1,0\n2,0\n", "enclose no area"),
     ],
 )
@@ -238,5 +239,5 @@ def test_csv_faults(text: str, message: str) -> None:
 def test_csv_has_no_layers_and_is_text() -> None:
     with pytest.raises(FileError, match="has no layers; leave out the layer 'CUT'"):
         read_csv("0,0\n1,0\n1,1\n", layer="CUT")
-    with pytest.raises(FileError, match="is no text in UTF-8"):
+    with pytest.raises(FileError, match="is not UTF-8 text"):
         CSV.read(b"\xff\xfe0", "a.csv", layer=None, unit=None, gap=GAP)

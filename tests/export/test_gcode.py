@@ -252,7 +252,7 @@ def test_printed_arcs_meet_their_ends(
         ("M5\nM2", "M9\nM5\nM2", "M9 is not expected"),
         ("M5\nM2", "M5\nM2\nG0 X1", "after the end"),
         ("G43 H1", "G43 H#1", "cannot be read"),
-        ("(tolerance 0.001 mm)", "", "name its tolerance"),
+        ("(tolerance 0.001 mm)", "", "state its tolerance"),
     ],
 )
 def test_a_broken_program_is_refused(old: str, new: str, message: str) -> None:

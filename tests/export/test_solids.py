@@ -119,7 +119,7 @@ def test_a_missing_facet_is_refused(corners: np.ndarray) -> None:
 def test_a_flipped_facet_is_refused(corners: np.ndarray) -> None:
     corners = corners.copy()
     corners[5] = corners[5, ::-1]
-    with pytest.raises(FileError, match=r"facet 6, round .* is turned against its neighbours"):
+    with pytest.raises(FileError, match=r"facet 6, near .* is turned against its neighbours"):
         STL.measure(StubProduct(), stl_of(corners))
 
 
@@ -152,7 +152,7 @@ def test_an_stl_in_inches_is_measured(corners: np.ndarray) -> None:
 
 
 def test_a_cut_stl_is_refused() -> None:
-    with pytest.raises(FileError, match="whole binary STL"):
+    with pytest.raises(FileError, match="complete binary STL"):
         STL.measure(StubProduct(), STL.write(StubProduct(), 0.01).data[:-10])
 
 

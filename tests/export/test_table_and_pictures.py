@@ -55,7 +55,7 @@ def test_a_changed_length_is_measured_in_mm() -> None:
     ("old", "new", "message"),
     [
         (b"\n5.0,", b"\n5.1,", "angles, ratios or radii differ"),
-        (b"phi [deg]", b"phi [rad]", "other columns"),
+        (b"phi [deg]", b"phi [rad]", "does not have this scene's columns"),
         (b"\n5.0,", b"\nfive,", "not a number"),
     ],
 )
@@ -67,7 +67,7 @@ def test_a_changed_table_is_refused(old: bytes, new: bytes, message: str) -> Non
 
 
 def test_an_empty_table_is_refused() -> None:
-    with pytest.raises(FileError, match="other columns or rows"):
+    with pytest.raises(FileError, match="does not have this scene's columns and rows"):
         CSV.measure(StubProduct(), b"")
 
 

@@ -133,7 +133,7 @@ def test_drawing_without_unit_is_not_measured(design: Design) -> None:
     checks = _checks(DXF_VERIFIER, design.disc, _data(_drawing(design, units=0)))
     closure = checks["closure", ""]
     assert closure.ok is False
-    assert re.search(r"does not say its unit .*\(--unit\)", closure.note)
+    assert re.search(r"does not state its unit .*\(--unit\)", closure.note)
 
 
 def test_layers_of_a_foreign_drawing(design: Design) -> None:
@@ -161,7 +161,7 @@ def test_gap_beyond_the_tolerance_is_told(design: Design) -> None:
     line.dxf.start += ezdxf.math.Vec3(0.0, 3.0 * TOLERANCE)
     closure = _checks(DXF_VERIFIER, design.disc, _data(document))["closure", ""]
     assert closure.ok is False
-    assert "ends free at" in closure.note
+    assert "has a loose end at" in closure.note
 
 
 # Foreign programs and meshes ----------------------------------------------------------------------
@@ -200,7 +200,7 @@ def test_text_stl_of_another_program(design: Design) -> None:
     assert "inch taken for mm?" in note
     reading = Reading("a.stl", ours=False, unit="inch")
     assert not _failed(_checks(STL_VERIFIER, design.disc, inch, reading))
-    assert STL_VERIFIER.origin(text[: len(text) // 2]).damage.endswith("no endsolid at its end")
+    assert STL_VERIFIER.origin(text[: len(text) // 2]).damage.endswith("endsolid missing")
 
 
 def test_3mf_in_inch_is_measured_in_inch(design: Design) -> None:
@@ -307,7 +307,7 @@ def test_faults_of_meshes_are_named() -> None:
     assert re.match(r"the edge from \(.*\) mm to \(.*\) mm has 1 of 2 facets", open_mesh["closed"])
     turned = triangles.copy()
     turned[4] = turned[4, ::-1]
-    assert notes(turned)["oriented"].startswith("facet 5, round ")
+    assert notes(turned)["oriented"].startswith("facet 5, near ")
     assert notes(triangles[:, ::-1]) == {"oriented": "the mesh is turned inside out"}
     degenerate = np.vstack((triangles, [[0, 0, 1]]))
     assert "facet 13" in notes(degenerate)["facets"]

@@ -225,7 +225,7 @@ def test_every_mark_is_drawn(mark: Mark | Inset) -> None:
 
 
 def test_what_is_no_mark_is_refused() -> None:
-    with pytest.raises(TypeError, match="SimpleNamespace is no mark"):
+    with pytest.raises(TypeError, match="SimpleNamespace is not a mark"):
         draw(SimpleNamespace(), Page().add_subplot())
 
 

@@ -150,7 +150,7 @@ def test_a_boundary_goes_on_through_layers() -> None:
     [
         (lambda: (), "needs layers"),
         (lambda: (Layer(0.0, 1.0, ()),), "needs boundaries"),
-        (lambda: (Layer(0.0, 1.0, (BORE, BORE)),), "each with a name of its own"),
+        (lambda: (Layer(0.0, 1.0, (BORE, BORE)),), "each with its own name"),
         (lambda: (Layer(1.0, 0.0, (RIM,)),), "must reach upwards"),
         (lambda: (Layer(math.nan, 0.0, (RIM,)),), "must be a finite number"),
         (lambda: (Layer(0.0, math.inf, (RIM,)),), "must be a finite number"),
@@ -161,7 +161,7 @@ def test_a_boundary_goes_on_through_layers() -> None:
         (lambda: (Layer(0.0, 1.0, (RIM,)), Layer(2.0, 3.0, (RIM,), "hub")), "must begin where"),
         (
             lambda: (Layer(0.0, 1.0, (RIM,)), Layer(1.0, 2.0, (_circle("rim", 9.0, hole=False),))),
-            "a name of its own",
+            "its own name",
         ),
     ],
 )

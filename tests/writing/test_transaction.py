@@ -61,7 +61,7 @@ def test_other_files_are_left_alone(tmp_path: Path) -> None:
 
 def test_differing_file_is_kept_unless_forced(tmp_path: Path) -> None:
     (tmp_path / "b.ngc").write_bytes(b"old b")
-    with pytest.raises(OutputError, match=r"b\.ngc would be written over; give --force"):
+    with pytest.raises(OutputError, match=r"b\.ngc would be overwritten; allow it with --force"):
         write_set(tmp_path, FILES, force=False)
     assert _everything(tmp_path) == {"b.ngc": b"old b"}
     write_set(tmp_path, FILES, force=True)
@@ -152,7 +152,7 @@ def test_folder_in_which_no_one_may_write() -> None:
     """In /proc not even root can make a file."""
     with pytest.raises(OutputError, match="nothing was written"):
         write_set(Path("/proc"), FILES, force=False)
-    with pytest.raises(OutputError, match="cannot make the folder"):
+    with pytest.raises(OutputError, match="cannot create the folder"):
         write_set(Path("/proc/camgeo-test"), FILES, force=False)
 
 

@@ -1,7 +1,7 @@
 """ASC: the two point files of opticurv 1.0.3 (Wirsig, appendix A, source lines 1414 to 1443).
 
 No heading, one row for each step of the cam angle from 0 to below 360 degrees, numbers separated by
-commas. The columns stand in the program's order and hold what its text means by them, with correct
+commas. The columns are in the program's order and hold what its text means by them, with correct
 values; docs/opticurv.md lists where its own differ. Lengths are in mm whatever the scene's unit.
 """
 
@@ -28,12 +28,12 @@ COLUMNS: Final = (
     *POINTS,
     *("mue", "r_K"),
 )
-"""Of the first file, by the headings that the program shows: degrees, mm, degrees, rad, 1, 1/rad,
+"""Those of the first file, named by the program's headings: degrees, mm, degrees, rad, 1, 1/rad,
 mm (from the pivot), mm (from the cam axis), degrees, mm (positive where the pitch curve is convex).
 """
 
 LENGTHS: Final = frozenset(("s", "x_Bik", "y_Bik", *POINTS))
-"""Columns whose differences count as deviation; r_K is no place and must be the same."""
+"""Columns whose differences count as deviation; r_K is not a position and must be equal."""
 
 
 def point_columns(product: Product) -> dict[str, FloatArray]:
@@ -70,12 +70,12 @@ def point_columns(product: Product) -> dict[str, FloatArray]:
 
 @dataclass(frozen=True, slots=True)
 class AscWriter:
-    """Writes some of the columns.
+    """Writes one of the point files.
 
     Attributes
     ----------
     format : with the suffix of the file.
-    columns : that it has, in their order.
+    columns : of the file, in order.
     companions : writers of the format's further files.
     """
 
@@ -84,9 +84,9 @@ class AscWriter:
     companions: tuple[AscWriter, ...] = ()
 
     def write(self, product: Product, tolerance: float) -> Written:
-        """The points, each number in the shortest form that reads back the same; none is fitted.
+        """The points, each number in the shortest form that reads back the same; nothing is fitted.
 
-        r_K is `inf` where the curvature is exactly 0, as in a C++ stream; nothing else can be.
+        r_K is `inf` where the curvature is exactly 0, as in a C++ stream; no other value can be.
         """
         columns = point_columns(product)
         values = np.column_stack([columns[name] for name in self.columns]) + 0.0
@@ -95,7 +95,7 @@ class AscWriter:
         return Written(("\n".join(lines) + "\n").encode("ascii"), facts)
 
     def measure(self, product: Product, data: bytes) -> float:
-        """Read the points back; the largest difference of a length [mm], 0.0 for a file of ours.
+        """Read the points back; the largest difference of a length [mm], 0.0 for our own file.
 
         Raises FileError if anything else differs.
         """

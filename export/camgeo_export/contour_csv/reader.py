@@ -1,4 +1,4 @@
-"""CSV of a contour: x, y and, if there are arcs, bulge; one vertex a row.
+"""CSV of a contour: x, y and, if there are arcs, bulge; one vertex per row.
 
 The bulge is tan(sweep/4) of the piece that starts at the row, positive counter-clockwise, as in
 DXF. The last piece leads back to the first row. A header and lines that begin with # are allowed.
@@ -25,9 +25,9 @@ class ContourCsvReader:
     def read(
         self, data: bytes, name: str, *, layer: str | None, unit: LengthUnit | None, gap: float
     ) -> tuple[Contour, ...]:
-        """The one contour [mm], counter-clockwise; `unit` is that of the file, mm if None.
+        """The only contour [mm], counter-clockwise; `unit` is that of the file, mm if None.
 
-        Raises FileError, with `name` and line, for anything that is not allowed.
+        Raises FileError, with `name` and line, for anything not allowed.
         """
         if layer is not None:
             raise FileError(f"{name}: a CSV file has no layers; leave out the layer {layer!r}")
@@ -35,11 +35,11 @@ class ContourCsvReader:
         x, y, bulge = np.array([row for _, row in rows]).T
         vertices = (x + 1j * y) * MM_PER[unit or "mm"]
         apart = vertices != np.roll(vertices, -1)
-        if not apart[-1]:  # the first point again at the end closes the contour
+        if not apart[-1]:  # the first point repeated at the end closes the contour
             vertices, bulge, apart = vertices[:-1], bulge[:-1], apart[:-1]
         if not np.all(apart):
             line = rows[int(np.flatnonzero(~apart)[0]) + 1][0]
-            raise FileError(f"{name}, line {line}: the same point as in the row before")
+            raise FileError(f"{name}, line {line}: the same point as in the previous row")
         if len(vertices) < FEWEST or (len(vertices) == FEWEST and not np.any(bulge)):
             raise FileError(f"{name}: {len(vertices)} points enclose nothing; give three or more")
         contour = chain(vertices, 4.0 * np.arctan(bulge))
@@ -53,7 +53,7 @@ def _rows(data: bytes, name: str) -> list[tuple[int, list[float]]]:
     try:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError:
-        raise FileError(f"{name}: is no text in UTF-8") from None
+        raise FileError(f"{name}: is not UTF-8 text") from None
     rows: list[tuple[int, list[float]]] = []
     width = 0
     for line, written in enumerate(text.splitlines(), start=1):

@@ -1,4 +1,4 @@
-"""Strands of contours from the numbers of DXF entities, and their joining to closed contours."""
+"""Strands of contours from the numbers of DXF entities, joined to closed contours."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ SPLINE_KEYS = {"degree": 71, "knots": 72, "controls": 73}
 """Group codes of the numbers that a SPLINE must state."""
 
 RATIONAL = 1e-12
-"""Weights that differ by a larger share make a spline rational."""
+"""Weights that differ by a larger fraction make a spline rational."""
 
 
 def arc_of(centre: complex, radius: float, first: float, last: float) -> Arc:
-    """The ARC about `centre` from the angle `first` to `last` [degrees], counter-clockwise."""
+    """The ARC around `centre` from the angle `first` to `last` [degrees], counter-clockwise."""
     sweep = (math.radians(last) - math.radians(first)) % (2.0 * math.pi) or 2.0 * math.pi
     start, end = (centre + radius * _unit(angle) for angle in (first, last))
     return Arc(start, end, sweep, centre)
@@ -35,9 +35,9 @@ def _unit(degrees: float) -> complex:
 
 
 def spline_of(tags: Sequence[tuple[int, float]], scale: float) -> CubicSpline:
-    """The SPLINE of the group codes `tags` with their values, `scale` [mm] a unit.
+    """The SPLINE given by `tags`, group codes with values, at `scale` [mm] per unit.
 
-    Control points stand in the axes of the drawing, whatever the extrusion is.
+    Control points are in the axes of the drawing, whatever the extrusion is.
 
     Raises
     ------
@@ -70,14 +70,14 @@ def spline_of(tags: Sequence[tuple[int, float]], scale: float) -> CubicSpline:
     try:
         return CubicSpline.of(int(degree), np.array(knots), controls)
     except GeometryError as error:
-        raise FileError(f"is no spline: {error}") from None
+        raise FileError(f"is not a spline: {error}") from None
 
 
 def closed(strands: Sequence[Strand]) -> Curve:
-    """The closed contour of strands end to end, within gaps that the caller has seen to.
+    """The closed contour of strands end to end; the caller has limited the gaps.
 
-    Where two ends differ, arcs and lines give way to splines, and a strand to the one after it. A
-    contour without splines is one of lines and arcs.
+    Where two ends differ, arcs and lines are moved to splines, and a strand to the next one. A
+    contour without splines consists of lines and arcs.
     """
     starts = []
     for before, strand in zip((strands[-1], *strands[:-1]), strands, strict=True):

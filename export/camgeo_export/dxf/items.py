@@ -1,4 +1,4 @@
-"""What stands in a DXF file: tags, and the entities that they make up."""
+"""The contents of a DXF file: tags, and the entities that they make up."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from camgeo_export.errors import FileError, finite
 
 @dataclass(frozen=True, slots=True)
 class Tag:
-    """A group code with its value and the line of the value."""
+    """A group code with its value and its line number."""
 
     code: int
     value: str
@@ -19,7 +19,7 @@ class Tag:
 
 @dataclass(frozen=True, slots=True)
 class Item:
-    """An entity of the drawing with the line at which it begins and its vertices, if it has any."""
+    """An entity of the drawing with its first line and its vertices, if any."""
 
     name: str
     kind: str
@@ -29,11 +29,11 @@ class Item:
 
     @property
     def layer(self) -> str:
-        """Its layer, 0 where it names none."""
+        """Its layer, 0 if it names none."""
         return next((tag.value for tag in self.tags if tag.code == 8), "0")
 
     def fault(self, message: str) -> FileError:
-        """The error that says what is wrong with it."""
+        """An error that names the entity and its line."""
         return FileError(f"{self.name}, line {self.line}: {self.kind} {message}")
 
     def number(self, code: int, default: float | None = None) -> float:
@@ -46,7 +46,7 @@ class Item:
         return self.value(tag)
 
     def value(self, tag: Tag) -> float:
-        """The finite number that one of its tags has."""
+        """The finite number in one of its tags."""
         return finite(tag.value, self.name, tag.line)
 
     @property
@@ -77,7 +77,7 @@ def read_items(data: bytes, name: str) -> tuple[dict[str, Tag], list[Item]]:
     """Header variables, each with its first value, and the entities of the model space."""
     tags = list(tags_of(data, name))
     if not tags or (tags[-1].code, tags[-1].value) != (0, "EOF"):
-        raise FileError(f"{name}: not a whole DXF file: no EOF at its end")
+        raise FileError(f"{name}: not a complete DXF file: no EOF at its end")
     header: dict[str, Tag] = {}
     items: list[Item] = []
     section = ""

@@ -1,4 +1,4 @@
-"""A drawing read back and held against the exact curves."""
+"""A drawing read back and compared with the exact curves."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ KINDS: dict[str, tuple[str, ...]] = {
     "BASE_CIRCLE": ("CIRCLE",),
     "CENTRE": ("LINE",),
 }
-"""What each layer holds; anything else does not belong into the drawing."""
+"""What each layer holds; anything else does not belong in the drawing."""
 
 SPLINE_KINDS = ("SPLINE", "ARC", "LINE")
 """What layer CUT holds where splines are drawn."""
@@ -42,7 +42,7 @@ def measure(product: Product, data: bytes) -> float:
     x, y, radius = (circles[0].number(code) * scale for code in (10, 20, 40))
     largest = max(largest, abs(complex(x, y)) + abs(radius - product.drawn.base_radius))
     for contour in pitch:
-        assert isinstance(contour, Contour)  # a polyline, as the check of what is drawn has it
+        assert isinstance(contour, Contour)  # a polyline, by `_check`
         largest = max(largest, product.drawn.pitch_deviation(contour))
     return largest
 

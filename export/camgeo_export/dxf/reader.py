@@ -1,7 +1,7 @@
-"""Reader of closed contours from any DXF drawing, by whatever program it was written, ours too.
+"""Reader of closed contours from any DXF drawing, whichever program wrote it.
 
-Lines, arcs, circles, polylines with bulges and, for those who take curves, polynomial splines of
-degree 1 to 3 count; pieces that lie open are chained at their end points. What has no exact form in
+It reads lines, arcs, circles, polylines with bulges and, for callers that accept curves, polynomial
+splines of degree 1 to 3; open pieces are chained at their end points. What has no exact form in
 these is refused rather than approximated.
 """
 
@@ -25,29 +25,29 @@ MM_PER_INSUNIT = {1: 25.4, 2: 304.8, 4: 1.0, 5: 10.0, 6: 1000.0}
 """Millimetres of the units that $INSUNITS names: inch, foot, mm, cm, m."""
 
 CUT = "CUT"
-"""Layer that is taken if no other is asked for and it is there."""
+"""Default layer, if it exists."""
 
 LINES_AND_ARCS = ("LINE", "ARC", "CIRCLE", "LWPOLYLINE", "POLYLINE")
 CURVES = (*LINES_AND_ARCS, "SPLINE")
 
 REFUSED = ("SPLINE", "ELLIPSE", "INSERT", "HELIX", "MLINE", "REGION", "3DFACE", "SOLID", "HATCH")
-"""Entities that may be part of an outline but are no lines and arcs."""
+"""Entities that may be part of an outline but are neither lines nor arcs."""
 
 CLOSED = 1
-"""Bit of group 70 of a closed polyline."""
+"""Bit of group 70 that marks a polyline as closed."""
 
 NOT_FLAT = 2 | 4 | 8 | 16 | 64
-"""Bits of group 70 of a POLYLINE that is fitted by a curve, or is a polygon mesh or in space."""
+"""Bits of group 70 of a POLYLINE that is curve-fitted, a polygon mesh or three-dimensional."""
 
 
 JOINED = 1e-12
-"""Ends that are nearer than this share of the drawing's reach are the same, written as an angle and
-as a point."""
+"""Ends closer than this fraction of the drawing's reach are the same, written once as an angle and
+once as a point."""
 
 
 @dataclass(frozen=True, slots=True)
 class Run:
-    """Pieces of the drawing from end to end; `item` is the entity that the first is of."""
+    """Pieces of the drawing joined end to end; `item` is the entity of the first."""
 
     item: Item
     pieces: Sequence[Strand]
@@ -58,7 +58,7 @@ class Run:
         return self.pieces[-1].end == self.pieces[0].start
 
     def reversed(self) -> Run:
-        """The same, run the other way."""
+        """The same in the opposite direction."""
         return Run(self.item, [piece.reversed() for piece in self.pieces[::-1]])
 
 
@@ -82,19 +82,19 @@ class Drawing:
         return self.header[variable].value if variable in self.header else ""
 
     def scale(self, unit: LengthUnit | None = None) -> float:
-        """Millimetres of a drawing unit; `unit` is needed if the drawing does not say it.
+        """Millimetres per drawing unit; `unit` is needed if the drawing does not state it.
 
-        Raises FileError if it is unknown, or not what the drawing says.
+        Raises FileError if it is unknown, or contradicts the drawing.
         """
         name, tag = self.name, self.header.get("$INSUNITS")
         code = 0 if tag is None else int(finite(tag.value, name, tag.line))
         if code == 0:
             if unit is None:
-                message = "does not say its unit ($INSUNITS); say mm or inch (--unit)"
+                message = "does not state its unit ($INSUNITS); give mm or inch (--unit)"
                 raise FileError(f"{name}: {message}")
             return MM_PER[unit]
         if code not in MM_PER_INSUNIT:
-            raise FileError(f"{name}: $INSUNITS is {code}; read are inch, foot, mm, cm and m")
+            raise FileError(f"{name}: $INSUNITS is {code}; supported are inch, foot, mm, cm and m")
         if unit is not None and MM_PER[unit] != MM_PER_INSUNIT[code]:
             raise FileError(f"{name}: $INSUNITS is {code}, which is not {unit}")
         return MM_PER_INSUNIT[code]
@@ -108,21 +108,21 @@ class Drawing:
     ) -> tuple[Curve, ...]:
         """The closed contours [mm], counter-clockwise, the largest first.
 
-        One without splines is of lines and arcs. Where two ends lie apart one is moved to the
-        other: that of an arc or line to that of a spline.
+        A contour without splines consists of lines and arcs. Where two ends lie apart, one is moved
+        to the other: that of an arc or line to that of a spline.
 
         Parameters
         ----------
-        layer : whose entities are read; None for layer CUT if there is one, else for all.
-        unit : of the drawing, needed if the drawing does not say it.
-        gap : end points up to this far apart [mm] are joined; None for what rounding leaves.
-        kinds : of entities that count.
+        layer : whose entities are read; None for layer CUT if it exists, else for all.
+        unit : of the drawing, needed if the drawing does not state it.
+        gap : end points up to this far apart [mm] are joined; None for rounding only.
+        kinds : of entities that are read.
 
         Raises
         ------
         FileError
-            With name and line, if the unit is unknown, an entity is of no such kind, or pieces do
-            not close to contours.
+            With name and line, if the unit is unknown, an entity is of another kind, or pieces do
+            not form closed contours.
         """
         scale = self.scale(unit)
         runs = [run for item in self._on(layer, kinds) if (run := _run(item, scale)).pieces]
@@ -131,7 +131,7 @@ class Drawing:
         found = [run for run in runs if run.closed]
         found += _chained([run for run in runs if not run.closed], gap)
         if not found:
-            raise FileError(f"{self.name}: no contour found; read are {', '.join(kinds)}")
+            raise FileError(f"{self.name}: no contour found; supported are {', '.join(kinds)}")
         return tuple(sorted(map(_contour, found), key=lambda contour: -contour.area))
 
     def _on(self, layer: str | None, kinds: tuple[str, ...]) -> list[Item]:
@@ -143,12 +143,12 @@ class Drawing:
         chosen = [item for item in self.items if wanted is None or item.layer == wanted]
         for item in chosen:
             if item.kind in REFUSED and item.kind not in kinds:
-                raise item.fault(f"is no line or arc; read are {', '.join(kinds)}")
+                raise item.fault(f"is not a line or arc; supported are {', '.join(kinds)}")
         return [item for item in chosen if item.kind in kinds]
 
 
 def drawing_of(data: bytes, name: str = "the drawing") -> Drawing:
-    """The drawing in the file `name`; FileError if it is no DXF, or is cut short."""
+    """The drawing in the file `name`; FileError if it is not DXF, or truncated."""
     header, items = read_items(data, name)
     return Drawing(name, header, tuple(items))
 
@@ -165,7 +165,7 @@ class DxfReader:
 
 
 def _run(item: Item, scale: float) -> Run:
-    """The pieces of an entity [mm]; there may be none."""
+    """The pieces of an entity [mm], possibly none."""
     if item.kind == "LINE":
         start, end = (complex(item.number(x), item.number(x + 10)) * scale for x in (10, 11))
         return Run(item, [Arc(start, end, 0.0, 0j)] if start != end else [])
@@ -205,12 +205,12 @@ def _spline(item: Item, scale: float) -> CubicSpline:
 
 
 def _polyline(item: Item, scale: float) -> list[Arc]:
-    """Its pieces, without those of no length."""
+    """Its pieces, without those of zero length."""
     flags = int(item.number(70, 0.0))
     rows: list[list[float]] = []
     if item.kind == "POLYLINE":
         if flags & NOT_FLAT:
-            raise item.fault("is fitted by a curve or not flat; explode it into lines and arcs")
+            raise item.fault("is curve-fitted or not flat; explode it into lines and arcs")
         for vertex in item.vertices:
             rows.append([vertex.number(10), vertex.number(20), vertex.number(42, 0.0)])
     else:
@@ -229,14 +229,14 @@ def _polyline(item: Item, scale: float) -> list[Arc]:
 
 
 def _chained(runs: list[Run], gap: float) -> list[Run]:
-    """Open runs joined at their ends to closed ones."""
+    """Open runs joined at their ends into closed ones."""
     partner = _partners(runs, gap)
     left = set(range(len(runs)))
     found = []
     while left:
         start = min(left)
         pieces: list[Strand] = []
-        end = 2 * start  # where the next run is entered
+        end = 2 * start  # where the next run starts
         while end // 2 in left:
             left.remove(end // 2)
             run = runs[end // 2]
@@ -247,7 +247,7 @@ def _chained(runs: list[Run], gap: float) -> list[Run]:
 
 
 def _partners(runs: list[Run], gap: float) -> list[int]:
-    """The other end at the same place of each end, 2 k and 2 k + 1 of run k."""
+    """For each end, 2 k and 2 k + 1 of run k, the other end at the same place."""
     ends = [end for run in runs for end in (run.pieces[0].start, run.pieces[-1].end)]
     cells: dict[tuple[int, int], list[int]] = defaultdict(list)
     size = 2.0 * gap if gap > 0.0 else 1.0
@@ -264,10 +264,10 @@ def _partners(runs: list[Run], gap: float) -> list[int]:
             if other != number and abs(ends[other] - point) <= gap
         ]
         if len(near) != 1:
-            what = "ends free" if not near else "meets more than one other piece"
+            what = "has a loose end" if not near else "meets more than one other piece"
             raise runs[number // 2].item.fault(
-                f"{what} at ({point.real:.6g}, {point.imag:.6g}) mm; pieces must close to contours,"
-                f" with gaps of at most {gap:g} mm"
+                f"{what} at ({point.real:.6g}, {point.imag:.6g}) mm; pieces must form closed"
+                f" contours, with gaps of at most {gap:g} mm"
             )
         partner.append(near[0])
     return partner

@@ -1,9 +1,9 @@
 """DXF: the part's boundaries as closed polylines with bulges or as splines, at true size.
 
-R2010, one LWPOLYLINE a boundary on layer CUT. As splines a boundary is a chain of SPLINE entities,
-cubic with knots and control points, and of an ARC or LINE each where it is one by nature. The pitch
-curve, a polyline in either case, the base circle and the mark of the cam axis stand on layers of
-their own, so that a shop can drop them. No text, no dimensions.
+R2010, one LWPOLYLINE per boundary on layer CUT. As splines a boundary is a chain of cubic SPLINE
+entities with knots and control points, and an ARC or LINE wherever it is exactly one. The pitch
+curve, always a polyline, the base circle and the mark of the cam axis are on their own layers, so
+that a shop can remove them. No text, no dimensions.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 import numpy as np
-from ezdxf import options  # type: ignore[attr-defined] # exported, but not said so
+from ezdxf import options  # type: ignore[attr-defined] # exported, but not declared
 from ezdxf.document import Drawing
 from ezdxf.filemanagement import new
 from ezdxf.layouts.layout import Modelspace
@@ -37,17 +37,17 @@ MEASUREMENT: dict[LengthUnit, int] = {"mm": 1, "inch": 0}
 PITCH = "PITCH_CURVE"
 
 LAYERS = {"CUT": 7, PITCH: 3, "BASE_CIRCLE": 5, "CENTRE": 1}
-"""Layers with their colour numbers."""
+"""Layers and their colour numbers."""
 
 FIT_SHARE = 0.98
 """Share of the tolerance that the fit may use; the rest is for rounding to the nearest double and
-for the slack of the bound with which the file is measured."""
+for the slack of the bound by which the file is measured."""
 
 POLYLINE_SHARES = (0.6, 0.3)
-"""Shares of the fit and of its chords, where a fit of arcs is to be drawn by straight pieces."""
+"""Shares of the fit and of its chords where arcs are to be drawn as straight pieces."""
 
 PLANAR = 8
-"""Bit of group 70 of a SPLINE that lies in a plane."""
+"""Bit of group 70 that marks a SPLINE as planar."""
 
 MARK_SHARE = 0.1
 """Half length of the centre mark, as a share of the base radius."""
@@ -66,7 +66,7 @@ class DxfWriter:
         cut = [_cut(boundary, product, share) for boundary in product.drawn.part.boundaries]
         has_pitch = drawing.auxiliary and product.drawn.has_pitch_curve
         pitch = _pitch(product, tolerance, straight) if has_pitch else None
-        # ezdxf stamps time and random identifiers on a file at its making and at its writing
+        # ezdxf stamps time and random identifiers on a file when creating and when writing it
         with _fixed_metadata():
             document = new("R2010", units=INSUNITS[product.unit])
             document.header["$MEASUREMENT"] = MEASUREMENT[product.unit]
@@ -81,12 +81,12 @@ class DxfWriter:
         return Written(stream.getvalue().encode(document.output_encoding), _facts(product, cut))
 
     def measure(self, product: Product, data: bytes) -> float:
-        """Read the drawing back, not with ezdxf, and measure it against the exact curves [mm]."""
+        """Read the drawing back, without ezdxf, and measure it against the exact curves [mm]."""
         return measure(product, data)
 
 
 def _cut(boundary: Boundary, product: Product, share: float) -> Curve:
-    """A boundary as it is drawn; a drawing of splines has no bulges, also in its bore."""
+    """A boundary as drawn; a drawing of splines has no bulges, not even in the bore."""
     entity = product.options[FORMAT].entity
     if entity == "spline":
         return boundary.spline(share, product.drawn.effort).contour.split(math.pi)
@@ -121,7 +121,7 @@ def _pitch(product: Product, tolerance: float, straight: bool) -> Contour:
 
 @contextmanager
 def _fixed_metadata() -> Iterator[None]:
-    """Drawings without time stamps and random identifiers; ezdxf's setting is put back."""
+    """Drawings without time stamps and random identifiers; ezdxf's setting is restored."""
     before = options.write_fixed_meta_data_for_testing
     options.write_fixed_meta_data_for_testing = True
     try:
@@ -131,7 +131,7 @@ def _fixed_metadata() -> Iterator[None]:
 
 
 def _describe(document: Drawing, product: Product, tolerance: float) -> None:
-    """Note what made the file as custom document properties: no text enters the drawing."""
+    """Record the file's origin as custom document properties: no text enters the drawing."""
     properties = document.header.custom_vars
     properties.append("camgeo", product.version)
     properties.append("scene", product.scene_hash)
@@ -185,7 +185,7 @@ def _strands(space: Modelspace, contour: SplineContour, scale: float, layer: str
             spline = space.add_open_spline(
                 points, degree=3, knots=strand.knots.tolist(), dxfattribs=attributes
             )
-            spline.dxf.flags = PLANAR  # ezdxf puts it to 0 at the making
+            spline.dxf.flags = PLANAR  # ezdxf sets it to 0 on creation
         elif strand.sweep:
             ends = (strand.start, strand.end) if strand.sweep > 0.0 else (strand.end, strand.start)
             first, last = (math.degrees(cmath.phase(end - strand.centre)) for end in ends)

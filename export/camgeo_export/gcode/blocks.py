@@ -1,6 +1,6 @@
-"""Moves spelled as blocks of a program.
+"""Moves written as blocks of a program.
 
-Coordinates are whole multiples of the last printed decimal from the start on, so that what is
+Coordinates are whole multiples of the last printed decimal from the start, so that what is
 checked here is what the controller reads.
 """
 
@@ -47,20 +47,20 @@ class Grid:
         return steps / self._scale * self.mm_per_unit
 
     def text(self, steps: int) -> str:
-        """The printed number, without a sign at zero."""
+        """The printed number; zero has no sign."""
         whole, part = divmod(abs(steps), self._scale)
         sign = "-" if steps < 0 else ""
         return f"{sign}{whole}.{part:0{self.decimals}d}"
 
 
 def number(value: float) -> str:
-    """A feed or a speed with the digits it has."""
+    """A feed or a speed with as many digits as it has."""
     return f"{value:.{FEED_DECIMALS}f}".rstrip("0").rstrip(".")
 
 
 @dataclass(slots=True)
 class Speller:
-    """Writes moves one after another; knows where the cutter stands, exactly and as printed.
+    """Writes moves one after another; tracks the cutter position, exact and as printed.
 
     Attributes
     ----------
@@ -87,7 +87,7 @@ class Speller:
         return blocks
 
     def retract(self, height: float) -> None:
-        """Traverse to Z `height` [mm], wherever the cutter stands."""
+        """Traverse to Z `height` [mm], from any cutter position."""
         z = self.grid.steps(height)
         self._write("G0 Z" + self.grid.text(z), "")
         self._at = (self._at[0], self._at[1], z)
@@ -107,7 +107,7 @@ class Speller:
         return self.grid.steps(end[0]), self.grid.steps(end[1]), self.grid.steps(end[2])
 
     def _straight(self, word: str, end: tuple[int, int, int], feed: str) -> None:
-        """A straight block with the coordinates that change; none of them, no block."""
+        """A straight block with the coordinates that change; no block if none changes."""
         axes = "XYZ"
         if (end[0], end[1]) == self._at[:2]:
             axes = "Z"
@@ -140,7 +140,7 @@ class Speller:
     def _printed_arc(
         self, end: tuple[int, int, int], centre: complex, ccw: bool, feed: str
     ) -> None:
-        """An arc block between printed points, with a centre set anew for them, and checked."""
+        """An arc block between printed points, with a centre recomputed for them and checked."""
         x, y = self._at[0], self._at[1]
         if x is None or y is None or end[2] != self._at[2]:
             raise ValueError("an arc must start at a known point and stay in its plane")
@@ -190,7 +190,7 @@ def _sagitta(radius: float, sweep: float) -> float:
 
 
 def _chord_ends(radius: float, sweep: float, sagitta: float) -> list[float]:
-    """Ends of the fewest equal chords within `sagitta` of the arc, as parts of it up to 1."""
+    """Ends of the fewest equal chords within `sagitta` of the arc, as fractions of it up to 1."""
     ratio = math.sqrt(min(1.0, 0.5 * sagitta / radius))
     count = max(1, math.ceil(abs(sweep) / (4.0 * math.asin(ratio)) - 1e-9))
     return [(index + 1) / count for index in range(count)]

@@ -1,4 +1,4 @@
-"""How the tolerance of a program is shared out between all that takes the cutter off its path."""
+"""How the tolerance of a program is shared among all that moves the cutter off its path."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ half a diagonal, 0.71, and the radii at an arc's two ends then differ by at most
 
 CHORD_SHARE = 0.05
 """Share of the tolerance for arcs that are written as chords: nearly straight ones, and those whose
-radius the machine does not take."""
+radius the machine does not accept."""
 
 PROOF_SHARE = 0.05
-"""Share of the tolerance left to the slack of the bound with which the program is measured."""
+"""Share of the tolerance left for the slack of the bound by which the program is measured."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,10 +33,10 @@ class Budget:
     tolerance : the whole.
     decimals : of the printed coordinates, in the program's unit.
     rounding : largest deviation by printing with these decimals.
-    chord : largest sagitta of an arc that is written as chords.
+    chord : largest sagitta of an arc written as chords.
     blending : the P of path blending, 0 for the exact path.
     fit : what is left for the cutter path's lines and arcs.
-    interpolation : how far the controller's own path leaves an arc.
+    interpolation : how far the controller's own path departs from an arc.
     """
 
     tolerance: float

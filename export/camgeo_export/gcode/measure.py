@@ -1,4 +1,4 @@
-"""A program run again and held against the exact cutter path."""
+"""A program run again and compared with the exact cutter path."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from camgeo_export.gcode.reader import Loop, Program, read
 def measure(product: Product, data: bytes) -> float:
     """Largest proved deviation [mm] of the cutter from its exact path.
 
-    Path blending counts, and how far the controller's own path leaves an arc.
+    Includes path blending, and how far the controller's own path departs from an arc.
 
     Raises FileError if the program is incomplete, unsafe or in the wrong unit.
     """
@@ -38,7 +38,7 @@ def measure(product: Product, data: bytes) -> float:
 
 
 def _check_complete(cuts: tuple[Cut, ...], program: Program, loops: list[Loop]) -> None:
-    """Every cut must be made with its tool, on its closed path at each of its depths."""
+    """Every cut must use its tool, on its closed path at each of its depths."""
     tools = {cut.name: cut.tool.number for cut in cuts}
     for loop in loops:
         if loop.operation not in tools:
@@ -55,7 +55,7 @@ def _check_complete(cuts: tuple[Cut, ...], program: Program, loops: list[Loop]) 
 
 
 def _require_tolerance(program: Program) -> None:
-    """A program that does not name its tolerance cannot be verified later."""
+    """A program that does not state its tolerance cannot be verified later."""
     words = [note.split() for note in program.comments]
     if not any(len(each) == 3 and each[::2] == ["tolerance", "mm"] for each in words):
-        raise FileError("the program does not name its tolerance")
+        raise FileError("the program does not state its tolerance")

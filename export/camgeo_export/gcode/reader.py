@@ -1,6 +1,6 @@
 """Interpreter of milling programs, as a controller would run them: words, modal state, moves.
 
-It knows the words that our machine profiles use and refuses others, so that nothing is overlooked.
+It knows the words that our machine profiles use and rejects others, so that nothing is overlooked.
 """
 
 from __future__ import annotations
@@ -36,15 +36,15 @@ class CutterMove:
     Attributes
     ----------
     kind : "rapid", "line" or "arc".
-    start, end : (x + iy); nan + nan i while the program has not said where.
+    start, end : (x + iy); nan + nan i until the program has set a position.
     z_start, z_end : heights.
     centre : of an arc.
     sweep : angle turned along an arc [rad], positive counter-clockwise.
     mismatch : difference of an arc's radii at its ends.
     feed : 0 for a traverse.
-    spindle : whether it turns.
-    operation : the last one that a comment has named.
-    tool : number of the one that was changed to last; 0 before any.
+    spindle : whether it is turning.
+    operation : the last one named by a comment.
+    tool : number of the current one; 0 before the first change.
     line : in the file, counted from 1.
     """
 
@@ -75,9 +75,9 @@ class Loop:
     Attributes
     ----------
     operation : its name.
-    tool : number of the one that cuts it.
+    tool : number of the tool that cuts it.
     z : height [mm].
-    contour : path of the tool centre, in the direction of cutting; each arc meets its end points.
+    contour : path of the tool centre in the direction of cutting; arcs meet their end points.
     mismatch : largest difference of radii [mm]: the controller's path lies within it of `contour`.
     """
 
@@ -98,7 +98,7 @@ class Program:
     step : last printed decimal [mm].
     blending, naive_cam : P and Q of G64 [mm]; 0 for the exact path.
     moves : in the order of running.
-    comments : without their brackets.
+    comments : without brackets.
     """
 
     mm_per_unit: float
@@ -109,11 +109,11 @@ class Program:
     comments: tuple[str, ...]
 
     def loops(self) -> list[Loop]:
-        """Closed runs of cuts at constant height; leads into and out of them are left out."""
+        """Closed runs of cuts at constant height; leads into and out of them are omitted."""
         found: list[Loop] = []
         run: list[CutterMove] = []
-        # A point reached before closes a loop; the search then starts anew, so that a path which
-        # overlaps its beginning is found once, and no loop holds another.
+        # A point already visited closes a loop; the search then starts again, so that a path which
+        # overlaps its beginning is found once, and no loop contains another.
         reached: dict[complex, int] = {}
         for move in self.moves:
             flat = move.kind != "rapid" and move.z_start == move.z_end
@@ -129,10 +129,10 @@ class Program:
         return found
 
     def verify(self, safe_height: float, radius_tolerance: float) -> None:
-        """Raise FileError at the first move that is unsafe or that a controller may refuse.
+        """Raise FileError at the first move that is unsafe or that a controller may reject.
 
-        Traverses in the plane at `safe_height` [mm] at least, none into the material, cuts with
-        feed and spindle on, arcs whose radii differ by `radius_tolerance` [mm] at most.
+        Traverses must stay at `safe_height` [mm] or above in the plane and out of the material;
+        cuts need feed and spindle on; radii of an arc may differ by `radius_tolerance` [mm].
         """
         for move in self.moves:
             fault = _fault(move, safe_height - 0.5 * self.step, radius_tolerance)
@@ -161,7 +161,7 @@ class _State:
 
 
 def read(text: str) -> Program:
-    """Run a program; raises FileError at a block that cannot be."""
+    """Run a program; raises FileError at an invalid block."""
     state = _State()
     moves: list[CutterMove] = []
     comments: list[str] = []
@@ -188,7 +188,7 @@ def read(text: str) -> Program:
 
 
 def _run(state: _State, words: list[tuple[str, str]], line: int) -> CutterMove | None:
-    """Run one block; the move it makes, if any."""
+    """Run one block; return its move, if any."""
     codes = [float(value) for letter, value in words if letter == "G"]
     values = {letter: float(value) for letter, value in words if letter not in "GM"}
     for code in codes:
@@ -215,7 +215,7 @@ def _g(state: _State, code: float, values: dict[str, float], line: int) -> None:
     elif code == 61:
         state.blending = state.naive_cam = 0.0
     elif code == 64:
-        # Without P the controller keeps its speed however far off; without Q, Q is P.
+        # Without P the controller keeps its speed at any deviation; without Q, Q is P.
         state.blending = values.get("P", math.inf) * state.scale
         state.naive_cam = values.get("Q", values.get("P", math.inf)) * state.scale
     elif code in MODAL:
@@ -267,7 +267,7 @@ def _move(state: _State, values: dict[str, float], line: int) -> CutterMove:
 
 
 def _fault(move: CutterMove, height: float, radius_tolerance: float) -> str:
-    """What is wrong with a move, or an empty text."""
+    """What is wrong with a move; empty if nothing."""
     if move.kind == "rapid":
         low = min(move.z_start, move.z_end)
         if move.end != move.start and not cmath.isnan(move.end) and not low >= height:
@@ -276,7 +276,7 @@ def _fault(move: CutterMove, height: float, radius_tolerance: float) -> str:
             return f"traverse down to Z {move.z_end:g} mm, into the material"
         return ""
     if cmath.isnan(move.start) or math.isnan(move.z_start):
-        return "cut from an unknown place"
+        return "cut from an unknown position"
     if not move.feed > 0.0 or not move.spindle:
         return "cut without feed, or with the spindle off"
     if move.mismatch > radius_tolerance:

@@ -68,12 +68,12 @@ class GcodeWriter:
         return Written("".join(line + "\n" for line in lines).encode("ascii"), facts)
 
     def measure(self, product: Product, data: bytes) -> float:
-        """Run the program in an interpreter of our own and measure the cutter path [mm]."""
+        """Run the program in our own interpreter and measure the cutter path [mm]."""
         return measure(product, data)
 
 
 def comment(text: str, style: CommentStyle) -> list[str]:
-    """`text` as comment lines, without what the controller cannot read in one."""
+    """`text` as comment lines, without characters that the controller cannot read in one."""
     plain = text.encode("ascii", "replace").decode("ascii")
     plain = plain.translate(str.maketrans("()", "[]"))
     width = style.line_length - len(style.open) - len(style.close)
@@ -107,7 +107,7 @@ def _frame(product: Product, machine: Machine, shares: Budget) -> list[str]:
 
 
 def _change(before: Tool | None, tool: Tool, machine: Machine) -> list[str]:
-    """From one tool and its speed to the next; the cutter stands at the safe height."""
+    """From one tool and its speed to the next; the cutter is at the safe height."""
     blocks: tuple[str, ...] = ()
     if before is None or before.number != tool.number:
         blocks += machine.tool_change
@@ -118,7 +118,7 @@ def _change(before: Tool | None, tool: Tool, machine: Machine) -> list[str]:
 
 
 def _short(length: float) -> float:
-    """A share of the budget with four digits."""
+    """A share of the budget, to four digits."""
     return float(f"{length:.4g}")
 
 

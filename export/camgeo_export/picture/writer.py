@@ -1,4 +1,4 @@
-"""SVG and PNG: a picture of the cam, for papers and web pages. For making it, take the DXF."""
+"""SVG and PNG: a picture of the cam, for papers and web pages. For manufacturing use the DXF."""
 
 from __future__ import annotations
 
@@ -24,11 +24,11 @@ class PictureWriter:
     format: Format[None]
 
     def write(self, product: Product, tolerance: float) -> Written:
-        """The picture; no tolerance holds for it."""
+        """The picture; no tolerance applies to it."""
         return Written(render(stacked(product, ["cam"]), self.format.suffix))
 
     def measure(self, product: Product, data: bytes) -> None:
-        """Nothing: a picture is not made to measure from."""
+        """None: a picture is not meant to be measured."""
 
 
 SVG = PictureWriter(plain.SVG)

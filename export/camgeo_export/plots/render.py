@@ -1,4 +1,4 @@
-"""A figure as the bytes of a file, drawn by matplotlib: the same bytes for the same figure."""
+"""A figure as the bytes of a file, drawn by matplotlib; the same figure gives the same bytes."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ RC: Any = {
 RESOLUTION = 150
 """Dots per inch of a PNG."""
 
-# No time, no version: the bytes depend on the figure only.
+# No time, no version: the bytes depend only on the figure.
 METADATA: dict[str, dict[str, Any]] = {
     "svg": {"Date": None, "Creator": "camgeo"},
     "png": {"Software": "camgeo"},
@@ -62,7 +62,7 @@ def render(figure: Figure, suffix: str) -> bytes:
     Raises
     ------
     ValueError
-        If there is no such kind of figure; there are ".svg", ".png" and ".pdf".
+        If `suffix` is not ".svg", ".png" or ".pdf".
     """
     kind = suffix.removeprefix(".")
     if kind not in METADATA:
@@ -74,7 +74,7 @@ def render(figure: Figure, suffix: str) -> bytes:
 
 
 def page(figure: Figure) -> Page:
-    """The figure as one of matplotlib."""
+    """The figure as a matplotlib figure."""
     drawn = Page(figsize=figure.size)
     FigureCanvasAgg(drawn)
     if figure.rows:
@@ -100,14 +100,14 @@ def _fill(place: Page | SubFigure, figure: Figure) -> None:
         if panel.above is not None:
             _further(axes.twiny(), panel.above, "x")
     if figure.aligned:
-        column = place.add_gridspec(len(panels), 1)  # only those of a grid are aligned
+        column = place.add_gridspec(len(panels), 1)  # only panels in a grid are aligned
         for number, axes in enumerate(panels):
             frame = axes.get_position()
             axes.set_subplotspec(column[number, 0])
             axes.set_position(frame)
         place.align_ylabels(panels)
     for text in figure.texts:
-        place.text(*text.at, text.text, **_words(text))
+        place.text(*text.at, text.text, **_text_style(text))
     if figure.legend is not None:
         place.legend(**_legend(figure.legend))
 
@@ -196,7 +196,7 @@ def _area(style: Fill) -> dict[str, Any]:
     }
 
 
-def _words(text: Text) -> dict[str, Any]:
+def _text_style(text: Text) -> dict[str, Any]:
     box = text.box
     behind: dict[str, Any] = {}
     if box is not None and box.ring:
@@ -220,7 +220,7 @@ def _words(text: Text) -> dict[str, Any]:
 @singledispatch
 def draw(mark: object, _axes: Axes) -> None:
     """Draw one mark."""
-    raise TypeError(f"{type(mark).__name__} is no mark")
+    raise TypeError(f"{type(mark).__name__} is not a mark")
 
 
 @draw.register
@@ -242,11 +242,11 @@ def _(mark: Text, axes: Axes) -> None:
     shares = mark.of == "panel"
     if mark.offset is None:
         where = axes.transAxes if shares else axes.transData
-        axes.text(*mark.at, mark.text, transform=where, **_words(mark))
+        axes.text(*mark.at, mark.text, transform=where, **_text_style(mark))
     else:
         axes.annotate(
             mark.text, mark.at, mark.offset, "axes fraction" if shares else "data",
-            "offset points", **_words(mark),
+            "offset points", **_text_style(mark),
         )  # fmt: skip
 
 
@@ -296,7 +296,7 @@ def _(mark: Field, axes: Axes) -> None:
         levels=list(mark.between), colors=[mark.style.face], zorder=mark.layer,
     )  # fmt: skip
     field.set_clip_path(Path.make_compound_path(*within.get_paths()), axes.transData)
-    axes.add_patch(Rectangle((0.0, 0.0), 0.0, 0.0, **_area(mark.style)))  # as files have had it
+    axes.add_patch(Rectangle((0.0, 0.0), 0.0, 0.0, **_area(mark.style)))  # empty, keeps the bytes
 
 
 @draw.register

@@ -1,4 +1,4 @@
-"""A mesh that was read back, taken apart into the boundaries of the part and held against them."""
+"""A mesh read back, split into the boundaries of the part and compared with them."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ from camgeo_export.verify.mesh import border_loops, merged, polygon, solid_check
 
 
 def measure(product: Product, vertices: FloatArray, triangles: IntArray) -> float:
-    """Largest proved deviation [mm] of a body from the part, in the plane and in its heights.
+    """Largest proved deviation [mm] of a body from the part, in the plane and in height.
 
-    `vertices` (n, 3) [mm] and `triangles` (m, 3) as they stand in the file. Raises FileError unless
+    `vertices` (n, 3) [mm] and `triangles` (m, 3) as in the file. Raises FileError unless
     they form one closed, outward oriented body with upright walls between flat faces.
     """
     try:
         wanted = product.drawn.part.levels
     except GeometryError as error:
-        raise FileError(f"no body to hold this against: {error.message}") from None
+        raise FileError(f"no body to compare this with: {error.message}") from None
     if not np.isfinite(vertices).all():
         raise FileError("the mesh has coordinates that are not finite")
     vertices, triangles = merged(vertices, triangles)

@@ -1,7 +1,7 @@
-"""The part as a closed body of triangles: boundaries drawn up along Z, layer upon layer.
+"""The part as a closed body of triangles: boundaries extruded along Z, layer by layer.
 
-All faces are flat at a few heights, so the body is put together directly from its polygons: every
-vertex stays the double that the fit gave. (A cross-section of manifold3d rounds to 1e-8 mm.)
+All faces are flat at a few heights, so the body is built directly from its polygons: every vertex
+remains the double that the fit gave. (A cross-section of manifold3d rounds to 1e-8 mm.)
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from camgeo.part.part import Boundary, Level, Part
 
 FIT_SHARE = 0.98
 """Share of the tolerance that the chords may use; the rest is for the rounding of the file and for
-the slack of the bound with which it is measured."""
+the slack of the bound by which it is measured."""
 
 LEAST_SHARE = 0.2
 """Share of the tolerance below which rounding leaves too little for the chords."""
@@ -48,7 +48,7 @@ def body(part: Part, tolerance: float, rounding: Rounding) -> Body:
     """The part as a body whose edges lie within `tolerance` [mm] of its boundaries.
 
     `rounding` turns coordinates [mm] into those which the file can hold. Raises GeometryError with
-    the key of the height that the scene does not tell.
+    the key of the height that the scene does not give.
     """
     levels = part.levels
     rings = {each.name: _ring(each, tolerance, rounding) for each in part.boundaries}
@@ -71,7 +71,7 @@ def body(part: Part, tolerance: float, rounding: Rounding) -> Body:
 
 
 def _ring(boundary: Boundary, tolerance: float, rounding: Rounding) -> ComplexArray:
-    """(n,) complex [mm] polygon of the boundary as the file can hold it, material on its left."""
+    """(n,) complex [mm] polygon of the boundary in the file's precision, material on its left."""
     share = FIT_SHARE * tolerance
     while True:
         fit = boundary.polyline(share)
@@ -89,9 +89,9 @@ def _ring(boundary: Boundary, tolerance: float, rounding: Rounding) -> ComplexAr
 
 
 def _winds_up(ring: ComplexArray, rings: list[ComplexArray]) -> bool:
-    """Whether `ring` bounds a face that looks up, among the disjoint `rings` of a height.
+    """Whether `ring` bounds an upward face, among the disjoint `rings` of a height.
 
-    A face that looks up has its outermost ring counter-clockwise and its holes clockwise.
+    An upward face has its outermost ring counter-clockwise and its holes clockwise.
     """
     start = shapely.Point(ring[0].real, ring[0].imag)
     others = (_polygon(other) for other in rings if other is not ring)
@@ -104,7 +104,7 @@ def _polygon(ring: ComplexArray) -> shapely.Polygon:
 
 
 class _Mesh:
-    """Triangles in the making."""
+    """Triangles under construction."""
 
     def __init__(self) -> None:
         self.points: list[FloatArray] = []
@@ -112,7 +112,7 @@ class _Mesh:
         self.count = 0
 
     def level(self, rings: list[ComplexArray], z: float) -> list[IntArray]:
-        """Vertices of `rings` at height `z`; their indices, ring by ring."""
+        """Add vertices of `rings` at height `z`; return their indices, ring by ring."""
         indices = []
         for ring in rings:
             indices.append(np.arange(self.count, self.count + len(ring)))
@@ -126,10 +126,10 @@ class _Mesh:
         rings: dict[str, ComplexArray],
         corners: dict[tuple[str, float], IntArray],
     ) -> None:
-        """The flat faces at one height: up where material ends, down where it begins.
+        """Add the flat faces at one height: upward where material ends, downward where it begins.
 
-        Seen from above, the rings that end and those that begin, turned round, wind once about the
-        faces that look up and once backwards about those that look down.
+        Seen from above, the rings that end and the reversed rings that begin wind once around the
+        upward faces and once backwards around the downward ones.
         """
         sides = [(rings[each.name], corners[each.name, level.z]) for each in level.below]
         sides += [
@@ -144,13 +144,13 @@ class _Mesh:
             self.face([(ring[::-1], indices[::-1]) for ring, indices in lower], upwards=False)
 
     def face(self, sides: list[tuple[ComplexArray, IntArray]], upwards: bool) -> None:
-        """The flat face on the left of rings with the indices of their points."""
+        """Add the flat face on the left of rings with the indices of their points."""
         polygons = [np.column_stack((ring.real, ring.imag)) for ring, _ in sides]
         triangles = np.concatenate([each for _, each in sides])[manifold3d.triangulate(polygons)]
         self.faces.append(triangles if upwards else triangles[:, ::-1])
 
     def wall(self, lower: IntArray, upper: IntArray) -> None:
-        """The wall between a ring and the same ring above it."""
+        """Add the wall between a ring and the same ring above it."""
         lower_next, upper_next = np.roll(lower, -1), np.roll(upper, -1)
         self.faces.append(np.column_stack((lower, lower_next, upper_next)))
         self.faces.append(np.column_stack((lower, upper_next, upper)))

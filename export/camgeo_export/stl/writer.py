@@ -1,4 +1,4 @@
-"""STL, binary: the part as a body. Always in millimetres, for the format knows no unit."""
+"""STL, binary: the part as a body. Always in millimetres, as the format has no unit."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from camgeo_export.solid.prism import body
 HEADER_BYTES = 80
 
 PREFIX = HEADER_BYTES + 4
-"""Bytes before the facets: header and number of facets."""
+"""Size in bytes of what precedes the facets: header and number of facets."""
 
 FACET = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 
@@ -26,7 +26,7 @@ class StlWriter:
     format = STL
 
     def write(self, product: Product, tolerance: float) -> Written:
-        """The body [mm] within `tolerance` [mm]; the rounding of STL's single floats counts."""
+        """The body [mm] within `tolerance` [mm], including the rounding to STL's single floats."""
         solid = body(product.drawn.part, tolerance, _single)
         corners = solid.vertices[solid.triangles]
         facets = np.zeros(len(corners), dtype=FACET)
@@ -38,11 +38,11 @@ class StlWriter:
     def measure(self, product: Product, data: bytes) -> float:
         """Read the mesh back and measure it against the exact boundaries [mm].
 
-        Raises FileError if the file is cut or no closed body.
+        Raises FileError if the file is truncated or not a closed body.
         """
         count = int.from_bytes(data[HEADER_BYTES:PREFIX], "little")
         if len(data) != PREFIX + FACET.itemsize * count or b" unit mm " not in data[:PREFIX]:
-            raise FileError("not a whole binary STL in mm of ours")
+            raise FileError("not a complete binary STL in mm by camgeo")
         vertices = np.frombuffer(data, FACET, offset=PREFIX)["corners"].reshape(-1, 3)
         triangles = np.arange(len(vertices)).reshape(-1, 3)
         return measure(product, vertices.astype(np.float64), triangles)
@@ -61,7 +61,7 @@ def _normals(corners: FloatArray) -> FloatArray:
 
 
 def _header(product: Product) -> bytes:
-    """80 bytes; they must not begin with "solid", by which readers tell the text form."""
+    """80 bytes; they must not begin with "solid", which marks the text form."""
     text = f"camgeo {product.version} unit mm scene {product.scene_hash[:16]} {product.name}"
     return text.encode("ascii", "replace")[:HEADER_BYTES].ljust(HEADER_BYTES)
 

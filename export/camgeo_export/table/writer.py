@@ -22,7 +22,7 @@ class CsvWriter:
     format = FORMAT
 
     def write(self, product: Product, tolerance: float) -> Written:
-        """The table in the product's unit and in degrees; its values are not fitted."""
+        """The table in the product's unit and in degrees; its values are exact, not fitted."""
         table = product.tabulated.table()
         facts: dict[str, int | float | str] = {
             "rows": len(table.values),
@@ -31,7 +31,7 @@ class CsvWriter:
         return Written(table.csv().encode("utf-8"), facts)
 
     def measure(self, product: Product, data: bytes) -> float:
-        """Read the table back; the largest difference of its lengths [mm], 0.0 for a file of ours.
+        """Read the table back; the largest difference of its lengths [mm], 0.0 for our own file.
 
         Raises FileError if anything else differs.
         """
@@ -39,7 +39,7 @@ class CsvWriter:
         rows = list(csv.reader(io.StringIO(data.decode("utf-8", "replace"), newline="")))
         header = tuple(rows.pop(0)) if rows else ()
         if header != table.names:
-            raise FileError("the table has other columns or rows than this scene's")
+            raise FileError("the table does not have this scene's columns and rows")
         lengths = np.array([f"[{product.unit}]" in name for name in table.names])
         return difference(rows, table.values, lengths, "the table") * MM_PER[product.unit]
 
@@ -47,12 +47,12 @@ class CsvWriter:
 def difference(
     rows: Sequence[Sequence[str]], expected: FloatArray, lengths: BoolArray, what: str
 ) -> float:
-    """Largest difference of the columns that are `lengths` (k,) from `expected` (n, k).
+    """Largest difference from `expected` (n, k) in the columns that are `lengths` (k,).
 
-    Raises FileError if `what` was read has other rows, or anything else in it differs.
+    Raises FileError, naming the file as `what`, if it has other rows or differs in other columns.
     """
     if len(rows) != len(expected) or {len(row) for row in rows} != {len(lengths)}:
-        raise FileError(f"{what} has other columns or rows than this scene's")
+        raise FileError(f"{what} does not have this scene's columns and rows")
     try:
         found = np.array(rows, dtype=np.float64)
     except ValueError as error:
@@ -61,7 +61,7 @@ def difference(
         raise FileError(f"{what}'s angles, ratios or radii differ from this scene's")
     away = abs(found[:, lengths] - expected[:, lengths])
     if not np.all(np.isfinite(away)):
-        raise FileError(f"{what} holds a length that is no finite number")
+        raise FileError(f"{what} holds a length that is not a finite number")
     return float(away.max(initial=0.0))
 
 

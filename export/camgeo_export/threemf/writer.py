@@ -25,13 +25,13 @@ MODEL_RELATION = "http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"
 MODEL_PATH = "3D/3dmodel.model"
 
 NAMESPACE = "urn:camgeo:2026"
-"""Of our metadata; names outside of the core specification must have one."""
+"""Namespace of our metadata; names outside the core specification must have one."""
 
 FIXED_DATE = (1980, 1, 1, 0, 0, 0)
-"""Earliest date that a zip holds: the file's bytes depend on its content only."""
+"""Earliest date that a zip can hold: the file's bytes depend only on its content."""
 
 UNIX = 3
-"""Number of the system that made a zip entry; fixed, for zipfile writes that of the host."""
+"""Number of the system that made a zip entry; fixed, because zipfile writes that of the host."""
 
 
 class ThreeMfWriter:
@@ -56,7 +56,7 @@ class ThreeMfWriter:
     def measure(self, product: Product, data: bytes) -> float:
         """Read the mesh back and measure it against the exact boundaries [mm].
 
-        Raises FileError if the file is damaged or no closed body.
+        Raises FileError if the file is damaged or not a closed body.
         """
         return measure(product, *mesh_of(data))
 
@@ -119,7 +119,7 @@ def _model(product: Product, tolerance: float, solid: Body) -> ET.Element:
 
 
 def mesh_of(data: bytes) -> tuple[FloatArray, IntArray]:
-    """Vertices (n, 3) [mm] and triangles (m, 3) of a package of ours: one mesh, as it stands.
+    """Vertices (n, 3) [mm] and triangles (m, 3) of one of our packages: one mesh, untransformed.
 
     Raises FileError if it is damaged or holds anything else.
     """
@@ -134,7 +134,7 @@ def mesh_of(data: bytes) -> tuple[FloatArray, IntArray]:
         vertices = np.array(_numbers(mesh, "vertices", "vertex", ("x", "y", "z")), np.float64)
         triangles = np.array(_numbers(mesh, "triangles", "triangle", ("v1", "v2", "v3")), np.int64)
     except (zipfile.BadZipFile, KeyError, ValueError, SyntaxError) as error:
-        raise FileError(f"not a 3MF package of ours: {error}") from None
+        raise FileError(f"not a 3MF package by camgeo: {error}") from None
     if model.get("unit") != "millimeter" or item.get("transform") is not None:
         raise FileError("the 3MF model is not in millimetres, or not where it should be")
     return vertices, triangles

@@ -1,4 +1,4 @@
-"""A mesh held against the part: closed, upright, its heights, its boundaries, its volume."""
+"""A mesh compared with the part: closed, upright, its heights, its boundaries, its volume."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ from camgeo_export.verify.shapes import Shape, shapes_of
 def mesh_checks(
     product: Product, data: bytes, kind: Literal["stl", "3mf"], scale: float, tolerance: float
 ) -> list[Check]:
-    """All that is looked at of the body in a file of that `kind`; `scale` [mm] is its unit."""
+    """All checks of the body in a file of that `kind`; `scale` [mm] is its unit."""
     try:
         mesh = trimesh.load_mesh(io.BytesIO(data), file_type=kind, process=False)
         vertices, triangles = np.array(mesh.vertices), np.array(mesh.faces)
-    except Exception as error:  # what trimesh raises at damaged files is not said anywhere
+    except Exception as error:  # what trimesh raises for damaged files is not documented
         return [failed("file", f"no mesh: {error}")]
     return body_checks(product, vertices * scale, triangles, tolerance)
 
@@ -35,18 +35,18 @@ def mesh_checks(
 def body_checks(
     product: Product, vertices: FloatArray, triangles: IntArray, tolerance: float
 ) -> list[Check]:
-    """All that is looked at of a body.
+    """All checks of a body.
 
     Parameters
     ----------
-    vertices, triangles : (n, 3) [mm] and (m, 3), as they stand in the file.
+    vertices, triangles : (n, 3) [mm] and (m, 3), as in the file.
     tolerance : [mm].
     """
     part = product.drawn.part
     try:
         wanted = part.levels
     except GeometryError as error:
-        return [failed("body", f"there is none to hold it against: {error.message}")]
+        return [failed("body", f"there is none to compare it with: {error.message}")]
     if not len(triangles) or not np.isfinite(vertices).all():
         return [failed("facets", "there are none, or one of their coordinates is not finite")]
     if np.min(triangles) < 0 or np.max(triangles) >= len(vertices):
@@ -83,11 +83,11 @@ def _level_checks(
     name: str,
     done: dict[tuple[str, bytes], None],
 ) -> list[Check]:
-    """The boundaries of one face; those that another face had with the same points are known."""
+    """The boundaries of one face; results of another face with the same points are reused."""
     try:
         loops = border_loops(triangles)
     except (CamgeoError, KeyError) as error:
-        note = f"the border of the face cannot be followed: {error}"
+        note = f"the boundary of the face cannot be traced: {error}"
         return [failed("deviation", note, name)]
     pairs, count = matched([polygon(vertices[loop]).counter_clockwise() for loop in loops], shapes)
     checks = (
@@ -107,7 +107,7 @@ def _level_checks(
 
 
 def _first(contour: Contour) -> int:
-    """The vertex at which to begin, the same wherever the loop was entered."""
+    """The vertex at which to begin, independent of where the loop was entered."""
     order = np.lexsort((contour.vertices.imag, contour.vertices.real))
     return int(order[0])
 
@@ -119,7 +119,7 @@ def _volume(
     triangles: IntArray,
     tolerance: float,
 ) -> list[Check]:
-    """Exact areas times heights; off by the tolerance along all faces at most."""
+    """Exact areas times heights; off by at most the tolerance along all faces."""
     if any(shape.area is None for shape in shapes.values()):
         return []
     volumes, faces = [], []

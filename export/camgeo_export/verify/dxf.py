@@ -1,4 +1,4 @@
-"""Verification of drawings: of ours, and of any that a CAD program wrote."""
+"""Verification of drawings: our own, and those of any CAD program."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from camgeo.verifying.verification import (
     equal,
     failed,
     length_of,
-    told,
+    reported,
 )
 from camgeo_export.dxf.measure import MEASUREMENT
 from camgeo_export.dxf.reader import Drawing, drawing_of
@@ -27,23 +27,23 @@ from camgeo_export.verify.plane import contour_checks, matched
 from camgeo_export.verify.shapes import Shape, corners_of_contour, shapes_of
 
 HEAD_BYTES = 200_000
-"""Of a drawing, in which its header is."""
+"""Part of a drawing that holds its header."""
 
 OURS = ("CUT", "PITCH_CURVE", "BASE_CIRCLE", "CENTRE")
-"""Layers of our drawings; the last three only where auxiliary curves are drawn."""
+"""Layers of our drawings; the last three only if auxiliary curves are drawn."""
 
 CURVES = ("LWPOLYLINE", "LINE", "ARC", "CIRCLE", "SPLINE")
 """Entities of our drawings."""
 
 NAMES = {"4": "mm", "1": "inch"}
-"""Of the units that $INSUNITS tells."""
+"""Names of the units that $INSUNITS states."""
 
 GAPS = (0.0, 1e-9, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1)
-"""Gaps [mm] with which the pieces of a drawing are tried to be joined, up to the tolerance."""
+"""Gaps [mm] tried in turn when joining the pieces of a drawing, up to the tolerance."""
 
 
 ROUNDED = 1e-10
-"""How far the ends of our tangent pieces may be off their places, as a share of the base radius:
+"""How far the ends of our tangent pieces may be out of place, as a fraction of the base radius:
 arcs with a sagitta of 2e-12 of the extent are written as lines, which turns their ends by four
 times that over their length; rounding does less. Ten times as much is allowed."""
 
@@ -54,14 +54,14 @@ class DxfVerifier:
     format = "dxf"
 
     def origin(self, data: bytes) -> Origin:
-        """By the custom document properties."""
+        """From the custom document properties."""
         lines = [line.strip() for line in data[:HEAD_BYTES].decode("cp1252", "replace").split("\n")]
         # 9, $CUSTOMPROPERTYTAG, 1, label, 9, $CUSTOMPROPERTY, 1, value
         places = [k for k, line in enumerate(lines) if line == "$CUSTOMPROPERTYTAG"]
         properties = {lines[k + 2]: lines[k + 6] for k in places if k + 6 < len(lines)}
-        damage = "" if data.rstrip().endswith(b"EOF") else "not a whole DXF file: no EOF at its end"
+        damage = "" if data.rstrip().endswith(b"EOF") else "not a complete DXF file: no EOF at end"
         if b"SECTION" not in data:
-            damage = "not a DXF file: no section in it"
+            damage = "not a DXF file: it has no section"
         if data.startswith(b"AutoCAD Binary DXF"):
             damage = "is a binary DXF; save it as text (ASCII)"
         return Origin(
@@ -102,19 +102,19 @@ class DxfVerifier:
 
 
 def _unit(drawing: Drawing, product: Product, reading: Reading) -> Check:
-    """The unit that the drawing says; of ours it must be the scene's."""
+    """The unit that the drawing states; in our own it must be the scene's."""
     said = drawing.value("$INSUNITS") or "0"
     name = NAMES.get(said)
     if name is None:
         if reading.unit is not None and said == "0":
-            return told("unit", reading.unit, note="by --unit; the drawing does not say it")
+            return reported("unit", reading.unit, note="by --unit; the drawing does not state it")
         return (
-            told("unit", f"$INSUNITS {said}")
+            reported("unit", f"$INSUNITS {said}")
             if not reading.ours
             else failed("unit", f"$INSUNITS is {said}, which is not {product.unit}")
         )
     if not reading.ours:
-        return told("unit", name)
+        return reported("unit", name)
     if drawing.value("$MEASUREMENT") != MEASUREMENT[product.unit]:
         return failed("unit", f"$MEASUREMENT does not say {product.unit}")
     return equal("unit", name, product.unit, note=f"the scene is in {product.unit}")
@@ -138,7 +138,7 @@ def _contents(drawing: Drawing, product: Product) -> Check:
 def _contours(
     drawing: Drawing, reading: Reading, layer: str | None, tolerance: float
 ) -> tuple[tuple[AnyContour, ...], float]:
-    """The closed contours of `layer` [mm], and an upper bound of the gaps that were joined [mm]."""
+    """The closed contours of `layer` [mm], and an upper bound on the gaps that were joined [mm]."""
     gaps = [*(gap for gap in GAPS if gap < tolerance), tolerance]
     for gap in gaps[:-1]:
         try:
@@ -186,11 +186,11 @@ def _centre(drawing: Drawing, tolerance: float) -> Check:
 
 
 def _pitch(product: Product) -> Shape:
-    """The pitch curve; its area is of no use to anyone."""
+    """The pitch curve; its area is of no interest."""
 
     def deviation(contour: AnyContour) -> float:
         if not isinstance(contour, Contour):
-            raise GeometryError("is drawn as a spline, which it never is by us")
+            raise GeometryError("is drawn as a spline, which camgeo never does")
         return product.drawn.pitch_deviation(contour)
 
     def polygon(within: float) -> Contour:

@@ -1,4 +1,4 @@
-"""Where a contour is farthest from an outline: by samples, to tell a person where to look."""
+"""Where a contour is farthest from an outline: by samples, to show the user where to look."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from camgeo.contour.spline import CubicSpline, SplineContour
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 
 PARTS = 16
-"""Points a line or a cubic."""
+"""Points per line or cubic."""
 
 
 def farthest(
@@ -18,8 +18,8 @@ def farthest(
 ) -> tuple[float, complex]:
     """Largest distance [mm] found between the two and its place [mm].
 
-    In both directions; of splines, from them to the polygon only. Arcs are taken for chords that
-    lie within `sagitta` [mm] of them.
+    In both directions; for splines, only from them to the polygon. Arcs are replaced by chords
+    that lie within `sagitta` [mm] of them.
     """
     found = [_largest(polygon.vertices, points_of(contour, sagitta))]
     if isinstance(contour, Contour):

@@ -1,4 +1,4 @@
-"""Verification of milling programs: of ours, and of others that keep to the words we read."""
+"""Verification of milling programs: our own, and others that use only the words we read."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class GcodeVerifier:
     format = "gcode"
 
     def origin(self, data: bytes) -> Origin:
-        """By the comments; a long hash may be wrapped over several of them."""
+        """From the comments; a long hash may be wrapped over several of them."""
         notes = [(a or b).strip() for a, b in COMMENT.findall(data.decode("ascii", "replace"))]
         found = re.search(r"\bscene ((?:[0-9a-f]+ ?)+)", " ".join(notes))
         scene = found.group(1).replace(" ", "")[:HASH_DIGITS] if found else ""
@@ -53,14 +53,14 @@ class GcodeVerifier:
     def checks(
         self, product: Product, data: bytes, reading: Reading, tolerance: float
     ) -> tuple[Check, ...]:
-        """Unit, safety, every operation at each depth, and each closed path against its own."""
+        """Unit, safety, every operation at each depth, each closed path against its exact one."""
         if lacking := FORMAT.lacking(product.values):
-            note = f"to hold a program against it the scene {' and '.join(lacking)}"
+            note = f"to compare a program with it the scene {' and '.join(lacking)}"
             return (failed("operations", note),)
         try:
             program = read(data.decode("ascii", "replace"))
         except FileError as error:
-            hint = "" if reading.ours else "; only the words that our programs use are run"
+            hint = "" if reading.ours else "; only the words that our programs use are supported"
             return (failed("program", f"{error}{hint}"),)
         unit = NAMES.get(program.mm_per_unit, "unknown")
         checks = [unit_check(unit, reading, product.unit, f"the scene is in {product.unit}")]
@@ -78,7 +78,7 @@ class GcodeVerifier:
         note = "radii of an arc at its two ends"
         checks.append(at_most("arc ends", mismatch, limits.radius_tolerance, "mm", note=note))
         blending = program.blending + program.naive_cam
-        note = "" if math.isfinite(blending) else "G64 without P bounds nothing"
+        note = "" if math.isfinite(blending) else "G64 without P sets no bound"
         checks.append(at_most("path blending", blending, tolerance, "mm", note=note))
         arcs = any(move.kind == "arc" for move in program.moves)
         extra = blending + (limits.interpolation if arcs else 0.0)
@@ -89,7 +89,7 @@ def _paths(product: Product, program: Program, tolerance: float, extra: float) -
     """Every operation runs its closed path at each of its depths, and no other."""
     centres = tuple(cut.centre for cut in product.milled.cuts)
     exact = shapes_of(centres, product.drawn.base_radius, tolerance)
-    # The area within a cutter's path is of no use to anyone.
+    # The area within a cutter's path is of no interest.
     shapes = {
         cut.name: replace(shape, name=cut.name, area=None)
         for cut, shape in zip(product.milled.cuts, exact, strict=True)
@@ -133,7 +133,7 @@ def _passes(cut: Cut, loops: list[Loop], slack: float) -> Check:
     note = f"no closed path at Z {', '.join(f'{z:g}' for z in missing)} mm" if missing else ""
     stray = [z for z in heights if all(abs(z - depth) > slack for depth in cut.depths)]
     if stray and not missing:
-        note = f"a closed path at Z {stray[0]:g} mm, which is no depth of it"
+        note = f"a closed path at Z {stray[0]:g} mm, which is not one of its depths"
     other = [each.tool for each in loops if each.operation and each.tool != cut.tool.number]
     if other and not note:
         note = f"cut with tool {other[0]}, not {cut.tool.number}"
@@ -141,7 +141,7 @@ def _passes(cut: Cut, loops: list[Loop], slack: float) -> Check:
 
 
 def _owner(loop: Loop, shapes: dict[str, Shape]) -> str:
-    """The operation that a loop belongs to: the one it names, else that of the nearest length."""
+    """The operation that a loop belongs to: the one it names, else the one closest in length."""
     if loop.operation in shapes or not shapes:
         return loop.operation
     length = loop.contour.length

@@ -29,7 +29,7 @@ class Joints:
 
 
 def joints_of(contour: Contour | SplineContour) -> Joints:
-    """The joints of `contour`; each cubic of a spline counts as a piece, for a file's splines need
+    """The joints of `contour`; each cubic of a spline counts as a piece, as a file's splines need
     not be smooth inside.
     """
     if isinstance(contour, Contour):
@@ -69,7 +69,7 @@ def _of_strand(strand: CubicSpline | Arc) -> tuple[ComplexArray, ...]:
 
 
 def _first_leg(legs: ComplexArray) -> ComplexArray:
-    """(n,) the first of `legs` (n, 3) that is not 0: control points may fall together."""
+    """(n,) the first of `legs` (n, 3) that is not 0: control points may coincide."""
     index = np.argmax(legs != 0.0, axis=1)
     leg: ComplexArray = np.take_along_axis(legs, index[:, None], axis=1)[:, 0]
     return leg

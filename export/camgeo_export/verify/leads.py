@@ -1,6 +1,6 @@
-"""How a program's cutter comes onto its closed path and leaves it: tangent, and from the free side.
+"""How a program's cutter enters its closed path and leaves it: tangent, and on the free side.
 
-The closed path itself is proved elsewhere; what leads onto it is looked at by samples.
+The closed path itself is proved elsewhere; the leads are checked by samples.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from camgeo_export.verify.farthest import distances_from
 from camgeo_export.verify.plane import SLOPE, place_text
 
 PARTS = 64
-"""Points a lead; chords of half a turn lie 3e-4 of the radius off it."""
+"""Points per lead; chords of half a turn lie 3e-4 of the radius off it."""
 
 
 def lead_checks(
@@ -30,14 +30,14 @@ def lead_checks(
     *,
     wanted: bool,
 ) -> list[Check]:
-    """Checks of all cuts at constant height that one operation makes beside its closed path.
+    """Checks of all cuts at constant height that one operation makes off its closed path.
 
     Parameters
     ----------
     path : the closed path in the direction of cutting; material lies on its right.
     heights : at which it is cut [mm].
     tolerance : [mm].
-    wanted : whether each pass must begin and end beside the path.
+    wanted : whether each pass must begin and end off the path.
     """
     vertices = set(path.vertices.tolist())
 
@@ -67,7 +67,7 @@ def lead_checks(
 
 
 def _gouge(leads: list[CutterMove], path: Contour, tolerance: float, operation: str) -> Check:
-    """How far a lead goes over the closed path to where the material is."""
+    """How far a lead crosses the closed path into the material."""
     import shapely
 
     course = path.points(0.25 * tolerance)
@@ -78,7 +78,7 @@ def _gouge(leads: list[CutterMove], path: Contour, tolerance: float, operation: 
     polygon = shapely.Polygon(np.column_stack((course.real, course.imag)))
     shapely.prepare(polygon)
     inside = shapely.contains_xy(polygon, points.real, points.imag)
-    # Cut clockwise the material lies inside, else outside.
+    # On a clockwise path the material lies inside, else outside.
     wrong = inside if path.area < 0.0 else ~inside
     depth = np.where(wrong, distances_from(course, points), 0.0)
     worst = int(np.argmax(depth))

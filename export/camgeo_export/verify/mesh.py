@@ -1,4 +1,4 @@
-"""Is a mesh one closed body, turned outwards? If not: where. And where do its faces end?"""
+"""Whether a mesh is one closed, outward body, if not where, and the boundaries of its faces."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from camgeo_export.errors import FileError
 
 
 def merged(vertices: FloatArray, triangles: IntArray) -> tuple[FloatArray, IntArray]:
-    """The mesh with vertices at the same place made one: an STL repeats them."""
+    """The mesh with coincident vertices merged: an STL repeats them."""
     unique, index = np.unique(vertices, axis=0, return_inverse=True)
     return unique, index.reshape(-1)[triangles]
 
 
 def polygon(points: FloatArray) -> Contour:
-    """The closed contour through `points` (n, 3) [mm] of one height."""
+    """The closed contour through `points` (n, 3) [mm] at one height."""
     return Contour.polygon(points[:, 0] + 1j * points[:, 1])
 
 
@@ -28,7 +28,7 @@ def volume(vertices: FloatArray, triangles: IntArray) -> float:
 
 
 def solid_checks(vertices: FloatArray, triangles: IntArray) -> list[Check]:
-    """Closed: each edge has two facets. Oriented: they run it in opposite directions."""
+    """Closed: each edge has two facets. Oriented: they traverse it in opposite directions."""
     checks = [_facets(vertices, triangles)]
     start = triangles.reshape(-1).astype(np.int64)
     end = np.roll(triangles, -1, axis=1).reshape(-1).astype(np.int64)
@@ -68,11 +68,11 @@ def upright(corners: FloatArray) -> Check:
     first = corners[int(np.argmin(upright))].mean(axis=0)
     place = ", ".join(f"{value:.6g}" for value in first)
     count = int(np.count_nonzero(~upright))
-    return failed("walls", f"{count} facets are neither flat nor upright, one round ({place}) mm")
+    return failed("walls", f"{count} facets are neither flat nor upright, one near ({place}) mm")
 
 
 def border_loops(triangles: IntArray) -> list[list[int]]:
-    """Closed chains of the edges that belong to one of `triangles` (m, 3) only."""
+    """Closed chains of the edges that belong to only one of `triangles` (m, 3)."""
     start = triangles.reshape(-1).tolist()
     end = np.roll(triangles, -1, axis=1).reshape(-1).tolist()
     edges = set(zip(start, end, strict=True))
@@ -108,11 +108,11 @@ def _flipped_text(
     place: IntArray,
     same: np.ndarray[tuple[int], np.dtype[np.bool_]],
 ) -> str:
-    """Which facet is turned against most of its neighbours."""
+    """Which facet is oriented against most of its neighbours."""
     against = same[place].reshape(-1, 3).sum(axis=1)
     facet = int(np.argmax(against))
     middle = vertices[triangles[facet]].mean(axis=0)
-    return f"facet {facet + 1}, round {_point_text(middle)}, is turned against its neighbours"
+    return f"facet {facet + 1}, near {_point_text(middle)}, is turned against its neighbours"
 
 
 def _edge_text(vertices: FloatArray, key: int, count: int) -> str:

@@ -1,4 +1,4 @@
-"""Closed contours of a file held against exact outlines: how far off, which kinks, which area."""
+"""Closed contours of a file compared with exact outlines: deviation, kinks and area."""
 
 from __future__ import annotations
 
@@ -16,20 +16,20 @@ from camgeo_export.verify.joints import joints_of
 from camgeo_export.verify.shapes import Shape
 
 SLOPE = 18.0
-"""Largest slope, times length over tolerance, of what a piece is off along its length: a polynomial
+"""Largest slope, times length over tolerance, of a piece's deviation along its length: a polynomial
 of degree n that stays within eps over a length h has slopes of at most 2 n^2 eps/h (Markov), and to
 leading order arcs leave a curve by a cubic, lines by a parabola. A contour within its tolerance has
 no larger kinks than two such slopes."""
 
 FINER = 0.1
-"""Tolerance of the outline whose turn is looked at, as a share of the contour's."""
+"""Tolerance of the outline whose turn is examined, as a fraction of the contour's."""
 
 FINE = 1e-4
-"""Tolerance of the polygons by which contours are told apart, as a share of the outline's length:
-it bounds the share by which their areas are off by about twelve times as much."""
+"""Tolerance of the polygons that distinguish contours, as a fraction of the outline's length: the
+relative error of their areas is at most about twelve times as large."""
 
 INCH_SHARE = 0.01
-"""By how much sizes in mm and in inch may miss 25.4 for an advice to be given."""
+"""By how much a ratio of sizes may miss 25.4 for a mix-up of mm and inch to be suggested."""
 
 
 def place_text(place: complex) -> str:
@@ -40,13 +40,13 @@ def place_text(place: complex) -> str:
 def matched(
     contours: Sequence[AnyContour], shapes: Sequence[Shape]
 ) -> tuple[list[tuple[Shape, AnyContour | None]], Check]:
-    """Each shape with its contour, if there is one, and the check that there are as many.
+    """Each shape with its contour, if any, and the check that their numbers agree.
 
-    A wrong pair shows as a large deviation, never as a small one.
+    A wrong pairing shows as a large deviation, never as a small one.
     """
     names = ", ".join(shape.name for shape in shapes)
     equal = len(contours) == len(shapes)
-    note = "" if equal else f"closed contours wanted: {names}"
+    note = "" if equal else f"closed contours expected: {names}"
     count = Check("contours", "", float(len(contours)), float(len(shapes)), ok=equal, note=note)
     found = sorted(contours, key=lambda contour: abs(contour.area))
     wanted = sorted(shapes, key=_size)
@@ -76,16 +76,16 @@ def contour_checks(
     where: str = "",
     rounded: float | None = None,
 ) -> list[Check]:
-    """What is looked at of one contour.
+    """All checks of one contour.
 
     Parameters
     ----------
     shape, contour : which belong together.
     tolerance : [mm].
-    extra : what else adds to the deviation [mm], e.g. gaps that were joined.
-    where : what the contour is of, beside the shape's name.
+    extra : further contributions to the deviation [mm], e.g. gaps that were joined.
+    where : location of the contour, appended to the shape's name.
     rounded : how far rounding may have moved the ends of tangent pieces [mm], where the file is
-        said to hold such; None where kinks as large as the tolerance lets them be are no fault.
+        claimed to hold such; None if kinks as large as the tolerance allows are no fault.
     """
     of = f"{shape.name}, {where}" if where else shape.name
     if contour is None:
@@ -115,7 +115,7 @@ def _deviation(shape: Shape, contour: AnyContour, tolerance: float, extra: float
 
 
 def _where(shape: Shape, contour: AnyContour, tolerance: float) -> str:
-    """Where the contour is farthest off, at least how far, and what may be the reason."""
+    """Where the contour is farthest off, by at least how much, and a possible reason."""
     share = 0.25 * tolerance
     try:
         polygon = shape.polygon(share)
@@ -136,9 +136,9 @@ def _kink(
 ) -> Check:
     """The largest kink where the exact outline has no corner.
 
-    `slope` [mm], over the length of a piece, is by how much its direction may be off. That is all
+    `slope` [mm] over the length of a piece is by how much its direction may be off. This suffices
     where the outline hardly bends along a piece. With `bends`, for pieces that need not be tangent,
-    it may be off by the outline's own turn there more.
+    the outline's own turn there is allowed in addition.
     """
     joints = joints_of(contour)
     with np.errstate(divide="ignore"):
@@ -160,10 +160,10 @@ def _kink(
 
 
 def _turn_near(shape: Shape, place: complex, kink: float, tolerance: float) -> float:
-    """By how much [rad] the exact outline turns where it may give a vertex a kink.
+    """By how much [rad] the exact outline turns where it may cause a vertex's kink.
 
-    The vertex lies within the tolerance of the outline. A bend of that angle which is farther from
-    it than the tolerance over its sine would lie too far off the straight on of a piece.
+    The vertex lies within the tolerance of the outline. A bend of that angle farther from it than
+    the tolerance over its sine would lie too far off the straight extension of a piece.
     """
     reach = tolerance * (1.0 + 1.0 / math.sin(min(kink, 0.5 * math.pi)))
     try:

@@ -1,4 +1,4 @@
-"""The exact outlines that a file is held against: what a verification must know of each."""
+"""The exact outlines that a file is compared with: what a verification needs of each."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ from camgeo.part.part import Boundary
 from camgeo_export.verify.joints import joints_of
 
 LOOSE = 1e-3
-"""Tolerance of an outline's coarse polygon, as a share of its extent: it tells lengths for limits,
-and sizes."""
+"""Tolerance of an outline's coarse polygon, as a fraction of its extent; it gives sizes, and
+lengths for limits."""
 
 FLAT = 1e-5
-"""Kinks of an outline of lines and arcs up to this angle [rad] are no corners: what rounding makes
-of its numbers is far less, what a drawing means by a corner far more."""
+"""Kinks of an outline of lines and arcs up to this angle [rad] are not corners: those from rounding
+are far smaller, those of an intended corner far larger."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -32,11 +32,11 @@ class Shape:
     Attributes
     ----------
     name : of the boundary or the operation.
-    deviation : proved bound [mm] of a contour's distance from it; raises GeometryError if the
+    deviation : proved bound [mm] on a contour's distance from it; raises GeometryError if the
         contour does not follow it.
     polygon : straight pieces within a tolerance [mm] of it.
     corners : (k,) complex [mm].
-    length : [mm], within the share `LOOSE` of the extent or better.
+    length : [mm], to within the fraction `LOOSE` of the extent.
     area : [mm^2]; None where it is not known exactly.
     """
 
@@ -54,7 +54,7 @@ def shapes_of(boundaries: tuple[Boundary, ...], extent: float, tolerance: float)
     Parameters
     ----------
     extent : size of the part [mm], for limits.
-    tolerance : to which files are held [mm]; shorter arcs of an outline are corners to them.
+    tolerance : of the files [mm]; shorter arcs of an outline count as corners.
     """
     return [_shape(boundary, LOOSE * extent, tolerance) for boundary in boundaries]
 
@@ -83,7 +83,7 @@ def corners_of_path(path: Path, tolerance: float) -> ComplexArray:
 
 
 def corners_of_contour(contour: Contour) -> ComplexArray:
-    """(k,) complex [mm] vertices at which a contour of tangent pieces has a kink all the same."""
+    """(k,) complex [mm] vertices at which a contour of tangent pieces still has a kink."""
     joints = joints_of(contour)
     corners: ComplexArray = joints.places[joints.kinks > FLAT]
     return corners

@@ -1,4 +1,4 @@
-"""Verification of STL files: of ours, and of others, binary or text; a format without unit."""
+"""Verification of STL files, ours and others, binary or text; a format without unit."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import re
 
 from camgeo.product.product import Product
 from camgeo.units import MM_PER, LengthUnit
-from camgeo.verifying.verification import Check, Origin, Reading, equal, told
+from camgeo.verifying.verification import Check, Origin, Reading, equal, reported
 from camgeo_export.stl.writer import FACET, PREFIX
 from camgeo_export.verify.body import mesh_checks
 
@@ -19,7 +19,7 @@ class StlVerifier:
     format = "stl"
 
     def origin(self, data: bytes) -> Origin:
-        """By the header, which has room for the first digits of the scene's hash only."""
+        """From the header, which has room only for the first digits of the scene's hash."""
         found = OURS.match(data[:PREFIX])
         scene = found.group(2).decode() if found else ""
         return Origin(found is not None, scene, None, _damage(data))
@@ -33,26 +33,26 @@ class StlVerifier:
 
 
 def _damage(data: bytes) -> str:
-    """Whether the file is cut short: a text has a last word, a binary tells its facets."""
+    """How the file is truncated: a text has a last word, a binary states its number of facets."""
     count = int.from_bytes(data[PREFIX - 4 : PREFIX], "little")
     expected = PREFIX + FACET.itemsize * count
     if len(data) == expected and len(data) > PREFIX:
         return ""
     if data.lstrip().startswith(b"solid") and b"facet" in data[:1000]:
         end = data.rstrip().rsplit(b"\n", 1)[-1].strip()
-        return "" if end.startswith(b"endsolid") else "not a whole text STL: no endsolid at its end"
-    return f"not a whole binary STL: {len(data)} bytes, {expected} for its {count} facets"
+        return "" if end.startswith(b"endsolid") else "not a complete text STL: endsolid missing"
+    return f"not a complete binary STL: {len(data)} bytes, {expected} for its {count} facets"
 
 
 def _unit(data: bytes, reading: Reading) -> tuple[LengthUnit, Check]:
-    """Ours are in mm and say so; others do not say it."""
+    """Ours are in mm and say so; others state no unit."""
     if reading.ours:
         found = OURS.match(data[:PREFIX])
         said = found.group(1).decode() if found else ""
         return "mm", equal("unit", said, "mm", note="our STL files are in mm")
     if reading.unit is not None:
-        return reading.unit, told("unit", reading.unit, note="by --unit")
-    return "mm", told("unit", "mm", note="assumed: STL knows no unit; another with --unit")
+        return reading.unit, reported("unit", reading.unit, note="by --unit")
+    return "mm", reported("unit", "mm", note="assumed: STL has no unit; give another with --unit")
 
 
 VERIFIER = StlVerifier()

@@ -1,4 +1,4 @@
-"""Verification of 3MF packages, of ours and of others."""
+"""Verification of 3MF packages, ours and others."""
 
 from __future__ import annotations
 
@@ -32,11 +32,11 @@ class ThreeMfVerifier:
     format = "3mf"
 
     def origin(self, data: bytes) -> Origin:
-        """By the metadata of the model."""
+        """From the metadata of the model."""
         try:
             _, metadata = _head(data)
         except (zipfile.BadZipFile, zlib.error, KeyError, SyntaxError, ValueError) as error:
-            return Origin(damage=f"not a whole 3MF package: {error}")
+            return Origin(damage=f"not a complete 3MF package: {error}")
         return Origin(
             metadata.get("Application", "").startswith("camgeo "),
             metadata.get("camgeo:scene", ""),
@@ -52,19 +52,19 @@ class ThreeMfVerifier:
         check = unit_check(name, reading, "mm", "our 3MF files are in millimetres")
         scale = MM_PER_UNIT.get(unit)
         if scale is None:
-            return (check, failed("unit", f"{unit!r} is no unit of 3MF"))
+            return (check, failed("unit", f"{unit!r} is not a unit of 3MF"))
         return (check, *mesh_checks(product, data, "3mf", scale, tolerance))
 
 
 def _head(data: bytes) -> tuple[str, dict[str, str]]:
-    """Unit and metadata of the model; raises if the package or what is read of it is damaged."""
+    """Unit and metadata of the model; raises if the package or what is read from it is damaged."""
     with zipfile.ZipFile(io.BytesIO(data)) as package:
         damaged = package.testzip()
         if damaged is not None:
             raise ValueError(f"the entry {damaged} is damaged")
         models = [name for name in package.namelist() if name.lower().endswith(MODEL)]
         if not models:
-            raise ValueError("it holds no model")
+            raise ValueError("it contains no model")
         metadata: dict[str, str] = {}
         unit = "millimeter"
         with package.open(models[0]) as model:

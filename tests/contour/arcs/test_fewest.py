@@ -200,7 +200,7 @@ def test_cam_that_rests_all_turn_is_a_circle() -> None:
 
 
 def test_what_no_arcs_can_be_made_of_is_refused_as_by_the_fast_fit() -> None:
-    with pytest.raises(ToleranceError, match="tolerance 1e-14 mm asked"):
+    with pytest.raises(ToleranceError, match="tolerance 1e-14 mm requested"):
         fewest_arcs(whole(flank("setzhub", -1)), 1e-14)
     torn = translating(dwell(40), move(140, 15.0, "straight-line"), dwell(60), move(120, 0.0))
     with pytest.raises(GeometryError, match="torn apart at cam angle 40 degrees"):

@@ -167,7 +167,7 @@ def test_size_does_not_matter(size: float, tolerance: float) -> None:
 def test_undercut_and_tolerance_beyond_arithmetic_are_refused() -> None:
     with pytest.raises(UndercutError, match="cusp or undercut"):
         fewest_chords(whole(cam(move(40, 20.0), move(40, 0.0), dwell(280), roller=20.0)), 1e-3)
-    with pytest.raises(ToleranceError, match="tolerance 1e-14 mm asked"):
+    with pytest.raises(ToleranceError, match="tolerance 1e-14 mm requested"):
         fewest_chords(whole(flank("setzhub", -1)), 1e-14)
 
 
