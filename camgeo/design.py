@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     import pathlib
     from collections.abc import Sequence
 
-    from camgeo.check.cures.cure import Cure
     from camgeo.effects.effect import Column
     from camgeo.effects.graph import Effects
     from camgeo.product.product import Product
@@ -100,11 +99,6 @@ class Design(Pickled):
         For a conjugate pair this includes findings on the return disc, and on both together.
         """
         return self.judgement.findings
-
-    @property
-    def cures(self) -> tuple[Cure, ...]:
-        """What would cure undercut, see `Judgement.cures`."""
-        return self.judgement.cures
 
     # Effects ----------------------------------------------------------------------------------
 

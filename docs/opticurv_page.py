@@ -18,8 +18,7 @@ import numpy as np
 from camgeo.design import Design
 from camgeo.numeric.arrays import FloatArray
 from camgeo.scene.load import parse_scene
-from camgeo.scene.ocv import import_project
-from camgeo.scene.ocv_layout import FIELDS, RANGES, project_numbers
+from camgeo.scene.ocv import FIELDS, RANGES, import_project, project_numbers
 from camgeo_export.asc.writer import COLUMNS, POINTS, point_columns
 
 PAGE = Path(__file__).with_name("opticurv.md")

@@ -75,7 +75,7 @@ def test_the_motion_is_judged_without_a_disc(name: str) -> None:
     assert alone < set(design.findings)
     assert {each.name for each in motion_findings(design.drive)} <= {each.name for each in alone}
     assert any(each.name == "dead-centre" for each in alone) == (design.scene.linkage is not None)
-    assert free.cures == ()
+    assert free.judgement.cures == ()
 
 
 def test_degrees_are_stated() -> None:

@@ -52,10 +52,7 @@ def to_json(answer: Answer) -> dict[str, Any]:
     head = {"schema": f"camgeo/{answer.command}", "version": answer.version, "camgeo": __version__}
     schema = schema_of(type(answer).__module__)
     own = {key: node for key, node in schema["properties"].items() if key not in head}
-    body: dict[str, Any] = _Reading(schema.get("$defs", {})).value(
-        answer, {**schema, "properties": own}
-    )
-    return head | body
+    return head | _read_object(answer, {**schema, "properties": own}, schema.get("$defs", {}))
 
 
 @cache
@@ -70,47 +67,44 @@ def _rendering(answer: Answer) -> Any:
     return import_module(f"{type(answer).__module__}.rendering")
 
 
-class _Reading:
-    """Reads documents off values, by a schema with these definitions."""
+def _read(value: Any, node: Node, definitions: Node) -> Any:
+    """What JSON has of a value that the schema describes by `node`."""
+    if value is None or isinstance(value, bool):
+        return value
+    node = _resolved(node, definitions)
+    if isinstance(value, str | int | Decimal) and "x-unit" not in node:
+        return float(value) if isinstance(value, Decimal) else value
+    if isinstance(value, float | Decimal):
+        degrees = node.get("x-unit") == "deg" and isinstance(value, float)
+        number = math.degrees(value) if degrees else float(value)
+        return number if math.isfinite(number) else None
+    if isinstance(value, complex):
+        return [value.real, value.imag]
+    if "properties" in node:
+        return _read_object(value, node, definitions)
+    if "additionalProperties" in node:
+        each = node["additionalProperties"]
+        return {key: _read(item, each, definitions) for key, item in dict(value).items()}
+    assert isinstance(value, Iterable)  # all else that an answer has
+    return [_read(item, node["items"], definitions) for item in value]
 
-    def __init__(self, definitions: Node) -> None:
-        self._definitions = definitions
 
-    def value(self, value: Any, node: Node) -> Any:
-        """What JSON has of a value, of which the schema says `node`."""
-        if value is None or isinstance(value, bool):
-            return value
-        node = self._resolved(node)
-        if isinstance(value, str | int | Decimal) and "x-unit" not in node:
-            return float(value) if isinstance(value, Decimal) else value
-        if isinstance(value, float | Decimal):
-            degrees = node.get("x-unit") == "deg" and isinstance(value, float)
-            number = math.degrees(value) if degrees else float(value)
-            return number if math.isfinite(number) else None
-        if isinstance(value, complex):
-            return [value.real, value.imag]
-        if "properties" in node:
-            return self._object(value, node)
-        if "additionalProperties" in node:
-            each = node["additionalProperties"]
-            return {key: self.value(item, each) for key, item in dict(value).items()}
-        assert isinstance(value, Iterable)  # all else that an answer has
-        return [self.value(item, node["items"]) for item in value]
+def _read_object(value: Any, node: Node, definitions: Node) -> dict[str, Any]:
+    needed = node.get("required", ())
+    found = {}
+    for key, each in node["properties"].items():
+        found[key] = _read(_attribute(value, key, each, needed=key in needed), each, definitions)
+    return {key: item for key, item in found.items() if key in needed or item is not None}
 
-    def _object(self, value: Any, node: Node) -> dict[str, Any]:
-        needed = node.get("required", ())
-        found = {key: self.value(_attribute(value, key, each, needed=key in needed), each)
-                 for key, each in node["properties"].items()}  # fmt: skip
-        return {key: item for key, item in found.items() if key in needed or item is not None}
 
-    def _resolved(self, node: Node) -> Node:
-        """The node with its reference followed; of alternatives the one that is not null."""
-        for each in node.get("anyOf", ()):
-            if each.get("type") != "null":
-                return self._resolved(each)
-        if "$ref" in node:
-            return self._resolved(self._definitions[node["$ref"].rpartition("/")[2]])
-        return node
+def _resolved(node: Node, definitions: Node) -> Node:
+    """The node with its reference followed; of alternatives the one that is not null."""
+    for each in node.get("anyOf", ()):
+        if each.get("type") != "null":
+            return _resolved(each, definitions)
+    if "$ref" in node:
+        return _resolved(definitions[node["$ref"].rpartition("/")[2]], definitions)
+    return node
 
 
 def _attribute(value: Any, key: str, node: Node, *, needed: bool) -> Any:

@@ -9,8 +9,7 @@ from typing import Final
 from camgeo.cli.command import CallError, add_output, deliver, tell
 from camgeo.scene.document import MOST_BYTES
 from camgeo.scene.load import read_file
-from camgeo.scene.ocv import ignored_answer, import_project, scene_name
-from camgeo.scene.ocv_layout import project_numbers
+from camgeo.scene.ocv import ignored_answer, import_project, project_numbers, scene_name
 
 SUMMARY: Final = "turn a project of opticurv 1.0.3 (.ocv) into a scene"
 

@@ -11,6 +11,7 @@ import sys
 from collections.abc import Sequence
 
 from camgeo._version import __version__
+from camgeo.answers import render
 from camgeo.answers.answer import WRONG
 from camgeo.cli.command import CallError, present_name, show, tell
 from camgeo.cli.progress import Progress
@@ -94,7 +95,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
         parsed.parser.error(str(error))
         return WRONG  # which is how it has ended already
     except CamgeoError as error:
-        return _refused(error, parsed)
+        from camgeo.answers.refusal import refusal  # few commands are refused
+
+        found = refusal(error)
+        if getattr(parsed, "json", False):
+            return show(found, parsed)
+        tell(render.text(found))
+        return found.exit_code
     except KeyboardInterrupt:
         tell("camgeo: interrupted; nothing half-written was left behind")
         return INTERRUPTED
@@ -104,15 +111,3 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 0
     finally:
         parsed.progress.end()
-
-
-def _refused(error: CamgeoError, arguments: argparse.Namespace) -> int:
-    """Report why there is no answer; the exit code."""
-    from camgeo.answers import render
-    from camgeo.answers.refusal import refusal
-
-    found = refusal(error)
-    if getattr(arguments, "json", False):
-        return show(found, arguments)
-    tell(render.text(found))
-    return found.exit_code

@@ -7,8 +7,7 @@ import math
 from decimal import Decimal
 from typing import Final
 
-from camgeo.answers.replay import STEP, replay
-from camgeo.answers.replay.contours import FLAT, GAP, Reading
+from camgeo.answers.replay import FLAT, GAP, STEP, Reading, replay
 from camgeo.cli.command import (
     add_json,
     add_output,

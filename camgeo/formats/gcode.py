@@ -14,11 +14,8 @@ from camgeo.toolpath.spec import GcodeSpec
 def parse(table: Mapping[str, Any]) -> GcodeSpec:
     """The options of the table."""
     numbers = {"tool_number": int, "spindle_speed": float}
-    return GcodeSpec(**{key: numbers.get(key, _same)(value) for key, value in table.items()})
-
-
-def _same(value: Any) -> Any:
-    return value
+    converted = {key: make(table[key]) for key, make in numbers.items() if key in table}
+    return GcodeSpec(**{**table, **converted})
 
 
 def tool_fits(values: Values) -> Iterator[tuple[str, str]]:

@@ -13,10 +13,9 @@ from decimal import Decimal
 from types import MappingProxyType
 from typing import Any, Final, Self
 
-from camgeo.errors import Fault, SceneError
-from camgeo.scene.keys import Path, spelled, value_at
-from camgeo.scene.lines import key_lines, line_of
-from camgeo.scene.tree import DEEPEST, Taking, Tree
+from camgeo.errors import Fault
+from camgeo.scene.keys import Path, key_lines, line_of, spelled, value_at
+from camgeo.scene.tree import DEEPEST, Taking, Tree, refused
 
 MOST_BYTES: Final = 2_000_000
 """Size of the largest scene file: 10,000 segments with generous comments."""
@@ -106,21 +105,21 @@ def document(data: bytes) -> Document:
         line = int(place["line"]) if place and place["line"] else None
         if place and line is None:
             message += " before the end of the file"
-        raise _refused(f"is not valid TOML: {message}", line) from error
+        raise refused(f"is not valid TOML: {message}", line) from error
     except RecursionError as error:
-        raise _refused("is nested too deeply for a scene") from error
+        raise refused("is nested too deeply for a scene") from error
     except (ValueError, ArithmeticError) as error:
         # Python refuses to read an integer of thousands of digits.
-        raise _refused("holds a number with too many digits") from error
+        raise refused("holds a number with too many digits") from error
     if not exact:
-        raise _refused("is empty; `camgeo new` writes a scene to start from")
+        raise refused("is empty; `camgeo new` writes a scene to start from")
     return found
 
 
 def document_of(values: Mapping[str, Any]) -> Document:
     """Take values from Python, see `camgeo.scene.tree.Taking`; raises SceneError as that does."""
     if not isinstance(values, Mapping):
-        raise _refused(f"must be a mapping of its tables, and not {type(values).__name__}")
+        raise refused(f"must be a mapping of its tables, and not {type(values).__name__}")
     return document_of_tree(Taking().take(values))
 
 
@@ -156,22 +155,17 @@ def written(value: Any) -> str:
 
 def _text(data: bytes) -> str:
     if len(data) > MOST_BYTES:
-        raise _refused(f"is larger than {MOST_BYTES:,} bytes, too large for a scene")
+        raise refused(f"is larger than {MOST_BYTES:,} bytes, too large for a scene")
     try:
         text = data.decode("utf-8")
     except UnicodeDecodeError as error:
         line = data.count(b"\n", 0, error.start) + 1
-        raise _refused("is not UTF-8 text; save it in that encoding", line) from error
+        raise refused("is not UTF-8 text; save it in that encoding", line) from error
     if text.startswith(BYTE_ORDER_MARK):
-        raise _refused("starts with a byte order mark; save it as UTF-8 without BOM", 1)
+        raise refused("starts with a byte order mark; save it as UTF-8 without BOM", 1)
     if not text.strip():
-        raise _refused("is empty; `camgeo new` writes a scene to start from")
+        raise refused("is empty; `camgeo new` writes a scene to start from")
     return text
-
-
-def _refused(message: str, line: int | None = None) -> SceneError:
-    """An error of the scene as a whole."""
-    return SceneError([Fault("", "", f"the scene {message}", line=line)])
 
 
 def _trouble(value: Any) -> str:

@@ -2,19 +2,25 @@
 
 The values are brought into one form: keys in alphabetical order, numbers exactly, as digits and an
 exponent, defaults of the schema filled in, and in place of a file's name the SHA-256 of what is in
-it. Only a zero keeps its sign, for a sign of zero can decide on which side an angle lies.
+it. Only zero keeps its sign, because the sign of a zero can decide on which side an angle lies.
+
+Files of earlier versions name the hash of the scene's text instead, without the tables of effects,
+which change no file. Such files are still verified.
 """
 
 from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from decimal import Decimal
+from pathlib import Path
 from typing import Any, Final
 
+from camgeo.errors import SceneError
+from camgeo.scene.document import Document, document
 from camgeo.scene.keys import path_of, value_at
-from camgeo.scene.schema import Node, keys_of, names_a_file, resolved, schema_of_all
+from camgeo.scene.schema import EFFECTS, Node, keys_of, names_a_file, resolved, schema_of_all
 from camgeo.scene.tree import Tree, without
 
 FORM: Final = "camgeo scene 1"
@@ -97,3 +103,71 @@ def _number(value: float | Decimal) -> str:
     kept = text.rstrip("0")
     assert isinstance(exponent, int)  # a scene has finite numbers only
     return f"{'-' if sign else ''}{kept or 0}e{exponent + len(text) - len(kept) if kept else 0}"
+
+
+def hashes_of(path: Path, known: Mapping[str, str]) -> Iterator[str]:
+    """What files may name the scene file at `path` by: the hash of its text, and of its values.
+
+    Nothing of what is no TOML; OSError if it, or a file that it names, cannot be read. Those whose
+    SHA-256 is `known` are taken for what they were then.
+    """
+
+    def digest(name: str) -> str:
+        return known.get(name) or hashlib.sha256((path.parent / name).read_bytes()).hexdigest()
+
+    data = path.read_bytes()
+    try:
+        scene = document(data)
+    except SceneError:
+        return
+    yield hash_of(data, scene)
+    if not scene.faults:
+        yield made_of(scene.exact, digest)
+
+
+def hash_of(data: bytes, scene: Document) -> str:
+    """SHA-256 of the bytes of a scene file without its effects, hexadecimal.
+
+    `scene` is the file taken apart.
+    """
+    return hashlib.sha256(without_effects(data, scene)).hexdigest()
+
+
+def without_effects(data: bytes, scene: Document) -> bytes:
+    """The bytes of a scene without the lines of what is under ``[effects]``.
+
+    With these go the comments directly above and the empty lines below, or at the end of the file
+    the empty lines above. A scene without effects is left as it is, and so is one in which it
+    cannot be told which lines they are.
+    """
+    if EFFECTS not in scene.exact or not any(path[0] == EFFECTS for path in scene.lines):
+        return data
+    lines = data.splitlines(keepends=True)
+    starts = sorted({line - 1 for line in scene.lines.values()})
+    own = {line - 1 for path, line in scene.lines.items() if path[0] == EFFECTS}
+    kept = [True] * len(lines)
+    for number, start in enumerate(starts):
+        if start not in own:
+            continue
+        end = starts[number + 1] if number + 1 < len(starts) else len(lines)
+        last = max((k for k in range(start, end) if not _idle(lines[k])), default=start)
+        after = last + 1
+        while after < end and not lines[after].strip():
+            after += 1
+        before = start
+        while before and lines[before - 1].lstrip().startswith(b"#"):
+            before -= 1
+        for k in range(before, after):
+            kept[k] = False
+    if own and lines and not kept[-1]:
+        k = len(lines) - 1
+        while k >= 0 and (not kept[k] or not lines[k].strip()):
+            kept[k] = False
+            k -= 1
+    return b"".join(line for line, keep in zip(lines, kept, strict=True) if keep)
+
+
+def _idle(line: bytes) -> bool:
+    """Whether a line is empty or a comment."""
+    text = line.strip()
+    return not text or text.startswith(b"#")

@@ -1,4 +1,7 @@
-"""Paths of keys in a scene: ("motion", 1, "span") is written motion[2].span, counted from 1."""
+"""Keys of a scene: their paths, and the lines on which they stand, which tomllib does not report.
+
+The path ("motion", 1, "span") is written motion[2].span, counted from 1.
+"""
 
 from __future__ import annotations
 
@@ -18,6 +21,22 @@ STEP: Final = re.compile(
 
 LONGEST_NAME: Final = 60
 """Characters shown of a key's name; a longer one would bury the message."""
+
+NAME: Final = re.compile(
+    r"""[ \t]*(?:(?P<bare>[A-Za-z0-9_-]+)|"(?P<basic>(?:\\.|[^"\\\n])*)"|'(?P<literal>[^'\n]*)')"""
+    r"[ \t]*"
+)
+"""One part of a dotted key."""
+
+VALUE: Final = re.compile(
+    r'''"""(?:\\.|[^\\])*?"{3,5}'''
+    r"""|'''.*?'{3,5}"""
+    r"""|"(?:\\.|[^"\\\n])*"|'[^'\n]*'|\#[^\n]*|[\[\]{}\n]|[^\[\]{}\n"'\#]+""",
+    re.DOTALL,
+)
+"""One piece of a value: strings and comments whole, brackets and line ends singly."""
+
+BLANK: Final = re.compile(r"(?:[ \t\r\n]|\#[^\n]*)*")
 
 
 def spelled(path: Path) -> str:
@@ -69,3 +88,108 @@ def value_at(tree: Any, path: Path) -> Any:
         else:
             return None
     return tree
+
+
+def key_lines(text: str) -> dict[Path, int]:
+    """Return the line, counted from 1, of each header, key and array element of a TOML `text`.
+
+    The text must be valid TOML. Keys inside inline tables have no entry of their own; where the
+    scanner loses its way (an escape in a quoted key), the rest of the file has none.
+    """
+    lines: dict[Path, int] = {}
+    counts: dict[Path, int] = {}
+    table: Path = ()
+    line, seen = 1, 0
+    place = _skip(BLANK, text, 0)
+    while place < len(text):
+        line += text.count("\n", seen, place)
+        seen = place
+        opening = "[[" if text.startswith("[[", place) else "[" if text[place] == "[" else ""
+        names, place = _names(text, place + len(opening))
+        if not names or text[place : place + 1] != ("]" if opening else "="):
+            return lines
+        if opening:
+            table = _placed(names[:-1], counts)
+            if opening == "[[":
+                array = (*table, names[-1])
+                counts[array] = counts.get(array, -1) + 1
+                lines.setdefault(array, line)
+            table = _placed((*table, names[-1]), counts, len(table))
+            lines[table] = line
+            place += len(opening)
+        else:
+            for depth in range(1, len(names) + 1):
+                lines.setdefault((*table, *names[:depth]), line)
+            starts, place = _past_value(text, place + 1)
+            for index, start in enumerate(starts):
+                lines[(*table, *names, index)] = line + text.count("\n", seen, start)
+        place = _skip(BLANK, text, place)
+    return lines
+
+
+def line_of(path: Path, lines: dict[Path, int]) -> int | None:
+    """Return the line of the key at `path`, else of the nearest thing around it, else None."""
+    while path:
+        if path in lines:
+            return lines[path]
+        path = path[:-1]
+    return None
+
+
+def _names(text: str, place: int) -> tuple[tuple[str, ...], int]:
+    """Parts of the dotted key at `place`, and the place behind it; no parts if it is unclear."""
+    names: list[str] = []
+    while match := NAME.match(text, place):
+        place = match.end()
+        name = match[match.lastgroup or 0]
+        if "\\" in name and match.lastgroup == "basic":
+            return (), place
+        names.append(name)
+        if text[place : place + 1] != ".":
+            return tuple(names), place
+        place += 1
+    return (), place
+
+
+def _placed(names: Path, counts: dict[Path, int], known: int = 0) -> Path:
+    """`names` with the position of the array's last table behind each name of an array of tables.
+
+    The first `known` steps are placed already.
+    """
+    path: Path = names[:known]
+    for name in names[known:]:
+        path = (*path, name)
+        if path in counts:
+            path = (*path, counts[path])
+    return path
+
+
+def _past_value(text: str, place: int) -> tuple[list[int], int]:
+    """Places at which the elements of the array at `place` start, if it is one; its line end."""
+    depth = 0
+    starts: list[int] = []
+    expected = array = False
+    while match := VALUE.match(text, place):
+        piece = match[0]
+        if piece == "\n" and depth == 0:
+            return starts, place
+        if depth == 0 and piece == "[":
+            array = expected = True
+        elif depth == 1 and array and piece[0] not in "]\n#":
+            # A piece of plain text may hold several elements, and the commas between them.
+            for number, part in enumerate(piece.split(",") if piece[0] not in "\"'" else [piece]):
+                expected = expected or number > 0
+                if expected and part.strip():
+                    starts.append(place)
+                    expected = False
+        if piece in ("[", "{"):
+            depth += 1
+        elif piece in ("]", "}"):
+            depth -= 1
+        place = match.end()
+    return starts, len(text)
+
+
+def _skip(pattern: re.Pattern[str], text: str, place: int) -> int:
+    match = pattern.match(text, place)
+    return match.end() if match else place

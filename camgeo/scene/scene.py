@@ -146,7 +146,7 @@ class Scene:
     @cached_property
     def made_before(self) -> str:
         """What stood in files in place of `made` when the text was hashed; empty without a text."""
-        from camgeo.scene.fingerprint import hash_of  # only files of before ask
+        from camgeo.scene.identity import hash_of  # only files of earlier versions ask
 
         found = self._of_text
         return "" if found is None else hash_of(self.source.text.encode(), found)

@@ -144,20 +144,16 @@ def _unknown_key(scene: Document, path: Path, name: str, node: Node) -> tuple[Fa
     free = [key for key in node["properties"] if key not in table]
     known = nearest(name, free)
     if known:
-        return scene.fault(place, "is not a known key", _did_you_mean(known)), known, False
+        return scene.fault(place, "is not a known key", meant(name, free)), known, False
     for sibling in siblings:
-        key = nearest(name, sibling["properties"])
-        if key:
-            return scene.fault(place, "is not a known key", _did_you_mean(key)), "", True
+        hint = meant(name, sibling["properties"])
+        if hint:
+            return scene.fault(place, "is not a known key", hint), "", True
     if path and name in schema()["properties"]:
         message = f"belongs to the top of the file; it stands in [{quoted(str(path[0]))}] here"
         return scene.fault(place, message), "", False
     keys = ", ".join(node["properties"]) or "none"
     return scene.fault(place, f"is not a known key; known here: {keys}"), "", False
-
-
-def _did_you_mean(key: str) -> str:
-    return f"did you mean {key}?"
 
 
 def _reads_as_number(text: str) -> bool:

@@ -36,9 +36,9 @@ class Taking:
         """A tree of its own; SceneError if it is too deep or too large, or a name is no text."""
         self._count += 1
         if len(path) > DEEPEST:
-            raise _refused("is nested too deeply for a scene")
+            raise refused("is nested too deeply for a scene")
         if self._count > MOST_VALUES:
-            raise _refused("has too many values")
+            raise refused("has too many values")
         if isinstance(value, Mapping):
             return {self._name(key, path): self.take(value[key], (*path, key)) for key in value}
         if isinstance(value, list | tuple):
@@ -160,5 +160,6 @@ def _order(path: Path) -> list[tuple[int, str]]:
     return [(step, "") if isinstance(step, int) else (-1, step) for step in path]
 
 
-def _refused(message: str) -> SceneError:
-    return SceneError([Fault("", "", f"the scene {message}")])
+def refused(message: str, line: int | None = None) -> SceneError:
+    """An error of the scene as a whole."""
+    return SceneError([Fault("", "", f"the scene {message}", line=line)])

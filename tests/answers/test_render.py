@@ -109,7 +109,7 @@ DEFINITIONS: dict[str, Any] = {
 def test_values_are_told_in_the_units_that_people_see() -> None:
     inner = Inner(math.pi, 1.0 - 2.0j)
     given = Outer(1.0, Decimal("0.1"), math.inf, np.array([1.0, math.nan]), {"a": inner, "b": None})
-    assert render._Reading(DEFINITIONS).value(given, NODE) == {
+    assert render._read(given, NODE, DEFINITIONS) == {
         "angle_deg": math.degrees(1.0),
         "span_deg": 0.1,
         "area_mm2": None,

@@ -110,5 +110,5 @@ def test_the_check_says_that_any_curvature_fits() -> None:
     (found,) = (f for f in design.findings if f.name == "radius-ratio-inner")
     assert (found.severity, found.value) == ("ok", 0.0)
     assert "knife edge" in found.sentence
-    assert design.cures == ()
+    assert design.judgement.cures == ()
     assert design.disc.pictured.cut_off == ()

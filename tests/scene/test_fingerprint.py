@@ -13,7 +13,7 @@ from camgeo.effects import registry
 from camgeo.effects.registry import EFFECTS
 from camgeo.scene import effects as tables
 from camgeo.scene.document import document
-from camgeo.scene.fingerprint import without_effects
+from camgeo.scene.identity import without_effects
 from camgeo.scene.load import parse_scene
 from tests.effects.fakes import fake
 from tests.scene.scenes import GROOVE, PLATE

@@ -18,8 +18,7 @@ from camgeo.cli.main import main
 from camgeo.design import Design
 from camgeo.errors import SceneError
 from camgeo.scene.load import parse_scene
-from camgeo.scene.ocv import import_project, scene_name
-from camgeo.scene.ocv_layout import FIELDS, RANGES, SIZE, project_numbers
+from camgeo.scene.ocv import FIELDS, RANGES, SIZE, import_project, project_numbers, scene_name
 from camgeo.scene.schema import schema
 from camgeo.scene.whole_schema import whole_schema
 from tests.reference import pitch_curve_of, reference, thesis_params

@@ -49,11 +49,6 @@ class Remains:
         """Areas of what is cut off and falls away [mm^2]."""
         return tuple(_size(lobe) for lobe in self.outline.lobes)
 
-    @property
-    def left_out(self) -> tuple[tuple[float, float], ...]:
-        """Ranges of the cam angle that the outline leaves out [rad]."""
-        return self.outline.dropped
-
 
 @dataclass(frozen=True, slots=True)
 class Check(Answer):
@@ -98,7 +93,7 @@ def check(design: Design) -> Check:
         design.scene,
         found,
         {name: _outlines(cam.disc) for name, cam in cams},
-        design.cures,
+        design.judgement.cures,
         {name: design.effects.findings(name) for name in named},
     )
 

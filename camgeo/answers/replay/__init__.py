@@ -6,14 +6,16 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from decimal import Decimal
+from importlib.metadata import entry_points
 from pathlib import Path
-from typing import ClassVar, Final
+from typing import ClassVar, Final, Protocol
 
 import numpy as np
 
 from camgeo.answers.answer import Answer
-from camgeo.answers.replay.contours import Reading, contour_of
 from camgeo.cam.cam import Cam
+from camgeo.contour.contour import Contour
+from camgeo.contour.simple import crossing
 from camgeo.design import Design
 from camgeo.errors import Fault, SceneError
 from camgeo.mechanism.follower_path import path_of
@@ -24,10 +26,49 @@ from camgeo.outline.replay import CORNER, replay_contour, replay_outline
 from camgeo.outline.replay_result import Jumps, Replay, closing_error
 from camgeo.product.product import Product, disc_of
 from camgeo.scene.scene import Scene
-from camgeo.units import MM_PER, TURN
+from camgeo.units import MM_PER, TURN, LengthUnit
 
 STEP: Final = Decimal("0.1")
 """Of the cam angle [deg]."""
+
+READERS: Final = "camgeo.readers"
+"""Entry points that read contours from files, by what the file's name ends in without the dot."""
+
+GAP: Final = 1e-3
+"""End points of a drawing up to this far apart [mm] are joined: the last digit that most programs
+write."""
+
+FLAT: Final = 1e-3
+"""Corners of a drawing up to this angle [degrees] are not counted: pieces of 0.1 mm whose ends are
+written with six decimals meet at angles of this size."""
+
+OUTLINE_SAMPLES: Final = 3601
+
+
+class Reader(Protocol):
+    """Reads closed contours [mm] from a file of one format, the largest first."""
+
+    def read(
+        self, data: bytes, name: str, *, layer: str | None, unit: LengthUnit | None, gap: float
+    ) -> tuple[Contour, ...]: ...
+
+
+@dataclass(frozen=True, slots=True)
+class Reading:
+    """How contours are read from files.
+
+    Attributes
+    ----------
+    layer : of a drawing; None for CUT, or all.
+    unit : of a file that does not say one.
+    gap : end points up to this far apart are joined [mm].
+    corner : corners up to this angle count as none [rad].
+    """
+
+    layer: str | None = None
+    unit: LengthUnit | None = None
+    gap: float = GAP
+    corner: float = math.radians(FLAT)
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,8 +91,7 @@ class DiscReplay:
 
     Attributes
     ----------
-    name : of the disc.
-    cam : that demands the motion.
+    disc : its cam demands the motion.
     contour : on which the roller runs, in words.
     note : which contour of a file was taken; empty if there is no choice.
     replay : the motion itself [mm or rad].
@@ -64,12 +104,10 @@ class DiscReplay:
     ripple : largest error of the acceleration as a share of its demanded peak; None if that is 0,
         or there is no bound.
     shocks, drops : jumps of the velocity and of the lift.
-    shock_share : largest shock as a share of the demanded peak velocity; None if that is 0.
     in_time : "actual_velocity" and the like [`unit` per s^k]; None without a speed or a bound.
     """
 
-    name: str
-    cam: Cam
+    disc: Product
     contour: str
     note: str
     replay: Replay
@@ -83,7 +121,6 @@ class DiscReplay:
     ripple: Extreme | None
     shocks: Jumps
     drops: Jumps
-    shock_share: float | None
     in_time: Mapping[str, float] | None
 
 
@@ -175,15 +212,44 @@ def _replayed(
     if file is None:
         outline = cam.disc.outline(flank).path
         found = replay_outline(pitch, outline, step=step, clearance=cam.clearance)
-        return _told(disc, "the real outline", "", found)
-    contour, note = contour_of(disc, flank, file, reading)
+        return _result(disc, "the real outline", "", found)
+    contour, note = _contour_of(disc, flank, file, reading)
     corner = max(reading.corner, CORNER)
     found = replay_contour(pitch, contour, flank, step=step, corner=corner)
-    return _told(disc, file.name, note, found)
+    return _result(disc, file.name, note, found)
 
 
-def _told(disc: Product, contour: str, note: str, replay: Replay) -> DiscReplay:
-    """What is told of a replay, in the unit of the scene."""
+def _contour_of(disc: Product, flank: Flank, file: Path, reading: Reading) -> tuple[Contour, str]:
+    """The contour of the file whose area is nearest to that of the flank, and which one it is.
+
+    Raises SceneError if the file cannot be read or the contour crosses itself.
+    """
+    readers = entry_points(group=READERS)
+    kind = file.suffix.removeprefix(".").lower()
+    if kind not in readers.names:
+        endings = ", ".join(f".{name}" for name in sorted(readers.names))
+        raise SceneError([Fault("CONTOUR", str(file), f"the name must end in one of {endings}")])
+    reader: Reader = readers[kind].load()
+    try:
+        data = file.read_bytes()
+    except OSError as error:
+        message = f"cannot be read: {error.strerror or error}"
+        raise SceneError([Fault("CONTOUR", str(file), message)]) from error
+    found = reader.read(data, file.name, layer=reading.layer, unit=reading.unit, gap=reading.gap)
+    points = disc.pictured.curve(flank, np.linspace(0.0, 2.0 * math.pi, OUTLINE_SAMPLES))
+    x, y = points.T
+    area = abs(0.5 * float(np.sum(x[:-1] * y[1:] - x[1:] * y[:-1])))
+    chosen = min(found, key=lambda contour: abs(contour.area - area))
+    note = f"the one of {chosen.area:.6g} mm^2 is used" if len(found) > 1 else ""
+    place = crossing(chosen)
+    if place is not None:
+        message = f"crosses itself ({place}): no disc has this outline"
+        raise SceneError([Fault("CONTOUR", str(file), message, note)])
+    return chosen, note and f"{file.name}: {len(found)} contours; {note}"
+
+
+def _result(disc: Product, contour: str, note: str, replay: Replay) -> DiscReplay:
+    """The result of a replay, in the unit of the scene."""
     cam, unit = disc.cam, disc.scene.unit
     turns = cam.lift_unit == "rad"
     factor = math.degrees(1.0) if turns else 1.0 / MM_PER[unit]
@@ -199,8 +265,7 @@ def _told(disc: Product, contour: str, note: str, replay: Replay) -> DiscReplay:
     if not falls and replay.ripple is not None:
         ripple = Extreme(replay.ripple, replay.largest_acceleration_error.place)
     return DiscReplay(
-        name=disc.name,
-        cam=cam,
+        disc=disc,
         contour=contour,
         note=note,
         replay=replay,
@@ -214,7 +279,6 @@ def _told(disc: Product, contour: str, note: str, replay: Replay) -> DiscReplay:
         ripple=ripple,
         shocks=replay.shocks.scaled(factor),
         drops=replay.drops.scaled(factor),
-        shock_share=replay.largest_shock,
         in_time=None if falls else _in_time(cam, replay, factor),
     )
 

@@ -27,7 +27,7 @@ def text(answer: FollowerReplay) -> str:
     """What the follower does on each disc, and how a pair closes."""
     lines = []
     for each in answer.discs:
-        lines.append(f"{each.name}: the roller on {each.contour}, {answer.flank} flank")
+        lines.append(f"{each.disc.name}: the roller on {each.contour}, {answer.flank} flank")
         lines += _lines(each)
     if answer.closing is not None:
         lines += [f"{answer.scene.name}: both discs", *_closing_lines(answer.closing)]
@@ -65,10 +65,10 @@ def figure(answer: FollowerReplay) -> Figure:
     first = answer.discs[0]
     return replay.figure(
         first.replay,
-        title=f"{first.name}: replay, {answer.flank} flank, {first.contour}",
+        title=f"{first.disc.name}: replay, {answer.flank} flank, {first.contour}",
         unit=first.unit,
         scale=first.factor,
-        joints=first.cam.drive.joints,
+        joints=first.disc.cam.drive.joints,
     )
 
 
@@ -86,12 +86,12 @@ def _lines(disc: DiscReplay) -> list[str]:
     if disc.ripple is not None:
         share = f"{_percent(disc.ripple.value)} of the demanded peak acceleration"
         lines.append(_line("ripple", f"{share}, at {_place(disc.ripple)}"))
-    told, largest = "none", disc.shocks.largest
+    shocks, largest = "none", disc.shocks.largest
     if largest is not None:
-        told = f"{len(disc.shocks)}, the largest {_at(largest, f'{unit}/rad')}"
-        if disc.shock_share is not None:
-            told += f", {_percent(disc.shock_share)} of the demanded peak velocity"
-    lines.append(_line("shocks", told))
+        shocks = f"{len(disc.shocks)}, the largest {_at(largest, f'{unit}/rad')}"
+        if disc.replay.largest_shock is not None:
+            shocks += f", {_percent(disc.replay.largest_shock)} of the demanded peak velocity"
+    lines.append(_line("shocks", shocks))
     if (drop := disc.drops.largest) is not None:
         count = len(disc.drops)
         often = "once," if count == 1 else f"{count} times, the largest"
@@ -112,8 +112,8 @@ def _closing_lines(closing: Extremes) -> list[str]:
     return lines
 
 
-def _line(name: str, told: str) -> str:
-    return f"{name:{WIDTH}}{told}"
+def _line(name: str, text: str) -> str:
+    return f"{name:{WIDTH}}{text}"
 
 
 def _at(extreme: Extreme, unit: str) -> str:

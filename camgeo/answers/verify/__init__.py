@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import Any, ClassVar
 
 from camgeo.answers.answer import BROKEN, FINE, Answer
 from camgeo.design import Design
-from camgeo.scene.fingerprint import hashes_of
+from camgeo.scene.identity import hashes_of
 from camgeo.scene.load import load_scene
 from camgeo.verifying.verification import Verdict
 from camgeo.verifying.verify import Against, Wanted, scene_file, verify_files
@@ -67,15 +68,13 @@ def verify(
 
 
 def _scenes(named: str | Path | None) -> Callable[[Path, str], Against]:
-    """What finds the scene of a file; each scene is read once."""
-    known: dict[Path, Against] = {}
+    """A function that finds the scene of a file; each scene is read once."""
 
+    @cache
     def load(path: Path) -> Against:
-        if path not in known:
-            design = Design(load_scene(path))
-            scene = design.scene
-            known[path] = Against(design.discs, scene.output.tolerance, scene.made_before)
-        return known[path]
+        design = Design(load_scene(path))
+        scene = design.scene
+        return Against(design.discs, scene.output.tolerance, scene.made_before)
 
     def find(folder: Path, sha256: str) -> Against:
         if named is not None:

@@ -8,8 +8,7 @@ from typing import Any
 
 import pytest
 
-from camgeo.scene.keys import Path, spelled
-from camgeo.scene.lines import key_lines, line_of
+from camgeo.scene.keys import Path, key_lines, line_of, spelled
 from tests.scene.scenes import FIXTURES, GROOVE, LINKED, PLATE, ROCKER
 
 TRICKY = '''
