@@ -74,8 +74,8 @@ class Design(Pickled):
         )  # fmt: skip
         if scene.returning is None:
             return (main,)
-        beside = Ledger(beside=self.ledger)
-        other = Cam(self.drive, scene.returning, scene.rotation, scene.contact, ledger=beside)
+        shared = Ledger(shared_with=self.ledger)
+        other = Cam(self.drive, scene.returning, scene.rotation, scene.contact, ledger=shared)
         return (main, other)
 
     @property

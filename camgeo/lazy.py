@@ -44,7 +44,7 @@ class Ledger:
     ----------
     progress : is called with the name of each quantity that starts.
     cancelled : is called when a quantity starts; True ends the computation.
-    beside : the ledger of an owner whose quantities use those of this one, and vice versa: only one
+    shared_with : ledger of an owner whose quantities use those of this one, and vice versa: one
         thread at a time computes for both.
 
     Attributes
@@ -57,12 +57,12 @@ class Ledger:
         self,
         progress: Callable[[str], None] | None = None,
         cancelled: Callable[[], bool] | None = None,
-        beside: Ledger | None = None,
+        shared_with: Ledger | None = None,
     ) -> None:
         self.runs: list[Run] = []
         self._progress = progress
         self._cancelled = cancelled
-        self.lock: threading.RLock = threading.RLock() if beside is None else beside.lock
+        self.lock: threading.RLock = threading.RLock() if shared_with is None else shared_with.lock
         self._open: list[str] = []
         self._inner: list[float] = []
 

@@ -278,7 +278,7 @@ def test_a_ring_is_found_in_every_thread_and_only_there() -> None:
 def test_ledgers_side_by_side_do_not_wait_for_each_other() -> None:
     """Each of two owners asks the other; with a lock each, two threads would wait for ever."""
     main = Slow(Ledger())
-    other = Slow(Ledger(beside=main.ledger))
+    other = Slow(Ledger(shared_with=main.ledger))
 
     def ask(number: int) -> object:
         first, second = (main, other) if number % 2 else (other, main)

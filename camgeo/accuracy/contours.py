@@ -155,14 +155,14 @@ def file_cost(product: Product, format: str, tolerance: float) -> FileCost:  # n
     Raises ToleranceError if its tolerance cannot be reached.
     """
     writer = find_writer(format)
-    written, write = timed(lambda: writer.write(anew(product), tolerance))
-    deviation, read = timed(lambda: writer.measure(anew(product), written.data))
+    written, write = timed(lambda: writer.write(without_fits(product), tolerance))
+    deviation, read = timed(lambda: writer.measure(without_fits(product), written.data))
     if deviation is not None and not deviation <= tolerance:
         raise ToleranceError(f"the {format} file, read back, is off", tolerance, deviation)
     return FileCost(len(written.data), deviation, write, read, written.facts)
 
 
-def anew(product: Product) -> Product:
+def without_fits(product: Product) -> Product:
     """The same design without any computed fits."""
     for boundary in product.drawn.part.boundaries:
         if isinstance(boundary, CurveBoundary):

@@ -72,7 +72,7 @@ class Knee:
 def knee_of(rows: Iterable[ContourRow]) -> Knee | None:
     """The knee of the measured rows; None if nothing could be reached."""
     asked = tuple(rows)
-    milled = [row for row in _sound(asked) if row.round_seconds is not None]
+    milled = [row for row in _valid(asked) if row.round_seconds is not None]
     if any(row.program is not None for row in milled):
         return _milling(asked, milled)
     return drawing_knee(asked)
@@ -81,10 +81,10 @@ def knee_of(rows: Iterable[ContourRow]) -> Knee | None:
 def drawing_knee(rows: Iterable[ContourRow]) -> Knee | None:
     """The knee of the drawing, whether it is milled or not; None if nothing could be reached."""
     asked = tuple(rows)
-    return _files(asked, _sound(asked))
+    return _files(asked, _valid(asked))
 
 
-def _sound(rows: Iterable[ContourRow]) -> list[ContourRow]:
+def _valid(rows: Iterable[ContourRow]) -> list[ContourRow]:
     return [row for row in rows if row.count is not None and row.drawing is not None]
 
 

@@ -171,8 +171,8 @@ def _effects(survey: Survey) -> list[Line]:
 
 def _points(rows: Sequence[ContourRow], value: Value, label: str, style: Style) -> list[Line]:
     found = [(row.tolerance, value(row)) for row in rows]
-    sound = [(x, y) for x, y in found if y is not None and y > 0.0]
-    return [Line(over(*zip(*sound, strict=True)), style, label)] if sound else []
+    positive = [(x, y) for x, y in found if y is not None and y > 0.0]
+    return [Line(over(*zip(*positive, strict=True)), style, label)] if positive else []
 
 
 def _style(form: Form, effort: str) -> Style:

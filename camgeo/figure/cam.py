@@ -56,8 +56,8 @@ def figure(product: Product, size: Size = SIZE) -> Figure:
         marks, lines = flanks.whole(product, found, scale)
     else:
         marks, lines = disc.whole(part, scale, SAGITTA * product.cam.follower.base_radius)
-    for beside in product.others:
-        other, return_lines = _return_disc(beside, scale)
+    for second in product.others:
+        other, return_lines = _return_disc(second, scale)
         marks, lines = [*marks, *other], [*lines, *return_lines]
     pitch = product.cam.disc.pitch_curve.point(cam_angles()) * scale
     if rolls:
@@ -114,19 +114,19 @@ def _part(product: Product) -> Part | None:
         return None
 
 
-def _return_disc(beside: Product, scale: float) -> tuple[list[Mark], list[ComplexArray]]:
+def _return_disc(second: Product, scale: float) -> tuple[list[Mark], list[ComplexArray]]:
     """Flank of the return disc, its roller at cam angle 0 with guide or lever; and the lines.
 
     The whole flank is drawn: its own picture shows what is cut off from it.
     """
-    curves = beside.cam.disc
+    curves = second.cam.disc
     try:
         flank = curves.inner_curve.point(cam_angles()) * scale
     except GeometryError:  # the roller centre stands still in the cam, which the findings report
         flank = np.empty(0, dtype=np.complex128)
     roller = complex(curves.pitch_curve.point(np.zeros(1))[0] * scale)
-    rim = roller + beside.cam.follower.roller_radius * scale * np.exp(1j * cam_angles())
-    sketch = beside.pictured.follower_sketch
+    rim = roller + second.cam.follower.roller_radius * scale * np.exp(1j * cam_angles())
+    sketch = second.pictured.follower_sketch
     lines = [flank, rim]
     if sketch.kind == "pivot":
         lines.append(np.array([roller, sketch.end * scale]))

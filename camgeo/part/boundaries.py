@@ -90,7 +90,7 @@ class CurveBoundary(Pickled):
             return spline_deviation(self.path, contour)
         return deviation(self.path, contour)
 
-    def beside(self, distance: float) -> CurveBoundary:
+    def offset(self, distance: float) -> CurveBoundary:
         """See `camgeo.part.part.Boundary`; the cutter rolls around corners on arcs."""
         path = self.path.offset(-distance if self.hole else distance)
         return CurveBoundary(f"path of the cutter along the {self.name}", self.hole, path)
@@ -127,7 +127,7 @@ class ExactBoundary:
             raise GeometryError(f"the {self.name} is not round", key="part", value=self.name)
         return float(circle.radii[0])
 
-    def beside(self, distance: float) -> ExactBoundary:
+    def offset(self, distance: float) -> ExactBoundary:
         """See `camgeo.part.part.Boundary`; only for a round outline or core."""
         radius = self.round_radius + (-distance if self.hole else distance)
         positive("part", radius, "mm")

@@ -43,7 +43,7 @@ class Boundary(Protocol):
     def deviation(self, contour: Contour | SplineContour) -> float:
         """Proved upper bound [mm] on the distance between `contour` and the exact boundary."""
 
-    def beside(self, distance: float) -> Boundary:
+    def offset(self, distance: float) -> Boundary:
         """The path of a cutter's centre at `distance` [mm], on the side without material.
 
         A hole gives a hole. Raises GeometryError if the boundary has no such parallel curve.
@@ -52,7 +52,7 @@ class Boundary(Protocol):
 
 def require_boundary(value: Any) -> None:
     """Raise GeometryError with key "part" unless `value` has the members of a boundary."""
-    if not (isinstance(getattr(value, "name", None), str) and hasattr(value, "beside")):
+    if not (isinstance(getattr(value, "name", None), str) and hasattr(value, "offset")):
         raise GeometryError("must be a boundary of a part", "part", shown(value))
 
 

@@ -42,7 +42,7 @@ def _profile(wall: Wall, tool: Tool, pass_depth: float | None, room: float, note
     """Along a wall from its upper edge to its lower one, with the material on the right."""
     boundary = wall.boundary
     depths = passes(wall.z1, wall.z0, pass_depth)
-    path = boundary.beside(tool.radius)
+    path = boundary.offset(tool.radius)
     name = boundary.name
     return Cut(
         name, "profile", tool, path, right=name, left="", depths=depths, room=room, note=note

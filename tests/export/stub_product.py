@@ -96,7 +96,7 @@ class CircleBoundary:
         assert isinstance(contour, Contour)
         return off_circle(contour, self.radius, self.centre)
 
-    def beside(self, distance: float) -> CircleBoundary:
+    def offset(self, distance: float) -> CircleBoundary:
         return replace(self, radius=self.radius + (-distance if self.hole else distance))
 
 
@@ -226,7 +226,7 @@ class StubProduct(Product):
             (CircleBoundary("outline", False, radius, self.centre), outline),
         )
         return tuple(
-            Cut(each.name, "profile", tool, each.beside(tool.radius), each.name, "", DEPTHS, 1.0)
+            Cut(each.name, "profile", tool, each.offset(tool.radius), each.name, "", DEPTHS, 1.0)
             for each, tool in made
         )
 

@@ -52,8 +52,8 @@ def test_walls_reach_upwards(heights: tuple[float, float]) -> None:
 
 def test_only_round_outlines_have_parallels_of_their_own() -> None:
     keyed = bore_boundary(20.0, Keyway(6.0, 2.8))
-    assert keyed.beside(3.0).round_radius == bore_boundary(20.0, None).beside(3.0).round_radius == 7
+    assert keyed.offset(3.0).round_radius == bore_boundary(20.0, None).offset(3.0).round_radius == 7
     with pytest.raises(GeometryError, match="is not round"):
-        replace(keyed, core=None).beside(3.0)
+        replace(keyed, core=None).offset(3.0)
     with pytest.raises(GeometryError, match="above 0"):
-        keyed.beside(10.0)
+        keyed.offset(10.0)
