@@ -27,7 +27,7 @@ least ripple if it was requested.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final, Literal
 
@@ -69,22 +69,20 @@ class Knee:
     next: ContourRow | None
 
 
-def knee_of(rows: Iterable[ContourRow]) -> Knee | None:
+def knee_of(rows: Sequence[ContourRow]) -> Knee | None:
     """The knee of the measured rows; None if nothing could be reached."""
-    asked = tuple(rows)
-    milled = [row for row in _valid(asked) if row.round_seconds is not None]
+    milled = [row for row in _valid(rows) if row.round_seconds is not None]
     if any(row.program is not None for row in milled):
-        return _milling(asked, milled)
-    return drawing_knee(asked)
+        return _milling(rows, milled)
+    return drawing_knee(rows)
 
 
-def drawing_knee(rows: Iterable[ContourRow]) -> Knee | None:
+def drawing_knee(rows: Sequence[ContourRow]) -> Knee | None:
     """The knee of the drawing, whether it is milled or not; None if nothing could be reached."""
-    asked = tuple(rows)
-    return _files(asked, _valid(asked))
+    return _files(rows, _valid(rows))
 
 
-def _valid(rows: Iterable[ContourRow]) -> list[ContourRow]:
+def _valid(rows: Sequence[ContourRow]) -> list[ContourRow]:
     return [row for row in rows if row.count is not None and row.drawing is not None]
 
 
@@ -132,11 +130,11 @@ def _growth(knee: Knee) -> str:
     return f", {after.tolerance:g} mm makes it {factor:.1f} times as large"
 
 
-def _milling(asked: Sequence[ContourRow], rows: Sequence[ContourRow]) -> Knee:
+def _milling(measured: Sequence[ContourRow], rows: Sequence[ContourRow]) -> Knee:
     quickest = min(_seconds(row) for row in rows)
     allowed = [row for row in rows if _seconds(row) <= SLACK * quickest]
     quick = tightest = min(row.tolerance for row in allowed)
-    end = _end(asked, rows, tightest, "time")
+    end = _end(measured, rows, tightest, "time")
     limits: tuple[tuple[float | None, End], ...] = (
         (_decimals(rows), "decimals"),
         (_ripple(rows), "ripple"),
@@ -157,7 +155,7 @@ def _smoothest(rows: Sequence[ContourRow]) -> Sequence[ContourRow]:
     return [row for row in rows if row.ripple is not None and row.ripple <= limit]
 
 
-def _files(asked: Sequence[ContourRow], rows: Sequence[ContourRow]) -> Knee | None:
+def _files(measured: Sequence[ContourRow], rows: Sequence[ContourRow]) -> Knee | None:
     knees: list[ContourRow] = []
     for form in FORMS:
         own = [row for row in rows if row.form == form]
@@ -170,15 +168,15 @@ def _files(asked: Sequence[ContourRow], rows: Sequence[ContourRow]) -> Knee | No
         return None
     tightest = min(row.tolerance for row in knees)
     at_knee = [row for row in knees if row.tolerance == tightest]
-    return _knee(rows, at_knee, _end(asked, rows, tightest, "size"), None)
+    return _knee(rows, at_knee, _end(measured, rows, tightest, "size"), None)
 
 
 def _end(
-    asked: Sequence[ContourRow], rows: Sequence[ContourRow], tightest: float, price: End
+    measured: Sequence[ContourRow], rows: Sequence[ContourRow], tightest: float, price: End
 ) -> End:
     """Why it is not the next tighter tolerance: its cost, if any."""
     forms = {row.form for row in rows}
-    tighter = [row.tolerance for row in asked if row.form in forms and row.tolerance < tightest]
+    tighter = [row.tolerance for row in measured if row.form in forms and row.tolerance < tightest]
     if not tighter:
         return "range"
     return price if any(row.tolerance == max(tighter) for row in rows) else "reach"
