@@ -1,1 +1,1 @@
-"""What is left of a flank: cusps, undercut, the outline of the real disc, the follower on it."""
+"""The remaining flank: cusps, undercut, the outline of the real disc, the follower on it."""

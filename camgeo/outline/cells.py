@@ -1,4 +1,4 @@
-"""Cells of an envelope: boxes that surely hold a stretch of it, with the cone of its tangents.
+"""Cells of an envelope: boxes that enclose a stretch of it, with the cone of its tangents.
 
 Over a cell of half-width h about its middle m, with Z the pitch curve, theta = arg Z' and the pace
 a = |Z'| - sigma d theta' of the parallel at d:
@@ -25,11 +25,11 @@ from camgeo.outline.envelope import Envelope
 from camgeo.units import TURN
 
 ROUNDING = 2.0**-52 * 16.0
-"""Rounding of a point, as a share of the largest length that enters it."""
+"""Rounding of a point, as a fraction of the largest length that enters it."""
 
 MOST = 1_000_000
-"""Cells halved at a time; a flank takes some thousand, and a hundred for each segment of a motion
-that has very many."""
+"""Most cells in a halving; a flank needs some thousand, and a hundred for each segment of a motion
+with very many."""
 
 PLACE = 2.0**-52 * 32.0
 """Rounding of a path parameter [rad]: a few units in the last place of a turn."""
@@ -48,9 +48,9 @@ class Cells:
     pace : (n,) signed, there.
     along, across : (n,) half sides of the box [mm] along the tangent and across it.
     turn : (n,) largest angle between the tangent in the cell and that in its middle [rad].
-    bend : (n,) +1 or -1 where the tangent surely turns counter-clockwise or clockwise all through
+    bend : (n,) +1 or -1 where the tangent provably turns counter-clockwise or clockwise throughout
         the cell, else 0.
-    sign : (n,) +1 or -1 where the pace surely has that sign all through the cell, else 0.
+    sign : (n,) +1 or -1 where the pace provably has that sign throughout the cell, else 0.
     """
 
     low: FloatArray
@@ -69,7 +69,7 @@ class Cells:
         return len(self.low)
 
     def some(self, which: IntArray | BoolArray) -> Cells:
-        """Those at `which`."""
+        """The cells at `which`."""
         return taken(self, which)
 
 
@@ -157,7 +157,7 @@ def halved(envelope: Envelope, cells: Cells) -> Cells:
 
 
 MOST_PAIRS = 4_000_000
-"""Pairs looked at together; more is a flank that lies on itself."""
+"""Most pairs examined together; more means a flank that lies on itself."""
 
 
 def overlapping(cells: Cells) -> tuple[IntArray, IntArray]:
@@ -181,7 +181,7 @@ def overlapping(cells: Cells) -> tuple[IntArray, IntArray]:
 
 
 def meet(one: Cells, other: Cells) -> BoolArray:
-    """(k,) False where the boxes of the cells k of both surely have no point in common."""
+    """(k,) False where the boxes of the cells k of both provably have no point in common."""
     way = other.middle - one.middle
     turned = np.conj(one.tangent) * other.tangent
     cosine, sine = np.abs(turned.real), np.abs(turned.imag)
@@ -196,7 +196,7 @@ def meet(one: Cells, other: Cells) -> BoolArray:
 
 
 def cross_once(one: Cells, other: Cells) -> BoolArray:
-    """(k,) True where the tangents of both cells surely differ: they cross at most once."""
+    """(k,) True where the tangents of both cells provably differ: they cross at most once."""
     turned = np.conj(one.tangent) * other.tangent
     between = np.abs(np.angle(turned))
     between = np.minimum(between, np.pi - between)

@@ -1,4 +1,4 @@
-"""Whether points of a flank are clear of the roller all through the turn."""
+"""Whether points of a flank are clear of the roller throughout the turn."""
 
 from __future__ import annotations
 
@@ -13,24 +13,25 @@ from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray
 from camgeo.units import TURN
 
 HALVINGS = 50
-"""Rounds of halving at most."""
+"""Most rounds of halving."""
 
 CLOSE = 1e-9
-"""A point nearer than the roller's radius by this share of it is covered; one nearer to the radius
-than this is touched."""
+"""A point closer than the roller's radius by this fraction of it is covered; one within this
+fraction of the radius is touched."""
 
 
 def are_clear(
     pitch: PitchCurve, points: ComplexArray, radius: float, owns: FloatArray
 ) -> BoolArray:
-    """(n,) which of `points` (n,) no roller of `radius` [mm] on the pitch curve covers.
+    """(n,) True for those of `points` (n,) that no roller of `radius` [mm] on the pitch curve
+    covers.
 
-    Surely: what a cell of cam angle cannot exclude is halved.
+    This is proved: a cell of cam angle that cannot decide it is halved.
 
     Parameters
     ----------
     owns : (n, 2) cam angles [rad] for each point, start in [0, 2 pi) and end above it, that are not
-        looked at: the point is touched there, and its neighbours are known to be regular.
+        examined: the point is touched there, and its neighbours are known to be regular.
     """
     covered = (1.0 - CLOSE) * radius
     clear = np.ones(len(points), dtype=np.bool_)
@@ -44,7 +45,7 @@ def are_clear(
         distance = np.abs(centres[whole] - points[k])
         clear[k] = not np.any(distance < covered)
         nearer = halves(low[whole], high[whole], distance - reach[whole] < covered)
-        # Of the cells in which its own angles begin or end what is outside of these.
+        # Of the cells in which its own angles begin or end, the part outside of these.
         cut = np.flatnonzero(~whole & (ahead + wide > span))
         both = cut[ahead[cut] + wide[cut] - TURN > span]
         ends = np.full(len(both), end % TURN)
@@ -68,7 +69,7 @@ def are_clear(
 
 
 def _reach(pitch: PitchCurve, low: FloatArray, high: FloatArray) -> FloatArray:
-    """(n,) how far [mm] the roller centre gets from where it is in the middle of each cell."""
+    """(n,) largest distance [mm] of the roller centre from its place in the middle of each cell."""
     return np.asarray(0.5 * (high - low) * pitch.speed_bounds(low, high)[0])
 
 
@@ -91,7 +92,7 @@ def nearest_to_axis(pitch: PitchCurve) -> tuple[float, float]:
 def surely_clear_of_axis(pitch: PitchCurve, radius: float) -> bool:
     """True if bounds over cells show that the roller centre stays farther than `radius` [mm].
 
-    False says nothing; `nearest_to_axis` does then.
+    False is inconclusive; `nearest_to_axis` decides then.
     """
     low, high = turn_cells(pitch)
     jet, bounds = pitch.jet_and_bounds(low, high)
@@ -101,7 +102,7 @@ def surely_clear_of_axis(pitch: PitchCurve, radius: float) -> bool:
 def stays_on_one_side(pitch: PitchCurve) -> bool:
     """True if the roller centre never passes the foot of the guide, or the line of centres.
 
-    There the transmission angle is 0, and the same distance from the cam axis comes again.
+    There the transmission angle is 0, and a distance from the cam axis occurs twice.
     """
     middle, bounds = pitch.motion.jet_and_bounds(*turn_cells(pitch))
     reach = np.array([np.min(middle[0] - bounds[0]), np.max(middle[0] + bounds[0])])

@@ -1,10 +1,11 @@
-"""Whether a flat face can touch all of a cam: the extremes of what must be positive.
+"""Whether a flat face can touch all of a cam: the extremes of the quantities that must be positive.
 
 A face touches only what is convex. With the turn tau and the radius of curvature rho of
-`camgeo.mechanism.face`, the outline's tangent turns one way where tau > 0, once in all, as the
-follower comes back to where it was; and it is run through forwards where rho > 0. A closed curve
-whose tangent turns once and one way has no crossing and is convex: no search is needed to see that
-all of it is left. The cam axis lies inside where the face keeps clear of it, h > 0.
+`camgeo.mechanism.face`, the outline's tangent turns in one sense where tau > 0, by one turn in all,
+because the follower returns to its start; and the outline is traversed forwards where rho > 0. A
+closed curve whose tangent turns once in one sense has no crossing and is convex: no search is
+needed to show that all of it remains. The cam axis lies inside if the face keeps clear of it, h >
+0.
 """
 
 from __future__ import annotations
@@ -22,15 +23,15 @@ from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray, ascending
 
 SMALLEST = 1e-9
-"""Radius of curvature, as a share of the base radius, that counts as a cusp: a thousand times what
-is lost in the sums."""
+"""Radius of curvature, as a fraction of the base radius, that counts as a cusp: a thousand times
+the rounding of the sums."""
 
 NO_JUMP = 1e-12
-"""Jump of the contact, as a share of the base radius, that counts as none: below what the closure
-of a curve is held to."""
+"""Jump of the contact, as a fraction of the base radius, that is ignored: below the tolerance for
+the closure of a curve."""
 
 HALVINGS = 40
-"""Rounds of halving at most, until no cell is left in which a cusp could hide."""
+"""Most rounds of halving, until no cell is left in which a cusp could hide."""
 
 Extreme = tuple[float, float]
 """A value and its cam angle [rad]."""
@@ -38,18 +39,18 @@ Extreme = tuple[float, float]
 
 @dataclass(frozen=True, slots=True)
 class Convexity:
-    """What decides whether a flat face can touch all of the cam.
+    """The quantities that decide whether a flat face can touch all of the cam.
 
     Attributes
     ----------
     turn : smallest tau.
-    radius : smallest rho [mm]; minus infinity where tau <= 0, which leaves no radius.
+    radius : smallest rho [mm]; minus infinity where tau <= 0, which admits no radius.
     clearance : smallest distance h of the face from the cam axis [mm].
-    jump : largest jump of the contact along the face [mm], positive in the direction in which it
-        runs along the outline: there a straight stretch of the outline lies flush with the face.
-        Negative where it jumps back, which no outline does. 0 without a shock.
-    jumps : at how many cam angles it jumps.
-    size : length [mm] to which the rest is to be held.
+    jump : largest jump of the contact along the face [mm], positive in the direction of travel
+        along the outline: there a straight stretch of the outline lies flush with the face.
+        Negative where it jumps back, which no outline permits. 0 without a shock.
+    jumps : number of cam angles at which it jumps.
+    size : length [mm] with which the other values are to be compared.
     """
 
     turn: Extreme
@@ -61,7 +62,7 @@ class Convexity:
 
     @property
     def is_convex(self) -> bool:
-        """Whether there is such a cam."""
+        """Whether such a cam exists."""
         least = SMALLEST * self.size
         return (
             self.turn[0] > 0.0
@@ -76,7 +77,7 @@ def touch(curve: PitchCurve, phi: FloatArray, side: Side = "right") -> Touch:
 
 
 def convexity(curve: PitchCurve) -> Convexity:
-    """What is known of the contact curve of a flat follower."""
+    """The contact curve of a flat follower."""
     size = curve.follower.base_radius
     turn = extremes(
         curve,
@@ -110,8 +111,8 @@ def _distances(curve: PitchCurve) -> Extremes:
 def _smallest_radius(curve: PitchCurve) -> Extreme:
     """Smallest rho = p / tau, tau being positive.
 
-    Where its slope changes its sign; and as two changes between neighbouring samples would escape,
-    p is held to 0 over cells, which are halved until none can reach it. |Z''| bounds |p'|.
+    It lies where its slope changes its sign; because two changes between neighbouring samples would
+    be missed, cells are halved until p is bounded away from 0 over each. |Z''| bounds |p'|.
     """
 
     def radius(phi: FloatArray, side: Side) -> FloatArray:
@@ -130,7 +131,7 @@ def _smallest_radius(curve: PitchCurve) -> Extreme:
         middle, half = 0.5 * (low + high), 0.5 * (high - low)
         at = touch(curve, middle)
         least = int(np.argmin(at.pace[0]))
-        if at.pace[0, least] <= 0.0:  # seen by no sample
+        if at.pace[0, least] <= 0.0:  # missed by every sample
             return float(at.pace[0, least] / at.turn[0, least]), float(middle[least])
         near = at.pace[0] <= half * curve.speed_bounds(low, high)[1]
         if not np.any(near):
@@ -140,7 +141,7 @@ def _smallest_radius(curve: PitchCurve) -> Extreme:
 
 
 def _jumps(curve: PitchCurve, least: float) -> tuple[Extreme, int]:
-    """The worst jump of the contact along the outline: the largest one back, else forward."""
+    """The worst jump of the contact along the outline: the largest one backwards, else forwards."""
     phi = ascending(np.append(curve.breaks, 0.0))
     before, after = (touch(curve, phi, side).contact[0] for side in ("left", "right"))
     gaps = joints(curve).gaps

@@ -1,9 +1,10 @@
-"""Where a flank crosses itself, found surely: boxes of cells exclude, halving decides, Newton ends.
+"""The crossings of a flank with itself, all of them: boxes exclude, halving decides, Newton
+refines.
 
-See `camgeo.outline.division` for what is sure of neighbouring cells. Cells that lie apart are
-excluded by their boxes or halved; where the tangents of two cells surely differ they cross at most
-once, and Newton's method finds whether they do. So does `camgeo.outline.swallow_tail` for the one
-crossing of a swallow tail, far below the size at which points of the flank could be told apart.
+See `camgeo.outline.division` for what is proved of neighbouring cells. Cells that lie apart are
+excluded by their boxes or halved; where the tangents of two cells provably differ they cross at
+most once, and Newton's method finds whether they do. So does `camgeo.outline.swallow_tail` for the
+one crossing of a swallow tail, far below the size at which points of the flank are distinct.
 """
 
 from __future__ import annotations
@@ -26,20 +27,20 @@ if TYPE_CHECKING:
     from camgeo.outline.swallow_tail import SwallowTail
 
 HALVINGS = 60
-"""Rounds of halving at most."""
+"""Most rounds of halving."""
 
 MOST = 20_000
-"""Pairs of cells in a round at most; more is a flank that lies on itself along a stretch."""
+"""Most pairs of cells in a round; more means a flank that lies on itself along a stretch."""
 
 NEWTON = 8
-"""Newton steps; from a cell in which the tangents surely differ they converge at once."""
+"""Newton steps; from a cell in which the tangents provably differ they converge at once."""
 
 OUTSIDE = 0.05
-"""How far outside its cell a crossing may be found and still count for it, as a share of the cell;
-neighbours that both find it count once."""
+"""Distance outside its cell at which a crossing still counts for it, as a fraction of the cell; a
+crossing found by two neighbours counts once."""
 
 SAME, TOUCHING = 1e-9, 1e-5
-"""Crossings, and contacts, whose path parameters differ by less are one."""
+"""Crossings, and contacts, whose path parameters differ by less are the same."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,7 +50,7 @@ class Crossing:
     Attributes
     ----------
     first, second : cam angles [rad] in [0, 2 pi), first < second.
-    point : where [mm].
+    point : its place [mm].
     """
 
     first: float
@@ -73,12 +74,13 @@ class Node:
 def find_crossings(curve: WorkingCurve, bends: Extremes | None = None) -> tuple[Crossing, ...]:
     """All crossings of the parallel `curve` with itself, by the first cam angle.
 
-    Mere contacts are none. `bends` are the extremes of the pitch curve's curvature, if known.
+    Mere contacts are not crossings. `bends` are the extremes of the pitch curve's curvature, if
+    known.
 
     Raises
     ------
     GeometryError
-        If it cannot be decided, e.g. where the flank lies on itself along a stretch.
+        If the question cannot be decided, e.g. where the flank lies on itself along a stretch.
     """
     envelope = Envelope(curve)
     nodes = find_nodes(envelope, backward_ranges(envelope, bends))
@@ -93,12 +95,12 @@ def find_crossings(curve: WorkingCurve, bends: Extremes | None = None) -> tuple[
 
 
 def find_nodes(envelope: Envelope, backward: list[tuple[float, float]]) -> tuple[Node, ...]:
-    """All crossings and contacts of `envelope`, given the ranges in which it runs back."""
+    """All crossings and contacts of `envelope`, given the ranges in which it runs backwards."""
     ends = np.array([place for span in backward for place in span])
     division = divide(envelope, envelope.within(ends) if len(ends) else ends)
     tails: tuple[SwallowTail, ...] = ()
     if backward:
-        from camgeo.outline.swallow_tail import swallow_tails  # few cams have one
+        from camgeo.outline.swallow_tail import swallow_tails  # few cams have such tails
 
         tails = swallow_tails(division, backward)
     pairs = _apart(division, tails)
@@ -107,7 +109,7 @@ def find_nodes(envelope: Envelope, backward: list[tuple[float, float]]) -> tuple
 
 
 def _apart(division: Division, tails: tuple[SwallowTail, ...]) -> tuple[IntArray, IntArray]:
-    """Pairs of cells that may cross and do not belong to a run that is known."""
+    """Pairs of cells that may cross and do not belong to a run already settled."""
     first, second = overlapping(division.cells)
     count = len(division.cells)
     plain = division.is_plain(first, second) | division.is_plain(second, first + count)
@@ -155,7 +157,7 @@ def _decide(envelope: Envelope, cells: Cells, pairs: tuple[IntArray, IntArray]) 
 
 
 def _slim(envelope: Envelope, cells: Cells) -> BoolArray:
-    """Cells that bend by no more than rounding: what lies beside them there touches them."""
+    """Cells that bend by no more than rounding: their neighbours there touch them."""
     size = np.abs(cells.middle) + abs(envelope.curve.distance)
     slim: BoolArray = cells.across <= 2.0 * ROUNDING * size
     return slim
@@ -187,10 +189,10 @@ def _refined(
 def _newton(
     envelope: Envelope, one: Cells, other: Cells
 ) -> tuple[BoolArray, BoolArray, list[Node]]:
-    """Where pairs of cells that cross at most once do so.
+    """The crossings of pairs of cells that cross at most once.
 
-    (k,) True where a pair crosses; (k,) True where both are too nearly parallel for the digits of
-    their points to tell; and the crossings.
+    (k,) True where a pair crosses; (k,) True where both are too nearly parallel for their points to
+    decide; and the crossings.
     """
     x, y = 0.5 * (one.low + one.high), 0.5 * (other.low + other.high)
     wide_x, wide_y = one.high - one.low, other.high - other.low
@@ -211,7 +213,7 @@ def _newton(
         inside &= _beside(x, one, 1.0) & _beside(y, other, 1.0)
     size = np.abs(points) + abs(envelope.curve.distance)
     inside &= _beside(x, one, OUTSIDE) & _beside(y, other, OUTSIDE)
-    # Where the flank is run through fast, the rounding of the cam angle counts as well.
+    # Where the pace is large, the rounding of the cam angle counts as well.
     fastest = np.maximum(np.abs(at_x.pace), np.abs(at_y.pace))
     inside &= np.abs(gap) <= 4.0 * ROUNDING * size + PLACE * fastest
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -238,7 +240,7 @@ def _beside(places: FloatArray, cells: Cells, share: float) -> BoolArray:
 
 
 def _distinct(nodes: list[Node], total: float) -> tuple[Node, ...]:
-    """Each node once; of a crossing and a contact beside it the crossing."""
+    """Each node once; of a crossing and a contact next to it, the crossing."""
     kept: list[Node] = []
     fields = max(1, int(total / TOUCHING))
     near: dict[int, list[Node]] = {}  # the nodes kept, by the fields about both of their places

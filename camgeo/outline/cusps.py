@@ -1,13 +1,13 @@
-"""Where a flank undercuts: cusps, and the ranges between them in which the envelope runs back.
+"""Undercut of a flank: cusps, and the ranges between them in which the envelope runs backwards.
 
 One scalar decides: 1 + d kappa of the parallel at d, or the pace that has its sign. Between
-neighbouring extremes of the curvature it is monotone, so that no range escapes, however narrow.
+neighbouring extremes of the curvature it is monotone, so that no range is missed, however narrow.
 
-No undercut is missed, for the known extremes are held against enclosures of the pace. They are
-found where the slope of the curvature changes its sign from one sample to the next; two changes
-between neighbouring samples would escape. Over a cell whose pace surely keeps its sign there is no
-cusp. What remains uncertain is halved, and where the pace is found to have another sign than the
-known extremes tell, the extremes there are added.
+No undercut is missed, because the known extremes are checked against enclosures of the pace. They
+are found where the slope of the curvature changes its sign from one sample to the next; two changes
+between neighbouring samples would be missed. Over a cell whose pace provably keeps its sign there
+is no cusp. Undecided cells are halved, and where the pace has another sign than the known extremes
+imply, the extremes there are added.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ CUSP = 1e-12
 """1 + d kappa within this of zero is a cusp: twenty times the rounding of the curvature."""
 
 INSIDE = 1e-13
-"""This far from a break [rad] a cam angle is not taken for the break itself; 6e-12 degrees."""
+"""A cam angle this far from a break [rad] is not taken for the break itself; 6e-12 degrees."""
 
 
 def undercut_ranges(flank: WorkingCurve, bends: Extremes) -> list[tuple[float, float]]:
@@ -59,7 +59,7 @@ def undercut_ranges(flank: WorkingCurve, bends: Extremes) -> list[tuple[float, f
 def _crossings(flank: WorkingCurve, low: FloatArray, high: FloatArray) -> FloatArray:
     """Where 1 + d kappa passes zero in each smooth stretch [low, high] (n,) [rad].
 
-    Its ends may be breaks, at which the value from the other side counts for nothing here.
+    Its ends may be breaks, at which the value from the other side does not count here.
     """
     low, high = low + INSIDE, high - INSIDE
     at_low, at_high = flank.regularity(low), flank.regularity(high)
@@ -70,10 +70,10 @@ def _crossings(flank: WorkingCurve, low: FloatArray, high: FloatArray) -> FloatA
 
 
 def backward_ranges(envelope: Envelope, bends: Extremes | None = None) -> list[tuple[float, float]]:
-    """Ranges of the path parameter (start, end) in which the envelope runs back.
+    """Ranges of the path parameter (start, end) in which the envelope runs backwards.
 
-    start in [0, total), end above start, perhaps beyond the total. Those of a curvature that only
-    touches its limit, to rounding, are none. The whole turn is (0, total).
+    start in [0, total), end above start, possibly beyond the total. A curvature that only touches
+    its limit, to rounding, makes no range. The whole turn is (0, total).
     """
     flank = envelope.curve
     bends = curvature_extremes(flank.pitch) if bends is None else bends
@@ -106,7 +106,7 @@ def _least(phi: FloatArray, margins: FloatArray, ranges: list[tuple[float, float
 
 
 def _joined(ranges: list[tuple[float, float]], total: float) -> list[tuple[float, float]]:
-    """Ranges that meet made one, in order; those of a whole turn need no joining."""
+    """Ranges that meet are merged, in order; those of a whole turn need no merging."""
     ordered = sorted((start, end if end > start else end + total) for start, end in ranges)
     joined: list[tuple[float, float]] = []
     for start, end in ordered:
@@ -121,14 +121,14 @@ def _joined(ranges: list[tuple[float, float]], total: float) -> list[tuple[float
 
 
 HALVINGS = 14
-"""Rounds of halving: cells of less than 1e-5 rad, in which a motion does nothing of its own."""
+"""Rounds of halving, to cells of less than 1e-5 rad, in which a motion has no features."""
 
 SAMPLES = 65
-"""Places in which an added extreme is looked for."""
+"""Places among which an added extreme is sought."""
 
 
 def sure_bends(flank: WorkingCurve, bends: Extremes) -> Extremes:
-    """`bends` with the extremes that undercut of `flank` shows to be missing; mostly none."""
+    """`bends` with the extremes that the undercut of `flank` shows to be missing; usually none."""
     envelope = Envelope(flank)
     known = backward_ranges(envelope, bends)
     cells = first_cells(envelope, np.empty(0))
@@ -156,7 +156,7 @@ def _inside(places: FloatArray, ranges: list[tuple[float, float]], total: float)
 
 
 def _speeds(envelope: Envelope, places: FloatArray) -> FloatArray:
-    """|Z'| at path parameters; 1 on the turns about a corner, whose pace is no difference."""
+    """|Z'| at path parameters; 1 on the turns about a corner, whose pace is not a difference."""
     index = envelope.element_at(places)
     speeds: FloatArray = np.ones(len(places))
     along = ~envelope.is_pivot[index]

@@ -1,4 +1,4 @@
-"""The first division of an envelope into cells, and what is sure of runs of neighbouring cells.
+"""The first division of an envelope into cells, and what is proved of runs of neighbouring cells.
 
 Two points of a run coincide only if the integral of a exp(i theta) between them vanishes (a the
 pace, theta the direction of the tangent). If theta stays within less than pi,
@@ -32,13 +32,13 @@ from camgeo.outline.cells import Cells, enclose, halved
 from camgeo.outline.envelope import Envelope
 
 WIDEST = math.pi / 16.0
-"""Longest cell [rad of the path parameter] to begin with."""
+"""Longest initial cell [rad of the path parameter]."""
 
 STEEPEST = 0.3
-"""Largest angle between tangents in a cell and in its middle [rad]: boxes are slim."""
+"""Largest angle between tangents in a cell and in its middle [rad], so that boxes are slim."""
 
 HALVINGS = 60
-"""Rounds of halving at most: a cell is then as short as a double tells."""
+"""Most rounds of halving: a cell is then as short as doubles resolve."""
 
 STRAIGHT = 0.98 * math.pi
 """Angle [rad] within which the tangents of a short run stay: below pi, with room for rounding."""
@@ -56,7 +56,7 @@ class Division:
     turned : (2 n + 1,) sum of the largest turns of the tangent up to each cell, over two turns.
     flips : (2 n + 1,) sign changes of the pace from cell to cell up to each cell, likewise.
     changes : (2 n + 1,) changes of the sense in which the tangent turns, likewise.
-    unsure : (2 n + 1,) cells up to each that do not surely turn one way.
+    unsure : (2 n + 1,) number of cells up to each that do not provably turn one way.
     """
 
     envelope: Envelope
@@ -68,7 +68,7 @@ class Division:
     unsure: IntArray
 
     def is_plain(self, first: IntArray, last: IntArray) -> BoolArray:
-        """(k,) True where the run of cells `first` to `last` (k,) surely does not cross itself.
+        """(k,) True where the run of cells `first` to `last` (k,) provably does not cross itself.
 
         `last` may be up to n cells beyond the end of the first turn, and is not below `first`.
         """
@@ -82,7 +82,7 @@ class Division:
 
 
 def divide(envelope: Envelope, cusps: FloatArray) -> Division:
-    """Divide `envelope` at its borders, at `cusps` (k,) and as finely as boxes need to be slim.
+    """Divide `envelope` at its borders, at `cusps` (k,) and as finely as slim boxes require.
 
     Parameters
     ----------
@@ -91,7 +91,7 @@ def divide(envelope: Envelope, cusps: FloatArray) -> Division:
     Raises
     ------
     GeometryError
-        If cells grow shorter than doubles tell: a curvature beyond arithmetic.
+        If cells become shorter than doubles resolve: a curvature beyond double precision.
     """
     cells = first_cells(envelope, cusps)
     for _ in range(HALVINGS):
@@ -143,6 +143,6 @@ def _sums(values: FloatArray) -> FloatArray:
 
 
 def _counts(values: BoolArray) -> IntArray:
-    """How many are True before each cell and after the last, over two turns."""
+    """Number of True before each cell and after the last, over two turns."""
     counted = np.cumsum(np.concatenate((values, values)), dtype=np.intp)
     return np.concatenate((np.zeros(1, dtype=np.intp), counted))

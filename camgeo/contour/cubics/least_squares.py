@@ -180,7 +180,7 @@ def _exact(course: ArcLength, piece: IntArray, s: FloatArray) -> tuple[ComplexAr
 
 
 def _fixed(layout: Layout, low: FloatArray, high: FloatArray) -> tuple[ComplexArray, BoolArray]:
-    """(control points,) the four outer ones of each spline, 0 for free ones; their indices."""
+    """(control points,) the four outer ones of each spline, 0 for free ones; a mask of them."""
     fixed = np.zeros(int(np.sum(layout.counts + ORDER - 1)), dtype=np.complex128)
     begin = layout.control_starts
     end = begin + layout.counts + ORDER - 2
