@@ -1,7 +1,7 @@
 """Envelope of the roller on one flank: the working curve, and the turns where its tangent jumps.
 
 Where the follower's velocity jumps the roller centre has a corner, and the roller turns about it:
-the flank goes on along an arc of the roller's radius. A path parameter runs through both: the cam
+the flank continues along an arc of the roller's radius. A path parameter runs through both: the cam
 angle along the curve, the angle turned along such an arc.
 """
 
@@ -21,7 +21,7 @@ from camgeo.outline.path import Element, Pivot, Stretch
 from camgeo.units import TURN
 
 KINK = 1e-9
-"""A smaller angle between the tangents at a joint [rad] is the rounding of a smooth one."""
+"""A smaller angle between the tangents at a joint [rad] is rounding of a smooth joint."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -119,7 +119,7 @@ class Envelope:
 
     @cached_property
     def angle_offsets(self) -> FloatArray:
-        """(m,) cam angle less path parameter along each element; 0 for turns."""
+        """(m,) cam angle minus path parameter along each element; 0 for turns."""
         pairs = zip(self.starts, self.elements, strict=True)
         offsets = [
             each.start - start if isinstance(each, Stretch) else 0.0 for start, each in pairs
@@ -169,7 +169,7 @@ class Envelope:
 
     @cached_property
     def _angles(self) -> FloatArray:
-        """(m,) cam angle [rad] at which each stretch begins, or a turn is."""
+        """(m,) cam angle [rad] at which each stretch begins, or of a turn."""
         return np.array(
             [each.after if isinstance(each, Pivot) else each.start for each in self.elements]
         )

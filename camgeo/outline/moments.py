@@ -25,20 +25,20 @@ from camgeo.numeric.quadrature import gauss
 from camgeo.outline.path import Path, Pivot, Stretch
 
 NODES: Final = 16
-"""Of the Gauss-Legendre rule on a part; its error is taken from the rule on both halves."""
+"""Nodes of the Gauss-Legendre rule on a part; the rule on both halves gives its error."""
 
 MOST_PARTS: Final = 4096
-"""Of a stretch that are refined at a time: more of them come from rounding, which halving does not
-make smaller. What is left then enters the error."""
+"""Most parts of a stretch that are refined at a time: more are due to rounding, which halving does
+not reduce. Their error then enters the estimate."""
 
 LONGEST: Final = math.pi / 16.0
-"""Longest part of a stretch [rad] that one quadrature of an area alone takes."""
+"""Longest part of a stretch [rad] for one quadrature of an area alone."""
 
 AREA_NODES: Final = 12
-"""Of such a quadrature; a part of the longest kind has its digits with eight."""
+"""Nodes of such a quadrature; eight give all digits of the longest part."""
 
 ROUNDING: Final = 8.0 * float(np.finfo(np.float64).eps)
-"""Of an integral, as a share of the integral of the magnitude."""
+"""Tolerance of an integral, as a fraction of the integral of the magnitude."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,7 +58,7 @@ class Moments:
     first_error: float
 
     def scaled(self, factor: float) -> Moments:
-        """All of it times `factor`, e.g. -1 for a hole, or the mass a unit of area."""
+        """All values times `factor`, e.g. -1 for a hole, or the mass per unit of area."""
         size = abs(factor)
         return Moments(
             factor * self.area,
@@ -68,7 +68,7 @@ class Moments:
         )
 
     def counter_clockwise(self) -> Moments:
-        """Those of the same region with its boundary run counter-clockwise."""
+        """The moments of the same region with a counter-clockwise boundary."""
         return self if self.area >= 0.0 else self.scaled(-1.0)
 
 
@@ -139,13 +139,13 @@ def _of_arcs(pivots: list[Pivot]) -> Moments:
 def piece_moments(
     start: ComplexArray, end: ComplexArray, sweep: FloatArray, centre: ComplexArray
 ) -> Moments:
-    """What lines and arcs contribute to the contour integrals, in closed form.
+    """The contributions of lines and arcs to the contour integrals, in closed form.
 
     Parameters
     ----------
     start, end : (n,) complex [mm].
     sweep : (n,) angle turned along each piece [rad], positive counter-clockwise; 0 is a line.
-    centre : (n,) complex [mm] of each arc; not looked at for lines.
+    centre : (n,) complex [mm] of each arc; unused for lines.
 
     The triangle of origin and chord has its centroid at a third of the sum of its corners. To that
     an arc adds the segment of the circle beyond its chord: with radius r and sweep a its area is

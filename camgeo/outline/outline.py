@@ -1,8 +1,9 @@
-"""The real outline: what is left of a flank when the roller has removed what it must.
+"""The real outline: the part of a flank that the roller, as a cutter, does not remove.
 
-The roller stands for the cutter. Where the flank crosses itself, the way on is along the branch
-that the other one does not cover; what runs back, and what another roller covers, is dropped. So
-the outline consists of stretches of the working curve itself with exact corners between them.
+The roller represents the cutter. Where the flank crosses itself, the outline continues along the
+branch that the other one does not cover; parts that run backwards, or that the roller covers
+elsewhere, are dropped. So the outline consists of stretches of the working curve itself with exact
+corners between them.
 
 Only crossings of the flank with itself matter, and not those with the other flank: a pitch curve
 that does not cross itself has an inside and an outside, and no point is inside of one part and
@@ -34,20 +35,20 @@ from camgeo.outline.path import Element, Path, Pivot, Stretch, whole
 from camgeo.units import TURN
 
 ROUND = 1024
-"""Places of the envelope at which it is seen how often it goes round, eight a part at least."""
+"""Places of the envelope at which its winding number is taken, at least eight per part."""
 
 NEIGHBOURHOOD = 1.0
-"""Turn of the tangent [rad] up to which neighbours of a point surely do not cover it."""
+"""Turn of the tangent [rad] up to which neighbours of a point provably do not cover it."""
 
 
 @dataclass(frozen=True, slots=True)
 class Outline:
-    """What is left of a flank.
+    """The remaining part of a flank.
 
     Attributes
     ----------
     path : the boundary of the disc, or of the hole of an outer flank, once round the cam axis.
-    lobes : boundaries of what is cut off from it and falls away.
+    lobes : boundaries of the parts that are cut off and fall away.
     dropped : ranges (start, end) of cam angle [rad] whose stretch of the flank is not on `path`,
         start in [0, 2 pi), end above it by less than a turn.
     """
@@ -58,7 +59,7 @@ class Outline:
 
     @property
     def is_trimmed(self) -> bool:
-        """True if the follower does not make all of its motion."""
+        """Whether the follower does not make all of its motion."""
         return bool(self.dropped)
 
 
@@ -80,10 +81,10 @@ def real_outline(flank: WorkingCurve, bends: Extremes | None = None) -> Outline:
     Raises
     ------
     UndercutError
-        If nothing is left of the disc: the roller reaches over the cam axis, or covers everything.
+        If nothing remains of the disc: the roller reaches over the cam axis, or covers everything.
         Or if the cam of a flat face is not convex.
     GeometryError
-        If the roller centre stands still in the cam (Z' = 0), or it cannot be decided what is left.
+        If the roller centre stands still in the cam (Z' = 0), or it cannot be decided what remains.
     """
     if not flank.pitch.follower.has_pitch_curve:
         return _convex_outline(flank)
@@ -111,7 +112,7 @@ def real_outline(flank: WorkingCurve, bends: Extremes | None = None) -> Outline:
     windings = [_winding(envelope, loop) for loop in loops]
     main = [k for k, winding in enumerate(windings) if winding != 0]
     if len(main) != 1:
-        # Wherever the axis is free there is a disc about it, and around all rollers the rest.
+        # Where the axis is free, there is a disc about it, and the rest lies around all rollers.
         raise GeometryError(
             "it cannot be decided what is left of the flank: its sides touch to rounding"
         )
@@ -120,8 +121,8 @@ def real_outline(flank: WorkingCurve, bends: Extremes | None = None) -> Outline:
 
 
 def _convex_outline(flank: WorkingCurve) -> Outline:
-    """All of the contact curve of a flat face: see `camgeo.outline.convex` why nothing crosses."""
-    from camgeo.outline.convex import convexity  # few cams have a flat face
+    """The whole contact curve of a flat face; `camgeo.outline.convex` shows why nothing crosses."""
+    from camgeo.outline.convex import convexity  # only few cams have a flat face
 
     if not convexity(flank.pitch).is_convex:
         raise UndercutError("a flat face touches only a convex cam, and this one is not")
@@ -142,8 +143,8 @@ def _require_axis(flank: WorkingCurve) -> None:
 def _require_simple(pitch: PitchCurve) -> None:
     """Raise GeometryError if the pitch curve crosses itself.
 
-    It cannot where the follower stays on one side of the cam axis: then its lift tells the distance
-    of the roller centre from the axis, and the cam angle the direction, one by one.
+    It cannot if the follower stays on one side of the cam axis: then lift and distance of the
+    roller centre from the axis correspond one to one, and so do cam angle and direction.
     """
     if stays_on_one_side(pitch):
         return
@@ -200,11 +201,11 @@ def _kept(
 def _sides(
     envelope: Envelope, nodes: list[Node], places: FloatArray, low: FloatArray, high: FloatArray
 ) -> FloatArray:
-    """(n,) positive where the branch at `places` (n,) of the `nodes` runs into what the other one
-    removes, else negative.
+    """(n,) positive where the branch at `places` (n,) of the `nodes` enters the part that the other
+    one removes, else negative.
 
-    Not a number where the other branch runs back there, in one of the ranges from `low` to `high`
-    over three turns: its roller covers the crossing itself.
+    NaN where the other branch runs backwards there, in one of the ranges from `low` to `high` over
+    three turns: its roller covers the crossing itself.
     """
     first, second = np.array([(node.first, node.second) for node in nodes]).T
     other = np.where(np.abs(places - first) <= np.abs(places - second), second, first)
@@ -234,7 +235,7 @@ def _owns(envelope: Envelope, parts: list[_Part], middles: FloatArray) -> FloatA
 
 
 def _loops(nodes: tuple[Node, ...], kept: list[_Part]) -> list[list[_Part]]:
-    """The kept parts linked at their crossings: each goes on along the other branch."""
+    """The kept parts linked at their crossings: each continues along the other branch."""
     following: dict[int, list[_Part]] = {}
     for part in kept:
         following.setdefault(part.from_node, []).append(part)
@@ -272,7 +273,7 @@ def _path(envelope: Envelope, nodes: tuple[Node, ...], loop: list[_Part]) -> Pat
 
 
 def _elements(envelope: Envelope, part: _Part) -> list[Element]:
-    """What a part runs through: stretches and turns, cut at its ends."""
+    """The elements of a part: stretches and turns, cut at its ends."""
     found: list[Element] = []
     curve = envelope.curve
     if len(envelope.elements) == 1:
@@ -299,7 +300,7 @@ def _elements(envelope: Envelope, part: _Part) -> list[Element]:
 
 
 def _winding(envelope: Envelope, loop: list[_Part]) -> int:
-    """How often a loop goes round the cam axis."""
+    """Winding number of a loop about the cam axis."""
     shares = [max(ROUND * (part.end - part.start) / envelope.total, 8.0) for part in loop]
     places = np.concatenate(
         [

@@ -1,8 +1,9 @@
 """Closed paths of stretches of parallels and of turns about a point.
 
-The outline of a real disc is one: what is left of a working curve, and between two stretches either
-a corner or, where the follower's velocity jumps, the arc that the roller turns about its centre.
-So is each parallel of it: the path of a cutter, or that of the roller centre on the real disc.
+The outline of a real disc is one: the remaining stretches of a working curve, and between two of
+them either a corner or, where the follower's velocity jumps, the arc of the roller turning about
+its centre. So is each parallel of it: the path of a cutter, or that of the roller centre on the
+real disc.
 """
 
 from __future__ import annotations
@@ -26,13 +27,13 @@ class Flank(StrEnum):
 
     @property
     def sign(self) -> int:
-        """Of its distance from the pitch curve; also the way in which a roller is pressed on it."""
+        """Sign of its distance from the pitch curve, and of the direction that presses a roller."""
         return -1 if self is Flank.INNER else 1
 
 
 @dataclass(frozen=True, slots=True)
 class Stretch:
-    """A stretch of a parallel of the pitch curve, run with growing cam angle.
+    """A stretch of a parallel of the pitch curve, traversed with growing cam angle.
 
     Attributes
     ----------
@@ -96,7 +97,7 @@ class Path:
 
     Attributes
     ----------
-    elements : in the order in which they are run through, with growing cam angle.
+    elements : in the order of traversal, with growing cam angle.
     """
 
     elements: tuple[Element, ...]
@@ -119,8 +120,8 @@ class Path:
     def offset(self, by: float) -> Path:
         """The parallel at `by` [mm] farther outward; corners become arcs.
 
-        Nothing is trimmed: that a stretch stays regular, and the path free of crossings, is for
-        those to see who use it.
+        Nothing is trimmed: the caller must ensure that stretches stay regular and the path free of
+        crossings.
         """
         return Path(tuple(_offset(each, by) for each in self.elements))
 

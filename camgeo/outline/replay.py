@@ -1,6 +1,6 @@
-"""Replay: the roller pressed against a real outline, or against any contour, and rolled through.
+"""Replay: the roller pressed against a real outline, or any contour, and rolled over a turn.
 
-What the follower does then, instead of what is demanded of it: lift, velocity and acceleration
+The actual motion of the follower, compared with the demanded one: lift, velocity and acceleration
 over the cam angle, lost stroke, shocks. The lift is that of the follower itself; behind a linkage
 that is the rocker's angle.
 """
@@ -31,18 +31,18 @@ from camgeo.units import TURN
 SIDES: Final[tuple[Side, Side]] = ("left", "right")
 
 STEP = math.radians(0.1)
-"""Step of the cam angle between the samples; the ends of all pieces are looked at besides."""
+"""Step of the cam angle between the samples; the ends of all pieces are sampled as well."""
 
 INNER_SAMPLES = 15
-"""Samples inside each range in which a stretch of an outline is missing, however narrow: what is
-lost there has one top, and a bracket about it."""
+"""Samples inside each range in which a stretch of an outline is missing, however narrow: the lost
+stroke has one maximum there, to be bracketed."""
 
 CORNER = 1e-7
-"""Corners up to this [rad] count as none: the directions of two pieces at their common end are
+"""Corners up to this angle [rad] are ignored: the directions of two pieces at their common end are
 known to the rounding of its coordinates over their length, 1e-14 mm over 1e-7 mm at worst."""
 
 DROP = 1e-9
-"""Jumps of the lift up to this share of the base radius (of 1 rad for a rocker) are rounding."""
+"""Jumps of the lift up to this fraction of the base radius (of 1 rad for a rocker) are rounding."""
 
 
 def replay_contour(
@@ -61,7 +61,7 @@ def replay_contour(
         the inner flank, that of the hole for the outer one, into which the roller is pressed.
     flank : "inner" or "outer".
     step : of the samples [rad].
-    corner : corners up to this angle [rad] count as none, neither as shocks nor as ripple.
+    corner : corners up to this angle [rad] are ignored, both as shocks and as ripple.
 
     Raises
     ------
@@ -93,7 +93,7 @@ def replay_outline(
     touches a stretch has its own cam angle.
 
     With a `clearance` [mm] the outline is a flank of a groove that is wider than the roller by it;
-    pressed against the flank the roller is off by about half of it everywhere.
+    pressed against the flank the roller is off by about half of that everywhere.
 
     Raises
     ------
@@ -136,7 +136,7 @@ def _gaps(stretches: tuple[Stretch, ...]) -> tuple[FloatArray, FloatArray]:
     starts = np.array([each.end % TURN for each in stretches])
     ends = np.roll([each.start for each in stretches], -1)
     widths = np.remainder(ends - starts, TURN)
-    # Where a stretch follows at once, across a turn of the roller, a full turn more may be rounded.
+    # Where a stretch follows at once, across a turn of the roller, rounding may add a full turn.
     widths[np.minimum(widths, TURN - widths) <= SNAP] = 0.0
     gaps = np.flatnonzero(widths > 0.0)
     return starts[gaps], starts[gaps] + widths[gaps]
@@ -150,7 +150,7 @@ def _replay(
     corner: float,
     within: FloatArray | None = None,
 ) -> Replay:
-    """`within` are cam angles [rad] in [0, 2 pi) at which to sample besides."""
+    """`within` are further cam angles [rad] in [0, 2 pi) at which to sample."""
     motion, path = pitch.motion, lift.path
     peaks = [_peak(motion, order) for order in (1, 2)]
     count = math.ceil(TURN / step)

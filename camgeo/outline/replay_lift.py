@@ -1,9 +1,9 @@
-"""Which part of the disc holds the roller at each cam angle, and the lift that follows from it.
+"""The part of the disc that holds the roller at each cam angle, and the resulting lift.
 
 The roller is pressed along the follower's path until it touches: of all branches that the path
 meets, the outermost holds a roller that is pressed inward, the innermost one that is pressed
-outward. Which one that is changes at the ends of branches and where two of them cross, at no other
-place; so it is known for all cam angles, not for sampled ones.
+outward. Which one that is changes only at the ends of branches and where two of them cross; so it
+is known for all cam angles, not just for samples.
 
 A roller with play touches one flank of its groove, which lies half the groove's width from the
 pitch curve, so that its centre runs on the pitch curve's parallel at half the clearance. At the cam
@@ -29,16 +29,16 @@ from camgeo.outline.roller_path import Branches
 from camgeo.units import TURN
 
 STEPS = 40
-"""Newton steps at most; the parallel is near the pitch curve, so that five are many."""
+"""Most Newton steps; the parallel is near the pitch curve, so five are already many."""
 
 SETTLED = 64.0 * 2.0**-52
-"""A last step [rad] below this, a few roundings of a cam angle, and theta is found."""
+"""A step [rad] below this, a few roundings of a cam angle, is the last one."""
 
 LONGEST = 0.2
 """Longest Newton step [rad]."""
 
 AT = 1e-9
-"""This near to a break [rad] theta counts as the break, seen from the side that is asked for."""
+"""Within this distance of a break [rad] theta counts as the break, seen from the requested side."""
 
 
 @dataclass(frozen=True)
@@ -72,7 +72,7 @@ class PlayedLift:
         Raises
         ------
         GeometryError
-            If the path does not meet the parallel near by, or is tangent to it.
+            If the path does not meet the parallel nearby, or is tangent to it.
         """
         theta = self.touching(phi)
         at = self._at_breaks(theta)
@@ -122,8 +122,8 @@ SEAM = 1e-9
 ends differ by rounding."""
 
 MOST_PAIRS = 2_000_000
-"""Of a branch and a cell between the ends of branches: 25 layers of a contour of 20,000 pieces. A
-contour that is smooth but for a few corners has one."""
+"""Most pairs of a branch and a cell between the ends of branches: 25 layers of a contour of 20,000
+pieces. A contour that is smooth except for a few corners has one layer."""
 
 HALF_ARC = 0.52
 """Half an arc of at most an eighth of a turn over its chord, at most: pi/16 / sin(pi/8)."""
@@ -137,7 +137,7 @@ class ActualLift:
     ----------
     path : of the follower.
     motion : the demanded lift.
-    branches : what the roller may run on.
+    branches : those that the roller may run on.
     borders : (k,) cam angles [rad] in [0, 2 pi), ascending, at which the branch changes.
     numbers : (k,) branch from each border to the next, or AS_DEMANDED.
     played : the motion that a roller with play makes where it is AS_DEMANDED; None without play.
@@ -174,7 +174,7 @@ class ActualLift:
         Raises
         ------
         GeometryError
-            Where the lift jumps, for its velocity has no bound there.
+            Where the lift jumps, because its velocity is unbounded there.
         """
         return self._rows(phi, side, 2)
 
@@ -205,7 +205,7 @@ def pressed(
     Parameters
     ----------
     press : -1 if the roller is pressed inward and the outermost branch holds it, +1 if outward.
-    ranges : starts (r,) in [0, 2 pi) and ends (r,) [rad] of the ranges of cam angle to look at, at
+    ranges : starts (r,) in [0, 2 pi) and ends (r,) [rad] of the ranges of cam angle to examine, at
         most a turn each, without overlap.
 
     Raises
@@ -226,7 +226,7 @@ def pressed(
     grid = ascending(np.concatenate((nodes, inner)))
     # Before the first node it is still the last cell, which reaches across cam angle 0.
     parent = np.remainder(np.searchsorted(nodes, grid, "right") - 1, len(nodes))
-    # Each cell of the finer grid takes over what covers its parent.
+    # Each cell of the finer grid inherits the branches of its parent.
     first = np.searchsorted(cell, parent, "left")
     count = np.searchsorted(cell, parent, "right") - first
     fine, rank = grouped(count)
@@ -293,7 +293,7 @@ def _without_hidden(
     path: FollowerPath,
     press: int,
 ) -> tuple[IntArray, IntArray]:
-    """The pairs without those of a branch that lies behind another one all along their cell."""
+    """The pairs without those whose branch lies behind another one throughout their cell."""
     several = np.bincount(cell, minlength=len(cells.low))[cell] > 1
     inner, held = cell[several], branch[several]
     if not len(inner):

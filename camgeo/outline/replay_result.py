@@ -1,8 +1,8 @@
-"""What a replay tells: the follower's motion on a disc beside the demanded one.
+"""The result of a replay: the follower's motion on a disc next to the demanded one.
 
-Two replays held together tell what play a conjugate pair of real discs leaves the follower. Pressed
-against the main disc alone it makes the lift q_1, against the return disc alone q_2. Each disc
-stops it on its side, so that it can be anywhere between them; where they overlap the rollers are
+Two replays together give the play that a conjugate pair of real discs leaves the follower. Pressed
+against the main disc alone it has the lift q_1, against the return disc alone q_2. Each disc stops
+it on its side, so that it can be anywhere between them; where they overlap the rollers are
 squeezed.
 """
 
@@ -21,22 +21,22 @@ from camgeo.outline.replay_lift import ActualLift
 from camgeo.units import TURN
 
 AS_DEMANDED_ELEMENT = np.iinfo(np.intp).min
-"""Number of the element that is the demanded motion itself: that of no piece and no vertex."""
+"""Number of the element that is the demanded motion itself: no piece or vertex has it."""
 
 SHIFT = 4.0
-"""A joint of the demanded motion lies on the disc within the disc's position error of its place; so
-many times the error of the lift around it holds it surely."""
+"""A joint of the demanded motion lies on the disc within the disc's position error of its place;
+this multiple of the error of the lift around it certainly covers it."""
 
 AROUND = 0.02
 """Range [rad] on both sides of a joint from which the error of the lift around it is taken."""
 
 SEAM = 1e-9
-"""Least distance [rad] within which a joint is looked for: rounding of cam angles."""
+"""Least distance [rad] within which a joint is sought: rounding of cam angles."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Jumps:
-    """Places at which the roller leaves one part of the disc for another with a jump.
+    """Places at which the roller passes from one part of the disc to another with a jump.
 
     Attributes
     ----------
@@ -52,7 +52,7 @@ class Jumps:
         return len(self.phi)
 
     def scaled(self, factor: float) -> Jumps:
-        """The same in another unit."""
+        """The same jumps in another unit."""
         return Jumps(self.phi, factor * self.before, factor * self.after)
 
     @property
@@ -66,10 +66,10 @@ class Jumps:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Replay:
-    """What the follower does on a disc, beside what is demanded.
+    """The motion of the follower on a disc, next to the demanded one.
 
     Samples lie on a regular grid and at both sides of every place where the formula of the actual
-    or of the demanded motion changes; such a place stands twice in `phi`, its left side first.
+    or of the demanded motion changes; such a place occurs twice in `phi`, its left side first.
 
     Attributes
     ----------
@@ -79,8 +79,8 @@ class Replay:
     demanded, actual : (3, n) lift with two derivatives [mm or rad per rad^k].
     element : (n,) number of the contour's piece that holds the roller, -1 - k at its vertex k, or
         of the outline's corner k; `AS_DEMANDED_ELEMENT` where the roller is where it should be.
-    smooth : (n,) False at corners that count as none, where the acceleration tells nothing.
-    shocks : jumps of the velocity [mm or rad per rad], those that are demanded among them.
+    smooth : (n,) False at ignored corners, where the acceleration is meaningless.
+    shocks : jumps of the velocity [mm or rad per rad], including those that are demanded.
     drops : jumps of the lift itself: the roller falls off an edge.
     demanded_velocity, demanded_acceleration : largest magnitudes [mm or rad per rad^k].
     """
@@ -159,7 +159,7 @@ class Replay:
         """(n,) actual - demanded acceleration; 0 where `smooth` is False.
 
         A joint where the demanded acceleration jumps lies on the disc only within the disc's
-        position error; so near to one, what is between the values of its two sides is no error.
+        position error; so close to one, a value between those of its two sides is not an error.
         """
         return np.where(self.smooth, self._beyond_joints(), 0.0)
 
@@ -170,21 +170,21 @@ class Replay:
 
     @property
     def ripple(self) -> float | None:
-        """Largest error of the acceleration as a share of its demanded peak; None if that is 0."""
+        """Largest error of the acceleration over its demanded peak; None if that is 0."""
         if self.demanded_acceleration == 0.0:
             return None
         return abs(self.largest_acceleration_error.value) / self.demanded_acceleration
 
     @property
     def largest_shock(self) -> float | None:
-        """Largest jump of the velocity as a share of its demanded peak; None if that is 0."""
+        """Largest jump of the velocity over its demanded peak; None if that is 0."""
         if self.demanded_velocity == 0.0:
             return None
         jump = self.shocks.largest
         return 0.0 if jump is None else abs(jump.value) / self.demanded_velocity
 
     def _beyond_joints(self) -> FloatArray:
-        """(n,) acceleration error, between the two values of a joint 0."""
+        """(n,) acceleration error; 0 between the two values of a joint."""
         path, motion = self.lift.path, self.lift.motion
         error = self.actual[2] - self.demanded[2]
         lift_error = np.abs(self.actual[0] - self.demanded[0])
@@ -233,7 +233,7 @@ def closing_error(main: Replay, other: Replay) -> Extremes:
     Raises
     ------
     GeometryError
-        If both discs push the follower in the same sense: there is nothing between them.
+        If both discs push the follower in the same sense, so that it is not between them.
     """
     if main.lift.path.outward == other.lift.path.outward:
         raise GeometryError("the two discs push the follower in the same sense: they do not close")

@@ -4,7 +4,7 @@ It is the contour's parallel at the roller radius: a line gives a line, an arc a
 corner the arc of the roller radius about it. Nothing is trimmed: where the contour turns in, or is
 too narrow for the roller, the parallel crosses itself, and the follower's place decides (see
 `camgeo.outline.replay_lift`). Each of its points is a roller radius from some point of the
-contour, so that none can stand for a place that the roller does not reach.
+contour, so none can represent a place that the roller does not reach.
 """
 
 from __future__ import annotations
@@ -21,10 +21,10 @@ from camgeo.numeric.arrays import ComplexArray, FloatArray, IntArray, grouped, j
 from camgeo.units import TURN
 
 MOST_TURN = math.pi / 4.0
-"""Arcs are cut to this [rad]: the parameter of a bow is infinite at half a turn."""
+"""Largest sweep of a cut arc [rad]: the parameter of a bow is infinite at half a turn."""
 
 POINT = 1e-12
-"""An arc whose parallel has less than this share of its radius is a point for the roller centre."""
+"""An arc whose parallel has less than this fraction of its radius is a point of the roller path."""
 
 SHARP = 0.75 * math.pi
 """A vertex at which the contour turns by more [rad] is a spike or a slot's end."""
@@ -83,7 +83,7 @@ class Branches:
     bows : (m,) on which they lie.
     facing : (m,) +1 where the bow's normal has a part outward along the follower's path, else -1.
     lows, highs : (m,) cam angles [rad] in [0, 2 pi) between which they lie; high < low where a
-        branch reaches across cam angle 0. Equal ones cover nothing.
+        branch reaches across cam angle 0. Equal angles cover nothing.
     elements, corners : (m,), as of `Parallel`.
     """
 
@@ -149,7 +149,7 @@ def parallel(contour: LinesAndArcs, distance: float) -> Parallel:
 
 
 def circles(centres: ComplexArray, radius: float) -> Parallel:
-    """Whole circles of `radius` [mm], negative for one with its normal inward, about `centres`."""
+    """Whole circles of `radius` [mm], negative for an inward normal, about `centres`."""
     number = np.arange(len(centres))
     starts = centres + radius
     zero = np.zeros(len(centres))
@@ -160,7 +160,7 @@ def circles(centres: ComplexArray, radius: float) -> Parallel:
 def branches(pieces: Parallel, path: FollowerPath) -> Branches:
     """Cut `pieces` where the follower's path is tangent to them, and where its reach ends.
 
-    What lies beyond the reach is left out.
+    Parts beyond the reach are omitted.
     """
     low, high = path.reach
     bows = pieces.bows

@@ -1,8 +1,8 @@
 """Swallow tails: between two cusps the flank runs back and crosses itself once.
 
-The crossing is where the way from one side to the other vanishes, the integral of a exp(i theta).
-It is taken by Gauss-Legendre quadrature where the tail is small: the pace a has its digits also
-where the points of the flank differ by less than their own rounding.
+At the crossing the displacement from one side to the other, the integral of a exp(i theta),
+vanishes. It is computed by Gauss-Legendre quadrature where the tail is small: the pace a has its
+digits also where the points of the flank differ by less than their own rounding.
 
 That there is one crossing at most is sure of a run of cells about the two cusps in which the
 tangent turns one way, see `camgeo.outline.division`. Where it turns back at the cusps, as beside a
@@ -33,37 +33,37 @@ REACH = 1.2
 back; more than 1 / cos(0.5)."""
 
 SLIGHT = 0.5
-"""Angle [rad] by which the tangent turns at most in these parts."""
+"""Largest angle [rad] by which the tangent turns in these parts."""
 
 SQUARE = 1.5
-"""Angle [rad] by which it turns at most in the run: less than a right angle."""
+"""Largest angle [rad] by which it turns in the run: less than a right angle."""
 
 SAMPLES = 33
-"""Places at which the tangents of a part are looked at; over so short a part they turn steadily."""
+"""Places at which the tangents of a part are sampled; over so short a part they turn steadily."""
 
 
 STEPS = 60
-"""Newton steps at most; from the guess six do."""
+"""Most Newton steps; from the guess six suffice."""
 
 SMALL = 1e-2
-"""A tail whose flank is shorter than this share of its distance from the axis is a small one."""
+"""A tail whose flank is shorter than this fraction of its distance from the axis is small."""
 
 NODES = 12
-"""Of a quadrature over each smooth part."""
+"""Nodes of a quadrature over each smooth part."""
 
 MOST_BREAKS = 4
-"""Breaks inside a tail that is taken by quadrature."""
+"""Most breaks inside a tail that is integrated by quadrature."""
 
 SETTLED = 1e-7
-"""After a Newton step of this share of the tail's width the next one meets rounding."""
+"""After a Newton step of this fraction of the tail's width the next one is mere rounding."""
 
 NOISE = 2.0**-52 * 64.0
-"""Rounding of the pace, as a share of the speed of the roller centre."""
+"""Rounding of the pace, as a fraction of the speed of the roller centre."""
 
 
 @dataclass(frozen=True, slots=True)
 class Run:
-    """Cells that follow each other, in which there is one crossing at most.
+    """Consecutive cells in which there is at most one crossing.
 
     Attributes
     ----------
@@ -196,7 +196,7 @@ class SwallowTail:
     Attributes
     ----------
     first, second : path parameters in [0, total) of the crossing, before and after the cusps.
-    point : where [mm].
+    point : its place [mm].
     start, cells : the run in which there is no other: its first cell and their number.
     """
 
@@ -237,7 +237,7 @@ def _tails(
     speed = np.abs(envelope.curve.pitch.jet(envelope.angles_at(start))[1])
     settled = np.zeros(len(x), dtype=np.bool_)
     found = settled.copy()
-    k = np.arange(len(x))  # those that are still moved
+    k = np.arange(len(x))  # those still iterated
     for _ in range(STEPS):
         ends = _samples(envelope, np.stack((x[k], y[k])))
         gap = _ways(envelope, x[k], y[k], ends)
@@ -250,7 +250,7 @@ def _tails(
         if not len(k):
             break
         dx, dy = _across(t_y, gap) / (-sine * a_x), _across(t_x, gap) / (-sine * a_y)
-        # Stay on the own side of the cusps, and inside the run.
+        # Stay on the same side of the cusps, and inside the run.
         room = np.minimum(_room(x[k], dx, low[k], start[k]), _room(y[k], dy, end[k], high[k]))
         share = np.minimum(1.0, room)
         x[k], y[k] = x[k] + share * dx, y[k] + share * dy
@@ -278,7 +278,7 @@ def _across(one: ComplexArray, other: ComplexArray) -> FloatArray:
 
 
 def _room(place: FloatArray, step: FloatArray, low: FloatArray, high: FloatArray) -> FloatArray:
-    """Share of `step` that leaves some of the way to the end it goes towards."""
+    """Fraction of `step` that stays short of the end it goes towards."""
     room = 0.9 * np.where(step > 0.0, high - place, place - low)
     size = np.abs(step)
     return np.divide(room, size, out=np.ones_like(size), where=size > room)
