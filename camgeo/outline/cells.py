@@ -147,9 +147,7 @@ def halved(envelope: Envelope, cells: Cells) -> Cells:
     GeometryError if there are more than `MOST`.
     """
     if len(cells) > MOST:
-        raise GeometryError(
-            "the flank bends more tightly than can be looked into; it has no outline"
-        )
+        raise GeometryError("the flank bends more tightly than can be resolved; it has no outline")
     middle = 0.5 * (cells.low + cells.high)
     low = np.column_stack((cells.low, middle)).ravel()
     high = np.column_stack((middle, cells.high)).ravel()
@@ -171,7 +169,7 @@ def overlapping(cells: Cells) -> tuple[IntArray, IntArray]:
     last = np.searchsorted(left[order], right[order], side="right")
     counts = last - np.arange(len(order)) - 1
     if np.sum(counts) > MOST_PAIRS:
-        raise GeometryError("the flank has too many neighbours of itself to be told apart")
+        raise GeometryError("too many stretches of the flank lie too close to be separated")
     one, step = grouped(counts)
     first, second = order[one], order[one + 1 + step]
     apart = np.abs(cells.middle.imag[first] - cells.middle.imag[second])

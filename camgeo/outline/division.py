@@ -103,7 +103,7 @@ def divide(envelope: Envelope, cusps: FloatArray) -> Division:
         cells = joined([cells.some(~coarse), fine])
         cells = cells.some(np.argsort(cells.low, kind="stable"))
     else:
-        raise GeometryError("the flank bends more tightly than doubles can tell; it has no outline")
+        raise GeometryError("the flank bends more tightly than doubles resolve; it has no outline")
     cells = replace(cells, origin=np.arange(len(cells)))
     negative = cells.pace < 0.0
     return Division(

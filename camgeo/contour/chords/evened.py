@@ -175,7 +175,7 @@ def _places(
     stretch: Stretched, bends: Bends, counts: IntArray, at: FloatArray, costs: FloatArray
 ) -> tuple[FloatArray, IntArray, BoolArray]:
     """Places (m,) of the vertices, the bend of each, and whether it is the last before an
-    inflection; `costs` over the places `at` tell what equal parts are.
+    inflection; `costs` over the places `at` define equal parts.
     """
     round_and_round = stretch.closed and not len(stretch.table.inflections)
     sizes = counts if round_and_round else counts + 1
