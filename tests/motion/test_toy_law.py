@@ -98,7 +98,7 @@ def test_what_is_wrong_is_told_as_of_any_law(tree: Path, old: str, new: str, tol
 
 def test_the_command_of_laws_lists_and_makes_it(tree: Path) -> None:
     done = run_copy(tree, "-m", "camgeo", "laws", "--law", "toy", "--smooth", "1", "--json")
-    (found,) = json.loads(done.stdout)
+    (found,) = json.loads(done.stdout)["laws"]
     assert found["law"] == "toy-septic"
     assert found["parameters"] == {"smooth": 1.0}
     assert found["values"]["acceleration"]["value"] == pytest.approx(7.5132, abs=1e-4)  # 4-5-6-7
