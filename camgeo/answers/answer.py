@@ -1,9 +1,9 @@
-"""What a command finds: a frozen result, of which text, JSON, tables and pictures are renderings.
+"""What a command finds: a frozen result, with text, JSON, tables and pictures as renderings.
 
 Each command has a package in this stage: its result, a dataclass that is an `Answer`, and the
 function that makes it; `rendering`, which has `text` and perhaps `table` and `figure`, functions of
-the result alone; and schema.json, the JSON Schema of its document, by which that is read off the
-result (`camgeo.answers.render`).
+the result alone; and schema.json, the JSON Schema of its document, by which the
+document is read from the result (`camgeo.answers.render`).
 """
 
 from __future__ import annotations
@@ -21,8 +21,8 @@ class Answer:
 
     Attributes
     ----------
-    command : whose answer it is, as on the command line.
-    version : of its JSON document; a key that goes or means something else makes another one.
+    command : that it answers, as on the command line.
+    version : of its JSON document; incremented when a key is removed or changes its meaning.
     """
 
     __slots__ = ()

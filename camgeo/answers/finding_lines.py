@@ -21,7 +21,7 @@ NAME_WIDTH: Final = 26
 
 
 def finding_lines(findings: Iterable[Finding]) -> list[str]:
-    """One line a finding, marks and sentences aligned."""
+    """One line per finding, marks and sentences aligned."""
     found = tuple(findings)
     width = max([NAME_WIDTH, *(len(f.name) + 2 for f in found)])
     return [f"{MARKS[f.severity]:8}{f.name:{width}}{f.sentence}" for f in found]

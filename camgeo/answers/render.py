@@ -1,10 +1,10 @@
 """The renderings of an answer: text, a JSON document, a table, a picture.
 
-A document is read off an answer by its schema. A key of the schema is the attribute of its name,
+A document is read from an answer by its schema. A key of the schema is the attribute of that name,
 without its unit (`cam_angle_deg` is `cam_angle`), or the one, with dots, that `x-attribute` names.
-A number with the `x-unit` "deg" is an angle in rad, one with another unit stands as it is; a
-Decimal is a number as a scene states it, in its unit. What is infinite or no number is null; a key
-that is not required is left out where the answer has nothing of it.
+A number with the `x-unit` "deg" is an angle in rad, one with another unit is left as it is; a
+Decimal is a number as a scene states it, in its unit. Infinite values and NaN become null; a key
+that is not required is left out where the answer has no value for it.
 """
 
 from __future__ import annotations
@@ -108,7 +108,7 @@ def _resolved(node: Node, definitions: Node) -> Node:
 
 
 def _attribute(value: Any, key: str, node: Node, *, needed: bool) -> Any:
-    """What a value has for a key of its document; None for one that is not needed."""
+    """The attribute of a value for a key of its document; None if absent and not required."""
     if isinstance(value, Mapping):
         return value.get(key)
     unit = node.get("x-unit", "").replace("/", " per ").replace("^", "")

@@ -41,7 +41,7 @@ def options(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Measure, and print or draw what was found."""
+    """Measure, and print or draw the results."""
     from camgeo.accuracy.survey import TOLERANCES  # with all that it measures
     from camgeo.answers.accuracy import accuracy
 

@@ -1,4 +1,4 @@
-"""`camgeo build`: write a scene's files and their certificate."""
+"""`camgeo build`: write the files of a scene and their certificate."""
 
 from __future__ import annotations
 

@@ -30,13 +30,13 @@ Written = tuple[Path, bytes, str]
 
 
 class CallError(Exception):
-    """The call is wrong, in a way that none of its options shows by itself."""
+    """The call is wrong, though each of its options is valid by itself."""
 
 
 def opened(arguments: argparse.Namespace) -> Design:
     """The design of the scene file that the command is called with; SceneError as `load_scene`.
 
-    The quantities that it computes are shown as they start.
+    Each quantity is shown as its computation starts.
     """
     from camgeo.scene.load import load_scene  # some commands need no scene
 
@@ -44,19 +44,19 @@ def opened(arguments: argparse.Namespace) -> Design:
 
 
 def add_scene(parser: argparse.ArgumentParser) -> None:
-    """The argument that names the scene, see `opened`."""
+    """Add the argument that names the scene, see `opened`."""
     parser.add_argument("scene", metavar="SCENE", help="scene file (TOML)")
 
 
 def add_json(parser: argparse.ArgumentParser) -> None:
-    """The option that asks for JSON in place of text."""
+    """Add the option that requests JSON in place of text."""
     parser.add_argument("--json", action="store_true", help="print JSON")
 
 
 def add_output(
     parser: argparse.ArgumentParser, text: str, suffixes: Sequence[str] | None = None
 ) -> None:
-    """The options that name a file to write, which `text` describes, and let it be overwritten.
+    """Add the options that name a file to write, described by `text`, and allow overwriting it.
 
     Its name ends in one of `suffixes`, if there are any.
     """
@@ -102,9 +102,9 @@ def write_files(files: Sequence[Written], arguments: argparse.Namespace) -> None
 
 
 def require_beside(option: str, name: str | None, output: str | None) -> None:
-    """Refuse files of `option` and of `-o` that are the same, or not in one folder.
+    """Refuse files of `option` and `-o` that are the same, or not in the same folder.
 
-    Files are written as a set, whole or not at all, and a set lies in one folder.
+    Files are written as a set, all or none, and a set lies in one folder.
     """
     if name is None or output is None:
         return
@@ -134,14 +134,14 @@ def number(text: str) -> float:
 
 
 def check_step(step: Decimal | None, smallest: Decimal, largest: Decimal) -> None:
-    """Refuse a step of the cam angle [degrees] that is not from `smallest` to `largest`."""
+    """Refuse a step of the cam angle [degrees] outside `smallest` to `largest`."""
     if step is not None and not smallest <= step <= largest:
         message = f"{step} degrees; from {smallest} to {largest} are allowed"
         raise CallError(f"argument --step: {message}")
 
 
 def show(answer: Answer, arguments: argparse.Namespace) -> int:
-    """Print the answer, as text or with `--json` as JSON; the exit code."""
+    """Print the answer as text, or as JSON with `--json`; return the exit code."""
     arguments.progress.end()
     if arguments.json:
         print(json.dumps(render.to_json(answer), indent=2, allow_nan=False))

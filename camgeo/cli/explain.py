@@ -1,4 +1,4 @@
-"""`camgeo explain`: what a command computes of a scene, for whom, and how long each took."""
+"""`camgeo explain`: what a command computes for a scene, why, and how long it takes."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def options(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Run what the command would, and print what it took."""
+    """Compute what the command would, and print how long each quantity took."""
     design = opened(arguments)
     found = explain(design, arguments.command)
     tell_main_disc(design, "times and quantities")

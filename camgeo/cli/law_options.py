@@ -23,16 +23,16 @@ PARAMETERS: Final = {
     "j1": ("F3", "f'''(1)"),
     **{name: (option.symbol.upper(), option.text) for name, option in OPTIONS.items()},
 }
-"""What `make_law` may take besides name and task: metavar and help of the option."""
+"""What `make_law` may take in addition to name and task: metavar and help of the option."""
 
 
 def add_law_options(parser: argparse.ArgumentParser, *, several: bool = False) -> None:
     """Add `--law`, `--task` and an option for each parameter; absent ones are None.
 
-    With `several`, `--law` takes any number of names, and `--task` is also allowed to be "all".
+    With `several`, `--law` takes any number of names, and `--task` may also be "all".
     """
     group = parser.add_argument_group(
-        "motion law", "normalised: f(0) = 0, f(1) = 1; which parameters there are, the law decides"
+        "motion law", "normalised: f(0) = 0, f(1) = 1; the law decides which parameters there are"
     )
     if several:
         group.add_argument("--law", metavar="NAME", nargs="+", help="these laws only")
@@ -53,7 +53,7 @@ def add_law_options(parser: argparse.ArgumentParser, *, several: bool = False) -
 
 
 def given_options(arguments: argparse.Namespace) -> list[str]:
-    """Which of the task and the parameters are given, as options."""
+    """The options given among the task and the parameters."""
     return [f"--{name}" for name in ("task", *PARAMETERS) if getattr(arguments, name) is not None]
 
 

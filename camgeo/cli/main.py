@@ -21,8 +21,8 @@ INTERRUPTED = 130
 """Exit code after Ctrl-C, as shells count it."""
 
 COLLECTED_AT = 50_000
-"""New objects after which the garbage collector looks through them. Python's own 700 let it look
-hundreds of times through imported modules, which are no garbage: a sixth of the time of a build."""
+"""New objects after which the garbage collector runs. Python's own 700 makes it scan imported
+modules hundreds of times, which are no garbage: a sixth of the time of a build."""
 
 COMMANDS = (
     "new",
@@ -40,14 +40,14 @@ COMMANDS = (
     "explain",
     "stability",
 )
-"""In the order of the help; each a module of `camgeo.cli`, with `-` for `_`.
+"""In the order of the help; each is a module of `camgeo.cli`, with `-` for `_`.
 
 It has a `SUMMARY` and an `EXAMPLE`, `options`, which adds to the command's parser, and `run`, which
 takes the arguments and returns the exit code; `arguments.progress` shows the steps of long work.
 """
 
 MODULES = {"import": "import_"}
-"""Those whose name is a word of Python."""
+"""Those whose name is a Python keyword."""
 
 
 def parser(commands: Sequence[str] = COMMANDS) -> argparse.ArgumentParser:
@@ -79,9 +79,9 @@ def parser(commands: Sequence[str] = COMMANDS) -> argparse.ArgumentParser:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command; 0 fine, 1 a limit is broken, 2 the scene or the call is wrong."""
-    if arguments is None:  # the process is of this command alone
+    if arguments is None:  # the process runs this command alone
         gc.set_threshold(COLLECTED_AT)
-        atexit.register(gc.freeze)  # the end of the process needs no last look through everything
+        atexit.register(gc.freeze)  # no last collection at the end of the process
     words = sys.argv[1:] if arguments is None else list(arguments)
     words[:1] = [present_name(word) for word in words[:1]]
     named = words[:1] if words and words[0] in COMMANDS else COMMANDS
@@ -93,7 +93,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return code
     except CallError as error:
         parsed.parser.error(str(error))
-        return WRONG  # which is how it has ended already
+        return WRONG  # never reached: `error` exits
     except CamgeoError as error:
         from camgeo.answers.refusal import refusal  # few commands are refused
 
@@ -106,7 +106,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         tell("camgeo: interrupted; nothing half-written was left behind")
         return INTERRUPTED
     except BrokenPipeError:
-        # Whoever read our output has had enough; do not fail again while closing it.
+        # The reader of the output has closed it; do not fail again while closing it here.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
     finally:

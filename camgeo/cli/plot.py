@@ -1,4 +1,4 @@
-"""`camgeo plot`: pictures of a scene, and what draws the pictures of all commands."""
+"""`camgeo plot`: pictures of a scene, and the drawing of pictures for all commands."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:  # figures are imported when one is asked for
     from camgeo.figure.model import Figure
 
 RENDERERS = "camgeo.renderers"
-"""Entry points of what draws: each a callable that makes a file of a figure, by its suffix."""
+"""Entry points of renderers: callables that turn a figure into a file, by its suffix."""
 
 RENDERER = "matplotlib"
 
@@ -31,7 +31,7 @@ CAM = "cam"
 
 MOTION = "motion"
 EFFECTS = "effects"
-"""The plot of the effects that a scene names; others can be drawn of every scene."""
+"""The plot of the effects that a scene names; the others can be drawn for every scene."""
 
 SUFFIXES = (".png", ".svg", ".pdf")
 

@@ -1,4 +1,4 @@
-"""Progress of long work on a terminal: one line that is written over, and taken away at the end."""
+"""Progress of long work on a terminal: one line that is overwritten, and cleared at the end."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ PATIENCE = 1.0
 """Seconds before the first line: shorter work needs no progress line."""
 
 EVERY = 1.0
-"""Seconds after which the line is written again, so that a long step is seen to go on."""
+"""Seconds after which the line is written again, to show that a long step is still running."""
 
 CLEARED = "\r\x1b[K"
-"""Makes a terminal empty its line."""
+"""Makes a terminal clear its line."""
 
 
 class Progress:
-    """Shows the step at hand, once the work has taken longer than a second; silent in a pipe."""
+    """Shows the current step, once the work has taken longer than a second; silent in a pipe."""
 
     def __init__(self) -> None:
         self._start = time.monotonic()
@@ -25,7 +25,7 @@ class Progress:
         self._lock, self._ended = threading.Lock(), threading.Event()
 
     def begin(self) -> None:
-        """Show from now on how long the work takes, also while no step is told, until `end`."""
+        """Show from now on how long the work takes, also between steps, until `end`."""
         if sys.stderr.isatty():
             threading.Thread(target=self._go_on, daemon=True).start()
 
@@ -34,7 +34,7 @@ class Progress:
         self._show()
 
     def end(self) -> None:
-        """Take the line away for good: the output of the command follows."""
+        """Clear the line for good: the output of the command follows."""
         with self._lock:
             self._ended.set()
             clear()
@@ -52,7 +52,7 @@ class Progress:
 
 
 def clear() -> None:
-    """Take away the line of progress, if there is one, before something else is printed."""
+    """Clear the progress line, if there is one, before something else is printed."""
     if sys.stderr.isatty():
         sys.stderr.write(CLEARED)
         sys.stderr.flush()

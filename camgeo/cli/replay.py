@@ -1,4 +1,4 @@
-"""`camgeo replay`: what the follower does on the real disc, or on any contour from a file."""
+"""`camgeo replay`: the motion of the follower on the real disc, or on any contour from a file."""
 
 from __future__ import annotations
 
@@ -79,7 +79,7 @@ def options(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Replay, and print or write what comes of it."""
+    """Replay, and print or write the results."""
     check_step(arguments.step, SMALLEST_STEP, LARGEST_STEP)
     corner = math.radians(arguments.corner)
     reading = Reading(arguments.layer, arguments.unit, arguments.gap, corner)

@@ -1,4 +1,4 @@
-"""`camgeo stability`: what is computed in doubles, held against mpmath, as table and picture."""
+"""`camgeo stability`: results in double precision compared with mpmath, as table and picture."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _known(asked: Sequence[str], known: tuple[str, ...]) -> frozenset[str]:
-    """The names that are asked for; one that is not known itself stands for all that begin so."""
+    """The names requested; an unknown name stands for all names that begin with it."""
     found: set[str] = set()
     for name in map(present_name, asked):
         these = [name] if name in known else [each for each in known if each.startswith(name)]

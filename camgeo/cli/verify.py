@@ -1,4 +1,4 @@
-"""`camgeo verify`: files read back, and held against the exact curves of their scene."""
+"""`camgeo verify`: files read back and compared with the exact curves of their scene."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""What the file formats declare: names, options, needs. What writes them is in other packages."""
+"""The declarations of file formats: names, options, needs. Their writers are in other packages."""

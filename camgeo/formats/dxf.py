@@ -11,12 +11,12 @@ from camgeo.formats.format import Format
 from camgeo.numeric.checked import instance, one_of
 
 ENTITIES: Final = ("arcs", "polyline", "spline")
-"""What curves become."""
+"""The entities that curves are drawn as."""
 
 
 @dataclass(frozen=True, slots=True)
 class DxfSpec:
-    """`[output.dxf]`: how curves are drawn, and what is drawn beside the part.
+    """`[output.dxf]`: how curves are drawn, and what is drawn in addition to the part.
 
     Attributes
     ----------

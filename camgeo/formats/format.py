@@ -1,4 +1,4 @@
-"""What a file format declares of itself, and what a scene says of it."""
+"""The declaration of a file format, and the options that a scene states for it."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 SMALLEST_TOLERANCE: Final = 1e-7
 LARGEST_TOLERANCE: Final = 1.0
-"""Tolerances [mm] that files may be asked for: below, rounding of their decimals would exceed it;
+"""Tolerances [mm] allowed for files: below, rounding of their decimals would exceed them;
 above, contours no longer resemble the cam."""
 
 Spec = TypeVar("Spec")
@@ -26,7 +26,7 @@ class Values(Protocol):
         """Whether nothing is wrong at `path`, around it or in it."""
 
     def lacks(self, *path: str | int) -> bool:
-        """Whether the scene neither names the key nor meant to."""
+        """Whether the scene neither names the key nor has a misspelt one meant to be it."""
 
     def get(self, *path: str | int) -> Any:
         """Value in the scene's unit; None if it is absent or not valid."""
@@ -87,7 +87,7 @@ class Format(Generic[Spec]):
 
 
 def groove_has_a_depth(values: Values) -> Iterator[tuple[str, str]]:
-    """The depth of a groove is given, which each format needs that takes the disc for a body."""
+    """The depth of a groove is given, which every format of solid bodies needs."""
     if values.get("follower", "contact") == "groove" and values.lacks("part", "groove_depth"):
         yield "", "needs [part] groove_depth, for the cam is a groove"
 
@@ -114,7 +114,7 @@ class Options:
     given: Mapping[str, Any] = field(default_factory=dict)
 
     def __getitem__(self, form: Format[Spec]) -> Spec:
-        """What the scene says, or the defaults if it says nothing."""
+        """The options in the scene, or the defaults if it has none."""
         if form.name not in self.given:
             return form.parse({})
         spec: Spec = self.given[form.name]
@@ -131,7 +131,7 @@ class OutputSpec:
     tolerance : largest deviation of any written contour from the exact curve [mm].
     fit : how hard fits try, see `camgeo.contour.contour.Effort`.
     options : of the formats, see `camgeo.formats.format.Options`.
-    accuracy_ripple : whether what accuracy costs shows the ripple of the acceleration too.
+    accuracy_ripple : whether the survey of accuracy includes the ripple of the acceleration.
     """
 
     formats: tuple[str, ...] = ("dxf",)

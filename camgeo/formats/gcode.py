@@ -19,7 +19,7 @@ def parse(table: Mapping[str, Any]) -> GcodeSpec:
 
 
 def tool_fits(values: Values) -> Iterator[tuple[str, str]]:
-    """The end mill fits into what it has to mill."""
+    """The end mill fits into the groove and the bore."""
     key = "tool_diameter"
     tool = values.get("output", "gcode", key)
     if tool is None:

@@ -19,10 +19,14 @@ def is_a_rocker_behind_a_slider(values: Values) -> Iterator[tuple[str, str]]:
 
 
 def _plain(
-    name: str, suffix: str, told: str, also: tuple[str, ...] = (), rules: tuple[Rule, ...] = ()
+    name: str,
+    suffix: str,
+    description: str,
+    also: tuple[str, ...] = (),
+    rules: tuple[Rule, ...] = (),
 ) -> Format[None]:
     """A format that needs a follower, and the keys of `also`."""
-    schema = no_keys(f"{told}; it has no options.")
+    schema = no_keys(f"{description}; it has no options.")
     return Format(name, suffix, no_options, schema, ("follower", *also), rules)
 
 
@@ -30,7 +34,7 @@ SVG: Final = _plain("svg", ".svg", "The picture of the cam")
 PNG: Final = _plain("png", ".png", "The picture of the cam")
 
 BODY: Final = (("part.thickness",), (groove_has_a_depth,))
-"""What is needed of a disc that is a body, and its rules."""
+"""The needs and rules of formats of solid bodies."""
 
 STL: Final = _plain("stl", ".stl", "The part as a body of triangles, in single precision", *BODY)
 THREEMF: Final = _plain(
@@ -44,4 +48,4 @@ ASC: Final = _plain(
     ("linkage",),
     (is_a_rocker_behind_a_slider,),
 )
-"""Behind the project's name the program puts a digit; the second file has its own."""
+"""The program appends a digit to the project's name; the second file has another digit."""

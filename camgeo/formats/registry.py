@@ -1,4 +1,4 @@
-"""The formats there are, by name; each is imported when it is asked for and not before."""
+"""The known formats, by name; each is imported only when it is requested."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def find_format(name: str) -> Format[Any]:
     KeyError
         If there is none.
     CamgeoError
-        If what another distribution registers under this name is no writer of this format.
+        If another distribution registers something else than a writer under this name.
     """
     if name in FORMATS:
         module, _, constant = FORMATS[name].partition(":")
@@ -67,6 +67,6 @@ def foreign_names() -> tuple[str, ...]:
 
 def writer_entries() -> dict[str, EntryPoint]:
     """The entry points of all writers, by the names of their formats."""
-    from importlib.metadata import entry_points  # a scene that is only checked needs none
+    from importlib.metadata import entry_points  # a check needs none
 
     return {each.name: each for each in entry_points(group=GROUP)}

@@ -1,4 +1,4 @@
-"""What a scene says as a tree of plain values, numbers as they were written, and where it stood."""
+"""The content of a scene as a tree of plain values, with numbers as written, and their lines."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ LONGEST_VALUE: Final = 60
 """Characters shown of a value."""
 
 INTEGER_BITS: Final = 64
-"""TOML's integers; a longer one is no size of a cam, and costs time to print."""
+"""Of TOML's integers; a longer one is no size of a cam, and slow to print."""
 
 BYTE_ORDER_MARK: Final = "\ufeff"
 
@@ -39,10 +39,10 @@ class Document:
     Attributes
     ----------
     exact : the tree with each decimal number as a Decimal, exactly as written.
-    plain : the same tree with floats; None stands where a value can be no value of a scene.
+    plain : the same tree with floats; None stands for a value that no scene may have.
     faults : what is wrong at those places.
-    bad : their paths.
-    lines : lines of the keys, of a text.
+    bad : the paths of those places.
+    lines : of the keys, if the scene came from a text.
     """
 
     exact: Tree
@@ -66,7 +66,7 @@ class Document:
 
 @dataclass(frozen=True, slots=True)
 class Source:
-    """What a scene was made from, besides its values.
+    """What a scene was made from, in addition to its values.
 
     Attributes
     ----------
@@ -83,18 +83,18 @@ class Source:
 
     @classmethod
     def of(cls, file: str, folder: str | pathlib.Path | None, text: str = "") -> Self:
-        """Of a scene in `folder`, or in that of its file."""
+        """The source of a scene in `folder`, or in the folder of its file."""
         if folder is None:
             return cls(file, pathlib.Path(file).resolve().parent if file else None, text)
         return cls(file, pathlib.Path(folder).resolve(), text)
 
     def having(self, contents: Mapping[str, bytes]) -> Self:
-        """The same with these contents of its files."""
+        """The same source with these contents of its files."""
         return replace(self, contents=MappingProxyType(dict(contents)))
 
 
 def document(data: bytes) -> Document:
-    """Take the bytes of a TOML file apart; raises SceneError if they are none."""
+    """Parse the bytes of a TOML file; raises SceneError if they are not valid TOML."""
     text = _text(data)
     try:
         exact = tomllib.loads(text, parse_float=Decimal)
@@ -124,7 +124,7 @@ def document_of(values: Mapping[str, Any]) -> Document:
 
 
 def document_of_tree(exact: Tree, lines: dict[Path, int] | None = None) -> Document:
-    """The document of a tree, which must not be changed any more, with the lines of its keys."""
+    """The document of a tree, which must not be changed afterwards, with the lines of its keys."""
     troubles: dict[Path, str] = {}
     plain = _plain(exact, (), troubles)
     found = Document(exact, plain, (), frozenset(troubles), lines or {})
@@ -169,7 +169,7 @@ def _text(data: bytes) -> str:
 
 
 def _trouble(value: Any) -> str:
-    """What makes a single value no value of any scene, or nothing."""
+    """Why a single value cannot be a value of any scene; empty if it can."""
     if isinstance(value, Decimal):
         if not value.is_finite():
             return "must be a finite number"
@@ -189,7 +189,7 @@ def _trouble(value: Any) -> str:
 
 
 def _plain(value: Any, path: Path, troubles: dict[Path, str]) -> Any:
-    """The value with floats, and None in place of what cannot be; the `troubles` get the reason."""
+    """The value with floats, None for what no scene may have; the reason goes into `troubles`."""
     if len(path) > DEEPEST:
         raise RecursionError
     if isinstance(value, dict):

@@ -1,4 +1,4 @@
-"""The door of a scene: its values are judged, and the engine's objects are made of them."""
+"""The door of a scene: its values are checked, and the engine's objects built from them."""
 
 from __future__ import annotations
 
@@ -44,25 +44,25 @@ Attributes = Mapping[str, Any]
 
 
 def enter(document: Document, source: Source, earlier: Attributes | None = None) -> Attributes:
-    """The attributes of the scene that says what `document` does.
+    """The attributes of the scene that `document` states.
 
-    What is the same in an `earlier` scene, of which this is an edit, is taken from that one.
+    What an edit of an `earlier` scene leaves unchanged is taken from that scene.
 
     Raises
     ------
     SceneError
-        With all that is wrong.
+        With all its faults.
     """
     verdict = judge(document)
     if (VERSION_KEY,) in verdict.bad and VERSION_KEY in document.exact:
-        # A scene of another version has other keys; what this schema says of them misleads.
+        # A scene of another version has other keys; this schema's messages would mislead.
         found = [f for f in (*document.faults, *verdict.faults) if f.key == VERSION_KEY]
         raise SceneError(found, source.file)
     values = ValidValues(document, verdict.bad, verdict.meant)
     faults = [*document.faults, *verdict.faults, *broken_rules(values)]
     inside = Inside(values, source.folder, source.contents)
     builder = Builder(inside, earlier or {})
-    # The plan makes some of these checks again, in its own words.
+    # The plan repeats some of these checks with messages of its own.
     moves = not any(fault.key.startswith("motion") for fault in faults)
     plan = builder.plan() if moves else None
     follower, linkage, speed_curve = builder.follower(), builder.linkage(), builder.speed_curve()
@@ -90,7 +90,7 @@ def enter(document: Document, source: Source, earlier: Attributes | None = None)
 
 
 class Builder:
-    """Builds the objects of a scene from what of it is valid; the faults are those of `inside`."""
+    """Builds the objects of a scene from its valid values; the faults go to `inside`."""
 
     def __init__(self, inside: Inside, earlier: Attributes) -> None:
         self.inside = inside
@@ -100,7 +100,7 @@ class Builder:
         self._schema = schema_for(inside.values.scene.plain)
 
     def _unchanged(self, *tables: str) -> bool:
-        """Whether there is a scene before the edit that shares these tables, and the units."""
+        """Whether this is an edit of a scene with the same tables, and the same units."""
         if not self._earlier:
             return False
         now, then = self.values.scene.exact, self._earlier["stated"].scene.exact
@@ -151,7 +151,7 @@ class Builder:
         return self._engine(("follower",), lambda: kind.build(self._table("follower")))
 
     def returning(self, follower: Follower) -> Follower | None:
-        """The return roller of a conjugate pair; None if there is none, or none that works."""
+        """The return roller of a conjugate pair; None if there is none, or it cannot work."""
         table: dict[str, Any] | None = self.values.get("follower", "return")
         if table is None:
             return None
@@ -168,7 +168,7 @@ class Builder:
         return Yoke(**self.inside.table(("follower", "yoke"), definition("yoke")))
 
     def linkage(self) -> Linkage | None:
-        """The linkage; None if there is none, or none that works.
+        """The linkage; None if there is none, or it cannot work.
 
         Of a slider-crank the follower's kind decides which member makes the demanded motion.
         """
@@ -208,7 +208,7 @@ class Builder:
     def effects(self, faulted: Collection[str] = ()) -> dict[str, dict[str, Any]]:
         """The tables of the effects that the scene names, in the units inside.
 
-        Of those whose keys are among `faulted` nothing more is reported.
+        No further faults are reported for those whose keys are among `faulted`.
         """
         if not self.values.has("effects"):
             return {}
@@ -217,7 +217,7 @@ class Builder:
         return effect_tables(self.inside, faulted)
 
     def rest(self, speed_curve: SpeedCurve | None) -> dict[str, Any]:
-        """The rest of what a scene has, all of whose values are valid."""
+        """The other attributes of a scene, all of whose values are valid."""
         get = self.values.get
         speed = get("cam", "speed")
         if speed_curve is not None:
@@ -243,7 +243,7 @@ class Builder:
         return PartSpec(**given) if self.values.has("part") else None
 
     def output(self) -> OutputSpec:
-        """What is written, and how; the defaults, if anything of it is not valid."""
+        """What is written, and how; the defaults if anything in it is not valid."""
         given = self._top("output")
         options: dict[str, Any] = {}
         for form in self._schema.formats:

@@ -1,4 +1,4 @@
-"""The tables of the effects that a scene names: converted, and held against what each asks for."""
+"""The tables of the effects that a scene names: converted, and checked for what each needs."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from camgeo.scene.valid_values import ValidValues
 def effect_tables(inside: Inside, faulted: Collection[str] = ()) -> dict[str, dict[str, Any]]:
     """The tables under ``[effects]`` by the names of the effects, in the units inside.
 
-    Only valid ones; of those whose keys are among `faulted` nothing more is reported.
+    Only valid ones; no further faults are reported for those whose keys are among `faulted`.
     """
     values = inside.values
     given = values.scene.plain.get(EFFECTS)
@@ -37,7 +37,7 @@ def effect_tables(inside: Inside, faulted: Collection[str] = ()) -> dict[str, di
 
 
 def _judge(effect: Effect, table: dict[str, Any], named: Mapping[str, Any], inside: Inside) -> None:
-    """Find what the effect's own data lack, and what it needs of the rest of the scene."""
+    """Report what the effect's own data lack, and what it needs from the rest of the scene."""
     place, lacks = (EFFECTS, effect.name), inside.values.lacks
     try:
         effect.parse(table)
@@ -54,7 +54,7 @@ def _judge(effect: Effect, table: dict[str, Any], named: Mapping[str, Any], insi
 
 
 def misfits(values: ValidValues) -> Iterator[tuple[Path, str]]:
-    """Effects that a scene names, or keys of their tables, that have no place on its machine.
+    """Effects that a scene names, or keys of their tables, that do not apply to its machine.
 
     Each with the reason.
     """
@@ -66,15 +66,15 @@ def misfits(values: ValidValues) -> Iterator[tuple[Path, str]]:
         meant = {key for key in effect.schema.get("properties", {})
                  if key not in table and not values.lacks(EFFECTS, name, key)}  # fmt: skip
         own = Table({key: values.get(EFFECTS, name, key) for key in table}, meant)
-        told: dict[str, str] = {}
+        messages: dict[str, str] = {}
         for key, message in (each for rule in effect.rules for each in rule(machine, own)):
-            told.setdefault(key, message)
-        for key, message in told.items():
+            messages.setdefault(key, message)
+        for key, message in messages.items():
             yield (EFFECTS, name, *filter(None, [key])), message
 
 
 def _machine(values: ValidValues) -> Machine:
-    """The machine as far as it is known."""
+    """The machine, as far as it is known."""
     kind = values.follower_kind
     return Machine(
         lift=None if kind is None else kind.unit,
@@ -87,7 +87,7 @@ def _machine(values: ValidValues) -> Machine:
 
 
 def _with_inputs(effect: Effect, named: Mapping[str, Any]) -> list[Effect]:
-    """The effect, and all whose results it is given, without their order."""
+    """The effect, and all effects whose results it receives, in no particular order."""
     found = {effect.name: effect}
     waiting = [effect]
     while waiting:

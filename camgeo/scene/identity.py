@@ -1,8 +1,8 @@
-"""What a scene is known by: SHA-256 of all its values, however they are written.
+"""The identity of a scene: SHA-256 of all its values, however they are written.
 
 The values are brought into one form: keys in alphabetical order, numbers exactly, as digits and an
-exponent, defaults of the schema filled in, and in place of a file's name the SHA-256 of what is in
-it. Only zero keeps its sign, because the sign of a zero can decide on which side an angle lies.
+exponent, defaults of the schema filled in, and the name of a file replaced by the SHA-256 of its
+content. Only zero keeps its sign, which can decide on which side an angle lies.
 
 Files of earlier versions name the hash of the scene's text instead, without the tables of effects,
 which change no file. Such files are still verified.
@@ -24,27 +24,27 @@ from camgeo.scene.schema import EFFECTS, Node, keys_of, names_a_file, resolved, 
 from camgeo.scene.tree import Tree, without
 
 FORM: Final = "camgeo scene 1"
-"""Of what is hashed; another one would give other hashes of the same values."""
+"""Version of the hashed form; another one would give other hashes of the same values."""
 
-TOLD_ONLY: Final = (("effects",), ("output", "accuracy"))
+REPORTED_ONLY: Final = (("effects",), ("output", "accuracy"))
 """Tables that affect only what is computed and reported, not drawings, programs or bodies.
 
 An effect adds its columns to a value table; so that a scene's other files stay the same to the last
-byte, with and without it, neither does the hash that stands in them know it.
+byte with and without it, the hash in them does not depend on it either.
 """
 
 Digests = Callable[[str], str]
-"""SHA-256 of the file that a scene calls by this name, hexadecimal."""
+"""Gives the SHA-256 of the file that a scene names so, hexadecimal."""
 
 
 def identity_of(tree: Tree, digests: Digests) -> str:
-    """Of all that a scene says, hexadecimal."""
+    """SHA-256 of all that a scene states, hexadecimal."""
     return _hash("all", tree, digests)
 
 
 def made_of(tree: Tree, digests: Digests) -> str:
-    """Of all that decides the bytes of the files made from it, hexadecimal."""
-    for path in TOLD_ONLY:
+    """SHA-256 of all that decides the bytes of the files made from it, hexadecimal."""
+    for path in REPORTED_ONLY:
         tree = without(tree, path)
     return _hash("made", tree, digests)
 
@@ -55,7 +55,7 @@ def _hash(what: str, tree: Tree, digests: Digests) -> str:
 
 
 class _Canonical:
-    """Writes values as text, no two different ones alike."""
+    """Writes values as text that differs for different values."""
 
     def __init__(self, tree: Tree, digests: Digests) -> None:
         self._tree = tree
@@ -81,7 +81,7 @@ class _Canonical:
         return json.dumps(value)
 
     def _defaults(self, keys: Mapping[str, Node], table: Tree) -> Tree:
-        """What the keys that the table does not have mean, where a value could be stated for it."""
+        """The meaning of keys missing in the table, where it can be stated as a value."""
         found = {name: self._default(resolved(keys[name]), table) for name in keys.keys() - table}
         return {name: value for name, value in found.items() if value is not None}
 
@@ -106,10 +106,10 @@ def _number(value: float | Decimal) -> str:
 
 
 def hashes_of(path: Path, known: Mapping[str, str]) -> Iterator[str]:
-    """What files may name the scene file at `path` by: the hash of its text, and of its values.
+    """The hashes by which files may name the scene file at `path`: of its text, and of its values.
 
-    Nothing of what is no TOML; OSError if it, or a file that it names, cannot be read. Those whose
-    SHA-256 is `known` are taken for what they were then.
+    None if it is not TOML; OSError if it, or a file that it names, cannot be read. Files whose
+    SHA-256 is `known` are taken as they were then.
     """
 
     def digest(name: str) -> str:
@@ -128,7 +128,7 @@ def hashes_of(path: Path, known: Mapping[str, str]) -> Iterator[str]:
 def hash_of(data: bytes, scene: Document) -> str:
     """SHA-256 of the bytes of a scene file without its effects, hexadecimal.
 
-    `scene` is the file taken apart.
+    `scene` is the parsed file.
     """
     return hashlib.sha256(without_effects(data, scene)).hexdigest()
 
@@ -137,8 +137,8 @@ def without_effects(data: bytes, scene: Document) -> bytes:
     """The bytes of a scene without the lines of what is under ``[effects]``.
 
     With these go the comments directly above and the empty lines below, or at the end of the file
-    the empty lines above. A scene without effects is left as it is, and so is one in which it
-    cannot be told which lines they are.
+    the empty lines above. A scene without effects is left as it is, and so is one in which
+    these lines cannot be identified.
     """
     if EFFECTS not in scene.exact or not any(path[0] == EFFECTS for path in scene.lines):
         return data

@@ -1,4 +1,4 @@
-"""What a scene says in the units inside, with the files that it names, and what is wrong of it."""
+"""The values of a scene in internal units, with the files that it names, and their faults."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ SCALES: Final[dict[str, float]] = {
 """From the units of a scene to mm, s, t, N and rad (rad/s for Hz), by the schema's `x-unit`."""
 
 LENGTHS: Final = ("#/$defs/length", "#/$defs/coordinate")
-"""What numbers in the scene's unit of length refer to, unless they have a default in mm."""
+"""References of numbers in the scene's unit of length, unless they have a default in mm."""
 
 FILE: Final = "#/$defs/file"
 
@@ -44,13 +44,13 @@ NO_FOLDER: Final = (
 
 
 class Inside:
-    """Converts the values of a scene, and reads its files; gathers what is wrong with either.
+    """Converts the values of a scene, and reads its files; collects the faults of both.
 
     Parameters
     ----------
     values : of the scene.
     folder : in which its files lie, absolute and without links; None if there is none.
-    known : contents of files by their names, which are not read again.
+    known : contents of files, by their names; these files are not read again.
 
     Attributes
     ----------
@@ -77,7 +77,7 @@ class Inside:
         self.faults.append(self.values.scene.fault(path, message, hint))
 
     def read(self, key: Path) -> bytes | None:
-        """The data that the scene names at `key`, up to one byte too many; None with a fault."""
+        """The data that the scene names at `key`, at most one byte too many; None with a fault."""
         if self.path(key) is None:
             return None
         import hashlib  # few scenes name a file
@@ -90,7 +90,7 @@ class Inside:
     def path(self, key: Path) -> str | None:
         """Path of the file that the scene names at `key`; None with a fault.
 
-        What is in it now is kept too.
+        Its present content is kept too.
         """
         from camgeo.motion.two_columns import MOST_BYTES  # few scenes name a file
 

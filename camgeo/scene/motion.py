@@ -1,4 +1,4 @@
-"""From the segments of a scene to what is asked of the motion plan."""
+"""From the segments of a scene to the requests for the motion plan."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from camgeo.scene.keys import Path
 from camgeo.scene.schema import INFLECTION, SHAPES
 
 EQUAL: Final = "equal-"
-"""Begins the words for the inflection point that makes both parts of a law equal in something."""
+"""Prefix of words for the inflection point that makes both parts of a law equal in something."""
 
 UNITS: Final = {
     "mm": ("mm",),

@@ -18,7 +18,7 @@ KINDS: Final = (
     "constant-breadth",
     *(name for kind in LINKAGES.values() for name in kind.templates),
 )
-"""What `template` has a scene for; the first is the default of the command line."""
+"""Kinds for which `template` has a scene; the first is the default of the command line."""
 
 
 def template(kind: str) -> str:

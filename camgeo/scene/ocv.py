@@ -131,7 +131,7 @@ def shortest(value: float) -> str:
 
 
 def _beyond(numbers: tuple[float, ...]) -> list[Fault]:
-    """The faults of numbers that are beyond their range."""
+    """The faults of numbers outside their range."""
     faults = []
     for place, (field, number) in enumerate(zip(FIELDS, numbers, strict=True), 1):
         lowest, highest, words = RANGES[field.kind]
@@ -161,7 +161,7 @@ TOGETHER: Final = {
     "follower": "l_3, x_A0, y_A0, r_G",
     "linkage": "l_sk, l_4, alpha_sk, s_H",
 }
-"""Numbers of a project behind faults that no single one of them has."""
+"""Numbers of a project that cause a fault together."""
 
 
 def scene_name(stem: str) -> str:
@@ -170,7 +170,7 @@ def scene_name(stem: str) -> str:
 
 
 def import_project(data: bytes, name: str, file: str = "") -> str:
-    """The text of the scene that says what the project `data` says; it loads.
+    """The text of a valid scene with the content of the project `data`.
 
     `name` is the scene's, `file` the path of the project, for messages.
 
@@ -188,7 +188,7 @@ def import_project(data: bytes, name: str, file: str = "") -> str:
 
 
 def ignored_answer(numbers: dict[str, float]) -> bool:
-    """Whether Q25 says "negative" where the program does not heed it: for Q21 = 2, "nein"."""
+    """Whether Q25 says "negative" where the program ignores it: for Q21 = 2, "nein"."""
     return numbers["Q21"] == 2.0 and numbers["Q25"] == 2.0
 
 

@@ -20,10 +20,10 @@ TURN: Final = Decimal(360)
 """What the spans add up to [degrees]."""
 
 SHORTEST_SPAN: Final = Decimal("1e-6")
-"""Shortest segment [degrees]; below it, velocities leave what a double can resolve."""
+"""Shortest segment [degrees]; below it, velocities exceed what a double can resolve."""
 
 SPAN_DIGITS: Final = 60
-"""Digits with which spans are added; a span that needs more is no angle anyone wrote."""
+"""Digits with which spans are added; a span that needs more is no realistic angle."""
 
 WIDEST_SWING: Final = 180.0
 """Largest rocker angle [degrees]; a rocker never swings through the cam axis."""
@@ -42,7 +42,7 @@ FINEST_PART: Final = 1e-10
 """Smallest ratio of tolerance to the mechanism's largest length: 200,000 chords a turn."""
 
 COARSEST_PART: Final = 0.1
-"""Largest ratio of tolerance to the base radius: beyond it the contour is no cam any more."""
+"""Largest ratio of tolerance to the base radius: above, the contour no longer resembles the cam."""
 
 DEFAULT_TOLERANCE: Final = OutputSpec().tolerance
 
@@ -108,7 +108,7 @@ def motion_returns(values: ValidValues) -> Iterator[Broken]:
             return
 
 
-def positions_can_be_told_from_0(values: ValidValues) -> Iterator[Broken]:
+def positions_are_distinct_from_0(values: ValidValues) -> Iterator[Broken]:
     """A position is 0, or no smaller than what laws can be scaled to."""
     for place, end in _ends(values):
         if 0.0 < abs(end) < SMALLEST_POSITION:
@@ -116,7 +116,7 @@ def positions_can_be_told_from_0(values: ValidValues) -> Iterator[Broken]:
 
 
 def laws_have_their_parameters(values: ValidValues) -> Iterator[Broken]:
-    """A law takes the parameters that stand beside it."""
+    """A law takes the parameters given with it."""
     for index in range(values.segments):
         place = ("motion", index)
         name = values.get(*place, "law")
@@ -137,7 +137,7 @@ def laws_have_their_parameters(values: ValidValues) -> Iterator[Broken]:
 
 
 def one_speed(values: ValidValues) -> Iterator[Broken]:
-    """The disc turns evenly or by a table."""
+    """The disc turns at constant speed or by a table."""
     if values.has("cam", "speed") and values.has("cam", "speed_curve"):
         yield ("cam", "speed_curve"), "contradicts speed; give one of them"
 
@@ -159,7 +159,7 @@ def swing_is_possible(values: ValidValues) -> Iterator[Broken]:
 
 
 def positions_have_one_unit(values: ValidValues) -> Iterator[Broken]:
-    """What positions are is stated where neither follower nor linkage decides it."""
+    """The unit of positions is stated only where neither follower nor linkage decides it."""
     for name in ("linkage", "follower"):
         if values.has("units", "motion") and values.has(name):
             message = f"belongs to a scene without [{name}], which decides it here; leave it out"
@@ -194,7 +194,7 @@ def a_yoke_stands_astride(values: ValidValues) -> Iterator[Broken]:
 
 
 def followers_keep_their_own_rules(values: ValidValues) -> Iterator[Broken]:
-    """What the follower's kind declares of its keys."""
+    """The rules that the follower's kind declares for its keys."""
     kind = values.follower_kind
     if kind is None:
         return
@@ -206,9 +206,9 @@ def followers_keep_their_own_rules(values: ValidValues) -> Iterator[Broken]:
 
 
 def rollers_have_what_is_theirs(values: ValidValues) -> Iterator[Broken]:
-    """What a flat face does not have: a ratio to its radius, undercut to be trimmed.
+    """Keys that a flat face does not have: a ratio of radii, undercut to be trimmed.
 
-    A flat face touches only what is convex: of a cam that is not, nothing can be left.
+    A flat face touches convex outlines only: nothing would remain of another cam.
     """
     if not values.flat:
         return
@@ -230,7 +230,7 @@ def linkage_drives_the_follower(values: ValidValues) -> Iterator[Broken]:
 
 
 def effects_suit_the_machine(values: ValidValues) -> Iterator[Broken]:
-    """What effects declare as for machines of a kind alone is asked for of no other."""
+    """Keys that effects declare for one kind of machine are given for that kind only."""
     if isinstance(values.scene.plain.get(EFFECTS), dict):
         from camgeo.scene.effects import misfits  # few scenes name an effect
 
@@ -238,7 +238,7 @@ def effects_suit_the_machine(values: ValidValues) -> Iterator[Broken]:
 
 
 def formats_have_what_they_need(values: ValidValues) -> Iterator[Broken]:
-    """Formats that are named, and the tables of their options, keep to what they declare."""
+    """The formats named have what they need, and their options obey the declared rules."""
     listed: list[str] = values.get("output", "formats") or []
     for form in schema_for(values.scene.plain).formats:
         if form.name in listed:
@@ -250,7 +250,7 @@ def formats_have_what_they_need(values: ValidValues) -> Iterator[Broken]:
 
 
 def contact_and_part_agree(values: ValidValues) -> Iterator[Broken]:
-    """The part has the boundaries that its contact asks for, and no others."""
+    """The part has the boundaries that its contact needs, and no others."""
     contact = values.contact
     if contact is None or values.lacks("follower"):
         return
@@ -267,7 +267,7 @@ def contact_and_part_agree(values: ValidValues) -> Iterator[Broken]:
 
 
 def roller_is_possible(values: ValidValues) -> Iterator[Broken]:
-    """A roller or a knife edge, and a groove about a roller that it does not dwarf."""
+    """A roller or a knife edge, and a groove of suitable width for its roller."""
     groove = values.contact is not None and values.contact.closed_by_form
     radius = values.get("follower", "roller_radius")
     play = values.get("follower", "side_clearance")
@@ -358,7 +358,7 @@ def _ends(values: ValidValues) -> Iterator[tuple[Path, float]]:
 RULES: Final[tuple[Rule, ...]] = (
     spans_add_up,
     motion_returns,
-    positions_can_be_told_from_0,
+    positions_are_distinct_from_0,
     laws_have_their_parameters,
     one_speed,
     swing_is_possible,

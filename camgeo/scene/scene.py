@@ -1,4 +1,4 @@
-"""A scene: the values that say what a cam is to be, and the engine's objects made of them."""
+"""A scene: the values that specify a cam, and the engine's objects built from them."""
 
 from __future__ import annotations
 
@@ -33,13 +33,13 @@ if TYPE_CHECKING:
 class Scene:
     """One scene; lengths in mm, angles in rad, unless said otherwise.
 
-    Its values decide all else: nothing of it can be replaced by itself, only by `with_values`.
-    Scenes are equal that say the same, from whatever file.
+    Its values decide all else: no attribute can be replaced by itself, only by `with_values`.
+    Scenes with the same content are equal, whatever file they come from.
 
     Attributes
     ----------
     source : where the values came from, and what is in the files that they name.
-    stated : the values as the scene's own rules see them.
+    stated : the valid values, as the scene's own rules see them.
     files : names of the files with data, each with the SHA-256 of its bytes.
     name : of the design, the stem of its files.
     unit : of length in the scene file; drawings, programs and tables are written in it.
@@ -54,9 +54,9 @@ class Scene:
     yoke : the other side of the follower on a cam of constant breadth; None if there is none.
     contact : the flank on which the roller runs.
     side_clearance : groove's width less the roller's diameter [mm]; 0 without groove.
-    limits : what the design is held to.
+    limits : with which the design is compared.
     part : the disc as a body; None if the scene has no `[part]`.
-    effects : what the scene says of each effect that it names, in its order, numbers in the units
+    effects : the table of each effect that the scene names, in its order, numbers in the units
         of `camgeo.effects.effect`.
     output : what is written.
     """
@@ -90,7 +90,7 @@ class Scene:
         Raises
         ------
         SceneError
-            With all that is wrong.
+            With all its faults.
         """
         _fill(self, enter(document_of(values), Source.of("", folder)))
 
@@ -99,7 +99,7 @@ class Scene:
         """A scene from its TOML in UTF-8; `file` is the path it came from, for messages too.
 
         `folder` holds the files that the scene names, if it is not that of `file`. Raises
-        SceneError with all that is wrong.
+        SceneError with all its faults.
         """
         try:
             found = document(data)
@@ -109,7 +109,7 @@ class Scene:
 
     @classmethod
     def of(cls, found: Document, source: Source, earlier: Scene | None = None) -> Self:
-        """A scene that is taken apart already, perhaps an edit of an earlier one."""
+        """A scene from its document, perhaps an edit of an earlier scene."""
         made = cls.__new__(cls)
         _fill(made, enter(found, source, None if earlier is None else vars(earlier)))
         return made
@@ -126,8 +126,8 @@ class Scene:
 
     @cached_property
     def identity(self) -> str:
-        """SHA-256 of all that the scene says, hexadecimal, see `camgeo.scene.identity`."""
-        from camgeo.scene.identity import identity_of  # a check asks for no hash
+        """SHA-256 of all that the scene states, hexadecimal, see `camgeo.scene.identity`."""
+        from camgeo.scene.identity import identity_of  # a check needs no hash
 
         return identity_of(self._tree, self._digest)
 
@@ -145,7 +145,7 @@ class Scene:
 
     @cached_property
     def made_before(self) -> str:
-        """What stood in files in place of `made` when the text was hashed; empty without a text."""
+        """Hash of the text, in files of earlier versions instead of `made`; empty without text."""
         from camgeo.scene.identity import hash_of  # only files of earlier versions ask
 
         found = self._of_text
@@ -153,13 +153,13 @@ class Scene:
 
     @property
     def _of_text(self) -> Document | None:
-        """The text taken apart; None if the values are edited ones, or came from no text."""
+        """The document of the text; None if the values were edited, or came from no text."""
         text = self.source.text
         found = document(text.encode()) if text else None
         return None if found is None or found.exact != self._tree else found
 
     def with_values(self, edits: Mapping[str, Any]) -> Scene:
-        """The scene with other values at some keys, None for a key that is to go.
+        """The scene with other values at some keys, None to remove a key.
 
         Keys are spelled as in messages: "follower.base_radius", "motion[2].law" (or motion.2.law),
         positions counted from 1. What does not depend on the edit is shared: the plan with a new
@@ -168,7 +168,7 @@ class Scene:
         Raises
         ------
         SceneError
-            With all that would be wrong.
+            With all faults that the edit would cause.
         """
         found = document_of_tree(edited(self._tree, edits))
         return Scene.of(found, self.source, self)
@@ -176,7 +176,7 @@ class Scene:
     def to_toml(self) -> str:
         """The scene as TOML, with the comments and the order of the text that it came from.
 
-        Keys that an edit has added stand behind those that were set before them in their table.
+        Keys added by an edit follow those that were set before them in their table.
         """
         if self._of_text is not None:
             return self.source.text
@@ -201,7 +201,7 @@ class Scene:
 
 
 def _fill(made: Scene, attributes: Mapping[str, Any]) -> None:
-    """Give a new scene, which is frozen, what it consists of."""
+    """Set the attributes of a new scene, which is frozen."""
     for name, value in attributes.items():
         object.__setattr__(made, name, value)
 
@@ -209,6 +209,6 @@ def _fill(made: Scene, attributes: Mapping[str, Any]) -> None:
 def scene(
     tree: Tree, file: str, folder: str | None, text: str, contents: Mapping[str, bytes]
 ) -> Scene:
-    """A scene again from what was pickled of it; no file is read."""
+    """The scene from its pickled state; no file is read."""
     source = Source(file, None if folder is None else Path(folder), text).having(contents)
     return Scene.of(document_of_tree(tree), source)

@@ -1,23 +1,23 @@
 """The JSON Schema of the scene format: the one definition of its keys, types and ranges.
 
-It is composed: of the file beside this module, of what followers and linkages declare of their
-tables and laws of their parameters, and of the tables of effects and of formats. A scene is held
+It is composed of the file next to this module, the declarations of followers and linkages for their
+tables and of laws for their parameters, and the tables of effects and formats. A scene is checked
 against a schema with the tables of those that it names and no others.
 
-Besides the keywords of JSON Schema it carries these, for the messages:
+In addition to the keywords of JSON Schema it has these, for the messages:
 
 x-allowed : what is allowed, in words; else the words follow from type and range.
-x-exact : the number is handed on as it is written, a Decimal in the unit of the scene.
-x-barring : the name of this key of [follower], with which some effects have no place.
-x-default-by-law : what the key's absence means with each law, if always the same.
-x-default-key : the key whose value it then has.
-x-default-mm : what it then means [mm].
+x-exact : the number is passed on as written, a Decimal in the unit of the scene.
+x-barring : the name of this key of [follower], with which some effects do not apply.
+x-default-by-law : the value that the key's absence stands for with each law, if always the same.
+x-default-key : the key whose value is then used.
+x-default-mm : the value then used [mm].
 x-file : the text is the name of a file in the scene's folder, with data.
 x-later : values or keys that the format names but this version does not have.
 x-path : the text is the path of a file in the scene's folder, unless it is one of x-values.
-x-siblings : names of the definitions that stand beside this one in a choice.
+x-siblings : names of the other definitions in a choice.
 x-unit : unit of a number.
-x-unknown : what to say of any key that is not known here.
+x-unknown : the message for any key that is not known here.
 x-values : values to suggest where the schema has only a pattern.
 """
 
@@ -87,17 +87,17 @@ def _with_kinds(frame: Mapping[str, Any]) -> Node:
 
 def _choice(node: Mapping[str, Any], kinds: Iterable[FollowerKind] | Iterable[LinkageKind]) -> Node:
     """A table whose other keys depend on its kind."""
-    told = [(kind.name, kind.description) for kind in kinds]
+    described = [(kind.name, kind.description) for kind in kinds]
     kind = {
-        "description": " ".join(f'"{name}": {text}' for name, text in told),
-        "enum": [name for name, _ in told],
+        "description": " ".join(f'"{name}": {text}' for name, text in described),
+        "enum": [name for name, _ in described],
     }
     cases = [
         {
             "if": {"properties": {"kind": {"const": name}}, "required": ["kind"]},
             "then": {"$ref": f"#/$defs/{name}"},
         }
-        for name, _ in told
+        for name, _ in described
     ]
     return {**node, "properties": {"kind": kind}, "allOf": cases}
 
@@ -107,7 +107,7 @@ def _table(schema: Mapping[str, Any]) -> Node:
 
 
 def _siblings(kind: FollowerKind) -> list[str]:
-    """The other kinds of followers, those first that touch the cam alike, then those held alike."""
+    """The other kinds of followers: those of the same contact first, then of the same unit."""
     others = (other for other in FOLLOWERS.values() if other is not kind)
     return [
         other.name
@@ -133,7 +133,7 @@ def _with_laws(frame: Mapping[str, Any]) -> Node:
 
 
 def _option(name: str) -> Node:
-    """The node of a parameter that families have of their own."""
+    """The node of a parameter that only some families have."""
     found = {
         family.name: option
         for family in FAMILIES.values()
@@ -141,9 +141,9 @@ def _option(name: str) -> Node:
         if option.name == name
     }
     first = next(iter(found.values()))
-    told = " and ".join(f'"{law}" (default {each.default:g})' for law, each in found.items())
+    laws = " and ".join(f'"{law}" (default {each.default:g})' for law, each in found.items())
     return {
-        "description": f"{first.symbol}: {first.text}; for {told}.",
+        "description": f"{first.symbol}: {first.text}; for {laws}.",
         **first.schema,
         "x-default-by-law": {law: each.default for law, each in found.items() if each.always},
     }
@@ -151,7 +151,7 @@ def _option(name: str) -> Node:
 
 @dataclass(frozen=True, slots=True)
 class Composed:
-    """A schema with the tables of some effects and formats, and what holds values against it."""
+    """A schema with the tables of some effects and formats, and its validator."""
 
     root: Node
     validator: Draft202012Validator
@@ -160,13 +160,13 @@ class Composed:
 
 
 Named = tuple[tuple[str, Declared | None], ...]
-"""All names there are, with the declarations of those that a scene names."""
+"""All known names, with the declarations of those that a scene names."""
 
 
 def schema_for(values: Mapping[str, Any]) -> Composed:
     """Return the schema for a scene with these values: it has the tables that they name.
 
-    Of the other effects and formats it has the names alone, for the messages.
+    Of the other effects and formats it has only the names, for the messages.
     """
     return _composed(_effects(values.get(EFFECTS)), _formats(values.get(OUTPUT)))
 
@@ -225,7 +225,7 @@ def with_tables(effects: Tables, formats: Tables) -> Node:
 
 
 def _optional(table: Mapping[str, Any]) -> Node:
-    """The table of a format; where it may be empty, a missing one says the same."""
+    """The table of a format; where it may be empty, a missing one means the same."""
     return dict(table) if "required" in table or not table else {**table, "default": {}}
 
 
@@ -262,13 +262,13 @@ def resolved(node: Node | bool) -> Node:
 
 
 def _referred(node: Node) -> Node:
-    """The definition that a node refers to, with what stands beside the reference, which wins."""
+    """The definition that a node refers to; keywords next to the reference take precedence."""
     beside = {key: value for key, value in node.items() if key != "$ref"}
     return {**definition(node["$ref"].rpartition("/")[2]), **beside}
 
 
 def keys_of(node: Node | bool, table: Node) -> dict[str, Node]:
-    """Return the keys of a table with their nodes; of what has kinds those of the table's kind."""
+    """Return the keys of a table with their nodes; for a table with kinds, those of its kind."""
     node = resolved(node)
     keys = dict(node.get("properties", {}))
     for choice in (*node.get("allOf", ()), node):
@@ -287,5 +287,5 @@ def _meets(condition: Node, table: Node) -> bool:
 
 
 def names_a_file(node: Node, value: str) -> bool:
-    """Tell whether the value at a resolved node is the name of a file beside the scene."""
+    """Tell whether the value at a resolved node is the name of a file in the scene's folder."""
     return ("x-file" in node or "x-path" in node) and value not in node.get("x-values", ())

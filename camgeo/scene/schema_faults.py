@@ -26,18 +26,18 @@ UNKNOWN: Final = "additionalProperties"
 """What the validator calls an unknown key."""
 
 MOST_FAULTS: Final = 1000
-"""Most faults reported of one scene; a file with more is something else than a scene."""
+"""Most faults reported of one scene; a file with more is probably not a scene."""
 
 
 @dataclass(frozen=True, slots=True)
 class Verdict:
-    """What the schema says of a scene.
+    """The faults of a scene against the schema.
 
     Attributes
     ----------
     faults : in words.
-    bad : paths of the values that are at fault; nothing is to be concluded from them.
-    meant : paths of the keys that are missing but, by their spelling, were meant.
+    bad : paths of the values that are at fault; no conclusions may be drawn from them.
+    meant : paths of missing keys that a misspelt key was meant to be.
     """
 
     faults: tuple[Fault, ...]
@@ -46,7 +46,7 @@ class Verdict:
 
 
 def judge(scene: Document) -> Verdict:
-    """Hold a scene against the schema."""
+    """Check a scene against the schema."""
     schema = schema_for(scene.plain)
     found = itertools.islice(schema.validator.iter_errors(scene.plain), MOST_FAULTS)
     errors = [(tuple(each.instance_path), each, node_at(schema.root, each.evaluation_path))
@@ -75,7 +75,7 @@ def judge(scene: Document) -> Verdict:
             if fault not in faults:
                 faults.append(fault)
     if len(errors) == MOST_FAULTS or len(faults) >= MOST_FAULTS:
-        # What was not looked at may be wrong too: nothing of the scene counts as valid.
+        # What was not checked may be wrong too: nothing in the scene counts as valid.
         bad.add(())
         faults = [
             *faults[:MOST_FAULTS],
@@ -103,7 +103,11 @@ def _refused(scene: Document, path: Path, error: ValidationError, node: Node) ->
             hint = close
         elif error.kind.name == "type" and _reads_as_number(value):
             hint = "leave out the quotes"
-    known = {"x-allowed", "enum", "type"} & node.keys()  # of what other distributions declare
+    known = {
+        "x-allowed",
+        "enum",
+        "type",
+    } & node.keys()  # a declaration of another distribution may have none
     return scene.fault(path, allowed(node) if known else str(error.message), hint)
 
 

@@ -1,4 +1,4 @@
-"""A scene as TOML: its values written into the text that it came from, whose comments stay."""
+"""A scene as TOML: its values written into the text that it came from, with the comments kept."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ from camgeo.scene.tree import Tree
 def written_into(text: str, tree: Tree) -> str:
     """The text with the values of `tree` in place of its own, or a new text without one.
 
-    Only what differs is written. Where a text is built so that its values cannot be changed one by
-    one, it is written anew, without its comments.
+    Only what differs is written. If the values of a text cannot be changed one by one,
+    it is written anew, without its comments.
     """
     found = tomlkit.parse(text)
     _change(found, tomllib.loads(text, parse_float=Decimal), tree)
@@ -48,7 +48,7 @@ def _same(one: Any, other: Any) -> bool:
 
 
 def _change(node: Any, before: Tree, after: Tree) -> None:
-    """Make the table `node`, which says what `before` does, say what `after` does."""
+    """Change the table `node` from the values `before` to the values `after`."""
     for key in before.keys() - after:
         del node[key]
     last = ""
@@ -65,7 +65,7 @@ def _change(node: Any, before: Tree, after: Tree) -> None:
 
 
 def _change_item(node: Any, key: str | int, before: Any, after: Any) -> None:
-    """Make what `node` has at a key or position say what `after` does."""
+    """Change the item of `node` at a key or position from `before` to `after`."""
     if isinstance(before, dict) and isinstance(after, dict):
         _change(node[key], before, after)
     elif isinstance(before, list) and isinstance(after, list):
@@ -75,7 +75,7 @@ def _change_item(node: Any, key: str | int, before: Any, after: Any) -> None:
 
 
 def _change_list(node: Any, before: list[Any], after: list[Any]) -> None:
-    """The same of a list: what is alike at either end stays, and what is between is changed."""
+    """The same for a list: equal items at either end stay, and those between are changed."""
     head = 0
     while head < min(len(before), len(after)) and _same(before[head], after[head]):
         head += 1
@@ -94,7 +94,7 @@ def _change_list(node: Any, before: list[Any], after: list[Any]) -> None:
 
 
 def _place(old: list[Any], new: list[Any]) -> int:
-    """Where the longer list has what the shorter one has not, so that the least is different."""
+    """Where the longer list has its extra items, chosen so that the fewest values differ."""
     short, long = sorted((old, new), key=len)
     more = len(long) - len(short)
     fronts = list(itertools.accumulate(map(_differences, short, long), initial=0))
@@ -110,7 +110,7 @@ def _differences(one: Any, other: Any) -> int:
 
 
 def _item(value: Any, *, inline: bool = False) -> Any:
-    """A value for tomlkit, decimal numbers to the last digit; `inline` in a list of single ones."""
+    """A value for tomlkit, decimal numbers to the last digit; `inline` within a list."""
     if isinstance(value, Decimal):
         text = str(value)
         return Float(float(value), Trivia(), text if "." in text or "E" in text else f"{text}.0")

@@ -1,7 +1,7 @@
 """The values of a scene as tables, lists and single values: taken from Python, shown, edited.
 
-Inside, a tree is of dicts, lists, text, booleans, integers and Decimals, and is never changed:
-an edit makes another one, which shares with the first all that stays the same.
+A tree consists of dicts, lists, text, booleans, integers and Decimals, and is never changed:
+an edit makes a new one, which shares all unchanged parts with the first.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from camgeo.errors import Fault, SceneError
 from camgeo.scene.keys import Path, path_of, spelled
 
 DEEPEST: Final = 16
-"""Depth of nesting that is read at all; a scene needs 4."""
+"""Largest depth of nesting that is read; a scene needs 4."""
 
 MOST_VALUES: Final = 1_000_000
 """Single values, lists and tables of the largest scene; a file of allowed size has no more."""
@@ -26,14 +26,14 @@ Tree = dict[str, Any]
 class Taking:
     """Takes values that come from Python; a float is the decimal number that Python prints.
 
-    What is no value of a scene stays as it is, for the scene's faults to name.
+    A value that no scene may have stays as it is, to be reported among the scene's faults.
     """
 
     def __init__(self) -> None:
         self._count = 0
 
     def take(self, value: Any, path: Path = ()) -> Any:
-        """A tree of its own; SceneError if it is too deep or too large, or a name is no text."""
+        """An independent tree; SceneError if it is too deep or too large, or a name is not text."""
         self._count += 1
         if len(path) > DEEPEST:
             raise refused("is nested too deeply for a scene")
@@ -68,14 +68,14 @@ def read_only(tree: Any) -> Any:
 def edited(tree: Tree, edits: Mapping[str, Any]) -> Tree:
     """The tree with other values at keys that are spelled as messages do; None removes a key.
 
-    Tables that are missing are made; a new key stands behind the one that the edit before set in
+    Missing tables are created; a new key follows the one that the previous edit set in
     its table. Values are set before any are removed, so that positions are those in the tree as it
     was.
 
     Raises
     ------
     SceneError
-        With each key that is none, or leads into what is no table or list.
+        With each key that is invalid, or leads into something other than a table or list.
     """
     taking = Taking()
     faults: list[Fault] = []
@@ -128,7 +128,7 @@ def _path(tree: Tree, key: Any) -> Path:
 
 
 def _with(node: Any, path: Path, value: Any, last: Path) -> Any:
-    """The node with a value at `path`; one that is new goes behind `last`, if that is beside it."""
+    """The node with a value at `path`; a new key follows `last`, if that is in the same table."""
     if not path:
         return value
     step, rest = path[0], path[1:]

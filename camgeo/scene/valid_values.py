@@ -1,4 +1,4 @@
-"""The valid values of a scene: its rules are checked beside what is known to be wrong."""
+"""The valid values of a scene: rules are checked on these, whatever else is wrong."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ if TYPE_CHECKING:
 class ValidValues:
     """A scene without the values that are known to be wrong.
 
-    A rule asks for what it compares and keeps silent where anything is missing, so that no fault
-    follows from another one.
+    A rule reads what it compares and reports nothing where anything is missing, so that no fault
+    is a consequence of another one.
     """
 
     def __init__(
@@ -33,17 +33,17 @@ class ValidValues:
         self._meant = frozenset(meant)
 
     def valid(self, *path: str | int) -> bool:
-        """Tell whether nothing is wrong at `path`, around it or in it."""
+        """Whether nothing is wrong at `path`, around it or in it."""
         if path in self._around_bad:
             return False
         return not any(path[:end] in self._bad for end in range(len(path) + 1))
 
     def has(self, *path: str | int) -> bool:
-        """Tell whether the scene names the key, rightly or wrongly."""
+        """Whether the scene names the key, with a valid value or not."""
         return self.scene.at(path) is not None
 
     def lacks(self, *path: str | int) -> bool:
-        """Tell whether the scene neither names the key nor, by a misspelt one, meant to."""
+        """Whether the scene neither names the key nor has a misspelt one meant to be it."""
         meant = any(path[:end] in self._meant for end in range(1, len(path) + 1))
         return not meant and not self.has(*path)
 
@@ -71,7 +71,7 @@ class ValidValues:
 
     @property
     def segments(self) -> int:
-        """Number of segments of the motion, 0 if `motion` is no list."""
+        """Number of segments of the motion, 0 if `motion` is not a list."""
         motion = self.scene.plain.get("motion")
         return len(motion) if isinstance(motion, list) else 0
 
@@ -99,7 +99,7 @@ class ValidValues:
 
     @property
     def far_end(self) -> Member | None:
-        """Whose motion a linkage's far end makes; None without one, or if that is not known."""
+        """The member whose motion a linkage's far end makes; None without one, or if not known."""
         linkage, follower = self.get("linkage", "kind"), self.follower_kind
         if linkage is None or (follower is None and self.has("follower")):
             return None
@@ -107,7 +107,7 @@ class ValidValues:
 
     @property
     def lift_unit(self) -> Unit:
-        """Of the follower's own motion; without a follower as the linkage or the scene has it."""
+        """Of the follower's own motion; without a follower, that of the linkage or the scene."""
         if self.follower_kind is not None:
             return self.follower_kind.unit
         if self.has("linkage"):

@@ -1,7 +1,7 @@
-"""The whole JSON Schema of scenes, as an editor or a page of documentation takes it.
+"""The whole JSON Schema of scenes, as an editor or a page of documentation uses it.
 
-What effects have no place where is said in their descriptions, and in those of the keys of
-[follower] with which they have none: both are made of the effects' own rules.
+Where effects do not apply is stated in their descriptions, and in those of the keys of [follower]
+with which they do not: both follow from the effects' own rules.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ def _bounds(effect: Effect) -> Iterator[Only]:
 
 
 def _barred(effects: Iterable[Effect], key: str) -> Iterator[str]:
-    """The effects, or keys of theirs, that have no place beside the `key` of [follower]."""
+    """The effects, or keys of theirs, that do not apply together with the `key` of [follower]."""
     for effect in effects:
         for rule in _bounds(effect):
             if rule.kind.barring == key:

@@ -1,4 +1,4 @@
-"""What `camgeo accuracy` finds: what accuracy costs, and where it stops paying."""
+"""What `camgeo accuracy` finds: what accuracy costs, and where more of it stops paying off."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class Accuracy(Answer):
 
     Attributes
     ----------
-    scene : that was measured.
+    scene : whose cam was measured.
     survey : what was measured.
     ripple : whether contours were replayed too.
     turns : whether the positions of the motion are angles.
@@ -42,7 +42,7 @@ class Accuracy(Answer):
 
     @property
     def unit(self) -> str:
-        """In which positions of the motion are shown."""
+        """Unit in which positions of the motion are shown."""
         return "deg" if self.turns else self.scene.unit
 
     def shown(self, lift: float) -> float:
@@ -76,7 +76,7 @@ def accuracy(
 
     Parameters
     ----------
-    tolerances : that are looked at [mm], the loosest first.
+    tolerances : to measure [mm], the loosest first.
     ripple : whether contours are replayed too; None for what the scene says.
     tell : called with the name of each step.
 

@@ -19,13 +19,13 @@ fit, proof, write, read: seconds of computing on this machine: the fit with its 
 round: seconds to mill once along the flanks, from feed and acceleration
 ripple: largest error of the acceleration in a replay, as a share of its demanded peak
 error: bound on the error of the lift if it is interpolated linearly between two rows"""
-"""What stands in the tables, explained below them."""
+"""The columns of the tables, explained below them."""
 
 EFFECT_COLUMNS: Final = """\
 effects: tolerance, estimate and off are shares of the largest magnitude of an effect's results;
     computed: seconds, without the effects that it needs; estimate: its own estimate of its error;
     off: its difference from the result at the tightest tolerance"""
-"""The same of the table of effects."""
+"""The same for the table of effects."""
 
 CONTOURS: Final = (
     "contour", "effort", "tolerance", "pieces", "of least", "deviation", "DXF", "G-code", "fit",
@@ -36,7 +36,7 @@ EFFECTS: Final = ("effect", "tolerance", "computed", "estimate", "off")
 """Heads of the columns; lengths in mm, sizes in bytes, times in seconds."""
 
 NONE: Final = "-"
-"""What has no value."""
+"""Shown in place of a missing value."""
 
 
 def text(answer: Accuracy) -> str:
@@ -61,7 +61,7 @@ def figure(answer: Accuracy) -> Figure:
 
 
 def _columns(heads: Sequence[str], rows: Sequence[tuple[list[str], str]]) -> list[str]:
-    """Right-aligned columns, but for the first; behind a row why it has gaps."""
+    """Columns, right-aligned except the first; a row with gaps is followed by the reason."""
     table = [list(heads), *(cells for cells, _ in rows)]
     widths = [max(len(cells[column]) for cells in table) for column in range(len(heads))]
     faults = ["", *(fault for _, fault in rows)]

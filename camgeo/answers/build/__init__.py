@@ -21,11 +21,11 @@ class Build(Answer):
 
     Attributes
     ----------
-    scene : of which.
-    tolerance : largest deviation that was asked for [mm].
-    findings : what the checks find beyond a limit, or warn of.
+    scene : whose files they are.
+    tolerance : largest deviation allowed [mm].
+    findings : those that break a limit, and warnings.
     folder : in which the files lie.
-    files : none if the cam has no outline.
+    files : that were written; empty if the cam has no outline.
     certificate : its name beside the files; None if there are none.
     """
 
@@ -53,7 +53,7 @@ def build(
     force: bool = False,
     progress: Callable[[str], None] = lambda _: None,
 ) -> Build:
-    """Write the files, as `Design.write` does; nothing of a cam that has no outline.
+    """Write the files, as `Design.write` does; none for a cam that has no outline.
 
     `progress` is called with the name of each step. Raises as `Design.write`.
     """

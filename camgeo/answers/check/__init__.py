@@ -1,4 +1,4 @@
-"""What `camgeo check` finds: a design held to its limits, what is left of its discs, cures."""
+"""What `camgeo check` finds: a design compared with its limits, the real discs, cures."""
 
 from __future__ import annotations
 
@@ -52,16 +52,16 @@ class Remains:
 
 @dataclass(frozen=True, slots=True)
 class Check(Answer):
-    """What a scene is found to be.
+    """The findings on a scene.
 
     Attributes
     ----------
     scene : that was checked.
-    findings : the good with the bad, worst first.
+    findings : all of them, good and bad, worst first.
     discs : of each disc, the main one first, what is left of its flanks in use, by names; None if
         nothing is, or if that is not known. No discs without a follower.
-    cures : what would cure undercut, the cheapest first, then the knobs that do not.
-    effects : what each effect finds that the scene names; none if there is no such mechanism.
+    cures : what would cure undercut, the cheapest first, then the changes that would not.
+    effects : findings of each effect named by the scene; empty if there is no such mechanism.
     """
 
     command: ClassVar[str] = "check"
@@ -84,7 +84,7 @@ class Check(Answer):
 
 
 def check(design: Design) -> Check:
-    """Hold a design to its limits."""
+    """Compare a design with its limits."""
     cams = zip((design.name, f"{design.name}-{RETURN}"), design.judgement.cams, strict=False)
     found = design.findings
     wrong = any(finding.severity == "invalid" for finding in found)
@@ -110,6 +110,6 @@ def _remains(disc: Disc, flank: str) -> Remains | None:
 
 
 def _size(path: Path) -> float:
-    from camgeo.outline.moments import area  # what a check finds needs no areas
+    from camgeo.outline.moments import area  # only JSON shows areas
 
     return abs(area(path))

@@ -11,7 +11,7 @@ CURES: Final = "Any one of these cures the undercut; it may break another limit,
 
 
 def text(answer: Check) -> str:
-    """The findings, what would cure undercut, and what the effects find."""
+    """The findings, what would cure undercut, and the findings of the effects."""
     lines = finding_lines(answer.findings)
     if answer.cures:
         lines += ["", CURES]

@@ -1,4 +1,4 @@
-"""What `camgeo explain` finds: what a command computes of a scene, for whom, how long it takes."""
+"""What `camgeo explain` finds: what a command computes for a scene, why, and how long it takes."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ from camgeo.product.milled import MilledDisc
 from camgeo.scene.scene import Scene
 
 EFFECTS: Final = "effects."
-"""Begins the names of quantities that are effects."""
+"""Prefix of the names of quantities that are effects."""
 
 OWNERS: Final = (Drive, Disc, Judgement, DrawnDisc, MilledDisc)
-"""What has quantities that are computed on demand, in the order of the stages."""
+"""Classes with quantities that are computed on demand, in the order of the stages."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,9 +30,9 @@ class Explanation(Answer):
 
     Attributes
     ----------
-    scene : of which.
+    scene : for which it does.
     goal : the command.
-    computed : in the order of the ends.
+    computed : quantities, in the order in which they were finished.
     reasons : why effects among them were computed, by the names of the quantities.
     left_alone : quantities and effects that were not computed.
     """
@@ -57,12 +57,12 @@ def explain(design: Design, goal: str = "check") -> Explanation:
 
 
 def _table(design: Design) -> None:
-    """What `camgeo table` asks for."""
+    """Compute what `camgeo table` needs."""
     design.tabulated.table()
 
 
 def _build(design: Design) -> None:
-    """What `camgeo build` asks for; nothing is written."""
+    """Compute what `camgeo build` needs; nothing is written."""
     from camgeo.writing.write import make_files
 
     if design.judgement.has_outline:
@@ -77,7 +77,7 @@ GOALS: Final[dict[str, Callable[[Design], object]]] = {
 
 
 def quantities() -> tuple[str, ...]:
-    """Names of all that a design computes when it is asked for it, effects among them."""
+    """Names of all quantities that a design computes on demand, including effects."""
     from camgeo.effects.graph import node_name
     from camgeo.effects.registry import effect_names
 

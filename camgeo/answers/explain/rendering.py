@@ -12,7 +12,7 @@ INDENT: Final = "  "
 
 
 def text(answer: Explanation) -> str:
-    """The quantities as a tree, with their times, and what was left alone."""
+    """The quantities as a tree, with their times, and what was not computed."""
     total = sum(each.own_seconds for each in answer.computed)
     command = f"camgeo {answer.goal}"
     return "\n".join(
@@ -31,7 +31,7 @@ def text(answer: Explanation) -> str:
 
 
 def tree_lines(answer: Explanation) -> list[str]:
-    """One line a quantity, below the one that asked for it first."""
+    """One line per quantity, below the one that requested it first."""
     below: dict[str, list[Run]] = {}
     for each in answer.computed:
         below.setdefault(each.asked_by, []).append(each)

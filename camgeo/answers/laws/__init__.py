@@ -1,4 +1,4 @@
-"""What `camgeo laws` finds: the motion laws of a task side by side, or those made for each task."""
+"""What `camgeo laws` finds: the motion laws of a task side by side, or those for each task."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ class LawRow:
 
 @dataclass(frozen=True, slots=True)
 class TaskLaws:
-    """A motion task (VDI 2143-1, Tafel 1) with the parameters of each family made for it."""
+    """A motion task (VDI 2143-1, Tafel 1) with the parameters of each family available for it."""
 
     task: str
     families: Mapping[str, tuple[str, ...]]
@@ -75,7 +75,7 @@ class Laws(Answer):
     rows : the laws of one task side by side; None if all tasks are listed.
     running : the move that gives them physical values; None if none was named.
     tasks : all tasks; None if laws of one are compared.
-    places : whether the text tells z of the extremes too.
+    places : whether the text shows z of the extremes too.
     """
 
     command: ClassVar[str] = "laws"
@@ -100,7 +100,7 @@ def laws_of_task(
 
 
 def laws_of_all_tasks(names: Sequence[str] = ()) -> Laws:
-    """List the families made for each task, or those called `names`; GeometryError if unknown."""
+    """List the families available for each task, of all or of `names`; GeometryError if unknown."""
     wanted = {find_family(name).name for name in names}
     return Laws(
         tasks=tuple(

@@ -22,13 +22,13 @@ SYMBOLS: Final = {
     "inflection": "lambda",
     **{name: option.symbol for name, option in OPTIONS.items()},
 }
-"""How the table calls parameters that the guideline has a letter for."""
+"""Names in the table for parameters to which the guideline gives a letter."""
 
 CELL: Final = 12
 
 
 def text(answer: Laws) -> str:
-    """The comparison, a row a law, or the list of the tasks."""
+    """The comparison, one row per law, or the list of the tasks."""
     if answer.tasks is not None:
         return "\n".join(_tasks(answer.tasks))
     rows = answer.rows or ()
@@ -40,7 +40,7 @@ def text(answer: Laws) -> str:
 
 
 def figure(answer: Laws) -> Figure:
-    """The curves of the laws of one task, a row a law."""
+    """The curves of the laws of one task, one row per law."""
     from camgeo.figure import laws
 
     return laws.figure([row.entry for row in answer.rows or ()])
@@ -50,8 +50,8 @@ def _tasks(tasks: Sequence[TaskLaws]) -> list[str]:
     ends = [" to ".join(each.ends) for each in tasks]
     width = max(map(len, ends)) + 2
     return [
-        f"{each.task:6}{told:{width}}{', '.join(each.families) or 'none of these'}"
-        for each, told in zip(tasks, ends, strict=True)
+        f"{each.task:6}{end:{width}}{', '.join(each.families) or 'none of these'}"
+        for each, end in zip(tasks, ends, strict=True)
     ]
 
 
@@ -60,14 +60,14 @@ def _compared(rows: Sequence[LawRow], width: int, *, places: bool) -> list[str]:
     second = max(len("parameters"), *map(len, parameters)) + 2
     head = "".join(f"{name:>{CELL}}" for name in HEAD)
     lines = [f"{'law':{width}}{'parameters':{second}}{head}  remarks"]
-    for row, told in zip(rows, parameters, strict=True):
+    for row, given in zip(rows, parameters, strict=True):
         name, values = row.entry.name, row.values
         if values is None:
             lines.append(f"{name:{width}}not possible: {row.entry.reason}")
             continue
         extremes = [values[quantity] for quantity in QUANTITIES]
         cells = "".join(_cell(None if each is None else each.value, ".5f") for each in extremes)
-        lines.append(f"{name:{width}}{told:{second}}{cells}  {_remarks(row.entry)}".rstrip())
+        lines.append(f"{name:{width}}{given:{second}}{cells}  {_remarks(row.entry)}".rstrip())
         if places:
             cells = "".join(
                 _cell(None if each is None else each.place, ".5f", "-") for each in extremes
@@ -113,20 +113,20 @@ def _remarks(entry: Entry) -> str:
 
 
 def _notes(entries: Sequence[Entry]) -> list[str]:
-    """What was left out of a row, or added to it, and the other names."""
+    """The parameters ignored or assumed in each row, and alternative names of the laws."""
     ignored: dict[tuple[str, ...], list[str]] = {}
     assumed: dict[tuple[str, ...], list[str]] = {}
     for entry in entries:
         if entry.law is not None:
             ignored.setdefault(entry.ignored, []).append(entry.name)
             assumed.setdefault(entry.assumed, []).append(entry.name)
-    told = (
+    kinds = (
         (f"ignored, no parameters for {entries[0].task}", ignored),
         ("not given, taken as 0", assumed),
     )
     found = [
         f"{start}: {', '.join(keys)} ({', '.join(names)})"
-        for start, groups in told
+        for start, groups in kinds
         for keys, names in groups.items()
         if keys
     ]

@@ -16,8 +16,8 @@ class Refusal(Answer):
     Attributes
     ----------
     error : name of its class.
-    message : all of it in words.
-    file : that is wrong; empty if it is none.
+    message : the complete text.
+    file : that is wrong; empty if no file is.
     faults : what is wrong.
     exit_code : how the command ends.
     """
@@ -32,13 +32,13 @@ class Refusal(Answer):
 
 
 def refusal(error: CamgeoError) -> Refusal:
-    """What an error says: 1 of a cam that has no outline to write, else 2."""
+    """The answer for an error; exit code 1 for a cam that has no outline to write, else 2."""
     name, message = type(error).__name__, str(error)
     if isinstance(error, SceneError):
         return Refusal(name, message, error.file, error.faults)
     if isinstance(error, UndercutError):
-        told = f"{error.message}; nothing was written"
-        return Refusal(name, told, "", (Fault("", "", told),), BROKEN)
+        message = f"{error.message}; nothing was written"
+        return Refusal(name, message, "", (Fault("", "", message),), BROKEN)
     if isinstance(error, GeometryError):
         fault = Fault(error.key, error.value, error.message)
         return Refusal(name, message, "", (fault,))

@@ -1,4 +1,4 @@
-"""What `camgeo replay` finds: what the follower does on a disc, beside what is demanded."""
+"""What `camgeo replay` finds: the motion of the follower on a disc, and the demanded one."""
 
 from __future__ import annotations
 
@@ -87,17 +87,17 @@ class Peak:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class DiscReplay:
-    """What the follower does on one disc; lifts in `unit`, derivatives per rad, cam angles in rad.
+    """The motion on one disc; lifts in `unit`, derivatives per rad, cam angles in rad.
 
     Attributes
     ----------
-    disc : its cam demands the motion.
+    disc : whose cam demands the motion.
     contour : on which the roller runs, in words.
-    note : which contour of a file was taken; empty if there is no choice.
+    note : which contour of a file was chosen; empty if it has only one.
     replay : the motion itself [mm or rad].
     of : "rocker" behind a linkage, else "follower".
     unit : that of the scene, or "deg".
-    factor : how many of it are in 1 mm or rad.
+    factor : `unit` per mm or rad.
     lost_stroke : the largest, see `Replay`.
     lift_error : actual - demanded lift of the largest magnitude.
     velocity, acceleration : largest magnitudes.
@@ -126,11 +126,11 @@ class DiscReplay:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FollowerReplay(Answer):
-    """What the follower does on real discs.
+    """The motion of the follower on real discs.
 
     Attributes
     ----------
-    scene : which demands the motion.
+    scene : that demands the motion.
     flank : on which the roller runs.
     step : of the cam angle in the table [deg].
     discs : one, or both of a conjugate pair, the main one first.
@@ -171,7 +171,7 @@ def replay(
     GeometryError
         If the follower has no roller, or as `replay_contour` and `replay_outline`.
     """
-    path_of(design.cam.follower, design.cam.rotation)  # of rollers alone
+    path_of(design.cam.follower, design.cam.rotation)  # raises for a follower without roller
     side, reading = Flank(flank or design.cam.contact.main), reading or Reading()
     found = tuple(
         _replayed(disc, file, side, math.radians(step), reading)
@@ -220,7 +220,7 @@ def _replayed(
 
 
 def _contour_of(disc: Product, flank: Flank, file: Path, reading: Reading) -> tuple[Contour, str]:
-    """The contour of the file whose area is nearest to that of the flank, and which one it is.
+    """The contour of the file whose area is nearest to that of the flank, and a note on the choice.
 
     Raises SceneError if the file cannot be read or the contour crosses itself.
     """

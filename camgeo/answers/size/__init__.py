@@ -19,8 +19,8 @@ from camgeo.scene.scene import Scene
 from camgeo.units import MM_PER
 
 MARGIN: Final = 1e-11
-"""By how much [rad, and as a share of the ratio] a scene that is written keeps its limits: at the
-limit itself rounding would decide what `camgeo check` says."""
+"""Margin [rad, and as a share of the ratio] by which a written scene keeps its limits: at the limit
+itself rounding would decide the result of `camgeo check`."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,7 +31,7 @@ class CamSize(Answer):
     ----------
     scene : of the present design.
     task : what was sized; its follower has the arm that was found, if one was looked for.
-    sizing : what was required, and what keeps it.
+    sizing : the requirement, and the smallest cams that meet it.
     present : the present design; None if there is no such mechanism.
     """
 
@@ -57,18 +57,18 @@ class CamSize(Answer):
             )
         reach = sizing.reach or 0.0
         sure = "there is no place" if sizing.none_below > reach else "no place was found"
-        told = (
+        message = (
             "infeasible: where the transmission angle is kept, the roller is too large for the"
             f" curvature of the pitch curve; {sure} with r_R/r_K at most {sizing.ratio:g} up to a"
             f" base radius of {reach / MM_PER[unit]:.4g} {unit}"
         )
         if sizing.nearest_ratio is None:
-            return told
-        return f"{told}; the smallest ratio found is about {sizing.nearest_ratio:.3g}"
+            return message
+        return f"{message}; the smallest ratio found is about {sizing.nearest_ratio:.3g}"
 
     @property
     def exit_code(self) -> int:
-        """1 if nothing keeps what was required."""
+        """1 if nothing meets the requirement."""
         return FINE if self.infeasible is None else BROKEN
 
 
@@ -106,7 +106,7 @@ def size(
 
 
 def sized_scene(found: CamSize) -> Scene:
-    """The scene with the sizes that were found, which surely keeps what was required.
+    """The scene with the sizes that were found, which certainly meets the requirement.
 
     Raises
     ------
@@ -135,10 +135,10 @@ def sized_scene(found: CamSize) -> Scene:
 def resized(scene: Scene, lengths: Mapping[str, complex]) -> Scene:
     """The scene with other lengths of its follower [mm], by their keys; points are complex."""
 
-    def told(length: complex) -> float | list[float]:
+    def stated(length: complex) -> float | list[float]:
         inside = length / MM_PER[scene.unit]
         if isinstance(inside, float):
             return inside + 0.0  # 0, and not -0
         return [inside.real + 0.0, inside.imag + 0.0]
 
-    return scene.with_values({f"follower.{key}": told(each) for key, each in lengths.items()})
+    return scene.with_values({f"follower.{key}": stated(each) for key, each in lengths.items()})

@@ -21,7 +21,7 @@ VELOCITIES = "it assumes the largest velocities at both end positions"
 
 
 def text(answer: CamSize) -> str:
-    """What was required, a row each design; lengths in the unit of the scene, angles in degrees."""
+    """The requirement, and one row per design; lengths in the scene's unit, angles in degrees."""
     task, sizing, unit = answer.task, answer.sizing, answer.scene.unit
     angle = f"transmission angle at least {math.degrees(sizing.angle):g} deg"
     head = (f"r_G [{unit}]", f"{task.second} [{unit}]", "mu [deg]", "at [deg]")
@@ -35,8 +35,8 @@ def text(answer: CamSize) -> str:
     ]
     arms = [getattr(each, "arm", 0.0) for each in (task.follower, answer.scene.follower)]
     if arms[0] != arms[1]:
-        told = f"{arms[0] / MM_PER[unit]:.4f} {unit}"
-        lines.append(f"all but the present design have an arm of {told}")
+        length = f"{arms[0] / MM_PER[unit]:.4f} {unit}"
+        lines.append(f"all but the present design have an arm of {length}")
     decided = "decided by " + " and ".join(_active(each, sizing) for each in sizing.active)
     return "\n".join([*lines, answer.infeasible or decided, *_of_flocke(sizing)])
 
@@ -49,7 +49,7 @@ def figure(answer: CamSize) -> Figure:
 
 
 def _of_flocke(sizing: Sizing) -> list[str]:
-    """Where Flocke's proposal is too large, and where it promises too much."""
+    """Where Flocke's proposal is too large, and where it is too optimistic."""
     if sizing.flocke is None:
         return [f"Flocke's region is empty: {VELOCITIES}"]
     found = []

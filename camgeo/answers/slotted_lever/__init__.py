@@ -1,4 +1,4 @@
-"""What `camgeo slotted-lever` finds: how a slotted lever moves whose crank turns evenly."""
+"""What `camgeo slotted-lever` finds: the motion of a slotted lever at constant crank speed."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from camgeo.mechanism.slotted_lever import SlottedLever
 from camgeo.mechanism.slotted_lever_drive import NAMES, DrivenLever, crank_for_swing, lever_table
 from camgeo.units import RPM
 
-if TYPE_CHECKING:  # few calls ask for a table
+if TYPE_CHECKING:  # few calls request a table
     from camgeo.product.value_table import Table
 
 LOWEST, HIGHEST = 1e-100, 1e100
-"""Of lengths [mm] and speeds [rev/min]: what is made of them is far from overflow."""
+"""Of lengths [mm] and speeds [rev/min]: results computed from them are far from overflow."""
 
 Number = float | Decimal
 
@@ -34,7 +34,7 @@ class LeverMotion(Answer):
     Attributes
     ----------
     driven : the lever with the speed of its crank; has extremes and strokes.
-    table : values over the crank angle, in degrees; None if none was asked for.
+    table : values over the crank angle, in degrees; None if it was not requested.
     """
 
     command: ClassVar[str] = "slotted-lever"
@@ -44,7 +44,7 @@ class LeverMotion(Answer):
 
     @property
     def swing(self) -> float | None:
-        """From one end to the other [rad]; None for a lever that turns round."""
+        """Angle between the end positions [rad]; None for a lever that makes full turns."""
         lever = self.driven.lever
         return 2.0 * lever.largest_angle.value if lever.swings else None
 
@@ -64,7 +64,7 @@ def slotted_lever(
     rows: Rows | None = None,
     printed: bool = False,
 ) -> LeverMotion:
-    """Tell how a slotted lever moves.
+    """Compute the motion of a slotted lever.
 
     Parameters
     ----------

@@ -56,8 +56,8 @@ def text(answer: LeverMotion) -> str:
 
 
 def table(answer: LeverMotion) -> Table:
-    """The values over the crank angle that were asked for."""
-    assert answer.table is not None  # nobody asks for it else
+    """The requested values over the crank angle."""
+    assert answer.table is not None  # rendered only if it was requested
     return answer.table
 
 

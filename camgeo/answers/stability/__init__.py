@@ -14,11 +14,11 @@ from camgeo.stability.suite import LIMIT, Row
 
 @dataclass(frozen=True, slots=True)
 class Stability(Answer):
-    """What was measured against mpmath.
+    """The results of the comparison with mpmath.
 
     Attributes
     ----------
-    readings : of each value that was compared.
+    readings : one for each value that was compared.
     rows : the quantities with their worst readings, the largest ratio first.
     quick : whether only two places of each case were compared.
     limit : of the ratio of error to conditioning.

@@ -20,14 +20,14 @@ conditioning: by how many ulp the exact value moves there if each input moves by
     own; the joints are inputs too, converted from degrees to radians and rounded once
 at: case and place of that error: z of a law, cam angle or crank angle
 ratio: largest error / max(1, conditioning); near 1 no algorithm in doubles can do better"""
-"""What stands in the table, explained below it."""
+"""The columns of the table, explained below it."""
 
 NUMBER, WIDE = 9, 14
 """Widths of a column of numbers."""
 
 
 def text(answer: Stability) -> str:
-    """The table, what stands in it, and what is beyond the limit."""
+    """The table, an explanation of its columns, and what exceeds the limit."""
     width = max(len(row.quantity) for row in answer.rows) + 2
     places = [_place(row.largest_error) for row in answer.rows]
     second = max(map(len, places)) + 2
@@ -53,7 +53,7 @@ def text(answer: Stability) -> str:
 
 
 def figure(answer: Stability) -> Figure:
-    """Errors over conditioning, of each case the worst."""
+    """Errors over conditioning, the worst of each case."""
     return stability.figure(worst_of_cases(answer.readings), answer.limit)
 
 

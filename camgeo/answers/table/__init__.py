@@ -13,7 +13,7 @@ from camgeo.motion.value_table import NAMES, PRINTED_STEP, law_table
 from camgeo.product.value_table import Table
 
 PRINTED_NAMES: Final = NAMES[:4]
-"""The guideline prints no f'''."""
+"""The guideline does not print f'''."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -38,7 +38,7 @@ def table_of_scene(design: Design, step: Decimal | None = None) -> ValueTable:
 def table_of_law(law: Law, step: Decimal = PRINTED_STEP, *, printed: bool = False) -> ValueTable:
     """The value table of a law at every `step` of z, or rounded as the tables of VDI 2143 are.
 
-    Raises GeometryError if the step is none.
+    Raises GeometryError if the step is invalid.
     """
     exact = law_table(law, step)
     if printed:

@@ -1,4 +1,4 @@
-"""What `camgeo verify` finds: files held against the exact curves of their scene."""
+"""What `camgeo verify` finds: files compared with the exact curves of their scene."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ from camgeo.verifying.verify import Against, Wanted, scene_file, verify_files
 
 @dataclass(frozen=True, slots=True)
 class Verification(Answer):
-    """Files, and what was found of them.
+    """Files, and the verdicts on them.
 
     Attributes
     ----------
     paths : of the files.
-    verdicts : one a file, in the same order.
+    verdicts : one per file, in the same order.
     """
 
     command: ClassVar[str] = "verify"
@@ -50,12 +50,12 @@ class Verification(Answer):
 def verify(
     paths: tuple[Path, ...], wanted: Wanted | None = None, *, scene: str | Path | None = None
 ) -> Verification:
-    """Read files back, and hold them against a scene.
+    """Read files back, and compare them with a scene.
 
     Parameters
     ----------
     paths : of the files.
-    wanted : what they are held to; None for what they and their scene say.
+    wanted : the requirements; None for those stated by the files and their scene.
     scene : path of the scene; None for the one whose hash the files name, looked for in their
         folder, the one above and the present one.
 

@@ -15,7 +15,7 @@ WIDTHS: Final = (34, 20, 32)
 
 
 def text(answer: Verification) -> str:
-    """Each file with what became of it, and below it its checks."""
+    """Each file with its result, and its checks below it."""
     lines = []
     for path, verdict in zip(answer.paths, answer.verdicts, strict=True):
         lines += [_headline(path, verdict), *map(_line, verdict.checks)]
@@ -23,7 +23,7 @@ def text(answer: Verification) -> str:
 
 
 def _headline(path: Path, verdict: Verdict) -> str:
-    """The file and what became of it."""
+    """The file and its result."""
     word = "pass" if verdict.passed else "FAIL"
     if verdict.tolerance is None:
         return f"{path}: {word}, {'bytes only' if verdict.passed else 'not measured'}"
@@ -58,5 +58,5 @@ def _text(value: float | str | None, unit: str) -> str:
 
 
 def _long(value: float | str | None) -> str:
-    """With the digits that a comparison needs."""
+    """The value with as many digits as a comparison needs."""
     return f"{value:.9g}" if isinstance(value, float) else value or ""
