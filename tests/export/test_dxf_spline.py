@@ -267,7 +267,10 @@ def test_gaps_are_closed_at_the_arcs_and_lines() -> None:
             lambda space: space.add_open_spline([(0, 0, 0), (1, 1, 0), (2, 1, 3), (3, 0, 0)]),
             "SPLINE does not lie in the plane",
         ),
-        (lambda space: space.add_ellipse((0.0, 0.0), (5.0, 0.0), 0.5), "ELLIPSE is not a line or"),
+        (
+            lambda space: space.add_ellipse((0.0, 0.0), (5.0, 0.0), 0.5),
+            "ELLIPSE is not a line or arc",
+        ),
     ],
 )
 def test_what_is_refused(draw: Drawing, message: str) -> None:
