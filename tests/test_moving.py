@@ -118,7 +118,7 @@ def test_kinematics_need_no_follower() -> None:
     assert "velocity [mm/s]" in design.tabulated.table().names
 
 
-@pytest.mark.parametrize("ask", ["cams", "cam", "discs", "disc", "drawn"])
+@pytest.mark.parametrize("ask", ["cams", "cam", "discs", "disc"])
 def test_what_needs_a_disc_says_so(ask: str) -> None:
     with pytest.raises(SceneError, match="follower: is missing: a disc needs it") as caught:
         getattr(camgeo.loads(FREE), ask)
