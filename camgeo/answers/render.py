@@ -31,8 +31,8 @@ Node = Mapping[str, Any]
 
 def text(answer: Answer) -> str:
     """The answer in words, lines without the last line end."""
-    told: str = _rendering(answer).text(answer)
-    return told
+    words: str = _rendering(answer).text(answer)
+    return words
 
 
 def table(answer: Answer) -> Table:

@@ -30,7 +30,7 @@ def check_closure(curve: PitchCurve, severity: Severity = "no-disc") -> tuple[Fi
     at_gap, at_turn = int(np.argmax(join.gaps)), int(np.argmax(join.turns))
     gap, turn = float(join.gaps[at_gap]), math.degrees(join.turns[at_turn])
     place = float(join.phi[at_turn])
-    told = f"largest gap of the pitch curve at a joint {gap:.2g} mm"
+    statement = f"largest gap of the pitch curve at a joint {gap:.2g} mm"
     turned = (
         f"largest angle between the tangents at a joint {turn:.2g} deg at cam angle"
         f" {math.degrees(place):.6g} deg"
@@ -42,6 +42,6 @@ def check_closure(curve: PitchCurve, severity: Severity = "no-disc") -> tuple[Fi
     closed: Severity = "no-disc" if gap > limit else "ok"
     most = math.degrees(TANGENT_LIMIT)
     return (
-        Finding("closure", closed, told, gap, limit, "mm", float(join.phi[at_gap])),
+        Finding("closure", closed, statement, gap, limit, "mm", float(join.phi[at_gap])),
         Finding("tangent-closure", corner, turned, turn, most, "deg", place),
     )

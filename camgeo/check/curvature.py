@@ -35,15 +35,15 @@ def check_radius_ratio(
     ratio = -math.copysign(roller, flank.distance) * kappa
     if roller == 0.0 or ratio <= 0.0:
         bend = "concave" if flank.distance < 0.0 else "convex"
-        told = f"{name} flank: the pitch curve is {bend} everywhere, any roller fits"
+        statement = f"{name} flank: the pitch curve is {bend} everywhere, any roller fits"
         if roller == 0.0:
-            told = f"{name} flank: a knife edge, r_R = 0, fits any radius of curvature"
-        return Finding(f"radius-ratio-{name}", "ok", told, 0.0, limit)
-    told = (
+            statement = f"{name} flank: a knife edge, r_R = 0, fits any radius of curvature"
+        return Finding(f"radius-ratio-{name}", "ok", statement, 0.0, limit)
+    statement = (
         f"{name} flank: r_R/r_K = {ratio:.4f} (r_R {roller:g} mm, smallest r_K"
         f" {1 / abs(kappa):.4f} mm) at cam angle {math.degrees(phi):.4f} deg"
     )
-    return held(f"radius-ratio-{name}", told, ratio, limit, cam_angle=phi)
+    return held(f"radius-ratio-{name}", statement, ratio, limit, cam_angle=phi)
 
 
 def check_undercut(
@@ -56,14 +56,14 @@ def check_undercut(
     kappa, phi = _tightest(flank, bends)
     margin = 1.0 + flank.distance * kappa
     if margin > CUSP:
-        told = f"{name} flank: no cusp and no local undercut"
-        return (Finding(f"undercut-{name}", "ok", told, margin, 0.0, cam_angle=phi),)
+        statement = f"{name} flank: no cusp and no local undercut"
+        return (Finding(f"undercut-{name}", "ok", statement, margin, 0.0, cam_angle=phi),)
     if margin >= -CUSP:
-        told = (
+        statement = (
             f"{name} flank: cusp at cam angle {math.degrees(phi):.6f} deg, {_what(flank)}"
             f" equals the pitch curve's radius of curvature, {1 / abs(kappa):.6g} mm"
         )
-        return (Finding(f"cusp-{name}", severity, told, margin, 0.0, cam_angle=phi),)
+        return (Finding(f"cusp-{name}", severity, statement, margin, 0.0, cam_angle=phi),)
     found = []
     for start, end in undercut_ranges(flank, bends):
         span = end - start if end > start else end - start + TURN
@@ -73,13 +73,13 @@ def check_undercut(
         margins = 1.0 + flank.distance * bends.values[inside]
         worst = int(np.argmin(margins))
         value, place = float(margins[worst]), float(bends.phi[inside[worst]]) % TURN
-        told = (
+        statement = (
             f"{name} flank: undercut from cam angle {math.degrees(start):.6f} to"
             f" {math.degrees(end):.6f} deg, the roller is larger than the radius of curvature of"
             " the pitch curve; the follower would not make its motion"
         )
         what = f"undercut-{name}"
-        found.append(Finding(what, severity, told, value, 0.0, "", place, (start, end)))
+        found.append(Finding(what, severity, statement, value, 0.0, "", place, (start, end)))
     return tuple(found)
 
 

@@ -120,9 +120,9 @@ def check_face(curve: PitchCurve) -> tuple[Finding, ...]:
         found = Finding("face-length", severity, sentence, place, end, "mm", phi)
     if low > follower.least_place + slack:
         return (found,)
-    told = (
+    statement = (
         f"the contact comes to the pivot's foot on the face ({low:.6g} mm at cam angle"
         f" {degrees(at_low)} deg): it has no lever about the pivot there, and the cam cannot move"
         " the rocker any further"
     )
-    return found, Finding("contact-lever", "broken", told, low, 0.0, "mm", at_low)
+    return found, Finding("contact-lever", "broken", statement, low, 0.0, "mm", at_low)

@@ -57,7 +57,7 @@ class Finding:
 
 def held(
     name: str,
-    told: str,
+    statement: str,
     value: float,
     limit: float | None,
     unit: str = "",
@@ -66,15 +66,15 @@ def held(
     least: bool = False,
 ) -> Finding:
     """The finding that compares `value` with a `limit` that it must not exceed, or with `least` not
-    fall below; with none if that is None. The sentence is `told` with the verdict.
+    fall below; with none if that is None. The sentence is `statement` with the verdict.
     """
     if limit is None:
-        return Finding(name, "ok", told, value, unit=unit, cam_angle=cam_angle)
+        return Finding(name, "ok", statement, value, unit=unit, cam_angle=cam_angle)
     broken = value < limit if least else value > limit
     beyond, within = ("below", "at least") if least else ("above", "at most")
     verdict = f"{beyond if broken else within} {limit:g} {unit}".rstrip()
     severity: Severity = "broken" if broken else "ok"
-    return Finding(name, severity, f"{told}, {verdict}", value, limit, unit, cam_angle)
+    return Finding(name, severity, f"{statement}, {verdict}", value, limit, unit, cam_angle)
 
 
 def forbidding(findings: Iterable[Finding]) -> tuple[Finding, ...]:

@@ -24,18 +24,20 @@ def check_follower(
     half = follower.roller_radius + 0.5 * clearance
     if runs_on_inner and half >= base:
         what = "the roller" if clearance == 0.0 else "half the groove's width"
-        told = (
+        statement = (
             f"{what} ({half:g} mm) is not smaller than the base circle ({base:g} mm): it covers the"
             " cam axis, and its inner working curve lies on the other side; make"
             " follower.roller_radius smaller or follower.base_radius larger"
         )
-        found.append(Finding("roller-over-axis", "invalid", told, half, base, "mm"))
+        found.append(Finding("roller-over-axis", "invalid", statement, half, base, "mm"))
     beside = abs(follower.offset)
     if math.sqrt((base - beside) * (base + beside)) <= LOCKED * base:
-        told = (
+        statement = (
             f"the offset equals the base radius ({base:g} mm): the guide touches the base circle,"
             " the transmission angle is 0 at cam angle 0 and the follower locks; make"
             " follower.offset smaller"
         )
-        found.append(Finding("self-locking", "invalid", told, beside, base, "mm", cam_angle=0.0))
+        found.append(
+            Finding("self-locking", "invalid", statement, beside, base, "mm", cam_angle=0.0)
+        )
     return tuple(found)

@@ -69,15 +69,17 @@ def _check_form_closure(main: PitchCurve, other: PitchCurve) -> Finding:
 
     value, phi = extremes(main, product, slope).largest()
     place = f"at cam angle {math.degrees(phi):.4f} deg"
-    told = f"product of the leverages as sines of the transmission angles {value + 0.0:.4f} {place}"
+    bound = (
+        f"product of the leverages as sines of the transmission angles {value + 0.0:.4f} {place}"
+    )
     if value >= -VANISHING:
         sentence = (
-            f"the two discs do not hold the follower between them: {told}, where they do not push"
+            f"the two discs do not hold the follower between them: {bound}, where they do not push"
             " it in opposite senses"
         )
         return Finding("form-closure", "broken", sentence, value + 0.0, 0.0, cam_angle=phi)
     sentence = (
-        f"the two discs push the follower in opposite senses over the whole turn; largest {told}"
+        f"the two discs push the follower in opposite senses over the whole turn; largest {bound}"
     )
     return Finding("form-closure", "ok", sentence, value, 0.0, cam_angle=phi)
 
@@ -100,11 +102,11 @@ def _check_closing_error(
         return total
 
     value, phi = extremes(main, play, slope).largest()
-    told = (
+    statement = (
         f"with both discs true to {tolerance:g} mm the rollers have at most {value:.6f} mm of"
         f" play or squeeze, as travel of the main roller, at cam angle {math.degrees(phi):.4f} deg"
     )
-    return held("closing-error", told, value, limit, "mm", phi)
+    return held("closing-error", statement, value, limit, "mm", phi)
 
 
 def check_breadth(cam: Breadth, breadth: float, limit: float) -> Finding:
@@ -114,8 +116,8 @@ def check_breadth(cam: Breadth, breadth: float, limit: float) -> Finding:
     """
     (least, narrow), (most, wide) = cam.range
     error, phi = max((most - breadth, wide), (breadth - least, narrow))
-    told = (
+    statement = (
         f"yoke of breadth {breadth:.6g} mm: the cam is {least:.6g} to {most:.6g} mm wide, off"
         f" by up to {error + 0.0:.3g} mm at cam angle {math.degrees(phi):.4f} deg"
     )
-    return held("closing-error", told, error, limit, "mm", phi)
+    return held("closing-error", statement, error, limit, "mm", phi)

@@ -73,12 +73,14 @@ def _transmission_angle(motion: LinkedMotion, runs: MonotoneRuns) -> Finding:
     """The smallest acute angle between coupler and crank."""
     value, place = _smallest_sine(motion, runs)
     angle = math.degrees(math.asin(min(1.0, value)))
-    told = (
+    statement = (
         f"smallest angle between coupler and crank {angle:.3f} deg at cam angle"
         f" {math.degrees(place):.3f} deg"
     )
     place = math.fmod(place, TURN)
-    return Finding("linkage-transmission-angle", "ok", told, angle, unit="deg", cam_angle=place)
+    return Finding(
+        "linkage-transmission-angle", "ok", statement, angle, unit="deg", cam_angle=place
+    )
 
 
 def _smallest_sine(motion: LinkedMotion, runs: MonotoneRuns) -> tuple[float, float]:
@@ -122,8 +124,8 @@ def _branch(linkage: Linkage) -> tuple[Finding, ...]:
     tilt, limit = math.degrees(linkage.coupler_tilt), math.degrees(PARALLEL)
     if linkage.coupler_tilt <= PARALLEL:
         return ()
-    told = (
+    statement = (
         f"at stroke 0 the coupler is {tilt:.3f} deg off the guide's direction, though the"
         " dimensions are defined for a parallel one: the other `branch` may be meant"
     )
-    return (Finding("linkage-branch", "warning", told, tilt, limit, "deg", cam_angle=0.0),)
+    return (Finding("linkage-branch", "warning", statement, tilt, limit, "deg", cam_angle=0.0),)

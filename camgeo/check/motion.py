@@ -39,19 +39,19 @@ def check_motion(plan: MotionPlan, unit: LiftUnit) -> tuple[Finding, ...]:
     unit : which of the two; findings give degrees for rad.
     """
     found = [_laws(plan), _continuity(plan)]
-    scale, told = STATED[unit]
+    scale, shown = STATED[unit]
     for joint in breaks(plan):
         if joint.order == SHOCK:
-            found.append(_jump(joint, 1, scale, told))
+            found.append(_jump(joint, 1, scale, shown))
         if joint.order in (SHOCK, JERK) and joint.left[2] != joint.right[2]:
-            found.append(_jump(joint, 2, scale, told))
+            found.append(_jump(joint, 2, scale, shown))
     position = 0.0
     for segment, start in zip(plan.segments, plan.joints_deg, strict=False):
         angle = math.radians(float(segment.span))
         if isinstance(segment, Move) and segment.scale is None:
-            found += _overshoot(segment, position, float(start), scale, told)
+            found += _overshoot(segment, position, float(start), scale, shown)
         if isinstance(segment, SplineMove) and segment.report is not None:
-            found.append(_deviation(segment, math.radians(float(start)), angle, scale, told))
+            found.append(_deviation(segment, math.radians(float(start)), angle, scale, shown))
         if isinstance(segment, Move | SplineMove):
             position = segment.to
     return tuple(found)
@@ -59,13 +59,13 @@ def check_motion(plan: MotionPlan, unit: LiftUnit) -> tuple[Finding, ...]:
 
 def _laws(plan: MotionPlan) -> Finding:
     """The law of each move, with the parameters chosen or computed for it."""
-    told = [
+    moves = [
         f"{float(start):g} to {float(end):g} deg {_made_of(segment)}"
         for segment, (start, end) in zip(plan.segments, pairwise(plan.joints_deg), strict=True)
         if segment.span and not isinstance(segment, Dwell)
     ]
-    sentence = "; ".join(told[:LISTED]) + _more(told) if told else "the follower rests"
-    return Finding("laws", "ok", sentence, float(len(told)))
+    sentence = "; ".join(moves[:LISTED]) + _more(moves) if moves else "the follower rests"
+    return Finding("laws", "ok", sentence, float(len(moves)))
 
 
 def _more(listed: Sequence[object]) -> str:
@@ -107,13 +107,13 @@ def _jump(joint: Joint, order: int, scale: float, unit: str) -> Finding:
     place = f"at cam angle {_angle(joint)}"
     if order == 1:
         per = f"{unit}/rad"
-        told = (
+        statement = (
             f"the velocity jumps by {jump:.6g} {per} {place}, a shock: the acceleration is infinite"
         )
-        return Finding("shock", "broken", told, jump, 0.0, per, joint.cam_angle)
+        return Finding("shock", "broken", statement, jump, 0.0, per, joint.cam_angle)
     per = f"{unit}/rad^2"
-    told = f"the acceleration jumps by {jump:.6g} {per} {place}"
-    return Finding("jerk", "warning", told, jump, 0.0, per, joint.cam_angle)
+    statement = f"the acceleration jumps by {jump:.6g} {per} {place}"
+    return Finding("jerk", "warning", statement, jump, 0.0, per, joint.cam_angle)
 
 
 def _overshoot(move: Move, position: float, start: float, scale: float, unit: str) -> list[Finding]:
@@ -130,13 +130,13 @@ def _overshoot(move: Move, position: float, start: float, scale: float, unit: st
         if excess > OVERSHOOT:
             angle = start + extreme.place * float(move.span)
             beyond = scale * excess * abs(stroke)
-            told = (
+            statement = (
                 f"the move by {move.law.name} goes {beyond:.6g} {unit} beyond its {what}, to"
                 f" {scale * (position + stroke * extreme.value):.6g} {unit} at cam angle"
                 f" {angle:.6g} deg"
             )
             place = math.radians(angle)
-            found.append(Finding("overshoot", "warning", told, beyond, 0.0, unit, place))
+            found.append(Finding("overshoot", "warning", statement, beyond, 0.0, unit, place))
     return found
 
 
@@ -145,11 +145,11 @@ def _deviation(move: SplineMove, start: float, length: float, scale: float, unit
     assert report is not None  # only those are passed
     angle = start + report.place * length
     largest = scale * report.largest_deviation
-    told = (
+    statement = (
         f"the motion is at most {largest:.3g} {unit} off the rows of its lift table, at cam angle"
         f" {math.degrees(angle):.6g} deg (root mean square {scale * report.rms:.3g} {unit})"
     )
-    return Finding("lift-table", "ok", told, largest, unit=unit, cam_angle=angle)
+    return Finding("lift-table", "ok", statement, largest, unit=unit, cam_angle=angle)
 
 
 @kept_with_plan
@@ -163,14 +163,14 @@ def check_speed(plan: MotionPlan, course: TimeCourse | None, unit: LiftUnit) -> 
     unit : mm or rad.
     """
     extremes = plan_extremes(plan, course or OVER_ANGLE, unit)
-    scale, told = STATED[unit]
+    scale, shown = STATED[unit]
     base = "rad" if course is None else "s"
     order = min(joint.order for joint in breaks(plan))
     found = []
     for power, (name, values) in enumerate(
         zip(NAMES, (extremes.velocity, extremes.acceleration, extremes.jerk), strict=True), start=1
     ):
-        per = f"{told}/{base}" if power == 1 else f"{told}/{base}^{power}"
+        per = f"{shown}/{base}" if power == 1 else f"{shown}/{base}^{power}"
         # Where a derivative jumps the next one is infinite.
         found.append(_finding(name, values, scale, per, bounded=order >= power - 1))
     if course is not None:

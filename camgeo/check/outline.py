@@ -34,9 +34,9 @@ def check_outline(
     kinks : cam angles [rad] at which the velocity jumps, which `check_closure` reports.
     """
     found, crossing = [], f"global-undercut-{name}"
-    told = [*(start for start, _ in undercut), *kinks]
+    known = [*(start for start, _ in undercut), *kinks]
     for start, end in outline.dropped:
-        if any((place - start) % TURN <= end - start for place in told):
+        if any((place - start) % TURN <= end - start for place in known):
             continue
         width, where = math.degrees(end - start), (start, end % TURN)
         sentence = (
@@ -70,13 +70,13 @@ def check_lost_stroke(replay: Replay, name: str, unit: LiftUnit, severity: Sever
         jumps.append(_counted(len(replay.shocks), "shock"))
     if len(replay.drops):
         jumps.append(_counted(len(replay.drops), "drop") + " off an edge")
-    told = (
+    statement = (
         f"{name} flank: on the real disc the follower loses up to {value:.4g} {shown} of its lift,"
         f" at cam angle {_degrees(loss.place)} deg"
     )
     if jumps:
-        told += f", with {' and '.join(jumps)}"
-    return Finding(f"lost-stroke-{name}", severity, told, value, 0.0, shown, loss.place)
+        statement += f", with {' and '.join(jumps)}"
+    return Finding(f"lost-stroke-{name}", severity, statement, value, 0.0, shown, loss.place)
 
 
 def _counted(number: int, noun: str) -> str:

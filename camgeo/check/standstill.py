@@ -36,9 +36,9 @@ def check_standstill(curve: PitchCurve) -> tuple[Finding, ...]:
     speed = math.sqrt(smallest)
     if speed > limit:
         return ()
-    told = (
+    statement = (
         f"the roller centre stands still in the turning cam at cam angle {math.degrees(phi):.6f}"
         " deg (Z' = 0): the pitch curve has a cusp and no normal; the rocker lies on the line of"
         " centres and l_3 (1 - sigma psi') = l_1"
     )
-    return (Finding("standstill", "no-disc", told, speed, limit, "mm/rad", phi),)
+    return (Finding("standstill", "no-disc", statement, speed, limit, "mm/rad", phi),)

@@ -47,5 +47,7 @@ def check_transmission_angle(curve: PitchCurve, limit: float) -> Finding:
     """Compare the smallest transmission angle with `limit` [rad]."""
     smallest, phi = transmission_angle_extremes(curve).smallest()
     value, bound = math.degrees(smallest), math.degrees(limit)
-    told = f"smallest transmission angle {value:.4f} deg at cam angle {math.degrees(phi):.4f} deg"
-    return held("transmission-angle", told, value, bound, "deg", phi, least=True)
+    statement = (
+        f"smallest transmission angle {value:.4f} deg at cam angle {math.degrees(phi):.4f} deg"
+    )
+    return held("transmission-angle", statement, value, bound, "deg", phi, least=True)

@@ -129,7 +129,7 @@ def closing_sizes(
 def why_open(linkage: Linkage, motion: Motion) -> str:
     """Where `linkage`, which does not close throughout `motion`, is open; what would close it."""
     found = openings(linkage, motion)
-    told = [
+    gaps = [
         f"{math.degrees(each.start):.10g} and {math.degrees(each.end):.10g}"
         for each in found[:MOST_LISTED]
     ]
@@ -139,7 +139,7 @@ def why_open(linkage: Linkage, motion: Motion) -> str:
     cures = [*_size_texts(linkage, low, high), *kept_between(linkage)]
     cured = f"; it closes {_listed(cures)}" if cures else ""
     return (
-        f"the linkage does not close between cam angles {' and between '.join(told)} degrees{more}:"
+        f"the linkage does not close between cam angles {' and between '.join(gaps)} degrees{more}:"
         f" it misses by up to {missing:.6g} mm{cured}"
     )
 

@@ -83,10 +83,10 @@ def length_cure(
         return no_cure(knob, key, old, "mm", none)
     near = "just " if knob in ("offset", "arm") else ""
     digits = digits_for(old, limit)
-    told, present = rounded_beyond(limit, digits, upward=upward), f"{old:.{digits}g}"
+    limit_text, present = rounded_beyond(limit, digits, upward=upward), f"{old:.{digits}g}"
     cost = abs(limit - old) / scale
     sentence = (
-        f"{knob} {near}{'above' if upward else 'below'} {told} mm instead of {present} mm"
+        f"{knob} {near}{'above' if upward else 'below'} {limit_text} mm instead of {present} mm"
         f" ({key}, a change by {percent(cost)})"
     )
     return Cure(knob, key, old, limit, "mm", cost, sentence)

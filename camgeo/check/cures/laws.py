@@ -188,11 +188,11 @@ def _cure(plan: MotionPlan, offers: Mapping[int, Offer]) -> Cure:
         changes[number] = Change(key_of(number, move, "law"), move.law.name, offer.law.name)
     leading = max(offers, key=lambda number: offers[number].growth)
     cost = offers[leading].growth
-    told = " and ".join(
+    named = " and ".join(
         f'{change.key} "{change.value_to}" instead of "{change.value_from}"'
         for change in changes.values()
     )
     grows = f"grows by {percent(cost)}" if cost > 0.0 else "does not grow"
-    sentence = f"{told}, with default parameters (the peak of the acceleration {grows})"
+    sentence = f"{named}, with default parameters (the peak of the acceleration {grows})"
     also = tuple(change for number, change in changes.items() if number != leading)
     return changes[leading].cure(KNOB, "", cost, sentence, also)
