@@ -59,7 +59,7 @@ import shapely
 from scipy.spatial import KDTree
 
 from camgeo.contour.arcs.fast import fit_arcs
-from camgeo.curve.curvature import curvature_extremes
+from camgeo.curve.extremes import curvature_extremes
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.design import Design

@@ -148,13 +148,9 @@ class Design(Pickled):
         """The cam as value tables list it; for a scene without follower only its motion."""
         if self.scene.follower is not None:
             return self.disc.tabulated
-        from camgeo.formats.csv import FORMAT
         from camgeo.product.value_table import TabulatedCam
 
-        scene, spec = self.scene, self.scene.output.options[FORMAT]
-        return TabulatedCam(
-            self.drive, scene.lift_unit, None, scene.unit, spec, self._columns, self.ledger
-        )
+        return TabulatedCam(self.drive, self.scene, None, self._columns, self.ledger)
 
     def _columns(self) -> tuple[Column, ...]:
         """The effects over the cam angle; effects without an answer are left out."""

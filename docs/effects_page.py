@@ -20,14 +20,14 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from camgeo.accuracy.effects import effect_rows
+from camgeo.answers.answer import finding_lines
 from camgeo.answers.check import check
 from camgeo.answers.explain import explain
 from camgeo.answers.explain.rendering import tree_lines
-from camgeo.answers.finding_lines import finding_lines
 from camgeo.design import Design
 from camgeo.effects.balance.holes import MOST_HOLES
 from camgeo.effects.contact_pressure.findings import HEAVY
-from camgeo.effects.contact_pressure.hertz import SHEAR_DEPTH, SHEAR_SHARE
+from camgeo.effects.contact_pressure.line_contact import SHEAR_DEPTH, SHEAR_SHARE
 from camgeo.effects.friction.jamming import NEAR
 from camgeo.effects.graph import TOLERANCE
 from camgeo.effects.gravity import STANDARD_GRAVITY

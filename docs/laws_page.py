@@ -18,13 +18,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from camgeo.motion.boundary import ENDS, NAMES, TASKS
 from camgeo.motion.laws import ALIASES, FAMILIES, make_law
 from camgeo.motion.laws.balance import equal_accelerations
 from camgeo.motion.laws.characteristic import characteristic
 from camgeo.motion.laws.law import Law
 from camgeo.motion.planning.auto import best_law, size_of
 from camgeo.motion.planning.request import CRITERIA
-from camgeo.motion.task import ENDS, NAMES, TASKS
 from camgeo.numeric.extremes import Extreme
 
 if TYPE_CHECKING:

@@ -15,7 +15,7 @@ from functools import cache
 from pathlib import Path
 from typing import Final
 
-from camgeo.answers.finding_lines import finding_lines
+from camgeo.answers.answer import finding_lines
 from camgeo.design import Design
 from camgeo.scene.load import load_scene
 

@@ -13,8 +13,8 @@ import pytest
 import camgeo
 from camgeo.cam.disc import Disc
 from camgeo.cam.drive import Drive
-from camgeo.curve import curvature, pitch_curve
-from camgeo.curve.curvature import radius_of_curvature
+from camgeo.curve import extremes, pitch_curve
+from camgeo.curve.extremes import radius_of_curvature
 from camgeo.design import Design
 from camgeo.lazy import lazy_names
 from camgeo.motion import plan
@@ -53,7 +53,7 @@ def test_what_was_not_asked_for_did_not_run(design: Design) -> None:
 
 def test_findings_are_computed_once(design: Design, monkeypatch: pytest.MonkeyPatch) -> None:
     count = []
-    original = curvature.curvature_extremes
+    original = extremes.curvature_extremes
 
     def counted(curve: pitch_curve.PitchCurve) -> object:
         count.append(curve)

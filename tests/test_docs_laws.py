@@ -12,10 +12,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from camgeo.motion.boundary import TASKS
 from camgeo.motion.laws import ALIASES, FAMILIES, make_law
 from camgeo.motion.laws.law import Law
 from camgeo.motion.plan import Dwell, SplineMove
-from camgeo.motion.task import TASKS
 from camgeo.scene.load import parse_scene
 from tests.pages import page_maker
 

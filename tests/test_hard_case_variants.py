@@ -25,7 +25,7 @@ from camgeo.check.finding import Finding
 from camgeo.check.follower import check_follower
 from camgeo.check.linkage import check_linkage
 from camgeo.check.standstill import check_standstill
-from camgeo.curve.curvature import curvature_extremes, radius_of_curvature
+from camgeo.curve.extremes import curvature_extremes, radius_of_curvature
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.design import Design

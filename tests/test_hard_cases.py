@@ -23,7 +23,7 @@ from camgeo.check.linkage import check_linkage
 from camgeo.check.outline import check_outline
 from camgeo.check.standstill import check_standstill
 from camgeo.check.transmission_angle import check_transmission_angle
-from camgeo.curve.curvature import curvature_extremes
+from camgeo.curve.extremes import curvature_extremes
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import GeometryError, SceneError

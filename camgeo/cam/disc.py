@@ -6,8 +6,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from camgeo.cam.contact import Contact, contact_of
-from camgeo.curve.curvature import curvature_extremes
-from camgeo.curve.extremes import Extremes
+from camgeo.curve.extremes import Extremes, curvature_extremes
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.lazy import Ledger, lazy

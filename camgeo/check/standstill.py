@@ -8,8 +8,8 @@ import numpy as np
 
 from camgeo.check.finding import Finding
 from camgeo.curve.extremes import extremes
+from camgeo.curve.pieces import slowest
 from camgeo.curve.pitch_curve import STANDSTILL, PitchCurve
-from camgeo.curve.turn_cells import slowest
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import argparse
 from typing import Final
 
+from camgeo.answers.answer import finding_lines
 from camgeo.answers.build import build
-from camgeo.answers.finding_lines import finding_lines
 from camgeo.cli.command import add_scene, opened, show, tell
 
 SUMMARY: Final = "write the files of a scene and certificate.json beside them"

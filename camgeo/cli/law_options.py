@@ -6,8 +6,8 @@ import argparse
 from typing import Final
 
 from camgeo.cli.command import number
+from camgeo.motion.boundary import TASKS
 from camgeo.motion.laws import OPTIONS
-from camgeo.motion.task import TASKS
 
 DEFAULT_TASK: Final = "R-R"
 

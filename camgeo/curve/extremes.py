@@ -1,4 +1,7 @@
-"""Exact extremes of a quantity over the turn: bracketed roots of its slope in each smooth piece."""
+"""Exact extremes of a quantity over the turn: bracketed roots of its slope in each smooth piece.
+
+Among them those of the curvature of a pitch curve, which decide the size of the roller.
+"""
 
 from __future__ import annotations
 
@@ -8,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from camgeo.curve.pieces import HasBreaks, smooth_pieces
+from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray, frozen
 from camgeo.numeric.roots import roots_on_grid
@@ -80,3 +84,17 @@ def extremes(curve: HasBreaks, value: Quantity, slopes: Quantity) -> Extremes:
     return Extremes(
         frozen(phi[order], np.float64), frozen(np.concatenate(values)[order], np.float64)
     )
+
+
+def curvature_extremes(curve: PitchCurve) -> Extremes:
+    """All local extremes of the curvature kappa [1/mm] of the pitch curve; Z' must not vanish."""
+    return extremes(curve, curve.curvature, curve.curvature_slope)
+
+
+def radius_of_curvature(kappa: FloatArray) -> FloatArray:
+    """(n,) [mm] signed radius of the curvature `kappa` [1/mm]; infinite exactly at an inflection.
+
+    Prefer the curvature, which has no poles.
+    """
+    radius: FloatArray = np.full_like(kappa, np.inf)
+    return np.divide(1.0, kappa, out=radius, where=kappa != 0.0)

@@ -16,9 +16,9 @@ from camgeo.figure.layout import grid, heights, limits
 from camgeo.figure.marks import Box, Line, Mark, Rule, Style, Text, over
 from camgeo.figure.model import Axis, Entry, Figure, Legend, Panel
 from camgeo.figure.style import AUXILIARY, LIMIT, LINE, ZERO
+from camgeo.motion.boundary import NAMES, ends_of
 from camgeo.motion.laws.comparison import Entry as Compared
 from camgeo.motion.laws.law import Law
-from camgeo.motion.task import NAMES, ends_of
 from camgeo.numeric.arrays import FloatArray
 
 SAMPLES: Final = 129

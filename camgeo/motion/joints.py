@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from camgeo.motion.boundary import End, end_of
 from camgeo.motion.plan import MotionPlan, kept_with_plan
 from camgeo.motion.spans import FULL_TURN
-from camgeo.motion.task import End, end_of
 from camgeo.numeric import checked
 from camgeo.numeric.arrays import FloatArray, ascending, frozen
 from camgeo.pickled import Pickled

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from camgeo.curve.extremes import extremes
+from camgeo.curve.pieces import halves, turn_cells
 from camgeo.curve.pitch_curve import PitchCurve
-from camgeo.curve.turn_cells import halves, turn_cells
 from camgeo.motion.extremes import lift_range
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray

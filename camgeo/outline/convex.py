@@ -16,8 +16,8 @@ import numpy as np
 
 from camgeo.curve.closure import joints
 from camgeo.curve.extremes import Extremes, extremes
+from camgeo.curve.pieces import halves, turn_cells
 from camgeo.curve.pitch_curve import PitchCurve
-from camgeo.curve.turn_cells import halves, turn_cells
 from camgeo.mechanism.face import Touch, flat_follower
 from camgeo.motion.motion import Side
 from camgeo.numeric.arrays import FloatArray, ascending

@@ -14,8 +14,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from camgeo.curve.curvature import curvature_extremes
-from camgeo.curve.extremes import Extremes
+from camgeo.curve.extremes import Extremes, curvature_extremes
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.numeric.arrays import BoolArray, FloatArray, frozen
 from camgeo.numeric.roots import bracketed_roots, roots_on_grid

@@ -112,11 +112,9 @@ class Product(Pickled):
     @built
     def tabulated(self) -> TabulatedCam:
         """The cam as value tables list it."""
-        from camgeo.formats.csv import FORMAT
         from camgeo.product.value_table import TabulatedCam
 
-        drive, lift_unit, spec = self.cam.drive, self.cam.lift_unit, self.options[FORMAT]
-        return TabulatedCam(drive, lift_unit, self.cam, self.unit, spec, self.columns, self.ledger)
+        return TabulatedCam(self.cam.drive, self.scene, self.cam, self.columns, self.ledger)
 
     @built
     def pictured(self) -> PicturedCam:

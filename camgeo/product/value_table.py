@@ -14,8 +14,8 @@ import numpy as np
 
 from camgeo.cam.cam import Cam
 from camgeo.cam.drive import Demanded, Drive, LiftUnit
-from camgeo.curve.curvature import radius_of_curvature
-from camgeo.formats.csv import CsvSpec
+from camgeo.curve.extremes import radius_of_curvature
+from camgeo.formats.csv import FORMAT, CsvSpec
 from camgeo.lazy import Ledger, lazy
 from camgeo.motion.motion import Jet
 from camgeo.motion.time_course import in_time
@@ -26,6 +26,7 @@ from camgeo.units import MM_PER, LengthUnit
 
 if TYPE_CHECKING:  # few scenes name an effect
     from camgeo.effects.effect import Column
+    from camgeo.scene.scene import Scene
 
 FULL_TURN = Decimal(360)
 
@@ -100,19 +101,15 @@ class TabulatedCam(Pickled):
     Attributes
     ----------
     drive : what moves the follower.
-    lift_unit : of the follower's own motion.
+    scene : has the unit of lengths in the table, and its step.
     cam : the cam; None if there is no follower.
-    unit : of lengths in the table.
-    spec : holds the step of the table.
     columns : gives the effects over the cam angle.
     ledger : records what was computed.
     """
 
     drive: Drive
-    lift_unit: LiftUnit
+    scene: Scene
     cam: Cam | None
-    unit: LengthUnit
-    spec: CsvSpec
     columns: Callable[[], tuple[Column, ...]]
     ledger: Ledger = field(default_factory=Ledger, repr=False, compare=False)
 
@@ -131,18 +128,18 @@ class TabulatedCam(Pickled):
     @lazy
     def value_table(self) -> Table:
         """The table at the scene's step."""
-        return self._table(cam_angles(self.spec.step))
+        return self._table(cam_angles(self.scene.output.options[FORMAT].step))
 
     def _table(self, degrees: FloatArray) -> Table:
-        phi = np.radians(degrees)
+        phi, unit = np.radians(degrees), self.scene.unit
         columns: Columns = [("phi [deg]", degrees)]
-        motions = _motions(self.drive, self.lift_unit, phi)
+        motions = _motions(self.drive, self.scene.lift_unit, phi)
         for name, motion in motions:
-            columns += _angle(name, motion) if name else _length(self.unit, motion)
-        columns += _in_time(self.drive, motions, self.unit, phi)
+            columns += _angle(name, motion) if name else _length(unit, motion)
+        columns += _in_time(self.drive, motions, unit, phi)
         if self.cam is not None:
-            columns += _of_cam(self.cam, self.unit, phi)
-        columns += [_of_effect(self.unit, column, phi) for column in self.columns()]
+            columns += _of_cam(self.cam, unit, phi)
+        columns += [_of_effect(unit, column, phi) for column in self.columns()]
         names = tuple(name for name, _ in columns)
         return Table(names, np.column_stack([values for _, values in columns]))
 

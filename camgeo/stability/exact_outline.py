@@ -19,8 +19,7 @@ from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.stability.cam_case import CamSpec
 from camgeo.stability.exact_cam import AnyFollower, CamJet
-from camgeo.stability.high_precision import Number, multiprecision
-from camgeo.stability.roots import STEPS, newton
+from camgeo.stability.high_precision import STEPS, Number, multiprecision, newton
 from camgeo.stability.series import Series, direction, logarithm, root, variable
 
 ENOUGH: Final = 24

@@ -10,8 +10,7 @@ from typing import Any, Final
 import numpy as np
 
 from camgeo.check.transmission_angle import transmission_angle_extremes
-from camgeo.curve.curvature import curvature_extremes
-from camgeo.curve.extremes import Extremes
+from camgeo.curve.extremes import Extremes, curvature_extremes
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.numeric.arrays import FloatArray
@@ -19,9 +18,8 @@ from camgeo.outline.cusps import undercut_ranges
 from camgeo.stability import cams, loops
 from camgeo.stability.cam_case import CamSpec
 from camgeo.stability.exact_cam import CamJet
-from camgeo.stability.high_precision import Number
+from camgeo.stability.high_precision import Number, Roots, newton
 from camgeo.stability.measure import Case
-from camgeo.stability.roots import Roots, newton
 
 GROUP: Final = "extremes"
 

@@ -9,7 +9,7 @@ from typing import Final
 
 import numpy as np
 
-from camgeo.curve.curvature import curvature_extremes
+from camgeo.curve.extremes import curvature_extremes
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.mechanism.translating_roller import TranslatingRoller
@@ -21,9 +21,8 @@ from camgeo.outline.replay import replay_outline
 from camgeo.outline.replay_result import Replay
 from camgeo.stability.cam_case import STEEP, CamSpec
 from camgeo.stability.exact_outline import ExactOutline
-from camgeo.stability.high_precision import Number
+from camgeo.stability.high_precision import Number, Roots
 from camgeo.stability.measure import Case
-from camgeo.stability.roots import Roots
 
 GROUP: Final = "outlines"
 

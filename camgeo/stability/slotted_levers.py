@@ -11,9 +11,8 @@ import numpy as np
 from camgeo.mechanism.slotted_lever import SlottedLever
 from camgeo.numeric.arrays import FloatArray
 from camgeo.numeric.extremes import Extreme
-from camgeo.stability.high_precision import Number, multiprecision
+from camgeo.stability.high_precision import Number, multiprecision, newton
 from camgeo.stability.measure import Case
-from camgeo.stability.roots import newton
 from camgeo.stability.series import Series, direction, logarithm, variable
 from camgeo.units import TURN
 

@@ -11,8 +11,8 @@ import pytest
 from camgeo.answers.laws import LawRow, laws_of_all_tasks, laws_of_task
 from camgeo.answers.render import figure, text
 from camgeo.errors import GeometryError
+from camgeo.motion.boundary import TASKS
 from camgeo.motion.laws.comparison import Running, compare
-from camgeo.motion.task import TASKS
 from tests.answers.documents import document
 
 MOVE = Running(4.0 * math.pi, math.radians(60.0), 25.0)

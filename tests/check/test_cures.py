@@ -27,7 +27,7 @@ from camgeo.check.cures.smallest import cures
 from camgeo.check.cures.spans import STEP, longer_plan
 from camgeo.check.curvature import check_undercut
 from camgeo.check.standstill import check_standstill
-from camgeo.curve.curvature import curvature_extremes
+from camgeo.curve.extremes import curvature_extremes
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import GeometryError

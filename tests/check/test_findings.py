@@ -16,7 +16,7 @@ from camgeo.check.follower import check_follower
 from camgeo.check.limits import default_transmission_angle
 from camgeo.check.standstill import check_standstill
 from camgeo.check.transmission_angle import check_transmission_angle
-from camgeo.curve.curvature import curvature_extremes
+from camgeo.curve.extremes import curvature_extremes
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.mechanism.kind import Unit

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from camgeo.check.transmission_angle import transmission_angle_extremes
-from camgeo.curve.curvature import curvature_extremes
+from camgeo.curve.extremes import curvature_extremes
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.numeric.roots import roots_on_grid
 from camgeo.units import TURN

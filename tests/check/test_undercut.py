@@ -7,7 +7,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from camgeo.check.curvature import check_undercut
-from camgeo.curve.curvature import curvature_extremes
+from camgeo.curve.extremes import curvature_extremes
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.numeric.arrays import FloatArray

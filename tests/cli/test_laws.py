@@ -20,10 +20,10 @@ from camgeo.errors import GeometryError
 from camgeo.figure.laws import SAMPLES, figure
 from camgeo.figure.marks import Line, Text
 from camgeo.figure.model import Panel
+from camgeo.motion.boundary import TASKS
 from camgeo.motion.laws import FAMILIES, make_law
 from camgeo.motion.laws.characteristic import Characteristic
 from camgeo.motion.laws.comparison import QUANTITIES, Entry, Running, compare
-from camgeo.motion.task import TASKS
 from camgeo_export.plots.render import render
 
 Capture = pytest.CaptureFixture[str]

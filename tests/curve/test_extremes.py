@@ -8,8 +8,7 @@ import pytest
 from hypothesis import given
 
 from camgeo.check.transmission_angle import transmission_angle_extremes
-from camgeo.curve.curvature import curvature_extremes
-from camgeo.curve.extremes import Extremes, Quantity, extremes
+from camgeo.curve.extremes import Extremes, Quantity, curvature_extremes, extremes
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.motion.motion import Side
 from camgeo.motion.plan import Dwell, MotionPlan, Move

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from hypothesis import given
 
+from camgeo.curve.pieces import MOST, halves, slowest, turn_cells
 from camgeo.curve.pitch_curve import PitchCurve
-from camgeo.curve.turn_cells import MOST, halves, slowest, turn_cells
 from camgeo.errors import GeometryError
 from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.motion.plan import Dwell, MotionPlan

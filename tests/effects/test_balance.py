@@ -281,8 +281,7 @@ def test_the_grade_is_held_against_mass_and_speed() -> None:
 
 def test_the_permissible_unbalance_of_a_turbine_rotor() -> None:
     """3600 kg at 3000 rev/min and G 2.5: e_per = 2.5 mm/s / 314.16/s = 7.958 um, 28,648 g mm."""
-    from camgeo.effects.balance.result import unbalance_finding
-    from camgeo.effects.balance.spin import Spin
+    from camgeo.effects.balance.result import Spin, unbalance_finding
     from camgeo.motion.time_course import ConstantSpeed
 
     spin = Spin(0j, 1, ConstantSpeed(100.0 * math.pi), np.array([0.0, TURN]))

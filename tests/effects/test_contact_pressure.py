@@ -15,16 +15,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from camgeo.design import Design
-from camgeo.effects.contact_pressure.hertz import (
+from camgeo.effects.contact_pressure.life import EXPONENT, spin
+from camgeo.effects.contact_pressure.line_contact import (
     SHEAR_DEPTH,
     SHEAR_SHARE,
+    LineContact,
     half_width,
     largest_pressure,
     needed_radius,
     roller_radii,
 )
-from camgeo.effects.contact_pressure.life import EXPONENT, spin
-from camgeo.effects.contact_pressure.line_contact import LineContact
 from camgeo.effects.contact_pressure.result import ContactPressure, compute
 from camgeo.effects.contact_pressure.table import PressureRequirements, parse
 from camgeo.effects.effect import Request, Results

@@ -17,8 +17,7 @@ from camgeo.toolpath.moves import ArcFeed, Feed, Rapid
 from camgeo.toolpath.spec import GcodeSpec
 from camgeo.units import LengthUnit
 from camgeo_export.errors import FileError
-from camgeo_export.gcode.blocks import Grid, Speller
-from camgeo_export.gcode.budget import Budget, budget
+from camgeo_export.gcode.blocks import Budget, Grid, Speller, budget
 from camgeo_export.gcode.reader import Program, read
 from camgeo_export.gcode.writer import WRITER
 from tests.export.stub_product import StubProduct

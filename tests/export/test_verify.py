@@ -23,13 +23,13 @@ from camgeo.design import Design
 from camgeo.product.product import Product
 from camgeo.verifying.verification import Check, Origin, Reading, Verifier, length_of
 from camgeo_export.gcode.writer import WRITER as GCODE
+from camgeo_export.matching import farthest
 from camgeo_export.stl.writer import WRITER as STL
 from camgeo_export.threemf.writer import WRITER as THREEMF
 from camgeo_export.verify.dxf import VERIFIER as DXF_VERIFIER
-from camgeo_export.verify.farthest import farthest
 from camgeo_export.verify.gcode import VERIFIER as GCODE_VERIFIER
-from camgeo_export.verify.joints import joints_of
 from camgeo_export.verify.mesh import merged, solid_checks, volume
+from camgeo_export.verify.shapes import joints_of
 from camgeo_export.verify.stl import VERIFIER as STL_VERIFIER
 from camgeo_export.verify.threemf import VERIFIER as THREEMF_VERIFIER
 

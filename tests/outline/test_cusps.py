@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 
-from camgeo.curve.curvature import curvature_extremes
-from camgeo.curve.extremes import Extremes
+from camgeo.curve.extremes import Extremes, curvature_extremes
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import GeometryError

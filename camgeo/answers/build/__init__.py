@@ -7,8 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar
 
-from camgeo.answers.answer import Answer
-from camgeo.answers.finding_lines import exit_code
+from camgeo.answers.answer import Answer, exit_code
 from camgeo.check.finding import Finding
 from camgeo.design import Design
 from camgeo.scene.scene import Scene

@@ -7,8 +7,7 @@ from dataclasses import dataclass
 from itertools import chain
 from typing import TYPE_CHECKING, ClassVar
 
-from camgeo.answers.answer import Answer
-from camgeo.answers.finding_lines import exit_code
+from camgeo.answers.answer import Answer, exit_code
 from camgeo.check.judge import RETURN
 from camgeo.errors import GeometryError
 from camgeo.motion.joints import Joint, joints

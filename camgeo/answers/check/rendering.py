@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Final
 
+from camgeo.answers.answer import finding_lines
 from camgeo.answers.check import Check
-from camgeo.answers.finding_lines import finding_lines
 
 CURES: Final = "Any one of these cures the undercut; it may break another limit, so check again:"
 

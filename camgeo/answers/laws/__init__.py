@@ -7,9 +7,9 @@ from dataclasses import dataclass, fields
 from typing import ClassVar, Final
 
 from camgeo.answers.answer import Answer
+from camgeo.motion.boundary import ENDS, NAMES, TASKS, ends_of
 from camgeo.motion.laws import FAMILIES, find_family
 from camgeo.motion.laws.comparison import QUANTITIES, Entry, Running, compare
-from camgeo.motion.task import ENDS, NAMES, TASKS, ends_of
 from camgeo.numeric.extremes import Extreme
 
 UNITS: Final = ("mm/s", "mm/s^2", "mm/s^2", "mm/s^3", "mm/s^3", "N m/kg", "N m/kg")

@@ -7,8 +7,7 @@ import numpy as np
 from camgeo.cam.cam import Cam
 from camgeo.check.follower import check_follower
 from camgeo.check.standstill import check_standstill
-from camgeo.curve.curvature import curvature_extremes
-from camgeo.curve.extremes import Extremes
+from camgeo.curve.extremes import Extremes, curvature_extremes
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import GeometryError
 from camgeo.motion.piece import SNAP

@@ -17,7 +17,7 @@ import numpy as np
 from camgeo.check.sizing.cells import Start, nearest_cells, within
 from camgeo.check.sizing.conditions import Conditions, conditions, samples_of
 from camgeo.check.sizing.task import Task
-from camgeo.curve.curvature import curvature_extremes
+from camgeo.curve.extremes import curvature_extremes
 from camgeo.errors import GeometryError
 from camgeo.numeric.arrays import FloatArray
 

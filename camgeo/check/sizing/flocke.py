@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from camgeo.check.sizing.half_planes import nearest_point
+from camgeo.check.sizing.exchange import nearest_point
 from camgeo.check.sizing.task import Task
 from camgeo.curve.extremes import extremes
 from camgeo.motion.extremes import lift_range

@@ -13,7 +13,7 @@ from camgeo.check.sizing.exchange import largest_angle, smallest_place
 from camgeo.check.sizing.flocke import Flocke, flocke
 from camgeo.check.sizing.task import Task
 from camgeo.check.transmission_angle import transmission_angle_extremes
-from camgeo.curve.curvature import curvature_extremes
+from camgeo.curve.extremes import curvature_extremes
 from camgeo.errors import GeometryError
 from camgeo.numeric.extremes import Extreme
 from camgeo.units import TURN

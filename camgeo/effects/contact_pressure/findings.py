@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from typing import Final
 
 from camgeo.check.finding import Finding, held
-from camgeo.effects.contact_pressure.hertz import (
+from camgeo.effects.contact_pressure.life import Life
+from camgeo.effects.contact_pressure.line_contact import (
     SHEAR_DEPTH,
     SHEAR_SHARE,
     half_width,
@@ -15,7 +16,6 @@ from camgeo.effects.contact_pressure.hertz import (
     needed_radius,
     roller_radii,
 )
-from camgeo.effects.contact_pressure.life import Life
 from camgeo.effects.contact_pressure.table import PressureRequirements
 from camgeo.effects.wording import at, placed
 from camgeo.numeric.extremes import Extreme

@@ -14,9 +14,8 @@ from typing import Final
 import numpy as np
 
 from camgeo.effects.contact_pressure.findings import Worst, life_findings, pressure_findings
-from camgeo.effects.contact_pressure.hertz import SHEAR_SHARE
 from camgeo.effects.contact_pressure.life import Life, rolling_life
-from camgeo.effects.contact_pressure.line_contact import LineContact
+from camgeo.effects.contact_pressure.line_contact import SHEAR_SHARE, LineContact
 from camgeo.effects.contact_pressure.table import PressureRequirements
 from camgeo.effects.effect import SPEED, Column, Quantity, Request, Result, Subject
 from camgeo.effects.results import CONTACT_FORCE

@@ -106,7 +106,7 @@ def make_law(name: str, task: str = "R-R", /, **parameters: float) -> Law:
     Parameters
     ----------
     name : a family of `FAMILIES`, or an alias.
-    task : "R-R" to "B-B", see `camgeo.motion.task`.
+    task : "R-R" to "B-B", see `camgeo.motion.boundary`.
     parameters : those that the family takes for the task, normalised: `inflection` (lambda, as VDI
         2143-1 counts it: from the start of the move, but from its end for U-R and U-G), `v0`, `a0`,
         `j0`, `v1`, `a1`, `j1` (f', f'', f''' at the ends), `curved`, `sine`, `cosine`.

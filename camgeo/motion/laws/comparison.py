@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from camgeo.errors import GeometryError
+from camgeo.motion.boundary import TASKS, ends_of
 from camgeo.motion.laws import FAMILIES, LARGEST, find_family, law_of
 from camgeo.motion.laws.characteristic import (
     ROUNDING,
@@ -16,7 +17,6 @@ from camgeo.motion.laws.characteristic import (
     characteristic,
 )
 from camgeo.motion.laws.law import Law
-from camgeo.motion.task import TASKS, ends_of
 from camgeo.numeric import checked
 
 QUANTITIES: Final = (
@@ -134,7 +134,7 @@ def compare(task: str, given: Mapping[str, float], names: Sequence[str] = ()) ->
 
     Parameters
     ----------
-    task : one of `camgeo.motion.task.TASKS`.
+    task : one of `camgeo.motion.boundary.TASKS`.
     given : parameters by the names that `make_law` takes.
     names : families or aliases, in the order to be listed; GeometryError if one is not known.
     """

@@ -81,7 +81,7 @@ class Law:
     Attributes
     ----------
     name : as written in a scene.
-    task : the motion task it is made for, "R-R" to "B-B", see `camgeo.motion.task`.
+    task : the motion task it is made for, "R-R" to "B-B", see `camgeo.motion.boundary`.
     regions : from z = 0 to z = 1 without gaps.
     borders : inner z at which f'', f''' or the fourth derivative jumps.
     start, end : f', f'', f''' at z = 0 and at z = 1. An end of the class R has 0 here, but

@@ -9,10 +9,10 @@ from __future__ import annotations
 
 from typing import Final
 
+from camgeo.motion.boundary import TASKS
 from camgeo.motion.laws.family import Family, Given, boundary_parameters
 from camgeo.motion.laws.law import Law
 from camgeo.motion.laws.two_point import law_of_boundary_values
-from camgeo.motion.task import TASKS
 
 
 def _complete(name: str, orders: str) -> Family:

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from camgeo.errors import GeometryError
-from camgeo.motion.boundary import Boundary
+from camgeo.motion.boundary import ENDS, Boundary, End
 from camgeo.motion.laws import FAMILIES
 from camgeo.motion.plan import Dwell
 from camgeo.motion.planning.request import (
@@ -23,7 +23,6 @@ from camgeo.motion.planning.request import (
     TableRequest,
     Unit,
 )
-from camgeo.motion.task import ENDS, End
 
 ROUNDING = 1e-12
 """Fraction of a table's largest lift below which its last position counts as 0."""

@@ -11,10 +11,10 @@ from __future__ import annotations
 from typing import Final
 
 from camgeo.errors import GeometryError
+from camgeo.motion.boundary import NAMES, TASKS, End, end_of
 from camgeo.motion.laws import FAMILIES, find_family
 from camgeo.motion.planning.chain import Chain, Joint, Link
 from camgeo.motion.planning.request import AUTO, MoveRequest, PointsRequest
-from camgeo.motion.task import NAMES, TASKS, End, end_of
 
 FREE: Final = (AUTO, "polynomial-5", "polynomial-7", "polynomial")
 """Laws that can join to anything; between two of them the joint is as smooth as possible."""

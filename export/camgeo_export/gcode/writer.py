@@ -13,8 +13,7 @@ from camgeo.toolpath.moves import Toolpath
 from camgeo.toolpath.spec import Tool
 from camgeo.units import MM_PER
 from camgeo.writing.writer import Written
-from camgeo_export.gcode.blocks import Grid, Speller, number
-from camgeo_export.gcode.budget import Budget, budget
+from camgeo_export.gcode.blocks import Budget, Grid, Speller, budget, number
 from camgeo_export.gcode.measure import measure
 
 

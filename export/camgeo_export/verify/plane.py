@@ -10,10 +10,8 @@ import numpy as np
 from camgeo.errors import GeometryError, ToleranceError, UndercutError
 from camgeo.numeric.arrays import FloatArray
 from camgeo.verifying.verification import Check, at_most, failed, near
-from camgeo_export.matching import AnyContour, paired
-from camgeo_export.verify.farthest import farthest
-from camgeo_export.verify.joints import joints_of
-from camgeo_export.verify.shapes import Shape
+from camgeo_export.matching import AnyContour, farthest, paired
+from camgeo_export.verify.shapes import Shape, joints_of
 
 SLOPE = 18.0
 """Largest slope, times length over tolerance, of a piece's deviation along its length: a polynomial
