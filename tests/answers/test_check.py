@@ -29,6 +29,19 @@ def test_documents_are_what_their_schema_says(scene: Path) -> None:
     assert text(found).count("\n") >= len(design.findings) - 1
 
 
+def test_text_asks_for_no_outline_that_the_findings_do_not_need(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def refused(*_: object) -> None:
+        raise AssertionError("an outline")
+
+    monkeypatch.setattr("camgeo.answers.check._remains", refused)
+    found = check(Design(load_scene(SETZHUB)))
+    assert text(found)
+    with pytest.raises(AssertionError, match="an outline"):
+        document(found)
+
+
 def test_text_and_document_are_of_one_result() -> None:
     found = check(Design(load_scene(SETZHUB)))
     first, *rest = found.findings

@@ -57,8 +57,7 @@ class Check(Answer):
     ----------
     scene : that was checked.
     findings : all of them, good and bad, worst first.
-    discs : of each disc, the main one first, what is left of its flanks in use, by names; None if
-        nothing is, or if that is not known. No discs without a follower.
+    curves : the discs by their names, the main one first. None without a follower.
     cures : what would cure undercut, the cheapest first, then the changes that would not.
     effects : findings of each effect named by the scene; empty if there is no such mechanism.
     """
@@ -67,9 +66,19 @@ class Check(Answer):
 
     scene: Scene
     findings: tuple[Finding, ...]
-    discs: Mapping[str, Mapping[str, Remains | None]]
+    curves: Mapping[str, Disc]
     cures: tuple[Cure, ...]
     effects: Mapping[str, tuple[Finding, ...]]
+
+    @property
+    def discs(self) -> dict[str, dict[str, Remains | None]]:
+        """What is left of the flanks in use of each disc, by names; None if nothing is, or if that
+        is not known. Computed when asked for: near a dead centre outlines take long.
+        """
+        return {
+            name: {flank: _remains(disc, flank) for flank, _ in disc.flanks}
+            for name, disc in self.curves.items()
+        }
 
     @property
     def joints(self) -> tuple[Joint, ...]:
@@ -91,14 +100,10 @@ def check(design: Design) -> Check:
     return Check(
         design.scene,
         found,
-        {name: _outlines(cam.disc) for name, cam in cams},
+        {name: cam.disc for name, cam in cams},
         design.judgement.cures,
         {name: design.effects.findings(name) for name in named},
     )
-
-
-def _outlines(disc: Disc) -> dict[str, Remains | None]:
-    return {name: _remains(disc, name) for name, _ in disc.flanks}
 
 
 def _remains(disc: Disc, flank: str) -> Remains | None:
