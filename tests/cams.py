@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from camgeo.cam.cam import Cam
 from camgeo.cam.contact import Contact
-from camgeo.cam.drive import Drive, LiftUnit
+from camgeo.cam.drive import Drive
 from camgeo.mechanism.follower import Follower
 from camgeo.mechanism.linkage_protocol import Linkage
 from camgeo.motion.plan import MotionPlan
+from camgeo.motion.time_course import LiftUnit
 
 
 def cam_of(

@@ -14,8 +14,9 @@ from camgeo.pickled import Pickled
 
 if TYPE_CHECKING:
     from camgeo.cam.breadth import Breadth, Yoke
-    from camgeo.cam.drive import Drive, LiftUnit
+    from camgeo.cam.drive import Drive
     from camgeo.mechanism.follower import Follower
+    from camgeo.motion.time_course import LiftUnit
 
 
 @dataclass(frozen=True)

@@ -17,6 +17,7 @@ from camgeo.mechanism.linkage import LinkedMotion
 from camgeo.mechanism.linkage_protocol import Member
 from camgeo.motion.motion import Jet, Motion, Side
 from camgeo.motion.plan import MotionPlan
+from camgeo.motion.time_course import LiftUnit
 from camgeo.numeric.arrays import FloatArray, merged
 from camgeo.pickled import Pickled
 from camgeo.units import TURN
@@ -24,8 +25,6 @@ from camgeo.units import TURN
 if TYPE_CHECKING:
     from camgeo.mechanism.linkage_protocol import Linkage
     from camgeo.motion.time_course import SpeedCurve, TimeCourse
-
-LiftUnit = Literal["mm", "rad"]
 
 Demanded = Literal["follower"] | Member
 """Whose motion is prescribed: the follower's, or that of the far end of a linkage."""

@@ -11,7 +11,7 @@ import math
 from dataclasses import replace
 from typing import Final
 
-from camgeo.cam.drive import Drive, LiftUnit
+from camgeo.cam.drive import Drive
 from camgeo.figure import motion_diagram as diagram
 from camgeo.figure import motion_plan as plan
 from camgeo.figure.layout import Size, Strips
@@ -19,6 +19,7 @@ from camgeo.figure.marks import Text
 from camgeo.figure.model import Entry, Figure, Legend
 from camgeo.figure.motion_diagram import Unit
 from camgeo.figure.style import LEFT, RIGHT
+from camgeo.motion.time_course import LiftUnit
 from camgeo.product.product import Product
 from camgeo.units import MM_PER, RPM, LengthUnit
 

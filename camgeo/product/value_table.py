@@ -13,12 +13,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from camgeo.cam.cam import Cam
-from camgeo.cam.drive import Demanded, Drive, LiftUnit
+from camgeo.cam.drive import Demanded, Drive
 from camgeo.curve.extremes import radius_of_curvature
 from camgeo.formats.csv import FORMAT, CsvSpec
 from camgeo.lazy import Ledger, lazy
 from camgeo.motion.motion import Jet
-from camgeo.motion.time_course import in_time
+from camgeo.motion.time_course import LiftUnit, in_time
 from camgeo.numeric.arrays import FloatArray, frozen
 from camgeo.outline.convex import touch
 from camgeo.pickled import Pickled
