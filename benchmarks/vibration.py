@@ -32,8 +32,7 @@ from scipy.integrate import solve_ivp
 
 from camgeo.design import Design
 from camgeo.effects.vibration.output import Clock, clock_of
-from camgeo.motion.motion import Side
-from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.numeric.oscillator.steady import Base, Response, steady_state
 from camgeo.numeric.oscillator.train import one_mass
 from camgeo.scene.load import load_scene

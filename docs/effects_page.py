@@ -38,8 +38,8 @@ from camgeo.effects.shock_spectrum.result import QUIET, measured
 from camgeo.effects.vibration.findings import AMPLIFICATION, SETTLED
 from camgeo.motion.laws import FAMILIES, make_law
 from camgeo.motion.laws.law import Law
-from camgeo.numeric.arrays import FloatArray
-from camgeo.numeric.extremes import Side, piecewise_extremes
+from camgeo.numeric.arrays import FloatArray, Side
+from camgeo.numeric.extremes import piecewise_extremes
 from camgeo.numeric.oscillator.spectrum import Shock, shock
 from camgeo.scene.load import load_scene
 

@@ -34,9 +34,8 @@ from camgeo.mechanism.linkage import LinkedMotion
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.mechanism.slider_crank import SliderCrank
 from camgeo.mechanism.translating_roller import TranslatingRoller
-from camgeo.motion.motion import Side
 from camgeo.motion.plan import Dwell, MotionPlan, Move
-from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.numeric.roots import roots_on_grid
 from camgeo.outline.crossings import find_crossings
 from camgeo.outline.cusps import undercut_ranges

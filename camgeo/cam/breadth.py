@@ -18,8 +18,8 @@ import numpy as np
 
 from camgeo.curve.extremes import extremes
 from camgeo.mechanism.values import Length
-from camgeo.motion.motion import Dwell, Motion, Side
-from camgeo.numeric.arrays import FloatArray, merged
+from camgeo.motion.motion import Dwell, Motion
+from camgeo.numeric.arrays import FloatArray, Side, merged
 from camgeo.numeric.checked import check_fields
 from camgeo.units import TURN
 

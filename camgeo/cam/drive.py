@@ -15,10 +15,10 @@ from camgeo.errors import GeometryError
 from camgeo.lazy import Ledger, lazy
 from camgeo.mechanism.linkage import LinkedMotion
 from camgeo.mechanism.linkage_protocol import Member
-from camgeo.motion.motion import Jet, Motion, Side
+from camgeo.motion.motion import Jet, Motion
 from camgeo.motion.plan import MotionPlan
 from camgeo.motion.time_course import LiftUnit
-from camgeo.numeric.arrays import FloatArray, merged
+from camgeo.numeric.arrays import FloatArray, Side, merged
 from camgeo.pickled import Pickled
 from camgeo.units import TURN
 

@@ -17,8 +17,7 @@ from camgeo.cam.breadth import Breadth
 from camgeo.check.finding import Finding, held
 from camgeo.curve.extremes import extremes
 from camgeo.curve.pitch_curve import PitchCurve
-from camgeo.motion.motion import Side
-from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.arrays import FloatArray, Side
 
 VANISHING: Final = 1e-12
 """A product of sines of transmission angles up to this is 0: rounding of the rollers' positions."""

@@ -11,8 +11,7 @@ from camgeo.check.finding import Finding
 from camgeo.mechanism.linkage import LinkedMotion
 from camgeo.mechanism.positions import MonotoneRuns, monotone_runs, position_text
 from camgeo.motion.extremes import turning_angles
-from camgeo.motion.motion import Side
-from camgeo.numeric.arrays import FloatArray, dot, merged
+from camgeo.numeric.arrays import FloatArray, Side, dot, merged
 from camgeo.units import TURN
 
 if TYPE_CHECKING:

@@ -10,8 +10,7 @@ from camgeo.check.finding import Finding
 from camgeo.curve.extremes import extremes
 from camgeo.curve.pieces import slowest
 from camgeo.curve.pitch_curve import STANDSTILL, PitchCurve
-from camgeo.motion.motion import Side
-from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.arrays import FloatArray, Side
 
 SMALLEST = math.sqrt(STANDSTILL)
 """Smallest |Z'| as a fraction of the base radius per rad; below it the curvature has no digits."""

@@ -10,8 +10,7 @@ import numpy as np
 from camgeo.check.finding import Finding, held
 from camgeo.curve.extremes import Extremes, Quantity, extremes
 from camgeo.curve.pitch_curve import PitchCurve
-from camgeo.motion.motion import Side
-from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.arrays import FloatArray, Side
 
 
 def transmission_angle_extremes(curve: PitchCurve) -> Extremes:

@@ -15,8 +15,7 @@ import numpy as np
 from camgeo.curve.pieces import Piece, smooth_pieces
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import GeometryError, UndercutError
-from camgeo.motion.motion import Side
-from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray
+from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, Side
 from camgeo.outline.path import Path, Pivot, Stretch
 from camgeo.units import TURN
 

@@ -12,8 +12,7 @@ import numpy as np
 
 from camgeo.curve.pieces import HasBreaks, smooth_pieces
 from camgeo.curve.pitch_curve import PitchCurve
-from camgeo.motion.motion import Side
-from camgeo.numeric.arrays import FloatArray, frozen
+from camgeo.numeric.arrays import FloatArray, Side, frozen
 from camgeo.numeric.roots import roots_on_grid
 from camgeo.units import TURN
 

@@ -13,8 +13,8 @@ from camgeo.curve.blocks import in_blocks
 from camgeo.errors import GeometryError
 from camgeo.mechanism.follower import Follower, RelativeJet, TangentJet
 from camgeo.mechanism.values import able, sense
-from camgeo.motion.motion import FULL_ORDER, Dwell, Motion, Side
-from camgeo.numeric.arrays import ComplexArray, FloatArray
+from camgeo.motion.motion import FULL_ORDER, Dwell, Motion
+from camgeo.numeric.arrays import ComplexArray, FloatArray, Side
 from camgeo.numeric.checked import hold
 
 STANDSTILL = 1e-13

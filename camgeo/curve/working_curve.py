@@ -15,8 +15,8 @@ from camgeo.curve.blocks import in_blocks
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.mechanism.follower import RelativeJet, bend_of_path
 from camgeo.mechanism.values import Coordinate
-from camgeo.motion.motion import Dwell, Side
-from camgeo.numeric.arrays import ComplexArray, FloatArray
+from camgeo.motion.motion import Dwell
+from camgeo.numeric.arrays import ComplexArray, FloatArray, Side
 from camgeo.numeric.checked import check_fields
 
 

@@ -16,8 +16,7 @@ import numpy as np
 from camgeo.check.finding import Finding
 from camgeo.effects.rules import Machine, Rule
 from camgeo.errors import GeometryError
-from camgeo.motion.motion import Side
-from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.arrays import FloatArray, Side
 
 if TYPE_CHECKING:  # each effect imports the modules that it computes with
     from camgeo.cam.cam import Cam

@@ -19,8 +19,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from camgeo.motion.motion import Side
-from camgeo.numeric.arrays import FloatArray, merged
+from camgeo.numeric.arrays import FloatArray, Side, merged
 
 Coefficients = Callable[[FloatArray, Side], FloatArray]
 """(4, n) c0 to c3 at n cam angles [rad]."""

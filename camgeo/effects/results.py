@@ -15,8 +15,7 @@ if TYPE_CHECKING:
 
     from camgeo.effects.effect import Quantity
     from camgeo.effects.force import Force
-    from camgeo.motion.motion import Side
-    from camgeo.numeric.arrays import ComplexArray, FloatArray
+    from camgeo.numeric.arrays import ComplexArray, FloatArray, Side
     from camgeo.numeric.extremes import Extremes
 
 

@@ -25,8 +25,7 @@ from camgeo.errors import EffectError
 
 if TYPE_CHECKING:
     from camgeo.effects.effect import Subject
-    from camgeo.motion.motion import Side
-    from camgeo.numeric.arrays import FloatArray
+    from camgeo.numeric.arrays import FloatArray, Side
 
 INNER: Final = 1
 OUTER: Final = -1

@@ -11,8 +11,8 @@ from camgeo.errors import GeometryError
 from camgeo.mechanism.triangle import ROUNDING
 from camgeo.mechanism.values import able
 from camgeo.motion.extremes import lift_range
-from camgeo.motion.motion import FULL_ORDER, Dwell, Jet, Motion, Side
-from camgeo.numeric.arrays import FloatArray
+from camgeo.motion.motion import FULL_ORDER, Dwell, Jet, Motion
+from camgeo.numeric.arrays import FloatArray, Side
 
 if TYPE_CHECKING:
     from camgeo.mechanism.linkage_protocol import Linkage

@@ -7,12 +7,9 @@ array (4, n): s, s', s'', s''' in mm (rad for an oscillating follower) per rad^k
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal, Protocol
+from typing import Protocol
 
-from camgeo.numeric.arrays import FloatArray
-
-Side = Literal["right", "left"]
-"""Which one-sided value a break gives: "right" is the limit from larger cam angles."""
+from camgeo.numeric.arrays import FloatArray, Side
 
 Jet = FloatArray
 

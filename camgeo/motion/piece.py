@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from camgeo.motion.laws.law import Formula
-from camgeo.motion.motion import Jet, Side
-from camgeo.numeric.arrays import FloatArray, IntArray
+from camgeo.motion.motion import Jet
+from camgeo.numeric.arrays import FloatArray, IntArray, Side
 from camgeo.units import TURN
 
 if TYPE_CHECKING:  # only a motion by data needs splines

@@ -20,12 +20,12 @@ import numpy as np
 
 from camgeo.errors import GeometryError
 from camgeo.motion.laws.law import Law
-from camgeo.motion.motion import FULL_ORDER, Jet, Side
+from camgeo.motion.motion import FULL_ORDER, Jet
 from camgeo.motion.motion import Dwell as DwellSpan
 from camgeo.motion.piece import SNAP, Piece, Pieces, places_of, spline_piece
 from camgeo.motion.spans import SHORTEST_SPAN, MovingSpan, Span, joints_of, span_of
 from camgeo.numeric import checked
-from camgeo.numeric.arrays import FloatArray, ascending, frozen
+from camgeo.numeric.arrays import FloatArray, Side, ascending, frozen
 from camgeo.pickled import Pickled
 from camgeo.units import TURN
 

@@ -13,9 +13,9 @@ import numpy as np
 from numpy.polynomial.polynomial import polyval
 
 from camgeo.errors import GeometryError
-from camgeo.motion.motion import FULL_ORDER, Side
+from camgeo.motion.motion import FULL_ORDER
 from camgeo.numeric import checked
-from camgeo.numeric.arrays import FloatArray, IntArray
+from camgeo.numeric.arrays import FloatArray, IntArray, Side
 from camgeo.numeric.extremes import Extremes, extremes_of
 from camgeo.pickled import Pickled
 

@@ -15,10 +15,10 @@ from typing import TYPE_CHECKING, Annotated, Final, Literal, Protocol
 import numpy as np
 
 from camgeo.errors import GeometryError
-from camgeo.motion.motion import Jet, Motion, Side
+from camgeo.motion.motion import Jet, Motion
 from camgeo.motion.plan import MotionPlan, Move, SplineMove
 from camgeo.numeric import checked
-from camgeo.numeric.arrays import FloatArray, ascending
+from camgeo.numeric.arrays import FloatArray, Side, ascending
 from camgeo.numeric.extremes import Extremes, climbed, extremes_of, grid_of, tops
 from camgeo.numeric.roots import bracketed_roots, sign_changes
 from camgeo.pickled import Pickled

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Final, Literal
+from typing import Final
 
 import numpy as np
 
-from camgeo.numeric.arrays import BoolArray, FloatArray, merged
+from camgeo.numeric.arrays import BoolArray, FloatArray, Side, merged
 from camgeo.numeric.roots import roots_on_grid
 from camgeo.units import TURN
 
@@ -46,8 +46,6 @@ def extremes_of(x: FloatArray, values: FloatArray) -> Extremes:
         Extreme(float(values[low]), float(x[low])), Extreme(float(values[high]), float(x[high]))
     )
 
-
-Side = Literal["right", "left"]
 
 SAMPLES: Final = 33
 """Grid points per piece on which turning points are sought. A smooth piece of a cam's motion has

@@ -8,8 +8,7 @@ from camgeo.curve.extremes import extremes
 from camgeo.curve.pieces import halves, turn_cells
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.motion.extremes import lift_range
-from camgeo.motion.motion import Side
-from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray
+from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, Side
 from camgeo.units import TURN
 
 HALVINGS = 50

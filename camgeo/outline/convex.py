@@ -19,8 +19,7 @@ from camgeo.curve.extremes import Extremes, extremes
 from camgeo.curve.pieces import halves, turn_cells
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.mechanism.face import Touch, flat_follower
-from camgeo.motion.motion import Side
-from camgeo.numeric.arrays import FloatArray, ascending
+from camgeo.numeric.arrays import FloatArray, Side, ascending
 
 SMALLEST = 1e-9
 """Radius of curvature, as a fraction of the base radius, that counts as a cusp: a thousand times

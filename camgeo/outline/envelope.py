@@ -15,8 +15,15 @@ import numpy as np
 
 from camgeo.curve.closure import joints
 from camgeo.curve.working_curve import WorkingCurve
-from camgeo.motion.motion import Side
-from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, IntArray, ascending, frozen
+from camgeo.numeric.arrays import (
+    BoolArray,
+    ComplexArray,
+    FloatArray,
+    IntArray,
+    Side,
+    ascending,
+    frozen,
+)
 from camgeo.outline.path import Element, Pivot, Stretch
 from camgeo.units import TURN
 

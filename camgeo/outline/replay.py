@@ -18,9 +18,9 @@ from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import GeometryError
 from camgeo.mechanism.follower_path import FollowerPath, path_of
-from camgeo.motion.motion import Motion, Side
+from camgeo.motion.motion import Motion
 from camgeo.motion.piece import SNAP
-from camgeo.numeric.arrays import FloatArray, IntArray, ascending
+from camgeo.numeric.arrays import FloatArray, IntArray, Side, ascending
 from camgeo.numeric.extremes import Extreme
 from camgeo.outline.path import Flank, Path, Stretch
 from camgeo.outline.replay_lift import AS_DEMANDED, ActualLift, PlayedLift, pressed

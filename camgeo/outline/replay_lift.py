@@ -23,8 +23,8 @@ import numpy as np
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import GeometryError
 from camgeo.mechanism.follower_path import Bows, FollowerPath, lift_jet
-from camgeo.motion.motion import Motion, Side
-from camgeo.numeric.arrays import BoolArray, FloatArray, IntArray, ascending, grouped
+from camgeo.motion.motion import Motion
+from camgeo.numeric.arrays import BoolArray, FloatArray, IntArray, Side, ascending, grouped
 from camgeo.outline.roller_path import Branches
 from camgeo.units import TURN
 

@@ -13,8 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from camgeo.errors import GeometryError
-from camgeo.motion.motion import Motion, Side
-from camgeo.numeric.arrays import BoolArray, FloatArray, IntArray, ascending, frozen
+from camgeo.motion.motion import Motion
+from camgeo.numeric.arrays import BoolArray, FloatArray, IntArray, Side, ascending, frozen
 from camgeo.numeric.extremes import Extreme, Extremes, piecewise_extremes
 from camgeo.numeric.roots import bracketed_roots
 from camgeo.outline.replay_lift import ActualLift

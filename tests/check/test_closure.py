@@ -14,9 +14,9 @@ from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.mechanism.slider_crank import SliderCrank
 from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.motion.motion import Dwell as DwellSpan
-from camgeo.motion.motion import Jet, Side
+from camgeo.motion.motion import Jet
 from camgeo.motion.plan import MotionPlan
-from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.arrays import FloatArray, Side
 from tests.reference import mechanisms, pitch_curve_of
 from tests.strategies import SMOOTH, attack, pitch_curves, plans, slider_cranks
 

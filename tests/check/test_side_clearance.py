@@ -15,8 +15,7 @@ from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.design import Design
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.mechanism.translating_roller import TranslatingRoller
-from camgeo.motion.motion import Side
-from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.scene.load import parse_scene
 from camgeo.units import TURN
 from tests.scene.scenes import GROOVE, spoilt

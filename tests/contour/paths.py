@@ -19,8 +19,7 @@ from camgeo.curve.pieces import smooth_pieces
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.mechanism.translating_roller import TranslatingRoller
-from camgeo.motion.motion import Side
-from camgeo.numeric.arrays import ComplexArray
+from camgeo.numeric.arrays import ComplexArray, Side
 from camgeo.outline.path import Path, Pivot, Stretch, whole
 from tests.contour.cams import TURN, dwell, move, outline, translating
 from tests.measuring import DensePath

@@ -20,8 +20,8 @@ from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import GeometryError, ToleranceError, UndercutError
 from camgeo.mechanism.translating_roller import TranslatingRoller
-from camgeo.motion.motion import Side
 from camgeo.motion.plan import MotionPlan
+from camgeo.numeric.arrays import Side
 from camgeo.outline.path import Path, whole
 from camgeo.part.boundaries import CurveBoundary
 from tests.contour.cams import FLANKS, TURN, Dense, curves, dwell, flank, move, outline

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from camgeo.curve.blocks import BLOCK, in_blocks
-from camgeo.motion.motion import Side
-from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.units import TURN
 from tests.reference import inner_of, mechanisms, pitch_curve_of
 

@@ -10,9 +10,8 @@ from hypothesis import given
 from camgeo.check.transmission_angle import transmission_angle_extremes
 from camgeo.curve.extremes import Extremes, Quantity, curvature_extremes, extremes
 from camgeo.curve.pitch_curve import PitchCurve
-from camgeo.motion.motion import Side
 from camgeo.motion.plan import Dwell, MotionPlan, Move
-from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.units import TURN
 from tests.laws import LAWS
 from tests.strategies import BENT, attack, pitch_curves

@@ -9,8 +9,7 @@ from hypothesis import strategies as st
 
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.curve.working_curve import WorkingCurve
-from camgeo.motion.motion import Side
-from camgeo.numeric.arrays import ComplexArray, FloatArray
+from camgeo.numeric.arrays import ComplexArray, FloatArray, Side
 from camgeo.units import TURN
 from tests.integrals import cells, integrals
 from tests.reference import angles, hard_case, inner_of, mechanisms, outer_of, pitch_curve_of

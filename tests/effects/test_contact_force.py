@@ -15,9 +15,8 @@ from camgeo.effects.effect import Request, Results
 from camgeo.effects.force import Force
 from camgeo.effects.results import ContactForce
 from camgeo.errors import EffectError, SceneError
-from camgeo.motion.motion import Side
 from camgeo.motion.time_course import in_time
-from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.numeric.quadrature import piecewise_integral
 from camgeo.scene.load import parse_scene
 from camgeo.units import TURN

@@ -31,8 +31,7 @@ from camgeo.effects.effect import Request, Results
 from camgeo.effects.materials import Material, find_material
 from camgeo.effects.touching import INNER, OUTER
 from camgeo.errors import EffectError, GeometryError
-from camgeo.motion.motion import Side
-from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.numeric.quadrature import Integral, piecewise_integral
 from camgeo.units import RPM, TURN
 from tests.effects.scenes import design

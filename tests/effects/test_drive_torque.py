@@ -17,8 +17,7 @@ from camgeo.effects.effect import Request, Results
 from camgeo.effects.force import Force, at_rates, total
 from camgeo.effects.results import DriveTorque
 from camgeo.errors import EffectError, GeometryError
-from camgeo.motion.motion import Side
-from camgeo.numeric.arrays import FloatArray, merged
+from camgeo.numeric.arrays import FloatArray, Side, merged
 from camgeo.numeric.extremes import grid_of
 from camgeo.numeric.quadrature import piecewise_integrals
 from camgeo.numeric.roots import roots_on_grid

@@ -18,9 +18,8 @@ from camgeo.design import Design
 from camgeo.errors import EffectError, SceneError
 from camgeo.mechanism.oscillating_flat import OscillatingFlat
 from camgeo.mechanism.translating_flat import TranslatingFlat
-from camgeo.motion.motion import Side
 from camgeo.motion.time_course import in_time
-from camgeo.numeric.arrays import ComplexArray, FloatArray
+from camgeo.numeric.arrays import ComplexArray, FloatArray, Side
 from camgeo.scene.load import parse_scene
 from camgeo.scene.new import template
 from camgeo.units import TURN

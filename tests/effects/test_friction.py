@@ -21,8 +21,7 @@ from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.mechanism.positions import locked_at
 from camgeo.mechanism.slider_crank import SliderCrank
 from camgeo.mechanism.translating_roller import TranslatingRoller
-from camgeo.motion.motion import Side
-from camgeo.numeric.arrays import ComplexArray, FloatArray
+from camgeo.numeric.arrays import ComplexArray, FloatArray, Side
 from camgeo.numeric.extremes import grid_of
 from camgeo.units import TURN
 from tests.effects.scenes import assert_refused, design

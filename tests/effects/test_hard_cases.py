@@ -17,9 +17,8 @@ from camgeo.check.finding import Finding
 from camgeo.design import Design
 from camgeo.effects.rules import ONE_CONTACT, ROLLERS
 from camgeo.errors import EffectError, SceneError
-from camgeo.motion.motion import Side
 from camgeo.motion.time_course import in_time
-from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.numeric.extremes import piecewise_extremes
 from camgeo.scene.load import parse_scene
 from camgeo.units import TURN

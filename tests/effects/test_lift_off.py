@@ -11,8 +11,7 @@ from camgeo.effects.lift_off import crossing
 from camgeo.effects.lift_off.crossing import Change
 from camgeo.effects.lift_off.ranges import ranges_below, runs
 from camgeo.errors import EffectError, GeometryError
-from camgeo.motion.motion import Side
-from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.numeric.extremes import piecewise_extremes
 from camgeo.scene.load import parse_scene
 from camgeo.units import RPM, TURN

@@ -15,8 +15,7 @@ import pytest
 from camgeo.design import Design
 from camgeo.errors import EffectError, GeometryError, SceneError
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
-from camgeo.motion.motion import Side
-from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.product.product import Product
 from camgeo.units import TURN
 from tests.effects.scenes import design

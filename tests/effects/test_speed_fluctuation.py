@@ -17,8 +17,7 @@ from camgeo.effects.force import Force
 from camgeo.effects.speed_fluctuation.result import SpeedFluctuation, compute
 from camgeo.effects.speed_fluctuation.table import Motor, parse, parse_motor
 from camgeo.errors import EffectError, GeometryError
-from camgeo.motion.motion import Side
-from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.numeric.quadrature import piecewise_integral
 from camgeo.units import RPM, TURN
 from tests.effects.scenes import design

@@ -15,8 +15,7 @@ import numpy as np
 import pytest
 
 from camgeo.design import Design
-from camgeo.motion.motion import Side
-from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.numeric.extremes import piecewise_extremes
 from camgeo.scene.load import load_scene, parse_scene
 from tests.reference import reference

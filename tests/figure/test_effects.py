@@ -11,8 +11,7 @@ from matplotlib.figure import Figure
 from camgeo.effects.effect import Column
 from camgeo.figure import effects
 from camgeo.figure.style import LIMIT
-from camgeo.motion.motion import Side
-from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.product.product import Product
 from camgeo.units import TURN
 from camgeo_export.plots.render import render

@@ -8,9 +8,9 @@ from hypothesis import given
 
 from camgeo.motion.extremes import lift_range, pieces
 from camgeo.motion.motion import Dwell as DwellSpan
-from camgeo.motion.motion import Jet, Side
+from camgeo.motion.motion import Jet
 from camgeo.motion.plan import Dwell, MotionPlan, Move
-from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.units import TURN
 from tests.laws import LAWS
 from tests.strategies import attack, plans

@@ -11,9 +11,8 @@ from hypothesis import strategies as st
 from camgeo.errors import GeometryError
 from camgeo.motion.laws.law import Law, Values
 from camgeo.motion.motion import Dwell as DwellSpan
-from camgeo.motion.motion import Side
 from camgeo.motion.plan import Dwell, MotionPlan, Move
-from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.units import TURN
 from tests.laws import LAWS
 from tests.reference import POLYNOMIAL

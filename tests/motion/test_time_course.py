@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 
 from camgeo.errors import GeometryError
 from camgeo.motion.motion import Dwell as DwellSpan
-from camgeo.motion.motion import Jet, Side
+from camgeo.motion.motion import Jet
 from camgeo.motion.plan import Dwell, MotionPlan, Move
 from camgeo.motion.time_course import (
     ConstantSpeed,
@@ -25,7 +25,7 @@ from camgeo.motion.time_course import (
     inertia_torque,
     time_extremes,
 )
-from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.units import TURN
 from tests.reference import POLYNOMIAL
 from tests.strategies import attack, cam_angles, plans

@@ -9,13 +9,12 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.numeric.extremes import (
     FEWEST_SAMPLES,
     INSET,
     MOST_POINTS,
     SAMPLES,
-    Side,
     grid_of,
     piecewise_extremes,
     stretch_around,

@@ -12,8 +12,7 @@ from hypothesis import strategies as st
 from camgeo.motion.laws import make_law
 from camgeo.motion.plan import Dwell, MotionPlan, Move
 from camgeo.motion.time_course import ConstantSpeed, in_time
-from camgeo.numeric.arrays import FloatArray
-from camgeo.numeric.extremes import Side
+from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.numeric.oscillator import steady
 from camgeo.numeric.oscillator.mode import Pieces, gain_over, interpolated, series_values, solve
 from camgeo.numeric.oscillator.steady import Base, ResonanceError, Response, steady_state

@@ -15,8 +15,7 @@ from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import UndercutError
 from camgeo.mechanism.oscillating_flat import OscillatingFlat
 from camgeo.mechanism.translating_flat import TranslatingFlat
-from camgeo.motion.motion import Side
-from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.outline.convex import contact_extremes, convexity, touch
 from camgeo.outline.moments import area
 from camgeo.outline.outline import real_outline

@@ -15,8 +15,8 @@ from camgeo.contour.contour import Contour
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.mechanism.translating_roller import TranslatingRoller
-from camgeo.motion.motion import Dwell, Jet, Side
-from camgeo.numeric.arrays import FloatArray
+from camgeo.motion.motion import Dwell, Jet
+from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.outline.moments import ROUNDING, Moments, area, path_moments, total
 from camgeo.outline.path import Path, Pivot, whole
 from tests.effects.scenes import design

@@ -13,8 +13,7 @@ from typing import Final
 import numpy as np
 
 from camgeo.check.sizing.task import Task
-from camgeo.motion.motion import Side
-from camgeo.numeric.arrays import ComplexArray, FloatArray, dot
+from camgeo.numeric.arrays import ComplexArray, FloatArray, Side, dot
 
 CLOSE = 2e-14
 """A condition broken by this fraction of its terms is met up to rounding."""

@@ -15,8 +15,7 @@ from camgeo.check.sizing.exchange import nearest_point
 from camgeo.check.sizing.task import Task
 from camgeo.curve.extremes import extremes
 from camgeo.motion.extremes import lift_range
-from camgeo.motion.motion import Side
-from camgeo.numeric.arrays import ComplexArray, FloatArray
+from camgeo.numeric.arrays import ComplexArray, FloatArray, Side
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -28,8 +28,8 @@ from camgeo.errors import GeometryError
 from camgeo.mechanism.follower import Follower
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.mechanism.translating_roller import TranslatingRoller
-from camgeo.motion.motion import Jet, Motion, Side
-from camgeo.numeric.arrays import ComplexArray, FloatArray
+from camgeo.motion.motion import Jet, Motion
+from camgeo.numeric.arrays import ComplexArray, FloatArray, Side
 
 
 @dataclass(frozen=True, slots=True, eq=False)

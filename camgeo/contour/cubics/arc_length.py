@@ -14,8 +14,8 @@ from camgeo.curve.pieces import Piece
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import GeometryError
 from camgeo.mechanism.follower import bend_of_path
-from camgeo.motion.motion import FULL_ORDER, Side
-from camgeo.numeric.arrays import ComplexArray, FloatArray, IntArray, taken
+from camgeo.motion.motion import FULL_ORDER
+from camgeo.numeric.arrays import ComplexArray, FloatArray, IntArray, Side, taken
 
 CELLS = 160
 """Cells of cam angle per piece. The arc length is only a parameter: its error of some 1e-8 moves a

@@ -29,8 +29,7 @@ from camgeo.effects.results import Friction
 from camgeo.effects.touching import INNER, OUTER, carrier, leverage_of
 from camgeo.effects.wording import at, between
 from camgeo.errors import EffectError, GeometryError
-from camgeo.motion.motion import Side
-from camgeo.numeric.arrays import FloatArray, merged
+from camgeo.numeric.arrays import FloatArray, Side, merged
 from camgeo.numeric.extremes import grid_of, piecewise_extremes, stretch_below
 from camgeo.numeric.roots import Function, roots_on_grid
 from camgeo.units import TURN

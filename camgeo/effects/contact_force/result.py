@@ -13,8 +13,7 @@ from camgeo.effects.immovable import shocks
 from camgeo.effects.results import FRICTION, INERTIA, ContactForce
 from camgeo.effects.touching import INNER, OUTER, holds_both_ways, require_convex, sides_of
 from camgeo.effects.wording import at, placed
-from camgeo.motion.motion import Side
-from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.numeric.extremes import Extreme, Extremes, piecewise_extremes
 from camgeo.units import TURN
 

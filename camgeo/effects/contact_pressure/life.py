@@ -24,9 +24,8 @@ import numpy as np
 
 from camgeo.effects.contact_pressure.line_contact import LineContact
 from camgeo.effects.wording import missed
-from camgeo.motion.motion import Side
 from camgeo.motion.time_course import TimeCourse, period
-from camgeo.numeric.arrays import FloatArray, merged
+from camgeo.numeric.arrays import FloatArray, Side, merged
 from camgeo.numeric.extremes import grid_of
 from camgeo.numeric.quadrature import piecewise_integral
 from camgeo.numeric.roots import roots_on_grid

@@ -30,8 +30,7 @@ from camgeo.effects.effect import Quantity, Subject
 from camgeo.effects.touching import INNER, OUTER
 from camgeo.effects.wording import at
 from camgeo.errors import EffectError, GeometryError
-from camgeo.motion.motion import Side
-from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.numeric.extremes import piecewise_extremes
 from camgeo.units import TURN
 

@@ -21,8 +21,7 @@ from camgeo.effects.effect import SPEED, Column, Quantity, Request, Result, Subj
 from camgeo.effects.results import CONTACT_FORCE
 from camgeo.effects.touching import FLANKS
 from camgeo.errors import EffectError, GeometryError
-from camgeo.motion.motion import Side
-from camgeo.numeric.arrays import FloatArray, merged
+from camgeo.numeric.arrays import FloatArray, Side, merged
 from camgeo.numeric.extremes import Extreme, piecewise_extremes
 from camgeo.units import TURN
 

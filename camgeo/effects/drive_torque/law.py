@@ -26,8 +26,7 @@ from camgeo.effects.results import ContactForce
 from camgeo.effects.touching import INNER, OUTER, carrier, leverage_of
 from camgeo.effects.wording import at
 from camgeo.errors import EffectError
-from camgeo.motion.motion import Side
-from camgeo.numeric.arrays import FloatArray, merged
+from camgeo.numeric.arrays import FloatArray, Side, merged
 from camgeo.numeric.extremes import grid_of
 from camgeo.numeric.roots import roots_on_grid
 from camgeo.units import TURN

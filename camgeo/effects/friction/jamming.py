@@ -18,8 +18,7 @@ from camgeo.effects.effect import Column
 from camgeo.effects.friction.statics import Statics
 from camgeo.effects.touching import holds_both_ways
 from camgeo.effects.wording import between
-from camgeo.motion.motion import Side
-from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.numeric.extremes import piecewise_extremes, stretch_below
 from camgeo.units import TURN
 

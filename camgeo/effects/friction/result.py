@@ -16,8 +16,7 @@ from camgeo.effects.results import Friction
 from camgeo.effects.touching import INNER, OUTER, require_convex
 from camgeo.errors import EffectError, GeometryError
 from camgeo.mechanism.positions import locked_at
-from camgeo.motion.motion import Side
-from camgeo.numeric.arrays import FloatArray, merged
+from camgeo.numeric.arrays import FloatArray, Side, merged
 from camgeo.numeric.extremes import grid_of
 from camgeo.numeric.roots import roots_on_grid
 from camgeo.units import TURN

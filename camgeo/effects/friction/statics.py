@@ -48,8 +48,7 @@ import numpy as np
 
 from camgeo.effects.friction.table import FrictionCoefficients
 from camgeo.effects.touching import carrier, sliding
-from camgeo.motion.motion import Side
-from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.units import TURN
 
 if TYPE_CHECKING:

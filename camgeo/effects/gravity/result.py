@@ -15,8 +15,7 @@ from camgeo.effects.force import Force, unmoved
 from camgeo.effects.gravity import STANDARD_GRAVITY, GravityDirection
 from camgeo.effects.results import INERTIA, Acting
 from camgeo.effects.wording import FORCES, extreme_findings
-from camgeo.motion.motion import Side
-from camgeo.numeric.arrays import ComplexArray, FloatArray
+from camgeo.numeric.arrays import ComplexArray, FloatArray, Side
 from camgeo.numeric.extremes import piecewise_extremes
 
 

@@ -10,8 +10,7 @@ import numpy as np
 from camgeo.effects.effect import driving_slider
 from camgeo.effects.inertia.rates import joints_per_lift
 from camgeo.effects.inertia.table import MassProperties
-from camgeo.motion.motion import Side
-from camgeo.numeric.arrays import ComplexArray, FloatArray
+from camgeo.numeric.arrays import ComplexArray, FloatArray, Side
 
 if TYPE_CHECKING:
     from camgeo.effects.effect import Subject

@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from camgeo.effects.inertia.table import MassProperties
-from camgeo.motion.motion import Side
-from camgeo.numeric.arrays import ComplexArray, FloatArray
+from camgeo.numeric.arrays import ComplexArray, FloatArray, Side
 
 if TYPE_CHECKING:
     from camgeo.effects.effect import Subject

@@ -33,8 +33,7 @@ from camgeo.effects.inertia.rates import (
 )
 from camgeo.effects.results import Inertia
 from camgeo.effects.wording import FORCES, KG, KG_M2, Label, extreme_finding, extreme_findings
-from camgeo.motion.motion import Side
-from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.numeric.extremes import piecewise_extremes
 
 if TYPE_CHECKING:

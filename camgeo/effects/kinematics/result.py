@@ -14,7 +14,6 @@ import numpy as np
 from camgeo.check.finding import Finding
 from camgeo.effects.effect import Column, Request, Result
 from camgeo.motion.joints import breaks
-from camgeo.motion.motion import Side
 from camgeo.motion.time_course import (
     LiftUnit,
     TimeCourse,
@@ -24,7 +23,7 @@ from camgeo.motion.time_course import (
     plan_extremes,
     time_extremes,
 )
-from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.units import TURN
 
 if TYPE_CHECKING:

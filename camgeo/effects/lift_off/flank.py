@@ -10,8 +10,7 @@ import numpy as np
 from camgeo.effects.effect import Subject
 from camgeo.effects.immovable import shocks
 from camgeo.effects.results import ContactForce, Inertia
-from camgeo.motion.motion import Side
-from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.numeric.extremes import Extreme
 
 ROUNDING: Final = 64.0 * 2.0**-52

@@ -21,8 +21,7 @@ import numpy as np
 
 from camgeo.effects.effect import Quantity
 from camgeo.effects.lift_off.flank import TOUCH, Flank
-from camgeo.motion.motion import Side
-from camgeo.numeric.arrays import FloatArray, merged
+from camgeo.numeric.arrays import FloatArray, Side, merged
 from camgeo.numeric.extremes import Extreme, grid_of, piecewise_extremes
 from camgeo.numeric.roots import roots_on_grid
 

@@ -10,11 +10,10 @@ from typing import Final
 import numpy as np
 
 from camgeo.effects.effect import DataFile, Quantity
-from camgeo.motion.motion import Side
 from camgeo.motion.piece import SNAP
 from camgeo.motion.plan import in_turn
 from camgeo.motion.two_columns import ANGLE, Column, read_two_columns, turn_of
-from camgeo.numeric.arrays import FloatArray, frozen
+from camgeo.numeric.arrays import FloatArray, Side, frozen
 
 LOAD: Final = Column("load", ("f", "force", "load", "m", "t", "torque"), ("n", "nm", "n m"))
 

@@ -20,9 +20,8 @@ from camgeo.effects.load.table import ProcessLoad
 from camgeo.effects.results import Acting
 from camgeo.effects.wording import extreme_findings
 from camgeo.errors import GeometryError
-from camgeo.motion.motion import Side
 from camgeo.motion.plan import MotionPlan
-from camgeo.numeric.arrays import FloatArray, frozen, merged
+from camgeo.numeric.arrays import FloatArray, Side, frozen, merged
 from camgeo.numeric.extremes import piecewise_extremes
 
 N_MM: Final = 1e3

@@ -10,9 +10,8 @@ from typing import Final
 import numpy as np
 
 from camgeo.effects.effect import Subject
-from camgeo.motion.motion import Side
 from camgeo.motion.time_course import ConstantSpeed, TimeCourse, in_time
-from camgeo.numeric.arrays import FloatArray, merged
+from camgeo.numeric.arrays import FloatArray, Side, merged
 from camgeo.numeric.extremes import grid_of, piecewise_extremes
 from camgeo.numeric.oscillator.spectrum import Shock, shock
 from camgeo.numeric.roots import inverse

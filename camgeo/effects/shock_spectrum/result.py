@@ -20,9 +20,8 @@ from camgeo.check.finding import Finding
 from camgeo.effects.effect import Request, Result
 from camgeo.effects.shock_spectrum import SpectrumRange
 from camgeo.effects.shock_spectrum.moves import RestToRest, moves_of
-from camgeo.motion.motion import Side
 from camgeo.motion.time_course import ConstantSpeed
-from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.numeric.extremes import Extreme, grid_of, piecewise_extremes
 from camgeo.numeric.oscillator.spectrum import Shock
 from camgeo.numeric.roots import bracketed_roots

@@ -23,8 +23,7 @@ from camgeo.effects.speed_fluctuation.solve import refuse_shocks, solve
 from camgeo.effects.speed_fluctuation.steady import SteadyTurn
 from camgeo.effects.speed_fluctuation.table import MotorDrive
 from camgeo.effects.wording import N_M, at, loss_of_contact, placed
-from camgeo.motion.motion import Side
-from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.numeric.extremes import Extreme, Extremes, piecewise_extremes
 from camgeo.units import RPM, TURN
 

@@ -23,8 +23,7 @@ from camgeo.effects.spring.travel import (
 )
 from camgeo.effects.wording import at, between, placed
 from camgeo.errors import GeometryError
-from camgeo.motion.motion import Side
-from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.numeric.extremes import Extreme, piecewise_extremes, stretch_below
 from camgeo.units import TURN
 

@@ -22,8 +22,7 @@ import numpy as np
 
 from camgeo.errors import GeometryError
 from camgeo.mechanism.positions import locked_at
-from camgeo.motion.motion import Side
-from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.numeric.extremes import piecewise_extremes
 
 if TYPE_CHECKING:

@@ -7,10 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from camgeo.effects.effect import Subject
-from camgeo.motion.motion import Side
 from camgeo.motion.plan import MotionPlan, in_turn
 from camgeo.motion.time_course import ConstantSpeed, TimeCourse, in_time
-from camgeo.numeric.arrays import FloatArray, merged
+from camgeo.numeric.arrays import FloatArray, Side, merged
 from camgeo.numeric.oscillator.steady import Base, Response
 from camgeo.numeric.roots import inverse
 from camgeo.units import TURN

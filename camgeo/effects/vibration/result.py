@@ -30,8 +30,7 @@ from camgeo.effects.vibration.findings import (
 from camgeo.effects.vibration.output import Clock, Output, clock_of
 from camgeo.effects.vibration.table import TrainData
 from camgeo.errors import EffectError, GeometryError
-from camgeo.motion.motion import Side
-from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.numeric.extremes import piecewise_extremes
 from camgeo.numeric.oscillator.steady import ResonanceError, Response, steady_state
 from camgeo.numeric.oscillator.train import Train, one_mass, two_masses

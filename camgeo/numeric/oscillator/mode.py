@@ -25,8 +25,15 @@ from typing import Final
 
 import numpy as np
 
-from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, IntArray, frozen, grouped
-from camgeo.numeric.extremes import Side
+from camgeo.numeric.arrays import (
+    BoolArray,
+    ComplexArray,
+    FloatArray,
+    IntArray,
+    Side,
+    frozen,
+    grouped,
+)
 
 DEGREE: Final = 16
 """Degree of the series on a piece. Half a period of a sine needs this much for 16 digits, a

@@ -16,8 +16,7 @@ from typing import Final
 
 import numpy as np
 
-from camgeo.numeric.arrays import ComplexArray, FloatArray
-from camgeo.numeric.extremes import Side
+from camgeo.numeric.arrays import ComplexArray, FloatArray, Side
 from camgeo.numeric.oscillator.mode import Mode, Pieces, followed, gain_over, interpolated, solve
 from camgeo.numeric.oscillator.train import EPS, Train
 
