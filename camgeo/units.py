@@ -10,6 +10,9 @@ from typing import Final, Literal
 
 LengthUnit = Literal["mm", "inch"]
 
+LiftUnit = Literal["mm", "rad"]
+"""Unit of a lift or of a demanded position, inside."""
+
 MM_PER: Final[dict[LengthUnit, float]] = {"mm": 1.0, "inch": 25.4}
 
 TURN: Final = 2.0 * math.pi

@@ -8,7 +8,7 @@ from camgeo.cam.drive import Drive
 from camgeo.mechanism.follower import Follower
 from camgeo.mechanism.linkage_protocol import Linkage
 from camgeo.motion.plan import MotionPlan
-from camgeo.motion.time_course import LiftUnit
+from camgeo.units import LiftUnit
 
 
 def cam_of(

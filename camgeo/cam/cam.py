@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from camgeo.cam.breadth import Breadth, Yoke
     from camgeo.cam.drive import Drive
     from camgeo.mechanism.follower import Follower
-    from camgeo.motion.time_course import LiftUnit
+    from camgeo.units import LiftUnit
 
 
 @dataclass(frozen=True)

@@ -17,10 +17,9 @@ from camgeo.mechanism.linkage import LinkedMotion
 from camgeo.mechanism.linkage_protocol import Member
 from camgeo.motion.motion import Jet, Motion
 from camgeo.motion.plan import MotionPlan
-from camgeo.motion.time_course import LiftUnit
 from camgeo.numeric.arrays import FloatArray, Side, merged
 from camgeo.pickled import Pickled
-from camgeo.units import TURN
+from camgeo.units import TURN, LiftUnit
 
 if TYPE_CHECKING:
     from camgeo.mechanism.linkage_protocol import Linkage

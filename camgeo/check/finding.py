@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Final, Literal
 
-from camgeo.motion.time_course import LiftUnit
+from camgeo.units import LiftUnit
 
 Severity = Literal["ok", "warning", "broken", "no-disc", "invalid"]
 """What a finding means to the designer.

@@ -8,15 +8,14 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Annotated, Final, Literal
 
-from camgeo.mechanism.kind import Unit
 from camgeo.mechanism.values import Length, RightAngle
 from camgeo.numeric.checked import check_fields, number, one_of
-from camgeo.units import RPM
+from camgeo.units import RPM, LiftUnit
 
 SLOW = 30.0 * RPM
 """Up to 30 rev/min a mechanism counts as slow (Wirsig, section 2.4)."""
 
-OF_SLOW: Final[Mapping[Unit, float]] = {"mm": 60.0, "rad": 45.0}
+OF_SLOW: Final[Mapping[LiftUnit, float]] = {"mm": 60.0, "rad": 45.0}
 """Smallest transmission angles to aim for [degrees] in slow mechanisms, by the unit of the lift."""
 
 OF_FAST: Final = 60.0
@@ -51,7 +50,7 @@ class Limits:
         check_fields(self, "limits.")
 
 
-def default_transmission_angle(unit: Unit, speed: float | None) -> float:
+def default_transmission_angle(unit: LiftUnit, speed: float | None) -> float:
     """Smallest transmission angle to aim for [rad] (Wirsig, section 2.4).
 
     60 degrees at any speed for translating followers, whose lift has the `unit` mm; for the others

@@ -13,8 +13,9 @@ from camgeo.check.finding import STATED, Finding
 from camgeo.motion.joints import Joint, breaks, joints
 from camgeo.motion.laws.characteristic import characteristic
 from camgeo.motion.plan import Dwell, MotionPlan, Move, SplineMove, kept_with_plan
-from camgeo.motion.time_course import ConstantSpeed, LiftUnit, TimeCourse, plan_extremes
+from camgeo.motion.time_course import ConstantSpeed, TimeCourse, plan_extremes
 from camgeo.numeric.extremes import Extremes
+from camgeo.units import LiftUnit
 
 OVERSHOOT = 1e-9
 """Fraction of the stroke beyond which a move overshoots; rounding is a million times smaller."""

@@ -7,9 +7,8 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from camgeo.check.finding import STATED, Finding, Severity
-from camgeo.motion.time_course import LiftUnit
 from camgeo.outline.outline import Outline
-from camgeo.units import TURN
+from camgeo.units import TURN, LiftUnit
 
 if TYPE_CHECKING:
     from camgeo.outline.replay_result import Replay

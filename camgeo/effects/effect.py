@@ -22,10 +22,10 @@ if TYPE_CHECKING:  # each effect imports the modules that it computes with
     from camgeo.cam.cam import Cam
     from camgeo.cam.drive import Drive
     from camgeo.mechanism.slider_crank import SliderCrank
-    from camgeo.motion.time_course import LiftUnit, TimeCourse
+    from camgeo.motion.time_course import TimeCourse
     from camgeo.part.part import Part
     from camgeo.part.spec import PartSpec
-    from camgeo.units import LengthUnit
+    from camgeo.units import LengthUnit, LiftUnit
 
 GROUP: Final = "camgeo.effects"
 """Group of the entry points of effects from other distributions, named like the effect."""

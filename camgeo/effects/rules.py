@@ -13,8 +13,9 @@ from typing import TYPE_CHECKING, Any, Final, Literal
 from camgeo.mechanism.kind import UNIT_OF
 
 if TYPE_CHECKING:
-    from camgeo.mechanism.kind import Touching, Unit
+    from camgeo.mechanism.kind import Touching
     from camgeo.mechanism.linkage_protocol import Member
+    from camgeo.units import LiftUnit
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,7 +32,7 @@ class Machine:
     yoked : whether the follower has a second contact beyond the cam axis.
     """
 
-    lift: Unit | None
+    lift: LiftUnit | None
     touching: Touching | None
     edged: bool = False
     far: Member | Literal[""] | None = ""
@@ -39,7 +40,7 @@ class Machine:
     yoked: bool = False
 
     @property
-    def demanded(self) -> Unit | None:
+    def demanded(self) -> LiftUnit | None:
         """Unit of the demanded motion; None if unknown."""
         return UNIT_OF[self.far] if self.far else None if self.far is None else self.lift
 

@@ -16,9 +16,9 @@ from camgeo.units import TURN
 if TYPE_CHECKING:
     from camgeo.check.finding import Severity
     from camgeo.effects.effect import Quantity, Subject
-    from camgeo.mechanism.kind import Unit
     from camgeo.numeric.arrays import FloatArray
     from camgeo.numeric.extremes import Extreme, Extremes
+    from camgeo.units import LiftUnit
 
 N_M: Final = 1e-3
 """From N mm to N m or J, and from N mm/s to W."""
@@ -39,7 +39,7 @@ class Label:
     scale: float
 
 
-FORCES: Final[Mapping[Unit, Label]] = {
+FORCES: Final[Mapping[LiftUnit, Label]] = {
     "mm": Label("force", "N", 1.0),
     "rad": Label("torque", "N m", N_M),
 }

@@ -19,9 +19,8 @@ from camgeo.figure.marks import Text
 from camgeo.figure.model import Entry, Figure, Legend
 from camgeo.figure.motion_diagram import Unit
 from camgeo.figure.style import LEFT, RIGHT
-from camgeo.motion.time_course import LiftUnit
 from camgeo.product.product import Product
-from camgeo.units import MM_PER, RPM, LengthUnit
+from camgeo.units import MM_PER, RPM, LengthUnit, LiftUnit
 
 SIZE = (7.0, 10.0)
 

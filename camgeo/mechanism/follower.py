@@ -27,10 +27,11 @@ from typing import TYPE_CHECKING, ClassVar, Literal
 
 import numpy as np
 
-from camgeo.mechanism.kind import Mover, Touching, Unit
+from camgeo.mechanism.kind import Mover, Touching
 from camgeo.mechanism.sketch import MechanismSketch
 from camgeo.motion.motion import FULL_ORDER, Jet
 from camgeo.numeric.arrays import FloatArray
+from camgeo.units import LiftUnit
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -119,7 +120,7 @@ class Follower(ABC):
     __slots__ = ()
 
     kind: ClassVar[str]
-    lift_unit: ClassVar[Unit]
+    lift_unit: ClassVar[LiftUnit]
     touching: ClassVar[Touching]
     mover: ClassVar[Mover]
     rolls: ClassVar[bool]

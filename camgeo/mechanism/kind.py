@@ -13,9 +13,7 @@ from typing import TYPE_CHECKING, Any, Final, Literal
 if TYPE_CHECKING:
     from camgeo.mechanism.linkage_protocol import Linkage, Member
     from camgeo.mechanism.values import Values
-
-Unit = Literal["mm", "rad"]
-"""Unit of a lift or of a demanded position."""
+    from camgeo.units import LiftUnit
 
 Touching = Literal["roller", "face"]
 """The part of a follower that touches the cam."""
@@ -23,7 +21,7 @@ Touching = Literal["roller", "face"]
 Mover = Literal["follower", "rocker"]
 """The part of a follower that moves."""
 
-UNIT_OF: Final[Mapping[Member, Unit]] = {"slider": "mm", "lever": "rad", "crank": "rad"}
+UNIT_OF: Final[Mapping[Member, LiftUnit]] = {"slider": "mm", "lever": "rad", "crank": "rad"}
 """Unit of the positions of a linkage's far end."""
 
 Rule = Callable[[Mapping[str, Any]], Iterator[tuple[str, str]]]
@@ -50,7 +48,7 @@ class FollowerKind:
 
     name: str
     description: str
-    unit: Unit
+    unit: LiftUnit
     touching: Touching
     schema: Mapping[str, Any]
     build: Callable[[Values], Any]
@@ -75,7 +73,7 @@ class LinkageKind:
 
     name: str
     description: str
-    members: Mapping[Unit, Member]
+    members: Mapping[LiftUnit, Member]
     schema: Mapping[str, Any]
-    build: Callable[[Values, Unit], Linkage]
+    build: Callable[[Values, LiftUnit], Linkage]
     templates: tuple[str, ...] = ()

@@ -12,6 +12,7 @@ from typing import Literal, Protocol
 from camgeo.mechanism.sketch import MechanismSketch
 from camgeo.motion.motion import FULL_ORDER, Jet
 from camgeo.numeric.arrays import ComplexArray, FloatArray
+from camgeo.units import LiftUnit
 
 Member = Literal["slider", "lever", "crank"]
 
@@ -40,7 +41,7 @@ class Linkage(Protocol):
     def member(self) -> Member: ...
 
     @property
-    def unit(self) -> Literal["mm", "rad"]: ...
+    def unit(self) -> LiftUnit: ...
 
     @property
     def coupler_tilt(self) -> float: ...

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 from functools import partial
-from typing import TYPE_CHECKING, Annotated, Final, Literal, Protocol
+from typing import TYPE_CHECKING, Annotated, Final, Protocol
 
 import numpy as np
 
@@ -22,7 +22,7 @@ from camgeo.numeric.arrays import FloatArray, Side, ascending
 from camgeo.numeric.extremes import Extremes, climbed, extremes_of, grid_of, tops
 from camgeo.numeric.roots import bracketed_roots, sign_changes
 from camgeo.pickled import Pickled
-from camgeo.units import TURN
+from camgeo.units import TURN, LiftUnit
 
 if TYPE_CHECKING:
     from camgeo.motion.spline import Spline
@@ -33,8 +33,6 @@ CLOSING: Final = 1e-9
 SMOOTH, SHARP = (1, 2), (3, 4)
 """Rows of velocity and acceleration, which have extremes where the next row vanishes; rows of jerk
 and torque."""
-
-LiftUnit = Literal["mm", "rad"]
 
 AngularSpeed = Annotated[float, partial(checked.positive, unit="rad/s")]
 

@@ -18,11 +18,11 @@ from camgeo.curve.extremes import radius_of_curvature
 from camgeo.formats.csv import FORMAT, CsvSpec
 from camgeo.lazy import Ledger, lazy
 from camgeo.motion.motion import Jet
-from camgeo.motion.time_course import LiftUnit, in_time
+from camgeo.motion.time_course import in_time
 from camgeo.numeric.arrays import FloatArray, frozen
 from camgeo.outline.convex import touch
 from camgeo.pickled import Pickled
-from camgeo.units import MM_PER, LengthUnit
+from camgeo.units import MM_PER, LengthUnit, LiftUnit
 
 if TYPE_CHECKING:  # few scenes name an effect
     from camgeo.effects.effect import Column

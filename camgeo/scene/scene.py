@@ -20,13 +20,12 @@ if TYPE_CHECKING:
     from camgeo.check.limits import Limits
     from camgeo.formats.format import OutputSpec
     from camgeo.mechanism.follower import Follower
-    from camgeo.mechanism.kind import Unit
     from camgeo.mechanism.linkage_protocol import Linkage
     from camgeo.motion.plan import MotionPlan
     from camgeo.motion.time_course import SpeedCurve
     from camgeo.part.spec import PartSpec
     from camgeo.scene.valid_values import ValidValues
-    from camgeo.units import LengthUnit
+    from camgeo.units import LengthUnit, LiftUnit
 
 
 @dataclass(frozen=True, init=False, eq=False, repr=False)
@@ -70,7 +69,7 @@ class Scene:
     speed: float | None
     speed_curve: SpeedCurve | None
     plan: MotionPlan
-    lift_unit: Unit
+    lift_unit: LiftUnit
     follower: Follower | None
     linkage: Linkage | None
     returning: Follower | None

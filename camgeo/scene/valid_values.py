@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 from camgeo.cam.contact import Contact
 from camgeo.mechanism.declared.registry import FOLLOWERS, LINKAGES
-from camgeo.mechanism.kind import UNIT_OF, FollowerKind, Unit
+from camgeo.mechanism.kind import UNIT_OF, FollowerKind
 from camgeo.scene.document import Document
 from camgeo.scene.keys import Path, value_at
-from camgeo.units import MM_PER, LengthUnit
+from camgeo.units import MM_PER, LengthUnit, LiftUnit
 
 if TYPE_CHECKING:
     from camgeo.mechanism.linkage_protocol import Member
@@ -106,7 +106,7 @@ class ValidValues:
         return LINKAGES[linkage].members.get(self.lift_unit)
 
     @property
-    def lift_unit(self) -> Unit:
+    def lift_unit(self) -> LiftUnit:
         """Of the follower's own motion; without a follower, that of the linkage or the scene."""
         if self.follower_kind is not None:
             return self.follower_kind.unit

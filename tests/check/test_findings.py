@@ -19,12 +19,11 @@ from camgeo.check.transmission_angle import check_transmission_angle
 from camgeo.curve.extremes import curvature_extremes
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.curve.working_curve import WorkingCurve
-from camgeo.mechanism.kind import Unit
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.motion.plan import Dwell, MotionPlan, Move
 from camgeo.outline.cusps import undercut_ranges
-from camgeo.units import RPM
+from camgeo.units import RPM, LiftUnit
 from tests.laws import LAWS
 from tests.reference import (
     hard_case,
@@ -181,7 +180,7 @@ def test_standstill_is_found_between_the_samples() -> None:
 
 def test_default_limits_of_the_sources() -> None:
     slow, fast = 30.0 * RPM, 30.1 * RPM
-    expected: dict[tuple[Unit, float | None], float] = {
+    expected: dict[tuple[LiftUnit, float | None], float] = {
         ("mm", None): 60.0, ("mm", slow): 60.0, ("mm", fast): 60.0,
         ("rad", None): 45.0, ("rad", slow): 45.0, ("rad", fast): 60.0,
     }  # fmt: skip

@@ -39,13 +39,13 @@ from camgeo.numeric.extremes import piecewise_extremes
 if TYPE_CHECKING:
     from camgeo.effects.effect import Request, Subject
     from camgeo.effects.inertia.table import MassProperties
-    from camgeo.mechanism.kind import Unit
     from camgeo.motion.time_course import TimeCourse
+    from camgeo.units import LiftUnit
 
 WRITTEN: Final = 1e-3
 """Relative error of a moment of inertia that may come from writing it with a few digits."""
 
-MASSES: Final[Mapping[Unit, Label]] = {
+MASSES: Final[Mapping[LiftUnit, Label]] = {
     "mm": Label("mass", "kg", KG),
     "rad": Label("moment of inertia", "kg m^2", KG_M2),
 }

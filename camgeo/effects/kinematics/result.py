@@ -15,7 +15,6 @@ from camgeo.check.finding import Finding
 from camgeo.effects.effect import Column, Request, Result
 from camgeo.motion.joints import breaks
 from camgeo.motion.time_course import (
-    LiftUnit,
     TimeCourse,
     TimeExtremes,
     in_time,
@@ -24,7 +23,7 @@ from camgeo.motion.time_course import (
     time_extremes,
 )
 from camgeo.numeric.arrays import FloatArray, Side
-from camgeo.units import TURN
+from camgeo.units import TURN, LiftUnit
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

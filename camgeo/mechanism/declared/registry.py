@@ -13,9 +13,9 @@ from camgeo.mechanism.kind import FollowerKind, LinkageKind
 
 if TYPE_CHECKING:
     from camgeo.mechanism.follower import Follower
-    from camgeo.mechanism.kind import Unit
     from camgeo.mechanism.linkage_protocol import Linkage
     from camgeo.mechanism.values import Values
+    from camgeo.units import LiftUnit
 
 
 def _translating_roller(values: Values) -> Follower:
@@ -61,7 +61,7 @@ def _face_has_a_length(table: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
         yield "face", "must end beyond where it begins, [from, to]"
 
 
-def _slider_crank(values: Values, unit: Unit) -> Linkage:
+def _slider_crank(values: Values, unit: LiftUnit) -> Linkage:
     """Its slider drives a rocker, or a guided follower is its slider."""
     from camgeo.mechanism.slider_crank import SliderCrank
 
@@ -77,7 +77,7 @@ def _slider_crank(values: Values, unit: Unit) -> Linkage:
     return SliderDrivenCrank(slider_crank)
 
 
-def _four_bar(values: Values, _: Unit) -> Linkage:
+def _four_bar(values: Values, _: LiftUnit) -> Linkage:
     """It turns rockers only."""
     from camgeo.mechanism.four_bar import FourBar
 
