@@ -1,11 +1,11 @@
-"""CPU of the test command, user and system with all that it starts, by folder and by module.
+"""CPU time of the test command, user and system, child processes included, by folder and module.
 
     python benchmarks/test_suite.py [--against TREE] [--processes N] [--quick] [--write]
 
-`--against` runs the tests of another checkout too, with the .venv in it, and prints the ratio.
-`--write` keeps the modules that take more than a second in tests/dear_modules.json, by which
-`-m quick` leaves modules out. Seconds on the clock depend on what else the machine does; these
-hardly do.
+`--against` also runs the tests of another checkout, with its own .venv, and prints the ratio.
+`--write` writes the modules that take more than a second to tests/expensive_modules.json, the list
+of modules that `-m quick` leaves out. Unlike wall time, CPU time hardly depends on what else the
+machine does.
 """
 
 from __future__ import annotations
@@ -26,19 +26,19 @@ import pytest
 
 ROOT: Final = Path(__file__).resolve().parents[1]
 
-DEAR: Final = ROOT / "tests" / "dear_modules.json"
+EXPENSIVE: Final = ROOT / "tests" / "expensive_modules.json"
 
 LIMIT: Final = 1.0
-"""A module that takes more [s] is dear."""
+"""A module that takes more [s] counts as expensive."""
 
 INTO: Final = "CAMGEO_CPU_OF_TESTS"
-"""Names the folder into which each process of a run writes what its tests took."""
+"""Environment variable with the folder where each process of a run writes its tests' CPU times."""
 
 LARGEST: Final = 40
 
 
 def used() -> float:
-    """CPU of this process and of those that it started and that have ended [s]."""
+    """CPU time [s] of this process and of its child processes that have ended."""
     both = (resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
     return sum(each.ru_utime + each.ru_stime for each in both)
 
@@ -48,7 +48,7 @@ SPENT: defaultdict[str, float] = defaultdict(float)
 
 @pytest.hookimpl(wrapper=True, tryfirst=True)
 def pytest_runtest_protocol(item: pytest.Item) -> Generator[None, Any, Any]:
-    """Count what a test takes with its fixtures: as a plugin of the run that is measured."""
+    """Count the CPU time of a test and its fixtures; runs as a plugin of the measured run."""
     before = used()
     try:
         return (yield)
@@ -57,12 +57,12 @@ def pytest_runtest_protocol(item: pytest.Item) -> Generator[None, Any, Any]:
 
 
 def pytest_sessionfinish() -> None:
-    """Write what was counted."""
+    """Write the CPU times of this process."""
     (Path(os.environ[INTO]) / f"{os.getpid()}.json").write_text(json.dumps(SPENT), "utf-8")
 
 
 def measured(tree: Path, python: str, *words: str) -> tuple[float, Counter[str]]:
-    """CPU of the tests in `tree` as a whole [s], and of each test without collecting it [s]."""
+    """CPU time [s] of the test run in `tree`, and of each test without its collection."""
     with tempfile.TemporaryDirectory() as folder:
         path = os.pathsep.join(filter(None, (str(Path(__file__).parent), os.getenv("PYTHONPATH"))))
         before = resource.getrusage(resource.RUSAGE_CHILDREN)
@@ -80,7 +80,7 @@ def measured(tree: Path, python: str, *words: str) -> tuple[float, Counter[str]]
 
 
 def by(spent: Counter[str], parts: int) -> Counter[str]:
-    """By folder (2 parts of the path) or module (all of them)."""
+    """Sums by folder (2 parts of the path) or by module (all parts)."""
     found: Counter[str] = Counter()
     for test, seconds in spent.items():
         found["/".join(test.partition("::")[0].split("/")[:parts])] += seconds
@@ -88,11 +88,11 @@ def by(spent: Counter[str], parts: int) -> Counter[str]:
 
 
 def main() -> None:
-    """Run, print, and keep if asked to."""
+    """Run the tests, print their CPU times, and write the list if asked to."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--against", metavar="TREE", type=Path)
     parser.add_argument("--processes", metavar="N", default="2")
-    parser.add_argument("--quick", action="store_true", help="the quick subset alone, here")
+    parser.add_argument("--quick", action="store_true", help="only the quick subset")
     parser.add_argument("--write", action="store_true")
     arguments = parser.parse_args()
     words = ["-n", arguments.processes]
@@ -102,17 +102,17 @@ def main() -> None:
         ("module", by(spent, 9)),
         ("test", Counter({test: seconds for test, seconds in spent.items() if "::" in test})),
     ):
-        print(f"\nCPU by {title} [s]")
+        print(f"\nCPU time by {title} [s]")
         for name, seconds in found.most_common(LARGEST):
             print(f"{seconds:8.1f}  {name}")
-    print(f"\nCPU of {len(spent)} tests as a whole: {here:.0f} s")
+    print(f"\nCPU time of the whole run, {len(spent)} tests: {here:.0f} s")
     if arguments.write:
-        dear = {
+        expensive = {
             name.removeprefix("tests/"): round(seconds, 1)
             for name, seconds in sorted(by(spent, 9).items())
             if seconds > LIMIT
         }
-        DEAR.write_text(json.dumps(dear, indent=2) + "\n", "utf-8")
+        EXPENSIVE.write_text(json.dumps(expensive, indent=2) + "\n", "utf-8")
     if arguments.against:
         tree = arguments.against.resolve()
         there, tests = measured(tree, str(tree / ".venv" / "bin" / "python"), *words)
