@@ -8,9 +8,8 @@ from decimal import Decimal
 from typing import Any, Final
 
 from camgeo.declared import schema_beside
-from camgeo.errors import GeometryError
 from camgeo.formats.format import Format
-from camgeo.numeric.checked import instance
+from camgeo.numeric.checked import decimal, hold
 
 SMALLEST_STEP: Final = Decimal("0.0001")
 LARGEST_STEP: Final = Decimal(90)
@@ -30,11 +29,12 @@ class CsvSpec:
     step: Decimal = Decimal(1)
 
     def __post_init__(self) -> None:
-        key, step = "output.csv.step", self.step
-        instance(key, step, Decimal, "a decimal number")
-        if not (step.is_finite() and SMALLEST_STEP <= step <= LARGEST_STEP):
-            message = f"must be a number from {SMALLEST_STEP} to {LARGEST_STEP} (degrees)"
-            raise GeometryError(message, key, str(step))
+        hold(self, step=exact_step(self.step))
+
+
+def exact_step(step: Decimal | float) -> Decimal:
+    """A step of the cam angle [degrees], see `camgeo.numeric.checked.decimal`."""
+    return decimal("output.csv.step", step, SMALLEST_STEP, LARGEST_STEP, "degrees")
 
 
 def parse(table: Mapping[str, Any]) -> CsvSpec:

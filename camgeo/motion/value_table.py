@@ -10,7 +10,6 @@ from typing import Final
 
 import numpy as np
 
-from camgeo.errors import GeometryError
 from camgeo.motion.laws.law import Law
 from camgeo.numeric import checked
 from camgeo.numeric.arrays import FloatArray, frozen
@@ -63,7 +62,7 @@ class LawTable(Pickled):
         ]
 
 
-def law_table(law: Law, step: Decimal = PRINTED_STEP) -> LawTable:
+def law_table(law: Law, step: Decimal | float = PRINTED_STEP) -> LawTable:
     """Tabulate a law at z = 0, step, 2 step, ... below 1, and at 1.
 
     The multiples are exact, so rounding neither drops nor doubles a row; a step that does not
@@ -72,22 +71,14 @@ def law_table(law: Law, step: Decimal = PRINTED_STEP) -> LawTable:
     Parameters
     ----------
     law : any normalised law.
-    step : of z, from 1e-6 to 0.5.
+    step : of z, from 1e-6 to 0.5; a float counts as the decimal number that Python prints for it.
 
     Raises
     ------
     GeometryError
         If the step is outside these limits.
     """
-    if not (
-        checked.instance("step", step, Decimal, "a decimal").is_finite()
-        and SMALLEST_STEP <= step <= LARGEST_STEP
-    ):
-        raise GeometryError(
-            f"the step of z must be from {SMALLEST_STEP:f} to {LARGEST_STEP}",
-            key="step",
-            value=str(step),
-        )
+    step = checked.decimal("step", step, SMALLEST_STEP, LARGEST_STEP, what="step of z")
     with localcontext() as context:
         # Fewer than 10^7 multiples: seven digits more than the step has hold each of them.
         context.prec = max(context.prec, len(step.as_tuple().digits) + 7)

@@ -11,6 +11,7 @@ import math
 import reprlib
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import is_dataclass
+from decimal import Decimal
 from functools import cache, partial
 from numbers import Complex, Integral, Real
 from types import MappingProxyType, NoneType, UnionType
@@ -79,6 +80,34 @@ def finite(key: str, value: Any, unit: str = "") -> float:
 def positive(key: str, value: Any, unit: str = "") -> float:
     """`value` as a float; GeometryError unless it is a number above 0."""
     return number(key, value, above=0.0, unit=unit)
+
+
+def decimal(
+    key: str, value: Any, least: Decimal, most: Decimal, unit: str = "", what: str = "number"
+) -> Decimal:
+    """`value` as a decimal number from `least` to `most`, whose multiples are exact.
+
+    A float counts as the decimal number that Python prints for it: 0.2 is 0.2.
+
+    Raises
+    ------
+    GeometryError
+        With `key`, the value, and the allowed range of `what` in `unit`.
+    """
+    if isinstance(value, Decimal):
+        found = value
+    elif math.isfinite(number := _float(value)):
+        found = Decimal(int(value) if isinstance(value, Integral) else repr(number))
+    else:
+        found = Decimal("NaN")
+    if found.is_finite() and least <= found <= most:
+        return found
+    allowed = f"must be a {what} from {least:f} to {most:f}"
+    raise GeometryError(
+        f"{allowed} ({unit})" if unit else allowed,
+        key,
+        str(value) if isinstance(value, Decimal) else shown(value),
+    )
 
 
 def point(key: str, value: Any, unit: str = "") -> complex:

@@ -15,7 +15,7 @@ import numpy as np
 from camgeo.cam.cam import Cam
 from camgeo.cam.drive import Demanded, Drive
 from camgeo.curve.extremes import radius_of_curvature
-from camgeo.formats.csv import FORMAT, CsvSpec
+from camgeo.formats.csv import FORMAT, exact_step
 from camgeo.lazy import Ledger, lazy
 from camgeo.motion.motion import Jet
 from camgeo.motion.time_course import in_time
@@ -113,16 +113,16 @@ class TabulatedCam(Pickled):
     columns: Callable[[], tuple[Column, ...]]
     ledger: Ledger = field(default_factory=Ledger, repr=False, compare=False)
 
-    def table(self, step: Decimal | None = None) -> Table:
+    def table(self, step: Decimal | float | None = None) -> Table:
         """One row for every `step` degrees of cam angle, by default the scene's step; right-hand
-        values at the joints.
+        values at the joints. A float counts as the decimal number that Python prints for it.
 
         With a speed also the time and the derivatives in time: velocity, acceleration and jerk;
         then the cam's columns, if there is a cam, and the effects. In the scene's unit and degrees.
         """
         if step is None:
             return self.value_table
-        degrees = cam_angles(CsvSpec(step).step)
+        degrees = cam_angles(exact_step(step))
         return self.ledger.run("value_table", lambda: self._table(degrees))
 
     @lazy

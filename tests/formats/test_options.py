@@ -21,7 +21,10 @@ from camgeo.formats.registry import find_format
             (CsvSpec, Decimal(text), "output.csv.step")
             for text in ("0", "-1", "91", "NaN", "sNaN", "Inf")
         ),
-        *((CsvSpec, value, "output.csv.step") for value in (1.0, float("nan"), "1", None)),
+        *(
+            (CsvSpec, value, "output.csv.step")
+            for value in (91.0, 0, float("nan"), "1", None, True)
+        ),
         *((DxfSpec, value, "output.dxf.entity") for value in ("", "arc", None, 3)),
     ],
 )
@@ -33,6 +36,7 @@ def test_wrong_options_are_refused(make: Callable[[Any], Any], value: Any, key: 
 
 def test_the_ends_of_the_ranges_are_in_them() -> None:
     assert [CsvSpec(Decimal(text)).step for text in ("0.0001", "90")]
+    assert CsvSpec(90).step == LARGEST_STEP  # type: ignore[arg-type]  # numbers of Python pass too
     node = find_format("csv").schema["properties"]["step"]
     assert (Decimal(repr(node["minimum"])), node["maximum"]) == (SMALLEST_STEP, LARGEST_STEP)
     assert [DxfSpec(entity).entity for entity in ENTITIES] == list(ENTITIES)

@@ -7,6 +7,7 @@ value rounded: misprints, and last digits cut off or rounded the wrong way.
 from __future__ import annotations
 
 import csv
+import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from decimal import Decimal
@@ -233,11 +234,16 @@ def test_the_values_of_the_most_extreme_law_are_numbers() -> None:
     assert 1e60 < table.values[0, 4] < 1e62
 
 
-@pytest.mark.parametrize("step", [None, 0.002, "0.002", 1])
-def test_a_step_that_is_no_decimal_is_refused(step: Any) -> None:
-    with pytest.raises(GeometryError, match="must be a decimal") as raised:
+@pytest.mark.parametrize("step", [None, "0.002", 1, math.nan, True])
+def test_a_step_that_is_no_number_in_range_is_refused(step: Any) -> None:
+    with pytest.raises(GeometryError, match="must be a step of z") as raised:
         law_table(make_law("modified-sine"), step)
     assert raised.value.key == "step"
+
+
+def test_a_float_is_the_decimal_that_it_is_written_as() -> None:
+    law = make_law("modified-sine")
+    assert law_table(law, 0.1).z == law_table(law, Decimal("0.1")).z
 
 
 def test_rounding_is_of_the_double_itself() -> None:

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import json
+import math
 import pickle
 import subprocess
 import sys
 from dataclasses import fields
 from decimal import Decimal
+from fractions import Fraction
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -90,8 +93,19 @@ def test_views_travel_in_pickles_and_answer_the_same() -> None:
     assert np.array_equal(pictured.curve("inner", phi), design.disc.pictured.curve("inner", phi))
 
 
-@pytest.mark.parametrize("step", ["0", "-1", "NaN", "100"])
-def test_a_table_has_a_step_of_the_scene_s_range(step: str) -> None:
-    with pytest.raises(GeometryError) as caught:
-        camgeo.load(SCENE).tabulated.table(Decimal(step))
+@pytest.mark.parametrize(
+    "step", [*map(Decimal, ("0", "-1", "NaN", "100")), 0, -1.0, 91, math.inf, "1", True]
+)
+def test_a_table_has_a_step_of_the_scene_s_range(step: Any) -> None:
+    message = "must be a number from 0.0001 to 90 "
+    with pytest.raises(GeometryError, match=message) as caught:
+        camgeo.load(SCENE).tabulated.table(step)
     assert caught.value.key == "output.csv.step"
+
+
+@pytest.mark.parametrize("step", [0.2, np.float64(0.2), Fraction(1, 5), 30, np.int64(30)])
+def test_a_table_takes_any_number_as_its_step(step: Any) -> None:
+    """0.2 is the decimal number 0.2, so the last row is exactly at 359.8 degrees."""
+    tabulated = camgeo.load(SCENE).tabulated
+    exact = Decimal("0.2") if step < 1 else Decimal(30)
+    assert np.array_equal(tabulated.table(step).values, tabulated.table(exact).values)

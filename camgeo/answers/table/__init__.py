@@ -30,12 +30,14 @@ class ValueTable(Answer):
     table: Table
 
 
-def table_of_scene(design: Design, step: Decimal | None = None) -> ValueTable:
+def table_of_scene(design: Design, step: Decimal | float | None = None) -> ValueTable:
     """The value table of a design, at every `step` [degrees] or at the scene's."""
     return ValueTable(design.tabulated.table(step))
 
 
-def table_of_law(law: Law, step: Decimal = PRINTED_STEP, *, printed: bool = False) -> ValueTable:
+def table_of_law(
+    law: Law, step: Decimal | float = PRINTED_STEP, *, printed: bool = False
+) -> ValueTable:
     """The value table of a law at every `step` of z, or rounded as the tables of VDI 2143 are.
 
     Raises GeometryError if the step is invalid.
