@@ -118,8 +118,8 @@ class Design(Pickled):
     def effect(self, name: str) -> Any:
         """The result of the effect `name`, see `camgeo.effects.effect.Result`.
 
-        Raises KeyError if there is no such effect, GeometryError with the scene's key if its data
-        are missing, EffectError if it has no answer for this design.
+        Raises UnknownNameError if there is no such effect, GeometryError with the scene's key if
+        its data are missing, EffectError if it has no answer for this design.
         """
         return self.effects.result(name)
 

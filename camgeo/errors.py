@@ -126,6 +126,28 @@ class Cancelled(CamgeoError, RuntimeError):
     """A computation was cancelled before it was done."""
 
 
+class UnknownNameError(CamgeoError, KeyError):
+    """There is no effect, format, plot, ... of the name asked for.
+
+    Attributes
+    ----------
+    message : the name, the names that there are, and the nearest one if it is near.
+    name : that was asked for.
+    names : that there are.
+    """
+
+    def __init__(self, what: str, name: str, names: Iterable[str]) -> None:
+        self.name = name
+        self.names = tuple(names)
+        hint = meant(name, self.names, '"')
+        self.message = f'there is no {what} "{name}"' + (f" ({hint})" if hint else "")
+        self.message += f"; there are {', '.join(self.names)}"
+        super().__init__(self.message)
+
+    def __str__(self) -> str:
+        return self.message  # a KeyError would put it in quotes
+
+
 @dataclass(eq=False, repr=False)
 class EffectError(CamgeoError, ArithmeticError):
     """An effect has no answer for this design, e.g. a follower that jams has no contact force.

@@ -16,6 +16,7 @@ from camgeo.cam.drive import Drive
 from camgeo.curve import extremes, pitch_curve
 from camgeo.curve.extremes import radius_of_curvature
 from camgeo.design import Design
+from camgeo.errors import UnknownNameError
 from camgeo.lazy import lazy_names
 from camgeo.motion import plan
 
@@ -113,6 +114,11 @@ def test_arrays_of_any_number_of_turns(design: Design) -> None:
     assert design.disc.pictured.curve("pitch", phi) == pytest.approx(
         design.disc.pictured.curve("pitch", turned), abs=1e-12
     )
+
+
+def test_an_unknown_effect_is_reported_with_those_that_exist(design: Design) -> None:
+    with pytest.raises(UnknownNameError, match=r'no effect "sprung" .*"spring".*there are kin'):
+        design.effect("sprung")
 
 
 def test_public_names_that_few_need_are_imported_when_asked_for() -> None:

@@ -23,6 +23,7 @@ from camgeo.errors import (
     SceneError,
     ToleranceError,
     UndercutError,
+    UnknownNameError,
     VersionError,
 )
 from camgeo.lazy import Ledger, lazy
@@ -89,6 +90,7 @@ def test_another_version_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
         OutputError("cannot be written"),
         CycleError(("a", "b", "a")),
         EffectError("jams", finding="jam", value=1.0, cam_range=(0.0, 1.0)),
+        UnknownNameError("effect", "sprung", ("spring", "load")),
         Cancelled("cancelled before it was computed"),
         VersionError("of another version"),
     ],

@@ -61,7 +61,7 @@ class Effects:
         return tuple(self.tables)
 
     def effect(self, name: str) -> Effect:
-        """The declaration of the effect `name`; KeyError if there is none."""
+        """The declaration of the effect `name`; UnknownNameError if there is none."""
         if name not in self._known:
             self._known[name] = self._find(name)
         return self._known[name]
@@ -99,7 +99,7 @@ class Effects:
 
         Raises
         ------
-        KeyError
+        UnknownNameError
             If there is no such effect.
         CycleError
             If it needs itself.

@@ -6,6 +6,7 @@ import importlib
 from typing import TYPE_CHECKING, Any, Final
 
 from camgeo.effects.effect import GROUP, Effect
+from camgeo.errors import UnknownNameError
 
 if TYPE_CHECKING:
     from importlib.metadata import EntryPoint
@@ -34,7 +35,7 @@ def find_effect(name: str) -> Effect:
 
     Raises
     ------
-    KeyError
+    UnknownNameError
         If there is no such effect.
     TypeError
         If the object that another distribution registers is not an `Effect` of this name.
@@ -42,8 +43,10 @@ def find_effect(name: str) -> Effect:
     if name in EFFECTS:
         module = importlib.import_module(f"camgeo.effects.{name.replace('-', '_')}")
         effect: Any = module.EFFECT
+    elif entry := _foreign().get(name):
+        effect = entry.load()
     else:
-        effect = _foreign()[name].load()
+        raise UnknownNameError("effect", name, effect_names())
     if not isinstance(effect, Effect) or effect.name != name:
         raise TypeError(f"the object registered as effect {name!r} is not an effect of that name")
     return effect

@@ -8,7 +8,7 @@ from importlib import import_module
 from importlib.metadata import entry_points
 from typing import Protocol
 
-from camgeo.errors import meant
+from camgeo.errors import UnknownNameError
 from camgeo.figure.layout import Size, rooms
 from camgeo.figure.model import Figure
 from camgeo.product.product import Product
@@ -40,7 +40,7 @@ def names() -> list[str]:
 
 
 def find(name: str) -> Builder:
-    """The plot of that name; raises KeyError with the available names."""
+    """The plot of that name; UnknownNameError if there is none."""
     if name in OWN:
         module, _, builder = OWN[name].partition(":")
         own: Builder = getattr(import_module(f"camgeo.figure.{module}"), builder)
@@ -48,9 +48,7 @@ def find(name: str) -> Builder:
     for entry in entry_points(group=GROUP, name=name):
         other: Builder = entry.load()
         return other
-    hint = meant(name, names())
-    message = f"no plot {name!r}; there are {', '.join(names())}"
-    raise KeyError(f"{message}; {hint}" if hint else message)
+    raise UnknownNameError("plot", name, names())
 
 
 def stacked(product: Product, wanted: Sequence[str]) -> Figure:

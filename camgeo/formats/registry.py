@@ -5,7 +5,7 @@ from __future__ import annotations
 import importlib
 from typing import TYPE_CHECKING, Any, Final
 
-from camgeo.errors import CamgeoError
+from camgeo.errors import CamgeoError, UnknownNameError
 from camgeo.formats.format import Format
 
 if TYPE_CHECKING:
@@ -26,13 +26,16 @@ FORMATS: Final = {
 }
 """Formats of camgeo, each with its module and its name there."""
 
+NO_FORMATS: Final = {"pdf": "PDFs are drawn by: camgeo plot SCENE -o FILE.pdf"}
+"""Names that users may take for formats, with hints at what makes such files."""
+
 
 def find_format(name: str) -> Format[Any]:
     """The format `name`; its module, or that of a foreign writer, is imported now.
 
     Raises
     ------
-    KeyError
+    UnknownNameError
         If there is none.
     CamgeoError
         If another distribution registers something else than a writer under this name.
@@ -41,7 +44,10 @@ def find_format(name: str) -> Format[Any]:
         module, _, constant = FORMATS[name].partition(":")
         own: Format[Any] = getattr(importlib.import_module(f"camgeo.formats.{module}"), constant)
         return own
-    return format_of(writer_entries()[name])[1]
+    entry = writer_entries().get(name)
+    if entry is None:
+        raise UnknownNameError("format", name, (*FORMATS, *foreign_names()))
+    return format_of(entry)[1]
 
 
 def format_of(entry: EntryPoint) -> tuple[Any, Format[Any]]:

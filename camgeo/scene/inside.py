@@ -7,8 +7,8 @@ import pathlib
 from collections.abc import Mapping
 from typing import Any, Final
 
-from camgeo.errors import Fault, unreadable
-from camgeo.scene.keys import Path
+from camgeo.errors import CamgeoError, Fault, unreadable
+from camgeo.scene.keys import Path, spelled
 from camgeo.scene.schema import Node, schema
 from camgeo.scene.valid_values import ValidValues
 from camgeo.units import RPM
@@ -145,4 +145,14 @@ class Inside:
         if reference in LENGTHS or "x-default-mm" in node:
             return float(value) * self.values.mm
         unit = {**schema()["$defs"].get(reference.rpartition("/")[2], {}), **node}.get("x-unit", "")
-        return float(value) * (SCALES[unit] if unit else 1.0)
+        return float(value) * (_scale(path, unit) if unit else 1.0)
+
+
+def _scale(path: Path, unit: str) -> float:
+    """The factor from `unit` to the unit inside; CamgeoError if there is no such unit."""
+    if unit in SCALES:
+        return SCALES[unit]
+    raise CamgeoError(
+        f'{spelled(path)}: the x-unit "{unit}" of its schema is unknown; known are'
+        f" {', '.join(SCALES)}"
+    )

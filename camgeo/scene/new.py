@@ -5,6 +5,7 @@ from __future__ import annotations
 import pathlib
 from typing import Final
 
+from camgeo.errors import UnknownNameError
 from camgeo.mechanism.declared.registry import FOLLOWERS, LINKAGES
 
 TEMPLATES: Final = pathlib.Path(__file__).with_name("templates")
@@ -22,7 +23,9 @@ KINDS: Final = (
 
 
 def template(kind: str) -> str:
-    """Return the text of a commented scene of that kind; KeyError if there is none."""
+    """Return the text of a commented scene of that kind; UnknownNameError if there is
+    none.
+    """
     if kind not in KINDS:
-        raise KeyError(kind)
+        raise UnknownNameError("template", kind, KINDS)
     return (TEMPLATES / f"{kind}.toml").read_text(encoding="utf-8")

@@ -13,6 +13,7 @@ x-default-by-law : the value that the key's absence stands for with each law, if
 x-default-key : the key whose value is then used.
 x-default-mm : the value then used [mm].
 x-file : the text is the name of a file in the scene's folder, with data.
+x-hints : what to suggest for values that are not allowed, by value.
 x-later : values or keys that the format names but this version does not have.
 x-path : the text is the path of a file in the scene's folder, unless it is one of x-values.
 x-siblings : names of the other definitions in a choice.
@@ -33,7 +34,7 @@ from typing import TYPE_CHECKING, Any, Final, TypeVar
 from jsonschema_rs import Draft202012Validator
 
 from camgeo.errors import CamgeoError
-from camgeo.formats.registry import FORMATS, find_format, foreign_names
+from camgeo.formats.registry import FORMATS, NO_FORMATS, find_format, foreign_names
 from camgeo.mechanism.declared.registry import FOLLOWERS, LINKAGES
 from camgeo.mechanism.kind import FollowerKind, LinkageKind
 from camgeo.motion.laws import ALIASES, FAMILIES, OPTIONS
@@ -217,7 +218,7 @@ def with_tables(effects: Tables, formats: Tables) -> Node:
     top = schema()["properties"]
     own = {**top[EFFECTS], "properties": {name: dict(table) for name, table in effects.items()}}
     keys = top[OUTPUT]["properties"]
-    listed = {**keys["formats"], "items": {"enum": list(formats)}}
+    listed = {**keys["formats"], "items": {"enum": list(formats), "x-hints": NO_FORMATS}}
     listed["description"] = listed["description"].format(formats=", ".join(formats))
     tables = {name: _optional(table) for name, table in formats.items()}
     output = {**top[OUTPUT], "properties": {**keys, "formats": listed, **tables}}

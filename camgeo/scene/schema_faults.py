@@ -98,7 +98,7 @@ def _refused(scene: Document, path: Path, error: ValidationError, node: Node) ->
         if value in node.get("x-later", []):
             choice = ", ".join(f'"{item}"' for item in values)
             return scene.fault(path, f"is not available in this version; available: {choice}")
-        close = meant(value, values, '"')
+        close = node.get("x-hints", {}).get(value) or meant(value, values, '"')
         if close:
             hint = close
         elif error.kind.name == "type" and _reads_as_number(value):

@@ -11,7 +11,7 @@ from typing import Any, Protocol
 
 from camgeo.errors import Fault, SceneError, meant
 from camgeo.formats.format import Format
-from camgeo.formats.registry import format_of, writer_entries
+from camgeo.formats.registry import NO_FORMATS, format_of, writer_entries
 from camgeo.product.product import Product
 
 
@@ -71,6 +71,7 @@ def find_writer(name: str) -> Writer:
     if entry is None:
         names = writer_names()
         message = f"no writer for this format; there are {', '.join(names)}"
-        raise SceneError([Fault("format", name, message, meant(name, names, '"'))])
+        hint = NO_FORMATS.get(name) or meant(name, names, '"')
+        raise SceneError([Fault("format", name, message, hint)])
     writer: Writer = format_of(entry)[0]
     return writer

@@ -18,7 +18,7 @@ from camgeo.effects.graph import Effects
 from camgeo.effects.registry import EFFECTS, effect_names, find_effect
 from camgeo.effects.results import INERTIA
 from camgeo.effects.rules import FLATS, ONE_DISC, Only
-from camgeo.errors import GeometryError, SceneError
+from camgeo.errors import CamgeoError, GeometryError, SceneError, UnknownNameError
 from camgeo.lazy import Ledger
 from camgeo.scene.load import parse_scene
 from tests.effects.fakes import fake
@@ -135,8 +135,12 @@ def test_each_is_declared_alone(name: str) -> None:
 
 def test_there_is_no_such_effect(register: Register) -> None:
     register(NAME, FOREIGN)
-    with pytest.raises(KeyError):
+    with pytest.raises(UnknownNameError) as caught:
         find_effect("sprung")
+    assert str(caught.value) == (
+        f'there is no effect "sprung" (did you mean "spring"?); there are'
+        f" {', '.join((*EFFECTS, NAME))}"
+    )
 
 
 def test_a_foreign_effect_is_loaded_when_it_is_asked_for(register: Register) -> None:
@@ -219,6 +223,14 @@ def test_what_its_schema_or_itself_refuses_is_told(
         parse_scene(with_noise(text))
     (fault,) = caught.value.faults
     assert fault.line is not None
+
+
+def test_a_unit_that_does_not_exist_is_reported_with_the_units_that_do(register: Register) -> None:
+    schema = {"type": "object", "properties": {"mass": {"type": "number", "x-unit": "stone"}}}
+    register(NAME, fake(NAME, parse=parse, schema=schema))
+    message = r'effects\.noise\.mass: the x-unit "stone" of its schema is unknown; known are kg, '
+    with pytest.raises(CamgeoError, match=message):
+        parse_scene(with_noise("mass = 1"))
 
 
 def test_unknown_names_are_told_as_before(register: Register) -> None:

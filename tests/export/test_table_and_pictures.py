@@ -9,6 +9,7 @@ import pytest
 
 from camgeo.cam.cam import Cam
 from camgeo.cam.drive import Drive
+from camgeo.errors import UnknownNameError
 from camgeo.figure.plots import OWN, find, stacked
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.product.value_table import Table
@@ -101,7 +102,7 @@ def test_plots_stack_and_leave_no_state() -> None:
 
 
 def test_unknown_plots_and_kinds() -> None:
-    with pytest.raises(KeyError, match="did you mean motion"):
+    with pytest.raises(UnknownNameError, match='did you mean "motion"'):
         find("motoin")
     with pytest.raises(ValueError, match=r"\.svg, \.png and \.pdf"):
         render(stacked(StubProduct(), ["cam"]), ".bmp")

@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from camgeo.errors import CamgeoError
+from camgeo.errors import CamgeoError, UnknownNameError
 from camgeo.formats import registry
 from camgeo.formats.format import Format, Options, no_options
 from camgeo.formats.registry import FORMATS, find_format, foreign_names
@@ -86,7 +86,7 @@ def test_others_are_loaded_when_they_are_named(monkeypatch: pytest.MonkeyPatch) 
     assert (named.loads, left.loads) == (0, 0)
     assert find_format("step") is form
     assert (named.loads, left.loads) == (1, 0)
-    with pytest.raises(KeyError):
+    with pytest.raises(UnknownNameError, match=r'no format "igs" \(did you mean "iges"\?\)'):
         find_format("igs")
 
 

@@ -151,6 +151,11 @@ FAULTS: list[tuple[str, list[Change], str]] = [
     ),
     (PLATE, [("base_radius = 50", "base_radius = 1e9")], "at least 1e-10 of the largest length"),
     (ROCKER, [("radius = 55", "radius = 1e-3")], "default, 0.001 mm, must be at most 0.1 of the b"),
+    (
+        PLATE,
+        [('"dxf"', '"pdf"')],
+        r'"pdf": must be .*"dxf".*\(PDFs are drawn by: camgeo plot',
+    ),
     (PLATE, [("step = 0.5", "step = 1e-9")], "csv.step = 1e-9: must be a number from 0.0001 to 90"),
     (PLATE, [("step = 0.5", "step = 1e9")], "csv.step = 1e9: must be a number from 0.0001 to 90"),
     (PLATE, [("step = 0.5", "step = 0")], "csv.step = 0: must be a number from 0.0001 to 90"),

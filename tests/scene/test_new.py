@@ -7,6 +7,7 @@ import re
 import pytest
 
 from camgeo.design import Design
+from camgeo.errors import UnknownNameError
 from camgeo.scene.load import parse_scene
 from camgeo.scene.new import KINDS, template
 from camgeo.scene.scene import Scene
@@ -60,5 +61,5 @@ def test_template_fits_a_screen(kind: str) -> None:
 
 
 def test_unknown_kind() -> None:
-    with pytest.raises(KeyError, match="elephant"):
+    with pytest.raises(UnknownNameError, match='no template "elephant"; there are translating'):
         template("elephant")

@@ -44,6 +44,8 @@ def test_writers_are_found() -> None:
     assert find_writer("dxf").format.suffix == ".dxf"
     with pytest.raises(SceneError, match=r'no writer for this format.*did you mean "gcode"'):
         find_writer("gcod")
+    with pytest.raises(SceneError, match=r"format = pdf: no writer .*\(PDFs are drawn by: camgeo"):
+        find_writer("pdf")
 
 
 def test_report_and_certificate(tmp_path: Path) -> None:
