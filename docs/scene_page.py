@@ -39,7 +39,7 @@ def page() -> str:
     for heading, description, rows in _tables(schema):
         parts.append(f"\n## {heading}\n" + (f"\n{description}\n" if description else ""))
         if rows:
-            parts.append("\n| key | |\n|---|---|\n")
+            parts.append("\n| key | meaning |\n|---|---|\n")
             parts += [f"| `{key}` | {text} |\n" for key, text in rows]
     return "".join(parts)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import re
 from collections.abc import Iterator
 from pathlib import Path
@@ -15,6 +16,8 @@ from camgeo.scene.whole_schema import whole_schema
 from tests.pages import page_maker
 
 ROOT = Path(__file__).resolve().parents[1]
+
+PAGES = sorted((*ROOT.glob("*.md"), *ROOT.glob("docs/**/*.md"), *ROOT.glob("fixtures/**/*.md")))
 
 
 def test_the_page_of_the_scene_file_is_made_from_the_schema() -> None:
@@ -47,6 +50,27 @@ def test_every_key_of_the_schema_stands_on_the_page_of_the_scene_file() -> None:
             shown.add(table + row[1])
     schema = whole_schema()
     assert shown == set(keys_of(schema, schema["$defs"]))
+
+
+def gaps(text: str) -> Iterator[str]:
+    """Tables without rows, and headings with nothing below them, of a page in Markdown."""
+    lines = [line for line in re.sub(r"(?ms)^```.*?^```", "code", text).splitlines() if line]
+    for line, below in itertools.pairwise([*lines, "# end"]):
+        if re.fullmatch(r"\|[-| :]+\|", line) and not below.startswith("|"):
+            yield f"table without rows above {below!r}"
+        level = len(line) - len(line.lstrip("#"))
+        if level and re.match(rf"#{{1,{level}}} ", below):
+            yield f"nothing below {line!r}"
+
+
+def test_gaps_of_a_page_are_found() -> None:
+    page = "# a\n\n## b\n\n| key |\n|---|\n\n## c\n\n## d\n\n```\n# no heading\n```\n"
+    assert list(gaps(page)) == ["table without rows above '## c'", "nothing below '## c'"]
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.relative_to(ROOT).as_posix())
+def test_no_table_and_no_section_is_empty(page: Path) -> None:
+    assert list(gaps(page.read_text(encoding="utf-8"))) == []
 
 
 def test_what_a_pair_has_no_effects_for_is_told_by_the_rules() -> None:
