@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
+import itertools
 import re
+import tomllib
+from collections.abc import Iterator
+from typing import Any
 
 import pytest
 
 from camgeo.design import Design
-from camgeo.errors import UnknownNameError
+from camgeo.errors import SceneError, UnknownNameError
+from camgeo.scene.keys import key_lines, spelled, value_at
 from camgeo.scene.load import parse_scene
 from camgeo.scene.new import KINDS, template
 from camgeo.scene.scene import Scene
+from camgeo.scene.schema import keys_of, resolved, schema_of_all
 from tests.findings import effect_findings
 
 
@@ -36,6 +42,38 @@ def test_template_explains_each_key(kind: str) -> None:
         # A key that comes again needs no second comment.
         assert "#" in rest or key.strip() in known or key.strip() in ("thickness", "roller_radius")
         known.add(key.strip())
+
+
+CHOSEN = ("kind", "law")
+"""Keys whose values are too many for a comment; it says where they are listed."""
+
+
+def choices(text: str) -> Iterator[tuple[str, str, set[str]]]:
+    """Key, line with the comments below it, and allowed values of each key with a choice."""
+    tree, lines = tomllib.loads(text), text.splitlines()
+    for path, line in key_lines(text).items():
+        node: Any = schema_of_all(tree)
+        for place, step in enumerate(path):
+            table = value_at(tree, path[:place])
+            inner = node.get("items", {}) if isinstance(step, int) else keys_of(node, table)[step]
+            node = resolved(inner)
+        if values := node.get("enum") or node.get("items", {}).get("enum"):
+            below = itertools.takewhile(re.compile(r" +#").match, lines[line:])
+            yield spelled(path), "\n".join((lines[line - 1], *below)), set(values)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_comments_name_every_value_of_a_choice(kind: str) -> None:
+    """All values that the schema allows, except those that the template's machine rules out."""
+    text = template(kind)
+    found = [each for each in choices(text) if not each[0].endswith(CHOSEN)]
+    assert {key for key, _, _ in found} >= {"units.length", "cam.rotation", "output.formats"}
+    for key, entry, values in found:
+        named = set(re.findall(r'"([^"\n]*)"', entry))
+        for value in values - named:
+            other = re.sub(r'= "\w+"', f'= "{value}"', entry, count=1)
+            with pytest.raises(SceneError, match=rf"{key} = "):
+                parse_scene(text.replace(entry, other))
 
 
 @pytest.mark.parametrize("kind", KINDS)
