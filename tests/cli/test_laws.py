@@ -219,8 +219,31 @@ def test_what_cannot_be_is_listed_with_its_reason(capsys: Capture) -> None:
     record = records(call, capsys)["simple-sine"]
     assert record["values"] is None
     assert record["reason"].startswith("a0 = 6.0: ")
-    out = printed(["--task", "G-U", "--law", "straight-line"], capsys)
+    out = printed(["--task", "G-U", "--law", "straight-line", "polynomial-5"], capsys)
     assert "not possible: straight-line is made for R-R, G-G" in out
+
+
+@pytest.mark.parametrize(
+    ("call", "reasons"),
+    [
+        (["--law", "simple-sine", "--inflection", "0"],
+         ["simple-sine: not possible: inflection = 0.0: the inflection point must lie strictly"]),
+        (["--law", "scca", "simple-sine", "--inflection", "0"],
+         ["scca, simple-sine: not possible: inflection = 0.0: "]),
+        (["--task", "G-U", "--law", "straight-line"],
+         ["straight-line: not possible: straight-line is made for R-R, G-G"]),
+    ],
+)  # fmt: skip
+def test_if_no_law_is_possible_the_call_is_refused(
+    call: list[str], reasons: list[str], capsys: Capture
+) -> None:
+    assert main(["laws", *call]) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    _, *lines = err.splitlines()
+    assert all(reason in line for reason, line in zip(reasons, lines, strict=True))
+    assert main(["laws", *call, "--json"]) == 2
+    assert len(json.loads(capsys.readouterr().out)["faults"]) == len(reasons)
 
 
 def test_places(capsys: Capture) -> None:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, fields
 from typing import ClassVar, Final
 
 from camgeo.answers.answer import Answer
+from camgeo.errors import Fault, SceneError
 from camgeo.motion.boundary import ENDS, NAMES, TASKS, ends_of
 from camgeo.motion.laws import FAMILIES, find_family
 from camgeo.motion.laws.comparison import QUANTITIES, Entry, Running, compare
@@ -94,9 +95,28 @@ def laws_of_task(
     running: Running | None = None,
     places: bool = False,
 ) -> Laws:
-    """Compare the laws of a task; `task`, `given`, `names` as of `compare`, the rest of `Laws`."""
-    rows = tuple(LawRow(each, _physical(each, running)) for each in compare(task, given, names))
+    """Compare the laws of a task; `task`, `given`, `names` as of `compare`, the rest of `Laws`.
+
+    Raises
+    ------
+    SceneError
+        If none of the laws is possible, with the reason for each.
+    """
+    found = compare(task, given, names)
+    if all(entry.law is None for entry in found):
+        raise SceneError(_impossible(found))
+    rows = tuple(LawRow(each, _physical(each, running)) for each in found)
     return Laws(rows, running, places=places)
+
+
+def _impossible(entries: Sequence[Entry]) -> list[Fault]:
+    """Why no law is possible: one fault for all laws with the same reason."""
+    reasons: dict[str, list[str]] = {}
+    for entry in entries:
+        reasons.setdefault(entry.reason, []).append(entry.name)
+    return [
+        Fault(", ".join(names), "", f"not possible: {reason}") for reason, names in reasons.items()
+    ]
 
 
 def laws_of_all_tasks(names: Sequence[str] = ()) -> Laws:
