@@ -85,7 +85,11 @@ class Piece:
 
 
 def spline_piece(spline: Spline, position: float, start: float, end: float) -> Piece:
-    """The piece of a motion by data: `spline` over z in [0, 1], from `position`."""
+    """The piece of a motion by data: `spline` over z in [0, 1], from `position`; a rest if it is
+    constant.
+    """
+    if not np.any(spline.taylor[:, 1:]):
+        return Piece(start, end, position + float(spline.taylor[0, 0]))
 
     def formula(z: FloatArray, _w: FloatArray, _: Any) -> FloatArray:
         return spline.values(np.clip(z, 0.0, 1.0))

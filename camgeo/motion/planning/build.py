@@ -12,8 +12,9 @@ from camgeo.motion.laws.family import Family
 from camgeo.motion.laws.law import Law
 from camgeo.motion.laws.sine_straight import LEAST
 from camgeo.motion.laws.two_point import ORDERS, law_of_boundary_values
-from camgeo.motion.planning.chain import Chain, Link
-from camgeo.motion.planning.request import MoveRequest
+from camgeo.motion.planning.chain import TAKE_JERK, Chain, Link
+from camgeo.motion.planning.request import AUTO, MoveRequest
+from camgeo.motion.planning.tasks import task_of
 
 MISSED = 1e-9
 """Relative error of a stated value that counts as rounding."""
@@ -128,15 +129,23 @@ def _check_stated(chain: Chain, number: int, law: Law) -> None:
                 )
 
 
-def law_without_stroke(chain: Chain, number: int, name: str) -> Law:
-    """A move that ends where it starts: a polynomial with a scale of its own [mm or rad]."""
+def law_without_stroke(chain: Chain, number: int) -> Law | None:
+    """The law of a move that ends where it starts, a polynomial whose scale is its own [mm or rad].
+
+    None if velocity, acceleration and the stated jerk are 0 at both ends: the move rests.
+    """
+    link = chain.links[number]
+    assert isinstance(link.request, MoveRequest)
+    name = "polynomial-5" if link.request.law == AUTO else find_family(link.request.law).name
     values = _scaled(chain, number, 1.0)
-    if name == "polynomial-5":
+    if name not in TAKE_JERK:
         values = {key: value for key, value in values.items() if key[0] != "j"}
+    if not any(values.values()):
+        return None
     if name == "polynomial-7":
         values = {"j0": 0.0, "j1": 0.0, **values}
-    task = f"{chain.before(number).end}-{chain.after(number).end}"
-    return law_of_boundary_values(name, task, values, {}, rise=0.0)
+    with keyed(link):
+        return law_of_boundary_values(name, task_of(chain, number), values, {}, rise=0.0)
 
 
 @contextmanager

@@ -9,7 +9,7 @@ import numpy as np
 
 from camgeo.errors import GeometryError
 from camgeo.motion.boundary import over_span
-from camgeo.motion.laws import find_family, make_law
+from camgeo.motion.laws import make_law
 from camgeo.motion.plan import Dwell, MotionPlan, Move, Segment, SplineMove
 from camgeo.motion.planning.build import keyed, law_without_stroke, named_law, normalised
 from camgeo.motion.planning.chain import STRAIGHT, Chain, chain_of
@@ -90,13 +90,9 @@ def _move(chain: Chain, number: int, request: MoveRequest) -> Move:
     if link.straight:
         return Move(request.span, request.to, make_law(STRAIGHT, "G-G"))
     if link.stroke == 0.0:
-        if task == "R-R":
-            return Move(request.span, request.to, make_law("polynomial-345"))  # it rests
-        with keyed(link):
-            name = "polynomial-5" if request.law == AUTO else find_family(request.law).name
-            return Move(
-                request.span, request.to, law_without_stroke(chain, number, name), scale=1.0
-            )
+        moving = law_without_stroke(chain, number)
+        law = moving or make_law("polynomial-345")
+        return Move(request.span, request.to, law, scale=1.0 if moving else None)
     if request.law == AUTO:
         from camgeo.motion.planning.auto import best_law
 

@@ -74,6 +74,34 @@ def test_a_move_that_stays_where_it_is_between_rests_rests() -> None:
     assert plan.dwells[0].span == 2.0 * math.pi
 
 
+@pytest.mark.parametrize(
+    "requests",
+    [
+        [move(360, 0.0)],
+        [move(100, 0.0), move(260, 0.0, "polynomial-7")],
+        [move(100, 0.0, "polynomial-5"), rest(100), move(160, 0.0)],
+        [move(100, 0.0, velocity=0.0), rest(260)],
+        [through(360, 0.0, (0.2, 0.0), (0.7, 0.0))],
+        [table(100, [0.0, 0.0, 0.0]), move(260, 0.0)],
+        [table(360, [0.0, 0.0, 0.0, 0.0])],
+    ],
+)
+def test_what_nothing_moves_rests(requests: list[Request]) -> None:
+    """It is as good as a dwell: a curve without movement costs the proof of a fit seconds."""
+    (dwell,) = planned(*requests).dwells
+    assert dwell.span == 2.0 * math.pi
+
+
+@pytest.mark.parametrize("law", ["polynomial-7", "polynomial"])
+def test_a_jerk_stated_between_rests_is_met_without_a_stroke(law: str) -> None:
+    plan = planned(rest(60), move(120, 0.0, law, jerk=3.0), rest(180))
+    ends = np.radians([60.0, 180.0])
+    assert plan.jet(ends[1:], "left")[:, 0] == pytest.approx([0.0, 0.0, 0.0, 3.0], abs=1e-14)
+    assert list(plan.jet(ends[:1])[:3, 0]) == [0.0, 0.0, 0.0]
+    rests = planned(rest(60), move(120, 0.0, law, jerk=0.0), rest(180))
+    assert len(rests.dwells) == 1
+
+
 @pytest.mark.parametrize("law", ["polynomial-5", "polynomial-7", "polynomial", "auto"])
 def test_a_move_that_returns_within_itself_keeps_what_is_stated(law: str) -> None:
     jerk = {"jerk": 3.0} if law in ("polynomial-7", "polynomial") else {}
