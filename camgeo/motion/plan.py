@@ -76,12 +76,15 @@ class SplineMove:
     to : position at the end [mm or rad].
     spline : over z in [0, 1], the displacement from the position at the start [mm or rad].
     report : how far it is from the rows of a lift table; None for a motion through points.
+    shift : what was added to every row of the table [mm or rad], so that the first one lies where
+        the segment starts.
     """
 
     span: Decimal
     to: float
     spline: Spline
     report: FitReport | None = None
+    shift: float = 0.0
 
     def __post_init__(self) -> None:
         knots = getattr(self.spline, "knots", None)

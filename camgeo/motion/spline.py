@@ -16,7 +16,7 @@ from camgeo.errors import GeometryError
 from camgeo.motion.motion import FULL_ORDER
 from camgeo.numeric import checked
 from camgeo.numeric.arrays import FloatArray, IntArray, Side
-from camgeo.numeric.extremes import Extremes, extremes_of
+from camgeo.numeric.extremes import Extreme, Extremes, extremes_of
 from camgeo.pickled import Pickled
 
 DEGREE: Final = 5
@@ -132,9 +132,31 @@ class Spline(Pickled):
         and both one-sided values at every knot. The place lies within the domain; of equal values
         the first counts.
         """
-        local = _derivative(self.taylor, order)
+        pieces, places = self._turning_points(order)
         length = np.diff(self.knots)
-        rows = np.arange(len(length))
+        values = _each(_derivative(self.taylor, order)[pieces], places) / length[pieces] ** order
+        return extremes_of(self._at(pieces, places), values)
+
+    def beyond_knots(self) -> Extreme:
+        """How far s goes, inside a piece, beyond both its values at the ends of the piece.
+
+        The largest such distance, negative below them, and where it is; 0 where s stays between.
+        Exact but for rounding.
+        """
+        pieces, places = self._turning_points(0)
+        values = _each(self.taylor[pieces], places)
+        ends = np.stack((self.taylor[:, 0], np.sum(self.taylor, axis=1)))
+        above, below = (
+            values - np.max(ends, axis=0)[pieces],
+            values - np.min(ends, axis=0)[pieces],
+        )
+        beyond = np.where(above > 0.0, above, np.minimum(below, 0.0))
+        most = int(np.argmax(np.abs(beyond)))
+        return Extreme(float(beyond[most]), float(self._at(pieces, places)[most]))
+
+    def _turning_points(self, order: int) -> tuple[IntArray, FloatArray]:
+        """All (piece, t) at which the derivative of `order` may have an extremum, ends included."""
+        rows = np.arange(len(self.taylor))
         piece = [rows, rows]
         place = [np.zeros(len(rows)), np.ones(len(rows))]
         if order < DEGREE:
@@ -145,10 +167,12 @@ class Spline(Pickled):
             inner = _sign_changes(turning[bent], edges)
             place += [edges[:, 1:-1].ravel(), inner.ravel()]
             piece += [np.repeat(bent, edges.shape[1] - 2), np.repeat(bent, inner.shape[1])]
-        pieces, places = np.concatenate(piece), np.concatenate(place)
-        values = _each(local[pieces], places) / length[pieces] ** order
-        x = np.clip(self.knots[pieces] + places * length[pieces], self.knots[0], self.knots[-1])
-        return extremes_of(x, values)
+        return np.concatenate(piece), np.concatenate(place)
+
+    def _at(self, pieces: IntArray, places: FloatArray) -> FloatArray:
+        """x at t = `places` (n,) of `pieces` (n,), within the domain."""
+        x = self.knots[pieces] + places * np.diff(self.knots)[pieces]
+        return np.asarray(np.clip(x, self.knots[0], self.knots[-1]))
 
     def inverse(self, y: FloatArray) -> FloatArray:
         """(n,) x with s(x) = `y` (n,), for a spline that ascends everywhere.

@@ -15,8 +15,9 @@ from camgeo.motion.laws import make_law
 from camgeo.motion.laws.characteristic import characteristic
 from camgeo.motion.plan import Dwell, MotionPlan, Move
 from camgeo.motion.planning.planner import plan_motion
-from camgeo.motion.planning.request import MoveRequest, Request, TableRequest
+from camgeo.motion.planning.request import MoveRequest, PointsRequest, Request, TableRequest
 from camgeo.motion.time_course import ConstantSpeed
+from camgeo.numeric.arrays import FloatArray
 from tests.strategies import SMOOTH, attack, plans
 
 STROKE, SPAN = 20.0, math.radians(100.0)
@@ -160,6 +161,78 @@ def test_a_smoothed_table_tells_its_deviation() -> None:
     at = plan.jet(np.array([found.cam_angle]))[0, 0]
     row = round(found.cam_angle / math.radians(2.0))
     assert abs(at - lifts[row]) == pytest.approx(worst, abs=1e-12)
+
+
+@pytest.mark.parametrize("first", [0.0, 2.0, 5.0])
+def test_a_table_tells_by_how_much_its_rows_are_shifted(first: float) -> None:
+    """A table over the whole turn starts at 0, where the base radius holds; another one where the
+    segment before it ends. Rows that count from where the table starts are as good as positions."""
+    shares = np.linspace(0.0, 1.0, 41)
+    lifts = first + 5.0 * shares**3 * (10.0 - 15.0 * shares + 6.0 * shares**2)
+    (alone,) = named(plan_motion([table_over(360, shares, lifts - 5.0 * shares)]), "lift-table")
+    after: list[Request] = [Dwell(Decimal(60)), move(100, 5.0, "polynomial-5")]
+    plan = plan_motion([*after, table_over(100, shares, lifts), move(100, 0.0, "polynomial-5")])
+    (behind,) = named(plan, "lift-table")
+    for found, start in ((alone, 0.0), (behind, 5.0)):
+        assert found.value == pytest.approx(0.0, abs=1e-12)
+        assert found.severity == ("ok" if first in (0.0, start) else "warning")
+        shift = abs(start - first)
+        assert ("each row" in found.sentence) == (shift > 0.0)
+        assert shift == 0.0 or found.sentence.startswith(f"with {shift:g} mm ")
+    assert plan.jet(np.radians([160.0, 260.0]))[0] == pytest.approx([5.0, 10.0], abs=1e-12)
+
+
+def table_over(
+    span: int, shares: FloatArray, lifts: FloatArray, smoothing: float | None = None
+) -> TableRequest:
+    """A table of these rows."""
+    return TableRequest(Decimal(span), shares, lifts, smoothing)
+
+
+@pytest.mark.parametrize(("step", "swings"), [(1, False), (10, False), (18, True), (30, True)])
+def test_a_table_of_few_rows_swings_beside_its_dwells(step: int, swings: bool) -> None:
+    """Dwells of 90 degrees at 0 and 18 mm, and the moves between them, at every 1 to 30 degrees."""
+    angles = np.arange(0.0, 361.0, step)
+    way = np.clip(np.abs(angles - 225.0) / 90.0 - 0.5, 0.0, 1.0)
+    plan = plan_motion(
+        [table_over(360, angles / 360.0, 18.0 * (1.0 - make_law("modified-trapezoid")(way)[0]))]
+    )
+    found = named(plan, "overshoot")
+    assert bool(found) == swings
+    phi = np.linspace(0.0, 2.0 * math.pi, 36_001)
+    lift = plan.jet(phi)[0]
+    beyond = max(-float(np.min(lift)), float(np.max(lift)) - 18.0)
+    for each in found:
+        assert each.severity == "warning"
+        assert each.limit == pytest.approx(1.8e-3, rel=0.03)
+        assert each.value == pytest.approx(beyond, rel=1e-5)
+        there = float(plan.jet(np.array([each.cam_angle]))[0, 0])
+        assert max(-there, there - 18.0) == pytest.approx(beyond, rel=1e-5)
+    assert swings or beyond <= 1.8e-3
+
+
+def test_what_a_smoothed_table_may_deviate_is_no_swing() -> None:
+    shares = np.linspace(0.0, 1.0, 181)
+    noise = 8e-3 * np.sin(1e4 * np.arange(181.0) ** 2)
+    lifts = np.where(shares < 0.5, 0.0, 5.0 * (1.0 - np.cos(4.0 * math.pi * shares))) + noise
+    lifts[-1] = lifts[0] = 0.0
+    rough, smooth = (
+        plan_motion([table_over(360, shares, lifts, smoothing)]) for smoothing in (None, 16e-3)
+    )
+    assert named(rough, "overshoot")
+    assert not named(smooth, "overshoot")
+
+
+def test_a_motion_through_points_tells_how_far_it_swings() -> None:
+    """Points in a row ask for a dwell, which no spline has."""
+    points = PointsRequest(
+        Decimal(300), 0.0, np.array([0.1, 0.2, 0.3, 0.7]), np.array([0.0, 0.0, 9.0, 9.0])
+    )
+    plan = plan_motion([Dwell(Decimal(60)), points])
+    (found,) = named(plan, "overshoot")
+    lift = plan.jet(np.radians(np.linspace(60.0, 360.0, 30_001)))[0]
+    assert found.value == pytest.approx(max(np.max(lift) - 9.0, -np.min(lift)), rel=1e-6)
+    assert "points at 150 and 270 deg" in found.sentence
 
 
 def test_physical_extremes_are_the_characteristic_values_times_the_speed() -> None:

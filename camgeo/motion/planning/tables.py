@@ -44,7 +44,9 @@ def fit(chain: Chain, number: int) -> SplineMove:
     link = chain.links[number]
     assert isinstance(link.request, TableRequest)
     spline, found = _fitted(chain, number, link.request)
-    return SplineMove(link.request.span, chain.before(number).position + link.stroke, spline, found)
+    start = chain.before(number).position
+    shift = start - float(link.request.lifts[0])
+    return SplineMove(link.request.span, start + link.stroke, spline, found, shift)
 
 
 def _fitted(chain: Chain, number: int, request: TableRequest) -> tuple[Spline, FitReport]:
