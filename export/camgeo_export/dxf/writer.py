@@ -170,11 +170,13 @@ def _auxiliary(space: Modelspace, product: Product, pitch: Contour | None, scale
 
 def _polyline(space: Modelspace, contour: Contour, scale: float, layer: str) -> None:
     # + 0.0 turns -0.0 into 0.0
-    x = (contour.vertices.real / scale + 0.0).tolist()
-    y = (contour.vertices.imag / scale + 0.0).tolist()
-    bulges = (np.tan(contour.sweeps / 4.0) + 0.0).tolist()
-    points = list(zip(x, y, bulges, strict=True))
-    space.add_lwpolyline(points, format="xyb", close=True, dxfattribs={"layer": layer})
+    x = contour.vertices.real / scale + 0.0
+    y = contour.vertices.imag / scale + 0.0
+    bulges = np.tan(contour.sweeps / 4.0) + 0.0
+    width = np.zeros(len(x))
+    polyline = space.add_lwpolyline([], close=True, dxfattribs={"layer": layer})
+    # All at once: ezdxf copies the whole array for each point that is appended.
+    polyline.lwpoints.set(np.column_stack((x, y, width, width, bulges)))
 
 
 def _strands(space: Modelspace, contour: SplineContour, scale: float, layer: str) -> None:
