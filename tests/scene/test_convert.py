@@ -49,9 +49,12 @@ def test_spans_stay_as_written() -> None:
     assert spans == [Decimal(30), Decimal(100), Decimal("39.9"), Decimal(120), Decimal("70.1")]
 
 
-def test_empty_dwells_are_left_out() -> None:
+def test_empty_dwells_keep_their_number() -> None:
+    """The segments of the plan count as those of the scene do."""
     scene = loaded(PLATE, ("dwell = 40", "dwell = 0.0"), ("dwell = 70", "dwell = 110"))
-    assert len(scene.plan.segments) == 4
+    assert len(scene.plan.segments) == 5
+    assert scene.plan.segments[2] == Dwell(Decimal(0))
+    assert len(scene.plan.stretches) == 4
 
 
 def test_rocker_moves_in_degrees() -> None:

@@ -88,7 +88,7 @@ def profile_of(data: ProcessLoad, plan: MotionPlan, unit: str) -> LoadProfile:
     if data.segments is None:
         assert data.constant is not None  # `parse` sees to it
         return constant(data.constant)
-    # A dwell of zero length has no load; the plan of a scene does not keep it either.
+    # A dwell of zero length has no load.
     starts = [start for _, start, _ in plan.stretches]
     if len(data.segments) != len(starts):
         raise GeometryError(

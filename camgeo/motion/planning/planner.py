@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from decimal import Decimal
 from typing import Final
 
 import numpy as np
@@ -29,6 +30,9 @@ from camgeo.numeric import checked
 PLAIN: Final = Unit()
 """No unit: messages state values as they are, per radian."""
 
+MOMENT: Final = Dwell(Decimal(0))
+"""A rest of zero length: no link of a chain, but a segment of the plan."""
+
 
 def plan_motion(requests: Sequence[Request], unit: Unit = PLAIN) -> MotionPlan:
     """The motion plan of `requests`, in the order of the cam angle, over one turn.
@@ -36,6 +40,8 @@ def plan_motion(requests: Sequence[Request], unit: Unit = PLAIN) -> MotionPlan:
     Joints get the values that are stated; a rest or a straight line on one side decides the rest.
     A turn has the acceleration that a neighbouring law requires, where there is no choice. What is
     still open is chosen as smooth as possible, see `camgeo.motion.planning.values`.
+
+    Segment k of the plan is that of request k, also where a rest has no length.
 
     `unit` is the unit of positions in messages.
 
@@ -54,7 +60,9 @@ def plan_motion(requests: Sequence[Request], unit: Unit = PLAIN) -> MotionPlan:
         settle_tables(chain)
     settle_tasks(chain)
     settle_values(chain)
-    return MotionPlan(tuple(_segment(chain, number) for number in range(len(chain.links))))
+    made = {link.number: _segment(chain, index) for index, link in enumerate(chain.links)}
+    numbers = range(len(requests))
+    return MotionPlan(tuple(made.get(number, MOMENT) for number in numbers))
 
 
 def _check_spans(requests: Sequence[Request]) -> None:

@@ -75,13 +75,7 @@ def positions(requests: Sequence[Request]) -> list[float]:
 
 def samples(plan: MotionPlan) -> list[FloatArray]:
     """(4, 8) jet in each segment that has a length."""
-    found = []
-    at = Decimal(0)
-    for segment in plan.segments:
-        start, end = (math.radians(float(angle)) for angle in (at, at + segment.span))
-        found.append(plan.jet(start + (end - start) * SHARES))
-        at += segment.span
-    return found
+    return [plan.jet(start + (end - start) * SHARES) for _, start, end in plan.stretches]
 
 
 def assert_same(
@@ -199,7 +193,7 @@ def fourth_at_ends(plan: MotionPlan, number: int) -> tuple[float, float]:
 def test_the_plan_is_its_laws_scaled(requests: list[Request]) -> None:
     plan = accepted(requests)
     position = 0.0
-    for segment, jet in zip(plan.segments, samples(plan), strict=True):
+    for (segment, _, _), jet in zip(plan.stretches, samples(plan), strict=True):
         length = math.radians(float(segment.span))
         if isinstance(segment, Move):
             scale = segment.to - position if segment.scale is None else segment.scale
@@ -366,7 +360,7 @@ def test_tiny_and_huge_strokes(requests: list[Request], size: float) -> None:
 def test_from_rest_to_rest_over_any_span(law: str, span: str, size: float) -> None:
     left = 360 - Decimal(span)
     plan = planned(move(span, size, law), rest(0), move(left, 0.0, law), rest(0))
-    for jet, segment in zip(samples(plan), plan.segments, strict=True):
+    for jet, (segment, _, _) in zip(samples(plan), plan.stretches, strict=True):
         assert isinstance(segment, Move)
         length = math.radians(float(segment.span))
         assert np.all(np.isfinite(jet))
