@@ -70,12 +70,15 @@ class Design(Pickled):
             raise SceneError([fault], scene.source.file)
         main = Cam(
             self.drive, scene.follower, scene.rotation, scene.contact, scene.side_clearance,
-            scene.yoke, self.ledger,
+            scene.yoke, ledger=self.ledger,
         )  # fmt: skip
         if scene.returning is None:
             return (main,)
         shared = Ledger(shared_with=self.ledger)
-        other = Cam(self.drive, scene.returning, scene.rotation, scene.contact, ledger=shared)
+        other = Cam(
+            self.drive, scene.returning, scene.rotation, scene.contact, mount=scene.mount,
+            ledger=shared,
+        )  # fmt: skip
         return (main, other)
 
     @property

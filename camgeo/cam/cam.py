@@ -15,6 +15,7 @@ from camgeo.pickled import Pickled
 if TYPE_CHECKING:
     from camgeo.cam.breadth import Breadth, Yoke
     from camgeo.cam.drive import Drive
+    from camgeo.mechanism.conjugate import Mount
     from camgeo.mechanism.follower import Follower
     from camgeo.units import LiftUnit
 
@@ -29,6 +30,7 @@ class Cam(Pickled):
     follower : the one that touches the disc.
     rotation, contact, clearance : as for `Disc`.
     yoke : the other side of the follower on a cam of constant breadth; None if there is none.
+    mount : how the roller is fixed to the main one of a conjugate pair; None for a main cam.
     """
 
     drive: Drive
@@ -37,6 +39,7 @@ class Cam(Pickled):
     contact: Contact = Contact.INNER
     clearance: float = 0.0
     yoke: Yoke | None = None
+    mount: Mount | None = None
     ledger: Ledger = field(default_factory=Ledger, repr=False, compare=False)
 
     def __post_init__(self) -> None:

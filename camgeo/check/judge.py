@@ -31,6 +31,11 @@ WORST_FIRST: Final = ("invalid", "no-disc", "broken", "warning", "ok")
 UNDERCUT: Final = ("cusp-", "undercut-", "global-undercut-")
 """Beginnings of the names of findings for which a cure can be sought."""
 
+UNMENDED: Final = ("outline-", "closure")
+"""Beginnings of the names of findings that rule out a disc even if undercut is trimmed."""
+
+TRIM: Final = 'limits.undercut = "trim" makes the disc that is left'
+
 RETURN: Final = "return"
 """Marks the return disc: its files are NAME-return, its findings begin with "return: "."""
 
@@ -114,11 +119,12 @@ class Judgement(Pickled):
 
         Raises GeometryError if whether the flanks cross cannot be decided.
         """
-        if not any(f.name.startswith(UNDERCUT) and f.severity != "ok" for f in self.findings):
+        names = (f.name.removeprefix(f"{RETURN}: ") for f in self.findings if f.severity != "ok")
+        if not any(name.startswith(UNDERCUT) for name in names):
             return ()
         from camgeo.check.cures.smallest import cures  # a search that few cams need
 
-        return cures(self.cams[0])
+        return cures(self.cams)
 
 
 def transmission_angle_limit(cam: Cam, limits: Limits) -> float:
@@ -193,7 +199,24 @@ def _of_roller(cam: Cam, limits: Limits, before: list[Finding]) -> list[Finding]
         from camgeo.check.side_clearance import check_side_clearance  # few grooves have it
 
         found.append(check_side_clearance(curve, cam.clearance))
-    return [*found, *check_closure(curve, severity)]
+    found += check_closure(curve, severity)
+    return _naming_trim(found) if mechanism and severity == "no-disc" else found
+
+
+def _naming_trim(found: list[Finding]) -> list[Finding]:
+    """The findings of a disc that is refused; where it could be trimmed, one says by which key."""
+    refused = [finding.name for finding in found if finding.severity == "no-disc"]
+    if any(name.startswith(UNMENDED) for name in refused):
+        return found
+    for named in ("lost-stroke-", "tangent-closure"):
+        if any(name.startswith(named) for name in refused):
+            return [
+                replace(each, sentence=f"{each.sentence}; {TRIM}")
+                if each.name.startswith(named)
+                else each
+                for each in found
+            ]
+    return found
 
 
 def _of_outline(cam: Cam, name: str, flank: WorkingCurve, severity: Severity) -> list[Finding]:

@@ -13,9 +13,12 @@ is therefore a follower in its own right, with its own geometry and the same lif
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Final
 
 from camgeo.errors import GeometryError
+from camgeo.mechanism.follower import Follower
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.mechanism.values import (
@@ -34,6 +37,28 @@ from camgeo.units import TURN
 FLAT: Final = 1e-6
 """Angle [rad], and fraction of the spacing, by which the return roller must stay clear of where its
 disc cannot drive it; closer than that, the geometry has lost six of its sixteen digits."""
+
+
+@dataclass(frozen=True, slots=True)
+class Mount:
+    """How the return roller is fixed to the main one; what is not given follows the main roller.
+
+    Attributes
+    ----------
+    make : `return_on_carriage` or `return_on_lever`.
+    given : its arguments after the main roller, by their names.
+    """
+
+    make: Callable[..., Follower]
+    given: tuple[tuple[str, float], ...]
+
+    def roller(self, main: Follower) -> Follower:
+        """The return roller; GeometryError as of `make`."""
+        return self.make(main, **dict(self.given))
+
+    def sized(self, **sizes: float) -> Mount:
+        """The same with other arguments."""
+        return Mount(self.make, tuple({**dict(self.given), **sizes}.items()))
 
 
 def return_on_carriage(

@@ -40,7 +40,7 @@ class FollowerKind:
     touching : the part that touches the cam.
     schema : JSON Schema of its table, without its kind.
     build : makes the follower of a table.
-    build_return : the second roller of a conjugate pair, from the main follower and the table
+    build_return : makes the `conjugate.Mount` of the second roller of a conjugate pair of the table
         [follower.return]; None if this kind has none.
     sizes : keys of the lengths that a tolerance is compared with; nested ones with a dot.
     rules : conditions that relate its keys.
@@ -53,7 +53,7 @@ class FollowerKind:
     schema: Mapping[str, Any]
     build: Callable[[Values], Any]
     sizes: tuple[str, ...]
-    build_return: Callable[[Any, Values], Any] | None = None
+    build_return: Callable[[Values], Any] | None = None
     rules: tuple[Rule, ...] = ()
 
 

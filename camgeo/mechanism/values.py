@@ -146,12 +146,15 @@ class Values:
         Converted to mm and rad by the annotations of `camgeo.mechanism.values`. `first` are passed
         before them, `others` in place of them.
         """
-        own = {
+        return make(*first, **(self.given(make) | others))
+
+    def given(self, make: Callable[..., Any]) -> dict[str, Any]:
+        """The values that the annotations of `make` name, converted as for `build`."""
+        return {
             name: of_table(check, self.table[key], self.mm)
             for name, (check, key, _) in checks_of(make).items()
             if key in self.table
         }
-        return make(*first, **(own | others))
 
     def sign(self, key: str, default: str) -> int:
         """+1 or -1 for the word at `key`."""

@@ -88,9 +88,7 @@ def real_outline(flank: WorkingCurve, bends: Extremes | None = None) -> Outline:
     """
     if not flank.pitch.follower.has_pitch_curve:
         return _convex_outline(flank)
-    if flank.distance <= 0.0:
-        _require_axis(flank)
-    _require_simple(flank.pitch)
+    require_room(flank)
     envelope = Envelope(flank)
     backward = backward_ranges(envelope, bends)
     nodes = tuple(n for n in find_nodes(envelope, backward) if not n.touching)
@@ -127,6 +125,15 @@ def _convex_outline(flank: WorkingCurve) -> Outline:
     if not convexity(flank.pitch).is_convex:
         raise UndercutError("a flat face touches only a convex cam, and this one is not")
     return Outline(whole(flank), (), ())
+
+
+def require_room(flank: WorkingCurve) -> None:
+    """Raise UndercutError if the roller reaches over the cam axis, GeometryError if it would run
+    through its own flank: what no trimming helps.
+    """
+    if flank.distance <= 0.0:
+        _require_axis(flank)
+    _require_simple(flank.pitch)
 
 
 def _require_axis(flank: WorkingCurve) -> None:

@@ -30,6 +30,7 @@ from camgeo.units import RPM, TURN
 
 if TYPE_CHECKING:
     from camgeo.cam.breadth import Yoke
+    from camgeo.mechanism.conjugate import Mount
     from camgeo.mechanism.follower import Follower
     from camgeo.mechanism.linkage_protocol import Linkage
     from camgeo.motion.time_course import SpeedCurve
@@ -66,7 +67,8 @@ def enter(document: Document, source: Source, earlier: Attributes | None = None)
     moves = not any(fault.key.startswith("motion") for fault in faults)
     plan = builder.plan() if moves else None
     follower, linkage, speed_curve = builder.follower(), builder.linkage(), builder.speed_curve()
-    returning = None if follower is None else builder.returning(follower)
+    mount = None if follower is None else builder.mount()
+    returning = None if mount is None or follower is None else builder.returning(mount, follower)
     effects = builder.effects({fault.key for fault in faults})
     output = builder.output()
     if plan is not None and follower is not None and linkage is not None:
@@ -82,6 +84,7 @@ def enter(document: Document, source: Source, earlier: Attributes | None = None)
         "plan": plan,
         "follower": follower,
         "linkage": linkage,
+        "mount": mount,
         "returning": returning,
         "effects": effects,
         "output": output,
@@ -150,15 +153,19 @@ class Builder:
         kind = FOLLOWERS[values.get("follower", "kind")]
         return self._engine(("follower",), lambda: kind.build(self._table("follower")))
 
-    def returning(self, follower: Follower) -> Follower | None:
-        """The return roller of a conjugate pair; None if there is none, or it cannot work."""
+    def mount(self) -> Mount | None:
+        """How the return roller of a conjugate pair is fixed to the main one; None without one."""
         table: dict[str, Any] | None = self.values.get("follower", "return")
         if table is None:
             return None
         build = FOLLOWERS[self.values.get("follower", "kind")].build_return
         assert build is not None  # the schema of other kinds has no such table
-        given = self._table("follower", "return")
-        return self._engine(("follower",), lambda: build(follower, given))
+        mount: Mount = build(self._table("follower", "return"))
+        return mount
+
+    def returning(self, mount: Mount, follower: Follower) -> Follower | None:
+        """The return roller of a conjugate pair; None if it cannot work."""
+        return self._engine(("follower",), lambda: mount.roller(follower))
 
     def _yoke(self) -> Yoke | None:
         if self.values.get("follower", "yoke") is None:

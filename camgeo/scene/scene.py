@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from camgeo.cam.contact import Contact
     from camgeo.check.limits import Limits
     from camgeo.formats.format import OutputSpec
+    from camgeo.mechanism.conjugate import Mount
     from camgeo.mechanism.follower import Follower
     from camgeo.mechanism.linkage_protocol import Linkage
     from camgeo.motion.plan import MotionPlan
@@ -49,6 +50,7 @@ class Scene:
     lift_unit : of the follower's own motion, "mm" or "rad".
     follower : what touches the disc; None if the scene has none, and so no disc.
     linkage : between motion and follower; None if the motion is the follower's own.
+    mount : how the second roller of a conjugate pair is fixed to the first; None if there is none.
     returning : the second roller, on the return disc of a conjugate pair; None if there is none.
     yoke : the other side of the follower on a cam of constant breadth; None if there is none.
     contact : the flank on which the roller runs.
@@ -72,6 +74,7 @@ class Scene:
     lift_unit: LiftUnit
     follower: Follower | None
     linkage: Linkage | None
+    mount: Mount | None
     returning: Follower | None
     yoke: Yoke | None
     contact: Contact

@@ -308,7 +308,7 @@ def test_an_outline_that_crosses_itself_is_refused(tmp_path: Path, capsys: Captu
     assert main(["check", scene]) == 1
     out = capsys.readouterr().out
     assert "global undercut" in out
-    assert "roller radius below 13.5309 mm instead of 16 mm" in out
+    assert "roller radius at most 13.5309 mm instead of 16 mm" in out
     assert main(["build", scene, "-o", str(tmp_path / "out")]) == 1
     assert "global undercut" in capsys.readouterr().err
     assert list(tmp_path.iterdir()) == []

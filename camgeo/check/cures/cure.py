@@ -3,14 +3,19 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from decimal import ROUND_CEILING, ROUND_FLOOR, Decimal
+from typing import Self
 
 DIGITS = 6
 """Significant digits of a length in a sentence, unless the change needs more."""
 
 OF_CHANGE = 3
 """Significant digits of a change that the lengths before and after must show."""
+
+MOST_DIGITS = 17
+"""Significant digits that tell any two doubles apart."""
 
 Value = float | Decimal | str
 
@@ -45,15 +50,16 @@ class Cure:
     knob : "base radius", "roller radius", "offset", "arm", "longer segment" or "other law".
     key : path of its key in the scene.
     value_from : the present value, in `unit`; for a law its name.
-    value_to : for a length the limit itself, at which the finding is about to disappear; for a span
-        the next millionth of a degree beyond the limit; for a law its name. None if the knob has
-        no cure.
+    value_to : the value that cures: for a length the limit rounded to the side on which it cures,
+        as the sentence has it; for a span the next millionth of a degree beyond the limit; for a
+        law its name. None if the knob has no cure.
     unit : "mm", "deg" or "".
     cost : relative change, referred to the base radius for an offset; for a law the relative
         increase of its peak acceleration, 0 if that does not grow. The largest one if several
         moves change. None if the knob has no cure.
     sentence : all of this in words.
     also : the other keys that change with it, e.g. the dwells beside a longer move.
+    limit : of a length, the exact value [mm] at which the finding is about to disappear.
     """
 
     knob: str
@@ -64,6 +70,7 @@ class Cure:
     cost: float | None
     sentence: str
     also: tuple[Change, ...] = ()
+    limit: float | None = None
 
     @property
     def works(self) -> bool:
@@ -71,25 +78,61 @@ class Cure:
         return self.value_to is not None
 
 
-def length_cure(
-    knob: str, old: float, limit: float | None, scale: float, none: str, *, upward: bool = True
-) -> Cure:
-    """The cure by the follower's length `knob` [mm]: above `limit` if `upward`, else below.
+@dataclass(frozen=True, slots=True)
+class Length:
+    """A length that cures, and how it is told.
 
-    The cost is the change relative to `scale` [mm]. Without a limit it is no cure, as `none` says.
+    Attributes
+    ----------
+    limit : beyond which lengths cure [mm].
+    value : a length beyond it with few digits, which cures [mm].
+    digits : number of significant digits that show the change to it.
     """
-    key = f"follower.{knob.replace(' ', '_')}"
-    if limit is None:
+
+    limit: float
+    value: float
+    digits: int
+
+    @classmethod
+    def beyond(
+        cls, old: float, limit: float, cures: Callable[[float], bool], *, upward: bool
+    ) -> Self | None:
+        """The length with the fewest digits, above `limit` if `upward`, else below, that `cures`.
+
+        The digits show the change from the `old` one. None if no such length cures.
+        """
+        for digits in range(digits_for(old, limit), MOST_DIGITS + 1):
+            for steps in (0, 1):  # a rounded length may be the limit itself
+                value = float(rounded_beyond(limit, digits, upward=upward, steps=steps))
+                if cures(value):
+                    return cls(limit, value, digits)
+        return None
+
+
+def length_cure(
+    knob: str,
+    key: str,
+    old: float,
+    length: Length | None,
+    scale: float,
+    none: str,
+    bound: str = "",
+) -> Cure:
+    """The cure by the `length` of the follower at `key` [mm], now `old`.
+
+    `bound` is "at least " or "at most " if all lengths beyond it cure as well. The cost is the
+    change relative to `scale` [mm]. Without a length it is no cure, as `none` says.
+    """
+    if length is None:
         return no_cure(knob, key, old, "mm", none)
-    near = "just " if knob in ("offset", "arm") else ""
-    digits = digits_for(old, limit)
-    limit_text, present = rounded_beyond(limit, digits, upward=upward), f"{old:.{digits}g}"
+    limit, value = length.limit, length.value
+    present = f"{old:.{length.digits}g}"
     cost = abs(limit - old) / scale
     sentence = (
-        f"{knob} {near}{'above' if upward else 'below'} {limit_text} mm instead of {present} mm"
+        f"{knob} {bound}{told(value)} mm instead of {present} mm"
         f" ({key}, a change by {percent(cost)})"
     )
-    return Cure(knob, key, old, limit, "mm", cost, sentence)
+    return Cure(knob, key, old, value, "mm", cost, sentence, limit=limit)
 
 
 def no_cure(knob: str, key: str, old: Value, unit: str, reason: str) -> Cure:
@@ -102,17 +145,24 @@ def digits_for(old: float, new: float) -> int:
     change, size = abs(new - old), max(abs(old), abs(new))
     if change == 0.0:
         return DIGITS
-    return min(max(DIGITS, OF_CHANGE + math.ceil(math.log10(size / change))), 17)
+    return min(max(DIGITS, OF_CHANGE + math.ceil(math.log10(size / change))), MOST_DIGITS)
 
 
-def rounded_beyond(value: float, digits: int, *, upward: bool) -> str:
-    """`value` rounded up or down to significant digits, to the side on which it cures."""
+def rounded_beyond(value: float, digits: int, *, upward: bool, steps: int = 0) -> str:
+    """`value` rounded up or down to significant digits, to the side on which it cures, and `steps`
+    units of the last digit farther.
+    """
     exact = Decimal(value)
-    if not exact:
+    if not exact and not steps:
         return "0"
-    step = Decimal(1).scaleb(exact.adjusted() + 1 - digits)
+    step = Decimal(1).scaleb((exact.adjusted() if exact else 0) + 1 - digits)
     rounded = exact.quantize(step, rounding=ROUND_CEILING if upward else ROUND_FLOOR)
-    return f"{rounded.normalize():f}"
+    return f"{(rounded + (steps if upward else -steps) * step).normalize():f}"
+
+
+def told(value: float) -> str:
+    """A rounded length with the digits that it has."""
+    return f"{Decimal(repr(value)).normalize():f}"
 
 
 def percent(share: float) -> str:

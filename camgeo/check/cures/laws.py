@@ -6,9 +6,9 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from camgeo.cam.cam import Cam
 from camgeo.check.cures.cure import Change, Cure, no_cure, percent
-from camgeo.check.cures.margin import Pairs, bends_of, is_sound, margins_within
+from camgeo.check.cures.discs import Discs, moved, plan_of
+from camgeo.check.cures.margin import Pairs, is_sound, margins_within
 from camgeo.check.cures.moves import (
     angles_of_all,
     dwells_beside,
@@ -41,14 +41,14 @@ class Offer:
     growth: float
 
 
-def other_law(cam: Cam, pairs: Pairs) -> Cure:
+def other_law(discs: Discs, pairs: Pairs) -> Cure:
     """Another family for the moves from rest to rest that have undercut, with default parameters.
 
     Of those that leave none, the one whose peak acceleration grows least; one whose acceleration
     jumps only if the present one's does. Against local undercut each move gets its own; if the
     flank still crosses itself, all get the same.
     """
-    plan, places = cam.drive.plan, undercut_segments(cam, pairs)
+    plan, places = plan_of(discs), undercut_segments(discs, pairs)
     for number in places:
         move = plan.segments[number]
         if not (isinstance(move, Move) and move.law.task == TASK and _at_rest(plan, number, move)):
@@ -56,13 +56,13 @@ def other_law(cam: Cam, pairs: Pairs) -> Cure:
             reason = f"another law: {key} undercuts and is not a law from rest to rest"
             present = move.law.name if isinstance(move, Move) else ""
             return no_cure(KNOB, key, present, "", reason)
-    fitting = _fitting(cam, places)
+    fitting = _fitting(discs, places)
     if all(fitting.values()):
         first = {number: offers[0] for number, offers in fitting.items()}
-        if is_sound(_with(cam, first)):
+        if is_sound(_with(discs, first)):
             return _cure(plan, first)
         for same in _same_for_all(fitting):
-            if same != first and is_sound(_with(cam, same)):
+            if same != first and is_sound(_with(discs, same)):
                 return _cure(plan, same)
     number = next((each for each, offers in fitting.items() if not offers), places[0])
     move = _move(plan, number)
@@ -103,13 +103,13 @@ def offers_for(
     return [offer for offer, _ in sorted(found, key=lambda each: (each[0].growth, each[1]))]
 
 
-def _fitting(cam: Cam, places: Sequence[int]) -> dict[int, list[Offer]]:
+def _fitting(discs: Discs, places: Sequence[int]) -> dict[int, list[Offer]]:
     """For each move the offers that leave no cusp and no local undercut in it, the cheapest first.
 
     As the curvature over a move depends on its own law and on no other, a law is tried in all
     places at once.
     """
-    plan, laws = cam.drive.plan, choices()
+    plan, laws = plan_of(discs), choices()
     present = {number: _move(plan, number).law for number in places}
     different = {id(law): law for law in present.values()}
     known = {key: Choice.of(law) for key, law in different.items()}
@@ -117,22 +117,20 @@ def _fitting(cam: Cam, places: Sequence[int]) -> dict[int, list[Offer]]:
     fit: set[tuple[int, str]] = set()
     for name in {offer.law.name for every in offers.values() for offer in every}:
         tried = {n: each for n, every in offers.items() for each in every if each.law.name == name}
-        fit |= {(number, name) for number in _fit(cam, tried)}
+        fit |= {(number, name) for number in _fit(discs, tried)}
     return {
         number: [offer for offer in every if (number, offer.law.name) in fit]
         for number, every in offers.items()
     }
 
 
-def _fit(cam: Cam, offers: Mapping[int, Offer]) -> list[int]:
+def _fit(discs: Discs, offers: Mapping[int, Offer]) -> list[int]:
     """Those of the moves without cusp and local undercut by the `offers`."""
-    changed = _with(cam, offers)
-    bends = bends_of(changed)
-    if bends is None:  # which may be for one of them alone
+    least = margins_within(_with(discs, offers), angles_of_all(plan_of(discs), offers))
+    if least is None:  # which may be for one of them alone
         if len(offers) == 1:
             return []
-        return [each for number, offer in offers.items() for each in _fit(cam, {number: offer})]
-    least = margins_within(changed, bends, angles_of_all(cam.drive.plan, offers))
+        return [each for number, offer in offers.items() for each in _fit(discs, {number: offer})]
     return [number for number, value in zip(offers, least, strict=True) if value > CUSP]
 
 
@@ -147,11 +145,11 @@ def _same_for_all(fitting: Mapping[int, list[Offer]]) -> list[dict[int, Offer]]:
     return sorted(every, key=lambda offers: max(offer.growth for offer in offers.values()))
 
 
-def _with(cam: Cam, offers: Mapping[int, Offer]) -> Cam:
-    segments = list(cam.drive.plan.segments)
+def _with(discs: Discs, offers: Mapping[int, Offer]) -> Discs:
+    segments = list(plan_of(discs).segments)
     for number, offer in offers.items():
-        segments[number] = replace(_move(cam.drive.plan, number), law=offer.law)
-    return cam.moved(MotionPlan(tuple(segments)))
+        segments[number] = replace(_move(plan_of(discs), number), law=offer.law)
+    return moved(discs, MotionPlan(tuple(segments)))
 
 
 def _at_rest(plan: MotionPlan, number: int, move: Move) -> bool:

@@ -1,10 +1,11 @@
-"""How far a cam is from undercut."""
+"""How far discs are from undercut."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from camgeo.cam.cam import Cam
+from camgeo.check.cures.discs import Discs
 from camgeo.check.follower import check_follower
 from camgeo.check.standstill import check_standstill
 from camgeo.curve.extremes import Extremes, curvature_extremes
@@ -17,8 +18,11 @@ from camgeo.units import TURN
 
 Flanks = tuple[WorkingCurve, ...]
 
-Pairs = tuple[tuple[float, float], ...]
-"""Crossings of the flanks in use, each given by its two cam angles [rad] in [0, 2 pi)."""
+Pair = tuple[int, float, float]
+"""A crossing of a flank in use: the number of its disc, and its two cam angles [rad] in
+[0, 2 pi)."""
+
+Pairs = tuple[Pair, ...]
 
 
 def flanks_of(cam: Cam) -> Flanks:
@@ -26,15 +30,20 @@ def flanks_of(cam: Cam) -> Flanks:
     return tuple(curve for _, curve in cam.disc.flanks)
 
 
-def margin(cam: Cam) -> float | None:
+def margin(discs: Discs) -> float | None:
     """Smallest 1 + d kappa over the flanks in use; positive if there is no cusp and no
     local undercut.
 
     None if there is no such mechanism: it does not close, its roller covers the cam axis, its guide
     touches the base circle, or its roller centre stands still at an angle examined.
     """
-    bends = bends_of(cam)
-    return None if bends is None else float(np.min(margins(cam, bends)))
+    least = []
+    for cam in discs:
+        bends = bends_of(cam)
+        if bends is None:
+            return None
+        least.append(float(np.min(margins(cam, bends))))
+    return min(least)
 
 
 def bends_of(cam: Cam) -> Extremes | None:
@@ -54,44 +63,60 @@ def margins(cam: Cam, bends: Extremes) -> FloatArray:
     return np.asarray(np.min(every, axis=0))
 
 
-def margins_within(cam: Cam, bends: Extremes, ranges: FloatArray) -> FloatArray:
+def margins_within(discs: Discs, ranges: FloatArray) -> FloatArray | None:
     """(k,) smallest 1 + d kappa in each of the `ranges` (k, 2) of cam angle [rad], from inside.
 
-    Both ends of each are breaks, or the ends of a dwell.
+    Both ends of each are breaks, or the ends of a dwell. None as for `margin`.
     """
-    shift = np.where(ranges[:, :1] < bends.phi[0] - SNAP, TURN, 0.0)
-    start, end = (ranges + shift + SNAP * np.array([1.0, -1.0])).T
-    first = np.maximum(np.searchsorted(bends.phi, start, side="right") - 1, 0)
-    last = np.minimum(np.searchsorted(bends.phi, end) + 1, len(bends.phi))
-    values = np.append(margins(cam, bends), np.inf)
-    return np.asarray(np.minimum.reduceat(values, np.column_stack((first, last)).ravel())[::2])
+    least = np.full(len(ranges), np.inf)
+    for cam in discs:
+        bends = bends_of(cam)
+        if bends is None:
+            return None
+        shift = np.where(ranges[:, :1] < bends.phi[0] - SNAP, TURN, 0.0)
+        start, end = (ranges + shift + SNAP * np.array([1.0, -1.0])).T
+        first = np.maximum(np.searchsorted(bends.phi, start, side="right") - 1, 0)
+        last = np.minimum(np.searchsorted(bends.phi, end) + 1, len(bends.phi))
+        values = np.append(margins(cam, bends), np.inf)
+        own = np.minimum.reduceat(values, np.column_stack((first, last)).ravel())[::2]
+        least = np.minimum(least, own)
+    return least
 
 
-def crossings_of(cam: Cam) -> Pairs | None:
-    """The crossings of the flanks in use; a sound cam has none, ().
+def crossings_of(discs: Discs) -> Pairs | None:
+    """The crossings of the flanks in use; sound discs have none, ().
 
-    None if there is worse: no mechanism, a cusp, local undercut, a standstill, or undecidable
-    crossings.
+    None if there is worse: no mechanism, a cusp, local undercut, a standstill, a roller that
+    reaches over the cam axis, or undecidable crossings.
     """
-    least = margin(cam)
+    from camgeo.outline.outline import require_room  # only regular flanks need it
+
+    least = margin(discs)
     if least is None or least <= CUSP:
         return None
-    flanks = flanks_of(cam)
-    if check_standstill(flanks[0].pitch):
+    if any(check_standstill(cam.disc.pitch_curve) for cam in discs):
         return None
     try:
-        return crossings(flanks)
+        for cam in discs:
+            for flank in flanks_of(cam):
+                require_room(flank)
+        return crossings(discs)
     except GeometryError:
         return None
 
 
-def is_sound(cam: Cam) -> bool:
-    """Whether the cam certainly exists without cusp, undercut, crossing or standstill."""
-    return crossings_of(cam) == ()
+def is_sound(discs: Discs) -> bool:
+    """Whether the discs certainly exist without cusp, undercut, crossing or standstill."""
+    return crossings_of(discs) == ()
 
 
-def crossings(flanks: Flanks) -> Pairs:
+def crossings(discs: Discs) -> Pairs:
     """The crossings of each flank with itself, see `camgeo.outline.crossings`."""
     from camgeo.outline.crossings import find_crossings  # only regular flanks need it
 
-    return tuple((each.first, each.second) for flank in flanks for each in find_crossings(flank))
+    return tuple(
+        (number, each.first, each.second)
+        for number, cam in enumerate(discs)
+        for flank in flanks_of(cam)
+        for each in find_crossings(flank)
+    )

@@ -8,32 +8,31 @@ from decimal import Decimal
 
 import numpy as np
 
-from camgeo.cam.cam import Cam
-from camgeo.check.cures.margin import Pairs, bends_of, margins_within
+from camgeo.check.cures.discs import Discs, plan_of
+from camgeo.check.cures.margin import Pairs, margins_within
 from camgeo.motion.laws.law import Law
 from camgeo.motion.plan import Dwell, MotionPlan, Move, Segment
 from camgeo.numeric.arrays import FloatArray
 from camgeo.outline.cusps import CUSP
 
 
-def undercut_segments(cam: Cam, pairs: Pairs) -> tuple[int, ...]:
+def undercut_segments(discs: Discs, pairs: Pairs) -> tuple[int, ...]:
     """Indices in the plan of the segments that undercut.
 
     Those with a cusp or local undercut; if there are none, those of the crossings `pairs`, without
     the dwells if there is a move among them: the move next to a dwell is what can change.
     """
-    bends = bends_of(cam)
-    if bends is None:
-        return ()
-    plan = cam.drive.plan
+    plan = plan_of(discs)
     numbers = [number for number, segment in enumerate(plan.segments) if segment.span]
-    least = margins_within(cam, bends, angles_of_all(plan, numbers))
+    least = margins_within(discs, angles_of_all(plan, numbers))
+    if least is None:
+        return ()
     local = [number for number, value in zip(numbers, least, strict=True) if value <= CUSP]
     if local:
         return tuple(local)
-    angles = [angle for pair in pairs for angle in pair]
-    places = sorted({segment_at(cam.drive.plan, angle) for angle in angles})
-    moves = [place for place in places if not isinstance(cam.drive.plan.segments[place], Dwell)]
+    angles = [angle for _, *both in pairs for angle in both]
+    places = sorted({segment_at(plan, angle) for angle in angles})
+    moves = [place for place in places if not isinstance(plan.segments[place], Dwell)]
     return tuple(moves or places)
 
 
@@ -49,12 +48,18 @@ def angles_of_all(plan: MotionPlan, numbers: Collection[int]) -> FloatArray:
 
 
 def segment_at(plan: MotionPlan, angle: float) -> int:
-    """Index of the segment that contains the cam angle [rad]; the last if none does."""
+    """Index of the segment that contains the cam angle [rad]; the last with a length if none
+    does.
+    """
+    last = 0
     for number, segment in enumerate(plan.segments):
+        if not segment.span:
+            continue
         start, end = angles_of(plan, number)
-        if segment.span and start <= angle < end:
+        if start <= angle < end:
             return number
-    return len(plan.segments) - 1
+        last = number
+    return last
 
 
 def from_rest_to_rest(plan: MotionPlan, number: int) -> bool:

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from camgeo.cam.cam import Cam
+from camgeo.check.cures.discs import Discs
 from camgeo.check.cures.margin import Pairs
 from camgeo.check.cures.moves import angles_of, segment_at
 from camgeo.curve.pitch_curve import PitchCurve
@@ -41,27 +42,31 @@ class Neck:
 
     Attributes
     ----------
+    disc : number of its disc.
     first, second : its ends; as fractions of segments they survive a change of the spans.
     clearance : its length minus twice the distance of the flanks from the pitch curve [mm].
     """
 
+    disc: int
     first: Place
     second: Place
     clearance: float
 
 
-def narrowest(cam: Cam, pairs: Pairs) -> Neck | None:
+def narrowest(discs: Discs, pairs: Pairs) -> Neck | None:
     """The neck with the smallest clearance near the crossings; None if none is found."""
-    necks = [neck for pair in pairs if (neck := _neck(cam, *pair)) is not None]
+    necks = [neck for pair in pairs if (neck := _neck(discs, *pair)) is not None]
     return min(necks, key=lambda neck: neck.clearance, default=None)
 
 
-def followed(cam: Cam, neck: Neck) -> Neck | None:
-    """The same neck of a changed cam; None if it cannot be followed."""
-    return _neck(cam, _angle(cam, neck.first), _angle(cam, neck.second))
+def followed(discs: Discs, neck: Neck) -> Neck | None:
+    """The same neck of changed discs; None if it cannot be followed."""
+    cam = discs[neck.disc]
+    return _neck(discs, neck.disc, _angle(cam, neck.first), _angle(cam, neck.second))
 
 
-def _neck(cam: Cam, first: float, second: float) -> Neck | None:
+def _neck(discs: Discs, number: int, first: float, second: float) -> Neck | None:
+    cam = discs[number]
     try:
         pitch = cam.disc.pitch_curve
         ends = _square_chord(pitch, first, second)
@@ -78,7 +83,7 @@ def _neck(cam: Cam, first: float, second: float) -> Neck | None:
     if not any(np.all(distance * facing > 0.0) for distance in cam.distances):
         return None
     clearance = abs(chord) - 2.0 * cam.disc.flank_distance
-    return Neck(_place(cam, ends[0]), _place(cam, ends[1]), clearance)
+    return Neck(number, _place(cam, ends[0]), _place(cam, ends[1]), clearance)
 
 
 def _square_chord(pitch: PitchCurve, first: float, second: float) -> tuple[float, float] | None:

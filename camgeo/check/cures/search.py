@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from camgeo.cam.cam import Cam
+from camgeo.check.cures.discs import Discs
 from camgeo.check.cures.margin import Pairs, crossings_of, margin
 from camgeo.check.cures.neck import Neck, followed, narrowest
 from camgeo.errors import GeometryError
@@ -28,12 +28,12 @@ touches itself, and closer to it the rounding of the curve decides."""
 NARROW = 1e-9
 """Width, as a fraction of the scale, to which a limit that is not a root is enclosed."""
 
-Make = Callable[[float], Cam]
-"""The cam for a value of the knob; GeometryError where there is none."""
+Make = Callable[[float], Discs]
+"""The discs for a value of the knob; GeometryError where there are none."""
 
 
 def nearest_cure(make: Make, start: float, end: float, scale: float) -> float | None:
-    """The limit nearest to `start` on the way to `end` beyond which the cam is sound.
+    """The limit nearest to `start` on the way to `end` beyond which the discs are sound.
 
     For local undercut it is the root of the margin; for global undercut that of the neck's
     clearance, or, if there is no such neck, a sound value within `NARROW` of the limit. None if

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from functools import singledispatch
-from typing import Any
+from dataclasses import replace
+from functools import partial, singledispatch
+from typing import Any, Final
 
-from camgeo.cam.cam import Cam
-from camgeo.check.cures.cure import Cure, length_cure
+from camgeo.check.cures.cure import Change, Cure, Length, length_cure, no_cure
+from camgeo.check.cures.discs import Discs, sized
 from camgeo.check.cures.margin import Pairs, bends_of, is_sound
-from camgeo.check.cures.search import BEYOND, nearest_cure
+from camgeo.check.cures.search import BEYOND, Make, nearest_cure
+from camgeo.errors import GeometryError
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.mechanism.translating_roller import TranslatingRoller
 
@@ -19,62 +21,129 @@ INSIDE = 1e-6
 """Fraction of the base radius by which an offset, arm or base radius stays clear of the value at
 which the mechanism locks or is stretched out."""
 
+TABLES: Final = ("follower", "follower.return")
+"""The scene's table of each disc's roller."""
 
-def base_radius(cam: Cam, _: Pairs) -> Cure:
-    """A larger base circle; an oscillating follower keeps its pivot and arm."""
-    old = cam.follower.base_radius
+
+def base_radius(discs: Discs, _: Pairs) -> Cure:
+    """A larger base circle; an oscillating follower keeps its pivot and arm.
+
+    The return roller of a pair moves with the main one, perhaps towards the cam axis: there a
+    smaller one may cure, whichever is the smaller change.
+    """
+    knob, follower = "base radius", discs[0].follower
+    old = follower.base_radius
     end, why = MOST * old, f"up to {MOST:g} times the present one"
-    stretched = cam.follower.farthest
+    stretched = follower.farthest
     if stretched * (1.0 - INSIDE) < end:
         end = max(stretched * (1.0 - INSIDE), old)
         why = f"up to {stretched:g} mm, where the rocker is stretched out,"
-    limit = nearest_cure(lambda r: cam.sized(base_radius=r), old, end, old)
-    return length_cure("base radius", old, limit, old, f"no larger base radius {why} cures it")
+
+    def made(value: float) -> Discs:
+        return sized(discs, base_radius=value)
+
+    limit = nearest_cure(made, old, end, old)
+    if len(discs) > 1:
+        low = INSIDE * old if limit is None else max(2.0 * old - limit, INSIDE * old)
+        down = nearest_cure(made, old, low, old)
+        limit, why = (limit if down is None else down), f"from {low:g} mm {why}"
+    length = _beyond(made, old, limit)
+    larger = "larger" if len(discs) == 1 else "other"
+    none = f"no {larger} base radius {why} cures it"
+    bound = "at least " if len(discs) == 1 else ""
+    return length_cure(knob, f"{TABLES[0]}.base_radius", old, length, old, none, bound)
 
 
-def roller_radius(cam: Cam, _: Pairs) -> Cure:
+def roller_radius(discs: Discs, _: Pairs) -> Cure:
     """A smaller roller: at most the smallest r_K that matters, in closed form (Wirsig eq. 3.36).
 
     In a groove with side clearance c at most r_K - c/2; the clearance is kept. Smaller still, by a
-    search, if the flank of that roller crosses itself.
+    search, if the flank of that roller crosses itself. Of a pair each roller that needs it.
     """
-    knob, old, none = (
-        "roller radius",
-        cam.follower.roller_radius,
-        "no smaller roller radius cures it",
-    )
-    bends = bends_of(cam)
-    assert bends is not None  # there is something to cure
-    extremes = bends.smallest()[0], bends.largest()[0]
-    kappa = max(-flank.sign * each for flank in cam.contact.flanks for each in extremes)
-    regular = min(old, 1.0 / kappa - 0.5 * cam.clearance) if kappa > 0.0 else old
-    if regular <= BEYOND * old:
-        none = "the play of the groove alone exceeds the radius of curvature"
-        return length_cure(knob, old, None, old, none)
-    limit: float | None = regular
-    near = regular * (1.0 - BEYOND)
-    if not is_sound(cam.sized(roller_radius=near)):
-        limit = nearest_cure(lambda r: cam.sized(roller_radius=r), near, BEYOND * old, old)
-    return length_cure(knob, old, limit, old, none, upward=False)
+    knob, made = "roller radius", discs
+    found: list[Cure] = []
+    for number in reversed(range(len(discs))):  # the return roller may have the main one's size
+        cam, key = discs[number], f"{TABLES[number]}.roller_radius"
+        if is_sound((cam,)):
+            continue
+        old, none = cam.follower.roller_radius, f"no smaller roller radius cures it ({key})"
+        bends = bends_of(cam)
+        if bends is None:
+            return no_cure(knob, key, old, "mm", f"there is no such mechanism for {key} to cure")
+        extremes = bends.smallest()[0], bends.largest()[0]
+        kappa = max(-flank.sign * each for flank in cam.contact.flanks for each in extremes)
+        regular = min(old, 1.0 / kappa - 0.5 * cam.clearance) if kappa > 0.0 else old
+        if regular <= BEYOND * old:
+            none = "the play of the groove alone exceeds the radius of curvature"
+            return no_cure(knob, key, old, "mm", none)
+
+        alone = partial(_alone, discs, number)
+        limit: float | None = regular
+        near = regular * (1.0 - BEYOND)
+        if not is_sound(alone(near)):
+            limit = nearest_cure(alone, near, BEYOND * old, old)
+        length = _beyond(alone, old, limit)
+        cure = length_cure(knob, key, old, length, old, none, "at most ")
+        if length is None:
+            return cure
+        found.append(cure)
+        made = sized(made, number, roller_radius=length.value)
+    return _together(found, sound=is_sound(made)) if len(discs) > 1 else found[0]
 
 
-def offset_or_arm(cam: Cam, _: Pairs) -> Cure:
+def offset_or_arm(discs: Discs, _: Pairs) -> Cure:
     """Another offset |e| < r_G of a guide, or another arm of a rocker with the same pivot and r_G.
 
-    In whichever direction the change is smaller.
+    In whichever direction the change is smaller. Of a pair whose return disc alone is at fault,
+    that of the return roller.
     """
-    knob, old, low, high, scale = _knob(cam.follower)
+    number = 1 if len(discs) > 1 and is_sound(discs[:1]) else 0
+    knob, old, low, high, scale = _knob(discs[number].follower)
     none = f"no other {knob} between {low:g} and {high:g} mm cures it"
 
-    def made(value: float) -> Cam:
-        return cam.sized(**{knob: value})
+    def made(value: float) -> Discs:
+        return sized(discs, number, **{knob: value})
 
     up = nearest_cure(made, old, max(high, old), scale)
     if up is not None:
         low = max(low, old - (up - old))
     down = nearest_cure(made, old, min(low, old), scale)
     limit = up if down is None else down
-    return length_cure(knob, old, limit, scale, none, upward=down is None)
+    length = _beyond(made, old, limit)
+    return length_cure(knob, f"{TABLES[number]}.{knob}", old, length, scale, none)
+
+
+def _alone(discs: Discs, number: int, radius: float) -> Discs:
+    """One of the discs with another roller."""
+    return (sized(discs, number, roller_radius=radius)[number],)
+
+
+def _beyond(made: Make, old: float, limit: float | None) -> Length | None:
+    """The length beyond the `limit`, which is nearest to the `old` one, that cures."""
+    if limit is None:
+        return None
+
+    def cures(value: float) -> bool:
+        try:
+            return is_sound(made(value))
+        except GeometryError:
+            return False
+
+    ways = (False, True) if limit == old else (limit > old,)
+    found = (Length.beyond(old, limit, cures, upward=upward) for upward in ways)
+    return next(filter(None, found), None)
+
+
+def _together(found: list[Cure], *, sound: bool) -> Cure:
+    """The cures of all discs as one, led by the dearest; no cure unless that is `sound`."""
+    leading = max(found, key=lambda cure: cure.cost or 0.0)
+    knob, key, old = leading.knob, leading.key, leading.value_from
+    if not sound:
+        return no_cure(knob, key, old, "mm", "no smaller roller radii cure both discs")
+    others = [cure for cure in found if cure is not leading]
+    sentence = " and ".join(cure.sentence for cure in (leading, *others))
+    also = tuple(Change(each.key, each.value_from, each.value_to or 0.0) for each in others)
+    return replace(leading, sentence=sentence, also=also)
 
 
 @singledispatch

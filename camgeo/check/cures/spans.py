@@ -9,9 +9,9 @@ from decimal import ROUND_FLOOR, Decimal, localcontext
 
 import numpy as np
 
-from camgeo.cam.cam import Cam
 from camgeo.check.cures.cure import Change, Cure, no_cure, percent
-from camgeo.check.cures.margin import Pairs, bends_of, is_sound, margins_within
+from camgeo.check.cures.discs import Discs, moved, plan_of
+from camgeo.check.cures.margin import Pairs, is_sound, margins_within
 from camgeo.check.cures.moves import (
     angles_of_all,
     degrees,
@@ -39,14 +39,14 @@ EXACT = 400
 """Digits with which spans are added and subtracted, as in `camgeo.motion.plan`."""
 
 
-def longer_segment(cam: Cam, pairs: Pairs) -> Cure:
+def longer_segment(discs: Discs, pairs: Pairs) -> Cure:
     """Longer spans for the moves that undercut, at the expense of the dwells next to them.
 
     The curvature over a move depends on its own span only, so against local undercut each move has
     its own limit. Against global undercut all of them grow by one factor. Each takes from the
     dwells before and after it in proportion to their length.
     """
-    plan, places = cam.drive.plan, undercut_segments(cam, pairs)
+    plan, places = plan_of(discs), undercut_segments(discs, pairs)
     for number in places:
         segment = plan.segments[number]
         if not from_rest_to_rest(plan, number):
@@ -54,15 +54,15 @@ def longer_segment(cam: Cam, pairs: Pairs) -> Cure:
             reason = f"the span of a segment: {key} undercuts and is not a move from rest to rest"
             return no_cure(KNOB, key, segment.span, "deg", reason)
     spans: dict[int, Decimal] = {}
-    for number, span in zip(places, _local_limits(cam, places), strict=True):
+    for number, span in zip(places, _local_limits(discs, places), strict=True):
         if span is None:
             return _too_short(plan, number)
         spans[number] = span
     longer = longer_plan(plan, spans)
     if longer is None:
         return _too_short(plan, places[0])
-    if not is_sound(cam.moved(longer)):
-        grown = _grown(cam, spans)
+    if not is_sound(moved(discs, longer)):
+        grown = _grown(discs, spans)
         if grown is None:
             return _too_short(plan, places[0])
         spans = grown
@@ -114,11 +114,11 @@ def _take(rests: dict[int, Decimal], among: list[int], wanted: Decimal) -> Decim
     return wanted - part
 
 
-def _local_limits(cam: Cam, places: Sequence[int]) -> list[Decimal | None]:
+def _local_limits(discs: Discs, places: Sequence[int]) -> list[Decimal | None]:
     """For each move its least span without cusp or local undercut in it; None if the dwells beside
     it are short. All moves are tried at once.
     """
-    plan = cam.drive.plan
+    plan = plan_of(discs)
     spans = [plan.segments[number].span for number in places]
     most = [
         span + sum((plan.segments[each].span for each in dwells_around(plan, number)), Decimal(0))
@@ -134,7 +134,7 @@ def _local_limits(cam: Cam, places: Sequence[int]) -> list[Decimal | None]:
         }
         found: dict[int, float] = {}
         for group in groups:
-            found |= _margins(cam, {places[k]: tried[k] for k in group if k in tried})
+            found |= _margins(discs, {places[k]: tried[k] for k in group if k in tried})
         return np.array([found[places[k]] for k in tried])
 
     start = np.array([float(span) for span in spans])
@@ -159,22 +159,20 @@ def _local_limits(cam: Cam, places: Sequence[int]) -> list[Decimal | None]:
     return limits
 
 
-def _margins(cam: Cam, spans: Mapping[int, Decimal]) -> dict[int, float]:
+def _margins(discs: Discs, spans: Mapping[int, Decimal]) -> dict[int, float]:
     """The least 1 + d kappa within each of some moves, of which no two have a dwell in common, if
     these are their spans; -1 where there is no mechanism.
     """
     if not spans:
         return {}
-    longer = longer_plan(cam.drive.plan, spans)
+    longer = longer_plan(plan_of(discs), spans)
     assert longer is not None  # there is room
-    changed = cam.moved(longer)
-    bends = bends_of(changed)
-    if bends is not None:
-        least = margins_within(changed, bends, angles_of_all(longer, spans))
+    least = margins_within(moved(discs, longer), angles_of_all(longer, spans))
+    if least is not None:
         return dict(zip(spans, least.tolist(), strict=True))
     if len(spans) == 1:
         return dict.fromkeys(spans, -1.0)
-    return {each: _margins(cam, {each: span})[each] for each, span in spans.items()}
+    return {each: _margins(discs, {each: span})[each] for each, span in spans.items()}
 
 
 def _apart(plan: MotionPlan, places: Sequence[int]) -> list[list[int]]:
@@ -194,7 +192,7 @@ def _apart(plan: MotionPlan, places: Sequence[int]) -> list[list[int]]:
     return groups
 
 
-def _grown(cam: Cam, spans: dict[int, Decimal]) -> dict[int, Decimal] | None:
+def _grown(discs: Discs, spans: dict[int, Decimal]) -> dict[int, Decimal] | None:
     """The spans times the smallest factor that leaves no crossing; None if dwells are short."""
 
     def plan(growth: float) -> MotionPlan | None:
@@ -202,13 +200,13 @@ def _grown(cam: Cam, spans: dict[int, Decimal]) -> dict[int, Decimal] | None:
             context.prec = EXACT
             factor = 1 + Decimal(growth)
             every = {number: span * factor for number, span in spans.items()}
-        return longer_plan(cam.drive.plan, every)
+        return longer_plan(plan_of(discs), every)
 
-    def make(growth: float) -> Cam:
+    def make(growth: float) -> Discs:
         longer = plan(growth)
         if longer is None:
             raise GeometryError("the dwells are too short", key="motion")
-        return cam.moved(longer)
+        return moved(discs, longer)
 
     most, too_much = 0.0, float(360 / min(spans.values()))
     while too_much - most > MOST:
@@ -218,8 +216,8 @@ def _grown(cam: Cam, spans: dict[int, Decimal]) -> dict[int, Decimal] | None:
     if limit is None:
         return None
     grown = {number: _rounded_up(float(span) * (1.0 + limit)) for number, span in spans.items()}
-    longer = longer_plan(cam.drive.plan, grown)
-    return grown if longer is not None and is_sound(cam.moved(longer)) else None
+    longer = longer_plan(plan_of(discs), grown)
+    return grown if longer is not None and is_sound(moved(discs, longer)) else None
 
 
 def _rounded_up(span: float) -> Decimal:

@@ -12,6 +12,7 @@ from camgeo.declared import schema_beside
 from camgeo.mechanism.kind import FollowerKind, LinkageKind
 
 if TYPE_CHECKING:
+    from camgeo.mechanism.conjugate import Mount
     from camgeo.mechanism.follower import Follower
     from camgeo.mechanism.linkage_protocol import Linkage
     from camgeo.mechanism.values import Values
@@ -24,10 +25,10 @@ def _translating_roller(values: Values) -> Follower:
     return values.build(TranslatingRoller)
 
 
-def _return_on_carriage(main: Follower, values: Values) -> Follower:
-    from camgeo.mechanism.conjugate import return_on_carriage
+def _return_on_carriage(values: Values) -> Mount:
+    from camgeo.mechanism.conjugate import Mount, return_on_carriage
 
-    return values.build(return_on_carriage, main)
+    return Mount(return_on_carriage, tuple(values.given(return_on_carriage).items()))
 
 
 def _oscillating_roller(values: Values) -> Follower:
@@ -36,10 +37,10 @@ def _oscillating_roller(values: Values) -> Follower:
     return values.build(OscillatingRoller, **values.own_direction)
 
 
-def _return_on_lever(main: Follower, values: Values) -> Follower:
-    from camgeo.mechanism.conjugate import return_on_lever
+def _return_on_lever(values: Values) -> Mount:
+    from camgeo.mechanism.conjugate import Mount, return_on_lever
 
-    return values.build(return_on_lever, main)
+    return Mount(return_on_lever, tuple(values.given(return_on_lever).items()))
 
 
 def _translating_flat(values: Values) -> Follower:

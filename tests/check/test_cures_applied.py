@@ -1,0 +1,213 @@
+"""Every cure, applied to the scene at the keys it names with the values it prints, cures."""
+
+from __future__ import annotations
+
+import copy
+import math
+from decimal import Decimal
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+import camgeo
+from camgeo.check.cures.cure import Change, Cure
+from camgeo.check.judge import RETURN, TRIM, UNDERCUT
+from camgeo.design import Design
+from camgeo.errors import SceneError
+from camgeo.motion.laws import FAMILIES
+from camgeo.scene.scene import Scene
+from tests.long_form import examples
+from tests.strategies import SMOOTH, attack
+
+REFUSED = Path(__file__).parents[2] / "fixtures" / "refused"
+
+Tables = dict[str, Any]
+
+SHAPES = {
+    key for family in FAMILIES.values() for taken in family.parameters.values() for key in taken
+}
+"""What goes with a law: another one comes with its default parameters."""
+
+
+def undercut(design: Design) -> list[str]:
+    """The findings of undercut that are not ok."""
+    return [
+        each.name
+        for each in design.findings
+        if each.severity != "ok" and each.name.removeprefix(f"{RETURN}: ").startswith(UNDERCUT)
+    ]
+
+
+def edited(values: Tables, cure: Cure) -> Tables:
+    """The scene's tables with what a cure names, and nothing else, changed."""
+    assert cure.value_to is not None
+    changed = copy.deepcopy(values)
+    for change in (Change(cure.key, cure.value_from, cure.value_to), *cure.also):
+        *path, last = change.key.replace("[", ".").replace("]", "").split(".")
+        table: Any = changed
+        for step in path:
+            table = table[int(step) - 1] if step.isdigit() else table.setdefault(step, {})
+        present = table.get(last)
+        if isinstance(present, Decimal):
+            assert present == change.value_from, change.key
+        elif isinstance(present, float):
+            assert present == pytest.approx(change.value_from, rel=1e-15), change.key
+        if last == "law":
+            for shape in SHAPES & {*table}:
+                del table[shape]
+        table[last] = change.value_to
+    return changed
+
+
+def check_cures(values: Tables) -> tuple[Cure, ...]:
+    design = Design(Scene(values))
+    found = design.judgement.cures
+    for cure in found:
+        if not cure.works:
+            assert not cure.also
+            continue
+        value = cure.value_to
+        if isinstance(value, float):
+            assert f" {value:g} mm" in cure.sentence or repr(value) in cure.sentence
+        elif isinstance(value, Decimal):
+            assert f"{cure.key} {value.normalize():f} deg" in cure.sentence
+        try:
+            other = Design(Scene(edited(values, cure)))
+        except SceneError as error:
+            pytest.fail(f"{cure.sentence}: {error}")
+        assert not undercut(other), cure.sentence
+    return found
+
+
+def loaded(name: str) -> Tables:
+    """The tables of a refused scene, numbers as they are written."""
+    import tomllib
+
+    text = (REFUSED / f"{name}.toml").read_text(encoding="utf-8")
+    return tomllib.loads(text, parse_float=Decimal)
+
+
+def test_a_rest_of_zero_length_keeps_its_number() -> None:
+    found = {cure.knob: cure for cure in check_cures(loaded("lobe_after_no_rest"))}
+    longer = found["longer segment"]
+    keys = {longer.key, *(change.key for change in longer.also)}
+    assert keys == {"motion[1].dwell", "motion[2].span", "motion[4].span", "motion[5].dwell"}
+
+
+def test_a_return_disc_that_undercuts_alone_is_cured() -> None:
+    values = loaded("return_undercut")
+    assert {name.partition(":")[0] for name in undercut(Design(Scene(values)))} == {RETURN}
+    works = {cure.key for cure in check_cures(values) if cure.works}
+    assert works >= {"follower.base_radius", "follower.return.roller_radius"}
+
+
+def test_both_rollers_of_a_pair_are_cured_together() -> None:
+    values = loaded("return_undercut")
+    values["follower"]["roller_radius"] = 58
+    found = {cure.knob: cure for cure in check_cures(values)}
+    cure = found["roller radius"]
+    assert {cure.key, *(change.key for change in cure.also)} == {
+        "follower.roller_radius", "follower.return.roller_radius"
+    }  # fmt: skip
+
+
+def test_what_only_trimming_makes_is_refused_with_its_key() -> None:
+    """A drop over one degree: no roller follows its shocks."""
+    values = loaded("drop")
+    design = Design(Scene(values))
+    with pytest.raises(camgeo.CamgeoError, match="shock") as caught:
+        design.judgement.require_outline(design.cam)
+    assert TRIM in str(caught.value)
+    values["limits"]["undercut"] = "trim"
+    design = Design(Scene(values))
+    design.judgement.require_outline(design.cam)
+    assert not any(TRIM in finding.sentence for finding in design.findings)
+
+
+@st.composite
+def motions(draw: st.DrawFn, stroke: float) -> list[Tables]:
+    """Rests, some of no length, and moves between 0 and `stroke`, most from rest to rest."""
+    count = draw(st.integers(1, 3))
+    laws = st.sampled_from([*SMOOTH, "polynomial-345", "auto"])
+    found: list[Tables] = []
+    free = 360
+    for number in range(2 * count):
+        last = number == 2 * count - 1
+        if draw(st.integers(0, 3)):
+            rest = draw(st.integers(0, 40))
+            found.append({"dwell": rest + Decimal(draw(st.sampled_from(["0", "0.25"])))})
+        elif draw(st.booleans()):
+            found.append({"dwell": 0})
+        to = 0.0 if last else draw(st.floats(0.2, 1.0)) * stroke * (number % 2 == 0)
+        move: Tables = {"law": draw(laws), "span": draw(st.integers(15, 50)), "to": to}
+        if draw(st.integers(0, 3)) == 0 and "inflection" in FAMILIES.get(
+            move["law"], FAMILIES["polynomial-345"]
+        ).parameters.get("R-R", ()):
+            move["inflection"] = draw(st.floats(0.3, 0.7))
+        found.append(move)
+    taken = sum(
+        (Decimal(each["dwell"] if "dwell" in each else each["span"]) for each in found), Decimal(0)
+    )
+    assume(taken < free)
+    found.append({"dwell": free - taken})
+    return found
+
+
+@st.composite
+def scenes(draw: st.DrawFn) -> Tables:
+    """A scene with a roller on one disc or two, often undercut."""
+    kind = draw(st.sampled_from(["translating-roller", "oscillating-roller"]))
+    base = draw(st.floats(30.0, 60.0))
+    roller = draw(st.floats(3.0, 0.8 * base))
+    follower: Tables = {"kind": kind, "base_radius": base, "roller_radius": roller}
+    if kind == "translating-roller":
+        stroke = 25.0
+        follower["offset"] = draw(st.floats(-0.5, 0.5)) * base
+    else:
+        stroke = 18.0
+        distance = draw(st.floats(1.3, 1.8)) * base
+        angle = draw(st.floats(0.0, math.tau))
+        follower["pivot"] = [distance * math.cos(angle), distance * math.sin(angle)]
+        follower["arm"] = draw(st.floats(0.8, 1.2)) * distance
+        follower["arm_side"] = draw(st.sampled_from(["ccw", "cw"]))
+    values: Tables = {
+        "camgeo": 1,
+        "name": "drawn",
+        "cam": {"rotation": draw(st.sampled_from(["ccw", "cw"]))},
+        "follower": follower,
+        "motion": draw(motions(stroke)),
+        "limits": {"transmission_angle": 1, "radius_ratio": 1},
+    }
+    contact = draw(st.sampled_from(["inner", "inner", "outer", "groove", "pair", "pair"]))
+    if contact != "pair":
+        follower["contact"] = contact
+        if contact != "inner":
+            values["part"] = {"rim": 400.0}
+        return values
+    second: Tables = {}
+    if draw(st.booleans()):
+        second["roller_radius"] = draw(st.floats(3.0, 0.8 * base))
+    if kind == "translating-roller":
+        second["spacing"] = base * draw(st.floats(1.6, 2.2)) + stroke
+        if draw(st.booleans()):
+            second["offset"] = draw(st.floats(-0.3, 0.3)) * base
+    else:
+        second["arm_angle"] = draw(st.floats(60.0, 110.0)) * (
+            1.0 if follower["arm_side"] == "cw" else -1.0
+        )
+    follower["return"] = second
+    return values
+
+
+@settings(attack, max_examples=examples(5, long=200))
+@given(scenes())
+def test_every_cure_applied_as_told_cures(values: Tables) -> None:
+    try:
+        design = Design(Scene(values))
+        assume(undercut(design))
+    except SceneError:
+        assume(False)
+    check_cures(values)
