@@ -10,6 +10,8 @@ from collections.abc import Iterable
 from dataclasses import KW_ONLY, dataclass
 from typing import Any
 
+from camgeo.wording import counted
+
 
 class CamgeoError(Exception):
     """Root of all errors that camgeo raises on purpose; each can be pickled, as pools require."""
@@ -56,11 +58,9 @@ class SceneError(CamgeoError, ValueError):
     def __init__(self, faults: tuple[Fault, ...] | list[Fault], file: str = "") -> None:
         self.faults = tuple(faults)
         self.file = file
-        count = len(self.faults)
         head = f"{file}: " if file else ""
-        noun = "fault" if count == 1 else "faults"
         lines = "\n".join(f"  {fault}" for fault in self.faults)
-        super().__init__(f"{head}{count} {noun}\n{lines}")
+        super().__init__(f"{head}{counted(len(self.faults), 'fault')}\n{lines}")
 
 
 class GeometryError(CamgeoError, ValueError):

@@ -18,7 +18,7 @@ PACKAGE = "camgeo"
 WRITERS = "camgeo_export"
 
 STAGES: tuple[tuple[str, ...], ...] = (
-    ("_version", "errors", "units", "lazy", "pickled", "declared", "numeric"),
+    ("_version", "errors", "units", "wording", "lazy", "pickled", "declared", "numeric"),
     ("motion",),
     ("mechanism",),
     ("curve",),

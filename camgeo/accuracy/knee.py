@@ -32,6 +32,7 @@ from dataclasses import dataclass
 from typing import Final, Literal
 
 from camgeo.accuracy.rows import FORMS, ContourRow, Form
+from camgeo.wording import counted
 
 SLACK: Final = 1.05
 """Machining times and ripples up to this factor of the best count as the best: feed override and
@@ -92,9 +93,9 @@ def advice(knee: Knee | None) -> str:
         return "none of these tolerances can be reached"
     row = knee.row
     head = f"{NAMES[row.form]} ({row.effort}) within {row.tolerance:g} mm"
-    costs = [f"{_pieces(row):,} pieces"]
+    costs = [counted(_pieces(row), "piece")]
     if row.drawing is not None:
-        costs.append(f"drawing of {row.drawing.size:,} bytes")
+        costs.append(f"drawing of {counted(row.drawing.size, 'byte')}")
     if knee.quick is not None:
         costs.append(f"milled round in {row.round_seconds:.1f} s")
     if row.ripple is not None:

@@ -17,6 +17,7 @@ from camgeo.curve.extremes import Extremes
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.outline.cusps import CUSP, INSIDE, undercut_ranges
 from camgeo.units import TURN
+from camgeo.wording import over_cam_angles
 
 
 def check_radius_ratio(
@@ -74,9 +75,9 @@ def check_undercut(
         worst = int(np.argmin(margins))
         value, place = float(margins[worst]), float(bends.phi[inside[worst]]) % TURN
         statement = (
-            f"{name} flank: undercut from cam angle {math.degrees(start):.6f} to"
-            f" {math.degrees(end):.6f} deg, the roller is larger than the radius of curvature of"
-            " the pitch curve; the follower would not make its motion"
+            f"{name} flank: undercut {over_cam_angles(start, end, '.6f')}, the roller is larger"
+            " than the radius of curvature of the pitch curve; the follower would not make its"
+            " motion"
         )
         what = f"undercut-{name}"
         found.append(Finding(what, severity, statement, value, 0.0, "", place, (start, end)))

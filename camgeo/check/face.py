@@ -8,6 +8,7 @@ from camgeo.check.finding import Finding, Severity
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.mechanism.face import flat_follower
 from camgeo.outline.convex import SMALLEST, Convexity, contact_extremes, convexity
+from camgeo.wording import counted
 
 ROUNDING = 1e-12
 """Rounding of the contact's position, as a fraction of the base radius."""
@@ -64,7 +65,7 @@ def _radius(found: Convexity, sizes: tuple[str, ...]) -> Finding:
 
 def _jump(found: Convexity) -> Finding:
     length, phi = found.jump
-    others = f", the worst of {found.jumps} jumps" if found.jumps > 1 else ""
+    others = f", the worst of {counted(found.jumps, 'jump')}" if found.jumps > 1 else ""
     which = (
         "back, against its direction along the outline"
         if length < 0.0

@@ -18,6 +18,7 @@ from camgeo.motion.plan import Dwell, MotionPlan, Move, SplineMove, kept_with_pl
 from camgeo.motion.time_course import ConstantSpeed, TimeCourse, plan_extremes
 from camgeo.numeric.extremes import Extremes
 from camgeo.units import LiftUnit
+from camgeo.wording import at_cam_angles, cam_angle
 
 OVERSHOOT = 1e-9
 """Fraction of the stroke beyond which a move overshoots; rounding is a million times smaller."""
@@ -95,7 +96,9 @@ def _continuity(plan: MotionPlan) -> Finding:
     """The classes of all joints, and the order of continuity of the motion there."""
     met = joints(plan)
     worst = min(joint.order for joint in met)
-    listed = ", ".join(f"{_angle(joint)}: {_both(joint)} C{joint.order}" for joint in met[:LISTED])
+    listed = ", ".join(
+        f"{cam_angle(joint.cam_angle)} deg: {_both(joint)} C{joint.order}" for joint in met[:LISTED]
+    )
     sentence = f"the motion is at least C{worst} at its joints ({listed}{_more(met)})"
     return Finding("joints", "ok", sentence, float(worst))
 
@@ -109,13 +112,9 @@ def _both(joint: Joint) -> str:
     return f"{before}" if before == after else f"{before}|{after}"
 
 
-def _angle(joint: Joint) -> str:
-    return f"{math.degrees(joint.cam_angle):.6g} deg"
-
-
 def _jump(joint: Joint, order: int, scale: float, unit: str) -> Finding:
     jump = scale * float(joint.right[order] - joint.left[order])
-    place = f"at cam angle {_angle(joint)}"
+    place = at_cam_angles(joint.cam_angle)
     if order == 1:
         per = f"{unit}/rad"
         statement = (
@@ -246,9 +245,11 @@ def _finding(name: str, values: Extremes, scale: float, unit: str, *, bounded: b
     low, high = values.lowest, values.highest
     worst = max(low, high, key=lambda end: abs(end.value))
     sentence = (
-        f"from {scale * low.value:.6g} to {scale * high.value:.6g} {unit}, at cam angles"
-        f" {math.degrees(low.place):.6g} and {math.degrees(high.place):.6g} deg"
+        f"from {scale * low.value:.6g} to {scale * high.value:.6g} {unit},"
+        f" {at_cam_angles(low.place, high.place)}"
     )
+    if low.value == high.value:
+        sentence = f"{scale * low.value:.6g} {unit} over the whole turn"
     if not bounded:
         jumps = "a shock" if name != "jerk" else "a shock or a jerk"
         sentence = f"infinite at {jumps}; elsewhere {sentence}"

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from camgeo.check.finding import STATED, Finding, Severity
 from camgeo.outline.outline import Outline
 from camgeo.units import TURN, LiftUnit
+from camgeo.wording import at_cam_angles, counted, over_cam_angles
 
 if TYPE_CHECKING:
     from camgeo.outline.replay_result import Replay
@@ -39,9 +40,9 @@ def check_outline(
             continue
         width, where = math.degrees(end - start), (start, end % TURN)
         sentence = (
-            f"{name} flank: cut off from cam angle {_degrees(start)} to {_degrees(end)} deg though"
-            " its radius of curvature suffices: two of its sides are closer than the roller is wide"
-            " (global undercut)"
+            f"{name} flank: cut off {over_cam_angles(start, end, '.6f')} though its radius of"
+            " curvature suffices: two of its sides are closer than the roller is wide (global"
+            " undercut)"
         )
         found.append(Finding(crossing, severity, sentence, width, 0.0, "deg", start, where))
     for lobe in outline.lobes:
@@ -66,21 +67,13 @@ def check_lost_stroke(replay: Replay, name: str, unit: LiftUnit, severity: Sever
     value = scale * loss.value
     jumps = []
     if len(replay.shocks):
-        jumps.append(_counted(len(replay.shocks), "shock"))
+        jumps.append(counted(len(replay.shocks), "shock"))
     if len(replay.drops):
-        jumps.append(_counted(len(replay.drops), "drop") + " off an edge")
+        jumps.append(counted(len(replay.drops), "drop") + " off an edge")
     statement = (
         f"{name} flank: on the real disc the follower loses up to {value:.4g} {shown} of its lift,"
-        f" at cam angle {_degrees(loss.place)} deg"
+        f" {at_cam_angles(loss.place, form='.6f')}"
     )
     if jumps:
         statement += f", with {' and '.join(jumps)}"
     return Finding(f"lost-stroke-{name}", severity, statement, value, 0.0, shown, loss.place)
-
-
-def _counted(number: int, noun: str) -> str:
-    return f"{number} {noun}" if number == 1 else f"{number} {noun}s"
-
-
-def _degrees(angle: float) -> str:
-    return f"{math.degrees(angle % TURN):.6f}"

@@ -16,6 +16,7 @@ from camgeo.answers.answer import FINE, Answer
 from camgeo.cli.progress import clear
 from camgeo.design import Design
 from camgeo.lazy import Ledger
+from camgeo.wording import counted
 
 EARLIER: Final = {
     "crank-slide": "slotted-lever",
@@ -86,7 +87,7 @@ def tables(answer: Answer, name: str | None) -> list[Written]:
     if name is None:
         return []
     table = render.table(answer)
-    return [(Path(name), table.csv().encode(), f"{len(table.values)} rows")]
+    return [(Path(name), table.csv().encode(), counted(len(table.values), "row"))]
 
 
 def write_files(files: Sequence[Written], arguments: argparse.Namespace) -> None:

@@ -18,6 +18,7 @@ from camgeo.cli.law_options import (
 from camgeo.cli.plot import add_picture, pictures
 from camgeo.motion.laws.comparison import Running
 from camgeo.units import RPM
+from camgeo.wording import counted
 
 RUNNING: Final = {
     "speed": ("RPM", "speed of the cam in rev/min"),
@@ -70,7 +71,7 @@ def run(arguments: argparse.Namespace) -> int:
         places=arguments.places,
     )
     count = sum(row.entry.law is not None for row in found.rows or ())
-    contents = f"{count} laws for {arguments.task or DEFAULT_TASK}"
+    contents = f"{counted(count, 'law')} for {arguments.task or DEFAULT_TASK}"
     files = pictures(found, arguments, contents)
     write_files(files, arguments)
     return found.exit_code if files and not arguments.json else show(found, arguments)

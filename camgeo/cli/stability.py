@@ -9,6 +9,7 @@ from typing import Final
 from camgeo.cli.command import CallError, add_json, present_name, show, write_files
 from camgeo.cli.plot import add_picture, pictures
 from camgeo.errors import meant
+from camgeo.wording import counted
 
 SUMMARY: Final = (
     "measure the rounding errors of every quantity against mpmath, on the hard cases too"
@@ -44,7 +45,7 @@ def run(arguments: argparse.Namespace) -> int:
     cases = suite.all_cases()
     only = _known(arguments.only, suite.names(cases))
     found = stability(cases, only, quick=arguments.quick, progress=arguments.progress)
-    points = f"{len(suite.worst_of_cases(found.readings))} points"
+    points = counted(len(suite.worst_of_cases(found.readings)), "point")
     write_files(pictures(found, arguments, points), arguments)
     return show(found, arguments)
 

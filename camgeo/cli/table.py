@@ -21,6 +21,7 @@ from camgeo.cli.law_options import DEFAULT_TASK, add_law_options, given_options,
 from camgeo.formats.csv import LARGEST_STEP, SMALLEST_STEP
 from camgeo.motion.laws import make_law
 from camgeo.motion.value_table import PRINTED_STEP
+from camgeo.wording import counted
 
 SUMMARY: Final = (
     "print the value table as CSV: motion, curves, transmission angle, curvature; or that of a"
@@ -75,4 +76,4 @@ def _deliver(found: ValueTable, arguments: argparse.Namespace) -> int:
     """Print the table as JSON, or as CSV to the terminal or into a file."""
     if arguments.json:
         return show(found, arguments)
-    return deliver(found.table.csv(), arguments, f"{len(found.table.values)} rows")
+    return deliver(found.table.csv(), arguments, counted(len(found.table.values), "row"))

@@ -11,6 +11,7 @@ import numpy as np
 
 from camgeo.errors import GeometryError
 from camgeo.numeric.arrays import ComplexArray, FloatArray, IntArray, grouped
+from camgeo.wording import counted
 
 CUBIC = 3
 
@@ -45,7 +46,8 @@ def beziers_of_spline(degree: int, knots: FloatArray, controls: ComplexArray) ->
     count = len(controls)
     if count <= degree or len(knots) != count + degree + 1:
         raise GeometryError(
-            f"a spline of degree {degree} with {count} control points and {len(knots)} knots"
+            f"a spline of degree {degree} with {counted(count, 'control point')} and"
+            f" {counted(len(knots), 'knot')}"
         )
     if np.any(np.diff(knots) < 0.0):
         raise GeometryError("the knots of a spline do not ascend")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
@@ -12,6 +11,7 @@ from camgeo.effects.touching import holds_both_ways
 from camgeo.errors import EffectError
 from camgeo.numeric.extremes import piecewise_extremes
 from camgeo.units import TURN
+from camgeo.wording import at_cam_angles, cam_angle, over_cam_angles
 
 if TYPE_CHECKING:
     from camgeo.check.finding import Severity
@@ -51,18 +51,17 @@ TOUCH: Final = 1e-9
 
 def at(phi: float) -> str:
     """The place `phi` [rad] in words."""
-    return f"at cam angle {degrees(phi)}"
+    return at_cam_angles(phi, form=".4f")
 
 
 def degrees(phi: float) -> str:
     """The cam angle `phi` [rad], in any turn, as text in degrees."""
-    return f"{math.degrees(phi % TURN):.4f} deg"
+    return f"{cam_angle(phi, '.4f')} deg"
 
 
 def between(stretch: tuple[float, float]) -> str:
     """The range (from, to) [rad] in words."""
-    first, last = (math.degrees(each) for each in stretch)
-    return f"from cam angle {first:.4f} to {last:.4f} deg"
+    return over_cam_angles(*stretch, form=".4f")
 
 
 def placed(
@@ -79,8 +78,8 @@ def placed(
 
 def extreme_finding(name: str, words: str, end: Extreme, unit: str, sign: str = "") -> Finding:
     """The finding of an extreme value [`unit`] with its place; `sign` says what is positive."""
-    angle = f"{math.degrees(end.place):.6g} deg"
-    return placed(name, f"{words} {end.value:.6g} {unit}{sign}, at cam angle {angle}", end, unit)
+    sentence = f"{words} {end.value:.6g} {unit}{sign}, {at_cam_angles(end.place)}"
+    return placed(name, sentence, end, unit)
 
 
 def extreme_findings(

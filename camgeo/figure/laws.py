@@ -20,6 +20,7 @@ from camgeo.motion.boundary import NAMES, ends_of
 from camgeo.motion.laws.comparison import Entry as Compared
 from camgeo.motion.laws.law import Law
 from camgeo.numeric.arrays import FloatArray
+from camgeo.wording import counted
 
 SAMPLES: Final = 129
 """Points of a region of a law: finer than a printed line over the quarter of a panel it fills."""
@@ -192,8 +193,7 @@ def _name(entry: Compared, law: Law) -> str:
     lines += [", ".join(shown[first : first + wide]) for first in range(0, len(shown), wide)]
     for word, places in (("shock", entry.shocks), ("jerk", entry.jerks)):
         if places:
-            noun = word if len(places) == 1 else f"{word}s"
-            lines.append(f"{len(places)} {noun}")
+            lines.append(counted(len(places), word))
     if entry.runs_back:
         lines.append("overshoots" if entry.overshoots else "runs back")
     return "\n".join(lines)

@@ -12,6 +12,7 @@ from camgeo.figure.model import Axis, Figure, Legend, Panel, entries
 from camgeo.figure.style import AUXILIARY, LIMIT, LINE, MARGINS, ZERO, joint_marks, turn_axis
 from camgeo.numeric.arrays import FloatArray
 from camgeo.outline.replay_result import Replay
+from camgeo.wording import counted
 
 SIZE: Final = (7.0, 7.8)
 
@@ -88,7 +89,7 @@ def _panel(
         foot = shown[0] + FOOT * (shown[1] - shown[0])
         places = over(np.degrees(replay.shocks.phi), np.full(count, foot))
         marks.append(Line(places, SHOCK, "shock"))
-        marks.append(_note("1 shock" if count == 1 else f"{count} shocks"))
+        marks.append(_note(counted(count, "shock")))
     elif order == 2:
         if replay.ripple is not None:
             share = 100.0 * replay.ripple

@@ -18,6 +18,7 @@ from camgeo.mechanism.triangle import ROUNDING
 from camgeo.motion.extremes import lift_range
 from camgeo.motion.motion import Motion
 from camgeo.units import TURN
+from camgeo.wording import counted
 
 SIZES: Final[tuple[Size, ...]] = ("coupler", "crank")
 
@@ -133,7 +134,8 @@ def why_open(linkage: Linkage, motion: Motion) -> str:
         f"{math.degrees(each.start):.10g} and {math.degrees(each.end):.10g}"
         for each in found[:MOST_LISTED]
     ]
-    more = f" and in {len(found) - MOST_LISTED} more ranges" if len(found) > MOST_LISTED else ""
+    left = len(found) - MOST_LISTED
+    more = f" and in {counted(left, 'more range')}" if left > 0 else ""
     missing = max(each.missing for each in found)
     low, high = lift_range(motion)
     cures = [*_size_texts(linkage, low, high), *kept_between(linkage)]

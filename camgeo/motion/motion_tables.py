@@ -85,5 +85,5 @@ def read_speed_table(data: bytes | str, file: str) -> SpeedCurve:
     radians = turn_of(table, table.second)
     try:
         return SpeedCurve(times, radians)
-    except GeometryError as error:
-        raise GeometryError(f"{file}: {error.message}", error.key, error.value) from error
+    except GeometryError as error:  # whose key is not one of the file
+        raise GeometryError(f"{file}: {error.message}", value=error.value) from error

@@ -33,6 +33,7 @@ from camgeo.motion.spline import Spline
 from camgeo.motion.spline_energy import HIGHEST, Smoothing, from_stress, hermite, interpolate
 from camgeo.numeric import checked
 from camgeo.numeric.arrays import BoolArray, FloatArray
+from camgeo.wording import counted
 
 MOST_UNEQUAL: Final = 1e6
 """Largest allowed ratio of the longest to the shortest distance of neighbouring points. The solve
@@ -176,7 +177,7 @@ def smooth_clamped_spline(
     """
     x, y = _checked(x, y)
     if len(x) < 3:
-        raise GeometryError(f"{len(x)} points are too few to smooth; at least 3 are allowed", "x")
+        raise GeometryError(f"{_few(x)} to smooth; at least 3 are allowed", "x")
     nodes, fixed = _prescribed(y, _boundaries(len(x), start, end, {}))
     fixed[[0, -1], 0] = True
     return _smoothed(x, x, nodes, fixed, largest_deviation, ring=False)
@@ -251,16 +252,18 @@ def _report(x: FloatArray, deviation: FloatArray, length: float) -> FitReport:
 def _checked(x: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:
     x, y = checked.array("x", x), checked.array("y", y, largest=HIGHEST)
     if x.shape != y.shape:
-        raise GeometryError(f"x {x.shape} and y {y.shape} must be two rows of equal length", "y")
+        raise GeometryError(
+            f"has {counted(len(y), 'number')} for the {len(x)} of x; allowed are as many", "y"
+        )
     if len(x) < 2:
-        raise GeometryError(f"{len(x)} points are too few; at least 2 are allowed", "x")
+        raise GeometryError(f"{_few(x)}; at least 2 are allowed", "x")
     step = np.diff(x)
     wrong = np.flatnonzero(step <= 0.0)
     if len(wrong):
         place = int(wrong[0])
         fault = "equal" if step[place] == 0.0 else "descending"
         raise GeometryError(
-            f"the x of points {place} and {place + 1} are {fault} ({float(x[place])!r},"
+            f"the x of points {place + 1} and {place + 2} are {fault} ({float(x[place])!r},"
             f" {float(x[place + 1])!r});"
             " allowed is only ascending",
             key="x",
@@ -276,8 +279,8 @@ def _check_spacing(step: FloatArray) -> None:
     if not found <= MOST_UNEQUAL * (1.0 + 1e-6):
         place = int(np.argmin(step))
         raise GeometryError(
-            f"the points are spaced too unequally: the distance {step[place]:g} after point {place}"
-            f" is contained {found:g} times in the longest one; allowed is up to {MOST_UNEQUAL:g}",
+            f"the points are spaced too unequally: the longest distance is {found:.3g} times the"
+            f" shortest, which follows point {place + 1}; allowed is up to {MOST_UNEQUAL:g}",
             key="x",
             value=repr(found),
         )
@@ -310,9 +313,13 @@ def _ring(
         x, y = x[:-1], y[:-1]
     if len(x) < 3:
         raise GeometryError(
-            f"{len(x)} points are too few for a period; at least 3 are allowed", "x"
+            f"{_few(x)} for a period, without the closing one; at least 3 are allowed", "x"
         )
     return x, y
+
+
+def _few(x: FloatArray) -> str:
+    return f"{counted(len(x), 'point')} {'is' if len(x) == 1 else 'are'} too few"
 
 
 def _boundaries(

@@ -62,8 +62,9 @@ class Spline(Pickled):
         taylor = checked.array("taylor", self.taylor, 2, LARGEST)
         if len(knots) < 2 or taylor.shape != (len(knots) - 1, DEGREE + 1):
             raise GeometryError(
-                f"{knots.shape} knots and {taylor.shape} coefficients do not fit; allowed are"
-                f" (m + 1,) and (m, {DEGREE + 1}) with m at least 1"
+                f"must be {DEGREE + 1} coefficients for each interval between two of the knots,"
+                " of which there are at least 2",
+                key="taylor",
             )
         if not np.all(knots[1:] > knots[:-1]):
             raise GeometryError("the knots must ascend")

@@ -22,7 +22,8 @@ from camgeo.numeric.arrays import FloatArray, Side, ascending
 from camgeo.numeric.extremes import Extremes, climbed, extremes_of, grid_of, tops
 from camgeo.numeric.roots import bracketed_roots, sign_changes
 from camgeo.pickled import Pickled
-from camgeo.units import TURN, LiftUnit
+from camgeo.units import RPM, TURN, LiftUnit
+from camgeo.wording import at_cam_angles, counted
 
 if TYPE_CHECKING:
     from camgeo.motion.spline import Spline
@@ -35,6 +36,9 @@ SMOOTH, SHARP = (1, 2), (3, 4)
 and torque."""
 
 AngularSpeed = Annotated[float, partial(checked.positive, unit="rad/s")]
+
+FEWEST_ROWS: Final = 4
+"""Of a speed curve."""
 
 METRES: Final[dict[LiftUnit, float]] = {"mm": 1e-3, "rad": 1.0}
 """Factor from the unit of lift to the one in which M = m v a / omega holds without conversion."""
@@ -115,18 +119,18 @@ class SpeedCurve(Pickled):
     def __post_init__(self) -> None:
         t, phi = checked.array("t", self.t), checked.array("phi", self.phi)
         checked.hold(self, t=t, phi=phi)
-        if t.shape != phi.shape or len(t) < 4:
-            raise GeometryError(
-                f"times {t.shape} and angles {phi.shape}: allowed are 4 rows or more, as many of"
-                " one as of the other",
-                key="speed",
-            )
+        if len(t) != len(phi):
+            rows = f"{counted(len(t), 'time')} and {counted(len(phi), 'angle')}"
+            raise GeometryError(f"{rows}; allowed are as many angles as times", key="phi")
+        if len(t) < FEWEST_ROWS:
+            message = f"{counted(len(t), 'row')}; allowed are {FEWEST_ROWS} rows or more"
+            raise GeometryError(message, key="t")
         span = float(phi[-1] - phi[0])
         if not abs(span - TURN) <= CLOSING:
             raise GeometryError(
                 f"the cam angle goes on by {span!r} rad from the first to the last row; allowed is"
                 f" one turn, {TURN!r}",
-                key="speed",
+                key="phi",
                 value=repr(span),
             )
         from camgeo.motion.points import periodic_spline  # constant speed needs none
@@ -136,9 +140,10 @@ class SpeedCurve(Pickled):
         if not slowest.value > 0.0:
             angle = float(spline.values(np.array([slowest.place]), 0)[0, 0])
             raise GeometryError(
-                f"the cam would stand still or run backwards: phi' is {slowest.value:g} rad/s at"
-                f" t = {slowest.place:g} s, phi = {angle:g} rad; allowed is above 0",
-                key="speed",
+                "the cam would stand still or run backwards between the rows:"
+                f" {slowest.value / RPM:.6g} rev/min {at_cam_angles(angle)}, {slowest.place:.6g} s;"
+                " allowed is above 0",
+                key="phi",
                 value=repr(slowest.value),
             )
         checked.hold(self, spline=spline)

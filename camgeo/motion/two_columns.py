@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import re
 from dataclasses import dataclass
 from typing import Final
@@ -14,6 +13,7 @@ from camgeo.numeric import checked
 from camgeo.numeric.arrays import FloatArray, frozen
 from camgeo.pickled import Pickled
 from camgeo.units import TURN
+from camgeo.wording import counted
 
 MOST_BYTES: Final = 16_000_000
 MOST_ROWS: Final = 200_000
@@ -109,23 +109,26 @@ def read_two_columns(data: bytes | str, file: str, columns: tuple[Column, Column
         few or too many rows or cells.
     """
     lines = _lines(data, file)
-    counted = [
+    rows = [
         (number, line)
         for number, line in enumerate(lines, start=1)
         if line.strip() and not line.lstrip().startswith("#")
     ]
-    if not counted:
+    if not rows:
         raise fault(file, len(lines), "", "no rows; allowed are 2 or more")
-    layout = _layout(counted[0][1], file, counted[0][0], columns)
+    layout = _layout(rows[0][1], file, rows[0][0], columns)
     if layout.has_heading:
-        counted = counted[1:]
-    if not 2 <= len(counted) <= MOST_ROWS:
-        place = counted[min(len(counted), MOST_ROWS + 1) - 1][0] if counted else len(lines)
+        rows = rows[1:]
+    if not 2 <= len(rows) <= MOST_ROWS:
+        place = rows[min(len(rows), MOST_ROWS + 1) - 1][0] if rows else len(lines)
         raise fault(
-            file, place, "", f"{len(counted):,} rows of numbers; allowed are 2 to {MOST_ROWS:,}"
+            file,
+            place,
+            "",
+            f"{counted(len(rows), 'row')} of numbers; allowed are 2 to {MOST_ROWS:,}",
         )
-    first, second = _columns(counted, layout, file)
-    return TwoColumns(file, first, second, layout.unit, tuple(number for number, _ in counted))
+    first, second = _columns(rows, layout, file)
+    return TwoColumns(file, first, second, layout.unit, tuple(number for number, _ in rows))
 
 
 def turn_of(table: TwoColumns, angles: FloatArray) -> FloatArray:
@@ -159,16 +162,19 @@ def check_ascending(table: TwoColumns, values: FloatArray, what: str) -> None:
 
 
 def _columns(
-    counted: list[tuple[int, str]], layout: _Layout, file: str
+    rows: list[tuple[int, str]], layout: _Layout, file: str
 ) -> tuple[FloatArray, FloatArray]:
     """Both columns, (n,) each, of the numbered lines."""
-    out = np.empty((2, len(counted)))
+    out = np.empty((2, len(rows)))
     decimal = ""
-    for row, (number, line) in enumerate(counted):
+    for row, (number, line) in enumerate(rows):
         cells = line.split(layout.separator)
         if len(cells) != layout.cells:
             raise fault(
-                file, number, line, f"{len(cells)} columns; allowed are {layout.cells} in this file"
+                file,
+                number,
+                line,
+                f"{counted(len(cells), 'column')}; allowed are {layout.cells} in this file",
             )
         for column, cell in enumerate((layout.first, layout.second)):
             text = cells[cell].strip()
@@ -181,8 +187,9 @@ def _columns(
                 )
             decimal = mark or decimal
             value = float(text.replace(",", "."))
-            if not math.isfinite(value):
-                raise fault(file, number, text, "too large; allowed are numbers up to 1.7e308")
+            if not abs(value) <= checked.LARGEST:
+                message = f"too large; allowed are numbers up to {checked.LARGEST:g}"
+                raise fault(file, number, text, message)
             out[column, row] = value
     return out[0], out[1]
 
@@ -191,7 +198,7 @@ def _lines(data: bytes | str, file: str) -> list[str]:
     size = len(checked.instance("data", data, (bytes, str), "bytes or text"))
     if size > MOST_BYTES:
         raise GeometryError(
-            f"{file}, line 1: the file has {size:,} bytes; allowed are {MOST_BYTES:,}",
+            f"{file}, line 1: the file has {counted(size, 'byte')}; allowed are {MOST_BYTES:,}",
             value=str(size),
         )
     if isinstance(data, str):
@@ -217,7 +224,7 @@ def _layout(line: str, file: str, number: int, columns: tuple[Column, Column]) -
                 file,
                 number,
                 line,
-                f"{len(cells)} columns; without a heading 2 are allowed,"
+                f"{counted(len(cells), 'column')}; without a heading 2 are allowed,"
                 f" {columns[0].what} and {columns[1].what} (a decimal comma needs ; or tab as"
                 " separator)",
             )
@@ -253,7 +260,7 @@ def _column(headings: list[tuple[str, str]], column: Column, file: str, number: 
             file,
             number,
             given,
-            f"{len(found)} columns of {column.what}; allowed is one, called"
+            f"{counted(len(found), 'column')} of {column.what}; allowed is one, called"
             f" {' or '.join(column.names)}",
         )
     return found[0]

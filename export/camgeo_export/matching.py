@@ -12,6 +12,7 @@ from camgeo.contour.contour import Contour
 from camgeo.contour.spline import CubicSpline, SplineContour
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.part.part import Boundary
+from camgeo.wording import counted
 from camgeo_export.errors import FileError
 
 LOOSE = 1e-3
@@ -33,7 +34,8 @@ def deviation(contours: Sequence[AnyContour], boundaries: tuple[Boundary, ...]) 
     """
     if len(contours) != len(boundaries):
         names = ", ".join(boundary.name for boundary in boundaries)
-        raise FileError(f"{len(contours)} closed contours, expected {len(boundaries)}: {names}")
+        found = counted(len(contours), "closed contour")
+        raise FileError(f"{found}, expected {len(boundaries)}: {names}")
     # A power of 2, so that all files of a part need the same polygons, which are computed once.
     loose = LOOSE * 2.0 ** math.floor(math.log2(max(map(reach_of, contours))))
     outlines = [boundary.polyline(loose, "fast").contour for boundary in boundaries]

@@ -600,13 +600,13 @@ GOOD = np.array([0.0, 1.0, 2.0, 3.0])
 @pytest.mark.parametrize(
     ("x", "y", "message"),
     [
-        ([0.0], [1.0], "1 points are too few; at least 2"),
+        ([0.0], [1.0], "1 point is too few; at least 2"),
         ([0.0, 1.0], [1.0, 2.0], "too few; 3 are allowed"),
-        ([0.0, 1.0, 1.0], [1.0, 2.0, 3.0], r"points 1 and 2 are equal \(1.0, 1.0\)"),
-        ([0.0, 2.0, 1.0], [1.0, 2.0, 3.0], "points 1 and 2 are descending"),
+        ([0.0, 1.0, 1.0], [1.0, 2.0, 3.0], r"points 2 and 3 are equal \(1.0, 1.0\)"),
+        ([0.0, 2.0, 1.0], [1.0, 2.0, 3.0], "points 2 and 3 are descending"),
         ([0.0, 1.0, np.inf], [1.0, 2.0, 3.0], "finite numbers, .* number 3 of them is not"),
         ([0.0, 1.0, 2.0], [1.0, np.nan, 3.0], "finite numbers, .* number 2 of them is not"),
-        ([0.0, 1.0, 2.0], [1.0, 2.0], "equal length"),
+        ([0.0, 1.0, 2.0], [1.0, 2.0], "has 2 numbers for the 3 of x"),
         ([0.0, 1e-31, 2e-31], [1.0, 2.0, 3.0], "at least 1e-30"),
         ([0.0, 1.0, 2.0], [1.0, 2.0, 1e101], r"at most 1e\+100 in magnitude; number 3"),
         ([0.0, 1e-7, 1.0], [1.0, 2.0, 3.0], r"too unequally.*allowed is up to 1e\+06"),

@@ -285,6 +285,36 @@ def test_a_speed_curve(tmp_path: Path) -> None:
         load_scene(_without(scene))
 
 
+@pytest.mark.parametrize(
+    ("rows", "message"),
+    [
+        ("0,0\n0.1,180\n0.5,360\n", "t.csv: 3 rows; allowed are 4 rows or more"),
+        ("0,0\n0.2,100\n0.21,300\n0.8,310\n1,360\n",
+         "t.csv: the cam would stand still or run backwards between the rows: -2513.67 rev/min"),
+        ("0,0\n1e300,90\n2e300,180\n3e300,360\n",
+         "t.csv, line 2: '1e300': too large; allowed are numbers up to 1e+30"),
+    ],
+)  # fmt: skip
+def test_a_speed_curve_s_faults_are_of_its_file(tmp_path: Path, rows: str, message: str) -> None:
+    (tmp_path / "t.csv").write_text(rows)
+    scene = tmp_path / "scene.toml"
+    head = HEAD.replace('rotation = "ccw"', 'rotation = "ccw"\nspeed_curve = "t.csv"')
+    scene.write_text(head + "[[motion]]\ndwell = 360\n")
+    with pytest.raises(SceneError) as caught:
+        load_scene(scene)
+    (fault,) = caught.value.faults
+    assert (fault.key, fault.value) == ("cam.speed_curve", '"t.csv"')
+    assert fault.message.startswith(message)
+
+
+def test_a_lift_that_is_too_large_is_a_fault_of_its_file(tmp_path: Path) -> None:
+    (tmp_path / "lift.csv").write_text("0,0\n100,1e200\n200,6\n360,0\n")
+    scene = tmp_path / "scene.toml"
+    scene.write_text(HEAD + '[[motion]]\nlaw = "table"\nspan = 360\nfile = "lift.csv"\n')
+    with pytest.raises(SceneError, match=r"lift\.csv, line 2: '1e200': too large"):
+        load_scene(scene)
+
+
 def _without(scene: Path) -> Path:
     scene.write_text(scene.read_text().replace("speed = 60\n", ""))
     return scene

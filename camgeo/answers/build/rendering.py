@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from camgeo.answers.build import Build
+from camgeo.wording import counted
 from camgeo.writing.write import FileReport
 
 WIDTH = 39
@@ -21,7 +22,7 @@ def text(answer: Build) -> str:
 
 
 def _size(file: FileReport) -> str:
-    size = f"{file.size:>10,} bytes"
+    size = f"{counted(file.size, 'byte'):>16}"
     if file.deviation is None:
         return size
     return f"{size}, at most {file.deviation:.3g} mm off (tolerance {file.tolerance:g} mm)"

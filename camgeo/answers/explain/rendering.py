@@ -6,6 +6,7 @@ from typing import Final
 
 from camgeo.answers.explain import Explanation
 from camgeo.lazy import Run
+from camgeo.wording import counted
 
 MILLI: Final = 1e3
 INDENT: Final = "  "
@@ -14,6 +15,7 @@ INDENT: Final = "  "
 def text(answer: Explanation) -> str:
     """The quantities as a tree, with their times, and what was not computed."""
     total = sum(each.own_seconds for each in answer.computed)
+    number = counted(len(answer.computed), "quantity", "quantities")
     command = f"camgeo {answer.goal}"
     return "\n".join(
         (
@@ -23,7 +25,7 @@ def text(answer: Explanation) -> str:
             f"{'all':>10}{'own':>10}",
             *tree_lines(answer),
             "",
-            f"{MILLI * total:10.3f}  in total, for {len(answer.computed)} quantities",
+            f"{MILLI * total:10.3f}  in total, for {number}",
             "",
             f"Not computed: {', '.join(answer.left_alone) or 'nothing'}",
         )

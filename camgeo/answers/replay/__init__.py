@@ -27,6 +27,7 @@ from camgeo.outline.replay_result import Jumps, Replay, closing_error
 from camgeo.product.product import Product, disc_of
 from camgeo.scene.scene import Scene
 from camgeo.units import MM_PER, TURN, LengthUnit
+from camgeo.wording import counted
 
 STEP: Final = Decimal("0.1")
 """Of the cam angle [deg]."""
@@ -245,7 +246,7 @@ def _contour_of(disc: Product, flank: Flank, file: Path, reading: Reading) -> tu
     if place is not None:
         message = f"crosses itself ({place}): no disc has this outline"
         raise SceneError([Fault("CONTOUR", str(file), message, note)])
-    return chosen, note and f"{file.name}: {len(found)} contours; {note}"
+    return chosen, note and f"{file.name}: {counted(len(found), 'contour')}; {note}"
 
 
 def _result(disc: Product, contour: str, note: str, replay: Replay) -> DiscReplay:

@@ -20,6 +20,7 @@ from camgeo.effects.wording import KG_M2, N_M, at, degrees, loss_of_contact, pla
 from camgeo.errors import GeometryError
 from camgeo.numeric.extremes import Extreme
 from camgeo.units import RPM, TURN
+from camgeo.wording import counted
 
 
 def compute(request: Request[TorqueLimits]) -> DriveTorque:
@@ -160,13 +161,14 @@ def _shock(law: TorqueLaw) -> list[Finding]:
     )
     if not len(places):
         return []
-    first, angles = float(places[0]), "angle" if len(places) == 1 else "angles"
+    first = float(places[0])
     return [
         Finding(
             "shock",
             "broken",
-            f"the velocity jumps at {len(places)} cam {angles}, first at {degrees(first)}: the"
-            " torque is infinite there, and its impulses are not included in any value",
+            f"the velocity jumps at {counted(len(places), 'cam angle')}, first at"
+            f" {degrees(first)}: the torque is infinite there, and its impulses are not included in"
+            " any value",
             cam_angle=first,
         )
     ]

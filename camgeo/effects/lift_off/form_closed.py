@@ -15,6 +15,7 @@ from camgeo.effects.results import ContactForce, Inertia
 from camgeo.effects.touching import sides_of
 from camgeo.effects.wording import at, degrees, placed
 from camgeo.numeric.extremes import Extreme, piecewise_extremes
+from camgeo.wording import counted
 
 LISTED: Final = 12
 """Largest number of changes that are listed one by one."""
@@ -112,7 +113,8 @@ class _Sides:
         )
 
     def more(self, count: int) -> Finding:
-        sentence = f"the {self.who} moves from one {self.noun} to the other {count} times per turn"
+        often = f"{counted(count, 'time')} per turn"
+        sentence = f"the {self.who} moves from one {self.noun} to the other {often}"
         return Finding("flank-change", "ok", sentence, float(count))
 
     def steady(self, first: int) -> Finding:

@@ -10,6 +10,7 @@ import numpy as np
 
 from camgeo.contour.contour import Contour
 from camgeo.units import MM_PER, LengthUnit
+from camgeo.wording import counted
 from camgeo_export.chain import chain
 from camgeo_export.errors import FileError, finite
 
@@ -41,7 +42,9 @@ class ContourCsvReader:
             line = rows[int(np.flatnonzero(~apart)[0]) + 1][0]
             raise FileError(f"{name}, line {line}: the same point as in the previous row")
         if len(vertices) < FEWEST or (len(vertices) == FEWEST and not np.any(bulge)):
-            raise FileError(f"{name}: {len(vertices)} points enclose nothing; give three or more")
+            raise FileError(
+                f"{name}: {counted(len(vertices), 'point')} enclosing nothing; give three or more"
+            )
         contour = chain(vertices, 4.0 * np.arctan(bulge))
         if contour.area == 0.0:
             raise FileError(f"{name}: the points enclose no area")
@@ -64,12 +67,15 @@ def _rows(data: bytes, name: str) -> list[tuple[int, list[float]]]:
             width = len(cells)
             if width not in (2, 3):
                 raise FileError(
-                    f"{name}, line {line}: {width} columns; allowed are x, y and x, y, bulge"
+                    f"{name}, line {line}: {counted(width, 'column')};"
+                    " allowed are x, y and x, y, bulge"
                 )
             if tuple(cell.lower() for cell in cells) in HEADERS:
                 continue
         if len(cells) != width:
-            raise FileError(f"{name}, line {line}: {len(cells)} values where {width} are expected")
+            raise FileError(
+                f"{name}, line {line}: {counted(len(cells), 'value')} where {width} are expected"
+            )
         rows.append((line, [finite(cell, name, line) for cell in cells] + [0.0] * (3 - width)))
     if not rows:
         raise FileError(f"{name}: holds no points; allowed are rows x, y and x, y, bulge")

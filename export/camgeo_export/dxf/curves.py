@@ -10,6 +10,7 @@ import numpy as np
 from camgeo.contour.contour import Contour
 from camgeo.contour.spline import Arc, CubicSpline, SplineContour
 from camgeo.errors import GeometryError
+from camgeo.wording import counted
 from camgeo_export.chain import chain
 from camgeo_export.errors import FileError
 
@@ -56,9 +57,9 @@ def spline_of(tags: Sequence[tuple[int, float]], scale: float) -> CubicSpline:
     if not stated["degree"]:
         raise FileError("states no degree (group 71)")
     if stated["knots"] not in ([], [float(len(knots))]):
-        raise FileError(f"has {len(knots)} knots, not as many as it states")
+        raise FileError(f"has {counted(len(knots), 'knot')}, not as many as it states")
     if stated["controls"] not in ([], [float(len(x))]) or len(y) != len(x):
-        raise FileError(f"has {len(x)} control points, not as many as it states")
+        raise FileError(f"has {counted(len(x), 'control point')}, not as many as it states")
     if weights and max(weights) - min(weights) > RATIONAL * max(map(abs, weights)):
         raise FileError("is rational: its weights differ; only polynomial splines are read")
     if z and max(z) != min(z):

@@ -17,6 +17,7 @@ import numpy as np
 from camgeo.contour.contour import Contour
 from camgeo.contour.spline import Arc, CubicSpline
 from camgeo.units import MM_PER, LengthUnit
+from camgeo.wording import counted
 from camgeo_export.dxf.curves import Curve, Strand, arc_of, closed, spline_of
 from camgeo_export.dxf.items import Item, Tag, read_items
 from camgeo_export.errors import FileError, finite
@@ -220,7 +221,8 @@ def _polyline(item: Item, scale: float) -> list[Arc]:
             elif tag.code in (20, 42) and rows:
                 rows[-1][1 if tag.code == 20 else 2] = item.value(tag)
         if len(rows) != item.number(90, len(rows)):
-            raise item.fault(f"has {len(rows)} vertices, not as many as it states")
+            found = counted(len(rows), "vertex", "vertices")
+            raise item.fault(f"has {found}, not as many as it states")
     points = [complex(x, y) * scale for x, y, _ in rows]
     sweeps = (4.0 * np.arctan([bulge for _, _, bulge in rows])).tolist()
     following = [*points[1:], *points[:1]] if flags & CLOSED else points[1:]

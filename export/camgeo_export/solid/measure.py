@@ -7,6 +7,7 @@ import numpy as np
 from camgeo.errors import GeometryError
 from camgeo.numeric.arrays import FloatArray, IntArray
 from camgeo.product.product import Product
+from camgeo.wording import counted
 from camgeo_export.errors import FileError
 from camgeo_export.matching import deviation
 from camgeo_export.verify.mesh import border_loops, merged, polygon, solid_checks, upright
@@ -32,7 +33,7 @@ def measure(product: Product, vertices: FloatArray, triangles: IntArray) -> floa
             raise FileError(f"the mesh fails the check '{check.name}': {check.note}")
     heights = sorted(set(corners[flat][:, 0, 2].tolist()))
     if len(heights) != len(wanted):
-        raise FileError(f"flat faces at {len(heights)} heights, expected {len(wanted)}")
+        raise FileError(f"flat faces at {counted(len(heights), 'height')}, expected {len(wanted)}")
     largest = 0.0
     for height, exact in zip(heights, wanted, strict=True):
         level = triangles[flat & (corners[:, 0, 2] == height)]

@@ -15,6 +15,7 @@ from camgeo.numeric.arrays import BoolArray, FloatArray, IntArray
 from camgeo.part.part import Boundary, Part
 from camgeo.product.product import Product
 from camgeo.verifying.verification import Check, failed, near
+from camgeo.wording import counted
 from camgeo_export.verify.mesh import border_loops, merged, polygon, solid_checks, upright, volume
 from camgeo_export.verify.plane import contour_checks, matched
 from camgeo_export.verify.shapes import Shape, shapes_of
@@ -58,7 +59,7 @@ def body_checks(
     checks.append(upright(corners[~flat]))
     heights = sorted(set(corners[flat][:, 0, 2].tolist()))
     if len(heights) != len(wanted):
-        note = f"flat faces at {len(heights)} heights, not at {len(wanted)}: "
+        note = f"flat faces at {counted(len(heights), 'height')}, not at {len(wanted)}: "
         note += ", ".join(level.name for level in wanted)
         checks.append(failed("height", note))
     else:

@@ -19,6 +19,7 @@ from camgeo.verifying.verification import (
     length_of,
     reported,
 )
+from camgeo.wording import counted
 from camgeo_export.dxf.measure import MEASUREMENT
 from camgeo_export.dxf.reader import Drawing, drawing_of
 from camgeo_export.errors import FileError
@@ -132,7 +133,7 @@ def _contents(drawing: Drawing, product: Product) -> Check:
     missing = [name for name in allowed if all(each.layer != name for each in drawing.items)]
     if missing:
         return failed("contents", f"nothing on layer {', '.join(missing)}")
-    return Check("contents", "", f"{len(drawing.items)} entities", ok=True)
+    return Check("contents", "", counted(len(drawing.items), "entity", "entities"), ok=True)
 
 
 def _contours(

@@ -20,6 +20,7 @@ from camgeo.verifying.verification import (
     length_of,
     unit_check,
 )
+from camgeo.wording import counted
 from camgeo_export.errors import FileError
 from camgeo_export.gcode.reader import Loop, Program, read
 from camgeo_export.verify.leads import lead_checks
@@ -73,7 +74,7 @@ class GcodeVerifier:
         except FileError as error:
             checks.append(failed("safety", str(error)))
         else:
-            checks.append(Check("safety", "", f"{len(program.moves)} moves", ok=True))
+            checks.append(Check("safety", "", counted(len(program.moves), "move"), ok=True))
         mismatch = max((move.mismatch for move in program.moves), default=0.0)
         note = "radii of an arc at its two ends"
         checks.append(at_most("arc ends", mismatch, limits.radius_tolerance, "mm", note=note))

@@ -7,6 +7,7 @@ import numpy as np
 from camgeo.contour.contour import Contour
 from camgeo.numeric.arrays import FloatArray, IntArray
 from camgeo.verifying.verification import Check, failed
+from camgeo.wording import counted
 from camgeo_export.errors import FileError
 
 
@@ -68,7 +69,10 @@ def upright(corners: FloatArray) -> Check:
     first = corners[int(np.argmin(upright))].mean(axis=0)
     place = ", ".join(f"{value:.6g}" for value in first)
     count = int(np.count_nonzero(~upright))
-    return failed("walls", f"{count} facets are neither flat nor upright, one near ({place}) mm")
+    return failed(
+        "walls",
+        f"neither flat nor upright: {counted(count, 'facet')}, one of them near ({place}) mm",
+    )
 
 
 def border_loops(triangles: IntArray) -> list[list[int]]:

@@ -7,6 +7,7 @@ import re
 from camgeo.product.product import Product
 from camgeo.units import MM_PER, LengthUnit
 from camgeo.verifying.verification import Check, Origin, Reading, equal, reported
+from camgeo.wording import counted
 from camgeo_export.stl.writer import FACET, PREFIX
 from camgeo_export.verify.body import mesh_checks
 
@@ -41,7 +42,8 @@ def _damage(data: bytes) -> str:
     if data.lstrip().startswith(b"solid") and b"facet" in data[:1000]:
         end = data.rstrip().rsplit(b"\n", 1)[-1].strip()
         return "" if end.startswith(b"endsolid") else "not a complete text STL: endsolid missing"
-    return f"not a complete binary STL: {len(data)} bytes, {expected} for its {count} facets"
+    size, facets = counted(len(data), "byte"), counted(count, "facet")
+    return f"not a complete binary STL: {size}, {expected} for its {facets}"
 
 
 def _unit(data: bytes, reading: Reading) -> tuple[LengthUnit, Check]:

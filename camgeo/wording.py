@@ -1,0 +1,36 @@
+"""Words that messages share: counts of things, and cam angles."""
+
+from __future__ import annotations
+
+import math
+
+from camgeo.units import TURN
+
+
+def counted(number: int, noun: str, plural: str = "") -> str:
+    """`number` with its noun, "1 row" or "1,200 rows"; the plural is by default `noun` and "s"."""
+    return f"{number:,} {noun if number == 1 else plural or noun + 's'}"
+
+
+def cam_angle(angle: float, form: str = ".6g") -> str:
+    """The cam angle `angle` [rad], in any turn, in degrees from 0 to below 360."""
+    text = format(math.degrees(angle % TURN), form)
+    return format(0.0, form) if float(text) == 360.0 else text
+
+
+def at_cam_angles(*angles: float, form: str = ".6g") -> str:
+    """Where something is, "at cam angles 30 and 90 deg"; each place [rad] is named once."""
+    places = list(dict.fromkeys(cam_angle(angle, form) for angle in angles))
+    return f"at cam angle{'s' * (len(places) > 1)} {' and '.join(places)} deg"
+
+
+def over_cam_angles(first: float, last: float, form: str = ".6g") -> str:
+    """A range, "from cam angle 30 to 90 deg"; one place if its ends [rad] read the same.
+
+    The end is below the start if the range passes cam angle 0; one of 2 pi is the whole turn.
+    """
+    start, end = cam_angle(first, form), cam_angle(last, form)
+    if start != end:
+        return f"from cam angle {start} to {end} deg"
+    whole = abs(last - first) > math.pi
+    return "over the whole turn" if whole else at_cam_angles(first, form=form)
