@@ -30,14 +30,14 @@ def check_follower(
             " follower.roller_radius smaller or follower.base_radius larger"
         )
         found.append(Finding("roller-over-axis", "invalid", statement, half, base, "mm"))
-    beside = abs(follower.offset)
-    if math.sqrt((base - beside) * (base + beside)) <= LOCKED * base:
+    offset = abs(follower.offset)
+    if math.sqrt((base - offset) * (base + offset)) <= LOCKED * base:
         statement = (
             f"the offset equals the base radius ({base:g} mm): the guide touches the base circle,"
             " the transmission angle is 0 at cam angle 0 and the follower locks; make"
             " follower.offset smaller"
         )
         found.append(
-            Finding("self-locking", "invalid", statement, beside, base, "mm", cam_angle=0.0)
+            Finding("self-locking", "invalid", statement, offset, base, "mm", cam_angle=0.0)
         )
     return tuple(found)

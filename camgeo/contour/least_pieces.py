@@ -114,13 +114,13 @@ def _cubics(curve: WorkingCurve, piece: Piece) -> float:
     regular = np.maximum(1.0 + curve.distance * kappa, 0.0)
     length = width * _speed(curve, phi) * regular
     length[[0, -1]] *= 0.5
-    sound = length > 0.0
-    bend = kappa[sound] / regular[sound]
-    fourth = np.abs(growth[sound] / length[sound] - bend**3)
+    moves = length > 0.0
+    bend = kappa[moves] / regular[moves]
+    fourth = np.abs(growth[moves] / length[moves] - bend**3)
     # The outermost half cells are as difficult as their neighbouring halves.
     weight = np.ones(len(phi))
     weight[[0, -1]] = 2.0
-    return float(np.sum((weight * length)[sound] * fourth**0.25))
+    return float(np.sum((weight * length)[moves] * fourth**0.25))
 
 
 def _bend_slope(curve: WorkingCurve, phi: FloatArray) -> FloatArray:

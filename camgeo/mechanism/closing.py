@@ -94,8 +94,8 @@ def clear_range(linkage: Linkage) -> tuple[float, float]:
     low = max((mark for mark in marks if mark < -near), default=-math.inf)
     high = min((mark for mark in marks if mark > near), default=math.inf)
     if any(abs(mark) <= near for mark in marks):
-        beside = np.array([max(low, -about), min(high, about)]) / 2.0
-        closes = linkage.missing_length(beside) <= 0.0
+        halfway = np.array([max(low, -about), min(high, about)]) / 2.0
+        closes = linkage.missing_length(halfway) <= 0.0
         low, high = (low if closes[0] else 0.0), (high if closes[1] else 0.0)
     return low, high
 

@@ -123,8 +123,8 @@ class FlatFollower(Follower):
         """See `Follower.on_one_side`."""
         return False
 
-    def beside(self, _: complex, __: float, ___: float) -> MechanismSketch:
-        """See `Follower.beside`."""
+    def return_sketch(self, _: complex, __: float, ___: float) -> MechanismSketch:
+        """See `Follower.return_sketch`."""
         return MechanismSketch()
 
 

@@ -234,7 +234,7 @@ class Follower(ABC):
         """The second side of a yoke of `breadth` [mm] at `lift` [mm]; nothing for a rocker."""
 
     @abstractmethod
-    def beside(self, first: complex, lift: float, reach: float) -> MechanismSketch:
+    def return_sketch(self, first: complex, lift: float, reach: float) -> MechanismSketch:
         """The second roller of the body whose first one is at `first` [mm]; nothing for a face.
 
         `reach` [mm] is how far their centres come from the cam axis.

@@ -233,9 +233,9 @@ class GuidePath:
 
     def meet(self, phi: FloatArray, bows: Bows, facing: FloatArray) -> FloatArray:
         frame = self._frame(phi)
-        beside = (frame.conj() * bows.points).imag
-        guide = Bows(frame * (self.follower.offset + 1j * beside), frame, np.zeros(len(phi)))
-        height: FloatArray = beside + guide.crossing(bows, facing)
+        level = (frame.conj() * bows.points).imag
+        guide = Bows(frame * (self.follower.offset + 1j * level), frame, np.zeros(len(phi)))
+        height: FloatArray = level + guide.crossing(bows, facing)
         return height
 
     def touching(self, bows: Bows) -> FloatArray:

@@ -164,13 +164,13 @@ class OscillatingRoller(Rocking, WithRoller):
 
     def sketch(self, lift: float, _: float, __: tuple[float, float]) -> MechanismSketch:
         """See `Follower.sketch`."""
-        return MechanismSketch(shafts=(self.pivot,)) + self.beside(0j, lift, 0.0)
+        return MechanismSketch(shafts=(self.pivot,)) + self.return_sketch(0j, lift, 0.0)
 
     def held(self, _: tuple[float, float]) -> tuple[Literal["pivot"], complex, None]:
         """See `Follower.held`."""
         return "pivot", self.pivot, None
 
-    def beside(self, _: complex, lift: float, __: float) -> MechanismSketch:
-        """See `Follower.beside`: both arms are on the pivot."""
+    def return_sketch(self, _: complex, lift: float, __: float) -> MechanismSketch:
+        """See `Follower.return_sketch`: both arms are on the pivot."""
         here = self.traced_point(lift)
         return MechanismSketch(links=((self.pivot, here),), rollers=((here, self.roller_radius),))

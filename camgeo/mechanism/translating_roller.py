@@ -1,4 +1,4 @@
-"""Translating roller follower: the roller centre slides on a straight guide beside the cam axis."""
+"""Translating roller follower: the roller centre moves along a straight guide."""
 
 from __future__ import annotations
 
@@ -136,8 +136,8 @@ class TranslatingRoller(Guided, WithRoller):
         there, joined = self.across(lift, breadth)
         return joined + MechanismSketch(rollers=((there, self.roller_radius),))
 
-    def beside(self, first: complex, lift: float, reach: float) -> MechanismSketch:
-        """See `Follower.beside`: joined by a bracket."""
+    def return_sketch(self, first: complex, lift: float, reach: float) -> MechanismSketch:
+        """See `Follower.return_sketch`: joined by a bracket."""
         here = self.traced_point(lift)
         roller = here, self.roller_radius
         return MechanismSketch(links=(bracket(first, here, reach),), rollers=(roller,))

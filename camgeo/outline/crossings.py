@@ -210,9 +210,9 @@ def _newton(
         inside &= np.isfinite(dx) & np.isfinite(dy)
         x = np.where(inside, x + np.clip(dx, -wide_x, wide_x), x)
         y = np.where(inside, y + np.clip(dy, -wide_y, wide_y), y)
-        inside &= _beside(x, one, 1.0) & _beside(y, other, 1.0)
+        inside &= _near(x, one, 1.0) & _near(y, other, 1.0)
     size = np.abs(points) + abs(envelope.curve.distance)
-    inside &= _beside(x, one, OUTSIDE) & _beside(y, other, OUTSIDE)
+    inside &= _near(x, one, OUTSIDE) & _near(y, other, OUTSIDE)
     # Where the pace is large, the rounding of the cam angle counts as well.
     fastest = np.maximum(np.abs(at_x.pace), np.abs(at_y.pace))
     inside &= np.abs(gap) <= 4.0 * ROUNDING * size + PLACE * fastest
@@ -233,10 +233,10 @@ def _node(one: float, other: float, point: complex, *, touching: bool = False) -
     return Node(min(one, other), max(one, other), point, touching)
 
 
-def _beside(places: FloatArray, cells: Cells, share: float) -> BoolArray:
+def _near(places: FloatArray, cells: Cells, share: float) -> BoolArray:
     room = share * (cells.high - cells.low)
-    beside: BoolArray = (places >= cells.low - room) & (places <= cells.high + room)
-    return beside
+    near: BoolArray = (places >= cells.low - room) & (places <= cells.high + room)
+    return near
 
 
 def _distinct(nodes: list[Node], total: float) -> tuple[Node, ...]:

@@ -5,7 +5,7 @@ vanishes. It is computed by Gauss-Legendre quadrature where the tail is small: t
 digits also where the points of the flank differ by less than their own rounding.
 
 That there is one crossing at most is sure of a run of cells about the two cusps in which the
-tangent turns one way, see `camgeo.outline.division`. Where it turns back at the cusps, as beside a
+tangent turns one way, see `camgeo.outline.division`. Where it turns back at the cusps, as next to a
 corner of the pitch curve, a run is known if what runs back is short, of length L: along the tangent
 there, the parts before and after it add up to at most L for a pair of points that coincide. So both
 lie within 1.2 L of the cusps, if the tangent turns by less than half a radian there, and by less
@@ -29,7 +29,7 @@ from camgeo.outline.division import STRAIGHT, Division
 from camgeo.outline.envelope import Envelope, EnvelopeSamples
 
 REACH = 1.2
-"""Length of the parts beside the cusps in which a crossing must lie, as a multiple of what runs
+"""Length of the parts next to the cusps in which a crossing must lie, as a multiple of what runs
 back; more than 1 / cos(0.5)."""
 
 SLIGHT = 0.5
@@ -156,16 +156,16 @@ def small_runs(
         pace = envelope.samples(cusp + 1e-3 * away * half).pace
         reach = cusp + away * np.minimum(REACH * length / np.maximum(pace, 1e-300), room)
         way = reach - cusp
-        beside = _samples(
+        along = _samples(
             envelope, cusp[:, None] + way[:, None] * np.linspace(0.0, 1.0, SAMPLES)[1:]
         )
-        sure &= np.mean(beside.pace, axis=1) * np.abs(way) >= length
-        sure &= np.min(beside.pace, axis=1) > 0.0
-        steps = np.abs(np.angle(beside.tangents[:, 1:] * np.conj(beside.tangents[:, :-1])))
+        sure &= np.mean(along.pace, axis=1) * np.abs(way) >= length
+        sure &= np.min(along.pace, axis=1) > 0.0
+        steps = np.abs(np.angle(along.tangents[:, 1:] * np.conj(along.tangents[:, :-1])))
         with np.errstate(divide="ignore", invalid="ignore"):  # where the pace is not above 0
-            fastest = np.max(steps / beside.pace[:, 1:], axis=1) * SAMPLES / np.abs(way)
+            fastest = np.max(steps / along.pace[:, 1:], axis=1) * SAMPLES / np.abs(way)
         reaches.append(reach)
-        tangents.append(beside.tangents)
+        tangents.append(along.tangents)
         rates.append(fastest)
     before, after = (np.angle(each * np.conj(tangents[0][:, :1])) for each in tangents)
     apart = np.max(before, axis=1) < np.min(after, axis=1)

@@ -15,7 +15,7 @@ from camgeo.contour.chords.fewest import fewest_chords
 from camgeo.contour.contour import Contour, Effort, Fit
 from camgeo.contour.cubics.deviation import bound_by_arcs, spline_deviation
 from camgeo.contour.cubics.fits import fewest_cubics, fit_spline
-from camgeo.contour.cubics.lines_and_arcs import arcs_beside
+from camgeo.contour.cubics.lines_and_arcs import approximating_arcs
 from camgeo.contour.exact import chords_of, distance_between, fewest_chords_of
 from camgeo.contour.proof.deviation import deviation
 from camgeo.contour.simple import require_simple
@@ -66,7 +66,10 @@ class CurveBoundary(Pickled):
         """Cubic splines and arcs; raises like `arcs`."""
         fit = fit_spline if effort == "fast" else fewest_cubics
         return self._fitted(
-            "cubics", fit, tolerance, lambda found: arcs_beside(found.contour, tolerance).contour
+            "cubics",
+            fit,
+            tolerance,
+            lambda found: approximating_arcs(found.contour, tolerance).contour,
         )
 
     def _fitted(

@@ -99,7 +99,7 @@ class PicturedCam(Pickled):
         if self.returning is not None:
             both = (follower, self.returning)
             reach = max(abs(each.traced_point(at)) for each in both for at in lifts)
-            found += self.returning.beside(follower.traced_point(lift), lift, reach)
+            found += self.returning.return_sketch(follower.traced_point(lift), lift, reach)
         if cam.yoke_breadth > 0.0:
             found += follower.far_side(lift, ends, cam.yoke_breadth)
         if linkage is None:

@@ -1,4 +1,4 @@
-"""Joints beside a cusp: kept apart, and what is a cusp in one point told from undercut."""
+"""Joints near a cusp are kept apart; a cusp at one point is distinguished from undercut."""
 
 from __future__ import annotations
 

@@ -203,9 +203,9 @@ def test_curvature_without_bound(tolerance: float) -> None:
     fit = fit_arcs(path, tolerance)
     assert fit.deviation <= tolerance
     check_tangent(fit.contour, np.empty(0, dtype=np.complex128))
-    # As many arcs as for a parallel 1 mm farther out, which has no cusp, and a few beside it.
-    beside = fit_arcs(path.offset(1.0), tolerance)
-    assert len(fit.contour) <= 1.1 * len(beside.contour) + 8
+    # As many arcs as for a parallel 1 mm farther out, which has no cusp, and a few more.
+    plain = fit_arcs(path.offset(1.0), tolerance)
+    assert len(fit.contour) <= 1.1 * len(plain.contour) + 8
     assert deviation(path, fit.contour) == pytest.approx(fit.deviation, rel=0.011, abs=1e-9)
 
 

@@ -217,7 +217,7 @@ def there_and_back(motion: float) -> MotionPlan:
 @few
 @given(pair=pairs(), phi=some_angles())
 def test_both_rollers_of_a_pair(pair: Pair, phi: list[float]) -> None:
-    """One body closes both: the return roller is a point beside the main one."""
+    """One body closes both: the return roller is a second point of the body."""
     main = chain_of(pair.main)
     body = pair.body
     if isinstance(body, Lever):

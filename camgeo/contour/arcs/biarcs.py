@@ -66,14 +66,14 @@ def tangent_turns(apart: FloatArray, lengths: FloatArray, last: IntArray) -> Flo
     return turns
 
 
-def _tridiagonal(beside: FloatArray, middle: FloatArray, right: FloatArray) -> FloatArray:
-    """Solution (n,) with the main band `middle` (n,) and `beside` (n - 1,) on both sides of it."""
+def _tridiagonal(outer: FloatArray, middle: FloatArray, right: FloatArray) -> FloatArray:
+    """Solution (n,) with the main band `middle` (n,) and `outer` (n - 1,) on both sides of it."""
     from scipy.linalg import solveh_banded  # only for making a contour
 
     if len(middle) == 1:  # which scipy does not accept
         return right / middle
     bands = np.zeros((2, len(middle)))
-    bands[0, 1:], bands[1] = beside, middle
+    bands[0, 1:], bands[1] = outer, middle
     found: FloatArray = solveh_banded(bands, right, overwrite_ab=True, check_finite=False)
     return found
 
@@ -152,7 +152,7 @@ class Biarcs:
         lengths = np.abs(points[:, -1] - points[:, 0])
         turns = tangent_turns(plain.near(points[:, 1:-1]), lengths, last)
         arcs = _Arcs.between(points, *(outer * np.exp(1j * turns)))
-        angles, apart, peaks = arcs.beside(points, tangents, slopes)
+        angles, apart, peaks = arcs.distances_to(points, tangents, slopes)
         distances = np.maximum(peaks, np.max(np.abs(apart), axis=1))
         least = np.min(np.abs(np.diff(points, axis=1)), axis=1)
         parts = arcs.vertices, arcs.tangents, arcs.curvatures, points[:, -1]
@@ -212,7 +212,7 @@ class _Arcs:
         near: FloatArray = 0.5 * bend * (arm.real**2 + arm.imag**2) + right
         return near
 
-    def beside(
+    def distances_to(
         self, points: ComplexArray, tangents: ComplexArray, slopes: FloatArray
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Parts of the span (S, 2) at which the arcs begin, distances (S, PARTS + 1) [mm] of the

@@ -83,8 +83,8 @@ class Layout:
         where a spline has no deviation at all, or not a number.
         """
         worst = self.largest(deviations)[self.spline]
-        sound = np.isfinite(worst) & (worst > 0.0)
-        found: FloatArray = np.log(np.where(sound, np.maximum(deviations, LEAST * worst), 1.0))
+        usable = np.isfinite(worst) & (worst > 0.0)
+        found: FloatArray = np.log(np.where(usable, np.maximum(deviations, LEAST * worst), 1.0))
         mean: FloatArray = np.bincount(self.spline, weights=found) / self.counts
         found -= mean[self.spline]
         return found

@@ -135,5 +135,5 @@ def _worst(laid: Evened, counts: IntArray, aim: float) -> set[int]:
     chords = laid.chords
     worst = int(np.argmax(np.maximum(chords.worst / aim, chords.turns / MOST_TURN)))
     bend = int(laid.bend[worst])
-    beside = {bend, (bend + 1) % len(counts)} if laid.through[worst] else {bend}
-    return {each for each in beside if counts[each] < SHORT}
+    bends = {bend, (bend + 1) % len(counts)} if laid.through[worst] else {bend}
+    return {each for each in bends if counts[each] < SHORT}

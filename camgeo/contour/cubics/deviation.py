@@ -10,7 +10,7 @@ import numpy as np
 from camgeo.contour.chain import Chain, runs_of
 from camgeo.contour.contour import Contour
 from camgeo.contour.cubics.arc_length import ArcLength
-from camgeo.contour.cubics.lines_and_arcs import ArcsBeside, arcs_beside
+from camgeo.contour.cubics.lines_and_arcs import ApproximatingArcs, approximating_arcs
 from camgeo.contour.cubics.parts import Part
 from camgeo.contour.legs import Leg
 from camgeo.contour.proof.deviation import deviation, proved_bound
@@ -71,9 +71,9 @@ def bound_by_arcs(measure: Measure, contour: SplineContour) -> float:
     share = max(SHARE * (COARSE * contour.reach), finest)
     found, failed = math.inf, None
     for _ in range(ROUNDS):
-        beside = arcs_beside(contour, share)
+        fine = approximating_arcs(contour, share)
         try:
-            reached = measure(beside.contour)
+            reached = measure(fine.contour)
         except GeometryError as fault:
             # Fine arcs follow each bend of the spline, also those that the proof of arcs cannot
             # handle.
@@ -82,8 +82,8 @@ def bound_by_arcs(measure: Measure, contour: SplineContour) -> float:
                 break
             share *= COARSER
             continue
-        found = min(found, reached + beside.apart)
-        if beside.apart <= SHARPNESS * reached or share <= finest:
+        found = min(found, reached + fine.apart)
+        if fine.apart <= SHARPNESS * reached or share <= finest:
             break
         if failed is not None:
             break
@@ -109,12 +109,12 @@ def fitted_deviation(
     GeometryError
         If the contour does not follow the path once round.
     """
-    beside = arcs_beside(contour, max(SHARE * scale, FINEST * contour.reach))
-    angles = _angles(parts, contour, beside)
-    arcs = beside.contour
-    ends = np.cumsum(beside.counts)
+    fine = approximating_arcs(contour, max(SHARE * scale, FINEST * contour.reach))
+    angles = _angles(parts, contour, fine)
+    arcs = fine.contour
+    ends = np.cumsum(fine.counts)
     chains: list[list[Chain]] = [[] for _ in legs]
-    for part, end, count in zip(parts, ends, beside.counts, strict=True):
+    for part, end, count in zip(parts, ends, fine.counts, strict=True):
         which = slice(int(end - count), int(end))
         chains[part.leg].append(
             Chain(angles[which], arcs.vertices[which], arcs.sweeps[which], arcs.centres[which])
@@ -124,17 +124,17 @@ def fitted_deviation(
     )
     if any(np.any(np.diff(run.angles) <= 0.0) for run in runs):
         raise GeometryError("the contour does not follow the exact curve once round")
-    return proved_bound(runs, ARC_CELLS) + beside.apart
+    return proved_bound(runs, ARC_CELLS) + fine.apart
 
 
-def _angles(parts: Sequence[Part], contour: SplineContour, beside: ArcsBeside) -> FloatArray:
+def _angles(parts: Sequence[Part], contour: SplineContour, fine: ApproximatingArcs) -> FloatArray:
     """(n,) parameters [rad] of the legs at the feet of the vertices of the arcs.
 
     A spline runs over the arc length, except for its deviation along the curve, which is as small
     as that across: one Newton step is enough, and any other place would do, see
     `camgeo.contour.proof.deviation`.
     """
-    angles = np.repeat([part.begin for part in parts], beside.counts)
+    angles = np.repeat([part.begin for part in parts], fine.counts)
     low, width = [], []
     courses: dict[int, ArcLength] = {}
     for part, strand in zip(parts, contour.strands, strict=True):
@@ -144,20 +144,20 @@ def _angles(parts: Sequence[Part], contour: SplineContour, beside: ArcsBeside) -
             begin = 0.0 if part.course is None else part.course.s[part.piece, 0]
             low.append(begin + strand.knots[3:-4])
             width.append(np.diff(strand.knots[3:-3]))
-    of_strand = np.repeat(np.arange(len(parts)), beside.counts)
-    inner = beside.cubics >= 0
-    inner[np.cumsum(beside.counts) - beside.counts] = False  # a strand's own start is known
+    of_strand = np.repeat(np.arange(len(parts)), fine.counts)
+    inner = fine.cubics >= 0
+    inner[np.cumsum(fine.counts) - fine.counts] = False  # a strand's own start is known
     owner = np.array([id(part.course) for part in parts])[of_strand]
     piece = np.array([part.piece for part in parts])[of_strand]
     for key, course in courses.items():
         which = np.flatnonzero(inner & (owner == key))
         if not len(which):
             continue
-        cubic = beside.cubics[which]
-        s = np.concatenate(low)[cubic] + beside.shares[which] * np.concatenate(width)[cubic]
+        cubic = fine.cubics[which]
+        s = np.concatenate(low)[cubic] + fine.shares[which] * np.concatenate(width)[cubic]
         found = course.angles(piece[which], s)
         points, tangents, pace = course.curve.traced(found)
-        apart = (np.conj(tangents) * (beside.contour.vertices[which] - points)).real
+        apart = (np.conj(tangents) * (fine.contour.vertices[which] - points)).real
         forward = pace > 0.0
         angles[which] = found + np.where(forward, apart, 0.0) / np.where(forward, pace, 1.0)
     return angles

@@ -79,7 +79,7 @@ ELEVATION = np.array(
 def bounds_beside_arcs(
     parts: ComplexArray, aim: float, flattest: float
 ) -> tuple[FloatArray, FloatArray]:
-    """Sagitta of the arc beside each part, 0 for a line, positive where it turns counter-clockwise;
+    """Sagitta of the arc of each part, 0 for a line, positive where it turns counter-clockwise;
     bound of the distance, infinite where the part does not certainly follow its arc.
 
     Where an arc would have more than the radius `flattest` the bound is such that the part is
@@ -131,8 +131,8 @@ def _from_arcs(
     bound = 2.0 * off / (1.0 + np.sqrt(np.maximum(inner, 0.0)))
     arm = -np.sign(centre)[:, None] * (y - centre[:, None])
     aside = np.abs(x - 0.5 * lengths[:, None])
-    beside = np.all((arm > 0.0) & (aside <= math.tan(WIDEST) * arm), axis=1)
-    return bound, beside & (inner > 0.0)
+    within = np.all((arm > 0.0) & (aside <= math.tan(WIDEST) * arm), axis=1)
+    return bound, within & (inner > 0.0)
 
 
 ROUNDING = 2.0**-52 * 16.0
@@ -165,7 +165,7 @@ FIRST = 1.04
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class ArcsBeside:
+class ApproximatingArcs:
     """Lines and arcs close to a spline contour.
 
     Attributes
@@ -184,7 +184,7 @@ class ArcsBeside:
     shares: FloatArray
 
 
-def arcs_beside(contour: SplineContour, tolerance: float) -> ArcsBeside:
+def approximating_arcs(contour: SplineContour, tolerance: float) -> ApproximatingArcs:
     """Lines and arcs close to a spline contour, with their proved distance and their places on it.
 
     Joints lie on the splines; the arcs are tangent there only within the tolerance.
@@ -214,7 +214,7 @@ def arcs_beside(contour: SplineContour, tolerance: float) -> ArcsBeside:
     sizes = np.maximum(np.abs(centres) + np.abs(starts - centres), contour.reach)
     apart = np.max(parts.bounds + ROUNDING * sizes, initial=ROUNDING * contour.reach)
     none = np.zeros(len(exact))
-    return ArcsBeside(
+    return ApproximatingArcs(
         found,
         float(apart),
         np.bincount(owner, minlength=len(strands)),
@@ -232,7 +232,7 @@ class _Parts:
     controls : (n, 4) complex [mm] Bezier points.
     sagittas, bounds : (n,) [mm], as `bounds_beside_arcs` has them.
     owner : (n,) strand of each.
-    cubics, shares : (n,), as of `ArcsBeside`, of their starts.
+    cubics, shares : (n,), as of `ApproximatingArcs`, of their starts.
     """
 
     controls: ComplexArray
@@ -283,7 +283,7 @@ def _parts(pieces: list[ComplexArray], owners: list[int], tolerance: float, reac
         turning = np.isinf(worst) & (counts > MOST_TURNING)
         if int(np.sum(counts)) > MAX_PARTS or np.any(turning):
             break
-    raise GeometryError("a spline turns back, or its points lie too unevenly for arcs beside it")
+    raise GeometryError("a spline turns back, or its points lie too unevenly for arcs to follow it")
 
 
 def _first_counts(whole: ComplexArray, aim: float) -> IntArray:

@@ -274,7 +274,7 @@ def _check_turns(run: Run, least: FloatArray, most: FloatArray) -> None:
     """
     arcs = run.sweeps != 0.0
     sweep, least, most = np.abs(run.sweeps[arcs]), least[arcs], most[arcs]
-    beside = (least <= sweep + STEEPEST) & (most >= sweep - STEEPEST)
+    plausible = (least <= sweep + STEEPEST) & (most >= sweep - STEEPEST)
     single = (least > sweep - TURN + STEEPEST) & (most < sweep + TURN - STEEPEST)
-    if not np.all(beside & single):
-        raise GeometryError("an arc of the contour does not run beside the exact curve")
+    if not np.all(plausible & single):
+        raise GeometryError("an arc of the contour does not run along the exact curve")

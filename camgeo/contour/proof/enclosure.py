@@ -94,7 +94,7 @@ class Enclosure:
     steepness : (n,) bound of sin alpha, 1 where the piece runs backwards.
     steep : (n,) sin alpha found in its middle, 1 where the piece runs backwards.
     least_turn, most_turn : (n,) [rad] bounds of the angle by which the curve turns about the centre
-        of an arc; 0 beside lines.
+        of an arc; 0 along lines.
     """
 
     found: FloatArray

@@ -31,7 +31,7 @@ ASKEW = 0.5
 
 
 def _places(leg: Leg, points: ComplexArray, ahead: ComplexArray, guess: FloatArray) -> FloatArray:
-    """Parameters (n,) [rad] of the places of `leg` beside `points` (n,), near `guess` (n,).
+    """Parameters (n,) [rad] of the places of `leg` next to `points` (n,), near `guess` (n,).
 
     The place lies square to the direction `ahead` (n,) of the contour, which leaves the proof no
     gap along it; where that is too oblique, it is the foot of the perpendicular. A search stops

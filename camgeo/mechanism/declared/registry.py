@@ -1,6 +1,6 @@
 """The kinds of followers and linkages, by the names that they have in scenes.
 
-What a kind builds is imported when it is built; its schema is the file of its name beside this one.
+The class that a kind builds is imported when it is built; its schema is NAME.json in this folder.
 """
 
 from __future__ import annotations

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from camgeo.contour.cubics import fits
 from camgeo.contour.cubics.deviation import fitted_deviation, spline_deviation
 from camgeo.contour.cubics.fits import fewest_cubics, fit_spline
-from camgeo.contour.cubics.lines_and_arcs import arcs_beside
+from camgeo.contour.cubics.lines_and_arcs import approximating_arcs
 from camgeo.contour.cubics.parts import parts_of
 from camgeo.contour.least_pieces import forced_pieces, least_cubics
 from camgeo.contour.legs import legs_of
@@ -208,8 +208,8 @@ def test_nearly_flat_arcs_become_lines() -> None:
     """The circle of a nearly flat arc is so large that its rounding alone exceeds the tolerance."""
     tolerance = 1e-9
     fit = fewest_cubics(whole(flank("setzhub", -1)), 1e-7)
-    beside = arcs_beside(fit.contour, tolerance)
-    arcs, bound = beside.contour, beside.apart
+    fine = approximating_arcs(fit.contour, tolerance)
+    arcs, bound = fine.contour, fine.apart
     assert np.any(arcs.sweeps == 0.0)
     assert np.max(arcs.radii) * 2.0**-52 <= tolerance / 64.0
     assert bound <= 1.1 * tolerance

@@ -8,7 +8,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from scipy.interpolate import make_interp_spline
 
-from camgeo.contour.cubics.lines_and_arcs import arcs_beside
+from camgeo.contour.cubics.lines_and_arcs import approximating_arcs
 from camgeo.contour.spline import Arc, CubicSpline, SplineContour
 from camgeo.errors import GeometryError
 from tests.contour.cams import outline
@@ -21,8 +21,8 @@ some = settings(max_examples=12, deadline=None, suppress_health_check=[HealthChe
 
 def _measured(contour: SplineContour, tolerance: float) -> tuple[float, float]:
     """Largest distance found, both ways, and the bound."""
-    beside = arcs_beside(contour, tolerance)
-    arcs, bound = beside.contour, beside.apart
+    fine = approximating_arcs(contour, tolerance)
+    arcs, bound = fine.contour, fine.apart
     found = outline(arcs)
     cubics = sum(len(spline) for spline in contour.splines)
     there = float(np.max(found.distances(dense(contour, 4000 // cubics))))
@@ -57,29 +57,29 @@ def test_any_closed_spline(radii: list[float], tolerance: float) -> None:
 def test_number_of_arcs_follows_the_law() -> None:
     """Three points an arc: the error is sqrt(3)/216 of the third difference, tolerance^(-1/3)."""
     contour = blob(3, 0.2)
-    few, many = (len(arcs_beside(contour, tolerance).contour) for tolerance in (1e-3, 1e-6))
+    few, many = (len(approximating_arcs(contour, tolerance).contour) for tolerance in (1e-3, 1e-6))
     # Whole arcs a cubic: of 37 cubics each may have one too many.
     assert many == pytest.approx(10.0 * few, abs=10.0 * 37)
     assert many > 5 * few
 
 
 def test_arcs_stay_and_lines_are_lines() -> None:
-    arcs = arcs_beside(slot(), 1e-4).contour
+    arcs = approximating_arcs(slot(), 1e-4).contour
     assert np.count_nonzero(arcs.sweeps == np.pi) == 1
     assert arcs.area == pytest.approx(slot().area, abs=1e-4 * slot().length)
     straight = CubicSpline(
         np.array([0.0, 0, 0, 0, 1, 1, 1, 1]), np.array([0, 1, 2, 3], dtype=complex)
     )
     half = Arc(3.0 + 0j, 0j, np.pi, 1.5 + 0j)
-    beside = arcs_beside(SplineContour((straight, half)), 1e-9)
-    contour, bound = beside.contour, beside.apart
+    fine = approximating_arcs(SplineContour((straight, half)), 1e-9)
+    contour, bound = fine.contour, fine.apart
     assert contour.sweeps.tolist() == [0.0, np.pi]
     assert bound < 1e-13
 
 
 def test_a_spline_that_turns_back_is_refused() -> None:
-    """Out and back on one line: no arc runs beside it."""
+    """Out and back on one line: no arc approximates it."""
     knots = np.array([0.0, 0, 0, 0, 1, 1, 1, 1])
     back = CubicSpline(knots, np.array([0.0, 9.0, 5.0, 0.0], dtype=complex))
     with pytest.raises(GeometryError, match="turns back"):
-        arcs_beside(SplineContour((back,)), 1e-3)
+        approximating_arcs(SplineContour((back,)), 1e-3)
