@@ -10,10 +10,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from camgeo.contour.contour import Contour
-from camgeo.contour.exact import ROUNDING, chords_of, distance_between, fewest_chords_of
+from camgeo.contour.exact import chords_of, distance_between, fewest_chords_of
+from camgeo.contour.hausdorff import ROUNDING, SHARPNESS
 from camgeo.errors import GeometryError, ToleranceError
 from camgeo.part.build import bore_outline
 from camgeo.part.spec import Keyway
+from camgeo_export.chain import chain
 from tests.contour.cams import outline
 from tests.long_form import examples
 
@@ -30,7 +32,7 @@ SLOTTED = bore_outline(2.0 * RADIUS, Keyway(5.0, 2.3, 0.4))
 
 outlines = st.sampled_from([PLAIN, SLOTTED])
 
-NOTHING = ROUNDING * 11.0 + 1e-14
+NOTHING = 3.0 * ROUNDING * 11.0 + 1e-14
 """No distance [mm]: the allowance for rounding, and rounding itself, 5 ulp of 11 mm."""
 
 
@@ -132,25 +134,60 @@ def test_another_keyway(width: float, depth: float, angle: float) -> None:
     _caught(SLOTTED, bore_outline(2.0 * RADIUS, Keyway(width, depth, angle)))
 
 
-@pytest.mark.parametrize("ends", [(1.0, -1.0), (-1.0, 1.0), (1.0, 1.0), (-1.0, -1.0)])
-def test_arcs_that_are_rounded_are_no_longer_for_it(ends: tuple[float, float]) -> None:
-    # As a drawing gives them back: an end some ulps past the corner, the circle as it was.
+CORNERS = range(len(SLOTTED))
+
+STEPS = (1e-12, 1e-9, 1e-6, 1e-3)
+
+
+@pytest.mark.parametrize("corner", CORNERS)
+@pytest.mark.parametrize("step", STEPS)
+@pytest.mark.parametrize("way", [1.0, -1.0, 1j, -1j])
+def test_a_moved_corner_counts_as_much_as_it_is_moved(
+    corner: int, step: float, way: complex
+) -> None:
+    """An arc whose end passes the corner is off by no more than that."""
     arcs = SLOTTED.split(math.pi)
-    first, last = (np.exp(3e-16j * end) for end in ends)
     vertices = arcs.vertices.copy()
-    vertices[0] *= first
-    vertices[3] *= last
-    rounded = Contour(vertices, arcs.sweeps, arcs.centres)
-    assert distance_between(SLOTTED, rounded) <= 2.0 * NOTHING
+    vertices[corner] += step * way
+    moved = distance_between(SLOTTED, chain(vertices, arcs.sweeps))
+    # Half a turn on the chord moves its middle by up to as much as its end, and rounds as the
+    # vertex itself does.
+    assert moved <= 1.001 * step + 2.0 * NOTHING
 
 
-def test_a_bore_without_its_keyway_is_refused() -> None:
+@some
+@given(outlines, st.integers(0, 10**6), st.sampled_from(STEPS), st.floats(0.0, 6.3),
+       st.floats(-4.0, -0.5))  # fmt: skip
+def test_the_distance_is_a_continuous_function(
+    exact: Contour, index: int, step: float, angle: float, size: float
+) -> None:
+    """However far off a contour is already: arcs of up to half a turn, all of them moved before."""
+    arcs = exact.split(math.pi)
+    rough = np.random.default_rng(index).normal(size=(3, len(arcs))) * 10.0**size
+    vertices = arcs.vertices + rough[0] + 1j * rough[1]
+    sweeps = np.where(arcs.sweeps == 0.0, 0.1 * rough[2], 0.99 * arcs.sweeps)
+    before = distance_between(exact, chain(vertices, sweeps))
+    vertices[index % len(vertices)] += step * complex(np.cos(angle), np.sin(angle))
+    after = distance_between(exact, chain(vertices, sweeps))
+    assert abs(after - before) <= 1.001 * step + SHARPNESS * after + NOTHING
+
+
+@pytest.mark.parametrize("bulge", [1e-15, 1e-12, 1e-9, 1e-6, 1e-3])
+def test_flat_arcs_are_off_by_their_sagitta(bulge: float) -> None:
+    """However large their circles are."""
+    straight = int(np.flatnonzero(SLOTTED.sweeps == 0.0)[0])
+    sweeps = SLOTTED.sweeps.copy()
+    sweeps[straight] = 4.0 * math.atan(bulge)
+    sagitta = 0.5 * bulge * SLOTTED.lengths[straight]
+    found = distance_between(SLOTTED, chain(SLOTTED.vertices, sweeps))
+    assert found == pytest.approx(sagitta, rel=2e-9, abs=NOTHING)
+
+
+def test_a_bore_without_its_keyway_is_off_by_its_corners() -> None:
     """The circle lies on the circle everywhere: only that the slot is missing tells."""
-    with pytest.raises(GeometryError, match="leaves out"):
-        distance_between(SLOTTED, PLAIN)
-    for plain in (PLAIN.split(1.0), PLAIN.split(0.3).reversed()):
-        with pytest.raises(GeometryError, match=r"leaves out|does not follow"):
-            distance_between(SLOTTED, plain)
+    corner = float(np.max(np.abs(SLOTTED.vertices))) - RADIUS
+    for plain in (PLAIN, PLAIN.split(1.0), PLAIN.split(0.3).reversed()):
+        assert distance_between(SLOTTED, plain) == pytest.approx(corner, rel=1e-8)
     for plain in (PLAIN, chords_of(PLAIN, 0.001)):
         assert _caught(SLOTTED, plain) > 2.0
         assert _caught(plain, SLOTTED) > 2.0

@@ -19,7 +19,7 @@ FOLDER = SCENES[0].parent
 FORMATS = ("dxf", "gcode", "stl", "3mf")
 
 DAMAGES: dict[str, tuple[str, d.Damage, set[str]]] = {
-    "dxf: a moved vertex": (".dxf", d.move_dxf_vertex, {"deviation", "kink"}),
+    "dxf: a moved vertex": (".dxf", d.move_dxf_vertex, {"deviation"}),
     "dxf: a bulge of the wrong sign": (".dxf", d.turn_bulge, {"deviation"}),
     "dxf: a vertex left out": (".dxf", d.leave_out_vertex, {"deviation"}),
     "dxf: a boundary left out": (".dxf", d.leave_out_polyline, {"contours"}),
@@ -27,7 +27,7 @@ DAMAGES: dict[str, tuple[str, d.Damage, set[str]]] = {
     "dxf: mirrored": (".dxf", d.mirror_dxf, {"deviation"}),
     "dxf: scaled": (".dxf", d.scale_dxf, {"deviation", "area"}),
     "dxf: an open polyline": (".dxf", d.open_polyline, {"closure"}),
-    "dxf: a digit of a coordinate": (".dxf", d.change_dxf_digit, {"deviation", "kink"}),
+    "dxf: a digit of a coordinate": (".dxf", d.change_dxf_digit, {"deviation"}),
     "dxf: cut short": (".dxf", d.cut_short, {"file"}),
     "gcode: a moved end": (".ngc", d.move_gcode_end, {"deviation"}),
     "gcode: an arc reversed": (".ngc", d.reverse_arc, {"deviation"}),

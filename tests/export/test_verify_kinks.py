@@ -37,7 +37,7 @@ def sharp() -> Contour:
     return chain(vertices, np.zeros(len(vertices)))
 
 
-def kink(contour: Contour, rounded: float | None = None) -> Check:
+def kink(contour: Contour) -> Check:
     """The check of `contour` against the polygon with its corners rounded off."""
     ends, turn = corners(), 2.0 * math.pi / SIDES
     along = np.roll(ends, -1) - ends
@@ -46,7 +46,7 @@ def kink(contour: Contour, rounded: float | None = None) -> Check:
     vertices = np.ravel(np.column_stack((ends - cut * np.roll(along, 1), ends + cut * along)))
     exact = chain(vertices, np.tile([turn, 0.0], SIDES))
     (shape,) = shapes_of((ExactBoundary("outline", hole=False, exact=exact),), 150.0, TOLERANCE)
-    found = contour_checks(shape, contour, TOLERANCE, rounded=rounded)
+    found = contour_checks(shape, contour, TOLERANCE)
     return {check.name: check for check in found}["kink"]
 
 
@@ -63,7 +63,3 @@ def test_a_kink_where_the_outline_is_straight_is_told() -> None:
     check = kink(chain(vertices, np.zeros(len(vertices))))
     assert check.ok is False
     assert float(check.value or 0.0) > 30.0
-
-
-def test_pieces_that_are_to_be_tangent_are_held_to_it() -> None:
-    assert kink(sharp(), rounded=1e-6).ok is False

@@ -72,6 +72,9 @@ MAX_CELLS = 4_000_000
 ROUNDING = 2.0**-52 * 32.0
 """Rounding of a distance, as a fraction of the largest length that enters it."""
 
+HUGE = 1e3
+"""Radius of an arc that may count as a line, as a multiple of the contour's reach."""
+
 BEFORE = 2.0 * SNAP
 """Distance before a border at which its left-hand value is taken [rad]: a few ulps, so that the
 point there is within its rounding, and beyond the reach of the border."""
@@ -143,10 +146,9 @@ def _run_bound(run: Run, found: float, arc_cells: int) -> tuple[float, float]:
     Rounding is charged to each piece with the lengths that enter its own distances: the circle of a
     nearly straight arc is large, and no other piece is measured from it.
     """
+    run, rounding = _without_flat_arcs(run)
     cells = _first_cells(run, arc_cells)
     enclosure, places = _first_enclosure(run, cells)
-    reach = float(np.max(np.abs(run.vertices))) + abs(run.leg.distance)
-    rounding = ROUNDING * (np.abs(run.centres) + run.radii + reach)
     largest = 0.0
     turned = np.zeros((2, len(run.sweeps)))
     for _ in range(HALVINGS):
@@ -170,6 +172,21 @@ def _run_bound(run: Run, found: float, arc_cells: int) -> tuple[float, float]:
         jet, speeds = run.leg.jet_and_bounds(cells.low, cells.high)
         enclosure = _enclosed(run, cells, jet, speeds)
     raise GeometryError("the contour cannot be compared with the exact curve")
+
+
+def _without_flat_arcs(run: Run) -> tuple[Run, FloatArray]:
+    """The run with lines in place of the arcs whose huge circles round by more than their sagittas,
+    and (n,) [mm] what its distances then miss: rounding, and those sagittas.
+    """
+    reach = float(np.max(np.abs(run.vertices))) + abs(run.leg.distance)
+    rounding = ROUNDING * (np.abs(run.centres) + run.radii + reach)
+    sagittas = 0.5 * np.abs((run.ends - run.starts) * np.tan(0.25 * run.sweeps))
+    flat = (run.radii > HUGE * reach) & (sagittas < rounding)
+    if not np.any(flat):
+        return run, rounding
+    sweeps, centres = np.where(flat, 0.0, run.sweeps), np.where(flat, 0.0, run.centres)
+    missed = np.where(flat, ROUNDING * reach + sagittas, rounding)
+    return replace(run, sweeps=sweeps, centres=centres), missed
 
 
 def _first_cells(run: Run, arc_cells: int) -> _Cells:

@@ -107,7 +107,18 @@ class Drawing:
         gap: float | None = None,
         kinds: tuple[str, ...] = CURVES,
     ) -> tuple[Curve, ...]:
-        """The closed contours [mm], counter-clockwise, the largest first.
+        """The closed contours [mm], counter-clockwise, the largest first; see `joined`."""
+        return self.joined(layer, unit, gap, kinds)[0]
+
+    def joined(
+        self,
+        layer: str | None,
+        unit: LengthUnit | None = None,
+        gap: float | None = None,
+        kinds: tuple[str, ...] = CURVES,
+    ) -> tuple[tuple[Curve, ...], float]:
+        """The closed contours [mm], counter-clockwise, the largest first, and the largest gap
+        [mm] that was joined.
 
         A contour without splines consists of lines and arcs. Where two ends lie apart, one is moved
         to the other: that of an arc or line to that of a spline.
@@ -129,11 +140,11 @@ class Drawing:
         runs = [run for item in self._on(layer, kinds) if (run := _run(item, scale)).pieces]
         if gap is None:
             gap = JOINED * max((abs(run.pieces[0].start) for run in runs), default=0.0)
-        found = [run for run in runs if run.closed]
-        found += _chained([run for run in runs if not run.closed], gap)
+        chains, largest = _chained([run for run in runs if not run.closed], gap)
+        found = [*(run for run in runs if run.closed), *chains]
         if not found:
             raise FileError(f"{self.name}: no contour found; supported are {', '.join(kinds)}")
-        return tuple(sorted(map(_contour, found), key=lambda contour: -contour.area))
+        return tuple(sorted(map(_contour, found), key=lambda contour: -contour.area)), largest
 
     def _on(self, layer: str | None, kinds: tuple[str, ...]) -> list[Item]:
         """The entities of a layer."""
@@ -230,9 +241,9 @@ def _polyline(item: Item, scale: float) -> list[Arc]:
     return [Arc(start, end, sweep, 0j) for start, end, sweep in pieces if start != end]
 
 
-def _chained(runs: list[Run], gap: float) -> list[Run]:
-    """Open runs joined at their ends into closed ones."""
-    partner = _partners(runs, gap)
+def _chained(runs: list[Run], gap: float) -> tuple[list[Run], float]:
+    """Open runs joined at their ends into closed ones, and the largest gap between two [mm]."""
+    partner, largest = _partners(runs, gap)
     left = set(range(len(runs)))
     found = []
     while left:
@@ -245,11 +256,13 @@ def _chained(runs: list[Run], gap: float) -> list[Run]:
             pieces += run.pieces if end % 2 == 0 else run.reversed().pieces
             end = partner[end ^ 1]
         found.append(Run(runs[start].item, pieces))
-    return found
+    return found, largest
 
 
-def _partners(runs: list[Run], gap: float) -> list[int]:
-    """For each end, 2 k and 2 k + 1 of run k, the other end at the same place."""
+def _partners(runs: list[Run], gap: float) -> tuple[list[int], float]:
+    """For each end, 2 k and 2 k + 1 of run k, the other end at the same place, and the largest
+    distance between two such ends [mm].
+    """
     ends = [end for run in runs for end in (run.pieces[0].start, run.pieces[-1].end)]
     cells: dict[tuple[int, int], list[int]] = defaultdict(list)
     size = 2.0 * gap if gap > 0.0 else 1.0
@@ -272,7 +285,8 @@ def _partners(runs: list[Run], gap: float) -> list[int]:
                 f" contours, with gaps of at most {gap:g} mm"
             )
         partner.append(near[0])
-    return partner
+    apart = (abs(ends[one] - ends[other]) for one, other in enumerate(partner))
+    return partner, max(apart, default=0.0)
 
 
 def _contour(run: Run) -> Curve:

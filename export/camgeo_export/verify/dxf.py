@@ -40,13 +40,8 @@ NAMES = {"4": "mm", "1": "inch"}
 """Names of the units that $INSUNITS states."""
 
 GAPS = (0.0, 1e-9, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1)
-"""Gaps [mm] tried in turn when joining the pieces of a drawing, up to the tolerance."""
-
-
-ROUNDED = 1e-10
-"""How far the ends of our tangent pieces may be out of place, as a fraction of the base radius:
-arcs with a sagitta of 2e-12 of the extent are written as lines, which turns their ends by four
-times that over their length; rounding does less. Ten times as much is allowed."""
+"""Gaps [mm] allowed in turn when joining the pieces of a drawing, up to the tolerance: pieces may
+be shorter than that."""
 
 
 class DxfVerifier:
@@ -92,12 +87,10 @@ class DxfVerifier:
         shapes = shapes_of(product.drawn.part.boundaries, product.drawn.base_radius, tolerance)
         pairs, count = matched(contours, shapes)
         checks.append(count)
-        tangent = reading.ours and product.options[FORMAT].entity != "polyline"
-        rounded = ROUNDED * product.drawn.base_radius if tangent else None
         for shape, contour in pairs:
-            checks += contour_checks(shape, contour, tolerance, extra=gap, rounded=rounded)
+            checks += contour_checks(shape, contour, tolerance, extra=gap)
         if reading.ours and product.options[FORMAT].auxiliary:
-            checks += _auxiliary(product, drawing, reading, tolerance, rounded)
+            checks += _auxiliary(product, drawing, reading, tolerance)
             checks.append(_centre(drawing, tolerance))
         return tuple(checks)
 
@@ -139,25 +132,24 @@ def _contents(drawing: Drawing, product: Product) -> Check:
 def _contours(
     drawing: Drawing, reading: Reading, layer: str | None, tolerance: float
 ) -> tuple[tuple[AnyContour, ...], float]:
-    """The closed contours of `layer` [mm], and an upper bound on the gaps that were joined [mm]."""
-    gaps = [*(gap for gap in GAPS if gap < tolerance), tolerance]
-    for gap in gaps[:-1]:
+    """The closed contours of `layer` [mm], and the largest gap that was joined [mm]."""
+    for gap in (gap for gap in GAPS if gap < tolerance):
         try:
-            return drawing.contours(layer, reading.unit, gap), gap
+            return drawing.joined(layer, reading.unit, gap)
         except FileError:
             continue
-    return drawing.contours(layer, reading.unit, gaps[-1]), gaps[-1]
+    return drawing.joined(layer, reading.unit, tolerance)
 
 
 def _auxiliary(
-    product: Product, drawing: Drawing, reading: Reading, tolerance: float, rounded: float | None
+    product: Product, drawing: Drawing, reading: Reading, tolerance: float
 ) -> list[Check]:
     """The pitch curve, if there is one, and the base circle of our drawings."""
     checks = []
     if product.drawn.has_pitch_curve:
         try:
             (pitch,) = _contours(drawing, reading, "PITCH_CURVE", tolerance)[0]
-            checks += contour_checks(_pitch(product), pitch, tolerance, rounded=rounded)
+            checks += contour_checks(_pitch(product), pitch, tolerance)
         except (CamgeoError, ValueError) as error:
             checks.append(failed("deviation", str(error), "pitch curve"))
     try:

@@ -72,7 +72,6 @@ def contour_checks(
     *,
     extra: float = 0.0,
     where: str = "",
-    rounded: float | None = None,
 ) -> list[Check]:
     """All checks of one contour.
 
@@ -82,8 +81,6 @@ def contour_checks(
     tolerance : [mm].
     extra : further contributions to the deviation [mm], e.g. gaps that were joined.
     where : location of the contour, appended to the shape's name.
-    rounded : how far rounding may have moved the ends of tangent pieces [mm], where the file is
-        claimed to hold such; None if kinks as large as the tolerance allows are no fault.
     """
     of = f"{shape.name}, {where}" if where else shape.name
     if contour is None:
@@ -91,10 +88,9 @@ def contour_checks(
     if not (math.isfinite(contour.length) and contour.area != 0.0):
         return [failed("deviation", "the contour encloses nothing", of)]
     contour = contour.counter_clockwise()
-    slope = SLOPE * tolerance if rounded is None else rounded
     checks = [
         _deviation(shape, contour, tolerance, extra, of),
-        _kink(shape, contour, tolerance, slope, of, bends=rounded is None),
+        _kink(shape, contour, tolerance, of),
     ]
     if shape.area is not None:
         allowed = tolerance * (shape.length + math.pi * tolerance)
@@ -129,25 +125,23 @@ def _where(shape: Shape, contour: AnyContour, tolerance: float) -> str:
     return text
 
 
-def _kink(
-    shape: Shape, contour: AnyContour, tolerance: float, slope: float, of: str, *, bends: bool
-) -> Check:
+def _kink(shape: Shape, contour: AnyContour, tolerance: float, of: str) -> Check:
     """The largest kink where the exact outline has no corner.
 
-    `slope` [mm] over the length of a piece is by how much its direction may be off. This suffices
-    where the outline hardly bends along a piece. With `bends`, for pieces that need not be tangent,
-    the outline's own turn there is allowed in addition.
+    The limit is what the tolerance permits: whoever rounds the numbers of a file or redraws its
+    curves within the tolerance turns its pieces by no more. `SLOPE` suffices where the outline
+    hardly bends along a piece; elsewhere its own turn there is allowed in addition.
     """
     joints = joints_of(contour)
     with np.errstate(divide="ignore"):
-        limits = slope * (1.0 / joints.before + 1.0 / joints.after)
+        limits = SLOPE * tolerance * (1.0 / joints.before + 1.0 / joints.after)
     limits = np.minimum(limits, math.pi)
     smooth = np.ones(len(joints.kinks), dtype=bool)
     for corner in shape.corners:
         apart = np.abs(joints.places - corner)
         smooth &= (apart > 2.0 * tolerance) & (apart > np.min(apart))
     kinks: FloatArray = np.where(smooth, joints.kinks, 0.0)
-    for k in np.flatnonzero(kinks > limits) if bends else ():
+    for k in np.flatnonzero(kinks > limits):
         limits[k] += _turn_near(shape, complex(joints.places[k]), float(kinks[k]), tolerance)
     beyond = kinks > limits
     worst = int(np.argmax(np.where(beyond, kinks - limits, -1.0) if np.any(beyond) else kinks))

@@ -1,0 +1,109 @@
+"""What verify tells of a drawing is a continuous function of the numbers in it."""
+
+from __future__ import annotations
+
+import random
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+import camgeo
+from camgeo.product.product import Product
+from camgeo.verifying.verification import Check, Reading
+from camgeo_export.dxf.writer import WRITER
+from camgeo_export.verify.dxf import VERIFIER
+
+SCENES = Path(__file__).parents[2] / "fixtures" / "scenes"
+
+TOLERANCE = 0.01
+
+STEPS = (1e-12, 1e-9, 1e-6, 1e-3)
+
+COORDINATES = ("10", "20", "11", "21")
+
+BULGE = "42"
+
+LONGEST = 40.0
+"""Of a piece [mm]: its middle moves by half of that times the change of the bulge."""
+
+SLACK = 0.015
+"""Fraction by which a proved bound may exceed a deviation from a curve."""
+
+EACH = 2
+"""Numbers of each kind that are moved by each step."""
+
+Checks = dict[tuple[str, str], Check]
+
+
+@cache
+def disc(scene: str, entity: str) -> Product:
+    text = (SCENES / f"{scene}.toml").read_text("utf-8")
+    return camgeo.loads(f'{text}\n[output.dxf]\nentity = "{entity}"\n').disc
+
+
+@cache
+def drawing(scene: str, entity: str) -> tuple[str, ...]:
+    """The lines of the scene's drawing, made with half of the tolerance."""
+    return tuple(WRITER.write(disc(scene, entity), 0.5 * TOLERANCE).data.decode().split("\n"))
+
+
+def places(lines: tuple[str, ...], codes: tuple[str, ...]) -> list[int]:
+    """Indices of the values of the groups `codes` in the entities."""
+    start = lines.index("ENTITIES")
+    return [k + 1 for k in range(start + 1, len(lines) - 1, 2) if lines[k].strip() in codes]
+
+
+def verified(scene: str, entity: str, lines: list[str]) -> Checks:
+    reading = Reading(f"{scene}.dxf", ours=True)
+    data = "\n".join(lines).encode()
+    checks = VERIFIER.checks(disc(scene, entity), data, reading, TOLERANCE)
+    return {(check.name, check.of): check for check in checks}
+
+
+def deviations(checks: Checks) -> dict[str, float]:
+    found = {of: check.value for (name, of), check in checks.items() if name == "deviation"}
+    assert all(isinstance(value, float) for value in found.values())
+    return {of: float(value or 0.0) for of, value in found.items()}
+
+
+KINDS = [("setzhub", "arcs"), ("setzhub", "spline"), ("plate_translating", "polyline")]
+
+
+@pytest.mark.parametrize(("scene", "entity"), KINDS)
+@pytest.mark.parametrize("step", STEPS)
+def test_a_moved_number_moves_the_deviation_by_no_more(
+    scene: str, entity: str, step: float
+) -> None:
+    """But for the slack of the bound where the exact curve is not made of arcs."""
+    lines = drawing(scene, entity)
+    before = deviations(verified(scene, entity, list(lines)))
+    chance = random.Random(f"{scene} {step}")
+    numbers = [(k, 1.0) for k in chance.sample(places(lines, COORDINATES), EACH)]
+    bulges = places(lines, (BULGE,)) if entity == "arcs" else []
+    numbers += [(k, LONGEST) for k in chance.sample(bulges, min(EACH, len(bulges)))]
+    for place, lever in numbers:
+        moved = list(lines)
+        moved[place] = repr(float(moved[place]) + step)
+        after = deviations(verified(scene, entity, moved))
+        assert after.keys() == before.keys()
+        for name, value in after.items():
+            allowed = 4.0 * lever * step + SLACK * max(value, before[name])
+            assert abs(value - before[name]) <= allowed + 1e-12, (lines[place - 1], lines[place])
+
+
+@pytest.mark.parametrize(("scene", "entity"), KINDS)
+@pytest.mark.parametrize("decimals", [3, 4, 5, 6])
+def test_rounded_numbers_pass_while_within_the_tolerance(
+    scene: str, entity: str, decimals: int
+) -> None:
+    """Tangent pieces are no longer tangent then, but turn by no more than the tolerance permits."""
+    lines = list(drawing(scene, entity))
+    for place in places(tuple(lines), (*COORDINATES, BULGE)):
+        lines[place] = repr(round(float(lines[place]), decimals))
+    checks = verified(scene, entity, lines)
+    found = deviations(checks)
+    within = {of for of, value in found.items() if value <= TOLERANCE}
+    assert within == found.keys() or decimals == 3
+    for (_, of), check in checks.items():
+        assert check.ok is not False or of not in within, check
