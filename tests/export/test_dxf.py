@@ -5,18 +5,26 @@ from __future__ import annotations
 import io
 import math
 from dataclasses import replace
+from pathlib import Path
+from typing import Any
 
 import ezdxf
 import numpy as np
 import pytest
+from ezdxf.path import make_path
 
+import camgeo
 from camgeo.contour.contour import Contour
 from camgeo.formats.dxf import DxfSpec
+from camgeo.numeric.arrays import FloatArray
+from camgeo.units import MM_PER, LengthUnit
 from camgeo_export.chain import chain
 from camgeo_export.dxf.reader import drawing_of
 from camgeo_export.dxf.writer import WRITER
 from camgeo_export.errors import FileError
 from tests.export.stub_product import StubProduct
+
+SCENES = Path(__file__).parents[2] / "fixtures" / "scenes"
 
 PRODUCTS = {
     "disc": StubProduct(),
@@ -109,6 +117,56 @@ def test_chain_gives_back_a_contour() -> None:
     contour = Contour.circle(3.0, 1.0 + 2.0j).split(1.0)
     again = chain(contour.vertices, contour.sweeps)
     np.testing.assert_allclose(again.centres, contour.centres, atol=1e-14)
+
+
+@pytest.mark.parametrize("scale", [1e-3, 1.0, 1e5])
+@pytest.mark.parametrize("unit", ["mm", "inch"])
+@pytest.mark.parametrize("auxiliary", [True, False])
+def test_the_drawing_is_seen_when_it_is_opened(
+    scale: float, unit: LengthUnit, auxiliary: bool
+) -> None:
+    """Extents, limits and the open view, as ezdxf reads them, against the circles of the part."""
+    product = StubProduct(scale=scale, unit=unit, dxf=DxfSpec(auxiliary=auxiliary))
+    mm = MM_PER[unit]
+    lowest, side = (-45.0, 40.0) if auxiliary else (-37.0, 32.0)
+    box = np.array([-side, lowest, side, max(27.0, 35.0 * auxiliary)]) * scale / mm
+    slack = 1e-3 * scale
+    data = WRITER.write(product, 1e-4 * scale).data
+    document = ezdxf.read(io.StringIO(data.decode()))  # type: ignore[attr-defined]
+    check_view(document, box, slack)
+
+
+def check_view(document: Any, box: FloatArray, slack: float) -> None:
+    """That the box (4,) of a drawing is what `document` shows, with a margin."""
+
+    def pair(low: str, high: str) -> FloatArray:
+        return np.array([*document.header[low][:2], *document.header[high][:2]])
+
+    np.testing.assert_allclose(pair("$EXTMIN", "$EXTMAX"), box, atol=slack)
+    (view,) = document.viewports.get("*Active")
+    middle, height = view.dxf.center, view.dxf.height
+    half = np.array([0.5 * height * view.dxf.aspect_ratio, 0.5 * height])
+    seen = np.array([middle.x - half[0], middle.y - half[1], *(np.array(middle)[:2] + half)])
+    size = max(box[2] - box[0], box[3] - box[1])
+    for shown in (pair("$LIMMIN", "$LIMMAX"), seen):
+        beyond = np.concatenate((box[:2] - shown[:2], shown[2:] - box[2:]))
+        assert np.all(beyond >= 0.04 * size)
+        assert np.min(beyond) <= 0.06 * size
+    assert height <= 1.2 * size
+
+
+@pytest.mark.parametrize("entity", ["arcs", "spline"])
+def test_the_view_of_a_real_disc(entity: str) -> None:
+    """Of curves that reach their extremes inside a piece, against points on all of them."""
+    scene = SCENES / "setzhub.toml"
+    text = f'{scene.read_text("utf-8")}\n[output.dxf]\nentity = "{entity}"\nauxiliary = false\n'
+    data = WRITER.write(camgeo.loads(text).disc, 0.01).data
+    document = ezdxf.read(io.StringIO(data.decode()))  # type: ignore[attr-defined]
+    courses = [make_path(each) for each in document.modelspace()]
+    points = np.array([(p.x, p.y) for each in courses for p in each.flattening(1e-4)])
+    box = np.concatenate((points.min(axis=0), points.max(axis=0)))
+    # ezdxf flattens arcs by way of cubics, 0.008 mm off here.
+    check_view(document, box, 0.01)
 
 
 # A measurement that accepts a wrong file is worth nothing: break the file and see it found.

@@ -29,7 +29,7 @@ from camgeo.units import MM_PER, LengthUnit
 from camgeo.writing.writer import Written
 from camgeo_export.dxf.curves import Curve
 from camgeo_export.dxf.measure import measure
-from camgeo_export.matching import reach_of
+from camgeo_export.dxf.view import show
 
 INSUNITS: dict[LengthUnit, int] = {"mm": 4, "inch": 1}
 MEASUREMENT: dict[LengthUnit, int] = {"mm": 1, "inch": 0}
@@ -149,12 +149,14 @@ def _draw(space: Modelspace, product: Product, cut: list[Curve], pitch: Contour 
         else:
             _polyline(space, contour, scale, "CUT")
     drawn = cut
-    if pitch is not None:
-        drawn = [*cut, pitch]
     if auxiliary:
         _auxiliary(space, product, pitch, scale)
-    reach = max(reach_of(contour) for contour in drawn) / scale
-    space.reset_extents((-reach, -reach, 0.0), (reach, reach, 0.0))
+        drawn = [
+            *cut,
+            *([pitch] if pitch is not None else []),
+            Contour.circle(product.drawn.base_radius),
+        ]
+    show(space, drawn, scale)
 
 
 def _auxiliary(space: Modelspace, product: Product, pitch: Contour | None, scale: float) -> None:
