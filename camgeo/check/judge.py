@@ -190,9 +190,13 @@ def _of_roller(cam: Cam, limits: Limits, before: list[Finding]) -> list[Finding]
     found = [check_transmission_angle(curve, transmission_angle_limit(cam, limits))]
     mechanism = not any(finding.severity == "invalid" for finding in (*before, *found))
     radius = cam.follower.roller_radius
+    try:
+        bends = disc.bends
+    except GeometryError as error:
+        return [*found, Finding("curvature", "no-disc", error.message)]
     for name, flank in disc.flanks:
-        found.append(check_radius_ratio(flank, name, disc.bends, limits.radius_ratio, radius))
-        found += check_undercut(flank, name, disc.bends, severity)
+        found.append(check_radius_ratio(flank, name, bends, limits.radius_ratio, radius))
+        found += check_undercut(flank, name, bends, severity)
         if mechanism:
             found += _of_outline(cam, name, flank, severity)
     if cam.clearance > 0.0:

@@ -21,18 +21,17 @@ from camgeo.mechanism.triangle import (
     ROUNDING,
     SLACK,
     RockerCrank,
-    cosine_range,
     drawn,
     in_line,
     passed_at_rest,
     turning,
-    where_bounded,
     within,
 )
 from camgeo.mechanism.values import Angle, Branch, Length, Place, Sense
 from camgeo.motion.motion import FULL_ORDER, Jet
 from camgeo.numeric.arrays import ComplexArray, FloatArray, dot
 from camgeo.numeric.checked import check_fields
+from camgeo.numeric.interval import Interval, about, cosine, sine
 
 if TYPE_CHECKING:
     from camgeo.mechanism.linkage_protocol import Size
@@ -115,6 +114,26 @@ class FourBar(RockerCrank):
         growth = np.sin(self._start_bend + half) * np.sin(half)
         growth *= -4.0 * self.lever * abs(self.shaft)
         return np.asarray(growth)
+
+    def _farthest_and_nearest(
+        self, motion: FloatArray, reach: FloatArray
+    ) -> tuple[tuple[FloatArray, FloatArray], tuple[FloatArray, FloatArray]]:
+        distance, lever = abs(self.shaft), self.lever
+        found = cosine(about(self._bend(motion), reach))
+        start = math.cos(self._start_bend)
+
+        def at(level: FloatArray) -> tuple[FloatArray, FloatArray]:
+            square = (lever - distance) ** 2 + 2.0 * lever * distance * (1.0 + level)
+            return 2.0 * lever * distance * (level - start), np.sqrt(square)
+
+        return at(found.high), at(found.low)
+
+    def _pin_slopes(
+        self, motion: FloatArray, reach: FloatArray, direction: Interval
+    ) -> tuple[Interval, Interval, Interval]:
+        ahead = about(self.lever_angle + self.lever_sense * motion, reach) - direction
+        first = sine(ahead).scaled(-self.lever_sense * self.lever)
+        return first, cosine(ahead).scaled(-self.lever), -first
 
     def _pin_angle(self, motion: FloatArray) -> FloatArray:
         """arg P (n,) [rad], continuous over any motion: that of the longer of D_0 and l_c, with
@@ -236,35 +255,6 @@ class FourBar(RockerCrank):
             theta3 = dot(rod, pin3 + mixed) + 3.0 * dot(rod1, rod2)
             np.divide(theta3, leverage, out=out[3])
         return out
-
-    def transform_bounds(self, jet: Jet, bounds: Jet) -> Jet:
-        """See `Linkage.transform_bounds`.
-
-        By the triangle inequality from the formulas of `transform`; N is smallest at one end of the
-        range of d, for it is concave in d^2.
-        """
-        bend, reach = self._bend(jet[0]), bounds[0]
-        distance = abs(self.shaft)
-        foot, spread = (self.lever - distance) ** 2, 2.0 * self.lever * distance
-        start = float(np.cos(self._start_bend))
-        ends = []
-        for cosine in cosine_range(bend - reach, bend + reach):
-            d = np.sqrt(foot + spread * (1.0 + cosine))
-            ends.append(np.multiply(*self.half_angle(spread * (cosine - start), d)))
-        leverage = 0.5 * np.minimum(*ends)
-        crank, coupler, lever = self.crank, self.coupler, self.lever
-        pin1 = lever * bounds[1]
-        pin2 = lever * (bounds[2] + bounds[1] ** 2)
-        pin3 = lever * (bounds[3] + 3.0 * bounds[1] * bounds[2] + bounds[1] ** 3)
-        with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
-            theta1 = coupler * pin1 / leverage
-            rod1 = pin1 + crank * theta1
-            in2 = pin2 + crank * theta1**2
-            theta2 = (coupler * in2 + rod1**2) / leverage
-            in3 = pin3 + crank * theta1 * (3.0 * theta2 + theta1**2)
-            theta3 = (coupler * in3 + 3.0 * rod1 * (in2 + crank * theta2)) / leverage
-            swing = coupler * lever * reach / leverage
-        return where_bounded((swing, theta1, theta2, theta3), bounds)
 
     def turning_positions(self, low: float, high: float) -> tuple[float, ...]:
         """See `Linkage.turning_positions`: where the lever lies on the line of the shafts."""

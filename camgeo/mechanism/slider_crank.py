@@ -24,12 +24,12 @@ from camgeo.mechanism.triangle import (
     level,
     passed_at_rest,
     turning,
-    where_bounded,
 )
 from camgeo.mechanism.values import AcuteAngle, Branch, Sense, Truth
 from camgeo.motion.motion import FULL_ORDER, Jet
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.numeric.checked import check_fields
+from camgeo.numeric.interval import Interval, cosine
 
 if TYPE_CHECKING:
     from camgeo.mechanism.linkage_protocol import Size
@@ -133,6 +133,24 @@ class SliderCrank(RockerCrank):
         """Direction (n,) [rad] from the shaft to the pin, in (0, pi)."""
         return np.arctan2(self.guide_height, -self.pin(stroke)[0])
 
+    def _farthest_and_nearest(
+        self, stroke: FloatArray, reach: FloatArray
+    ) -> tuple[tuple[FloatArray, FloatArray], tuple[FloatArray, FloatArray]]:
+        x, start = np.abs(self.pin(stroke)[0]), self.start_position
+
+        def at(beside: FloatArray) -> tuple[FloatArray, FloatArray]:
+            return (beside - start) * (beside + start), np.hypot(beside, self.guide_height)
+
+        return at(x + reach), at(np.maximum(x - reach, 0.0))
+
+    def _pin_slopes(
+        self, stroke: FloatArray, reach: FloatArray, direction: Interval
+    ) -> tuple[Interval, Interval, Interval]:
+        """The pin goes along the guide at a constant pace."""
+        none = np.zeros_like(stroke)
+        still = Interval(none, none)
+        return cosine(direction).scaled(-self.stroke_direction), still, still
+
     @cached_property
     def _start_gaps(self) -> tuple[float, float]:
         """(l_sk + l_4)^2 - d^2 and d^2 - (l_sk - l_4)^2 [mm^2] at stroke 0, accurate where tiny."""
@@ -212,32 +230,6 @@ class SliderCrank(RockerCrank):
         if len(swing) and not (np.max(swing) <= math.pi and np.min(swing) > -math.pi):
             swing -= 2.0 * math.pi * np.ceil((swing - math.pi) / (2.0 * math.pi))
         return np.negative(out, out=out) if self.mirrored else out
-
-    def transform_bounds(self, jet: Jet, bounds: Jet) -> Jet:
-        """(4, n) bounds for psi of what `Motion.jet_and_bounds` bounds for the stroke.
-
-        `jet` is the stroke in the middle of each cell. Infinite where a cell may touch a dead
-        centre. By the triangle inequality from the formulas of `transform`; |sin(v - theta)| is
-        smallest at one end of the range of d, for it is concave in d^2.
-        """
-        x = self.start_position + self.stroke_direction * jet[0]
-        nearest = np.maximum(np.abs(x) - bounds[0], 0.0)
-        farthest = np.abs(x) + bounds[0]
-        crank, coupler = self.crank, self.coupler
-        ends = []
-        for reach in (nearest, farthest):
-            growth = (reach - self.start_position) * (reach + self.start_position)
-            ends.append(np.multiply(*self.half_angle(growth, np.hypot(reach, self.guide_height))))
-        leverage = np.minimum(*ends) / (2.0 * crank * coupler)
-        with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
-            theta1 = bounds[1] / (crank * leverage)
-            v1 = bounds[1] / (coupler * leverage)
-            theta2 = (bounds[2] + crank * theta1**2 + coupler * v1**2) / (crank * leverage)
-            v2 = (bounds[2] + crank * theta1**2 + coupler * v1**2) / (coupler * leverage)
-            third = bounds[3] + 3.0 * crank * theta1 * theta2 + crank * theta1**3
-            theta3 = (third + 3.0 * coupler * v1 * v2) / (crank * leverage)
-            swing = bounds[0] / (crank * leverage)
-        return where_bounded((swing, theta1, theta2, theta3), bounds)
 
     @property
     def slider_sense(self) -> int:

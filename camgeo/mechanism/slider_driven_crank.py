@@ -17,19 +17,20 @@ from camgeo.errors import GeometryError
 from camgeo.mechanism.sketch import MechanismSketch
 from camgeo.mechanism.slider_crank import SliderCrank
 from camgeo.mechanism.triangle import (
+    AREA,
     ROUNDING,
     SLACK,
-    cosine_range,
+    chained,
     in_line,
     level,
     passed_at_rest,
     turning,
-    where_bounded,
     within,
 )
 from camgeo.motion.motion import FULL_ORDER, Jet
 from camgeo.numeric.arrays import ComplexArray, FloatArray, dot
 from camgeo.numeric.checked import instance
+from camgeo.numeric.interval import Interval, about, cosine, sine
 
 if TYPE_CHECKING:
     from camgeo.mechanism.linkage_protocol import Size
@@ -242,24 +243,34 @@ class SliderDrivenCrank:
         return out
 
     def transform_bounds(self, jet: Jet, bounds: Jet) -> Jet:
-        """See `Linkage.transform_bounds`: the triangle inequality, Re D least where the tip is
-        farthest from the guide.
+        """See `Linkage.transform_bounds`.
+
+        Interval arithmetic for the derivatives with respect to the crank's angle theta, of
+        l_4 sin v = e_sk - l_sk sin theta for the coupler's direction v, and of
+        Re P = l_sk cos theta + l_4 cos v.
         """
-        theta, reach = self._theta(jet[0]), bounds[0]
-        quarter = 0.5 * math.pi
-        height, crank, coupler = self.inner.guide_height, self.crank, self.coupler
-        sines = cosine_range(theta - quarter - reach, theta - quarter + reach)
-        drop = np.maximum(*(np.abs(height - crank * sine) for sine in sines))
-        along = np.sqrt(np.maximum((coupler - drop) * (coupler + drop), 0.0))
-        tip1 = crank * bounds[1]
-        tip2 = crank * (bounds[2] + bounds[1] ** 2)
-        tip3 = crank * (bounds[3] + 3.0 * bounds[1] * bounds[2] + bounds[1] ** 3)
-        with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
-            p1 = coupler * tip1 / along
-            p2 = (coupler * tip2 + (p1 + tip1) ** 2) / along
-            p3 = (coupler * tip3 + 3.0 * (p1 + tip1) * (p2 + tip2)) / along
-            way = coupler * crank * reach / along
-        return where_bounded((way, p1, p2, p3), bounds)
+        inner, crank, coupler = self.inner, self.crank, self.coupler
+        theta = about(self._theta(jet[0]), bounds[0])
+        sine_theta, cosine_theta = sine(theta), cosine(theta)
+        height = np.full_like(jet[0], inner.guide_height)
+        drop = Interval(height, height) - sine_theta.scaled(crank)
+        whole = np.full_like(height, coupler)
+        drop = drop.within(Interval(-whole, whole))
+        least, most = (
+            np.sqrt((coupler - each) * (coupler + each))
+            for each in (drop.magnitude, drop.mignitude)
+        )
+        along = Interval((1.0 - AREA) * least, np.minimum((1.0 + AREA) * most, coupler))
+        along = along if self.side > 0 else -along
+        lift, way = sine_theta.scaled(crank), cosine_theta.scaled(crank)
+        # l_4 sin v and l_4 cos v differentiated: v' l_4 cos v, ...
+        v1 = -way / along
+        v2 = (lift + v1.squared() * drop) / along
+        v3 = (way + (v1 * v2 * drop).scaled(3.0)) / along + v1.squared() * v1
+        p1 = -lift - v1 * drop
+        p2 = -way - v2 * drop - v1.squared() * along
+        p3 = lift - v3 * drop - (v1 * v2 * along).scaled(3.0) + v1.squared() * v1 * drop
+        return chained((p1, p2, p3), bounds)
 
     def turning_positions(self, low: float, high: float) -> tuple[float, ...]:
         """See `Linkage.turning_positions`: where the crank is square to the guide."""

@@ -15,7 +15,8 @@ from camgeo.errors import GeometryError
 from camgeo.mechanism.sketch import MechanismSketch
 from camgeo.mechanism.values import Length
 from camgeo.motion.motion import Jet
-from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray
+from camgeo.numeric.arrays import ComplexArray, FloatArray
+from camgeo.numeric.interval import Interval, about, cosine, sine
 from camgeo.units import TURN
 
 if TYPE_CHECKING:
@@ -30,6 +31,14 @@ SLACK = 64.0 * 2.0**-52
 IN_LINE = 1e-6
 """Largest sine of the angle between two members that are in line on this branch of the linkage;
 on the other branch they are far from it."""
+
+
+AREA = 2.0**-40
+"""Fraction of the area of a triangle that far exceeds its rounding."""
+
+ROUNDS = 3
+"""How often angles and slopes are enclosed in turn: of small cells two rounds settle all but the
+last digits."""
 
 
 @dataclass(frozen=True)
@@ -61,6 +70,22 @@ class RockerCrank(ABC):
     @abstractmethod
     def _growth(self, position: FloatArray) -> FloatArray:
         """(n,) d^2 minus its value at position 0 [mm^2]."""
+
+    @abstractmethod
+    def _farthest_and_nearest(
+        self, position: FloatArray, reach: FloatArray
+    ) -> tuple[tuple[FloatArray, FloatArray], tuple[FloatArray, FloatArray]]:
+        """`_growth` and `_distance` (n,) where d is largest and where it is smallest, over the
+        positions within `reach` (n,) of `position` (n,).
+        """
+
+    @abstractmethod
+    def _pin_slopes(
+        self, position: FloatArray, reach: FloatArray, direction: Interval
+    ) -> tuple[Interval, Interval, Interval]:
+        """The parts in a `direction` [rad] of the first three derivatives of the pin's place with
+        respect to the position [mm or mm/rad^k], over the same positions.
+        """
 
     @property
     @abstractmethod
@@ -104,6 +129,58 @@ class RockerCrank(ABC):
         sine, cosine = self.half_angle_at(position)
         return self._pin_angle(position) - self.branch * 2.0 * np.arctan2(sine, cosine)
 
+    def transform_bounds(self, jet: Jet, bounds: Jet) -> Jet:
+        """See `Linkage.transform_bounds`."""
+        return chained(self._swing_slopes(jet[0], bounds[0]), bounds)
+
+    def _swing_slopes(
+        self, position: FloatArray, reach: FloatArray
+    ) -> tuple[Interval, Interval, Interval]:
+        """dpsi/dx and two more derivatives over the positions within `reach` (n,) of `position`
+        (n,), up to their sign; infinite where these may touch a dead centre.
+
+        With the direction v of the coupler, unit vectors along coupler and crank, and the
+        derivatives of the pin P:
+
+            l_sk theta'   sin(v - theta) = P'.e_v
+            l_4  v'       sin(v - theta) = -P'.e_theta
+            l_sk theta''  sin(v - theta) = P''.e_v + l_sk theta'^2 cos(v - theta) + l_4 v'^2
+            l_4  v''      sin(v - theta) = -(P''.e_theta + l_4 v'^2 cos(v - theta) + l_sk theta'^2)
+            l_sk (theta''' - theta'^3) sin(v - theta)
+                = P'''.e_v + 3 l_sk theta' theta'' cos(v - theta) + 3 l_4 v' v''
+
+        Interval arithmetic: near a dead centre the terms of a sum almost cancel, so that bounds of
+        their magnitudes alone would exceed it by many orders. The angles are enclosed by their
+        slopes and these by the angles, in turn.
+        """
+        crank, coupler = self.crank, self.coupler
+        theta = self.crank_angle(position)
+        pin = self._distance(position) * np.exp(1j * self._pin_angle(position))
+        v = np.angle(pin - crank * np.exp(1j * theta))
+        ends = self._farthest_and_nearest(position, reach)
+        # Twice the area of the triangle is concave in d^2.
+        least = np.minimum(*(np.multiply(*self.half_angle(*end)) for end in ends))
+        least *= (1.0 - AREA) / (2.0 * crank * coupler)
+        whole = np.ones_like(least)
+        area = Interval(least, whole) if self.branch > 0 else Interval(-whole, -least)
+        unknown = Interval(-np.inf * whole, np.inf * whole)
+        theta1 = v1 = unknown
+        for _ in range(ROUNDS):
+            along, beside = about(v, times(reach, v1)), about(theta, times(reach, theta1))
+            between = along - beside
+            area, cosine_between = area.within(sine(between)), cosine(between)
+            in_line = self._pin_slopes(position, reach, along)
+            in_crank = self._pin_slopes(position, reach, beside)
+            theta1 = theta1.within(in_line[0] / area.scaled(crank))
+            v1 = v1.within(-in_crank[0] / area.scaled(coupler))
+        swing, turn = theta1.squared().scaled(crank), v1.squared().scaled(coupler)
+        theta2 = (in_line[1] + swing * cosine_between + turn) / area.scaled(crank)
+        v2 = -(in_crank[1] + turn * cosine_between + swing) / area.scaled(coupler)
+        mixed = (theta1 * theta2 * cosine_between).scaled(3.0 * crank)
+        mixed += (v1 * v2).scaled(3.0 * coupler)
+        theta3 = (in_line[2] + mixed) / area.scaled(crank) + theta1.squared() * theta1
+        return theta1, theta2, theta3
+
     @cached_property
     def start_angle(self) -> float:
         """theta at position 0 [rad]."""
@@ -128,11 +205,24 @@ def passed_at_rest(divisor: FloatArray, jet: Jet, what: str) -> FloatArray:
     return np.where(resting, 1.0, divisor)
 
 
-def where_bounded(rows: tuple[FloatArray, ...], bounds: Jet) -> Jet:
-    """(4, n) bounds of a linkage's motion from their `rows`: 0 at rest, infinite where unknown."""
-    out = np.stack(rows)
+def chained(slopes: tuple[Interval, Interval, Interval], bounds: Jet) -> Jet:
+    """(4, n) bounds of a motion q(x) from those of x, `bounds`, and the `slopes` dq/dx and two more
+    over each cell, by the chain rule; 0 at rest, infinite where unknown.
+    """
+    q1, q2, q3 = (slope.magnitude for slope in slopes)
+    x0, x1, x2, x3 = bounds
+    with np.errstate(invalid="ignore", over="ignore"):
+        second = q2 * x1 * x1 + q1 * x2
+        out = np.stack((q1 * x0, q1 * x1, second, q3 * x1**3 + 3.0 * q2 * x1 * x2 + q1 * x3))
     resting = np.all(bounds == 0.0, axis=0)
     return np.where(resting, 0.0, np.where(np.isnan(out), np.inf, out))
+
+
+def times(reach: FloatArray, slope: Interval) -> FloatArray:
+    """(n,) how far a quantity of such a `slope` goes within `reach` (n,); 0 at rest."""
+    with np.errstate(invalid="ignore"):
+        far = reach * slope.magnitude
+    return np.where(reach == 0.0, 0.0, far)
 
 
 def level(height: float, length: float) -> tuple[float, ...]:
@@ -174,16 +264,3 @@ def within(angles: Iterable[float], low: float, high: float) -> tuple[float, ...
         for turns in range(math.ceil((low - angle) / TURN), math.floor((high - angle) / TURN) + 1)
     }
     return tuple(sorted(found))
-
-
-def cosine_range(low: FloatArray, high: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """(n,) least and largest cosine over each range [low, high] of angles (n,) [rad]."""
-    at_ends = np.cos(low), np.cos(high)
-    least = np.where(_passes(low, high, math.pi), -1.0, np.minimum(*at_ends))
-    most = np.where(_passes(low, high, 0.0), 1.0, np.maximum(*at_ends))
-    return least, most
-
-
-def _passes(low: FloatArray, high: FloatArray, angle: float) -> BoolArray:
-    passed: BoolArray = np.floor((high - angle) / TURN) >= np.ceil((low - angle) / TURN)
-    return passed

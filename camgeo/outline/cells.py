@@ -27,9 +27,9 @@ from camgeo.units import TURN
 ROUNDING = 2.0**-52 * 16.0
 """Rounding of a point, as a fraction of the largest length that enters it."""
 
-MOST = 1_000_000
-"""Most cells in a halving; a flank needs some thousand, and a hundred for each segment of a motion
-with very many."""
+MOST, MORE = 20_000, 500
+"""Most cells in a halving: so many, and for each border of the flank so many more. A flank needs
+some thousand, and a hundred for each segment of a motion with very many."""
 
 PLACE = 2.0**-52 * 32.0
 """Rounding of a path parameter [rad]: a few units in the last place of a turn."""
@@ -144,22 +144,34 @@ def _of_pivots(envelope: Envelope, low: FloatArray, high: FloatArray, index: Int
 def halved(envelope: Envelope, cells: Cells) -> Cells:
     """The cells halved, (2 n,): the lower half of cell k at 2 k, the upper one at 2 k + 1.
 
-    GeometryError if there are more than `MOST`.
+    GeometryError if there are more than `MOST` and `MORE` allow.
     """
-    if len(cells) > MOST:
-        raise GeometryError("the flank bends more tightly than can be resolved; it has no outline")
+    if len(cells) > MOST + MORE * len(envelope.borders):
+        raise unresolved(envelope, cells.low[np.argsort(cells.high - cells.low)])
     middle = 0.5 * (cells.low + cells.high)
     low = np.column_stack((cells.low, middle)).ravel()
     high = np.column_stack((middle, cells.high)).ravel()
     return enclose(envelope, low, high, np.repeat(cells.origin, 2))
 
 
+def unresolved(envelope: Envelope, places: FloatArray) -> GeometryError:
+    """The error of a division that comes to no end, at the first of `places` (n,)."""
+    angle = np.degrees(envelope.angles_at(envelope.within(places[:1])))[0]
+    return GeometryError(
+        f"at cam angle {angle:.6f} deg the flank bends more tightly than can be resolved: it cannot"
+        " be decided what is left of it"
+    )
+
+
 MOST_PAIRS = 4_000_000
 """Most pairs examined together; more means a flank that lies on itself."""
 
 
-def overlapping(cells: Cells) -> tuple[IntArray, IntArray]:
-    """(k,), (k,) indices i < j of the cells whose upright bounding boxes overlap."""
+def overlapping(envelope: Envelope, cells: Cells) -> tuple[IntArray, IntArray]:
+    """(k,), (k,) indices i < j of the `cells` of `envelope` whose upright bounding boxes overlap.
+
+    GeometryError if there are more than `MOST_PAIRS`.
+    """
     tangent = cells.tangent
     wide = np.abs(tangent.real) * cells.along + np.abs(tangent.imag) * cells.across
     high = np.abs(tangent.imag) * cells.along + np.abs(tangent.real) * cells.across
@@ -169,7 +181,12 @@ def overlapping(cells: Cells) -> tuple[IntArray, IntArray]:
     last = np.searchsorted(left[order], right[order], side="right")
     counts = last - np.arange(len(order)) - 1
     if np.sum(counts) > MOST_PAIRS:
-        raise GeometryError("too many stretches of the flank lie too close to be separated")
+        worst = order[[int(np.argmax(counts))]]
+        angle = np.degrees(envelope.angles_at(cells.low[worst]))[0]
+        raise GeometryError(
+            f"about cam angle {angle:.6f} deg too many stretches of the flank lie too close to be"
+            " separated: it cannot be decided what is left of it"
+        )
     one, step = grouped(counts)
     first, second = order[one], order[one + 1 + step]
     apart = np.abs(cells.middle.imag[first] - cells.middle.imag[second])

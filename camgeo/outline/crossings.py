@@ -9,6 +9,7 @@ one crossing of a swallow tail, far below the size at which points of the flank 
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -110,7 +111,7 @@ def find_nodes(envelope: Envelope, backward: list[tuple[float, float]]) -> tuple
 
 def _apart(division: Division, tails: tuple[SwallowTail, ...]) -> tuple[IntArray, IntArray]:
     """Pairs of cells that may cross and do not belong to a run already settled."""
-    first, second = overlapping(division.cells)
+    first, second = overlapping(division.envelope, division.cells)
     count = len(division.cells)
     plain = division.is_plain(first, second) | division.is_plain(second, first + count)
     # Both inside the run of a tail is what is known: how far a run gets that holds each cell.
@@ -150,9 +151,13 @@ def _decide(envelope: Envelope, cells: Cells, pairs: tuple[IntArray, IntArray]) 
         cells, first, second = _refined(envelope, cells, first[~done], second[~done])
     if not len(first):
         return found
+    one, other = cells.some(first), cells.some(second)
+    apart = np.abs(one.middle - other.middle)
+    nearest = [int(np.argmin(apart))]
+    angles = [math.degrees(envelope.angles_at(each.low[nearest])[0]) for each in (one, other)]
     raise GeometryError(
-        "two stretches of the flank lie on each other, to rounding: it cannot be decided what is"
-        " left of it"
+        f"about cam angles {angles[0]:.6f} and {angles[1]:.6f} deg two stretches of the flank lie"
+        f" on each other, to {apart[nearest[0]]:.2g} mm: it cannot be decided what is left of it"
     )
 
 

@@ -26,10 +26,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from camgeo.errors import GeometryError
 from camgeo.numeric.arrays import BoolArray, FloatArray, IntArray, ascending, grouped, joined
-from camgeo.outline.cells import Cells, enclose, halved
+from camgeo.outline.cells import Cells, enclose, halved, unresolved
 from camgeo.outline.envelope import Envelope
+from camgeo.units import TURN
 
 WIDEST = math.pi / 16.0
 """Longest initial cell [rad of the path parameter]."""
@@ -37,8 +37,8 @@ WIDEST = math.pi / 16.0
 STEEPEST = 0.3
 """Largest angle between tangents in a cell and in its middle [rad], so that boxes are slim."""
 
-HALVINGS = 60
-"""Most rounds of halving: a cell is then as short as doubles resolve."""
+NARROWEST = 4.0 * np.spacing(TURN)
+"""Shortest cell [rad of the path parameter] that doubles resolve: reached in 50 halvings."""
 
 STRAIGHT = 0.98 * math.pi
 """Angle [rad] within which the tangents of a short run stay: below pi, with room for rounding."""
@@ -91,19 +91,21 @@ def divide(envelope: Envelope, cusps: FloatArray) -> Division:
     Raises
     ------
     GeometryError
-        If cells become shorter than doubles resolve: a curvature beyond double precision.
+        If a cell as short as doubles resolve still bends, or too many cells do: a curvature beyond
+        double precision, as at a dead centre.
     """
     cells = first_cells(envelope, cusps)
-    for _ in range(HALVINGS):
-        coarse = (cells.turn > STEEPEST) | (_touches(cells, cusps) & (cells.bend == 0.0))
-        coarse &= cells.high - cells.low > 4.0 * np.spacing(cells.high)
+    while True:
+        wide, sharp = cells.high - cells.low > NARROWEST, cells.turn > STEEPEST
+        if np.any(sharp & ~wide):
+            raise unresolved(envelope, cells.low[sharp & ~wide])
+        coarse = sharp | (_touches(cells, cusps) & (cells.bend == 0.0))
+        coarse &= wide
         if not np.any(coarse):
             break
         fine = halved(envelope, cells.some(coarse))
         cells = joined([cells.some(~coarse), fine])
         cells = cells.some(np.argsort(cells.low, kind="stable"))
-    else:
-        raise GeometryError("the flank bends more tightly than doubles resolve; it has no outline")
     cells = replace(cells, origin=np.arange(len(cells)))
     negative = cells.pace < 0.0
     return Division(

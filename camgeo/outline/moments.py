@@ -31,6 +31,9 @@ MOST_PARTS: Final = 4096
 """Most parts of a stretch that are refined at a time: more are due to rounding, which halving does
 not reduce. Their error then enters the estimate."""
 
+HALVINGS: Final = 60
+"""Most rounds of halving: a part is then as short as doubles resolve."""
+
 LONGEST: Final = math.pi / 16.0
 """Longest part of a stretch [rad] for one quadrature of an area alone."""
 
@@ -179,7 +182,9 @@ def _of_stretch(stretch: Stretch, tolerance: float) -> Moments:
     area_scale, first_scale = float(np.sum(area_sizes)), float(np.sum(first_sizes))
     span = stretch.end - stretch.start
     found = [Moments(0.0, 0j, ROUNDING * area_scale, ROUNDING * first_scale)]
-    while len(low):
+    for halving in range(HALVINGS):
+        if not len(low):
+            break
         middle = 0.5 * (low + high)
         lows, highs = np.concatenate((low, middle)), np.concatenate((middle, high))
         areas, firsts, area_sizes, first_sizes = _gauss(stretch, lows, highs)
@@ -189,7 +194,7 @@ def _of_stretch(stretch: Stretch, tolerance: float) -> Moments:
         area_change, first_change = np.abs(finer_area - area), np.abs(finer_first - first)
         allowed = max(tolerance, ROUNDING) * (high - low) / span
         done = (area_change <= allowed * area_scale) & (first_change <= allowed * first_scale)
-        done |= 2 * np.count_nonzero(~done) > MOST_PARTS
+        done |= 2 * np.count_nonzero(~done) > MOST_PARTS or halving == HALVINGS - 1
         found.append(
             _sum(finer_area[done], finer_first[done], area_change[done], first_change[done])
         )

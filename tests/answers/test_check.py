@@ -54,3 +54,20 @@ def test_text_and_document_are_of_one_result() -> None:
     assert document(changed)["findings"][0]["sentence"] == sentence
     assert (found.exit_code, changed.exit_code) == (0, 2)
     assert text(found).splitlines()[1:] == text(changed).splitlines()[1:]
+
+
+@pytest.mark.parametrize("name", ["near_dead_centre", "dead_centre"])
+def test_text_and_document_agree_on_a_linkage_near_a_dead_centre(name: str) -> None:
+    """Near it the roller is harmless; at it there is no disc, and what is left is not known."""
+    found = check(Design(load_scene(FIXTURES / "found" / f"{name}.toml")))
+    told, dead = document(found), name == "dead_centre"
+    worst = {each.name for each in found.findings if each.severity == "no-disc"}
+    assert worst == ({"dead-centre"} if dead else set())
+    assert (text(found).count("NO DISC"), found.exit_code) == ((1, 1) if dead else (0, 0))
+    remains = told["discs"][name]["inner"]
+    if dead:
+        assert remains is None
+        return
+    (ratio,) = (each for each in found.findings if each.name == "radius-ratio-inner")
+    assert "smallest r_K 26.8722 mm" in ratio.sentence
+    assert remains["left_out_deg"] == []

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from camgeo.mechanism.linkage_protocol import Linkage
 from camgeo.motion.motion import Motion
 from camgeo.units import TURN
 from tests.integrals import cells
@@ -23,3 +24,21 @@ def assert_bounds_hold(motion: Motion, count: int, rounding: float, least: float
         values = motion.jet(phi, "left" if share == 1.0 else "right")
         values[0] -= middle
         assert np.all(np.abs(values) <= bounds + rounding * np.maximum(sizes, least))
+
+
+def assert_bounds_are_close(linkage: Linkage, dead: float, side: int, most: float) -> None:
+    """That bounds over cells next to a dead centre exceed what they bound by the factor `most`
+    at most.
+
+    The cells are a fiftieth of their distance from the position `dead` wide, and lie on the given
+    `side` of it. Values change along with that distance, so they are compared with the largest one
+    nearby.
+    """
+    for distance in (1e-1, 1e-2, 1e-3, 1e-4):
+        places = dead + side * distance * np.linspace(0.5, 1.5, 41)
+        jet = np.zeros((4, len(places)))
+        jet[0], jet[1] = places, 1.0
+        largest = np.max(np.abs(linkage.transform(jet)), axis=1)
+        bounds = np.array([[0.01 * distance], [1.0], [0.0], [0.0]])
+        found = linkage.transform_bounds(jet[:, 20:21], bounds)[:, 0]
+        assert np.all(found[1:] <= most * np.maximum(largest[1:], 0.1))

@@ -16,7 +16,7 @@ from camgeo.mechanism.linkage import LinkedMotion
 from camgeo.motion.plan import Dwell, MotionPlan, Move
 from camgeo.units import TURN
 from tests.integrals import cells
-from tests.mechanism.bounds import assert_bounds_hold
+from tests.mechanism.bounds import assert_bounds_are_close, assert_bounds_hold
 from tests.mechanism.loops import four_bar_jet
 from tests.reference import POLYNOMIAL
 from tests.strategies import SMOOTH, attack, four_bars, plans
@@ -111,6 +111,12 @@ def test_bounds_hold_all_over_their_cells(linkage: FourBar, plan: MotionPlan, co
     assert_bounds_hold(motion, count, ROUNDING, 0.01)
     small = motion.jet_and_bounds(*cells(plan.borders, 64))[1]
     assert np.all(np.isfinite(small))
+
+
+@pytest.mark.parametrize(("dead", "side"), [(0, 1), (1, -1), (2, 1)])
+def test_bounds_are_close_next_to_a_dead_centre(dead: int, side: int) -> None:
+    linkage = FourBar(40.0, 70.0, 50.0, 90.0 + 10.0j, math.radians(95.0), -1, 1)
+    assert_bounds_are_close(linkage, linkage.dead_positions(-4.0, 4.0)[dead], side, 2.0)
 
 
 PARALLELOGRAM = FourBar(40.0, 100.0, 40.0, 100.0 + 0.0j, math.radians(60.0), 1, -1)

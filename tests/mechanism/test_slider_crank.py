@@ -19,7 +19,7 @@ from camgeo.motion.plan import Dwell, MotionPlan, Move
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.units import TURN
 from tests.integrals import cells, integrals
-from tests.mechanism.bounds import assert_bounds_hold
+from tests.mechanism.bounds import assert_bounds_are_close, assert_bounds_hold
 from tests.strategies import SMOOTH, attack, plans, slider_cranks
 
 STROKE = 8.0  # of the linkages drawn
@@ -141,6 +141,13 @@ def test_bounds_are_finite_on_small_cells_and_close_on_the_swing(
     )
     assert math.isfinite(coarse)
     assert fine <= 0.7 * coarse + 1e-15
+
+
+def test_bounds_are_close_next_to_a_dead_centre() -> None:
+    linkage = SliderCrank(40.0, 60.0, math.radians(30.0), True, 1, 1, 1)
+    low, high = sorted(linkage.dead_strokes)
+    assert_bounds_are_close(linkage, high, -1, 2.0)
+    assert_bounds_are_close(linkage, low, 1, 2.0)
 
 
 def test_a_cell_that_may_reach_a_dead_centre_has_no_bound() -> None:

@@ -15,7 +15,7 @@ from camgeo.mechanism.slider_driven_crank import SliderDrivenCrank
 from camgeo.motion.plan import MotionPlan
 from camgeo.units import TURN
 from tests.integrals import cells
-from tests.mechanism.bounds import assert_bounds_hold
+from tests.mechanism.bounds import assert_bounds_are_close, assert_bounds_hold
 from tests.mechanism.loops import slider_driven_crank_jet
 from tests.strategies import SMOOTH, attack, plans, slider_cranks, slider_driven_cranks
 
@@ -127,6 +127,13 @@ def test_bounds_hold_all_over_their_cells(
     motion = LinkedMotion(plan, linkage)
     assert_bounds_hold(motion, count, ROUNDING, 1.0)
     assert np.all(np.isfinite(motion.jet_and_bounds(*cells(plan.borders, 64))[1]))
+
+
+def test_bounds_are_close_next_to_a_dead_centre() -> None:
+    linkage = SliderDrivenCrank(SliderCrank(60.0, 50.0, math.radians(-25.0), True, 1, -1, 1))
+    low, high = linkage.dead_positions(-2.0, 2.0)
+    assert_bounds_are_close(linkage, high, -1, 2.0)
+    assert_bounds_are_close(linkage, low, 1, 2.0)
 
 
 def test_at_its_dead_centre_it_may_rest_and_not_move() -> None:

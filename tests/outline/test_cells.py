@@ -92,5 +92,6 @@ def test_cells_without_end_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     envelope = envelope_of(pitch_curve_of(hard_case("HC18")[0]), 1)
     cells = cells_of(envelope, 4)
     monkeypatch.setattr("camgeo.outline.cells.MOST", len(cells) - 1)
+    monkeypatch.setattr("camgeo.outline.cells.MORE", 0)
     with pytest.raises(GeometryError, match="more tightly than can be resolved"):
         halved(envelope, cells)
