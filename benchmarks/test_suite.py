@@ -1,7 +1,8 @@
-"""CPU time of the test command, user and system, child processes included, by folder and module.
+"""CPU time of the tests, user and system, child processes included, by folder, module and test.
 
-    python benchmarks/test_suite.py [--against TREE] [--processes N] [--quick] [--write]
+    python benchmarks/test_suite.py [PATH ...] [--against TREE] [--processes N] [--quick] [--write]
 
+With PATHs only these modules or folders are run; `--processes 1` runs without pytest-xdist.
 `--against` also runs the tests of another checkout, with its own .venv, and prints the ratio.
 `--write` writes the modules that take more than a second to tests/expensive_modules.json, the list
 of modules that `-m quick` leaves out. Unlike wall time, CPU time hardly depends on what else the
@@ -87,20 +88,35 @@ def by(spent: Counter[str], parts: int) -> Counter[str]:
     return found
 
 
+def functions(spent: Counter[str]) -> Counter[str]:
+    """By test function, with the number of its cases."""
+    found: Counter[str] = Counter()
+    cases: Counter[str] = Counter()
+    for test, seconds in spent.items():
+        name = test.partition("[")[0]
+        found[name] += seconds
+        cases[name] += 1
+    return Counter({f"{name} ({cases[name]})": seconds for name, seconds in found.items()})
+
+
 def main() -> None:
     """Run the tests, print their CPU times, and write the list if asked to."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("paths", nargs="*", help="modules or folders of tests; all without")
     parser.add_argument("--against", metavar="TREE", type=Path)
     parser.add_argument("--processes", metavar="N", default="2")
     parser.add_argument("--quick", action="store_true", help="only the quick subset")
     parser.add_argument("--write", action="store_true")
     arguments = parser.parse_args()
-    words = ["-n", arguments.processes]
+    if arguments.write and (arguments.paths or arguments.quick):
+        parser.error("--write needs a run of all tests")
+    words = [*arguments.paths, *(["-n", arguments.processes] if arguments.processes != "1" else [])]
     here, spent = measured(ROOT, sys.executable, *words, *(["-m", "quick"] * arguments.quick))
     for title, found in (
         ("folder", by(spent, 2)),
         ("module", by(spent, 9)),
-        ("test", Counter({test: seconds for test, seconds in spent.items() if "::" in test})),
+        ("test, over its parameters", functions(spent)),
+        ("test", spent),
     ):
         print(f"\nCPU time by {title} [s]")
         for name, seconds in found.most_common(LARGEST):
