@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import os
-from typing import Final
+from typing import Final, TypeVar
 
 LONG: Final = os.environ.get("CAMGEO_LONG", "0") != "0"
 
 
-def examples(usual: int, *, long: int) -> int:
+Given = TypeVar("Given", int, str)
+
+
+def examples(usual: Given, *, long: Given) -> Given:
     """How many examples of a property are drawn, or how many steps of a ladder are taken."""
     return long if LONG else usual

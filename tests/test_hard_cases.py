@@ -12,6 +12,7 @@ import math
 import re
 from dataclasses import replace
 from decimal import Decimal
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -719,21 +720,25 @@ def test_dwell_of_zero_length_needs_no_special_case() -> None:
 # No case, and no value of one, is left out ------------------------------------------------------
 
 
+@cache
+def functions_here() -> dict[str, ast.FunctionDef]:
+    """The functions of this file by their names."""
+    tree = ast.parse(Path(__file__).read_text(encoding="utf-8"))
+    return {node.name: node for node in tree.body if isinstance(node, ast.FunctionDef)}
+
+
 def named(case: str) -> list[ast.FunctionDef]:
     """The functions of this file that have the case in their name."""
-    tree = ast.parse(Path(__file__).read_text(encoding="utf-8"))
-    functions = [node for node in tree.body if isinstance(node, ast.FunctionDef)]
     return [
         function
-        for function in functions
+        for function in functions_here().values()
         if function.name.startswith("test_") and case.lower() in function.name.split("_")
     ]
 
 
 def words_of(function: ast.FunctionDef) -> list[str]:
     """Patterns of all strings in a function and in the functions that it calls, f-strings too."""
-    tree = ast.parse(Path(__file__).read_text(encoding="utf-8"))
-    others = {node.name: node for node in tree.body if isinstance(node, ast.FunctionDef)}
+    others = functions_here()
     called = {node.id for node in ast.walk(function) if isinstance(node, ast.Name)} & set(others)
     found = []
     for each in (function, *(others[name] for name in called)):

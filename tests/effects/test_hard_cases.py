@@ -25,6 +25,7 @@ from camgeo.units import TURN
 from tests.effects.scenes import SCENES, only_for
 from tests.effects.test_random_scenes import NAMES, assert_sound, scene_text
 from tests.findings import effect_findings
+from tests.long_form import examples
 
 ROUNDING: Final = 1e-12
 """A few thousand roundings of the largest force, as in the tests of the contact force."""
@@ -57,10 +58,16 @@ rating = 9000
 [effects.vibration]
 {vibration}
 [effects.shock-spectrum]
+highest_ratio = {ratio}
 [effects.balance]
 """
 
-COMMON: Final = {"pin": "5", "rolling": "0.01", "width": "0.1", "stall": "400"}
+COMMON: Final = {
+    "pin": "5", "rolling": "0.01", "width": "0.1", "stall": "400",
+    "ratio": examples("2.5", long="10"),
+}  # fmt: skip
+"""The spectrum up to 10, the default, is half of what all effects take; `test_shock_spectrum` has
+its values, and the long form has it of every scene here."""
 
 GUIDE: Final = {
     "inertia": "mass = 1\nroller_mass = 0.1",

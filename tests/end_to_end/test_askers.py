@@ -41,7 +41,7 @@ TRAVELLERS: Final = 4 if COUNT < 100 else COUNT
 """Of these, each is computed again after it has travelled."""
 
 THREADS: Final = 8
-PROCESSES: Final = 4
+PROCESSES: Final = 2
 
 TOLERANCE: Final = 0.01
 """Of the files [mm]: a coarse one, for it is their sameness that is tried."""

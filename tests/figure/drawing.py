@@ -10,8 +10,8 @@ from camgeo_export.plots.render import RC, page
 
 
 def drawn(figure: Figure) -> Page:
-    """All of it, with every part in its place."""
+    """All of it, with every part in its place; no pixel is painted."""
     with rc_context(RC):
         made = page(figure)
-        made.canvas.draw()
+        made.draw_without_rendering()
     return made

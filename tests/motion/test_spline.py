@@ -32,6 +32,7 @@ from camgeo.motion.spline import DEGREE, Spline
 from camgeo.motion.spline_energy import NEAR_ENOUGH, Smoothing, from_stress
 from camgeo.numeric.arrays import BoolArray, FloatArray
 from camgeo.units import TURN
+from tests.long_form import examples
 from tests.strategies import attack
 
 EPS = 2.0**-52
@@ -578,16 +579,26 @@ def test_smoothing_keeps_the_ends() -> None:
     assert fit.largest_deviation > 0.05
 
 
-def test_a_hundred_thousand_noisy_points() -> None:
+def noisy(count: int) -> tuple[FloatArray, FloatArray]:
     rng = np.random.default_rng(1)
-    x = even(100_000)
-    y = 10.0 * np.sin(x) + rng.uniform(-0.01, 0.01, len(x))
+    x = even(count)
+    return x, 10.0 * np.sin(x) + rng.uniform(-0.01, 0.01, len(x))
+
+
+def test_a_hundred_thousand_noisy_points() -> None:
+    x, y = noisy(100_000)
     spline = smoothed_ring(x, y, 0.1)
     grid = np.linspace(0.0, 6.28, 997)
     left = 0.01 / np.sqrt(3.0) * np.sqrt(2.0 * x[1] / (3.0 * 0.1))
     found = spline.values(grid)
     assert np.max(np.abs(found[0] - 10.0 * np.sin(grid))) <= 1e-5 + 5.0 * left
     assert np.max(np.abs(found[3] + 10.0 * np.cos(grid))) <= 1e-4 + 5.0 * left / 0.1**3
+
+
+def test_the_weight_of_many_noisy_points_is_found() -> None:
+    """By tens of splines."""
+    x, y = noisy(examples(20_000, long=100_000))
+    spline = smoothed_ring(x, y, 0.1)
     again, fit = smooth_periodic_spline(x, y, 2.0 * np.pi, report(spline, x, y).largest_deviation)
     assert report(again, x, y).largest_deviation == pytest.approx(fit.largest_deviation, abs=1e-12)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -40,6 +41,12 @@ some = settings(
     deadline=None,
     suppress_health_check=[HealthCheck.too_slow, HealthCheck.filter_too_much],
 )
+
+
+@cache
+def fitted(fitter: Fitter, name: tuple[str, int], tolerance: float) -> SplineFit:
+    """The fit of a fixture flank, made once for all that look at it."""
+    return fitter(whole(flank(*name)), tolerance)
 
 
 def _measured(path: Path, contour: SplineContour) -> float:
@@ -89,7 +96,7 @@ def _check_smooth(contour: SplineContour, corners: int) -> None:
 @pytest.mark.parametrize("name", FLANKS, ids=str)
 def test_fixture_flanks(name: tuple[str, int], tolerance: float, fitter: Fitter) -> None:
     path = whole(flank(*name))
-    fit = fitter(path, tolerance)
+    fit = fitted(fitter, name, tolerance)
     _check_fit(path, fit, tolerance)
     _check_smooth(fit.contour, 0)
 
@@ -130,8 +137,8 @@ def test_counts_are_near_the_limit_and_never_grow(name: tuple[str, int]) -> None
     forced, breaks = forced_pieces(path), break_count(path)
     before = 0
     for tolerance in (1e-1, 1e-2, 1e-3, 1e-4, 1e-6):
-        few = len(fewest_cubics(path, tolerance).contour) - forced
-        quick = len(fit_spline(path, tolerance).contour) - forced
+        few = len(fitted(fewest_cubics, name, tolerance).contour) - forced
+        quick = len(fitted(fit_spline, name, tolerance).contour) - forced
         limit = least_cubics(path, tolerance)
         assert few <= 1.10 * limit + 3 * breaks
         assert quick <= 1.50 * limit + 3 * breaks
