@@ -255,7 +255,7 @@ def measure(name: str) -> Survey:
 def rows_of(name: str, tolerances: tuple[float, ...]) -> tuple[ContourRow, ...]:
     """The contours of a cam at a few tolerances."""
     design = camgeo.load(SCENES / f"{name}.toml")
-    return contour_rows(design, tolerances, ripple=False, tell=lambda _: None)
+    return contour_rows(design, tolerances, ripple=False, progress=lambda _: None)
 
 
 def draw(name: str, measured: Survey) -> bytes:

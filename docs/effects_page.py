@@ -311,7 +311,7 @@ Estimates = dict[str, list[tuple[float | None, float | None]]]
 def estimates(scene: str) -> Estimates:
     """Of the numerical effects of a scene."""
     found: Estimates = {}
-    for row in effect_rows(design(scene), TOLERANCES, tell=lambda _: None):
+    for row in effect_rows(design(scene), TOLERANCES, progress=lambda _: None):
         assert not row.fault, row.fault
         found.setdefault(row.effect, []).append((row.error, row.difference))
     return found

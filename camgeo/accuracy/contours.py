@@ -22,7 +22,7 @@ from camgeo.toolpath.machine import load
 from camgeo.toolpath.machining_time import contour_time
 from camgeo.writing.writer import find_writer
 
-Tell = Callable[[str], None]
+Progress = Callable[[str], None]
 
 Result = TypeVar("Result")
 
@@ -53,7 +53,7 @@ def flanks_of(design: Design) -> tuple[CurveBoundary, ...]:
 
 
 def contour_rows(
-    design: Design, tolerances: Sequence[float], *, ripple: bool, tell: Tell
+    design: Design, tolerances: Sequence[float], *, ripple: bool, progress: Progress
 ) -> tuple[ContourRow, ...]:
     """One row per form, effort and tolerance [mm], in this order.
 
@@ -65,7 +65,7 @@ def contour_rows(
             drawn = drawn_as(design, form, effort)
             _warm(drawn, form, effort, max(tolerances))
             for tolerance in tolerances:
-                tell(f"{form}, {effort}, {tolerance:g} mm")
+                progress(f"{form}, {effort}, {tolerance:g} mm")
                 rows.append(_row(drawn, ContourRow(form, effort, tolerance), ripple=ripple))
     return tuple(rows)
 

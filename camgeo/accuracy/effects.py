@@ -8,7 +8,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from camgeo.accuracy.contours import Tell, reason, timed
+from camgeo.accuracy.contours import Progress, reason, timed
 from camgeo.accuracy.rows import EffectRow
 from camgeo.design import Design
 from camgeo.effects.effect import Column, Result
@@ -31,7 +31,7 @@ Values = dict[str, FloatArray]
 
 
 def effect_rows(
-    design: Design, tolerances: Sequence[float] = TOLERANCES, *, tell: Tell
+    design: Design, tolerances: Sequence[float] = TOLERANCES, *, progress: Progress
 ) -> tuple[EffectRow, ...]:
     """One row per numerical effect that the scene names and per tolerance of `tolerances`.
 
@@ -40,16 +40,18 @@ def effect_rows(
     rows: list[EffectRow] = []
     for name in design.scene.effects:
         if design.effects.effect(name).numerical:
-            rows += _rows(design, name, sorted(tolerances, reverse=True), tell)
+            rows += _rows(design, name, sorted(tolerances, reverse=True), progress)
     return tuple(rows)
 
 
-def _rows(design: Design, name: str, tolerances: Sequence[float], tell: Tell) -> list[EffectRow]:
+def _rows(
+    design: Design, name: str, tolerances: Sequence[float], progress: Progress
+) -> list[EffectRow]:
     """The rows of one effect, the loosest first."""
     rows, found = [], []
     _warm(design, name, tolerances[0])
     for tolerance in tolerances:
-        tell(f"{name}, {tolerance:g}")
+        progress(f"{name}, {tolerance:g}")
         row, values = _row(design, name, tolerance)
         rows.append(row)
         found.append(values)

@@ -106,7 +106,7 @@ def advice(knee: Knee | None) -> str:
 def _beyond(knee: Knee) -> str:
     """What a tighter tolerance costs, or why there is none."""
     if knee.end == "range":
-        return "no tighter tolerance was looked at"
+        return "no tighter tolerance was tried"
     if knee.end == "reach":
         return "tighter tolerances cannot be reached"
     if knee.end == "time":

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from decimal import Decimal
 from typing import Final
 
-from camgeo.accuracy.contours import Tell, contour_rows, file_cost, reason
+from camgeo.accuracy.contours import Progress, contour_rows, file_cost, reason
 from camgeo.accuracy.knee import Knee, knee_of
 from camgeo.accuracy.rows import ContourRow, EffectRow, SolidRow, TableRow
 from camgeo.accuracy.tables import STEPS, table_rows
@@ -46,7 +46,7 @@ def survey(
     *,
     ripple: bool = False,
     solids: bool = True,
-    tell: Tell = lambda _: None,
+    progress: Progress = lambda _: None,
 ) -> Survey:
     """Measure `design` at `tolerances` [mm] and its value table at `steps` [degrees].
 
@@ -54,7 +54,7 @@ def survey(
     ----------
     ripple : whether the contours are also replayed.
     solids : whether solids are also written, if the part has a thickness.
-    tell : called with the name of each step.
+    progress : called with the name of each step.
 
     Raises
     ------
@@ -63,20 +63,22 @@ def survey(
     GeometryError
         If the part is impossible.
     """
-    contours = contour_rows(design, tolerances, ripple=ripple, tell=tell)
-    bodies = solid_rows(design, tolerances, tell=tell) if solids else ()
-    tables = table_rows(design, steps, tell=tell)
-    return Survey(contours, bodies, tables, knee_of(contours), _effects(design, tell))
+    contours = contour_rows(design, tolerances, ripple=ripple, progress=progress)
+    bodies = solid_rows(design, tolerances, progress=progress) if solids else ()
+    tables = table_rows(design, steps, progress=progress)
+    return Survey(contours, bodies, tables, knee_of(contours), _effects(design, progress))
 
 
-def solid_rows(design: Design, tolerances: Sequence[float], *, tell: Tell) -> tuple[SolidRow, ...]:
+def solid_rows(
+    design: Design, tolerances: Sequence[float], *, progress: Progress
+) -> tuple[SolidRow, ...]:
     """One row per format and tolerance [mm]; none if the part has no thickness."""
     if not design.disc.drawn.part.thickness:
         return ()
     rows = []
     for name in SOLIDS:
         for tolerance in tolerances:
-            tell(f"{name}, {tolerance:g} mm")
+            progress(f"{name}, {tolerance:g} mm")
             try:
                 rows.append(SolidRow(name, tolerance, file_cost(design.disc, name, tolerance)))
             except (ToleranceError, GeometryError) as error:
@@ -84,9 +86,9 @@ def solid_rows(design: Design, tolerances: Sequence[float], *, tell: Tell) -> tu
     return tuple(rows)
 
 
-def _effects(design: Design, tell: Tell) -> tuple[EffectRow, ...]:
+def _effects(design: Design, progress: Progress) -> tuple[EffectRow, ...]:
     if not design.scene.effects:
         return ()
     from camgeo.accuracy.effects import effect_rows  # few scenes name an effect
 
-    return effect_rows(design, tell=tell)
+    return effect_rows(design, progress=progress)

@@ -12,7 +12,7 @@ from typing import Final
 
 import numpy as np
 
-from camgeo.accuracy.contours import Tell, timed
+from camgeo.accuracy.contours import Progress, timed
 from camgeo.accuracy.rows import TableRow
 from camgeo.design import Design
 from camgeo.motion.motion import Motion
@@ -30,11 +30,13 @@ CELL: Final = np.radians(0.05)
 by the change of s'' over half of it: some thousandths of the peak of a law of 40 degrees."""
 
 
-def table_rows(design: Design, steps: Sequence[Decimal], *, tell: Tell) -> tuple[TableRow, ...]:
+def table_rows(
+    design: Design, steps: Sequence[Decimal], *, progress: Progress
+) -> tuple[TableRow, ...]:
     """One row per step [degrees]; the lift is that of the motion plan."""
     rows = []
     for step in steps:
-        tell(f"value table, {step} degrees")
+        progress(f"value table, {step} degrees")
 
         def made(step: Decimal = step) -> tuple[int, int]:
             table = design.tabulated.table(step)

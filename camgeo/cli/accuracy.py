@@ -1,4 +1,4 @@
-"""`camgeo accuracy`: what accuracy costs, as table and picture, and where it stops paying."""
+"""`camgeo accuracy`: what accuracy costs, as a table and a picture; when it stops paying off."""
 
 from __future__ import annotations
 
@@ -6,13 +6,13 @@ import argparse
 import math
 from typing import Final
 
-from camgeo.cli.command import add_json, add_scene, opened, show, tell_main_disc, write_files
+from camgeo.cli.command import add_json, add_scene, notify_main_disc, opened, show, write_files
 from camgeo.cli.plot import add_picture, pictures
 from camgeo.formats.format import LARGEST_TOLERANCE, SMALLEST_TOLERANCE
 
 SUMMARY: Final = (
     "measure what accuracy costs: pieces, bytes, computing and machining time over the"
-    " tolerance, and say where it stops paying"
+    " tolerance, and where more of it stops paying off"
 )
 
 EXAMPLE: Final = (
@@ -34,7 +34,7 @@ def options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--ripple",
         action="store_true",
-        help="replay the contours too: how far the follower's acceleration is off",
+        help="also replay the contours: how far the follower's acceleration is off",
     )
     add_json(parser)
     add_picture(parser)
@@ -46,12 +46,12 @@ def run(arguments: argparse.Namespace) -> int:
     from camgeo.answers.accuracy import accuracy
 
     design = opened(arguments)
-    tell_main_disc(design, "figures")
+    notify_main_disc(design, "figures")
     found = accuracy(
         design,
         arguments.tolerances or TOLERANCES,
         ripple=arguments.ripple or None,
-        tell=arguments.progress,
+        progress=arguments.progress,
     )
     write_files(pictures(found, arguments, "pieces, bytes, seconds"), arguments)
     return show(found, arguments)

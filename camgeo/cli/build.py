@@ -7,9 +7,9 @@ from typing import Final
 
 from camgeo.answers.answer import finding_lines
 from camgeo.answers.build import build
-from camgeo.cli.command import add_scene, opened, show, tell
+from camgeo.cli.command import add_scene, notify, opened, show
 
-SUMMARY: Final = "write the files of a scene and certificate.json beside them"
+SUMMARY: Final = "write the files of a scene, with certificate.json"
 
 EXAMPLE: Final = "camgeo build fixtures/scenes/setzhub.toml -o out --only dxf,gcode"
 
@@ -18,13 +18,13 @@ def options(parser: argparse.ArgumentParser) -> None:
     """Add those of the command."""
     add_scene(parser)
     parser.add_argument(
-        "-o", metavar="DIR", dest="output", default=".", help="folder; default here"
+        "-o", metavar="DIR", dest="output", default=".", help="folder; default: the current one"
     )
     parser.add_argument("--only", metavar="FORMATS", help="comma-separated: dxf,gcode,stl,3mf,...")
     parser.add_argument(
-        "--tolerance", metavar="MM", type=float, help="largest deviation, in place of the scene's"
+        "--tolerance", metavar="MM", type=float, help="largest deviation, instead of the scene's"
     )
-    parser.add_argument("--force", action="store_true", help="write over files that differ")
+    parser.add_argument("--force", action="store_true", help="overwrite existing files that differ")
     parser.add_argument("--json", action="store_true", help="print the report as JSON")
 
 
@@ -32,7 +32,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Write the files; report findings beyond a limit, and refuse a disc that cannot exist."""
     design = opened(arguments)
     for line in finding_lines(each for each in design.findings if each.severity != "ok"):
-        tell(line)
+        notify(line)
     formats = arguments.only
     if formats is not None:
         formats = tuple(name.strip() for name in formats.split(",") if name.strip())
@@ -45,5 +45,5 @@ def run(arguments: argparse.Namespace) -> int:
         progress=arguments.progress,
     )
     if found.certificate is None:
-        tell("nothing was written: the cam has no outline")
+        notify("nothing was written: the cam has no outline")
     return show(found, arguments)

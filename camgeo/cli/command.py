@@ -69,7 +69,7 @@ def add_output(
         return name
 
     parser.add_argument("-o", metavar="FILE", dest="output", type=named, help=text)
-    parser.add_argument("--force", action="store_true", help="write over an existing file")
+    parser.add_argument("--force", action="store_true", help="overwrite an existing file")
 
 
 def deliver(text: str, arguments: argparse.Namespace, report: str) -> int:
@@ -99,7 +99,7 @@ def write_files(files: Sequence[Written], arguments: argparse.Namespace) -> None
     data = {path.name: data for path, data, _ in files}
     write_set(files[0][0].parent, data, force=arguments.force)
     for path, _, report in files:
-        tell(f"{path}: {report}")
+        notify(f"{path}: {report}")
 
 
 def require_beside(option: str, name: str | None, output: str | None) -> None:
@@ -155,17 +155,17 @@ def present_name(name: str) -> str:
     """The present name of what was called `name`; a renaming is reported on standard error."""
     present = EARLIER.get(name, name)
     if present != name:
-        tell(f'camgeo: "{name}" is called "{present}" now')
+        notify(f'camgeo: "{name}" is now called "{present}"')
     return present
 
 
-def tell(message: str) -> None:
+def notify(message: str) -> None:
     """Print a line for the person at the terminal, on standard error."""
     clear()
     print(message, file=sys.stderr)
 
 
-def tell_main_disc(design: Design, what: str) -> None:
+def notify_main_disc(design: Design, what: str) -> None:
     """Report of a conjugate pair that `what`, in the plural, covers the main disc alone."""
     if design.scene.returning is not None:
-        tell(f"{what} of the main disc; the return disc, {design.name}-return, is not covered")
+        notify(f"{what} of the main disc; the return disc, {design.name}-return, is not covered")

@@ -6,7 +6,7 @@ import argparse
 from typing import Final
 
 from camgeo.answers.explain import GOALS, explain
-from camgeo.cli.command import add_json, add_scene, opened, show, tell_main_disc
+from camgeo.cli.command import add_json, add_scene, notify_main_disc, opened, show
 
 SUMMARY: Final = (
     "show what a command computes for a scene, why, how long it takes, and what it leaves out"
@@ -20,7 +20,7 @@ def options(parser: argparse.ArgumentParser) -> None:
     add_scene(parser)
     parser.add_argument(
         "command", metavar="COMMAND", nargs="?", default="check", choices=tuple(GOALS),
-        help=f"one of {', '.join(GOALS)}; default check. Nothing is written",
+        help=f"one of {', '.join(GOALS)}; default check. nothing is written",
     )  # fmt: skip
     add_json(parser)
 
@@ -29,5 +29,5 @@ def run(arguments: argparse.Namespace) -> int:
     """Compute what the command would, and print how long each quantity took."""
     design = opened(arguments)
     found = explain(design, arguments.command)
-    tell_main_disc(design, "times and quantities")
+    notify_main_disc(design, "times and quantities")
     return show(found, arguments)

@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 from typing import Final
 
-from camgeo.cli.command import CallError, add_output, deliver, tell
+from camgeo.cli.command import CallError, add_output, deliver, notify
 from camgeo.scene.document import MOST_BYTES
 from camgeo.scene.load import read_file
 from camgeo.scene.ocv import ignored_answer, import_project, project_numbers, scene_name
@@ -19,7 +19,7 @@ EXAMPLE: Final = "camgeo import fixtures/reference/ocv/setzhub.ocv -o setzhub.to
 def options(parser: argparse.ArgumentParser) -> None:
     """Add those of the command."""
     parser.add_argument("project", metavar="PROJECT", help="project file (.ocv)")
-    add_output(parser, "scene file to write; else the terminal")
+    add_output(parser, "scene file to write; default: print to the terminal")
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -30,7 +30,7 @@ def run(arguments: argparse.Namespace) -> int:
     data = read_file(source, MOST_BYTES)
     text = import_project(data, scene_name(source.stem), str(source))
     if ignored_answer(project_numbers(data)):
-        tell(
+        notify(
             "camgeo: question 25 is answered with negativ, which opticurv does not heed where"
             ' question 21 is answered with nein: slider_side = "left" is what it computes'
         )

@@ -35,7 +35,7 @@ def add_law_options(parser: argparse.ArgumentParser, *, several: bool = False) -
         "motion law", "normalised: f(0) = 0, f(1) = 1; the law decides which parameters there are"
     )
     if several:
-        group.add_argument("--law", metavar="NAME", nargs="+", help="these laws only")
+        group.add_argument("--law", metavar="NAME", nargs="+", help="only these laws")
     else:
         group.add_argument(
             "--law", metavar="NAME", help="name of the law, as `camgeo laws` lists it"

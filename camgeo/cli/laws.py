@@ -48,7 +48,7 @@ def options(parser: argparse.ArgumentParser) -> None:
     )
     for name, (metavar, text) in RUNNING.items():
         group.add_argument(f"--{name}", metavar=metavar, type=float, help=text)
-    parser.add_argument("--places", action="store_true", help="print z of the extremes too")
+    parser.add_argument("--places", action="store_true", help="also print z of the extremes")
     add_json(parser)
     add_picture(parser, "draw a picture")
 

@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from camgeo._version import __version__
 from camgeo.answers import render
 from camgeo.answers.answer import WRONG
-from camgeo.cli.command import CallError, present_name, show, tell
+from camgeo.cli.command import CallError, notify, present_name, show
 from camgeo.cli.progress import Progress
 from camgeo.errors import CamgeoError
 
@@ -100,10 +100,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         found = refusal(error)
         if getattr(parsed, "json", False):
             return show(found, parsed)
-        tell(render.text(found))
+        notify(render.text(found))
         return found.exit_code
     except KeyboardInterrupt:
-        tell("camgeo: interrupted; nothing half-written was left behind")
+        notify("camgeo: interrupted; nothing half-written was left behind")
         return INTERRUPTED
     except BrokenPipeError:
         # The reader of the output has closed it; do not fail again while closing it here.

@@ -24,7 +24,7 @@ def options(parser: argparse.ArgumentParser) -> None:
         choices=KINDS,
         help=", ".join(KINDS),
     )
-    add_output(parser, "file to write; else the terminal")
+    add_output(parser, "file to write; default: print to the terminal")
 
 
 def run(arguments: argparse.Namespace) -> int:

@@ -12,8 +12,8 @@ from camgeo.cli.command import (
     Written,
     add_output,
     add_scene,
+    notify_main_disc,
     opened,
-    tell_main_disc,
     write_files,
 )
 from camgeo.errors import Fault, SceneError, meant
@@ -44,7 +44,7 @@ EXAMPLE: Final = "camgeo plot fixtures/scenes/setzhub.toml motion cam -o setzhub
 def options(parser: argparse.ArgumentParser) -> None:
     """Add those of the command."""
     add_scene(parser)
-    parser.add_argument("what", metavar="WHAT", nargs="*", help="what to draw; default all")
+    parser.add_argument("what", metavar="WHAT", nargs="*", help="what to draw; default: everything")
     add_output(parser, f"picture, {', '.join(SUFFIXES)}; default NAME.png", SUFFIXES)
 
 
@@ -73,7 +73,7 @@ def run(arguments: argparse.Namespace) -> int:
     picture = drawn(figure, target.suffix)
     write_files([(target, picture, ", ".join(wanted))], arguments)
     if set(wanted) - {CAM}:
-        tell_main_disc(design, "curves")
+        notify_main_disc(design, "curves")
     return FINE
 
 
@@ -93,6 +93,6 @@ def pictures(answer: Answer, arguments: argparse.Namespace, contents: str) -> li
     return [(target, drawn(render.figure(answer), target.suffix), contents)]
 
 
-def add_picture(parser: argparse.ArgumentParser, text: str = "draw a picture too") -> None:
+def add_picture(parser: argparse.ArgumentParser, text: str = "also draw a picture") -> None:
     """The options of a command that draws a picture, by default in addition to what it prints."""
     add_output(parser, f"{text}, {', '.join(SUFFIXES)}", SUFFIXES)

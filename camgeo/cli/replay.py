@@ -14,11 +14,11 @@ from camgeo.cli.command import (
     add_scene,
     check_step,
     decimal,
+    notify,
     number,
     opened,
     show,
     tables,
-    tell,
     write_files,
 )
 from camgeo.cli.plot import SUFFIXES, pictures
@@ -32,7 +32,7 @@ TABLE: Final = ".csv"
 
 SUMMARY: Final = (
     "roll the roller over the real outline, or over a contour from a file: lift, velocity,"
-    " acceleration, shocks, against what is demanded"
+    " acceleration, shocks, compared with the motion demanded"
 )
 
 EXAMPLE: Final = (
@@ -56,7 +56,7 @@ def options(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--layer", metavar="NAME", help="layer of the drawing; default CUT, or all")
     parser.add_argument(
-        "--unit", choices=("mm", "inch"), help="unit of CONTOUR, if it does not say one"
+        "--unit", choices=("mm", "inch"), help="unit of CONTOUR, if it does not state one"
     )
     parser.add_argument(
         "--gap", metavar="MM", type=_from_0, default=GAP,
@@ -64,7 +64,7 @@ def options(parser: argparse.ArgumentParser) -> None:
     )  # fmt: skip
     parser.add_argument(
         "--corner", metavar="DEG", type=_from_0, default=FLAT,
-        help=f"corners of CONTOUR up to this angle count as none; default {FLAT:g}",
+        help=f"corners of CONTOUR up to this angle are ignored; default {FLAT:g}",
     )  # fmt: skip
     parser.add_argument(
         "--flank", choices=tuple(Flank), help="flank of the roller; default the scene's"
@@ -92,7 +92,7 @@ def run(arguments: argparse.Namespace) -> int:
     )
     for each in found.discs:
         if each.note:
-            tell(each.note)
+            notify(each.note)
     if (arguments.output or "").endswith(TABLE):
         files = tables(found, arguments.output)
     else:

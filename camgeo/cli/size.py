@@ -12,11 +12,11 @@ from camgeo.cli.command import (
     CallError,
     add_json,
     add_scene,
+    notify,
+    notify_main_disc,
     opened,
     require_beside,
     show,
-    tell,
-    tell_main_disc,
     write_files,
 )
 from camgeo.cli.plot import add_picture, pictures
@@ -41,20 +41,20 @@ def options(parser: argparse.ArgumentParser) -> None:
         "--transmission-angle",
         metavar="DEG",
         type=float,
-        help="smallest allowed, in degrees; default that of the scene",
+        help="smallest allowed, in degrees; default: the scene's",
     )
     parser.add_argument(
         "--radius-ratio",
         metavar="RATIO",
         type=float,
-        help="largest allowed r_R/r_K, above 0 to 1; default that of the scene",
+        help="largest allowed r_R/r_K, above 0 to 1; default: the scene's",
     )
     parser.add_argument(
         "--arm",
         nargs=2,
         metavar=("LOW", "HIGH"),
         type=float,
-        help="look for the arm of a rocker too, between two lengths in the scene's unit",
+        help="also choose the arm of a rocker, between two lengths in the scene's unit",
     )
     parser.add_argument(
         "--scene",
@@ -74,7 +74,7 @@ def run(arguments: argparse.Namespace) -> int:
             "-o draws places for one arm: write the scene with --scene, and draw that one"
         )
     design = opened(arguments)
-    tell_main_disc(design, "sizes")
+    notify_main_disc(design, "sizes")
     angle, arm, unit = arguments.transmission_angle, arguments.arm, MM_PER[design.scene.unit]
     found = size(
         design,
@@ -92,11 +92,11 @@ def _write(found: CamSize, arguments: argparse.Namespace) -> None:
         target, source = Path(arguments.target), Path(arguments.scene)
         if found.scene.files and target.resolve().parent != source.resolve().parent:
             raise SceneError(
-                [Fault("--scene", str(target), "must lie beside SCENE, which reads files there")]
+                [Fault("--scene", str(target), "must be in the folder of SCENE, which names files")]
             )
         radius = f"base radius {found.sizing.answer.base_radius / MM_PER[unit]:.6g} {unit}"
         files.append((target, sized_scene(found).to_toml().encode(), radius))
     elif arguments.target is not None:
-        tell(f"{arguments.target}: not written, there is no such mechanism")
+        notify(f"{arguments.target}: not written, there is no such mechanism")
     files += pictures(found, arguments, "region of the cam axis")
     write_files(files, arguments)

@@ -55,7 +55,7 @@ def options(parser: argparse.ArgumentParser) -> None:
         "--crank",
         metavar="MM",
         type=decimal,
-        help="R, radius of the crank; with R > a the lever turns round",
+        help="R, radius of the crank; with R > a the lever makes full turns",
     )
     parser.add_argument(
         "--speed", metavar="RPM", type=decimal, required=True, help="speed of the crank in rev/min"

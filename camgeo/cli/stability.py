@@ -12,7 +12,7 @@ from camgeo.errors import meant
 from camgeo.wording import counted
 
 SUMMARY: Final = (
-    "measure the rounding errors of every quantity against mpmath, on the hard cases too"
+    "measure the rounding errors of every quantity against mpmath, also on the hard cases"
 )
 
 EXAMPLE: Final = (
@@ -32,7 +32,7 @@ def options(parser: argparse.ArgumentParser) -> None:
         help="groups (laws, tables, cams, linkages, slotted-levers, extremes, outlines),"
         " quantities, or beginnings of case names",
     )
-    parser.add_argument("--quick", action="store_true", help="two places of each case only")
+    parser.add_argument("--quick", action="store_true", help="only two places of each case")
     add_json(parser)
     add_picture(parser)
 

@@ -13,9 +13,9 @@ from camgeo.cli.command import (
     check_step,
     decimal,
     deliver,
+    notify_main_disc,
     opened,
     show,
-    tell_main_disc,
 )
 from camgeo.cli.law_options import DEFAULT_TASK, add_law_options, given_options, parameters_from
 from camgeo.formats.csv import LARGEST_STEP, SMALLEST_STEP
@@ -43,7 +43,7 @@ def options(parser: argparse.ArgumentParser) -> None:
         type=decimal,
         help="step of the cam angle in degrees; with --law, step of z, default 0.002",
     )
-    add_output(parser, "file to write; else the terminal")
+    add_output(parser, "file to write; default: print to the terminal")
     add_json(parser)
     parser.add_argument(
         "--printed", action="store_true", help="with --law: rounded as the tables of VDI 2143 are"
@@ -68,7 +68,7 @@ def run(arguments: argparse.Namespace) -> int:
     check_step(arguments.step, SMALLEST_STEP, LARGEST_STEP)
     design = opened(arguments)
     found = table_of_scene(design, arguments.step)
-    tell_main_disc(design, "curves")
+    notify_main_disc(design, "curves")
     return _deliver(found, arguments)
 
 

@@ -8,7 +8,7 @@ from typing import Final
 
 from camgeo._version import __version__
 from camgeo.answers.verify import verify
-from camgeo.cli.command import CallError, add_json, number, show, tell
+from camgeo.cli.command import CallError, add_json, notify, number, show
 from camgeo.errors import Fault, SceneError
 from camgeo.verifying.verify import VERIFICATION, Wanted, endings, files_in, write_verification
 
@@ -25,29 +25,27 @@ EXAMPLE: Final = (
 
 def options(parser: argparse.ArgumentParser) -> None:
     """Add those of the command."""
-    parser.add_argument(
-        "files", metavar="FILE|DIR", nargs="+", help="files, or a folder with all that are in it"
-    )
+    parser.add_argument("files", metavar="FILE|DIR", nargs="+", help="files, or a folder of files")
     parser.add_argument(
         "--scene",
         metavar="SCENE",
-        help="scene file (TOML); default the one whose hash the files name, looked for in their"
-        " folder, the one above and the present one",
+        help="scene file (TOML); default: the one whose hash the files name, searched for in their"
+        " folder, the one above it and the current one",
     )
     parser.add_argument(
         "--tolerance", metavar="MM", type=_length,
-        help="largest deviation; default what the file, certificate.json or the scene says",
+        help="largest deviation; default: from the file, certificate.json or the scene",
     )  # fmt: skip
     parser.add_argument(
-        "--unit", choices=("mm", "inch"), help="unit of files that do not say one; STL: default mm"
+        "--unit", choices=("mm", "inch"), help="unit of files that do not state it; STL: default mm"
     )
     parser.add_argument("--layer", metavar="NAME", help="layer of drawings; default CUT, or all")
     add_json(parser)
     parser.add_argument(
         "-o", metavar="FILE", dest="output",
-        help="certificate to write; default verification.json beside the files",
+        help="certificate to write; default: verification.json in their folder",
     )  # fmt: skip
-    parser.add_argument("--force", action="store_true", help="write over any existing file")
+    parser.add_argument("--force", action="store_true", help="overwrite existing files")
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -64,9 +62,9 @@ def run(arguments: argparse.Namespace) -> int:
     code = show(found, arguments)
     if any(verdict.measured for verdict in found.verdicts):
         write_verification(target, __version__, found.verdicts, force=arguments.force)
-        tell(f"{target}: the results")
+        notify(f"{target}: the results")
     else:
-        tell("nothing was measured, and nothing was written")
+        notify("nothing was measured, and nothing was written")
     return code
 
 

@@ -36,7 +36,7 @@ def load(name: str) -> Design:
 def rows() -> tuple[ContourRow, ...]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(measuring, "RUNS", 1)  # how long it takes is not looked at
-        return contour_rows(load("setzhub"), TOLERANCES, ripple=True, tell=lambda _: None)
+        return contour_rows(load("setzhub"), TOLERANCES, ripple=True, progress=lambda _: None)
 
 
 def found(form: str, effort: str, tolerance: float) -> ContourRow:
@@ -106,7 +106,7 @@ def test_no_ripple_unless_it_is_asked_for(monkeypatch: pytest.MonkeyPatch) -> No
     monkeypatch.setattr(measuring, "EFFORTS", ("fast",))
     monkeypatch.setattr(measuring, "FORMS", ("arcs",))
     told: list[str] = []
-    made = contour_rows(load("ring"), (1e-2,), ripple=False, tell=told.append)
+    made = contour_rows(load("ring"), (1e-2,), ripple=False, progress=told.append)
     assert [row.ripple for row in made] == [None]
     assert told == ["arcs, fast, 0.01 mm"]
 
@@ -122,7 +122,7 @@ def test_what_cannot_be_reached_is_told_in_the_row(monkeypatch: pytest.MonkeyPat
     monkeypatch.setattr(measuring, "EFFORTS", ("fast",))
     monkeypatch.setattr(measuring, "FORMS", ("arcs",))
     monkeypatch.setattr(measuring, "fitted", some)
-    made = contour_rows(load("ring"), TOLERANCES, ripple=False, tell=lambda _: None)
+    made = contour_rows(load("ring"), TOLERANCES, ripple=False, progress=lambda _: None)
     assert [row.fault for row in made] == ["", "the arithmetic is too coarse"]
     assert made[0].count is not None
     assert made[1].count is None
@@ -136,7 +136,7 @@ def test_a_file_that_cannot_be_written_leaves_the_count(monkeypatch: pytest.Monk
     monkeypatch.setattr(measuring, "EFFORTS", ("fast",))
     monkeypatch.setattr(measuring, "FORMS", ("polyline",))
     monkeypatch.setattr(measuring, "file_cost", refuse)
-    (row,) = contour_rows(load("ring"), (1e-2,), ripple=False, tell=lambda _: None)
+    (row,) = contour_rows(load("ring"), (1e-2,), ripple=False, progress=lambda _: None)
     assert row.count is not None
     assert row.round_seconds is not None
     assert row.drawing is None
@@ -176,7 +176,7 @@ def test_rings_and_grooves_are_replayed_on_their_flanks() -> None:
 def test_solids_and_what_single_precision_cannot_hold(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(survey, "SOLIDS", ("stl",))
     told: list[str] = []
-    coarse, fine = survey.solid_rows(load("setzhub"), (1e-2, 1e-7), tell=told.append)
+    coarse, fine = survey.solid_rows(load("setzhub"), (1e-2, 1e-7), progress=told.append)
     assert (coarse.format, coarse.tolerance) == ("stl", 1e-2)
     assert coarse.file is not None
     assert coarse.file.size == 84 + 50 * int(coarse.file.facts["triangles"])

@@ -96,7 +96,7 @@ class Made:
         return found
 
     def rows(self, *names: str, tolerances: tuple[float, ...] = TOLERANCES) -> list[EffectRow]:
-        return list(effect_rows(self.named(*names), tolerances, tell=lambda _: None))
+        return list(effect_rows(self.named(*names), tolerances, progress=lambda _: None))
 
 
 @pytest.fixture
@@ -110,7 +110,7 @@ def test_a_row_for_each_numerical_effect_and_tolerance(made: Made) -> None:
     made.add("work", with_findings)
     made.add("unnamed", with_column)
     told: list[str] = []
-    rows = effect_rows(made.named("force", "plain", "work"), (1e-4, 1e-2), tell=told.append)
+    rows = effect_rows(made.named("force", "plain", "work"), (1e-4, 1e-2), progress=told.append)
     assert [(row.effect, row.tolerance) for row in rows] == [
         ("force", 1e-2), ("force", 1e-4), ("work", 1e-2), ("work", 1e-4),
     ]  # fmt: skip
@@ -264,7 +264,7 @@ def test_the_survey_has_them(made: Made, monkeypatch: pytest.MonkeyPatch) -> Non
         monkeypatch.setattr(surveys, name, lambda *_, **__: ())
     made.add("effect", with_column)
     told: list[str] = []
-    found = surveys.survey(made.named("effect"), (1e-3,), (Decimal(5),), tell=told.append)
+    found = surveys.survey(made.named("effect"), (1e-3,), (Decimal(5),), progress=told.append)
     assert [row.tolerance for row in found.effects] == list(TOLERANCES)
     assert told[0] == "effect, 0.01"
     assert len(told) == len(TOLERANCES)
@@ -347,7 +347,7 @@ def test_tolerances_of_a_scene_are_left_alone(made: Made, tmp_path: Path) -> Non
     """The survey changes no table of the scene."""
     made.add("effect", with_column)
     named = made.named("effect")
-    effect_rows(named, (1e-2, 1e-3), tell=lambda _: None)
+    effect_rows(named, (1e-2, 1e-3), progress=lambda _: None)
     assert named.effects.tables == {"effect": {}}
     assert named.effect("effect").error == 0.5e-6
     assert math.isclose(made.calls[-1][1], 1e-6)

@@ -42,7 +42,7 @@ def test_chords_are_enough_where_arcs_are_slower() -> None:
     assert knee is not None
     assert knee.row.form == "polyline"
     assert knee.end == "range"
-    assert advice(knee).endswith("no tighter tolerance was looked at")
+    assert advice(knee).endswith("no tighter tolerance was tried")
 
 
 def test_more_decimals_than_the_controller_asks_for_buy_nothing() -> None:

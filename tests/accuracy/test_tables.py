@@ -87,7 +87,7 @@ def test_a_kink_between_two_rows_counts() -> None:
 
 def test_rows_and_bytes_are_those_of_the_table() -> None:
     told: list[str] = []
-    rows = table_rows(SETZHUB, (Decimal(5), Decimal(1)), tell=told.append)
+    rows = table_rows(SETZHUB, (Decimal(5), Decimal(1)), progress=told.append)
     assert [row.rows for row in rows] == [72, 360]
     assert rows[0].size == len(SETZHUB.tabulated.table(Decimal(5)).csv().encode())
     assert all(row.seconds > 0.0 for row in rows)

@@ -31,7 +31,7 @@ def test_an_earlier_name_does_the_same_and_says_so(
     found = capsys.readouterr()
     assert found.out == expected.out
     (name,) = set(earlier) - set(present)
-    assert found.err == f'camgeo: "{name}" is called "{EARLIER[name]}" now\n'
+    assert found.err == f'camgeo: "{name}" is now called "{EARLIER[name]}"\n'
 
 
 def test_every_earlier_name_leads_to_one_that_is_read_and_is_no_longer_told() -> None:

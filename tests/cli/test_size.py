@@ -206,5 +206,5 @@ def test_nothing_is_written_over(tmp_path: Path, capsys: Capture) -> None:
 def test_a_scene_with_files_stays_beside_them(tmp_path: Path, capsys: Capture) -> None:
     source = str(SCENES / "measured.toml")
     assert main(["size", source, "--scene", str(tmp_path / "sized.toml")]) == 2
-    assert "must lie beside SCENE" in capsys.readouterr().err
+    assert "must be in the folder of SCENE" in capsys.readouterr().err
     assert list(tmp_path.iterdir()) == []

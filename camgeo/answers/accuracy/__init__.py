@@ -70,7 +70,7 @@ def accuracy(
     tolerances: Sequence[float] = TOLERANCES,
     *,
     ripple: bool | None = None,
-    tell: Callable[[str], None] = lambda _: None,
+    progress: Callable[[str], None] = lambda _: None,
 ) -> Accuracy:
     """Measure what accuracy costs.
 
@@ -78,7 +78,7 @@ def accuracy(
     ----------
     tolerances : to measure [mm], the loosest first.
     ripple : whether contours are replayed too; None for what the scene says.
-    tell : called with the name of each step.
+    progress : called with the name of each step.
 
     Raises
     ------
@@ -87,5 +87,5 @@ def accuracy(
     """
     if ripple is None:
         ripple = design.scene.output.accuracy_ripple
-    found = surveys.survey(design, tolerances, ripple=ripple, tell=tell)
+    found = surveys.survey(design, tolerances, ripple=ripple, progress=progress)
     return Accuracy(design.scene, found, ripple, design.drive.unit == "rad")
