@@ -386,7 +386,7 @@ def package_tree(folder: Path, changes: dict[str, str]) -> Path:
     return folder
 
 
-def test_a_sound_tree_has_no_violation(tmp_path: Path) -> None:
+def test_a_correct_tree_has_no_violation(tmp_path: Path) -> None:
     assert find_violations(package_tree(tmp_path, {})) == []
 
 

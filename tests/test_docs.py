@@ -73,7 +73,7 @@ def test_no_table_and_no_section_is_empty(page: Path) -> None:
     assert list(gaps(page.read_text(encoding="utf-8"))) == []
 
 
-def test_what_a_pair_has_no_effects_for_is_told_by_the_rules() -> None:
+def test_effects_that_a_pair_cannot_have_are_listed_from_the_rules() -> None:
     """Those that a conjugate pair has are in a fixture, and not among those that it has not."""
     page = (ROOT / "docs" / "scene.md").read_text(encoding="utf-8")
     (barred,) = set(re.findall(r"Conjugate cams.* Not with (.*)\. \|", page))

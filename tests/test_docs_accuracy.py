@@ -48,7 +48,7 @@ def test_the_page_begins_with_its_text() -> None:
     assert PAGE.startswith(maker().HEAD), "run python docs/accuracy_page.py"
 
 
-def test_every_fixture_cam_is_told() -> None:
+def test_the_page_has_every_fixture_cam() -> None:
     assert re.findall(r"^### (\S+)$", PAGE, re.MULTILINE) == maker().scenes()
 
 
@@ -63,7 +63,9 @@ def test_a_cam_has_its_tolerances_and_its_advice(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", AGAIN)
-def test_what_is_measured_again_is_what_is_told(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_figures_measured_again_are_those_of_the_page(
+    name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr(contours, "RUNS", 1)  # no second of it is on the page
     found = maker().by_key(maker().rows_of(name, COARSE))
     for tolerance in COARSE:

@@ -82,7 +82,7 @@ def test_every_effect_has_its_section_in_the_order_of_the_registry() -> None:
 
 
 @pytest.mark.parametrize("name", EFFECTS)
-def test_a_section_tells_model_findings_and_sources(name: str) -> None:
+def test_a_section_states_model_findings_and_sources(name: str) -> None:
     text = section(name)
     assert "| finding | |" in text
     assert re.search(r"^\*\*Sources?:\*\* ", text, re.MULTILINE)
@@ -116,7 +116,7 @@ def found_of(name: str) -> tuple[set[str], set[str]]:
 
 
 @pytest.mark.parametrize("name", EFFECTS)
-def test_what_an_effect_finds_is_told(name: str) -> None:
+def test_findings_of_an_effect_are_reported(name: str) -> None:
     findings, columns = found_of(name)
     assert findings
     assert findings <= told_findings(name)
@@ -134,7 +134,7 @@ def written_of(name: str) -> list[str]:
 
 
 @pytest.mark.parametrize("name", EFFECTS)
-def test_what_is_told_an_effect_can_find(name: str) -> None:
+def test_an_effect_can_find_what_is_reported(name: str) -> None:
     """In an example scene, or by the name in its code."""
     findings, columns = found_of(name)
     rest = (told_findings(name) - findings) | (told_columns(name) - columns)
@@ -195,7 +195,7 @@ def test_residuals_are_those_of_closed_forms() -> None:
     assert first["inclined-sine"] == pytest.approx(50.0, abs=half_digit)
 
 
-def test_every_material_is_told_with_its_source() -> None:
+def test_every_material_has_its_source() -> None:
     rows = re.findall(r"^\| `([a-z0-9-]+)` \|.*\| (.+) \|$", section("Materials"), re.MULTILINE)
     assert rows == [(each.name, each.source) for each in MATERIALS.values()]
 

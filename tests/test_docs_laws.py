@@ -104,7 +104,7 @@ def test_the_table_of_tasks_names_every_family_at_its_tasks() -> None:
             assert (f"`{name}`" in cells[task]) == (task in family.tasks)
 
 
-def test_the_aliases_are_told() -> None:
+def test_the_aliases_are_listed() -> None:
     assert all(f"`{alias}`" in SECTIONS[name] for alias, name in ALIASES.items())
 
 
@@ -274,7 +274,7 @@ def test_the_formulas_are_those_of_the_law(block: Block) -> None:
 
 @pytest.mark.parametrize("name", ["quadratic-parabola", "polynomial-345", "modified-sine"])
 @pytest.mark.parametrize("inflection", [0.2, 0.5, 0.7])
-def test_the_shift_of_the_inflection_point_is_as_told(name: str, inflection: float) -> None:
+def test_the_shift_of_the_inflection_point_is_as_stated(name: str, inflection: float) -> None:
     (text,) = (b for b in fenced(SECTIONS["Conventions"], "text") if b.startswith("R-R:"))
     base = make_law(name)
 

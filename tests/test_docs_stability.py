@@ -50,7 +50,7 @@ def test_every_quantity_has_its_line_with_all_its_values() -> None:
 
 
 @pytest.mark.parametrize("quantity", CLAIMS)
-def test_a_quick_run_stays_within_what_the_page_says(quantity: str) -> None:
+def test_a_quick_run_stays_within_the_figures_of_the_page(quantity: str) -> None:
     found = [reading for reading in quick() if reading.quantity == quantity]
     assert found
     assert max(reading.error for reading in found) <= float(CLAIMS[quantity]["error"])
@@ -63,7 +63,7 @@ def test_the_page_has_its_picture() -> None:
     assert (DOCS / "images" / name).read_bytes().startswith(b"\x89PNG")
 
 
-def test_every_group_is_told() -> None:
+def test_every_group_has_its_row() -> None:
     assert re.findall(r"^\*\*(.+)\*\*: ", PAGE, flags=re.MULTILINE)[-len(GROUPS) :] == list(GROUPS)
 
 

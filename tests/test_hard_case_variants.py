@@ -646,7 +646,9 @@ def place_of(finding: Finding) -> tuple[str, float | None]:
 @pytest.mark.parametrize("factor", SCALES)
 @pytest.mark.parametrize("kind", ["translating-roller", "oscillating-roller"])
 @pytest.mark.parametrize("roller", [8.0, 22.0, 41.0])
-def test_scenes_at_all_scales_tell_the_same(kind: str, roller: float, factor: float) -> None:
+def test_scenes_at_all_scales_give_the_same_findings(
+    kind: str, roller: float, factor: float
+) -> None:
     one, two = scene(kind, 1.0, roller), scene(kind, factor, roller)
     told, there = ({place_of(f): f for f in each.findings} for each in (one, two))
     assert told.keys() == there.keys()

@@ -89,7 +89,7 @@ def test_each_runs_once_over_a_diamond(clock: Clock) -> None:
     assert [run.name for run in owner.ledger.runs] == ["base", "left", "right", "whole"]
 
 
-def test_the_ledger_tells_who_asked_and_how_long(clock: Clock) -> None:
+def test_the_ledger_records_who_asked_and_how_long(clock: Clock) -> None:
     owner = Owner(clock)
     assert owner.whole == 5
     assert owner.ledger.runs == [
@@ -173,7 +173,7 @@ def test_a_ring_is_refused_with_its_way() -> None:
     assert ring.ledger.runs[-1].asked_by == ""
 
 
-def test_the_property_tells_what_its_function_tells() -> None:
+def test_the_property_equals_its_function() -> None:
     assert isinstance(Owner.base, lazy)
     assert Owner.base.__doc__ == "What the others stand on."
     assert Owner.base.name == "base"
@@ -293,14 +293,14 @@ def test_ledgers_side_by_side_do_not_wait_for_each_other() -> None:
     assert sorted(run.name for run in main.ledger.runs)[0] == "base"
 
 
-def test_progress_is_told_each_name_once_before_it_is_computed() -> None:
+def test_progress_gets_each_name_once_before_it_is_computed() -> None:
     told: list[str] = []
     owner = Slow(Ledger(progress=told.append))
     asked_at_once(lambda _: owner.whole)
     assert told == ["whole", "left", "base", "right"]
 
 
-def test_a_computation_ends_where_it_is_told_to() -> None:
+def test_a_cancelled_computation_ends_at_the_next_step() -> None:
     stop = threading.Event()
     owner = Slow(Ledger(progress=lambda name: stop.set() if name == "base" else None,
                         cancelled=stop.is_set))  # fmt: skip

@@ -111,7 +111,7 @@ def test_no_ripple_unless_it_is_asked_for(monkeypatch: pytest.MonkeyPatch) -> No
     assert told == ["arcs, fast, 0.01 mm"]
 
 
-def test_what_cannot_be_reached_is_told_in_the_row(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_cannot_be_reached_is_reported_in_the_row(monkeypatch: pytest.MonkeyPatch) -> None:
     honest = measuring.fitted
 
     def some(flank: object, form: str, effort: str, tolerance: float) -> object:

@@ -302,7 +302,7 @@ def test_json_has_the_same(found: Found, capsys: Capture) -> None:
     ]  # fmt: skip
 
 
-def test_without_effects_nothing_is_said_of_them(found: Found, capsys: Capture) -> None:
+def test_without_effects_they_are_not_mentioned(found: Found, capsys: Capture) -> None:
     found.append(())
     call(SETZHUB)
     assert "effect" not in capsys.readouterr().out

@@ -43,7 +43,7 @@ def test_text_and_document_are_of_one_result(error: CamgeoError, code: int) -> N
 
 
 @pytest.mark.parametrize("bad", BAD)
-def test_a_wrong_scene_is_told_as_json_too(bad: str, tmp_path: Path, capsys: Capture) -> None:
+def test_a_wrong_scene_is_reported_as_json_too(bad: str, tmp_path: Path, capsys: Capture) -> None:
     scene = tmp_path / "scene.toml"
     scene.write_text(BAD[bad][0], encoding="utf-8")
     assert main(["check", str(scene)]) == 2
@@ -60,7 +60,7 @@ def test_a_wrong_scene_is_told_as_json_too(bad: str, tmp_path: Path, capsys: Cap
 @pytest.mark.parametrize(
     "command", ["accuracy", "build", "check", "explain", "replay", "size", "table"]
 )
-def test_each_command_tells_it(command: str, tmp_path: Path, capsys: Capture) -> None:
+def test_each_command_reports_it(command: str, tmp_path: Path, capsys: Capture) -> None:
     assert main([command, str(tmp_path / "none.toml"), "--json"]) == 2
     told = json.loads(capsys.readouterr().out)
     assert told["faults"][0]["message"] == "there is no such file"

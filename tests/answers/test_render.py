@@ -106,7 +106,7 @@ DEFINITIONS: dict[str, Any] = {
 }
 
 
-def test_values_are_told_in_the_units_that_people_see() -> None:
+def test_values_are_stated_in_the_units_of_people() -> None:
     inner = Inner(math.pi, 1.0 - 2.0j)
     given = Outer(1.0, Decimal("0.1"), math.inf, np.array([1.0, math.nan]), {"a": inner, "b": None})
     assert render._read(given, NODE, DEFINITIONS) == {

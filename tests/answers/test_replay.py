@@ -91,7 +91,7 @@ def test_a_roller_that_falls_off_an_edge_has_no_bounds() -> None:
         assert "ripple" not in lines
 
 
-def test_a_pair_is_told_with_its_play() -> None:
+def test_a_pair_is_reported_with_its_play() -> None:
     found = replayed("conjugate_lever")
     assert found.closing is not None
     squeezed = replace(found.closing, lowest=Extreme(-0.25, 0.0))

@@ -45,7 +45,7 @@ def test_documents_are_what_their_schema_says(name: str) -> None:
     json.dumps(figure(found).to_data(), allow_nan=False)
 
 
-def test_what_cannot_be_met_is_told_alike() -> None:
+def test_what_cannot_be_met_is_reported_in_the_same_way() -> None:
     found = size(Design(load_scene(SETZHUB)), transmission_angle=math.radians(80.0))
     told = document(found)
     assert (told["smallest"], told["active"], found.exit_code) == (None, [], 1)

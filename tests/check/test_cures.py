@@ -372,7 +372,7 @@ def test_what_cannot_be_cured_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
     assert "no other motion[2].law" in said["other law"]
 
 
-def test_what_cannot_be_decided_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_cannot_be_decided_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
     def undecided(_: WorkingCurve) -> bool:
         raise GeometryError("lies on itself")
 
@@ -384,7 +384,7 @@ def test_what_cannot_be_decided_is_told(monkeypatch: pytest.MonkeyPatch) -> None
     assert not is_sound((hard("HC20b", r_R=10),))
 
 
-def test_a_move_without_dwells_beside_it_cannot_grow() -> None:
+def test_a_move_between_moves_cannot_grow() -> None:
     law = LAWS["polynomial-345"]
     plan = MotionPlan((Move(Decimal(60), 20.0, law), Move(Decimal(300), 0.0, law)))
     cam = enlarged(cam_of(plan, TranslatingRoller(25.0, 5.0)), 1.05)

@@ -204,7 +204,7 @@ def scenes(draw: st.DrawFn) -> Tables:
 
 @settings(attack, max_examples=examples(5, long=200))
 @given(scenes())
-def test_every_cure_applied_as_told_cures(values: Tables) -> None:
+def test_every_cure_cures_when_applied_as_printed(values: Tables) -> None:
     try:
         design = Design(Scene(values))
         assume(undercut(design))

@@ -112,7 +112,7 @@ def test_radius_ratio_is_that_of_the_sign_that_matters() -> None:
     assert "convex everywhere" in free.sentence
 
 
-def test_cusp_and_undercut_are_told_apart() -> None:
+def test_cusp_and_undercut_are_distinguished() -> None:
     found = {}
     for case in ("HC21a", "HC21b", "HC21c"):
         params, expected = hard_case(case)

@@ -142,7 +142,7 @@ def test_a_crank_in_line_with_its_coupler_is_no_dead_centre_of_the_slider() -> N
     assert found[1].value == 0.0
 
 
-def test_what_keeps_clear_of_a_dead_centre_is_told_and_does() -> None:
+def test_what_keeps_clear_of_a_dead_centre_is_named_and_works() -> None:
     linkage = SliderCrank(40.0, 60.0, 0.3, True, 1, 1, 1)
     reach = max(linkage.dead_strokes)
     (fatal,) = check_linkage(moving(linkage, reach))

@@ -39,7 +39,7 @@ def named(plan: MotionPlan, name: str) -> list[Finding]:
 
 @attack
 @given(plan=plans(SMOOTH))
-def test_smooth_plans_have_nothing_but_their_joints_to_tell(plan: MotionPlan) -> None:
+def test_smooth_plans_have_findings_on_joints_alone(plan: MotionPlan) -> None:
     laws, order = check_motion(plan, "mm")
     assert (laws.name, laws.severity) == ("laws", "ok")
     assert (order.name, order.severity) == ("joints", "ok")
@@ -47,7 +47,7 @@ def test_smooth_plans_have_nothing_but_their_joints_to_tell(plan: MotionPlan) ->
     assert order.value >= 2.0
 
 
-def test_laws_are_told_with_what_was_worked_out_for_them() -> None:
+def test_laws_are_listed_with_what_was_computed_for_them() -> None:
     plan = plan_motion([Dwell(Decimal(60)), move(120, 10.0, "auto"), move(180, 0.0, "auto")])
     (found,) = named(plan, "laws")
     first, second = found.sentence.split("; ")
@@ -82,7 +82,7 @@ def test_a_straight_line_has_a_shock_at_each_end_of_the_size_of_its_speed() -> N
         ),
     ],
 )
-def test_jerks_are_told_one_by_one_inside_a_law_too(law: str, jumps: dict[int, float]) -> None:
+def test_jerks_inside_a_law_are_reported_one_by_one(law: str, jumps: dict[int, float]) -> None:
     found = named(there_and_back(law), "jerk")
     size = STROKE / SPAN**2
     told = {round(math.degrees(each.cam_angle or 0.0)): each.value for each in found}
@@ -94,7 +94,7 @@ def test_jerks_are_told_one_by_one_inside_a_law_too(law: str, jumps: dict[int, f
     assert {each.unit for each in found} == {"mm/rad^2"}
 
 
-def test_angles_are_told_in_degrees() -> None:
+def test_angles_are_stated_in_degrees() -> None:
     plan = plan_motion([move(180, math.radians(10.0), "straight-line"), move(180, 0.0, "auto")])
     requests: list[Request] = [
         Dwell(Decimal(90)),
@@ -127,7 +127,7 @@ def test_overshoot_is_found_exactly(name: str, v0: float, v1: float) -> None:
     assert found.least_lift.value <= float(np.min(f)) + 4e-16
 
 
-def test_overshoot_is_told_with_its_place_and_size() -> None:
+def test_overshoot_is_reported_with_its_place_and_size() -> None:
     plan = plan_motion(
         [
             Dwell(Decimal(60)),
@@ -147,7 +147,7 @@ def test_overshoot_is_told_with_its_place_and_size() -> None:
     assert only.severity == "warning"
 
 
-def test_a_smoothed_table_tells_its_deviation() -> None:
+def test_a_smoothed_table_reports_its_deviation() -> None:
     shares = np.linspace(0.0, 1.0, 181)
     lifts = 5.0 * (1.0 - np.cos(2.0 * math.pi * shares)) + 1e-3 * np.sin(90.0 * shares**2)
     lifts[-1] = lifts[0]
@@ -164,7 +164,7 @@ def test_a_smoothed_table_tells_its_deviation() -> None:
 
 
 @pytest.mark.parametrize("first", [0.0, 2.0, 5.0])
-def test_a_table_tells_by_how_much_its_rows_are_shifted(first: float) -> None:
+def test_a_table_reports_by_how_much_its_rows_are_shifted(first: float) -> None:
     """A table over the whole turn starts at 0, where the base radius holds; another one where the
     segment before it ends. Rows that count from where the table starts are as good as positions."""
     shares = np.linspace(0.0, 1.0, 41)
@@ -190,7 +190,7 @@ def table_over(
 
 
 @pytest.mark.parametrize(("step", "swings"), [(1, False), (10, False), (18, True), (30, True)])
-def test_a_table_of_few_rows_swings_beside_its_dwells(step: int, swings: bool) -> None:
+def test_a_table_of_few_rows_swings_next_to_its_dwells(step: int, swings: bool) -> None:
     """Dwells of 90 degrees at 0 and 18 mm, and the moves between them, at every 1 to 30 degrees."""
     angles = np.arange(0.0, 361.0, step)
     way = np.clip(np.abs(angles - 225.0) / 90.0 - 0.5, 0.0, 1.0)
@@ -223,7 +223,7 @@ def test_what_a_smoothed_table_may_deviate_is_no_swing() -> None:
     assert not named(smooth, "overshoot")
 
 
-def test_a_motion_through_points_tells_how_far_it_swings() -> None:
+def test_a_motion_through_points_reports_how_far_it_swings() -> None:
     """Points in a row ask for a dwell, which no spline has."""
     points = PointsRequest(
         Decimal(300), 0.0, np.array([0.1, 0.2, 0.3, 0.7]), np.array([0.0, 0.0, 9.0, 9.0])

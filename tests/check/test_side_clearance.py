@@ -29,7 +29,7 @@ ROUNDING = 1e-10
 @given(
     curve=st.one_of(pitch_curves(BENT), linked_pitch_curves(BENT)), clearance=st.floats(1e-3, 1.0)
 )
-def test_no_cam_angle_has_more_play_than_is_told(curve: PitchCurve, clearance: float) -> None:
+def test_no_cam_angle_has_more_play_than_reported(curve: PitchCurve, clearance: float) -> None:
     """(c/2)/|dn/dq| at many angles, on both sides of all breaks, and at the place itself."""
     deviation, place = largest_deviation(curve, clearance)
     phi = np.linspace(0.0, TURN, 2000)
@@ -48,7 +48,7 @@ def test_no_cam_angle_has_more_play_than_is_told(curve: PitchCurve, clearance: f
         assert 0.5 * clearance / np.min(levers) == pytest.approx(deviation, rel=1e-7)
 
 
-def test_it_is_told_in_the_unit_of_the_lift() -> None:
+def test_it_is_stated_in_the_unit_of_the_lift() -> None:
     rocker = design("oscillating")
     (found,) = (f for f in rocker.findings if f.name == "side-clearance")
     assert found.severity == "ok"

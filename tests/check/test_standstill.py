@@ -10,7 +10,7 @@ from tests.strategies import BENT, attack, pitch_curves
 
 
 @pytest.mark.parametrize("psi_g", [5.9, 6.1])
-def test_just_beside_it_moves(psi_g: float) -> None:
+def test_close_to_it_the_linkage_moves(psi_g: float) -> None:
     """psi_t reaches -0.1 or 0.1 degrees where it stood still: 100 mm of it are 0.17 mm a rad."""
     params, _ = hard_case("HC18")
     assert check_standstill(pitch_curve_of(params | {"psi_G_deg": psi_g})) == ()
@@ -18,6 +18,6 @@ def test_just_beside_it_moves(psi_g: float) -> None:
 
 @attack
 @given(curve=pitch_curves(BENT))
-def test_where_there_is_a_normal_everywhere_nothing_is_said(curve: PitchCurve) -> None:
+def test_with_a_normal_everywhere_nothing_is_reported(curve: PitchCurve) -> None:
     """Followers that stay off the line of centres, or above the cam axis, never stand still."""
     assert check_standstill(curve) == ()

@@ -48,7 +48,7 @@ def test_the_ranges_are_where_the_flank_is_not_regular(curve: PitchCurve, share:
 
 @attack
 @given(curve=pitch_curves(BENT), share=st.floats(0.001, 0.999))
-def test_each_range_tells_its_worst_margin(curve: PitchCurve, share: float) -> None:
+def test_each_range_states_its_worst_margin(curve: PitchCurve, share: float) -> None:
     flank = flank_at(curve, share)
     found = check_undercut(flank, "inner", curvature_extremes(curve))
     assert {finding.severity for finding in found} == {"no-disc"}

@@ -128,7 +128,7 @@ def test_json_has_the_same(found: list[dict[str, Any]], capsys: Capture) -> None
     assert document["advice"].startswith("arcs (fewest) within 0.001 mm")
 
 
-def test_angles_are_told_in_degrees(found: list[dict[str, Any]], capsys: Capture) -> None:
+def test_angles_are_stated_in_degrees(found: list[dict[str, Any]], capsys: Capture) -> None:
     scene = next(
         path
         for path in sorted(SCENES.glob("*.toml"))
@@ -236,7 +236,7 @@ def test_a_picture_of_nothing() -> None:
     assert render(figure(empty, title=""), ".png").startswith(b"\x89PNG")
 
 
-def test_the_picture_is_written_beside_the_table(
+def test_the_picture_is_written_next_to_the_table(
     found: list[dict[str, Any]], tmp_path: Path, capsys: Capture
 ) -> None:
     target = tmp_path / "accuracy.svg"

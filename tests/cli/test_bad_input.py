@@ -114,7 +114,7 @@ def test_mechanism_that_is_none(
     assert list(tmp_path.iterdir()) == [scene]
 
 
-def test_undercut_is_told_and_nothing_written(tmp_path: Path, capsys: Capture) -> None:
+def test_undercut_is_reported_and_nothing_written(tmp_path: Path, capsys: Capture) -> None:
     scene = tmp_path / "scene.toml"
     scene.write_text(spoilt(PLATE, ("roller_radius = 10", "roller_radius = 48")))
     assert main(["check", str(scene)]) == 1

@@ -135,7 +135,7 @@ def test_check_json(capsys: Capture) -> None:
             assert record["cam_angle_deg"] == pytest.approx(np.degrees(finding.cam_angle))
 
 
-def test_build_tells_what_it_wrote(tmp_path: Path, capsys: Capture) -> None:
+def test_build_reports_what_it_wrote(tmp_path: Path, capsys: Capture) -> None:
     call = ["build", SETZHUB, "-o", str(tmp_path), "--only", "dxf,csv", "--tolerance", "0.01"]
     assert main(call) == 0
     captured = capsys.readouterr()
@@ -274,7 +274,7 @@ def test_reader_that_has_had_enough() -> None:
     assert run.stderr == ""
 
 
-def test_check_tells_outline_and_cures_as_json(capsys: Capture) -> None:
+def test_check_gives_outline_and_cures_as_json(capsys: Capture) -> None:
     scene = str(SCENES.parent / "refused" / "global_undercut.toml")
     assert main(["check", scene, "--json"]) == 1
     told = json.loads(capsys.readouterr().out)

@@ -34,7 +34,7 @@ def test_an_earlier_name_does_the_same_and_says_so(
     assert found.err == f'camgeo: "{name}" is now called "{EARLIER[name]}"\n'
 
 
-def test_every_earlier_name_leads_to_one_that_is_read_and_is_no_longer_told() -> None:
+def test_every_earlier_name_leads_to_one_that_is_read_and_is_listed_no_more() -> None:
     known = {*COMMANDS, *KINDS, *GROUPS}
     assert set(EARLIER.values()) <= known
     assert not set(EARLIER) & known

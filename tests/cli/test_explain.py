@@ -72,7 +72,7 @@ def test_own_times_add_up(sprung: str, capsys: Capture) -> None:
         assert each["seconds"] == pytest.approx(each["own_seconds"] + inner, abs=1e-12)
 
 
-def test_the_text_tells_the_tree(sprung: str, capsys: Capture) -> None:
+def test_the_text_shows_the_tree(sprung: str, capsys: Capture) -> None:
     assert main(["explain", sprung]) == 0
     lines = capsys.readouterr().out.splitlines()
     (torque,) = [line for line in lines if "effects.drive-torque  (named" in line]

@@ -200,7 +200,7 @@ def test_the_guideline_s_comparison_from_rest_to_turn(capsys: Capture) -> None:
         )
 
 
-def test_what_a_law_does_not_take_is_said(capsys: Capture) -> None:
+def test_parameters_that_a_law_does_not_take_are_listed(capsys: Capture) -> None:
     out = printed(["--task", "G-G", "--v0", "0.5", "--inflection", "0.4"], capsys)
     assert "ignored, no parameters for G-G: inflection, v0 (straight-line)" in out
     assert "ignored, no parameters for G-G: inflection (polynomial-5, polynomial-7)" in out
@@ -419,7 +419,7 @@ def test_the_table_needs_no_matplotlib() -> None:
         (["-o", "laws.gif"], "'laws.gif' must end in one of .png, .svg, .pdf"),
     ],
 )
-def test_a_wrong_call_is_told_what_is_allowed(
+def test_a_wrong_call_is_refused_with_what_is_allowed(
     call: list[str], told: str, capsys: Capture, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)

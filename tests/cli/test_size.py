@@ -21,7 +21,7 @@ SETZHUB = str(SCENES / "setzhub.toml")
 Capture = pytest.CaptureFixture[str]
 
 
-def test_it_tells_the_answer(capsys: Capture) -> None:
+def test_it_prints_the_answer(capsys: Capture) -> None:
     assert main(["size", SETZHUB]) == 0
     out = capsys.readouterr().out
     assert "required: transmission angle at least 41 deg, r_R/r_K at most 0.7" in out
@@ -53,7 +53,7 @@ def test_json(capsys: Capture) -> None:
     assert told["infeasible"] is None
 
 
-def test_an_arm_is_looked_for_and_written(tmp_path: Path, capsys: Capture) -> None:
+def test_an_arm_is_found_and_written(tmp_path: Path, capsys: Capture) -> None:
     target = tmp_path / "sized.toml"
     call = ["size", SETZHUB, "--arm", "40", "60", "--scene", str(target)]
     assert main(call) == 0
@@ -203,7 +203,7 @@ def test_nothing_is_written_over(tmp_path: Path, capsys: Capture) -> None:
     assert b"<svg" in (tmp_path / "size.svg").read_bytes()
 
 
-def test_a_scene_with_files_stays_beside_them(tmp_path: Path, capsys: Capture) -> None:
+def test_a_scene_with_files_stays_in_their_folder(tmp_path: Path, capsys: Capture) -> None:
     source = str(SCENES / "measured.toml")
     assert main(["size", source, "--scene", str(tmp_path / "sized.toml")]) == 2
     assert "must be in the folder of SCENE" in capsys.readouterr().err

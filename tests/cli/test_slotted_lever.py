@@ -175,7 +175,7 @@ def test_the_extremes_named_in_the_text_of_the_exercise(capsys: Capture) -> None
     assert slow["duration_s"] / quick["duration_s"] == pytest.approx(2.0, rel=LIMIT)
 
 
-def test_the_text_tells_them_too(capsys: Capture) -> None:
+def test_the_text_has_them_too(capsys: Capture) -> None:
     lines = told(capsys, *EXERCISE).splitlines()
     table = {" ".join(line.split()[:2]): line.split()[2:] for line in lines}
     assert table["smallest phi"] == ["-0.5235988", "rad", "-30", "deg", "60", "0.1111111", "-30"]
@@ -384,7 +384,7 @@ def test_a_very_short_crank(capsys: Capture) -> None:
         ((*EXERCISE, "--table", "--to", "361"), "at most 360 degrees"),
     ],
 )
-def test_wrong_values_are_told_with_what_is_allowed(
+def test_wrong_values_are_reported_with_what_is_allowed(
     words: tuple[str, ...], message: str, tmp_path: Path, capsys: Capture
 ) -> None:
     assert call(*words, "-o", str(tmp_path / "lever.svg")) == 2
@@ -408,7 +408,7 @@ def test_wrong_values_are_told_with_what_is_allowed(
         ((*EXERCISE, "--csv", "lever.png", "-o", "lever.png"), "the same file"),
     ],
 )
-def test_wrong_calls_are_told_with_the_usage(
+def test_wrong_calls_are_refused_with_the_usage(
     words: tuple[str, ...], message: str, tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch, capsys: Capture,
 ) -> None:  # fmt: skip

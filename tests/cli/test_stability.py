@@ -98,7 +98,7 @@ def test_json_has_the_same(capsys: Capture) -> None:
     )
 
 
-def test_a_broken_limit_is_told(found: list[Reading], capsys: Capture) -> None:
+def test_a_broken_limit_is_reported(found: list[Reading], capsys: Capture) -> None:
     found += [reading(65.0), reading(100.0, 2.0), reading(3.0, quantity="pitch curve Z")]
     assert call() == 1
     out = capsys.readouterr().out
@@ -187,7 +187,7 @@ def test_no_other_pictures() -> None:
         render(figure(READINGS, suite.LIMIT), ".bmp")
 
 
-def test_the_picture_is_written_beside_the_table(
+def test_the_picture_is_written_next_to_the_table(
     found: list[Reading], tmp_path: Path, capsys: Capture
 ) -> None:
     found += [*READINGS[:3], reading(math.inf, 1.0, "Z'")]

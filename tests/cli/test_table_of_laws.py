@@ -166,7 +166,9 @@ LAW = ["--law", "modified-sine"]
         ([*LAW, "--task", "X-R"], "argument --task: invalid choice: 'X-R'"),
     ],
 )
-def test_a_wrong_call_is_told_what_is_allowed(call: list[str], told: str, capsys: Capture) -> None:
+def test_a_wrong_call_is_refused_with_what_is_allowed(
+    call: list[str], told: str, capsys: Capture
+) -> None:
     assert told in refused(call, capsys)
 
 

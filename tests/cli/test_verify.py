@@ -117,7 +117,7 @@ def test_scene_is_found_whatever_effects_it_names(
     assert main(["verify", str(folder / "vorschub.dxf")]) == 0
 
 
-def test_scene_that_is_not_found_is_told(
+def test_scene_that_is_not_found_is_reported(
     folder: Path,
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
@@ -148,7 +148,7 @@ def test_changed_bytes_of_a_table(folder: Path, capsys: pytest.CaptureFixture[st
     assert "it was changed" in capsys.readouterr().out
 
 
-def test_missing_file_is_told(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_missing_file_is_reported(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (folder / "vorschub.csv").unlink()
     assert main(["verify", str(folder), "--scene", str(SCENE)]) == 1
     assert "certificate.json names it, but it is not there" in capsys.readouterr().out

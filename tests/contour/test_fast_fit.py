@@ -109,9 +109,7 @@ def test_chords_are_near_their_law(name: tuple[str, int], tolerance: float) -> N
 
 @pytest.mark.parametrize("tolerance", [1e-2, 1e-3])
 @pytest.mark.parametrize("name", FLANKS, ids=str)
-def test_bound_is_sharp_with_middles_beside_the_curve(
-    name: tuple[str, int], tolerance: float
-) -> None:
+def test_bound_is_sharp_with_middles_off_the_curve(name: tuple[str, int], tolerance: float) -> None:
     """The middles of biarcs lie off the curve; across from them it leaves no gap."""
     fit = fit_arcs(whole(flank(*name)), tolerance)
     found = dense_flank(name).measured(fit.contour, 20_000)

@@ -38,7 +38,7 @@ def test_dwell_needs_a_radius(roller: float, regular: bool) -> None:
         require_regular(curve, piece)
 
 
-def test_joints_beside_a_cusp_are_kept_apart() -> None:
+def test_joints_near_a_cusp_are_kept_apart() -> None:
     curve = hard_curve("HC21a")
     near = np.geomspace(1e-7, 0.05, 200)
     joints = np.concatenate((CUSP - near[::-1], [CUSP], CUSP + near))

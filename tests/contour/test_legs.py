@@ -38,7 +38,7 @@ def test_pieces_fill_the_stretch(start: float, share: float) -> None:
 
 
 @pytest.mark.parametrize("steps", [-2, -1, 0, 1, 2])
-def test_no_sliver_beside_a_break(steps: int) -> None:
+def test_no_sliver_next_to_a_break(steps: int) -> None:
     """The ends of a stretch a few ulp off a break make no piece of their own."""
     angle = math.radians(60.0)
     for _ in range(abs(steps)):

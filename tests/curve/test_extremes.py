@@ -71,7 +71,7 @@ def test_an_extreme_next_to_a_break_is_found() -> None:
     assert extremes(plan, value, slope).largest()[1] == pytest.approx(top, rel=1e-12)
 
 
-def test_slopes_of_several_quantities_are_looked_at_together() -> None:
+def test_slopes_of_several_quantities_are_searched_together() -> None:
     half = Decimal(180)
     law = LAWS["modified-sine"]
     plan = MotionPlan((Move(half, 6.0, law), Move(half, 0.0, law)))

@@ -213,7 +213,7 @@ def test_the_fewest_holes_are_taken() -> None:
     assert second.count == 2
 
 
-def test_holes_that_fit_are_told_with_what_is_left() -> None:
+def test_holes_that_fit_are_reported_with_the_remaining_unbalance() -> None:
     made = disc(KEYWAY, "hole_radius = 29\n")
     result = made.effect("balance")
     row = result.holes

@@ -338,13 +338,13 @@ def test_the_outer_flank_carries_a_ring() -> None:
     assert found.columns[0].limit == -6.0
 
 
-def test_a_force_that_pulls_is_told() -> None:
+def test_a_force_that_pulls_is_reported() -> None:
     subject = design("plate_translating", "")
     found = computed(subject, {"load": constant(5.0)})
     assert finding(found.findings, "smallest-contact-force").severity == "warning"
 
 
-def test_each_flank_of_a_groove_is_told() -> None:
+def test_each_flank_of_a_groove_is_reported() -> None:
     subject = design("groove", ROCKING, ("speed = 30", "speed = 400"))
     contact = subject.effect("contact-force")
     inner = finding(contact.findings, "largest-contact-force-inner")
@@ -356,7 +356,7 @@ def test_each_flank_of_a_groove_is_told() -> None:
     assert most.value == max(inner.value, outer.value)
 
 
-def test_a_shock_is_told_and_the_rest_stays_finite() -> None:
+def test_a_shock_is_reported_and_the_rest_stays_finite() -> None:
     effects = "[effects.inertia]\nmass = 1\n[effects.load]\nconstant = 3\n[effects.contact-force]\n"
     subject = design("straight_moves", effects)
     contact = subject.effect("contact-force")

@@ -385,7 +385,7 @@ def test_a_knife_edge_has_no_pressure() -> None:
     assert caught.value.key == "follower.roller_radius"
 
 
-def test_a_roller_that_is_too_large_is_told_the_largest_one() -> None:
+def test_a_roller_that_is_too_large_is_reported_with_the_largest_one() -> None:
     kappa, _ = bend(scene("plate_translating"))
     radius = 0.98 / kappa
     change = ("roller_radius = 10", f"roller_radius = {radius!r}")
@@ -541,7 +541,7 @@ def test_the_life_is_held_against_the_one_asked_for(hours: float, severity: str)
 
 
 @pytest.mark.parametrize(("rating", "severity"), [(1401.0, "ok"), (1399.0, "warning")])
-def test_a_load_above_half_of_the_rating_is_told(rating: float, severity: str) -> None:
+def test_a_load_above_half_of_the_rating_is_reported(rating: float, severity: str) -> None:
     result = pressed(scene("plate_translating"), steady(700.0), {"rating": rating})
     assert severities(result)["equivalent-roller-load"] == severity
 

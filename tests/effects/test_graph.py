@@ -187,7 +187,7 @@ def test_there_is_no_such_effect(fakes: Fakes) -> None:
 
 
 @pytest.mark.parametrize("asked", ["spring", "force"])
-def test_a_missing_table_is_told_with_its_key(fakes: Fakes, asked: str) -> None:
+def test_a_missing_table_is_reported_with_its_key(fakes: Fakes, asked: str) -> None:
     fakes.add("spring", tabled=True)
     fakes.add("force", needs=("spring",))
     effects = fakes.of({"force": {}})
@@ -200,7 +200,7 @@ def test_a_missing_table_is_told_with_its_key(fakes: Fakes, asked: str) -> None:
         effects.findings(asked)
 
 
-def test_what_parse_refuses_is_told_with_the_whole_key(fakes: Fakes) -> None:
+def test_what_parse_refuses_is_reported_with_the_whole_key(fakes: Fakes) -> None:
     """An empty table, of an effect that another one needs, or a design that is no scene's."""
 
     def parse(table: Mapping[str, Any]) -> Any:
@@ -279,7 +279,7 @@ def test_other_errors_are_not_kept(fakes: Fakes) -> None:
 # Told anew ----------------------------------------------------------------------------------------
 
 
-def test_only_what_is_told_anew_is_computed_again(fakes: Fakes) -> None:
+def test_only_what_is_renewed_is_computed_again(fakes: Fakes) -> None:
     diamond(fakes)
     effects = fakes.of({"top": {"mass": 2.0, "tolerance": 1e-3}, "base": {}})
     before = effects.result("top")
@@ -308,7 +308,7 @@ def test_what_is_needed_is_computed_once_for_all_tolerances(fakes: Fakes) -> Non
     assert sorted(fakes.calls) == ["base", "left", "right", "top", "top", "top"]
 
 
-def test_without_what_it_needs_it_cannot_be_told_anew(fakes: Fakes) -> None:
+def test_without_its_inputs_it_cannot_be_renewed(fakes: Fakes) -> None:
     fakes.add("force", no_answer)
     fakes.add("torque", needs=("force",), numerical=True)
     with pytest.raises(EffectError, match="it jams"):

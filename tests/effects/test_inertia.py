@@ -128,7 +128,7 @@ def test_the_largest_force_is_that_of_the_closed_form() -> None:
     assert found.unit == "N"
 
 
-def test_columns_show_what_findings_tell() -> None:
+def test_columns_show_what_findings_state() -> None:
     result, subject = inertia_of("setzhub", LINKED)
     mass, force = result.columns
     assert (mass.unit, force.unit) == ("kg m^2", "N m")
@@ -152,7 +152,7 @@ def test_without_any_mass_there_is_no_force() -> None:
     assert all(each.value == 0.0 and math.isfinite(each.value) for each in result.findings)
 
 
-def test_a_shock_is_told_as_infinite() -> None:
+def test_a_shock_is_reported_as_infinite() -> None:
     """A straight line from rest to rest: the velocity jumps at 30 degrees."""
     change = ('law = "modified-sine"', 'law = "straight-line"')
     result, _ = inertia_of("plate_translating", TRANSLATING, change)
@@ -378,7 +378,7 @@ def test_places_and_their_ways_belong_together(scene: str, mirrored: bool) -> No
     assert result.masses[0].place(np.zeros(1), "right")[0] == pytest.approx(10 + 20j, abs=1e-12)
 
 
-def test_the_slider_runs_along_x_the_way_it_is_told() -> None:
+def test_the_slider_runs_along_x_in_the_stated_direction() -> None:
     """setzhub: the slider to the right of the shaft, a positive stroke to the right; mirrored both
     to the left."""
     for changes, sense in (((), 1.0), (MIRRORED["setzhub"], -1.0)):
@@ -424,7 +424,7 @@ def test_a_centre_needs_its_mass(table: dict[str, Any], key: str) -> None:
     assert caught.value.key == key
 
 
-def test_a_moment_too_small_for_its_mass_is_told() -> None:
+def test_a_moment_too_small_for_its_mass_is_reported() -> None:
     """1 kg at 0.1 m from the pivot (-96, -72) has 0.01 kg m^2 at least."""
     text = "[effects.inertia]\nmoment_of_inertia = {}\nrocker_mass = 1\nrocker_centre = [4, -72]\n"
     result, _ = inertia_of("groove", text.format(0.0099))

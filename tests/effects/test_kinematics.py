@@ -42,7 +42,7 @@ def test_the_largest_values_are_those_of_the_law() -> None:
     assert found["turn-time"] == pytest.approx(1.0, rel=1e-15)
 
 
-def test_a_rocker_is_told_in_degrees() -> None:
+def test_values_of_a_rocker_are_in_degrees() -> None:
     """A polynomial 3-4-5 of 18 degrees in 100/360 of 2 s: C_v = 30/16 = 1.875 at half its span."""
     made = design("groove", EFFECTS)
     expected = 1.875 * 18.0 / (200.0 / 360.0)

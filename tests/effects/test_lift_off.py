@@ -153,7 +153,7 @@ def test_runs(inside: list[int], expected: list[list[int]]) -> None:
     assert runs(np.array(inside, dtype=bool)) == expected
 
 
-def test_contact_that_touches_0_is_told_and_not_lost() -> None:
+def test_contact_that_touches_0_is_reported_and_not_lost() -> None:
     """No preload: in the rest at lift 0 no force at all is left, and none is missing."""
     found = lift_off(design("plate_translating", effects(preload=0.0, stiffness=5.0)))
     assert one(found, "lift-off").severity == "ok"
@@ -490,7 +490,7 @@ def test_the_impact_grows_with_the_speed() -> None:
     assert fast.value == pytest.approx(3.0 * slow.value, rel=1e-12)
 
 
-def test_without_a_mass_no_impact_is_told() -> None:
+def test_without_a_mass_no_impact_is_reported() -> None:
     tables = (
         "[effects.load]\nsegments = [1, -1, 1, -1, 1]\n[effects.contact-force]\n"
         "[effects.lift-off]\nbacklash = 0.1\n"

@@ -146,7 +146,7 @@ def test_between_rows_there_are_straight_lines() -> None:
         ("phi;F [kg]\n0;2\n360;3\n", "the unit of the load; allowed is n"),
     ],
 )
-def test_a_wrong_row_is_told_with_its_line(text: str, message: str) -> None:
+def test_a_wrong_row_is_reported_with_its_line(text: str, message: str) -> None:
     with pytest.raises(GeometryError, match=message) as caught:
         parse({"file": DataFile("load.csv", text.encode())})
     assert caught.value.key == "file"

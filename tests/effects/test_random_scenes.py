@@ -403,5 +403,5 @@ def test_the_scenes_are_not_all_refused() -> None:
         ("effects.springs", False),
     ],
 )
-def test_keys_are_told_from_others(key: str, known: bool) -> None:
+def test_keys_are_distinguished_from_others(key: str, known: bool) -> None:
     assert known_key(key) == known

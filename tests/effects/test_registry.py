@@ -215,7 +215,7 @@ def test_its_effect_is_computed_on_a_design(register: Register) -> None:
         ("mass = 1\ngap = 2000", r"effects\.noise\.gap = 2000: must not exceed 1000 mm"),
     ],
 )
-def test_what_its_schema_or_itself_refuses_is_told(
+def test_what_the_schema_or_the_effect_refuses_is_reported(
     register: Register, text: str, message: str
 ) -> None:
     register(NAME, FOREIGN)
@@ -233,7 +233,7 @@ def test_a_unit_that_does_not_exist_is_reported_with_the_units_that_do(register:
         parse_scene(with_noise("mass = 1"))
 
 
-def test_unknown_names_are_told_as_before(register: Register) -> None:
+def test_unknown_names_are_reported_as_before(register: Register) -> None:
     register(NAME, FOREIGN)
     scene = f"{PLATE}\n[effects.noisy]\nmass = 1\n"
     with pytest.raises(
@@ -242,14 +242,14 @@ def test_unknown_names_are_told_as_before(register: Register) -> None:
         parse_scene(scene)
 
 
-def test_what_it_needs_of_the_scene_is_told(register: Register) -> None:
+def test_what_it_needs_of_the_scene_is_reported(register: Register) -> None:
     register(NAME, fake(NAME, keys=(("cam.speed",),)))
     with pytest.raises(SceneError, match=r"effects\.noise: needs \[cam\] speed"):
         parse_scene(with_noise("", ROCKER))
     assert parse_scene(with_noise("", PLATE)).effects == {NAME: {}}
 
 
-def test_where_it_has_no_place_is_told(register: Register) -> None:
+def test_where_it_has_no_place_is_reported(register: Register) -> None:
     register(NAME, fake(NAME, schema=SCHEMA, rules=(Only(FLATS, "gap"), Only(ONE_DISC))))
     with pytest.raises(SceneError, match=r"effects\.noise\.gap = 1: is for flat-faced followers"):
         parse_scene(with_noise("mass = 1\ngap = 1"))

@@ -210,7 +210,7 @@ def test_a_tiny_elongation_keeps_its_digits(
             assert abs(found - wanted) <= slack + 16.0 * 2.0**-52 * abs(wanted)
 
 
-def test_torque_is_told_in_newton_metres() -> None:
+def test_torque_is_in_newton_metres() -> None:
     made, spring = spring_of("torsion in a groove")
     phi = grid(made)
     swing = made.cam.drive.motion.jet(phi)[0]

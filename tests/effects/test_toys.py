@@ -220,7 +220,7 @@ def test_editors_know_it(home: Path) -> None:
     assert noise["description"] == "How loud the follower is. Not with a conjugate pair."
 
 
-def test_unless_a_scene_names_an_unknown_effect_no_other_distribution_is_looked_at(
+def test_no_other_distribution_is_searched_unless_a_scene_names_an_unknown_effect(
     tmp_path: Path,
 ) -> None:
     code = (

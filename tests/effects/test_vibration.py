@@ -269,7 +269,7 @@ def test_it_needs_a_speed() -> None:
 # -- hard cases ----------------------------------------------------------------------------------
 
 
-def test_resonance_without_damping_is_told() -> None:
+def test_resonance_without_damping_is_reported() -> None:
     made_ = made("plate_translating", "natural_frequency = 40")
     with pytest.raises(EffectError, match="harmonic 40 of the cam's speed"):
         made_.effect("vibration")

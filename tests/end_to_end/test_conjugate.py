@@ -188,7 +188,7 @@ def test_too_many_contours_are_refused(built: Path, capsys: Capture) -> None:
         assert said in capsys.readouterr().err
 
 
-def test_check_tells_both_discs(built: Path, capsys: Capture) -> None:
+def test_check_reports_on_both_discs(built: Path, capsys: Capture) -> None:
     capsys.readouterr()
     assert main(["check", str(built)]) == 0
     text = capsys.readouterr().out

@@ -55,7 +55,7 @@ def test_all_effects_are_in_some_scene() -> None:
     assert named == set(EFFECTS)
 
 
-def test_check_tells_every_effect(scene: Path, subject: Design, capsys: Capture) -> None:
+def test_check_reports_every_effect(scene: Path, subject: Design, capsys: Capture) -> None:
     code = main(["check", str(scene)])
     text = capsys.readouterr().out
     bad = any(

@@ -95,7 +95,7 @@ def _foot_and_direction(design: Design, phi: FloatArray) -> tuple[ComplexArray, 
     return follower.pivot + 1j * follower.arm_side * follower.face_offset * along, along
 
 
-def test_table_tells_the_motion_in_time(built: Built) -> None:
+def test_table_has_the_motion_in_time(built: Built) -> None:
     """Against what the columns over the cam angle give: v = s' omega, and so on (eqs. (1) to (4)).
 
     A disc that turns evenly is where its angle is by the speed; for one that does not, differences

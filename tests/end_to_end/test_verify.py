@@ -219,7 +219,7 @@ def test_any_digit_is_caught_with_its_certificate(
 
 @pytest.mark.parametrize("suffix", [".dxf", ".ngc", ".stl", ".3mf"])
 @pytest.mark.parametrize("certified", [True, False], ids=["certified", "alone"])
-def test_another_scene_is_told(
+def test_another_scene_is_reported(
     suffix: str,
     certified: bool,
     setzhub: Path,

@@ -93,7 +93,7 @@ def test_ezdxf_reads_the_same_curves(product: FlankProduct) -> None:
         np.testing.assert_array_equal(np.array(entity.knots), spline.knots)
 
 
-def test_facts_tell_what_is_drawn() -> None:
+def test_facts_state_what_is_drawn() -> None:
     product = FlankProduct()
     written = WRITER.write(product, TOLERANCE)
     outline = product.part.boundaries[0].spline(FIT_SHARE * TOLERANCE).contour

@@ -174,7 +174,7 @@ def test_curves_are_refused(kind: str) -> None:
         read_dxf(drawn(draw))
 
 
-def test_the_line_that_is_told_is_the_entity() -> None:
+def test_the_reported_line_is_that_of_the_entity() -> None:
     data = drawn(lambda space: space.add_line((0.0, 0.0), (1.0, 0.0)))
     with pytest.raises(FileError) as told:
         read_dxf(data)

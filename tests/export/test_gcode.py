@@ -333,7 +333,7 @@ def test_the_controllers_own_arcs_count(tmp_path: Path) -> None:
         WRITER.write(product, 0.002)
 
 
-def test_the_machining_time_is_told(tmp_path: Path) -> None:
+def test_the_machining_time_is_reported(tmp_path: Path) -> None:
     facts = WRITER.write(StubProduct(), 0.001).facts
     # Two passes round the bore of 7 mm and the outline of 35 mm at 5 mm/s; plunges from Z 5 to -4
     # and to -8 at 5/3 mm/s; quarter circles of 2.8 and 3.5 mm into each pass and out of it.
@@ -347,7 +347,7 @@ def test_the_machining_time_is_told(tmp_path: Path) -> None:
     assert float(WRITER.write(lazy, 0.001).facts["machining_time_s"]) > 1.1 * least
 
 
-def test_a_profile_without_dynamics_tells_no_time(tmp_path: Path) -> None:
+def test_a_profile_without_dynamics_states_no_time(tmp_path: Path) -> None:
     source = Path(machines.__file__).parent / "machines" / "linuxcnc.toml"
     text = source.read_text()
     file = tmp_path / "mill.toml"
@@ -388,7 +388,7 @@ def test_numbers_that_no_machine_has(tmp_path: Path, key: str, line: str, messag
         WRITER.write(product, 0.01)
 
 
-def test_a_line_too_short_for_a_block_is_told(tmp_path: Path) -> None:
+def test_a_line_too_short_for_a_block_is_reported(tmp_path: Path) -> None:
     product = profile(tmp_path, line_length="line_length = 20")
     with pytest.raises(SceneError, match="line_length is too short for the block G17"):
         WRITER.write(product, 0.01)
@@ -401,7 +401,7 @@ def test_unknown_machines_name_the_known() -> None:
         machines.load("nowhere.toml")
 
 
-def test_all_faults_of_a_profile_are_told_at_once() -> None:
+def test_all_faults_of_a_profile_are_reported_at_once() -> None:
     text = (
         'nam = "x"\npreamble = "G17"\ntool_change = []\nspindle_on = []\nend = []\ncomment = 3\n'
         '[unit]\nmm = "G21"\ninch = 20\n[decimals]\nmm = 4.5\ninch = -1\n[blending]\non = "G64"\n'

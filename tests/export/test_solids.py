@@ -163,7 +163,7 @@ def test_a_groove_that_is_not_there_is_refused() -> None:
 
 
 @both
-def test_a_scene_without_thickness_is_told(writer: Writer) -> None:
+def test_a_scene_without_thickness_is_reported(writer: Writer) -> None:
     data = writer.write(StubProduct(), 0.01).data
     assert "part.thickness" in writer.format.needs
     with pytest.raises(FileError, match=r"part\.thickness"):

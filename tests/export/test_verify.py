@@ -155,7 +155,7 @@ def test_boundary_left_out_of_a_foreign_drawing(design: Design) -> None:
     assert checks["deviation", "outline"].ok
 
 
-def test_gap_beyond_the_tolerance_is_told(design: Design) -> None:
+def test_gap_beyond_the_tolerance_is_reported(design: Design) -> None:
     document = _drawing(design)
     line = next(iter(document.modelspace().query("LINE")))
     line.dxf.start += ezdxf.math.Vec3(0.0, 3.0 * TOLERANCE)
@@ -288,7 +288,7 @@ def test_farthest_finds_a_dent() -> None:
 CUBE: Any = trimesh.creation.box((2.0, 3.0, 4.0))
 
 
-def test_sound_mesh() -> None:
+def test_correct_mesh() -> None:
     soup = CUBE.vertices[CUBE.faces].reshape(-1, 3)
     vertices, triangles = merged(soup, np.arange(36).reshape(-1, 3))
     assert len(vertices) == 8
@@ -317,7 +317,7 @@ def test_faults_of_meshes_are_named() -> None:
 @example(data=b"EOF")
 @example(data=b"0\nEOF\n")
 @given(data=st.binary(max_size=300))
-def test_any_bytes_are_told_to_be_damaged_or_foreign(verifier: Verifier, data: bytes) -> None:
+def test_any_bytes_are_recognised_as_damaged_or_foreign(verifier: Verifier, data: bytes) -> None:
     """Nothing raises, nothing passes for ours."""
     origin = verifier.origin(data)
     assert not origin.ours

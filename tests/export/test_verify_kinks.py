@@ -56,7 +56,7 @@ def test_a_bend_within_a_piece_is_no_fault_of_chords() -> None:
     assert check.ok
 
 
-def test_a_kink_where_the_outline_is_straight_is_told() -> None:
+def test_a_kink_where_the_outline_is_straight_is_reported() -> None:
     contour = sharp()
     vertices = contour.vertices.copy()
     vertices[1] *= 0.8

@@ -110,7 +110,7 @@ def test_none_of_a_tail_is_farther_from_the_pitch_curve_than_the_roller(scene: s
 
 
 @pytest.mark.parametrize("scene", TRIMMED)
-def test_the_disc_is_drawn_and_beside_it_what_is_cut_off(scene: str) -> None:
+def test_the_disc_is_drawn_with_what_is_cut_off(scene: str) -> None:
     design = camgeo.load(SCENES / f"{scene}.toml")
     axes = drawn(design.disc)
     assert {"edges of the disc", "cut off", "corner"} <= labels(axes)

@@ -63,7 +63,7 @@ def test_the_names_stand_above_the_curves() -> None:
         assert np.max(points[np.isfinite(points[:, 1]), 1]) < bottom
 
 
-def test_a_panel_takes_as_many_curves_as_it_can_tell() -> None:
+def test_a_panel_takes_as_many_curves_as_can_be_distinguished() -> None:
     many = (WAVE,) * (2 * len(effects.CURVES) + 1)
     assert [len(each) for each in effects.panels(many)] == [4, 4, 1]
     assert len(set(effects.CURVES)) == len(effects.CURVES)

@@ -229,7 +229,7 @@ def test_what_is_no_mark_is_refused() -> None:
         draw(SimpleNamespace(), Page().add_subplot())
 
 
-def test_what_is_beside_the_marks_is_drawn() -> None:
+def test_what_lies_next_to_the_marks_is_drawn() -> None:
     """Titles, legends, further scales, words on the page, and figures below each other."""
     plain = panel()
     legend = Legend((Entry("name", Style("black")), Entry("area", Fill("#c9dcee"))))

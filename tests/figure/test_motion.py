@@ -81,7 +81,7 @@ def test_the_sketch_of_a_plan() -> None:
     assert found == pytest.approx([*starts[:4], math.radians(210), starts[4]])
 
 
-def test_joints_are_numbered_and_their_tasks_told() -> None:
+def test_joints_are_numbered_with_their_tasks() -> None:
     names, numbers, plan, classes, *_ = drawn(planned()).axes
     assert texts(numbers) == ["1", "2", "3", "4", "5", "1"]
     # From rest into a straight line the velocity jumps, R to G; a parabola starts as a turn.
@@ -132,7 +132,7 @@ def test_infinite_accelerations_and_jerks_are_marked() -> None:
     assert marked["s‴"] == pytest.approx([60.0, 150.0, 180.0, 210.0, 240.0])
 
 
-def test_extremes_are_told() -> None:
+def test_extremes_are_reported() -> None:
     """The fastest is the straight line up, the fastest down the middle of the parabola."""
     (told,) = texts(panel(drawn(planned()), "s′"))
     fastest = 10.0 / math.radians(90)
@@ -140,7 +140,7 @@ def test_extremes_are_told() -> None:
     assert told == f"max {fastest:.4g} at 60.0°,  min −{-slowest:.4g} at 210.0°"
 
 
-def test_a_second_scale_tells_values_over_time() -> None:
+def test_a_second_scale_shows_values_over_time() -> None:
     speed = 20.0
     assert not [axes for axes in drawn(planned()).axes if axes.get_ylabel().startswith("v ")]
     figure = drawn(planned(speed))

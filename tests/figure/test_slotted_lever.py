@@ -67,7 +67,7 @@ def test_a_dot_lies_on_the_curve_at_every_extreme(name: str) -> None:
             assert reached == pytest.approx(value, rel=1e-6)
 
 
-def test_the_values_of_the_exercise_are_written_beside_the_dots() -> None:
+def test_the_values_of_the_exercise_label_the_dots() -> None:
     _, panels = drawn(driven_by("exercise"))
     assert [[text.get_text() for text in axes.texts] for axes in panels] == [
         ["−30° at 60°", "30° at 300°"],

@@ -97,7 +97,7 @@ def test_what_is_no_writer_of_its_format(writer: Any, monkeypatch: pytest.Monkey
         find_format("step")
 
 
-def test_a_writer_that_cannot_be_loaded_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_writer_that_cannot_be_loaded_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
     class Broken(Entry):
         def load(self) -> Any:
             raise ImportError("No module named 'toy'")

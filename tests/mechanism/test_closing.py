@@ -140,7 +140,7 @@ def test_the_lengths_of_a_slider_crank_are_all_found(
             assert abs(factor * present - present) >= gap * (1.0 - 1e-9)
 
 
-def test_three_linkages_tell_their_cures() -> None:
+def test_three_linkages_name_their_cures() -> None:
     """Each by hand: the pin's farthest distance, and the crank's farthest height."""
     slide = SliderCrank(40.0, 60.0, 0.0, True, 1, 1, 1)
     # At stroke s: (60 + s)^2 + 40^2 <= (40 + l)^2 with s_0 = l: l >= s^2 / (80 - 2 s) for s < 40.

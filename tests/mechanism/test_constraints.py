@@ -330,7 +330,7 @@ def test_a_mechanism_a_little_wrong_is_seen(name: str) -> None:
     assert abs(ends[0] - ends[1]) > 1.0
 
 
-def test_a_chain_that_cannot_close_is_told() -> None:
+def test_a_chain_that_cannot_close_is_reported() -> None:
     linkage = SliderCrank(42.0, 75.38, math.radians(6.3), True, 1, 1, 1)
     chain = linked_chain(Rocker(-34.81 - 84.39j, 84.9, 47.654, 1), linkage)
     with pytest.raises(AssertionError, match="does not close"):

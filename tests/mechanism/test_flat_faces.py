@@ -206,7 +206,7 @@ def test_curvature_against_differences_of_the_point(rotation: int, side: int) ->
 
 @attack
 @given(curve=flat_curves())
-def test_virtual_work_tells_the_leverage(curve: PitchCurve) -> None:
+def test_virtual_work_gives_the_leverage(curve: PitchCurve) -> None:
     """A face that is moved by dq goes dn along its normal where the contact is."""
     at = curve.point(PHI)
     lift, step = curve.motion.jet(PHI)[0], 1e-6

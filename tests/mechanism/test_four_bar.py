@@ -169,7 +169,7 @@ def test_a_dead_centre_at_the_start_keeps_the_digits() -> None:
     assert np.abs(found[1] * 2.0 * small) == pytest.approx(theta, rel=1e-4)
 
 
-def test_dimensions_that_do_not_close_are_told_with_a_coupler_that_does() -> None:
+def test_dimensions_that_do_not_close_are_reported_with_a_coupler_that_does() -> None:
     with pytest.raises(GeometryError, match="coupler must be") as caught:
         FourBar(40.0, 20.0, 50.0, 150.0 + 0.0j, math.radians(90.0), 1, 1)
     assert caught.value.key == "linkage"

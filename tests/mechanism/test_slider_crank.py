@@ -194,7 +194,7 @@ def test_the_dimensions_are_those_of_a_coupler_parallel_to_the_guide(
 
 
 @pytest.mark.parametrize("direction", [1, -1])
-def test_a_positive_stroke_goes_the_way_it_is_told(direction: int) -> None:
+def test_a_positive_stroke_goes_in_the_stated_direction(direction: int) -> None:
     linkage = SliderCrank(40.0, 70.0, math.radians(30.0), True, 1, direction, 1)
     x, distance = linkage.pin(np.array([0.0, 3.0]))
     assert x == pytest.approx([50.0, 50.0 + 3.0 * direction], rel=1e-15)

@@ -215,7 +215,7 @@ def test_the_exercise_with_beta_2() -> None:
     assert at[2] == pytest.approx(-(speed**2) / math.sqrt(3.0), rel=2.0 * LIMIT)
 
 
-def test_where_the_pin_lies_in_the_axis_of_the_lever_nothing_is_told() -> None:
+def test_with_the_pin_on_the_axis_of_the_lever_nothing_is_reported() -> None:
     lever = SlottedLever(50.0, 50.0)
     for theta in (0.0, -0.0, TURN, -TURN, math.radians(1080.0)):
         for quantity in (lever.angle, lever.velocity, lever.acceleration):

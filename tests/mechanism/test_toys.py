@@ -224,9 +224,7 @@ def test_a_new_follower_is_started_checked_built_and_verified(tree: Path) -> Non
         ('"mushroom"  ', '"mushrom"  ', 'did you mean "mushroom"?'),
     ],
 )
-def test_what_is_wrong_is_told_as_of_any_follower(
-    tree: Path, old: str, new: str, told: str
-) -> None:
+def test_faults_are_reported_as_of_any_follower(tree: Path, old: str, new: str, told: str) -> None:
     assert old in TEMPLATE
     (tree / "wrong.toml").write_text(TEMPLATE.replace(old, new), encoding="utf-8")
     done = run(tree, "check", "wrong.toml")

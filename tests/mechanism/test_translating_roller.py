@@ -24,7 +24,7 @@ def test_an_offset_above_the_base_radius_is_refused(offset: float) -> None:
 
 
 @pytest.mark.parametrize("offset", [50.0, -50.0])
-def test_an_offset_as_large_as_the_base_radius_starts_beside_the_axis(offset: float) -> None:
+def test_an_offset_as_large_as_the_base_radius_starts_level_with_the_axis(offset: float) -> None:
     assert TranslatingRoller(50.0, 5.0, offset=offset).start_height == 0.0
 
 

@@ -267,7 +267,7 @@ def test_a_value_that_is_not_refused_is_seen(call: Callable[[], object], told: s
     assert answer(call).partition("(")[0] == told
 
 
-def test_degrees_are_told_from_radians() -> None:
+def test_degrees_are_distinguished_from_radians() -> None:
     with pytest.raises(GeometryError, match="radians") as caught:
         TranslatingRoller(40.0, 10.0, guide_angle=90.0)
     assert caught.value.key == "follower.guide_angle"

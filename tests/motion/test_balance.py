@@ -124,7 +124,7 @@ def test_sine_straight_from_its_accelerations(inflection: float, curved: float) 
     assert one.parameters["inflection"] == pytest.approx(inflection, rel=1e-12)
 
 
-def test_what_cannot_be_reached_is_told_with_what_can() -> None:
+def test_what_cannot_be_reached_is_reported_with_what_can() -> None:
     with pytest.raises(GeometryError, match=r"must be below -2\.4674"):
         make_law("harmonic-combination", "R-U", a1=-2.0)
     with pytest.raises(GeometryError, match=r"must be below -2\.0239"):

@@ -153,7 +153,7 @@ def refusal(call: Callable[[], object]) -> GeometryError | None:
 
 
 @pytest.mark.parametrize("door", DOORS.values(), ids=DOORS)
-def test_a_door_answers_or_tells_why_not(door: Callable[[Any], object]) -> None:
+def test_a_door_answers_or_explains_its_refusal(door: Callable[[Any], object]) -> None:
     refused = [refusal(partial(door, value)) for value in NASTY]
     assert any(refused)
     for value, why in zip(NASTY, refused, strict=True):

@@ -454,7 +454,7 @@ def test_derivatives_at_hard_places(name: str, inflection: float, z: float) -> N
 @by_family
 @attack
 @given(data=st.data())
-def test_a_law_says_what_it_was_made_of(name: str, data: st.DataObject) -> None:
+def test_a_law_states_what_it_was_made_of(name: str, data: st.DataObject) -> None:
     task, given = data.draw(family_terms(name))
     try:
         law = make_law(name, task, **given)
@@ -695,7 +695,7 @@ def mesh(law: Law) -> tuple[FloatArray, FloatArray, FloatArray]:
 @by_family
 @attack
 @given(data=st.data())
-def test_characteristic_values_are_taken_where_they_are_said_to_be(
+def test_characteristic_values_are_taken_at_their_stated_places(
     name: str, data: st.DataObject
 ) -> None:
     """At the place itself, or, at a border, on one side of it. Of several places at which the value

@@ -97,7 +97,7 @@ def test_what_was_written_is_read(lifts: list[float], style: tuple[str, str], sp
         ("phi [rad],s\n0,0\n360,0\n", 1, r"'phi [rad]': the unit of the angle; allowed is deg"),
     ],
 )
-def test_what_is_wrong_is_told_with_file_and_line(text: str, line: int, message: str) -> None:
+def test_faults_are_reported_with_file_and_line(text: str, line: int, message: str) -> None:
     with pytest.raises(GeometryError) as caught:
         read_lift_table(text, "lift.csv")
     assert caught.value.message.startswith(f"lift.csv, line {line}: ")
@@ -105,7 +105,7 @@ def test_what_is_wrong_is_told_with_file_and_line(text: str, line: int, message:
     assert "allowed" in caught.value.message
 
 
-def test_what_is_no_text_is_told_with_its_line() -> None:
+def test_bytes_that_are_no_text_are_reported_with_their_line() -> None:
     with pytest.raises(GeometryError, match=r"lift\.csv, line 2: no UTF-8 text; allowed is UTF-8"):
         read_lift_table(b"0,0\n1,\xff\n", "lift.csv")
 

@@ -58,7 +58,7 @@ def test_what_was_asked_the_longest_time_ago_is_forgotten(
     assert recalling.jet(PHI, "left") is not second
 
 
-def test_what_is_told_of_a_plan_is_kept_for_the_question_asked_last(plan: MotionPlan) -> None:
+def test_of_a_plan_the_last_answer_is_kept(plan: MotionPlan) -> None:
     asked = []
 
     @kept_with_plan

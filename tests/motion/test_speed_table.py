@@ -53,7 +53,7 @@ def test_even_rows_are_constant_speed() -> None:
         ([(0.0, 0.0), (1.0, 360.0)], "allowed are 4 rows or more"),
     ],
 )
-def test_what_is_wrong_is_told(rows: list[tuple[float, float]], message: str) -> None:
+def test_faults_are_reported(rows: list[tuple[float, float]], message: str) -> None:
     with pytest.raises(GeometryError, match=re.escape(message)):
         read_speed_table(text(rows), "speed.csv")
 

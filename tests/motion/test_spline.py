@@ -555,7 +555,7 @@ def test_noise_goes_and_the_motion_stays() -> None:
 
 @pytest.mark.parametrize("waves", [1, 2, 3])
 @pytest.mark.parametrize("length", [0.1, 1.0 / 3.0, 1.0])
-def test_a_wave_keeps_the_share_that_the_length_tells(waves: int, length: float) -> None:
+def test_a_wave_keeps_the_share_that_follows_from_its_length(waves: int, length: float) -> None:
     count = 1000
     x = even(count)
     spline = smoothed_ring(x, np.cos(waves * x), length)
@@ -643,7 +643,7 @@ def test_poor_periods_are_refused(period: float, last: float, message: str) -> N
         periodic_spline(GOOD, np.array([0.0, 1.0, 2.0, last]), period)
 
 
-def test_a_gap_at_the_seam_is_allowed_as_far_as_told() -> None:
+def test_a_gap_at_the_seam_is_allowed_up_to_the_stated_limit() -> None:
     y = np.array([0.0, 1.0, 2.0, 0.01])
     spline = periodic_spline(GOOD, y, 3.0, gap=0.01)
     assert spline.values(np.array([3.0]), 0)[0, 0] == 0.0

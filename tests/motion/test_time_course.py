@@ -240,7 +240,7 @@ def test_poor_tables_are_refused(t: list[float], phi: list[float], message: str)
     assert caught.value.message
 
 
-def test_the_place_where_the_cam_would_turn_back_is_told() -> None:
+def test_the_place_where_the_cam_would_turn_back_is_reported() -> None:
     t = np.arange(9.0)
     phi = TURN * t / 8.0 + 1.1 * np.sin(TURN * t / 8.0)
     with pytest.raises(GeometryError) as caught:

@@ -89,7 +89,7 @@ def test_a_scene_takes_it_and_its_parameter(tree: Path) -> None:
         ("smooth =", "curved =", 'is no parameter of "toy-septic"; its parameters: smooth'),
     ],
 )
-def test_what_is_wrong_is_told_as_of_any_law(tree: Path, old: str, new: str, told: str) -> None:
+def test_faults_are_reported_as_of_any_law(tree: Path, old: str, new: str, told: str) -> None:
     (tree / "wrong.toml").write_text(SCENE.replace(old, new), encoding="utf-8")
     done = run_copy(tree, "-m", "camgeo", "check", "wrong.toml")
     assert done.returncode == 2

@@ -80,7 +80,7 @@ def test_a_positive_number_is_itself_or_refused(value: float) -> None:
         ({"least": 0.0, "below": 1.0}, (0.0,), (1.0,), "must be a number from 0 and below 1"),
     ],
 )
-def test_bounds_are_held_and_told(
+def test_bounds_are_held_and_reported(
     bounds: dict[str, Any], inside: tuple[float, ...], outside: tuple[float, ...], message: str
 ) -> None:
     for value in inside:

@@ -113,7 +113,7 @@ def test_what_the_ends_have_on_their_outer_sides_does_not_count() -> None:
 
 @given(jump=st.floats(-3.0, 3.0), edge=st.floats(0.05, 0.95))
 @some
-def test_a_jump_beside_a_crest(jump: float, edge: float) -> None:
+def test_a_jump_next_to_a_crest(jump: float, edge: float) -> None:
     """Pieces are searched apart: on each the extreme is its own."""
 
     def function(x: FloatArray, side: Side) -> FloatArray:

@@ -270,7 +270,7 @@ def test_a_harmonic_that_the_base_does_not_have_is_no_resonance() -> None:
         steady_state(one_mass(TURN, 0.0), cosine(np.array([0.0, 1.0])), 0.0)
 
 
-def test_near_resonance_the_error_is_told_honestly() -> None:
+def test_near_resonance_the_error_estimate_holds() -> None:
     """Against the closed form of the single harmonic, a millionth beside it."""
     ratio = 1.0 + 1e-6
     response = steady_state(one_mass(TURN * ratio, 0.0), cosine(np.array([0.0, 0.4, 1.0])), 0.0)
@@ -283,7 +283,7 @@ def test_near_resonance_the_error_is_told_honestly() -> None:
 
 
 @pytest.mark.parametrize("tolerance", [1e-3, 1e-6, 1e-9])
-def test_a_coarse_forcing_is_within_the_error_it_tells(tolerance: float) -> None:
+def test_a_coarse_forcing_is_within_its_stated_error(tolerance: float) -> None:
     base, train = cam(), one_mass(TURN * 9.7, 0.03)
     t = np.linspace(0.0, 1.0, 201)
     coarse, fine = (steady_state(train, base, share) for share in (tolerance, 0.0))

@@ -124,7 +124,7 @@ def test_singular_functions_meet_the_tolerance(
     [case[1:] for case in POWERS],
     ids=[case[0] for case in POWERS],
 )
-def test_the_error_of_a_power_is_told_honestly(
+def test_the_error_estimate_of_a_power_holds(
     function: Callable[[FloatArray], FloatArray],
     expected: float,
     magnitude: float,
@@ -144,7 +144,7 @@ def test_the_error_of_a_power_is_told_honestly(
     cuts=st.lists(st.floats(0.01, 0.99), max_size=4),
 )
 @some
-def test_the_error_is_told_honestly(
+def test_the_error_estimate_holds(
     rate: float, wave: float, tolerance: float, cuts: list[float]
 ) -> None:
     """Of Re exp((rate + i wave) x), whose integral is known; waves up to ten on the interval."""
@@ -189,7 +189,7 @@ def test_a_peak_on_a_node_does_not_pass_for_all_there_is(tolerance: float) -> No
 
 
 @pytest.mark.parametrize("noise", [1e-12, 1e-9, 1e-6])
-def test_noise_beyond_the_tolerance_ends_and_is_told(noise: float) -> None:
+def test_noise_beyond_the_tolerance_ends_and_is_reported(noise: float) -> None:
     """As of forces that are small differences of large ones."""
 
     def rough(x: FloatArray) -> FloatArray:

@@ -52,7 +52,7 @@ def test_few_cells_do_next_to_a_change_point() -> None:
     assert len(divide(Envelope(curve), NO_CUSPS).cells) <= 200
 
 
-def test_a_bend_that_is_not_resolved_is_told_with_its_place(
+def test_an_unresolved_bend_is_reported_with_its_place(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr("camgeo.outline.division.NARROWEST", 1e-3)

@@ -105,7 +105,7 @@ def test_a_concave_corner_is_drawn_and_no_cutter_makes_it() -> None:
     assert caught.value.key == "output.gcode.tool_diameter"
 
 
-def test_the_check_says_that_any_curvature_fits() -> None:
+def test_the_check_states_that_any_curvature_fits() -> None:
     design = camgeo.load(SCENE)
     (found,) = (f for f in design.findings if f.name == "radius-ratio-inner")
     assert (found.severity, found.value) == ("ok", 0.0)

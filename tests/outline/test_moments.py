@@ -79,7 +79,7 @@ def test_an_eccentric_disc_has_the_moments_of_its_circle(
     assert found.first_error < 1e-12 * exact * (40.0 + eccentricity)
 
 
-def test_the_error_that_is_told_holds_at_every_tolerance() -> None:
+def test_the_error_estimate_holds_at_every_tolerance() -> None:
     """A disc that hardly holds the axis: the lift turns round fast, so that parts are halved."""
     path = eccentric(39.9, 40.0, roller=0.01)
     exact = -math.pi * 40.0**2

@@ -247,7 +247,7 @@ def test_lobe_of_hc22_is_cut_off() -> None:
     assert abs(area(lobe)) > 2000.0
 
 
-def test_a_neck_that_all_but_closes_is_told_open_or_closed() -> None:
+def test_a_neck_that_all_but_closes_is_found_open_or_closed() -> None:
     """Half the width of HC22's neck is the roller radius at which its lobe is cut off."""
     params, _ = hard_case("HC22")
     limit = 13.53091360897672  # half the chord that is square to the pitch curve at both ends

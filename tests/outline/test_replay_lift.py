@@ -102,7 +102,7 @@ def test_each_derivative_is_that_of_the_one_before(
 
 @few
 @given(curve=mechanisms, press=signs())
-def test_a_small_play_is_what_the_check_tells(curve: PitchCurve, press: int) -> None:
+def test_a_small_play_is_what_the_check_reports(curve: PitchCurve, press: int) -> None:
     """To first order in the clearance, with an error that falls as the clearance does."""
     sound(curve, 1e-3)
     errors = []

@@ -259,7 +259,7 @@ def test_trimmed_disc(trimmed: Callable[[], Path]) -> None:
         )
 
 
-def test_bore_beside_a_corner() -> None:
+def test_bore_near_a_corner() -> None:
     """HC22: without the lobe the disc is the base circle of 6 mm with a corner at 9.06 mm."""
     path = cut_off_lobe()
     part = build_part(Contact.INNER, path, path, PartSpec(bore=11.9), 0.01)

@@ -66,7 +66,7 @@ def test_faults(text: str, changes: list[tuple[str, str]], expected: str) -> Non
         parse_scene(spoilt(text, *changes))
 
 
-def test_a_return_arm_on_the_line_of_centres_is_told_with_its_key() -> None:
+def test_a_return_arm_on_the_line_of_centres_is_reported_with_its_key() -> None:
     follower = parse_scene(LEVER).follower
     assert isinstance(follower, OscillatingRoller)
     angle = math.degrees(follower.start_angle)
@@ -74,7 +74,7 @@ def test_a_return_arm_on_the_line_of_centres_is_told_with_its_key() -> None:
     assert f"follower.return.arm_angle = {angle!r}: the return arm lies on the line" in told
 
 
-def test_all_faults_are_told_at_once() -> None:
+def test_all_faults_are_reported_at_once() -> None:
     text = LEVER.replace("arm_angle = 84", "arm_angle = 400").replace("dwell = 40", "dwell = 41")
     text += "\n[effects.balance]\n[effects.friction]\nguide_length = 90\n"
     told = faults_of(text)

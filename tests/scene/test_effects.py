@@ -136,7 +136,7 @@ def test_units_of_the_schema_are_known() -> None:
         ("density", "[kg/m^3]"),
     ],
 )
-def test_descriptions_tell_the_unit_that_is_converted(text: str, words: str) -> None:
+def test_descriptions_state_the_unit_that_is_converted(text: str, words: str) -> None:
     keys = [(name, key, node) for name, key, node in numbers()
             if node.get("$ref", "") == f"#/$defs/{text}"]  # fmt: skip
     assert keys
@@ -181,7 +181,7 @@ def test_a_file_is_read_with_its_hash(fakes: Fakes, tmp_path: Path, ending: str)
     assert [name for name, _ in loaded.files] == ["load.csv"]
 
 
-def test_a_file_that_is_not_there_is_told(fakes: Fakes, tmp_path: Path) -> None:
+def test_a_file_that_is_not_there_is_reported(fakes: Fakes, tmp_path: Path) -> None:
     scene = tmp_path / "scene.toml"
     scene.write_text(with_effects('[effects.load]\nfile = "load.csv"\n'), "utf-8")
     with pytest.raises(SceneError, match=r'effects\.load\.file = "load\.csv": cannot be read'):
@@ -227,7 +227,7 @@ def parse_spring(given: Mapping[str, Any]) -> Mapping[str, Any]:
          Fault("effects.spring", "", "has two rates", line=LAST_LINE + 1)),
     ],
 )  # fmt: skip
-def test_what_parse_refuses_is_told_with_key_and_line(
+def test_what_parse_refuses_is_reported_with_key_and_line(
     fakes: Fakes, text: str, expected: Fault
 ) -> None:
     fakes["spring"] = declared("spring", parse=parse_spring)
@@ -237,7 +237,7 @@ def test_what_parse_refuses_is_told_with_key_and_line(
 SPEED = ("cam.speed", "cam.speed_curve")
 
 
-def test_a_missing_key_is_told_with_the_line_of_the_table(fakes: Fakes) -> None:
+def test_a_missing_key_is_reported_with_the_line_of_the_table(fakes: Fakes) -> None:
     fakes["kinematics"] = declared("kinematics", keys=(SPEED,))
     (fault,) = faults("[effects.kinematics]\n", ROCKER)
     assert fault.key == "effects.kinematics"
@@ -246,7 +246,7 @@ def test_a_missing_key_is_told_with_the_line_of_the_table(fakes: Fakes) -> None:
     assert parse_scene(with_effects("[effects.kinematics]\n")).effects == {"kinematics": {}}
 
 
-def test_a_missing_table_is_told(fakes: Fakes) -> None:
+def test_a_missing_table_is_reported(fakes: Fakes) -> None:
     keys = (("effects.inertia",),)
     fakes["gravity"] = declared("gravity", keys=keys)
     (fault,) = faults("[effects.gravity]\n")
@@ -264,7 +264,7 @@ def test_one_of_several_tables_is_enough(fakes: Fakes) -> None:
     assert "contact-force" in parse_scene(with_effects(text)).effects
 
 
-def test_what_a_needed_effect_needs_is_told_of_the_one_named(fakes: Fakes) -> None:
+def test_what_a_needed_effect_lacks_is_reported_for_the_named_one(fakes: Fakes) -> None:
     fakes["balance"] = declared("balance", needs=("inertia",))
     fakes["inertia"] = declared("inertia", needs=("kinematics",), uses=("load",))
     fakes["kinematics"] = declared("kinematics", keys=(SPEED,))
@@ -294,7 +294,7 @@ def test_a_ring_ends_the_search(fakes: Fakes) -> None:
     assert set(parse_scene(with_effects("[effects.load]\n")).effects) == {"load"}
 
 
-def test_all_faults_are_told_at_once(fakes: Fakes) -> None:
+def test_all_faults_are_reported_at_once(fakes: Fakes) -> None:
     """Of several tables, those that the schema finds beside those that an effect finds."""
     fakes["spring"] = declared("spring", parse=parse_spring)
     keys = (("effects.inertia",),)

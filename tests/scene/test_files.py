@@ -71,7 +71,7 @@ def test_no_more_faults_than_anyone_reads(line: str) -> None:
     assert len(caught.value.faults) <= 1001
 
 
-def test_source_is_told(tmp_path: pathlib.Path) -> None:
+def test_the_source_is_named(tmp_path: pathlib.Path) -> None:
     file = tmp_path / "scene.toml"
     data = PLATE.replace("\n", "\r\n").encode()
     file.write_bytes(data)

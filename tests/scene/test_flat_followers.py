@@ -85,7 +85,7 @@ def test_all_that_is_for_rollers_is_refused_at_once() -> None:
         (("face_offset = 6", "face_offset = 146"), "follower.base_radius", "between 45.4"),
     ],
 )
-def test_a_face_that_can_be_at_no_distance_is_told_why(
+def test_a_face_that_fits_at_no_distance_is_refused_with_the_reason(
     change: tuple[str, str], key: str, words: str
 ) -> None:
     with pytest.raises(SceneError) as error:

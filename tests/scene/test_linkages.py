@@ -106,7 +106,7 @@ def test_the_follower_decides_which_member_of_a_slider_crank_moves_as_demanded()
         ),
     ],
 )
-def test_what_cannot_be_is_told(text: str, changes: list[tuple[str, str]], words: str) -> None:
+def test_the_impossible_is_refused(text: str, changes: list[tuple[str, str]], words: str) -> None:
     with pytest.raises(SceneError) as caught:
         loaded(text, *changes)
     assert words in str(caught.value)
@@ -120,7 +120,7 @@ def test_no_range_of_no_width_is_proposed() -> None:
     assert "kept between" not in fault.message
 
 
-def test_a_direction_that_contradicts_the_four_bar_is_told() -> None:
+def test_a_direction_that_contradicts_the_four_bar_is_reported() -> None:
     stated = "inward" if _moves_outward(loaded(FOUR_BAR)) else "outward"
     with pytest.raises(SceneError, match="contradicts the linkage"):
         loaded(FOUR_BAR, ("roller_radius = 8", f'roller_radius = 8\ndirection = "{stated}"'))

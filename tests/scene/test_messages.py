@@ -163,7 +163,7 @@ FAULTS: list[tuple[str, list[Change], str]] = [
 
 
 @pytest.mark.parametrize(("scene", "changes", "message"), FAULTS, ids=[f[2] for f in FAULTS])
-def test_fault_is_told(scene: str, changes: list[Change], message: str) -> None:
+def test_fault_is_reported(scene: str, changes: list[Change], message: str) -> None:
     text = spoilt(scene, *changes)
     with pytest.raises(SceneError) as caught:
         parse_scene(text, "scene.toml")
@@ -171,7 +171,7 @@ def test_fault_is_told(scene: str, changes: list[Change], message: str) -> None:
     assert any(re.search(message, str(fault)) for fault in caught.value.faults), str(caught.value)
 
 
-def test_every_line_told_is_that_of_the_key() -> None:
+def test_every_reported_line_is_that_of_the_key() -> None:
     for scene, changes, _ in FAULTS:
         text = spoilt(scene, *changes)
         with pytest.raises(SceneError) as caught:
@@ -224,7 +224,7 @@ def test_one_mistake_is_one_fault() -> None:
             parse_scene(text)
 
 
-def test_machine_profile_beside_the_scene(tmp_path: pathlib.Path) -> None:
+def test_machine_profile_in_the_folder_of_the_scene(tmp_path: pathlib.Path) -> None:
     profile = tmp_path / "mill.toml"
     profile.write_text("")
     text = spoilt(PLATE, ('"linuxcnc"', '"mill.toml"'))

@@ -169,7 +169,7 @@ def with_table(folder: Path, rows: str, extra: str = "", span: int = 360) -> Pat
     return scene
 
 
-def test_a_table_beside_the_scene(tmp_path: Path) -> None:
+def test_a_table_in_the_folder_of_the_scene(tmp_path: Path) -> None:
     scene = load_scene(with_table(tmp_path, ROWS, "smoothing = 0.001\n"))
     (move,) = scene.plan.segments
     assert isinstance(move, SplineMove)

@@ -168,12 +168,12 @@ def test_every_number_is_checked(place: int, number: float) -> None:
         (5, 59.0, "the spans add up to 359 degrees; they must add up to 360"),
     ],
 )
-def test_what_is_allowed_is_told(place: int, number: float, message: str) -> None:
+def test_what_is_allowed_is_reported(place: int, number: float, message: str) -> None:
     with pytest.raises(SceneError, match=message):
         import_project(changed(place, number), "setzhub")
 
 
-def test_all_faults_are_told_at_once() -> None:
+def test_all_faults_are_reported_at_once() -> None:
     data = bytearray(changed(1, -1.0))
     data[8 * 18 : 8 * 19] = struct.pack("<d", 3.0)
     with pytest.raises(SceneError) as refused:
@@ -185,7 +185,7 @@ def test_all_faults_are_told_at_once() -> None:
     assert str(refused.value).startswith("my.ocv: 2 faults")
 
 
-def test_what_the_program_makes_of_a_plan_that_does_not_add_up_is_told() -> None:
+def test_what_the_program_makes_of_a_plan_that_does_not_add_up_is_reported() -> None:
     with pytest.raises(SceneError, match="heeds no phi_H45 and rests for 60 degrees"):
         project_numbers(changed(5, 61.0))
     with pytest.raises(SceneError) as refused:
@@ -217,7 +217,7 @@ def test_the_other_order_of_bytes_is_named() -> None:
     ("place", "number", "key"),
     [(17, 500.0, "r_G"), (10, 9.0, "l_sk, l_4, alpha_sk, s_H"), (3, 1e-8, "phi_H23")],
 )
-def test_a_mechanism_that_does_not_exist_is_told_in_the_terms_of_the_project(
+def test_a_mechanism_that_does_not_exist_is_reported_in_terms_of_the_project(
     place: int, number: float, key: str
 ) -> None:
     data = changed(place, number)
@@ -272,7 +272,7 @@ def test_the_command_writes_a_scene_that_can_be_built(tmp_path: Path, capsys: Ca
     assert scene.read_text(encoding="utf-8") == first
 
 
-def test_the_answer_that_the_program_does_not_heed_is_told(tmp_path: Path, capsys: Capture) -> None:
+def test_an_answer_that_the_program_ignores_is_reported(tmp_path: Path, capsys: Capture) -> None:
     project = tmp_path / "v.ocv"
     project.write_bytes(changed(23, 2.0, "vorschub"))
     assert main(["import", str(project)]) == 0

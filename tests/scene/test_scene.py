@@ -146,7 +146,7 @@ def test_nothing_of_it_can_be_changed() -> None:
     assert own.values["follower"]["base_radius"] == 50
 
 
-def test_no_part_of_it_can_be_put_beside_others() -> None:
+def test_no_part_of_it_can_be_replaced() -> None:
     """An identity never stands beside values that it is not of."""
     scene = loaded(PLATE)
     with pytest.raises(TypeError):

@@ -166,7 +166,7 @@ TREES = st.dictionaries(
 
 @settings(deadline=None)
 @given(before=TREES, after=TREES)
-def test_what_is_written_is_what_is_said(before: dict[str, Any], after: dict[str, Any]) -> None:
+def test_what_is_written_is_what_is_reported(before: dict[str, Any], after: dict[str, Any]) -> None:
     """Whatever stood in the text before; to the last digit."""
     text = written_into("", before)
     assert tomllib.loads(text, parse_float=Decimal) == before

@@ -60,7 +60,7 @@ def test_rollers_of_a_yoke_are_as_far_apart_on_the_pitch_curve() -> None:
     assert closing(on_rollers()).severity == "ok"
 
 
-def test_a_wrong_breadth_is_told_with_its_error() -> None:
+def test_a_wrong_breadth_is_reported_with_its_error() -> None:
     finding = closing(TEXT.replace("breadth = 66", "breadth = 66.05"))
     assert finding.severity == "broken"
     assert finding.value == pytest.approx(0.05)
@@ -70,7 +70,7 @@ def test_a_wrong_breadth_is_told_with_its_error() -> None:
     assert closing(limited).severity == "ok"
 
 
-def test_a_motion_that_does_not_undo_itself_is_told() -> None:
+def test_a_motion_that_does_not_undo_itself_is_reported() -> None:
     text = TEXT.replace("dwell = 50", "dwell = 40", 1).replace("span = 130", "span = 140", 1)
     finding = closing(text)
     assert finding.severity == "broken"
@@ -108,7 +108,7 @@ def test_what_does_not_go_with_a_yoke_is_refused(text: str, told: str) -> None:
     assert told in str(caught.value)
 
 
-def test_an_effect_that_is_refused_is_not_told_what_it_lacks_too() -> None:
+def test_for_a_refused_effect_nothing_missing_is_reported() -> None:
     with pytest.raises(SceneError) as caught:
         parse_scene(TEXT + "[effects.contact-force]\n")
     (fault,) = caught.value.faults

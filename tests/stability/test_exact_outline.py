@@ -177,7 +177,7 @@ def test_nothing_is_lost_at_the_ends_of_what_is_missing(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", GUESSES)
-def test_the_largest_loss_is_larger_than_beside_it(name: str) -> None:
+def test_the_largest_loss_is_larger_than_its_neighbours(name: str) -> None:
     outline, numbers = exact(name)
     with mp.workdps(DIGITS):
         x, y, corner = crossing(name)

@@ -103,7 +103,7 @@ def test_at_an_end_of_its_range_an_input_moves_the_other_way() -> None:
     assert reading(lambda x: x, up_to_one, 1.0).conditioning == 0.5
 
 
-def test_an_input_without_room_is_told() -> None:
+def test_an_input_without_room_is_reported() -> None:
     def only_one(x: Any) -> Any:
         if x != 1:
             raise GeometryError("not 1")

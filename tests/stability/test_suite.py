@@ -49,7 +49,7 @@ def test_no_digits_are_lost_that_the_inputs_have(group: str) -> None:
     assert poor == []
 
 
-def test_cases_are_told_apart_by_their_names() -> None:
+def test_names_distinguish_cases() -> None:
     twice = [key for key, count in Counter((c.group, c.name, c.quantities) for c in CASES).items()
              if count > 1]  # fmt: skip
     assert twice == []

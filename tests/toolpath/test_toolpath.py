@@ -216,7 +216,7 @@ def test_depth_passes(pass_depth: float, count: int) -> None:
         assert np.max(steps) <= pass_depth * (1.0 + 1e-9)
 
 
-def test_one_pass_if_nothing_is_said() -> None:
+def test_one_pass_by_default() -> None:
     assert all(
         len(operation.cut.depths) == 1 for operation in _toolpath(Contact.INNER, 6.0).operations
     )
@@ -290,7 +290,7 @@ def test_bore_is_cut_first_and_inside() -> None:
         ),
     ],
 )
-def test_cuts_know_what_is_beside_them(
+def test_cuts_know_what_is_on_either_side(
     contact: Contact, tool: float, expected: list[tuple[str, ...]]
 ) -> None:
     """Their boundaries are the part's, on the side that they say, and as deep as their walls."""

@@ -118,7 +118,7 @@ def test_a_groove_of_no_depth_is_no_body(name: str) -> None:
         Design(parse_scene(head + table)).write("out", [name])
 
 
-def test_a_program_is_verified_against_a_scene_that_tells_of_milling(tmp_path: Path) -> None:
+def test_a_program_is_verified_against_a_scene_with_milling(tmp_path: Path) -> None:
     Design(parse_scene(PLATE)).write(tmp_path, ["gcode"])
     program = tmp_path / "plate.ngc"
     other = Design(parse_scene(BARE))

@@ -119,7 +119,7 @@ def test_trimmed_outlines_keep_their_corners(name: str) -> None:
     assert len(fit.contour) < 0.75 * len(fit_polyline(path, 1e-3).contour)
 
 
-def test_a_circle_needs_what_geometry_says() -> None:
+def test_a_circle_needs_the_number_of_pieces_that_geometry_demands() -> None:
     """cos(pi/n) = (r - u)/(r + u); the proof takes 1.15 % of the tolerance, u the rest."""
     path = whole(cam(dwell(360)))
     least = math.pi / (2.0 * math.asin(math.sqrt(1e-3 / 32.001)))

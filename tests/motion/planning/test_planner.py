@@ -382,7 +382,7 @@ def test_through_points_without_rest_over_unequal_spans(size: float) -> None:
     assert caught.value.key == "motion[1].span"
 
 
-def test_joints_are_told_by_their_angle() -> None:
+def test_joints_are_identified_by_their_angle() -> None:
     found = joints(planned(move(120, 10.0), rest(0), move(240, 0.0)))
     assert [joint.cam_angle for joint in found] == [0.0, math.radians(120.0)]
     assert [type(joint) for joint in found] == [Joint, Joint]

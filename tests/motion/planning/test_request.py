@@ -76,7 +76,7 @@ WRONG: list[tuple[type, str, Any]] = [
 @pytest.mark.parametrize(
     ("kind", "key", "value"), WRONG, ids=lambda each: getattr(each, "__name__", None)
 )
-def test_a_wrong_value_is_told_with_its_key(kind: type, key: str, value: Any) -> None:
+def test_a_wrong_value_is_reported_with_its_key(kind: type, key: str, value: Any) -> None:
     with pytest.raises(GeometryError, match="must be") as caught:
         kind(**(SOUND[kind] | {key: value}))
     told = {"shares": ("shares", "positions", "lifts")}.get(key, (key,))
@@ -85,7 +85,7 @@ def test_a_wrong_value_is_told_with_its_key(kind: type, key: str, value: Any) ->
 
 
 @pytest.mark.parametrize("weight", [-1.0, 0.0, math.nan, "1"])
-def test_a_wrong_weight_is_told_with_its_name(weight: Any) -> None:
+def test_a_wrong_weight_is_reported_with_its_name(weight: Any) -> None:
     with pytest.raises(GeometryError, match="must be") as caught:
         MoveRequest(SPAN, 1.0, "auto", optimise={"jerk": weight})
     assert caught.value.key == "jerk"

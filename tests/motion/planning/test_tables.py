@@ -53,7 +53,7 @@ def test_a_smoothed_table_stays_within_what_is_allowed_and_is_smoother() -> None
     assert jerk_of[1] < 2.0 * true
 
 
-def test_a_table_tells_its_neighbours_what_it_has() -> None:
+def test_a_table_gives_its_neighbours_its_values() -> None:
     """Its spline, free where nothing beside it rests, decides; the law behind takes that on."""
     x = np.linspace(0.0, 1.0, 31)
     rows = 8.0 * x**3 * (4.0 - 3.0 * x)
@@ -74,13 +74,13 @@ def test_two_tables_meet_smoothly() -> None:
     assert all(joint.order >= 2 for joint in joints(plan))
 
 
-def test_a_table_that_does_not_return_is_told() -> None:
+def test_a_table_that_does_not_return_is_reported() -> None:
     with pytest.raises(GeometryError, match="ends at 3") as caught:
         planned(rest(60), table(300, [0.0, 1.0, 2.0, 3.0]))
     assert caught.value.key.startswith("motion")
 
 
-def test_a_turn_that_does_not_close_is_told() -> None:
+def test_a_turn_that_does_not_close_is_reported() -> None:
     with pytest.raises(GeometryError, match="off where it would close") as caught:
         planned(table(360, [0.0, 1.0, 2.0, 1.0, 0.5]))
     assert caught.value.key == "motion[1].file"

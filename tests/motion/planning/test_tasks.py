@@ -294,7 +294,9 @@ FAULTS: list[tuple[list[Request], str, str, str]] = [
 @pytest.mark.parametrize(
     ("requests", "key", "value", "words"), FAULTS, ids=[f"{f[1]} {f[3][:40]}" for f in FAULTS]
 )
-def test_what_cannot_be_is_told(requests: list[Request], key: str, value: str, words: str) -> None:
+def test_the_impossible_is_refused(
+    requests: list[Request], key: str, value: str, words: str
+) -> None:
     with pytest.raises(GeometryError) as caught:
         plan_motion(requests, MM)
     assert caught.value.key.startswith(key)
@@ -303,7 +305,7 @@ def test_what_cannot_be_is_told(requests: list[Request], key: str, value: str, w
         assert caught.value.value.startswith(value)
 
 
-def test_messages_are_told_in_the_unit_of_the_scene() -> None:
+def test_messages_are_in_the_unit_of_the_scene() -> None:
     requests: list[Request] = [
         rest(60),
         move(120, math.radians(20.0), "harmonic-combination", acceleration=math.radians(-4.0)),
@@ -319,7 +321,7 @@ def test_messages_are_told_in_the_unit_of_the_scene() -> None:
         plan_motion(requests)
 
 
-def test_the_acceleration_told_would_do() -> None:
+def test_the_suggested_acceleration_works() -> None:
     """What the message names as possible is possible, on its side and no further."""
 
     def asked(acceleration: float) -> list[Request]:

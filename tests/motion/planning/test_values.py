@@ -155,7 +155,7 @@ def test_the_gentlest_law_meets_the_sharpest() -> None:
         assert sorted(joint.order >= 2 for joint in joints(plan)) == [False, True]
 
 
-def test_an_inferred_turn_suits_the_laws_beside_it() -> None:
+def test_an_inferred_turn_suits_its_neighbouring_laws() -> None:
     """Left alone the integral of s''' squared would turn the wrong way round here."""
     plan = planned(
         move("153.7", 20.0, "sine-straight"),
