@@ -1,8 +1,8 @@
-"""Where the time of a whole build goes, stage by stage, and what the command costs in all.
+"""Where the time of a whole build goes, stage by stage, and what the command costs in total.
 
-Each round is a fresh process, so imports and the first use of everything are in the figures; told
-is the median. Stages are asked for in the order in which a build needs them, so that each has only
-its own part: the first writer does not pay for the outline, nor a writer for its library.
+Each round is a fresh process, so the figures include imports and the first use of everything; the
+median is reported. Stages run in the order in which a build needs them, so each figure is that of
+its stage alone: the first writer does not pay for the outline, nor a writer for its library.
 
 With `--against REV`, which needs git: the CPU time of the whole command in all formats, here and as
 of that revision, in turns, each in a fresh process.

@@ -1,30 +1,30 @@
-"""Pieces and time of the contours, against the curve itself and against other programs.
+"""Pieces and time of the contours, compared with the curve itself and with other programs.
 
-First the fits of one flank with their proofs, as multiples of the time of that flank with its
-derivatives at 30,000 and at 600,000 points, measured in turns in one run: the pitch curve with
-three derivatives, and the points and the curvature of the flank, as `camgeo table` computes them.
-And their pieces over the least number that there can be for small tolerances, see
+First the fits of one flank with their proofs, as multiples of the time that the flank with its
+derivatives takes at 30,000 and at 600,000 points, measured in turns in one run: the pitch curve
+with three derivatives, and the points and the curvature of the flank, as `camgeo table` computes
+them; and their numbers of pieces over the least possible for small tolerances, see
 `camgeo.contour.least_pieces`.
 
-Then each form against the programs of `peers.py`. They get exact points, evenly spaced and so dense
-that what they lose is less than a hundredth of the tolerance. By bisection of its own parameter
-each is brought to the fewest pieces whose measured deviation is within the tolerance. All are
-measured alike, camgeo too: points of the contour, at least 16 a piece, from the exact curve, and in
-the end also points of the exact curve from the contour.
+Then each form compared with the programs of `peers.py`. They get exact points, evenly spaced and so
+dense that less than a hundredth of the tolerance is lost. Bisection of its own parameter brings
+each to the fewest pieces whose measured deviation is within the tolerance. All contours, camgeo's
+too, are measured in the same way: points of the contour, at least 16 a piece, from the exact
+curve, and finally points of the exact curve from the contour.
 
-To be generous to the peers:
+In favour of the peers:
 
-- they get the closed curve, and again each smooth piece by itself; the better of both counts;
-- in the latter case they need not meet where pieces join, and an arc or a cubic may take the place
-  of a dwell for nothing;
-- their time is that of the one call with the best parameter, not of the search for it, and not of
-  what turns the points into types of their own. The points are told beside it: "points" is the
+- they get the closed curve, and then each smooth piece by itself; the better result counts;
+- in the latter case their pieces need not meet at the ends, and a dwell counts as one arc or cubic
+  at no cost;
+- their time is that of the one call with the best parameter, without the search for it and without
+  the conversion of the points to their types. The points are timed separately: "points" is the
   time to evaluate them, "call" that of the call, "search" that of the points and of all calls of
-  the search, without the measuring in between. camgeo's time begins with the curve and ends with
+  the search, without the measurements in between. camgeo's time runs from the curve to the end of
   the proof, which the peers do not have.
 
-The target is fewer pieces than every peer, in less time than its points and call. What does not
-join as well as camgeo's pieces do is told: G1 where those are C2, and gaps where pieces meet.
+The target is fewer pieces than every peer, in less time than its points and call. Joints that are
+worse than camgeo's are reported: G1 where those are C2, and gaps where pieces meet.
 
     pip install fonttools cadquery-ocp-novtk kurbopy  # peers that are not among the requirements
     python benchmarks/contour.py [--tolerances 1e-2,1e-3,1e-4] [--rounds 5] [--patience 0.5]
@@ -128,7 +128,7 @@ SAME: Final = 1e-12
 """Points nearer to each other than this share of the length of the curve are one."""
 
 GAP: Final = 0.01
-"""Gaps between pieces larger than this share of the tolerance are told."""
+"""Gaps between pieces larger than this share of the tolerance are reported."""
 
 ENOUGH: Final = 0.3
 """Repetitions of what takes longer in all [s] are left out."""
@@ -375,15 +375,15 @@ def print_times(design: Design, flank: Flank, forms: Sequence[Form], rounds: int
         forced = 0 if form == "chords" else forced_pieces(flank.path)
         ratio = (len(fit.contour) - forced) / flank.least(form, tolerance)
         share = middle[name] / middle[f"{EVALUATIONS[effort]} all"]
-        told = ""
+        message_ = ""
         if tolerance == 1e-3:
             reached.append(share <= 1.0)
-            told = "" if share <= 1.0 else "  MISSED"
+            message_ = "" if share <= 1.0 else "  MISSED"
         print(
             f"{tolerance:>9g} {form:<8}{effort:<8}{len(fit.contour):>8}{ratio:>11.3f}"
             f"{fit.deviation / tolerance:>8.3f}{1e3 * middle[name]:>11.1f}"
             f"{middle[name] / middle[f'{few} all']:>11.2f}"
-            f"{middle[name] / middle[f'{many} all']:>12.2f}{told}"
+            f"{middle[name] / middle[f'{many} all']:>12.2f}{message_}"
         )
     return all(reached)
 
@@ -544,11 +544,11 @@ def verdict(own: Sequence[Row], others: Sequence[Row], tolerance: float) -> bool
         fewer = [other for other in others if other.pieces <= row.pieces]
         faster = [other for other in others if other.seconds <= row.seconds]
         found = [other for other in faster if other.search <= row.seconds]
-        told = [
+        message_ = [
             f"{other.name} ({other.joints}{', with gaps' if other.gap > GAP * tolerance else ''})"
             for other in fewer
         ]
-        print(f"{row.name}: fewer: {'no, ' + '; '.join(told) if told else 'yes'}")
+        print(f"{row.name}: fewer: {'no, ' + '; '.join(message_) if message_ else 'yes'}")
         for kind, quicker in (("one call", faster), ("its search", found)):
             names = "; ".join(other.name for other in quicker)
             print(f"    faster than {kind}: {'no, ' + names if names else 'yes'}")

@@ -71,10 +71,10 @@ for line in sys.stdin:
         scene = edited(scene, way, edits[path])
     found = camgeo.Design(scene).findings if scene else ()
     took = time.process_time() - began if scene else None
-    told = [(each.name, each.value, each.cam_angle) for each in found]
-    print(json.dumps([took, told]), flush=True)
+    reported = [(each.name, each.value, each.cam_angle) for each in found]
+    print(json.dumps([took, reported]), flush=True)
 """
-"""Judges the scenes that it is asked for, line by line; tells CPU time [s] and findings."""
+"""Judges the scenes named line by line on its input; prints CPU time [s] and findings."""
 
 Told = list[tuple[str, float | None, float | None]]
 
@@ -110,12 +110,12 @@ def measure(workers: dict[str, Worker], path: Path, rounds: int) -> dict[str, fl
     for way in WAYS:
         times: dict[str, list[float]] = {name: [] for name in workers}
         for number in range(rounds + 1):
-            told = {}
+            reported = {}
             for name in sorted(workers, reverse=bool(number % 2)):
-                took, told[name] = workers[name].ask(path, way)
+                took, reported[name] = workers[name].ask(path, way)
                 if number and took is not None:  # the first round loads
                     times[name].append(took)
-            differs = max(differs, difference(*told.values()))
+            differs = max(differs, difference(*reported.values()))
         if not times["here"]:
             cells += f"{'-':>10}{'-':>10}{'-':>8}"
             continue

@@ -1,8 +1,8 @@
-"""What it costs to start: `import camgeo` and `camgeo check`, against `import numpy`.
+"""Start-up times: `import camgeo` and `camgeo check`, compared with `import numpy`.
 
-Each round starts a fresh interpreter for each of the commands in turn, so that whatever else the
-machine does falls on all of them; what is told is the median, and the median of the differences
-within a round. The limit is numpy's own time plus 60 ms for `import camgeo`.
+Each round starts a fresh interpreter for each command in turn, so that other load on the machine
+affects all of them. Medians are reported, of the times and of the differences within a round.
+The limit for `import camgeo` is numpy's own time plus 60 ms.
 
     python benchmarks/import_time.py [--rounds 31] [--scene fixtures/scenes/setzhub.toml]
 """

@@ -28,7 +28,7 @@ Then the time of `Design.findings`, all checks and the search for global undercu
 cams of 2 to 200 segments: moves up and down with rests between them, and no undercut.
 
 Clipper2 takes time that grows with the square of the number of points here: what would take longer
-than `--patience` is left out and said so. The whole run takes some minutes.
+than `--patience` is left out, which the output states. The whole run takes some minutes.
 
     pip install pyclipr  # not among the requirements; without it that peer is skipped
     python benchmarks/outline.py [--points 3600,14400,57600] [--patience 5] [--rounds 30]
@@ -488,9 +488,9 @@ def compare(cam: Cam, counts: Sequence[int], rounds: int, patience: float) -> bo
         and GAIN * row.error <= best.error
         and row.seconds <= best.seconds
     ]
-    told = " and ".join(row.method for row in kept)
+    exact = " and ".join(row.method for row in kept)
     print(
-        f"best peer: {best.method}; a thousandth of its error in no more time: {told or 'MISSED'}"
+        f"best peer: {best.method}; a thousandth of its error in no more time: {exact or 'MISSED'}"
     )
     return bool(kept)
 
@@ -527,7 +527,7 @@ def analyse(segments: int, rounds: int) -> tuple[float, float, float]:
     """Times [s] of the findings, of the extremes of the curvature, of the outline's search."""
     scene = parse_scene(scene_of(segments))
     if any(finding.severity != "ok" for finding in Design(scene).findings):
-        raise SystemExit(f"{segments} segments: the cam is not sound")
+        raise SystemExit(f"{segments} segments: the cam has undercut")
     findings = best_time(lambda: Design(scene).findings, rounds)
     bends = best_time(lambda: Design(scene).cam.disc.bends, rounds)
     design = Design(scene)

@@ -114,9 +114,9 @@ def cpu(tree: Path, arguments: list[str], most: float) -> tuple[float | None, st
 
 def measured(tree: Path, path: Path, most: float) -> Times:
     """The times of one scene [s]."""
-    found, told = cpu(tree, ["-c", FINDINGS, str(path)], most)
+    found, reported = cpu(tree, ["-c", FINDINGS, str(path)], most)
     check, _ = cpu(tree, ["-m", "camgeo", "check", str(path)], most)
-    return {"findings": None if found is None else float(told), "check": check}
+    return {"findings": None if found is None else float(reported), "check": check}
 
 
 def growth(times: Times, before: Times, name: str, ratio: float, start: float) -> str:

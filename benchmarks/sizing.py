@@ -1,15 +1,15 @@
-"""Time of sizing: the smallest base circle, and the map of places of the cam axis that will do.
+"""Time of sizing: the smallest base circle, and the map of possible places of the cam axis.
 
-For each scene, the best of some rounds, all in one process:
+For each scene, the best of several rounds in one process:
 
-- "smallest": the exact smallest base circle for the scene's transmission angle alone; and with the
+- "smallest": the exact smallest base circle for the scene's transmission angle alone; then with the
   rule for the radius of curvature, Flocke's construction and the ratings of all of them;
-- "map": 200 x 200 places of the cam axis about the answer, exactly, and by brute force: u and v of
-  the transmission angle of 720 cam angles at each place, with the motion evaluated once for all.
-  Beyond it the transmission angle as the rest of camgeo computes it, one place after the other,
-  for a share of the places, told for all of them.
+- "map": 200 x 200 places of the cam axis around the answer, exactly, and by brute force: u and v of
+  the transmission angle at 720 cam angles for each place, with the motion evaluated once for all.
+  Also the transmission angle as the rest of camgeo computes it, place by place, for a sample of the
+  places, extrapolated to all of them.
 
-Brute force asks less than the exact map answers: it sees only its cam angles. The places at which
+Brute force answers less than the exact map, since it sees only its cam angles. The places at which
 the two differ are counted.
 
     python benchmarks/sizing.py [--scenes setzhub,plate_translating,schnitt] [--rounds 5]
@@ -79,8 +79,8 @@ def measure(name: str, rounds: int, angles: int) -> None:
         != brute_map(task, tangent, columns, rows, angles)
     )
     cells = (alone, both, exact, brute)
-    told = "".join(f"{1e3 * cell:13.2f}" for cell in cells)
-    print(f"{name:20}{told}{brute / exact:13.1f}{1e3 * EVERY**2 * single:13.0f}{differ:13d}")
+    reported = "".join(f"{1e3 * cell:13.2f}" for cell in cells)
+    print(f"{name:20}{reported}{brute / exact:13.1f}{1e3 * EVERY**2 * single:13.0f}{differ:13d}")
 
 
 def feasible_map(task: Task, tangent: float, columns: FloatArray, rows: FloatArray) -> BoolArray:

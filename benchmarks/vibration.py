@@ -53,7 +53,7 @@ MOST_SECONDS: Final = 6.0
 """A run that takes longer ends the search of its method."""
 
 INSIDE: Final = 10
-"""Points of each piece at which the error is looked at."""
+"""Points of each piece at which the error is evaluated."""
 
 
 def smallest(work: Callable[[], object], rounds: int) -> float:

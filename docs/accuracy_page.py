@@ -176,7 +176,7 @@ def cam(name: str, rows: tuple[ContourRow, ...]) -> str:
     return "".join((TABLE.format(name=name), *lines))
 
 
-def told(name: str, measured: Survey) -> str:
+def survey_section(name: str, measured: Survey) -> str:
     """The advice for a cam."""
     sentences = (
         f"Advice: {advice(measured.knee)}.",
@@ -233,7 +233,7 @@ def page(cams: Mapping[str, Survey]) -> str:
     """The page's text from the measurements of the cams, by name."""
     parts = [HEAD]
     for name, measured in cams.items():
-        parts += [cam(name, measured.contours), told(name, measured)]
+        parts += [cam(name, measured.contours), survey_section(name, measured)]
     detailed = cams[DETAILED]
     parts += [SECONDS.format(name=DETAILED), seconds(detailed)]
     parts += [SOLIDS.format(name=DETAILED), solids(detailed)]

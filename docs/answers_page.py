@@ -77,8 +77,8 @@ def _section(schema: Mapping[str, Any]) -> str:
     properties = schema["properties"]
     name, version = (properties[key]["const"] for key in ("schema", "version"))
     rows = "".join(
-        f"| `{key}` | {kind} | {told} |\n"
-        for key, kind, told in _rows(schema, schema, "")
+        f"| `{key}` | {kind} | {description} |\n"
+        for key, kind, description in _rows(schema, schema, "")
         if key not in OF_ALL
     )
     return (
@@ -100,8 +100,8 @@ def _rows(
     for key, stated in node.get("properties", {}).items():
         inner = _resolved(stated, schema)
         shown = f"{path}.{key}" if path else key
-        told = str(inner.get("description", "")).replace("|", "\\|")
-        yield shown if key in required else f"{path}.({key})".lstrip("."), _kind(inner), told
+        description = str(inner.get("description", "")).replace("|", "\\|")
+        yield shown if key in required else f"{path}.({key})".lstrip("."), _kind(inner), description
         yield from _rows(inner, schema, shown)
 
 

@@ -796,7 +796,7 @@ def words(case: str) -> list[str]:
     return [] if say is None else say(hard_case(case)[0])
 
 
-def told(line: Measured) -> str:
+def shown_value(line: Measured) -> str:
     """The error as the page states it."""
     if line.bound == 0.0:
         return "exact"
@@ -816,7 +816,7 @@ def page() -> str:
             parts.append("\n| value | error |\n|---|---|\n")
         for line in lines:
             label = line.label.replace("|", "\\|")
-            parts.append(f"| {label} | {told(line)} |\n")
+            parts.append(f"| {label} | {shown_value(line)} |\n")
         parts += [f"\n> {sentence}\n" for sentence in words(name)]
     return "".join(parts)
 

@@ -215,8 +215,8 @@ def _cells(law: Law) -> list[str]:
     )
     jumps = ", ".join(_place(z) for z in jumps_of(law, 2))
     shocks = ", ".join(_place(z) for z in jumps_of(law, 1))
-    told = f"shock (f' jumps) at {shocks}" if shocks else jumps or "–"
-    return [*(_extreme(extreme) for extreme in extremes), told]
+    jumps_text = f"shock (f' jumps) at {shocks}" if shocks else jumps or "–"
+    return [*(_extreme(extreme) for extreme in extremes), jumps_text]
 
 
 def jumps_of(law: Law, order: int) -> list[float]:
@@ -522,7 +522,7 @@ def _inside(z: float) -> float:
 
 
 def _curve(law: Law, order: int) -> tuple[Any, Any]:
-    """A derivative over z, both sides of each border, with the rest or line beside the move."""
+    """A derivative over z, both sides of each border, with what precedes and follows the move."""
     marks = [0.0, *law.borders, 1.0]
     pieces = [np.linspace(a + 1e-12, b - 1e-12, POINTS) for a, b in pairwise(marks)]
     z = np.concatenate(pieces)

@@ -73,7 +73,7 @@ LATER: Final = ("slotted-lever",)
 """Texts after those of the mechanisms."""
 
 TABLES: Final = re.compile(r"^\[(?:follower|linkage)[^\]]*\]\n(?:(?!\[).*\n)*", re.MULTILINE)
-"""The tables of a scene that tell the mechanism."""
+"""The tables of a scene that define the mechanism."""
 
 
 def page() -> str:

@@ -153,8 +153,8 @@ def _arms(present: CamSize, share: float) -> str:
     ends = [size_with_arm(other, sizing.angle, sizing.ratio, arm, arm)[1] for arm in ARMS]
     arm = best.follower.arm
     cells = [each.answer for each in (found, *ends)]
-    told = " | ".join("none" if each is None else f"{each.base_radius:.2f}" for each in cells)
-    return f"| {roller:g} | {arm:.2f} | {told} |\n"
+    radii = " | ".join("none" if each is None else f"{each.base_radius:.2f}" for each in cells)
+    return f"| {roller:g} | {arm:.2f} | {radii} |\n"
 
 
 def picture() -> bytes:

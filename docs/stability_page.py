@@ -138,7 +138,7 @@ def number(value: float) -> str:
     return f"{value:g}" if value < 1e3 else f"{value:.0e}".replace("e+0", "e").replace("e+", "e")
 
 
-def told(row: Row) -> str:
+def table_row(row: Row) -> str:
     """The line of a quantity."""
     worst = row.largest_error
     cells = (
@@ -158,7 +158,7 @@ def page(cases: Iterable[Case], readings: Iterable[Reading]) -> str:
     rows = {row.quantity: row for row in suite.table(readings)}
     quantities = dict.fromkeys(quantity for case in cases for quantity in case.quantities)
     parts = [HEAD.format(seconds=SECONDS, limit=suite.LIMIT), TABLE]
-    parts += [told(rows[quantity]) for quantity in quantities]
+    parts += [table_row(rows[quantity]) for quantity in quantities]
     parts += [PICTURED, CASES]
     for group in suite.GROUPS:
         named = dict.fromkeys(case.name for case in cases if case.group == group)

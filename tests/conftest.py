@@ -1,6 +1,6 @@
 """How hypothesis draws: the same examples in every run, others with `--hypothesis-profile=random`.
 
-A reader who runs the tests is told of faults of the code, not of a rare example that no one else
+A reader who runs the tests sees faults of the code, not a rare example that no one else
 can see again; whoever hunts for such examples asks for them.
 
 And which tests are quick, and how all are dealt out with `-n`: what is shared is made in one

@@ -81,20 +81,20 @@ class Outline:
         return shapely.STRtree(_boxes(0.5 * (self.starts + self.ends), reach))
 
     def apart(self, p: ComplexArray, piece: IntArray) -> FloatArray:
-        """Exact distance of each point from the piece named beside it."""
+        """Exact distance of each point from its own piece."""
         starts, ends = self.starts[piece], self.ends[piece]
         sweeps, centres = self.sweeps[piece], self.centres[piece]
         at_ends = np.minimum(np.abs(p - starts), np.abs(p - ends))
         chord = ends - starts
         size = np.where(chord == 0.0, 1.0, np.abs(chord))
         local = (p - starts) * np.conj(chord / size)
-        beside = (local.real >= 0.0) & (local.real <= size)
-        from_line = np.where(beside, np.abs(local.imag), at_ends)
+        within = (local.real >= 0.0) & (local.real <= size)
+        from_line = np.where(within, np.abs(local.imag), at_ends)
         arm = p - centres
         first = np.where(sweeps != 0.0, starts - centres, 1.0)
         turned = np.angle(arm * np.conj(first)) * np.sign(sweeps)
-        beside = np.mod(turned, 2.0 * np.pi) <= np.abs(sweeps)
-        from_arc = np.where(beside, np.abs(np.abs(arm) - np.abs(first)), at_ends)
+        within = np.mod(turned, 2.0 * np.pi) <= np.abs(sweeps)
+        from_arc = np.where(within, np.abs(np.abs(arm) - np.abs(first)), at_ends)
         found: FloatArray = np.where(sweeps != 0.0, from_arc, from_line)
         return found
 
@@ -125,7 +125,7 @@ class DensePath:
         """(n,) distance of each point from the path."""
         targets = shapely.points(points.real, points.imag)
         found, distances = self._tree.query_nearest(targets, return_distance=True)
-        # A point that is as near to two runs is told twice.
+        # A point equally near to two runs appears twice.
         nearest: FloatArray = np.full(len(points), np.inf)
         np.minimum.at(nearest, found[0], distances)
         return nearest

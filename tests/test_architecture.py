@@ -192,7 +192,7 @@ def find_violations(root: Path) -> list[str]:
 # -- kinds answer for themselves -----------------------------------------------------------------
 
 KIND_FLAGS = {"flat", "has_yoke", "is_flat", "rocks", "slides"}
-"""Attributes that tell a kind of follower."""
+"""Attributes that reveal the kind of a follower."""
 
 KIND_WORDS = {
     "translating-roller", "oscillating-roller", "translating-flat", "oscillating-flat",

@@ -1,4 +1,4 @@
-"""docs/accuracy.md tells of every fixture cam, and some of its rows are measured again."""
+"""docs/accuracy.md covers every fixture cam, and some of its rows are measured again."""
 
 from __future__ import annotations
 
@@ -73,10 +73,10 @@ def test_figures_measured_again_are_those_of_the_page(
         begin = f"| {tolerance:g} |"
         (line,) = (each for each in section(name).splitlines(True) if each.startswith(begin))
         assert re.sub(r"[\d,.]+", "", made) == re.sub(r"[\d,.]+", "", line)
-        for told, found_again, (most, share) in zip(
+        for reported, found_again, (most, share) in zip(
             numbers(line), numbers(made), ALLOWED, strict=True
         ):
-            assert found_again == pytest.approx(told, abs=most, rel=share)
+            assert found_again == pytest.approx(reported, abs=most, rel=share)
 
 
 def test_the_constants_are_those_of_the_limits() -> None:
@@ -86,8 +86,8 @@ def test_the_constants_are_those_of_the_limits() -> None:
     assert pytest.approx(3.0**0.5 / 216.0) == ARC
     assert "| cubic spline, C2 | 4 | kappa'' - kappa^3 | 1/768 |" in PAGE
     assert CUBIC == 1.0 / 768.0
-    told = [float(text) for text in re.findall(r"\| ([\d.]+) times", PAGE)]
-    assert told == [round(10.0 ** (1.0 / ORDER[form]), 2) for form in FORMS]
+    reported = [float(text) for text in re.findall(r"\| ([\d.]+) times", PAGE)]
+    assert reported == [round(10.0 ** (1.0 / ORDER[form]), 2) for form in FORMS]
 
 
 def test_the_page_has_its_pictures() -> None:

@@ -1,4 +1,4 @@
-"""docs/effects.md tells of every effect what its declaration and the example scenes give."""
+"""docs/effects.md covers every effect, as declared and as the example scenes show it."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def masked(text: str) -> tuple[str, list[float]]:
 
 
 def section(name: str) -> str:
-    """What the page tells of an effect."""
+    """The section of the page on an effect."""
     (text,) = re.findall(rf"^## {name}\n.*?(?=^## |\Z)", PAGE, flags=re.MULTILINE | re.DOTALL)
     return str(text)
 
@@ -171,8 +171,8 @@ def test_claims_are_twice_what_was_estimated_rounded_up() -> None:
 
 def test_every_law_from_rest_to_rest_has_its_spectrum() -> None:
     rows = re.findall(r"^\| (.+?) \|", section("shock-spectrum"), flags=re.MULTILINE)
-    told = {name for row in rows for name in row.split(", ")}
-    assert {name for name, family in FAMILIES.items() if "R-R" in family.parameters} <= told
+    reported = {name for row in rows for name in row.split(", ")}
+    assert {name for name, family in FAMILIES.items() if "R-R" in family.parameters} <= reported
 
 
 def test_residuals_are_those_of_closed_forms() -> None:

@@ -1,4 +1,4 @@
-"""docs/hard-cases.md tells of every hard case, and no error is larger than it says."""
+"""docs/hard-cases.md covers every hard case, and no error is larger than it says."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def maker() -> Any:
 
 
 def section(case: str) -> str:
-    """What the page tells of a case."""
+    """The section of the page on a case."""
     (text,) = re.findall(rf"^## {case}: .*?(?=^## |\Z)", PAGE, flags=re.MULTILINE | re.DOTALL)
     return str(text)
 

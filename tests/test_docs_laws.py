@@ -256,8 +256,8 @@ def compare(law: Law, lines: list[str], names: Mapping[str, Any], mirrored: bool
             f, f1, f2, f3 = formula_values(lines, z, names)
             image = (1.0 - z, 1.0 - f, f1, -f2, f3)
             rows.append(image if mirrored else (z, f, f1, f2, f3))
-    z, *told = np.array(rows).T
-    for one, other in zip(told, law(z), strict=True):
+    z, *reported = np.array(rows).T
+    for one, other in zip(reported, law(z), strict=True):
         assert np.max(np.abs(one - other)) <= TOLERANCE * max(1.0, float(np.max(np.abs(other))))
 
 

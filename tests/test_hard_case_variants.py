@@ -406,7 +406,7 @@ def test_hc21_rollers_above_the_cusp_limit(
             guess = place + side * mp.sqrt(2 * mpf(excess) / bend)
             cusp = mp.findroot(lambda angle: 1 - mpf(roller) * oracle.curvature(angle), guess)
             slope = abs(mp.diff(oracle.curvature, cusp)) * mpf(roller)
-            # 1 + d kappa is a rounding of 1, and the slope there is what tells the angle.
+            # 1 + d kappa is a rounding of 1, and only the slope there gives the angle.
             assert abs(found_at - cusp) <= ROUNDINGS * EPS / slope + ANGLE
 
 
@@ -490,7 +490,7 @@ def test_hc13_inflections_near_their_limits_in_whole_cams(lam: float, sigma: int
 
 
 def test_hc13_findings_of_a_cam_with_such_a_law() -> None:
-    """f'' = 2.9 10^6: curvature and undercut are told, of a range of some 1e-5 degrees."""
+    """f'' = 2.9 10^6: curvature and undercut are reported, over a range of some 1e-5 degrees."""
     curve = PitchCurve(
         polynomials((30, 100, 40, 120, 70), 20.0, 1e-6, 0.5), TranslatingRoller(50.0, 10.0), 1
     )
@@ -579,11 +579,11 @@ def test_points_scale_and_findings_do_not(curve: PitchCurve, factor: float) -> N
     assert np.max(np.abs(there - curve.curvature(phi))) <= 8.0 * rounding * bend
     mu = curve.transmission_angle(phi)
     assert other.transmission_angle(phi) == pytest.approx(mu, rel=rounding, abs=rounding)
-    told = [
+    stated = [
         [(finding.name, finding.severity) for finding in check_undercut(flank, "inner", bends)]
         for flank, bends in ((inner_of(each), curvature_extremes(each)) for each in (curve, other))
     ]
-    assert told[0] == told[1]
+    assert stated[0] == stated[1]
     assert check_standstill(curve) == check_standstill(other) == ()
 
 
@@ -637,7 +637,7 @@ ROUNDED = ("closure", "tangent-closure")
 
 
 def place_of(finding: Finding) -> tuple[str, float | None]:
-    """What tells a finding from others of the same design."""
+    """What distinguishes a finding from others of the same design."""
     if finding.cam_angle is None or finding.name in ROUNDED:
         return finding.name, None
     return finding.name, round(finding.cam_angle, 6)
@@ -650,10 +650,10 @@ def test_scenes_at_all_scales_give_the_same_findings(
     kind: str, roller: float, factor: float
 ) -> None:
     one, two = scene(kind, 1.0, roller), scene(kind, factor, roller)
-    told, there = ({place_of(f): f for f in each.findings} for each in (one, two))
-    assert told.keys() == there.keys()
+    stated, there = ({place_of(f): f for f in each.findings} for each in (one, two))
+    assert stated.keys() == there.keys()
     assert_finite(two.findings)
-    for key, finding in told.items():
+    for key, finding in stated.items():
         other = there[key]
         assert finding.severity == other.severity
         if finding.name in ROUNDED:
@@ -1038,7 +1038,7 @@ def test_hc21_swallow_tails_cross_themselves(
         assert abs(oracle.inner(first) - oracle.inner(second)) <= mpf(10) ** -40
         width = float(second - first)
         assert width > 0.0
-        # The tail's ends are told to a part in a million of its width, and to 1e-8 degrees.
+        # The tail's ends are known to a part in a million of its width, and to 1e-8 degrees.
         within = max(1e-6 * width, math.radians(1e-8))
         assert abs(around[0].first - first) <= within
         assert abs(around[0].second - second) <= within
@@ -1186,5 +1186,5 @@ def test_a_wild_scene_is_refused_or_all_its_numbers_are_finite(text: str) -> Non
     try:
         findings = design.findings
     except GeometryError:
-        return  # said where it was asked for
+        return  # reported where it was requested
     assert_finite(findings)

@@ -1,8 +1,8 @@
 """The numerically hard cases, each by its name in the reference.
 
-Values are read from `fixtures/reference/hard_cases.json`; an expectation in words stands beside the
-assertion that holds us to it. Unless it says otherwise a value is met to 1e-12 of itself. The last
-tests see to it that no case and no value is left out.
+Values are read from `fixtures/reference/hard_cases.json`; an expectation in words stands next to
+the assertion that tests it. Unless stated otherwise a value is met to 1e-12 of its size. The last
+tests ensure that no case and no value is left out.
 """
 
 from __future__ import annotations
@@ -339,7 +339,7 @@ def test_hc14_return_in_a_millionth_of_a_degree() -> None:
     assert abs(curve.jet(phi)[1, 0]) == exactly(float(expected["abs_B1"]), rel=rel)
     # In the middle of the return s'' passes 0 with the slope f''' = -30, and r_K with it: a change
     # dz changes it by u s'' / s'^2 = 60 * 30 / (20 * (15/8)^2) dz = 25.6 dz of itself. Half an ulp
-    # of 2 pi in phi and in the joint is a dz of 5e-8: no double of phi tells r_K to 1e-7.
+    # of 2 pi in phi and in the joint is a dz of 5e-8: no double of phi gives r_K to 1e-7.
     half_ulp = 0.5 * math.ulp(2.0 * math.pi)
     conditioning = 60.0 * 30.0 / (20.0 * 1.875**2) * 2.0 * half_ulp / math.radians(1e-6)
     assert 1.0 / curve.curvature(phi)[0] == exactly(float(expected["rho"]), rel=conditioning)
@@ -755,7 +755,7 @@ def words_of(function: ast.FunctionDef) -> list[str]:
 
 
 def is_words(value: Any) -> bool:
-    """True of an expectation that is told and not a number."""
+    """Whether an expectation is in words and not a number."""
     return isinstance(value, str) and re.match(r"-?\d", value) is None
 
 

@@ -105,7 +105,10 @@ def test_the_design_has_few_members() -> None:
     ("body", "members"),
     [
         ("    size: int\n    _own: int = 0\n", ["size"]),
-        ("    def ask(self): ...\n    @property\n    def told(self): ...\n", ["ask", "told"]),
+        (
+            "    def ask(self): ...\n    @property\n    def reported(self): ...\n",
+            ["ask", "reported"],
+        ),
         ("    def _ask(self): ...\n    NAME = 1\n", []),
     ],
 )

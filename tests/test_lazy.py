@@ -163,7 +163,7 @@ def test_a_ring_is_refused_with_its_way() -> None:
         ring.entry  # noqa: B018 - it is computed
     assert caught.value.way == ("one", "two", "one")
     assert isinstance(caught.value, RecursionError)
-    # What was not reached in the ring is told as failed, and the ledger is free for the next one.
+    # What the ring did not reach is reported as failed, and the ledger is free for the next one.
     assert [(run.name, run.failed) for run in ring.ledger.runs] == [
         ("two", True),
         ("one", True),
@@ -294,10 +294,10 @@ def test_ledgers_side_by_side_do_not_wait_for_each_other() -> None:
 
 
 def test_progress_gets_each_name_once_before_it_is_computed() -> None:
-    told: list[str] = []
-    owner = Slow(Ledger(progress=told.append))
+    stated: list[str] = []
+    owner = Slow(Ledger(progress=stated.append))
     asked_at_once(lambda _: owner.whole)
-    assert told == ["whole", "left", "base", "right"]
+    assert stated == ["whole", "left", "base", "right"]
 
 
 def test_a_cancelled_computation_ends_at_the_next_step() -> None:

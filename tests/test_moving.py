@@ -133,9 +133,9 @@ def test_commands(tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]) ->
     assert main(["check", str(scene)]) == 0
     assert "largest-velocity" in capsys.readouterr().out
     assert main(["check", "--json", str(scene)]) == 0
-    told = json.loads(capsys.readouterr().out)
-    assert told["discs"] == {}
-    assert {each["name"] for each in told["findings"]} >= {"laws", "largest-velocity"}
+    reported = json.loads(capsys.readouterr().out)
+    assert reported["discs"] == {}
+    assert {each["name"] for each in reported["findings"]} >= {"laws", "largest-velocity"}
     for what in ([], ["motion"]):
         words = ["plot", str(scene), *what, "-o", str(tmp_path / "free.svg"), "--force"]
         assert main(words) == 0

@@ -1,4 +1,4 @@
-"""Rows of contours and solids: they tell what fits, writers and replay say of one cam."""
+"""Rows of contours and solids: they agree with the fits, the writers and the replay of one cam."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def load(name: str) -> Design:
 @cache
 def rows() -> tuple[ContourRow, ...]:
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(measuring, "RUNS", 1)  # how long it takes is not looked at
+        patch.setattr(measuring, "RUNS", 1)  # durations are not tested
         return contour_rows(load("setzhub"), TOLERANCES, ripple=True, progress=lambda _: None)
 
 
@@ -105,19 +105,19 @@ def test_the_ripple_is_that_of_the_replay() -> None:
 def test_no_ripple_unless_it_is_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(measuring, "EFFORTS", ("fast",))
     monkeypatch.setattr(measuring, "FORMS", ("arcs",))
-    told: list[str] = []
-    made = contour_rows(load("ring"), (1e-2,), ripple=False, progress=told.append)
+    reported: list[str] = []
+    made = contour_rows(load("ring"), (1e-2,), ripple=False, progress=reported.append)
     assert [row.ripple for row in made] == [None]
-    assert told == ["arcs, fast, 0.01 mm"]
+    assert reported == ["arcs, fast, 0.01 mm"]
 
 
 def test_what_cannot_be_reached_is_reported_in_the_row(monkeypatch: pytest.MonkeyPatch) -> None:
-    honest = measuring.fitted
+    original = measuring.fitted
 
     def some(flank: object, form: str, effort: str, tolerance: float) -> object:
         if tolerance < 1e-2:
             raise ToleranceError("the arithmetic is too coarse", tolerance, 1.0)
-        return honest(flank, form, effort, tolerance)  # type: ignore[arg-type]
+        return original(flank, form, effort, tolerance)  # type: ignore[arg-type]
 
     monkeypatch.setattr(measuring, "EFFORTS", ("fast",))
     monkeypatch.setattr(measuring, "FORMS", ("arcs",))
@@ -175,8 +175,8 @@ def test_rings_and_grooves_are_replayed_on_their_flanks() -> None:
 
 def test_solids_and_what_single_precision_cannot_hold(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(survey, "SOLIDS", ("stl",))
-    told: list[str] = []
-    coarse, fine = survey.solid_rows(load("setzhub"), (1e-2, 1e-7), progress=told.append)
+    reported: list[str] = []
+    coarse, fine = survey.solid_rows(load("setzhub"), (1e-2, 1e-7), progress=reported.append)
     assert (coarse.format, coarse.tolerance) == ("stl", 1e-2)
     assert coarse.file is not None
     assert coarse.file.size == 84 + 50 * int(coarse.file.facts["triangles"])
@@ -184,5 +184,5 @@ def test_solids_and_what_single_precision_cannot_hold(monkeypatch: pytest.Monkey
     assert coarse.file.deviation <= 1e-2
     assert fine.file is None
     assert "too coarse" in fine.fault
-    assert told == ["stl, 0.01 mm", "stl, 1e-07 mm"]
+    assert reported == ["stl, 0.01 mm", "stl, 1e-07 mm"]
     assert math.isfinite(coarse.file.write_seconds)

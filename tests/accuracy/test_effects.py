@@ -1,4 +1,4 @@
-"""Numerical effects over their tolerance: rows, what they are compared by, how they are told."""
+"""Numerical effects over their tolerance: rows, what they compare, and how they are shown."""
 
 from __future__ import annotations
 
@@ -109,12 +109,12 @@ def test_a_row_for_each_numerical_effect_and_tolerance(made: Made) -> None:
     made.add("plain", with_column, numerical=False)
     made.add("work", with_findings)
     made.add("unnamed", with_column)
-    told: list[str] = []
-    rows = effect_rows(made.named("force", "plain", "work"), (1e-4, 1e-2), progress=told.append)
+    reported: list[str] = []
+    rows = effect_rows(made.named("force", "plain", "work"), (1e-4, 1e-2), progress=reported.append)
     assert [(row.effect, row.tolerance) for row in rows] == [
         ("force", 1e-2), ("force", 1e-4), ("work", 1e-2), ("work", 1e-4),
     ]  # fmt: skip
-    assert told == ["force, 0.01", "force, 0.0001", "work, 0.01", "work, 0.0001"]
+    assert reported == ["force, 0.01", "force, 0.0001", "work, 0.01", "work, 0.0001"]
     assert {name for name, _ in made.calls} == {"force", "work"}
     assert {tolerance for _, tolerance in made.calls} == {1e-2, 1e-4}
 
@@ -263,11 +263,11 @@ def test_the_survey_has_them(made: Made, monkeypatch: pytest.MonkeyPatch) -> Non
     for name in ("contour_rows", "solid_rows", "table_rows"):
         monkeypatch.setattr(surveys, name, lambda *_, **__: ())
     made.add("effect", with_column)
-    told: list[str] = []
-    found = surveys.survey(made.named("effect"), (1e-3,), (Decimal(5),), progress=told.append)
+    reported: list[str] = []
+    found = surveys.survey(made.named("effect"), (1e-3,), (Decimal(5),), progress=reported.append)
     assert [row.tolerance for row in found.effects] == list(TOLERANCES)
-    assert told[0] == "effect, 0.01"
-    assert len(told) == len(TOLERANCES)
+    assert reported[0] == "effect, 0.01"
+    assert len(reported) == len(TOLERANCES)
     assert surveys.survey(made.named(), (1e-3,), (Decimal(5),)).effects == ()
 
 

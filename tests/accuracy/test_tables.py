@@ -86,11 +86,11 @@ def test_a_kink_between_two_rows_counts() -> None:
 
 
 def test_rows_and_bytes_are_those_of_the_table() -> None:
-    told: list[str] = []
-    rows = table_rows(SETZHUB, (Decimal(5), Decimal(1)), progress=told.append)
+    reported: list[str] = []
+    rows = table_rows(SETZHUB, (Decimal(5), Decimal(1)), progress=reported.append)
     assert [row.rows for row in rows] == [72, 360]
     assert rows[0].size == len(SETZHUB.tabulated.table(Decimal(5)).csv().encode())
     assert all(row.seconds > 0.0 for row in rows)
-    assert told == ["value table, 5 degrees", "value table, 1 degrees"]
+    assert reported == ["value table, 5 degrees", "value table, 1 degrees"]
     # Twenty-five times from a fifth of the step: s'' is continuous here.
     assert rows[0].error / rows[1].error == pytest.approx(25.0, rel=0.02)

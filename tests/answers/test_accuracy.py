@@ -1,4 +1,4 @@
-"""What `camgeo accuracy` finds: one result, told as text, as JSON and as a picture."""
+"""The result of `camgeo accuracy`, rendered as text, as JSON and as a picture."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ def test_documents_are_what_their_schema_says(scene: Path, monkeypatch: pytest.M
     """Of a made-up survey, in the units of every scene."""
     monkeypatch.setattr(surveys, "survey", lambda *_, **__: made_up())
     answer = accuracy(Design(load_scene(scene)))
-    told = document(answer)
-    assert [row["bytes"] for row in told["tables"]] == [249_114]
-    assert f"error [{told['tables'][0]['unit']}]" in text(answer)
+    reported = document(answer)
+    assert [row["bytes"] for row in reported["tables"]] == [249_114]
+    assert f"error [{reported['tables'][0]['unit']}]" in text(answer)
     survey = replace(answer.survey, solids=(replace(made_up().solids[1], fault="it has gone"),))
     changed = replace(answer, survey=survey)
     assert document(changed)["solids"][0]["fault"] == "it has gone"
@@ -34,7 +34,7 @@ def test_documents_are_what_their_schema_says(scene: Path, monkeypatch: pytest.M
 
 def test_a_document_of_what_is_measured() -> None:
     found = accuracy(Design(load_scene(FIXTURES / "scenes" / "inch.toml")), (0.1,), ripple=True)
-    told = document(found)
-    assert {row["contour"] for row in told["contours"]} == {"polyline", "arcs", "spline"}
-    assert told["knee"]["tolerance_mm"] == 0.1
-    assert text(found).endswith(f"advice: {told['advice']}")
+    reported = document(found)
+    assert {row["contour"] for row in reported["contours"]} == {"polyline", "arcs", "spline"}
+    assert reported["knee"]["tolerance_mm"] == 0.1
+    assert text(found).endswith(f"advice: {reported['advice']}")

@@ -1,4 +1,4 @@
-"""What `camgeo build` writes and `camgeo verify` finds of it, told as text and as JSON."""
+"""The results of `camgeo build` and of `camgeo verify`, as text and as JSON."""
 
 from __future__ import annotations
 
@@ -24,11 +24,11 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def test_text_and_document_are_of_one_result(folder: Path) -> None:
     found = build(Design(load_scene(SCENE)), folder, ["dxf", "svg"], tolerance=0.01)
-    told = document(found)
-    assert [each["file"] for each in told["files"]] == ["inch.dxf", "inch.svg"]
-    assert told["files"][1]["deviation_mm"] is None
+    reported = document(found)
+    assert [each["file"] for each in reported["files"]] == ["inch.dxf", "inch.svg"]
+    assert reported["files"][1]["deviation_mm"] is None
     assert sorted(path.name for path in folder.iterdir()) == sorted(
-        [told["certificate"], *(each["file"] for each in told["files"])]
+        [reported["certificate"], *(each["file"] for each in reported["files"])]
     )
     first, *rest = found.files
     changed = replace(found, files=(replace(first, deviation=0.123), *rest))
@@ -51,7 +51,7 @@ def test_text_and_document_are_of_one_result(folder: Path) -> None:
 
 def test_a_cam_without_outline_has_no_files(tmp_path: Path) -> None:
     found = build(Design(load_scene(FIXTURES / "refused" / "global_undercut.toml")), tmp_path)
-    told = document(found)
-    assert (told["files"], told["certificate"], text(found)) == ([], None, "")
+    reported = document(found)
+    assert (reported["files"], reported["certificate"], text(found)) == ([], None, "")
     assert found.exit_code == 1
     assert list(tmp_path.iterdir()) == []

@@ -1,4 +1,4 @@
-"""What `camgeo check` finds: one result, told as text and as JSON."""
+"""The result of `camgeo check`, rendered as text and as JSON."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ SETZHUB = FIXTURES / "scenes" / "setzhub.toml"
 def test_documents_are_what_their_schema_says(scene: Path) -> None:
     design = Design(load_scene(scene))
     found = check(design)
-    told = document(found)
-    assert len(told["findings"]) == len(design.findings)
-    assert {name: len(each) for name, each in told["effects"].items()} == {
+    reported = document(found)
+    assert len(reported["findings"]) == len(design.findings)
+    assert {name: len(each) for name, each in reported["effects"].items()} == {
         name: len(design.effects.findings(name)) for name in design.scene.effects
     }
-    assert list(told["discs"]) == [each.name for each in design.discs]
+    assert list(reported["discs"]) == [each.name for each in design.discs]
     assert text(found).count("\n") >= len(design.findings) - 1
 
 
@@ -60,11 +60,11 @@ def test_text_and_document_are_of_one_result() -> None:
 def test_text_and_document_agree_on_a_linkage_near_a_dead_centre(name: str) -> None:
     """Near it the roller is harmless; at it there is no disc, and what is left is not known."""
     found = check(Design(load_scene(FIXTURES / "found" / f"{name}.toml")))
-    told, dead = document(found), name == "dead_centre"
+    reported, dead = document(found), name == "dead_centre"
     worst = {each.name for each in found.findings if each.severity == "no-disc"}
     assert worst == ({"dead-centre"} if dead else set())
     assert (text(found).count("NO DISC"), found.exit_code) == ((1, 1) if dead else (0, 0))
-    remains = told["discs"][name]["inner"]
+    remains = reported["discs"][name]["inner"]
     if dead:
         assert remains is None
         return

@@ -1,4 +1,4 @@
-"""What `camgeo explain` finds: one result, told as text and as JSON."""
+"""The result of `camgeo explain`, rendered as text and as JSON."""
 
 from __future__ import annotations
 
@@ -26,13 +26,13 @@ def test_documents_are_what_their_schema_says(scene: Path) -> None:
 @pytest.mark.parametrize("goal", [goal for goal in GOALS if goal != "build"])
 def test_text_and_document_are_of_one_result(goal: str, scene: Path) -> None:
     found = explain(Design(load_scene(scene)), goal)
-    told = document(found)
-    assert told["command"] == goal
-    assert [each["name"] for each in told["computed"]] == [each.name for each in found.computed]
+    reported = document(found)
+    assert reported["command"] == goal
+    assert [each["name"] for each in reported["computed"]] == [each.name for each in found.computed]
     first, *rest = found.computed
     changed = replace(found, computed=(replace(first, name="the-moon", failed=True), *rest))
     assert document(changed)["computed"][0] == {
-        **told["computed"][0], "name": "the-moon", "failed": True,
+        **reported["computed"][0], "name": "the-moon", "failed": True,
     }  # fmt: skip
     (line,) = [line for line in text(changed).splitlines() if "the-moon" in line]
     assert "has no answer" in line

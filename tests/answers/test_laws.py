@@ -1,4 +1,4 @@
-"""What `camgeo laws` finds: one result, told as text, JSON and picture."""
+"""The result of `camgeo laws`, rendered as text, JSON and picture."""
 
 from __future__ import annotations
 
@@ -22,11 +22,13 @@ MOVE = Running(4.0 * math.pi, math.radians(60.0), 25.0)
 @pytest.mark.parametrize("task", TASKS)
 def test_documents_are_what_their_schema_says(task: str, running: Running | None) -> None:
     found = laws_of_task(task, {"inflection": 0.4, "a0": 6.0, "a1": -5.0}, running=running)
-    told = document(found)
-    assert "tasks" not in told
-    assert ("running" in told) == (running is not None)
-    assert [each["law"] for each in told["laws"]] == [row.entry.name for row in found.rows or ()]
-    for each in told["laws"]:
+    reported = document(found)
+    assert "tasks" not in reported
+    assert ("running" in reported) == (running is not None)
+    assert [each["law"] for each in reported["laws"]] == [
+        row.entry.name for row in found.rows or ()
+    ]
+    for each in reported["laws"]:
         assert (each["values"] is None) == (each["reason"] != "")
         assert ("physical" in each) == (running is not None and each["values"] is not None)
     json.dumps(figure(found).to_data(), allow_nan=False)
@@ -34,8 +36,8 @@ def test_documents_are_what_their_schema_says(task: str, running: Running | None
 
 def test_text_and_document_are_of_one_result() -> None:
     found = laws_of_task("R-R", {}, ["modified-sine", "scca"], running=MOVE, places=True)
-    told = document(found)
-    assert told["running"]["speed_rad_per_s"] == MOVE.speed
+    reported = document(found)
+    assert reported["running"]["speed_rad_per_s"] == MOVE.speed
     other, rows = LawRow(compare("U-U", {}, ["simple-sine"])[0]), found.rows or ()
     changed = replace(found, rows=(other, rows[1]))
     assert [each["law"] for each in document(changed)["laws"]] == ["simple-sine", "scca"]
@@ -43,16 +45,16 @@ def test_text_and_document_are_of_one_result() -> None:
     acceleration = document(changed)["laws"][0]["values"]["acceleration"]["value"]
     assert f"{acceleration:.5f}" in text(changed)
     assert f"{acceleration:.5f}" not in text(found)
-    assert told["laws"][1] == document(changed)["laws"][1]
+    assert reported["laws"][1] == document(changed)["laws"][1]
     assert text(replace(found, places=False)).count("at z") == 0 < text(found).count("at z")
 
 
 def test_all_tasks_as_text_and_document() -> None:
     found = laws_of_all_tasks(["cycloidal", "modified-sine"])
-    told = document(found)
-    assert "laws" not in told
-    assert [each["task"] for each in told["tasks"]] == list(TASKS)
-    assert list(told["tasks"][0]["laws"]) == ["inclined-sine", "modified-sine"]
+    reported = document(found)
+    assert "laws" not in reported
+    assert [each["task"] for each in reported["tasks"]] == list(TASKS)
+    assert list(reported["tasks"][0]["laws"]) == ["inclined-sine", "modified-sine"]
     changed = replace(found, tasks=(replace((found.tasks or ())[0], families={"lunar": ("v0",)}),))
     assert document(changed)["tasks"][0]["laws"] == {"lunar": ["v0"]}
     assert text(changed).endswith("lunar")

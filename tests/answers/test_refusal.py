@@ -1,4 +1,4 @@
-"""Why there is no answer, told as text and as JSON."""
+"""The reason why there is no answer, as text and as JSON."""
 
 from __future__ import annotations
 
@@ -35,10 +35,10 @@ ERRORS: list[tuple[CamgeoError, int]] = [
 def test_text_and_document_are_of_one_result(error: CamgeoError, code: int) -> None:
     found = refusal(error)
     assert found.exit_code == code
-    told = document(found)
-    assert told["error"] == type(error).__name__
-    assert text(found) == f"camgeo: {told['message']}"
-    for fault in told["faults"]:
+    reported = document(found)
+    assert reported["error"] == type(error).__name__
+    assert text(found) == f"camgeo: {reported['message']}"
+    for fault in reported["faults"]:
         assert fault["message"] in text(found)
 
 
@@ -51,10 +51,10 @@ def test_a_wrong_scene_is_reported_as_json_too(bad: str, tmp_path: Path, capsys:
     assert main(["check", str(scene), "--json"]) == 2
     out, err = capsys.readouterr()
     assert err == ""
-    told = json.loads(out)
-    validator(Refusal.__module__).validate(told)
-    assert words == f"camgeo: {told['message']}\n"
-    assert told["file"] in {str(scene), ""}
+    reported = json.loads(out)
+    validator(Refusal.__module__).validate(reported)
+    assert words == f"camgeo: {reported['message']}\n"
+    assert reported["file"] in {str(scene), ""}
 
 
 @pytest.mark.parametrize(
@@ -62,5 +62,5 @@ def test_a_wrong_scene_is_reported_as_json_too(bad: str, tmp_path: Path, capsys:
 )
 def test_each_command_reports_it(command: str, tmp_path: Path, capsys: Capture) -> None:
     assert main([command, str(tmp_path / "none.toml"), "--json"]) == 2
-    told = json.loads(capsys.readouterr().out)
-    assert told["faults"][0]["message"] == "there is no such file"
+    reported = json.loads(capsys.readouterr().out)
+    assert reported["faults"][0]["message"] == "there is no such file"

@@ -1,4 +1,4 @@
-"""What `camgeo replay` finds: one result, told as text, JSON, table and picture."""
+"""The result of `camgeo replay`, rendered as text, JSON, table and picture."""
 
 from __future__ import annotations
 
@@ -48,10 +48,10 @@ def test_documents_are_what_their_schema_says(scene: Path) -> None:
     if not rolls(design):
         pytest.skip("no roller runs on a real outline")
     found = replay(design, step=DEGREE)
-    told = document(found)
-    assert [each["name"] for each in told["discs"]] == [each.name for each in design.discs]
-    assert ("closing" in told) == (len(design.discs) == 2) == ("play" in text(found))
-    for each, disc in zip(told["discs"], found.discs, strict=True):
+    reported = document(found)
+    assert [each["name"] for each in reported["discs"]] == [each.name for each in design.discs]
+    assert ("closing" in reported) == (len(design.discs) == 2) == ("play" in text(found))
+    for each, disc in zip(reported["discs"], found.discs, strict=True):
         assert each["lift_error"]["value"] == disc.lift_error.value
         assert ("in_time" in each) == (design.drive.time_course is not None)
     columns = table(found).columns
@@ -80,11 +80,11 @@ def test_a_roller_that_falls_off_an_edge_has_no_bounds() -> None:
     unbounded = replace(first.velocity, actual=None)
     for drops, often in ((twice, "2 times, the largest -0.75 mm"), (once, "once, 0.5 mm")):
         other = changed(found, replace(first, drops=drops, velocity=unbounded, ripple=None))
-        (told,) = document(other)["discs"]
-        assert told["drops"]["count"] == len(drops)
+        (reported,) = document(other)["discs"]
+        assert reported["drops"]["count"] == len(drops)
         assert drops.largest is not None
-        assert told["drops"]["largest"]["value"] == drops.largest.value
-        assert (told["velocity"]["actual"], told["ripple"]) == (None, None)
+        assert reported["drops"]["largest"]["value"] == drops.largest.value
+        assert (reported["velocity"]["actual"], reported["ripple"]) == (None, None)
         lines = {line[:22].strip(): line[22:] for line in text(other).splitlines()}
         assert lines["falls off an edge"].startswith(often)
         assert lines["velocity"].startswith("unbounded; demanded")

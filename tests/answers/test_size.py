@@ -1,4 +1,4 @@
-"""What `camgeo size` finds: one result, told as text, JSON and picture."""
+"""The result of `camgeo size`, rendered as text, JSON and picture."""
 
 from __future__ import annotations
 
@@ -34,12 +34,12 @@ def with_arm() -> CamSize:
 def test_documents_are_what_their_schema_says(name: str) -> None:
     scene: Path = FIXTURES / "scenes" / f"{name}.toml"
     found = size(Design(load_scene(scene)))
-    told = document(found)
+    reported = document(found)
     assert found.sizing.answer is not None
-    assert told["smallest"]["base_radius_mm"] == found.sizing.answer.base_radius
-    assert ("pivot_mm" in told["smallest"]) == (found.task.held is not None)
-    assert told["infeasible"] is None
-    assert len(told["active"]) == text(found).count("at cam angle") - text(found).count(
+    assert reported["smallest"]["base_radius_mm"] == found.sizing.answer.base_radius
+    assert ("pivot_mm" in reported["smallest"]) == (found.task.held is not None)
+    assert reported["infeasible"] is None
+    assert len(reported["active"]) == text(found).count("at cam angle") - text(found).count(
         "optimistic"
     )
     json.dumps(figure(found).to_data(), allow_nan=False)
@@ -47,18 +47,18 @@ def test_documents_are_what_their_schema_says(name: str) -> None:
 
 def test_what_cannot_be_met_is_reported_in_the_same_way() -> None:
     found = size(Design(load_scene(SETZHUB)), transmission_angle=math.radians(80.0))
-    told = document(found)
-    assert (told["smallest"], told["active"], found.exit_code) == (None, [], 1)
-    assert told["infeasible"] in text(found).splitlines()
-    assert told["nearest"]["transmission_angle_deg"] < 80.0
+    reported = document(found)
+    assert (reported["smallest"], reported["active"], found.exit_code) == (None, [], 1)
+    assert reported["infeasible"] in text(found).splitlines()
+    assert reported["nearest"]["transmission_angle_deg"] < 80.0
     with pytest.raises(GeometryError, match="only just"):
         sized_scene(found)
 
 
 def test_text_and_document_are_of_one_result() -> None:
     found = with_arm()
-    told = document(found)
-    assert (told["present"]["arm_mm"], told["smallest"]["arm_mm"]) == (61.29, 40.0)
+    reported = document(found)
+    assert (reported["present"]["arm_mm"], reported["smallest"]["arm_mm"]) == (61.29, 40.0)
     answer = found.sizing.answer
     assert answer is not None
     other = replace(answer, radius_ratio=replace(answer.radius_ratio, value=0.1234))

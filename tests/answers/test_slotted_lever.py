@@ -1,4 +1,4 @@
-"""What `camgeo slotted-lever` finds: one result, told as text, JSON, table and diagram."""
+"""The result of `camgeo slotted-lever`, rendered as text, JSON, table and diagram."""
 
 from __future__ import annotations
 
@@ -24,22 +24,22 @@ CRANKS = {"swings": 75.0, "turns": 400.0, "equal": 150.0}
 def test_documents_are_what_their_schema_says(crank: float, printed: bool) -> None:
     rows = Decimal("0.7"), Decimal(1), Decimal(359)
     found = slotted_lever(150.0, 90.0, crank=crank, rows=rows, printed=printed)
-    told = document(found)
-    assert told["crank_mm"] == crank
-    assert told["swings"] == (crank < 150.0)
-    assert len(told["extremes"]) == len(found.driven.extremes)
+    reported = document(found)
+    assert reported["crank_mm"] == crank
+    assert reported["swings"] == (crank < 150.0)
+    assert len(reported["extremes"]) == len(found.driven.extremes)
     head, *lines = table(found).csv().splitlines()
-    assert head.split(",") == list(told["table"])
+    assert head.split(",") == list(reported["table"])
     values = np.array([line.split(",") for line in lines], dtype=np.float64)
-    assert np.array_equal(values.T, np.array(list(told["table"].values())))
+    assert np.array_equal(values.T, np.array(list(reported["table"].values())))
     json.dumps(figure(found).to_data(), allow_nan=False)
 
 
 def test_text_and_document_are_of_one_result() -> None:
     found = slotted_lever(150.0, 90.0, swing=60.0)
-    told = document(found)
-    assert "table" not in told
-    assert told["swing_deg"] == pytest.approx(60.0)
+    reported = document(found)
+    assert "table" not in reported
+    assert reported["swing_deg"] == pytest.approx(60.0)
     changed = replace(found, driven=replace(found.driven, lever=SlottedLever(75.0, 160.0)))
     assert document(changed)["frame_mm"] == 160.0
     assert "frame a = 160 mm" in text(changed)

@@ -1,4 +1,4 @@
-"""What `camgeo stability` finds: one result, told as text, as JSON and as a picture."""
+"""The result of `camgeo stability`, rendered as text, as JSON and as a picture."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ def test_text_and_document_are_of_one_result() -> None:
     groups = ("laws", "cams", "slotted-levers")
     readings = [Reading("f", group, group, 0.5, 1.0, 2.0, 1.0) for group in groups]
     answer = found(*readings)
-    told = document(answer)
-    assert (told["kept"], told["quantities"][0]["values"], answer.exit_code) == (True, 3, 0)
+    reported = document(answer)
+    assert (reported["kept"], reported["quantities"][0]["values"], answer.exit_code) == (True, 3, 0)
     for reading in readings:
         at = document(found(reading))["quantities"][0]["largest_error"]["at"]
         (name,) = at

@@ -1,4 +1,4 @@
-"""What `camgeo table` finds: one result, told as CSV and as JSON."""
+"""The result of `camgeo table`, rendered as CSV and as JSON."""
 
 from __future__ import annotations
 

@@ -161,16 +161,16 @@ def by_knob(found: tuple[Cure, ...]) -> dict[str, Cure]:
 
 
 def check_lengths(cam: Cam, found: tuple[Cure, ...]) -> None:
-    """At the value told the finding is gone; beyond its limit as well, before it it is there."""
+    """With the proposed value the finding is gone, as beyond its limit; short of it, it remains."""
     for cure in found:
         if cure.knob not in LENGTHS or cure.value_to is None:
             continue
-        old, limit, told = cure.value_from, cure.limit, cure.value_to
+        old, limit, reported = cure.value_from, cure.limit, cure.value_to
         assert isinstance(old, float)
         assert isinstance(limit, float)
-        assert isinstance(told, float)
-        assert is_good(turned(cam, cure, told)), cure
-        assert abs(told - limit) <= 0.03 * abs(limit - old) + 1e-12 * abs(limit), cure
+        assert isinstance(reported, float)
+        assert is_good(turned(cam, cure, reported)), cure
+        assert abs(reported - limit) <= 0.03 * abs(limit - old) + 1e-12 * abs(limit), cure
         scale = cam.follower.base_radius if cure.knob == "offset" else old
         assert cure.cost == pytest.approx(abs(limit - old) / scale, rel=1e-12)
         step = math.copysign(NEAR * scale, limit - old)
@@ -351,7 +351,7 @@ def pretend(monkeypatch: pytest.MonkeyPatch, crossed: Callable[[WorkingCurve], b
 
 
 def test_a_limit_that_is_no_root_is_enclosed(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Crossings that an outside predicate tells: the roller is too large beyond 7.123 mm."""
+    """With crossings from outside: the roller is too large beyond 7.123 mm."""
     pretend(monkeypatch, lambda flank: abs(flank.distance) > 7.123)
     cam = hard("HC20b", r_R=10)
     cure = by_knob(cures((cam,)))["roller radius"]
@@ -364,12 +364,12 @@ def test_what_cannot_be_cured_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
     pretend(monkeypatch, lambda _: True)
     found = cures((hard("HC20b", r_R=10),))
     assert [cure.works for cure in found] == [False] * 5
-    said = {cure.knob: cure.sentence for cure in found}
-    assert "up to 100 times" in said["base radius"]
-    assert "no smaller roller" in said["roller radius"]
-    assert "between -25 and 25 mm" in said["offset"]
-    assert "too little room" in said["longer segment"]
-    assert "no other motion[2].law" in said["other law"]
+    sentences = {cure.knob: cure.sentence for cure in found}
+    assert "up to 100 times" in sentences["base radius"]
+    assert "no smaller roller" in sentences["roller radius"]
+    assert "between -25 and 25 mm" in sentences["offset"]
+    assert "too little room" in sentences["longer segment"]
+    assert "no other motion[2].law" in sentences["other law"]
 
 
 def test_what_cannot_be_decided_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -431,7 +431,7 @@ def test_a_straight_line_between_rests_is_cured_by_another_law() -> None:
 
 
 @pytest.mark.parametrize(
-    ("value", "digits", "upward", "told"),
+    ("value", "digits", "upward", "reported"),
     [
         (28.30001, 6, True, "28.3001"),
         (28.39999, 6, False, "28.3999"),
@@ -443,9 +443,9 @@ def test_a_straight_line_between_rests_is_cured_by_another_law() -> None:
     ],
 )
 def test_lengths_are_rounded_to_the_safe_side(
-    value: float, digits: int, upward: bool, told: str
+    value: float, digits: int, upward: bool, reported: str
 ) -> None:
-    assert rounded_beyond(value, digits, upward=upward) == told
+    assert rounded_beyond(value, digits, upward=upward) == reported
 
 
 @given(old=st.floats(1e-3, 1e3), change=st.floats(1e-9, 10.0), upward=st.booleans())
@@ -454,9 +454,9 @@ def test_the_rounded_length_is_beyond_the_limit_by_little(
 ) -> None:
     limit = old * (1.0 + change) if upward else old / (1.0 + change)
     assume(limit != old)
-    told = float(rounded_beyond(limit, digits_for(old, limit), upward=upward))
-    beyond = told - limit if upward else limit - told
-    # To the last digit told, a hundredth of the change; the text itself is rounded once more.
+    reported = float(rounded_beyond(limit, digits_for(old, limit), upward=upward))
+    beyond = reported - limit if upward else limit - reported
+    # To the last digit printed, a hundredth of the change; the text itself is rounded once more.
     assert -math.ulp(limit) <= beyond <= 0.011 * abs(limit - old) + 1e-15 * old
 
 

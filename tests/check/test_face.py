@@ -103,14 +103,14 @@ def test_a_shock_makes_the_contact_jump() -> None:
 
 
 def test_whatever_does_not_close_is_a_jump_of_the_contact() -> None:
-    """However slight the shock: the closure of the curve tells no cause."""
+    """However slight the shock: the closure of the curve does not show the cause."""
     law = LAWS["straight-line"]
     for stroke in (1e-12, 1e-11, 1e-10, 1e-9, 1e-6):
         moves = (Move(Decimal(90), stroke, law), Move(Decimal(180), 0.0, law))
         curve = PitchCurve(MotionPlan((Dwell(Decimal(90)), *moves)), TranslatingFlat(60.0), 1)
         closure = next(each for each in check_closure(curve) if each.name == "closure")
-        told = {each.name for each in check_convexity(curve) if each.severity == "no-disc"}
-        assert closure.severity == "ok" or told == {"contact-jump"}
+        reported = {each.name for each in check_convexity(curve) if each.severity == "no-disc"}
+        assert closure.severity == "ok" or reported == {"contact-jump"}
 
 
 def test_a_face_over_the_cam_axis() -> None:

@@ -53,11 +53,11 @@ def test_laws_are_listed_with_what_was_computed_for_them() -> None:
     first, second = found.sentence.split("; ")
     assert first.startswith("60 to 180 deg ")
     assert second.startswith("180 to 360 deg ")
-    for told, segment in zip((first, second), plan.segments[1:], strict=True):
+    for reported, segment in zip((first, second), plan.segments[1:], strict=True):
         assert isinstance(segment, Move)
-        assert f"{segment.law.name} {segment.law.task}" in told
+        assert f"{segment.law.name} {segment.law.task}" in reported
         for key, value in segment.law.parameters.items():
-            assert f"{key} {value:.6g}" in told
+            assert f"{key} {value:.6g}" in reported
     assert named(plan_motion([Dwell(Decimal(360))]), "laws")[0].sentence == "the follower rests"
 
 
@@ -85,11 +85,11 @@ def test_a_straight_line_has_a_shock_at_each_end_of_the_size_of_its_speed() -> N
 def test_jerks_inside_a_law_are_reported_one_by_one(law: str, jumps: dict[int, float]) -> None:
     found = named(there_and_back(law), "jerk")
     size = STROKE / SPAN**2
-    told = {round(math.degrees(each.cam_angle or 0.0)): each.value for each in found}
+    reported = {round(math.degrees(each.cam_angle or 0.0)): each.value for each in found}
     expected = {angle: jump * size for angle, jump in jumps.items()}
     if law == "quadratic-parabola":
         expected[0] *= -1.0  # the end of the return: from 4 of the falling stroke to rest
-    assert told == pytest.approx(expected, rel=1e-12)
+    assert reported == pytest.approx(expected, rel=1e-12)
     assert {each.severity for each in found} == {"warning"}
     assert {each.unit for each in found} == {"mm/rad^2"}
 
@@ -251,9 +251,9 @@ def test_physical_extremes_are_the_characteristic_values_times_the_speed() -> No
     }
     assert found.keys() == expected.keys()
     for name, value in expected.items():
-        told = found[name].value
-        assert told is not None
-        assert abs(told) == pytest.approx(value, rel=1e-12)
+        reported = found[name].value
+        assert reported is not None
+        assert abs(reported) == pytest.approx(value, rel=1e-12)
         assert found[name].severity == "ok"
 
 

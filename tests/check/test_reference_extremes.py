@@ -217,7 +217,7 @@ def test_hc21a_the_tightest_place_and_that_of_the_return() -> None:
 
 @pytest.mark.parametrize("name", ["HC22", "HC22b"])
 def test_hc22_where_the_local_test_passes(name: str) -> None:
-    """Undercut there is global; the smallest radius is told all the same."""
+    """Undercut there is global; the smallest radius is reported all the same."""
     params, expected = hard_case(name)
     kappa, phi = curvature_extremes(pitch_curve_of(params)).largest()
     assert 1.0 / kappa == pytest.approx(float(expected["rho_convex_min"]), rel=REL)

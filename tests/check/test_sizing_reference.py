@@ -117,11 +117,11 @@ def test_translating_is_decided_where_the_reference_says(name: str) -> None:
     for key in ("active1", "active2"):
         move, z = case[key]
         expected.append(start + rise * float(z) if move == "rise" else second + back * float(z))
-    told = [math.degrees(each.cam_angle) for each in found.active]
+    reported = [math.degrees(each.cam_angle) for each in found.active]
     assert {each.name for each in found.active} == {"transmission-angle"}
     if name == FOOT:
         expected = expected[:1]
-    assert told == pytest.approx(sorted(expected), abs=1e-9 * 360.0)
+    assert reported == pytest.approx(sorted(expected), abs=1e-9 * 360.0)
 
 
 @pytest.mark.parametrize("name", TRANSLATING)
@@ -155,8 +155,10 @@ def test_oscillating_is_the_reference(name: str) -> None:
 def test_oscillating_is_decided_where_the_reference_says(name: str) -> None:
     found = sized(name)
     start, rise, second, back = rise_and_return(name)
-    told = [math.degrees(each.cam_angle) for each in found.active]
-    places = [(each - start) / rise if each < second else (each - second) / back for each in told]
+    reported = [math.degrees(each.cam_angle) for each in found.active]
+    places = [
+        (each - start) / rise if each < second else (each - second) / back for each in reported
+    ]
     assert sorted(places) == pytest.approx(sorted(map(float, CASES[name]["z"])), abs=1e-9)
 
 

@@ -93,7 +93,7 @@ def test_however_large_the_roller_a_large_cam_takes_it() -> None:
 
 
 def test_a_ratio_that_no_place_keeps(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Only where no large cam is looked at: see above."""
+    """Only where large cams are excluded, see above."""
     monkeypatch.setattr(bends, "REACH", 1.5)
     monkeypatch.setattr(bends, "ROOM", 0.0)
     task, angle, _ = required("vorschub")
@@ -105,10 +105,10 @@ def test_a_ratio_that_no_place_keeps(monkeypatch: pytest.MonkeyPatch) -> None:
     assert found.nearest_ratio is not None
     assert found.nearest_ratio > 1e-3
     design = camgeo.load(SCENES / "vorschub.toml")
-    told = CamSize(design.scene, task, found, None).infeasible
-    assert told is not None
-    assert "there is no place with r_R/r_K at most 0.001 up to a base radius of" in told
-    assert f"the smallest ratio found is about {found.nearest_ratio:.3g}" in told
+    reported = CamSize(design.scene, task, found, None).infeasible
+    assert reported is not None
+    assert "there is no place with r_R/r_K at most 0.001 up to a base radius of" in reported
+    assert f"the smallest ratio found is about {found.nearest_ratio:.3g}" in reported
 
 
 @pytest.mark.parametrize(

@@ -102,7 +102,7 @@ def test_all_faults_at_once(tmp_path: Path, capsys: Capture) -> None:
 def test_mechanism_that_is_none(
     change: tuple[str, str], word: str, message: str, tmp_path: Path, capsys: Capture
 ) -> None:
-    """Offset at the base radius, roller larger than the base circle: told by the checks."""
+    """Offset at the base radius, roller larger than the base circle: the checks report both."""
     scene = tmp_path / "scene.toml"
     scene.write_text(spoilt(PLATE, change))
     assert main(["check", str(scene)]) == 2

@@ -76,11 +76,11 @@ def test_fixtures_keep_their_limits(scene: Path, capsys: Capture) -> None:
     # What a trimmed cam breaks is that it undercuts, and what comes with it.
     broken = [line.split()[1] for line in captured.out.splitlines() if line.startswith("BROKEN")]
     assert bool(broken) == trimmed
-    told = (
+    stated = (
         *("undercut-", "global-undercut-", "lobe-", "lost-stroke-", "radius-ratio-"),
         *("tangent-closure", "shock"),
     )
-    assert all(name.startswith(told) for name in broken)
+    assert all(name.startswith(stated) for name in broken)
     assert "NO DISC" not in captured.out
     assert captured.err == ""
 
@@ -96,7 +96,7 @@ def test_check_of_a_broken_limit_is_1(tmp_path: Path, capsys: Capture) -> None:
     assert "transmission-angle" in line
     assert "41.2" in line
     assert "45" in line
-    # A broken limit is told, but the files are the designer's decision.
+    # A broken limit is reported, but the files are the designer's decision.
     assert main(["build", str(scene), "-o", str(tmp_path / "out"), "--only", "csv"]) == 1
     captured = capsys.readouterr()
     assert "BROKEN" in captured.err
@@ -277,8 +277,8 @@ def test_reader_that_has_had_enough() -> None:
 def test_check_gives_outline_and_cures_as_json(capsys: Capture) -> None:
     scene = str(SCENES.parent / "refused" / "global_undercut.toml")
     assert main(["check", scene, "--json"]) == 1
-    told = json.loads(capsys.readouterr().out)
-    ((_, outlines),) = told["discs"].items()
+    stated = json.loads(capsys.readouterr().out)
+    ((_, outlines),) = stated["discs"].items()
     outline = outlines["inner"]
     _, expected = hard_case("HC22")
     ((start, end),) = outline["left_out_deg"]
@@ -290,9 +290,9 @@ def test_check_gives_outline_and_cures_as_json(capsys: Capture) -> None:
     radial = float(expected["radial_position_mm"][0])
     assert math.hypot(*corner["point_mm"]) == pytest.approx(radial, rel=1e-12)
     assert len(outline["lobes_mm2"]) == 1
-    costs = [cure["cost"] for cure in told["cures"] if cure["to"] is not None]
+    costs = [cure["cost"] for cure in stated["cures"] if cure["to"] is not None]
     assert costs == sorted(costs)
-    assert {cure["key"] for cure in told["cures"][:2]} == {
+    assert {cure["key"] for cure in stated["cures"][:2]} == {
         "follower.roller_radius",
         "follower.base_radius",
     }

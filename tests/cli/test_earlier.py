@@ -1,4 +1,4 @@
-"""Names of earlier versions are read, with a line that tells the present one."""
+"""Names of earlier versions are read, with a line that states the present one."""
 
 from __future__ import annotations
 

@@ -64,7 +64,7 @@ def test_every_family_of_a_task_is_listed(task: str) -> None:
 
 @pytest.mark.parametrize("task", TASKS)
 def test_no_number_is_infinite_or_nan(task: str, capsys: Capture) -> None:
-    """JSON refuses them; what is unbounded is null and told so."""
+    """JSON has no infinity; what is unbounded is null, and is listed."""
     for name, record in records(["--task", task, "--speed", "60", "--span", "90",
                                  "--stroke", "10"], capsys).items():  # fmt: skip
         assert set(record["values"]) == {field.name for field in fields(Characteristic)}, name
@@ -358,7 +358,7 @@ def test_every_law_has_its_row_with_all_one_sided_values() -> None:
         z = np.array([region.start, region.end])
         for place, value in zip(z, region.values(z)[3], strict=True):
             assert [place, value] in jerk.points.tolist()
-    # What cannot be drawn is told below.
+    # What cannot be drawn is listed below.
     assert any("simple-sine: not possible" in text.text for text in drawn.texts)
 
 
@@ -403,7 +403,7 @@ def test_the_table_needs_no_matplotlib() -> None:
 
 
 @pytest.mark.parametrize(
-    ("call", "told"),
+    ("call", "reported"),
     [
         (["--law", "modified-sin"], "is not a motion law; did you mean modified-sine?"),
         (["--task", "X-X"], "argument --task: invalid choice: 'X-X'"),
@@ -420,7 +420,7 @@ def test_the_table_needs_no_matplotlib() -> None:
     ],
 )
 def test_a_wrong_call_is_refused_with_what_is_allowed(
-    call: list[str], told: str, capsys: Capture, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    call: list[str], reported: str, capsys: Capture, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
     try:
@@ -430,7 +430,7 @@ def test_a_wrong_call_is_refused_with_what_is_allowed(
     captured = capsys.readouterr()
     assert code == 2
     assert captured.out == ""
-    assert told in captured.err
+    assert reported in captured.err
     assert list(tmp_path.iterdir()) == []
 
 

@@ -31,7 +31,7 @@ def replay(*words: str) -> int:
     return code
 
 
-def told(capsys: Capture, *words: str) -> dict[str, Any]:
+def document(capsys: Capture, *words: str) -> dict[str, Any]:
     assert replay(*words, "--json") == 0
     record: dict[str, Any] = json.loads(capsys.readouterr().out)
     (disc,) = record["discs"]
@@ -47,7 +47,7 @@ def drawings(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_the_real_outline_makes_the_demanded_motion(capsys: Capture) -> None:
-    record = told(capsys, SETZHUB)
+    record = document(capsys, SETZHUB)
     assert record["contour"] == "the real outline"
     assert record["of"] == "rocker"
     assert record["unit"] == "deg"
@@ -63,7 +63,7 @@ def test_the_real_outline_makes_the_demanded_motion(capsys: Capture) -> None:
 
 
 def test_a_drawing(drawings: Path, capsys: Capture) -> None:
-    record = told(capsys, PLATE, str(drawings / "plate_translating.dxf"))
+    record = document(capsys, PLATE, str(drawings / "plate_translating.dxf"))
     # The scene's tolerance is 1 um across the flank; its steepest place makes less than 2 of it.
     assert 0.0 < abs(record["lift_error"]["value"]) < 2e-3
     assert 0.01 < record["ripple"]["value"] < 0.5
@@ -84,7 +84,7 @@ def test_text_names_the_contour_and_the_ripple(drawings: Path, capsys: Capture) 
 @pytest.mark.parametrize("side", ["inner", "outer"])
 def test_both_flanks_of_a_groove(drawings: Path, capsys: Capture, side: str) -> None:
     groove = str(SCENES / "groove.toml")
-    record = told(capsys, groove, str(drawings / "groove.dxf"), "--flank", side)
+    record = document(capsys, groove, str(drawings / "groove.dxf"), "--flank", side)
     assert record["flank"] == side
     # The flank's own contour, not rim, bore or the other flank: 1 um over an arm of 80 mm.
     assert abs(record["lift_error"]["value"]) < 2e-3
@@ -101,11 +101,11 @@ def points_of(scene: str, count: int) -> str:
 def test_points_from_a_table(tmp_path: Path, capsys: Capture) -> None:
     file = tmp_path / "points.csv"
     file.write_text(points_of(PLATE, 720))
-    record = told(capsys, PLATE, str(file))
+    record = document(capsys, PLATE, str(file))
     # The chord's sagitta, 60 mm (pi/720)^2/2 = 0.6 um, and no tolerance would cure the ripple.
     assert abs(record["lift_error"]["value"]) < 2e-3
     assert record["ripple"]["value"] > 5.0
-    inch = told(capsys, PLATE, str(file), "--unit", "inch", "--step", "5")
+    inch = document(capsys, PLATE, str(file), "--unit", "inch", "--step", "5")
     assert inch["lift_error"]["value"] > 1000.0
 
 
@@ -114,7 +114,7 @@ def test_undercut_loses_stroke(tmp_path: Path, capsys: Capture) -> None:
     text = Path(PLATE).read_text()
     assert text.count("roller_radius = 10\n") == 1
     scene.write_text(text.replace("roller_radius = 10\n", "roller_radius = 45\n"))
-    record = told(capsys, str(scene))
+    record = document(capsys, str(scene))
     assert record["lost_stroke"]["value"] > 1e-3
     assert record["lift_error"]["value"] < 0.0
 

@@ -1,4 +1,4 @@
-"""`camgeo size`: what it tells, the scene it writes, what it refuses."""
+"""`camgeo size`: what it prints, the scene it writes, what it refuses."""
 
 from __future__ import annotations
 
@@ -41,16 +41,16 @@ def test_flocke_is_optimistic_about_the_curvature(capsys: Capture) -> None:
 
 def test_json(capsys: Capture) -> None:
     assert main(["size", SETZHUB, "--transmission-angle", "45", "--json"]) == 0
-    told = json.loads(capsys.readouterr().out)
-    assert told["required"]["transmission_angle_deg"] == pytest.approx(45.0)
-    smallest = told["smallest"]
+    reported = json.loads(capsys.readouterr().out)
+    assert reported["required"]["transmission_angle_deg"] == pytest.approx(45.0)
+    smallest = reported["smallest"]
     assert smallest["transmission_angle"]["smallest_deg"] == pytest.approx(45.0, abs=1e-9)
     assert math.hypot(*smallest["pivot_mm"]) == pytest.approx(smallest["pivot_distance_mm"])
     x, y = smallest["pivot_mm"]
     assert y / x == pytest.approx(62.0 / 40.46)  # the pivot stays in its direction
-    assert told["flocke"]["base_radius_mm"] > smallest["base_radius_mm"]
-    assert len(told["active"]) == 2
-    assert told["infeasible"] is None
+    assert reported["flocke"]["base_radius_mm"] > smallest["base_radius_mm"]
+    assert len(reported["active"]) == 2
+    assert reported["infeasible"] is None
 
 
 def test_an_arm_is_found_and_written(tmp_path: Path, capsys: Capture) -> None:
@@ -62,9 +62,9 @@ def test_an_arm_is_found_and_written(tmp_path: Path, capsys: Capture) -> None:
     assert isinstance(after.cam.follower, OscillatingRoller)
     assert after.cam.follower.arm == 40.0
     assert main(["size", str(target), "--json"]) == 0
-    told = json.loads(capsys.readouterr().out)
-    assert told["smallest"]["arm_mm"] == 40.0
-    assert told["smallest"]["base_radius_mm"] == pytest.approx(
+    reported = json.loads(capsys.readouterr().out)
+    assert reported["smallest"]["arm_mm"] == 40.0
+    assert reported["smallest"]["base_radius_mm"] == pytest.approx(
         after.cam.follower.base_radius, rel=1e-9
     )
 
@@ -80,9 +80,9 @@ def test_other_followers_are_refused(kind: str, tmp_path: Path, capsys: Capture)
     scene = tmp_path / "scene.toml"
     scene.write_text(template(kind))
     assert main(["size", str(scene)]) == 2
-    told = capsys.readouterr().err
-    assert f"follower.kind = {kind}" in told
-    assert "needs a roller follower" in told
+    reported = capsys.readouterr().err
+    assert f"follower.kind = {kind}" in reported
+    assert "needs a roller follower" in reported
 
 
 def test_infeasible_is_1_and_writes_no_scene(tmp_path: Path, capsys: Capture) -> None:
@@ -105,10 +105,10 @@ def test_infeasible_is_1_and_writes_no_scene(tmp_path: Path, capsys: Capture) ->
 def test_the_scene_written_keeps_its_limits(scene: str, tmp_path: Path, capsys: Capture) -> None:
     source, target = SCENES / f"{scene}.toml", tmp_path / "sized.toml"
     assert main(["size", str(source), "--json", "--scene", str(target)]) == 0
-    told = json.loads(capsys.readouterr().out)
+    reported = json.loads(capsys.readouterr().out)
     before, after = camgeo.load(source), camgeo.load(target)
     assert after.cam.follower.base_radius == pytest.approx(
-        told["smallest"]["base_radius_mm"], rel=1e-9
+        reported["smallest"]["base_radius_mm"], rel=1e-9
     )
     limit = math.degrees(transmission_angle_limit(before.cam, before.scene.limits))
     for finding in after.findings:
@@ -163,7 +163,7 @@ motion = [{ dwell = 360 }]
 
 
 @pytest.mark.parametrize(
-    ("options", "told"),
+    ("options", "reported"),
     [
         (["--transmission-angle", "0"], "transmission_angle = 0: must be above 0"),
         (["--transmission-angle", "90"], "transmission_angle = 90"),
@@ -172,9 +172,9 @@ motion = [{ dwell = 360 }]
         (["--radius-ratio", "2"], "radius_ratio = 2"),
     ],
 )
-def test_wrong_requirements_are_2(options: list[str], told: str, capsys: Capture) -> None:
+def test_wrong_requirements_are_2(options: list[str], reported: str, capsys: Capture) -> None:
     assert main(["size", SETZHUB, *options]) == 2
-    assert told in capsys.readouterr().err
+    assert reported in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

@@ -41,13 +41,13 @@ def call(*words: str) -> int:
     return main(["slotted-lever", *words])
 
 
-def told(capsys: Capture, *words: str) -> str:
+def output(capsys: Capture, *words: str) -> str:
     assert call(*words) == 0
     return capsys.readouterr().out
 
 
 def document(capsys: Capture, *words: str) -> dict[str, Any]:
-    found: dict[str, Any] = json.loads(told(capsys, *words, "--json"))
+    found: dict[str, Any] = json.loads(output(capsys, *words, "--json"))
     return found
 
 
@@ -94,7 +94,7 @@ def extreme(record: dict[str, Any], quantity: str, *, largest: bool) -> dict[str
 
 def test_the_printed_table_cell_by_cell(capsys: Capture) -> None:
     """1805 cells; those that differ are listed, and are those whose exact value rounds so."""
-    rows = rows_of(told(capsys, *EXERCISE, "--table", "--printed"))
+    rows = rows_of(output(capsys, *EXERCISE, "--table", "--printed"))
     listed = errata()
     assert len(listed) == 146
     thousandth = Decimal("0.001")
@@ -112,7 +112,7 @@ def test_the_printed_table_cell_by_cell(capsys: Capture) -> None:
 
 
 def test_what_else_differs_in_print_are_the_signs_of_five_zeros(capsys: Capture) -> None:
-    rows = rows_of(told(capsys, *EXERCISE, "--table", "--printed"))
+    rows = rows_of(output(capsys, *EXERCISE, "--table", "--printed"))
     listed = {(each["crank_deg"], each["column"]) for each in errata()}
     by_text = {
         (theirs[0], name)
@@ -130,7 +130,7 @@ def test_the_table_at_the_time_of_a_turn_that_sam_had(capsys: Capture) -> None:
     """0.66667 s instead of 2/3 s: 23 cells differ, those that the list says."""
     speed = str(Decimal(60) / Decimal("0.66667"))
     words = ("--frame", "150", "--swing", "60", "--speed", speed, "--table", "--printed")
-    found = differing(rows_of(told(capsys, *words)))
+    found = differing(rows_of(output(capsys, *words)))
     left = {
         (each["crank_deg"], each["column"])
         for each in errata()
@@ -176,7 +176,7 @@ def test_the_extremes_named_in_the_text_of_the_exercise(capsys: Capture) -> None
 
 
 def test_the_text_has_them_too(capsys: Capture) -> None:
-    lines = told(capsys, *EXERCISE).splitlines()
+    lines = output(capsys, *EXERCISE).splitlines()
     table = {" ".join(line.split()[:2]): line.split()[2:] for line in lines}
     assert table["smallest phi"] == ["-0.5235988", "rad", "-30", "deg", "60", "0.1111111", "-30"]
     assert table["largest phi"][2:6] == ["30", "deg", "300", "0.5555556"]
@@ -195,7 +195,7 @@ def test_the_text_has_them_too(capsys: Capture) -> None:
 def test_both_halves_of_the_table_agree_to_the_last_digit(capsys: Capture) -> None:
     """phi and eps_2 are odd about 180 degrees, omega_2 is even; at 180 degrees zeros are zeros."""
     for words in (EXERCISE, ("--frame", "50", "--crank", "80", "--speed", "33.3")):
-        rows = rows_of(told(capsys, *words, "--table", "--step", "0.1"))
+        rows = rows_of(output(capsys, *words, "--table", "--step", "0.1"))
         values = np.array([[float(cell) for cell in row] for row in rows])
         assert len(values) == 3601
         assert np.array_equal(values[:, 2], -values[::-1, 2])
@@ -206,12 +206,12 @@ def test_both_halves_of_the_table_agree_to_the_last_digit(capsys: Capture) -> No
 
 
 def test_the_columns_are_derivatives_of_each_other(capsys: Capture) -> None:
-    rows = rows_of(told(capsys, *EXERCISE, "--table", "--step", "0.05"))
+    rows = rows_of(output(capsys, *EXERCISE, "--table", "--step", "0.05"))
     _, time, phi, omega, eps = np.array([[float(cell) for cell in row] for row in rows]).T
     step = float(time[1])
     for lower, upper, exact in ((np.radians(phi), omega, omega), (omega, eps, eps)):
         difference = (lower[2:] - lower[:-2]) / (2.0 * step)
-        # h^2/6 of the third derivative, which the second differences of the exact one tell.
+        # h^2/6 of the third derivative, which follows from the second differences of the exact one.
         bound = np.abs(np.diff(upper, 2)).max() / 6.0
         rounding = 2.0 * EPS * np.abs(lower).max() / step
         assert np.max(np.abs(difference - exact[1:-1])) <= 2.0 * bound + 4.0 * rounding
@@ -219,16 +219,16 @@ def test_the_columns_are_derivatives_of_each_other(capsys: Capture) -> None:
 
 def test_a_part_of_the_turn_with_a_last_shorter_step(capsys: Capture) -> None:
     words = ("--table", "--from", "10", "--to", "20.5", "--step", "0.7", "--printed")
-    angles = [row[0] for row in rows_of(told(capsys, *EXERCISE, *words))]
+    angles = [row[0] for row in rows_of(output(capsys, *EXERCISE, *words))]
     assert (angles[0], angles[1], angles[-2], angles[-1]) == ("10.0", "10.7", "19.8", "20.5")
     assert len(angles) == 16
     assert all(Decimal(two) - Decimal(one) == Decimal("0.7") for one, two in pairwise(angles))
-    cut = told(capsys, *EXERCISE, "--table", "--from", "10", "--to", "20.6", "--step", "0.7")
+    cut = output(capsys, *EXERCISE, "--table", "--from", "10", "--to", "20.6", "--step", "0.7")
     assert [row[0] for row in rows_of(cut)][-2:] == ["20.5", "20.6"]
 
 
 def test_the_same_table_as_json_and_in_a_file(tmp_path: Path, capsys: Capture) -> None:
-    text = told(capsys, *EXERCISE, "--table", "--step", "5")
+    text = output(capsys, *EXERCISE, "--table", "--step", "5")
     columns = document(capsys, *EXERCISE, "--table", "--step", "5")["table"]
     rows = rows_of(text)
     assert columns == {
@@ -279,14 +279,14 @@ def test_the_crank_makes_the_swing_that_is_asked(swing: str, capsys: Capture) ->
 
 
 def test_a_crank_as_long_as_the_frame(capsys: Capture) -> None:
-    """HC01: phi = theta/2 - 90 degrees counted as the crank turns; nothing is told of 0 and 360."""
+    """HC01: phi = theta/2 - 90 degrees, in the sense of the crank; no finding at 0 and 360."""
     _, expected = hard_case("HC01")
     for size in (("--crank", "150"), ("--swing", "180")):
         words = ("--frame", "150", *size, "--speed", "90")
         found = document(capsys, *words)
         assert (found["swings"], found["extremes"], found["strokes"]) == (False, [], None)
         assert found["time_ratio"] is None
-        text = told(capsys, *words)
+        text = output(capsys, *words)
         assert "undefined" in text
         assert "omega2 is 4.712389 rad/s everywhere" in text
         for ends, key in (((), "from = 0"), (("--from", "1"), "to = 360")):
@@ -296,7 +296,7 @@ def test_a_crank_as_long_as_the_frame(capsys: Capture) -> None:
             assert key in captured.err
             assert "undefined" in captured.err
         small = ("--from", "0.00000001", "--to", "359")
-        rows = rows_of(told(capsys, *words, "--table", *small))
+        rows = rows_of(output(capsys, *words, "--table", *small))
         first = float(expected["phi_deg_at_theta_1e_minus_8_deg"])
         assert float(rows[0][2]) == pytest.approx(-first, rel=1e-15)
         for row in rows:
@@ -339,19 +339,19 @@ def test_a_lever_that_turns_round(capsys: Capture) -> None:
     peak = extreme(found, "eps2", largest=False)
     assert peak["value"] == pytest.approx(-float(expected["max_abs_eps2"]), rel=1e-12)
     assert peak["crank_deg"] == pytest.approx(float(expected["theta_of_max_deg"]), rel=1e-12)
-    rows = {row[0]: row for row in rows_of(told(capsys, *words, "--table", "--printed"))}
+    rows = {row[0]: row for row in rows_of(output(capsys, *words, "--table", "--printed"))}
     assert (rows["0"][2], rows["360"][2]) == ("-180.000", "180.000")
-    exact = {row[0]: row for row in rows_of(told(capsys, *words, "--table", "--step", "30"))}
+    exact = {row[0]: row for row in rows_of(output(capsys, *words, "--table", "--step", "30"))}
     for angle, phi in expected["phi_deg_unwrapped"].items():
         assert float(exact[f"{angle}.0"][2]) == pytest.approx(-float(phi), rel=1e-12)
-    assert "time ratio, because" in told(capsys, *words)
+    assert "time ratio, because" in output(capsys, *words)
 
 
 def test_a_very_short_crank(capsys: Capture) -> None:
     """HC04: equation (9) has no digit left there."""
     _, expected = hard_case("HC04")
     words = ("--frame", "1e8", "--crank", "1", "--speed", "90", "--table", "--to", "90")
-    rows = {row[0]: row for row in rows_of(told(capsys, *words))}
+    rows = {row[0]: row for row in rows_of(output(capsys, *words))}
     for angle in ("1", "90"):
         phi = float(expected[f"phi_deg_at_{angle}"])
         assert float(rows[f"{angle}.0"][2]) == pytest.approx(-phi, rel=1e-12)

@@ -50,7 +50,7 @@ def readings_of_few() -> tuple[Reading, ...]:
 
 @pytest.fixture
 def few(monkeypatch: pytest.MonkeyPatch) -> None:
-    """What `FEW` asks for is run once for all tests of how it is told."""
+    """The cases of `FEW`, run once for all tests of their rendering."""
     monkeypatch.setattr(suite, "run", lambda *_, **__: readings_of_few())
 
 

@@ -122,7 +122,7 @@ def test_file(tmp_path: Path, capsys: Capture) -> None:
 
 
 def refused(call: list[str], capsys: Capture) -> str:
-    """What a wrong call is told; its exit code must be 2, and nothing else be printed."""
+    """The error of a wrong call; its exit code must be 2, and nothing else is printed."""
     try:
         code: object = main(["table", *call])
     except SystemExit as stopped:
@@ -140,7 +140,7 @@ LAW = ["--law", "modified-sine"]
 
 
 @pytest.mark.parametrize(
-    ("call", "told"),
+    ("call", "reported"),
     [
         ([], "one of SCENE and --law NAME is needed"),
         (["--step", "0.1"], "one of SCENE and --law NAME is needed"),
@@ -167,9 +167,9 @@ LAW = ["--law", "modified-sine"]
     ],
 )
 def test_a_wrong_call_is_refused_with_what_is_allowed(
-    call: list[str], told: str, capsys: Capture
+    call: list[str], reported: str, capsys: Capture
 ) -> None:
-    assert told in refused(call, capsys)
+    assert reported in refused(call, capsys)
 
 
 def test_there_is_an_option_for_every_parameter_of_every_law() -> None:
@@ -185,11 +185,11 @@ def test_there_is_an_option_for_every_parameter_of_every_law() -> None:
 @pytest.mark.parametrize("name", sorted(PARAMETERS.keys() - {"inflection"}))
 def test_a_parameter_that_the_law_has_not_is_named(name: str, capsys: Capture) -> None:
     """From rest to rest, the 3-4-5 polynomial has an inflection point to place and no more."""
-    told = refused(["--law", "polynomial-345", f"--{name}", "0.5"], capsys)
-    assert f"{name} = 0.5: " in told
-    assert f"takes no {name}; its parameters: inflection\n" in told
+    reported = refused(["--law", "polynomial-345", f"--{name}", "0.5"], capsys)
+    assert f"{name} = 0.5: " in reported
+    assert f"takes no {name}; its parameters: inflection\n" in reported
 
 
 def test_a_task_that_the_law_does_not_serve_is_refused(capsys: Capture) -> None:
-    told = refused(["--law", "polynomial-345", "--task", "G-U"], capsys)
-    assert told == "camgeo: task = G-U: polynomial-345 is made for R-R\n"
+    reported = refused(["--law", "polynomial-345", "--task", "G-U"], capsys)
+    assert reported == "camgeo: task = G-U: polynomial-345 is made for R-R\n"

@@ -19,7 +19,7 @@ SCENE = SCENES / "vorschub.toml"
 
 @pytest.fixture(scope="module")
 def source(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A drawing, a table and their certificate; no scene beside them."""
+    """A drawing, a table and their certificate; without a scene in their folder."""
     folder = tmp_path_factory.mktemp("source")
     words = ["build", str(SCENE), "-o", str(folder), "--only", "dxf,csv", "--tolerance", "0.01"]
     assert main(words) == 0

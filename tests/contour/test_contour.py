@@ -97,7 +97,7 @@ def test_winding_number(contour: Contour, share: float, angle: float) -> None:
     point = 10.0 * share * complex(np.cos(angle), np.sin(angle))
     ring = outline(contour).dense(20_000)
     if np.min(np.abs(ring - point)) < 0.01:
-        return  # too near to tell
+        return  # too near to be decided
     turns = round(float(np.sum(np.angle((np.roll(ring, -1) - point) / (ring - point)))) / 6.2832)
     assert winding_number(contour, point) == turns
     assert winding_number(contour.reversed(), point) == -turns

@@ -184,7 +184,7 @@ def test_flat_arcs_are_off_by_their_sagitta(bulge: float) -> None:
 
 
 def test_a_bore_without_its_keyway_is_off_by_its_corners() -> None:
-    """The circle lies on the circle everywhere: only that the slot is missing tells."""
+    """The circle lies on the circle everywhere: only the missing slot shows the fault."""
     corner = float(np.max(np.abs(SLOTTED.vertices))) - RADIUS
     for plain in (PLAIN, PLAIN.split(1.0), PLAIN.split(0.3).reversed()):
         assert distance_between(SLOTTED, plain) == pytest.approx(corner, rel=1e-8)

@@ -207,7 +207,7 @@ def test_distances_of_biarcs(curve: WorkingCurve, start: float, span: float, cou
 
 @pytest.mark.parametrize("fitter", [fit_arcs, fewest_arcs, fit_polyline, fewest_chords])
 def test_a_whole_turn_without_a_stroke(fitter: Fitter) -> None:
-    """One smooth piece from a point to itself, which no chord tells from nothing."""
+    """One smooth piece from a point to itself, which its chord, of no length, does not show."""
     path = whole(cam(move(360, 0.0), base=40.0, roller=8.0))
     fit = fitter(path, 0.01)
     assert fit.deviation <= 0.01
@@ -216,7 +216,7 @@ def test_a_whole_turn_without_a_stroke(fitter: Fitter) -> None:
 
 @pytest.mark.parametrize("fitter", [fit_arcs, fewest_arcs, fit_polyline])
 def test_a_flank_that_runs_off_within_a_degree(fitter: Fitter) -> None:
-    """A stroke in a quarter of a degree, less than even samples of a turn can tell."""
+    """A stroke in a quarter of a degree, too short for even samples of a turn."""
     segments = (
         Move(Decimal("0.255238"), 0.91154, LAWS["polynomial-4567"]), Dwell(Decimal("12.465865")),
         Move(Decimal("330.222967"), 0.0, LAWS["polynomial-345"]), Dwell(Decimal("17.05593")),

@@ -1,4 +1,4 @@
-"""Splines and contours of them: against scipy's, and by what running them the other way tells."""
+"""Splines and contours of them: compared with scipy and with their reverses."""
 
 from __future__ import annotations
 

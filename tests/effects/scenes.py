@@ -44,10 +44,10 @@ def only_for(kind: Kind) -> set[tuple[str, str]]:
 
 
 def assert_refused(scene: str, effect: str, text: str, key: str, words: str = "") -> None:
-    """That the `key` of the table of an effect has no place, told in a scene and by a design."""
-    with pytest.raises(SceneError) as told:
+    """The fault that `key` of an effect's table does not apply, reported by scene and design."""
+    with pytest.raises(SceneError) as stated:
         design(scene, f"[effects.{effect}]\n{text}\n")
-    (fault,) = (each for each in told.value.faults if each.key == f"effects.{effect}.{key}")
+    (fault,) = (each for each in stated.value.faults if each.key == f"effects.{effect}.{key}")
     assert words in fault.message
     subject = design(scene, "").effects.subject
     with pytest.raises(GeometryError) as error:

@@ -225,8 +225,8 @@ def test_holes_that_fit_are_reported_with_the_remaining_unbalance() -> None:
     assert finding.value == row.diameter
     # the nearest boundary is the outline, 11 mm from the centres
     wall = 40.0 - 29.0 - row.diameter / 2.0
-    told = float(finding.sentence.split("thinnest wall ")[1].split(" mm")[0])
-    assert told == pytest.approx(wall, abs=3.0 * 1e-4 * 29.0 / 4.0 + 1e-3)
+    reported = float(finding.sentence.split("thinnest wall ")[1].split(" mm")[0])
+    assert reported == pytest.approx(wall, abs=3.0 * 1e-4 * 29.0 / 4.0 + 1e-3)
 
 
 @pytest.mark.parametrize(

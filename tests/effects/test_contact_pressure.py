@@ -133,7 +133,7 @@ def test_published_examples(example: dict[str, Any]) -> None:
 
 
 def test_the_published_cam_at_three_widths() -> None:
-    """What the force, curvature and modulus are is not told; from one width follow the others."""
+    """Force, curvature and modulus are not given; from one width the others follow."""
     cam = EXAMPLES["cam"]
     (first, *widths), (known, *pressures) = cam["widths"], cam["pressures"]
     pressure, half = printed(known)

@@ -185,8 +185,8 @@ def test_the_cam_gives_what_the_members_cut_free_ask_for(scene: str) -> None:
     assert np.max(np.abs(found - expected)) <= 20.0 * DIFFERENCE * np.max(np.abs(expected))
     for name in ("inertia", "gravity", "load"):  # none of which is lost in the others
         force = made.effect(name).force.coefficients(phi, "right")
-        told = force[0] + omega(made) ** 2 * force[2]
-        assert np.max(np.abs(told)) > 1e-3 * np.max(np.abs(expected))
+        reported = force[0] + omega(made) ** 2 * force[2]
+        assert np.max(np.abs(reported)) > 1e-3 * np.max(np.abs(expected))
 
 
 @pytest.mark.parametrize("scene", SCENES)

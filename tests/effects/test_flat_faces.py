@@ -357,10 +357,10 @@ def test_pressure_of_a_plane_on_the_cam() -> None:
     rest = (
         "[effects.spring]\nstiffness = 5\npreload = 300\n[effects.contact-pressure]\nwidth = 10\n"
     )
-    told = made_of("tappet", rest).effect("contact-pressure").contact
+    reported = made_of("tappet", rest).effect("contact-pressure").contact
     # In the lower rest 300 N press 10 mm of steel on steel, E* = 210000/1.82, on a circle of 30 mm:
     # sqrt(300 * 115384.615 / (pi * 10 * 30)) = 191.6457 MPa.
-    assert told.pressure(np.array([0.1]), "right")[0] == pytest.approx(191.6457, abs=5e-5)
+    assert reported.pressure(np.array([0.1]), "right")[0] == pytest.approx(191.6457, abs=5e-5)
 
 
 def test_a_short_guide_jams_where_the_lever_of_the_contact_is_too_long() -> None:

@@ -24,7 +24,7 @@ SUBJECT: Any = SimpleNamespace(disc=object())
 
 @dataclass(frozen=True, slots=True)
 class Answer:
-    """A result that tells what its effect was given."""
+    """A result that records what its effect was given."""
 
     name: str
     request: Request[Any]
@@ -214,7 +214,7 @@ def test_what_parse_refuses_is_reported_with_the_whole_key(fakes: Fakes) -> None
 
 
 def test_without_a_speed_there_is_no_course(fakes: Fakes) -> None:
-    """For an effect that the scene does not name, so that its keys were not looked at."""
+    """For an effect that the scene does not name, so that its keys were not checked."""
     fakes.add("power", lambda request: request.course)
     ring, plate = design("ring", ""), design("plate_translating", "")
     with pytest.raises(GeometryError, match="the speed of the cam is needed") as caught:

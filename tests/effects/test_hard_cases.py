@@ -1,7 +1,7 @@
 """Hard cases of the effects together: the right value or a clear finding, never anything else.
 
-Every scene here also passes `assert_sound`: findings, columns on both sides of all their borders,
-and JSON are finite, and no warning of Python is raised.
+Every scene here also passes `assert_well_formed`: findings, columns on both sides of all their
+borders, and JSON are finite, and Python gives no warning.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from camgeo.numeric.extremes import piecewise_extremes
 from camgeo.scene.load import parse_scene
 from camgeo.units import TURN
 from tests.effects.scenes import SCENES, only_for
-from tests.effects.test_random_scenes import NAMES, assert_sound, scene_text
+from tests.effects.test_random_scenes import NAMES, assert_well_formed, scene_text
 from tests.findings import effect_findings
 from tests.long_form import examples
 
@@ -198,7 +198,7 @@ NOT_ANSWERED: Final[dict[str, dict[str, str]]] = {
 def test_every_effect_of_every_scene(name: str) -> None:
     """Measured lifts, a speed curve, inches, shocks, cusps, undercut: each as it may be."""
     text = with_speed(name)
-    assert assert_sound(made(text, every(text))) == NOT_ANSWERED.get(name, {})
+    assert assert_well_formed(made(text, every(text))) == NOT_ANSWERED.get(name, {})
 
 
 REST: Final = "[[motion]]\ndwell = 360\n"
@@ -209,7 +209,7 @@ def test_a_cam_that_never_moves_its_follower(name: str) -> None:
     text = scene_text(name)
     head, tail = text[: text.index("[[motion]]")], text[text.index("[part]") :]
     design = made(head + REST + tail, every(text))
-    assert assert_sound(design) == {}
+    assert assert_well_formed(design) == {}
     assert names(design, "shock-spectrum") == {"shock-spectrum"}
     phi = np.linspace(0.0, TURN, 50)
     normal = design.effect("contact-force").normal(phi, "right")
@@ -226,7 +226,7 @@ def test_a_rest_of_no_length_changes_nothing() -> None:
     none = changed(text, ("[[motion]]\ndwell = 40\n", ""))
     zero = changed(text, ("dwell = 40", "dwell = 0"))
     one, other = made(none, every(text)), made(zero, every(text))
-    assert assert_sound(other) == {}
+    assert assert_well_formed(other) == {}
     phi = np.linspace(0.0, TURN, 500, endpoint=False)
     for here, there in zip(one.disc.columns(), other.disc.columns(), strict=True):
         assert np.array_equal(here.values(phi, "right"), there.values(phi, "right")), here.name
@@ -238,7 +238,7 @@ def test_resonance_without_damping(ratio: int) -> None:
     text = scene_text("plate_translating")
     effects = every(text, vibration=f"natural_frequency = {ratio}")
     design = made(text, effects)
-    assert assert_sound(design) == {"vibration": "resonance"}
+    assert assert_well_formed(design) == {"vibration": "resonance"}
     each = found(design, "vibration", "resonance")
     assert each.severity == "broken"
     assert each.value == pytest.approx(float(ratio), rel=1e-12)
@@ -252,7 +252,7 @@ def test_no_resonance_with_a_harmonic_that_the_motion_does_not_have(ratio: int) 
     vibrations, forced motion by a base that moves).
     """
     design = made(HARMONIC, f"[effects.vibration]\nnatural_frequency = {ratio}\n")
-    assert assert_sound(design) == {}
+    assert assert_well_formed(design) == {}
     most = found(design, "vibration", "largest-motion-error").value
     # The law is known to 1e-16, and the steady state to the tolerance of 1e-6 of the lift.
     assert most == pytest.approx(10.0 / (ratio**2 - 1.0), rel=1e-6)
@@ -263,7 +263,7 @@ def test_no_resonance_with_a_harmonic_that_the_motion_does_not_have(ratio: int) 
 def test_without_mass_nothing_vibrates_or_lifts_off() -> None:
     text = scene_text("plate_translating")
     design = made(text, every(text, inertia="mass = 0"))
-    assert assert_sound(design) == {}
+    assert assert_well_formed(design) == {}
     phi = np.linspace(0.0, TURN, 500)
     assert not np.any(design.effect("vibration").output.deflection(phi, "right"))
     acceleration = in_time(design.cam.drive.plan.jet(phi), design.drive.time_course, phi)[2]  # type: ignore[arg-type]
@@ -284,7 +284,7 @@ def test_an_all_but_rigid_train(stiffness: str) -> None:
     """It bends by a / w^2, and that by the smaller the stiffer it is: 1 kg at 1e15 N/mm."""
     text = scene_text("plate_translating")
     design = made(text, every(text, vibration=f"stiffness = {stiffness}\ndamping = 0.02"))
-    assert assert_sound(design) == {}
+    assert assert_well_formed(design) == {}
     phi = np.linspace(0.0, TURN, 500)
     timed = in_time(design.cam.drive.plan.jet(phi), design.drive.time_course, phi)  # type: ignore[arg-type]
     most = float(np.max(np.abs(timed[2]))) * 1.1e-3 / float(stiffness)
@@ -299,7 +299,7 @@ def test_an_all_but_rigid_spring() -> None:
     text = scene_text("plate_translating")
     spring = "stiffness = 1e15\npreload = 1e12"
     design = made(text, every(text, spring=spring, friction="", pin="5", rolling="0.01"))
-    assert assert_sound(design) == {"speed-fluctuation": "stall"}
+    assert assert_well_formed(design) == {"speed-fluctuation": "stall"}
     largest = found(design, "spring", "largest-spring-force")
     assert largest.value == pytest.approx(1e12 + 1e15 * 20.0, rel=1e-12)
 
@@ -319,10 +319,10 @@ def test_a_force_that_touches_zero_and_does_not_cross_it(preload: float, stiffne
     the speed that of lift-off.
     """
     spring = f"[effects.spring]\npreload = {preload!r}\nstiffness = {stiffness!r}\n"
-    tell = "[effects.contact-force]\n[effects.lift-off]\n[effects.drive-torque]\n"
+    further = "[effects.contact-force]\n[effects.lift-off]\n[effects.drive-torque]\n"
     pressure = "[effects.contact-pressure]\nwidth = 5\nrating = 900\n"
-    design = made(HARMONIC, f"[effects.inertia]\nmass = 1\n{spring}{tell}{pressure}")
-    assert assert_sound(design) == {}
+    design = made(HARMONIC, f"[effects.inertia]\nmass = 1\n{spring}{further}{pressure}")
+    assert assert_well_formed(design) == {}
     largest = found(design, "contact-force", "largest-contact-force")
     smallest = found(design, "contact-force", "smallest-contact-force")
     assert largest.value is not None
@@ -356,7 +356,7 @@ def groove_with(share: float) -> Design:
 def test_a_groove_force_that_touches_zero_does_not_change_the_flank() -> None:
     for share in (1.0, 1.0001):
         design = groove_with(share)
-        assert assert_sound(design) == {}
+        assert assert_well_formed(design) == {}
         (steady,) = design.effects.findings("lift-off")
         assert steady.value == 0.0
         assert "over the whole turn" in steady.sentence
@@ -366,7 +366,7 @@ def test_a_groove_force_that_touches_zero_does_not_change_the_flank() -> None:
 def test_a_groove_force_that_barely_crosses_zero_changes_the_flank(short: float) -> None:
     """However short the stretch: its length goes with the root of what is missing."""
     design = groove_with(1.0 - short)
-    assert assert_sound(design) == {}
+    assert assert_well_formed(design) == {}
     changes = [each.cam_angle for each in design.effects.findings("lift-off")]
     assert len(changes) == 2
     first, second = changes
@@ -391,7 +391,7 @@ def test_friction_near_the_limit_of_jamming() -> None:
         assert margin is not None
         low, high = (middle, high) if margin > 0.0 else (low, middle)
     below, above = jam(low * (1.0 - 1e-6)), jam(high * (1.0 + 1e-6))
-    assert set(assert_sound(below)) <= {"speed-fluctuation"}
+    assert set(assert_well_formed(below)) <= {"speed-fluctuation"}
     assert found(below, "friction", "jamming-margin").severity == "warning"
     # A force that grows as 1 / margin.
     largest = found(below, "contact-force", "largest-contact-force").value
@@ -399,7 +399,7 @@ def test_friction_near_the_limit_of_jamming() -> None:
     assert largest is not None
     assert usual is not None
     assert largest > 1e3 * usual
-    failed = assert_sound(above)
+    failed = assert_well_formed(above)
     for name in ("contact-force", "lift-off", "drive-torque", "contact-pressure"):
         assert failed[name] == "jamming"
         each = found(above, name, "jamming")
@@ -428,7 +428,7 @@ def test_a_rest_longer_than_the_transient() -> None:
     """20 ms of a decay of 3 ms: what a rise leaves has gone when the rest ends."""
     text = scene_text("plate_translating")
     design = made(text, "[effects.vibration]\nnatural_frequency = 400\ndamping = 0.2\n")
-    assert assert_sound(design) == {}
+    assert assert_well_formed(design) == {}
     ends = np.radians([30.0, 170.0, 360.0])
     starts = np.radians([290.0, 130.0, 290.0])
     w = 400.0 * TURN
@@ -454,7 +454,7 @@ def test_tiny_and_huge_designs_are_similar(factor: float) -> None:
 
     large = re.sub(LENGTHS, scaled, text, flags=re.MULTILINE)
     data = {"width": f"{5.0 * factor!r}", "pin": f"{5.0 * factor!r}", "rolling": f"{factor!r}e-2"}
-    assert set(assert_sound(made(large, every(text, **data)))) <= {"speed-fluctuation"}
+    assert set(assert_well_formed(made(large, every(text, **data)))) <= {"speed-fluctuation"}
     inertia = "[effects.inertia]\nmass = 1\n[effects.contact-force]\n[effects.drive-torque]\n"
     inertia += "[effects.friction]\nguide = 0.1\n"
     one, other = made(text, inertia), made(large, inertia)
@@ -473,7 +473,7 @@ def test_tiny_and_huge_designs_are_similar(factor: float) -> None:
 def test_very_slow_and_very_fast_cams(rev: str) -> None:
     """Forces are c0 + c2 omega^2 to the last digits: nothing is lost at either end."""
     text = changed(scene_text("plate_translating"), ("speed = 60", f"speed = {rev}"))
-    assert set(assert_sound(made(text, every(text)))) <= {"speed-fluctuation"}
+    assert set(assert_well_formed(made(text, every(text)))) <= {"speed-fluctuation"}
     effects = "[effects.inertia]\nmass = 1\n[effects.contact-force]\n"
     here = made(text, effects).effect("contact-force")
     usual = made(scene_text("plate_translating"), effects).effect("contact-force")
@@ -499,7 +499,7 @@ def test_inches_are_millimetres() -> None:
     metric = metric.replace("width = 0.1875, depth = 0.094", "width = 4.7625, depth = 2.3876")
     metric = metric.replace('length = "inch"', 'length = "mm"')
     one, other = made(whole), made(metric)
-    assert assert_sound(one) == assert_sound(other) == {}
+    assert assert_well_formed(one) == assert_well_formed(other) == {}
     pairs = list(zip(effect_findings(one), effect_findings(other), strict=True))
     assert len(pairs) > 40
     for here, there in pairs:
@@ -510,10 +510,10 @@ def test_inches_are_millimetres() -> None:
 
 
 def test_velocity_jumps() -> None:
-    """Each effect with a mass in it tells the shock; the rest is finite."""
+    """Each effect with a mass reports the shock; the rest is finite."""
     text = scene_text("straight_moves")
     design = made(text, every(text))
-    assert assert_sound(design) == {"speed-fluctuation": "shock"}
+    assert assert_well_formed(design) == {"speed-fluctuation": "shock"}
     for effect, name in (
         ("contact-force", "shock"),
         ("drive-torque", "shock"),
@@ -521,39 +521,39 @@ def test_velocity_jumps() -> None:
         ("inertia", "largest-inertia-force"),
         ("lift-off", "lift-off"),
     ):
-        told = [each for each in design.effects.findings(effect) if each.name == name]
-        assert told, effect
-        assert all(each.severity in ("warning", "broken") for each in told), effect
+        reported = [each for each in design.effects.findings(effect) if each.name == name]
+        assert reported, effect
+        assert all(each.severity in ("warning", "broken") for each in reported), effect
     # Without a mass there is no shock.
     still = made(text, every(text, inertia="mass = 0"))
     assert "shock" not in names(still, "contact-force") | names(still, "drive-torque")
     assert found(still, "inertia", "largest-inertia-force").value == 0.0
-    assert assert_sound(still) == {}
+    assert assert_well_formed(still) == {}
 
 
 @pytest.mark.parametrize("name", ["swallow_tail", "trimmed_ring", "cut_lobe"])
 def test_cusps_and_undercut(name: str) -> None:
     """Under force a cusp has no pressure; where the roller has lifted off before, it does not."""
     text = scene_text(name)
-    slow = assert_sound(made(text, every(text)))
+    slow = assert_well_formed(made(text, every(text)))
     fast = re.sub(r"^speed = \d+", "speed = 2000", text, flags=re.MULTILINE)
     design = made(fast, every(text))
-    assert "contact-pressure" not in assert_sound(design)
+    assert "contact-pressure" not in assert_well_formed(design)
     assert found_all(design, "lift-off", "lift-off")
     assert (slow.get("contact-pressure") == "infinite-contact-pressure") == (name != "cut_lobe")
 
 
 def found_all(design: Design, effect: str, name: str) -> list[Finding]:
-    told = [each for each in design.effects.findings(effect) if each.name == name]
-    assert all(each.severity == "broken" for each in told)
-    return told
+    reported = [each for each in design.effects.findings(effect) if each.name == name]
+    assert all(each.severity == "broken" for each in reported)
+    return reported
 
 
 def test_a_motor_too_weak() -> None:
     text = scene_text("plate_translating")
     effects = every(text, stall="0.001")
     design = made(text, effects)
-    assert assert_sound(design) == {"speed-fluctuation": "stall"}
+    assert assert_well_formed(design) == {"speed-fluctuation": "stall"}
     each = found(design, "speed-fluctuation", "stall")
     assert each.severity == "broken"
     assert each.value == pytest.approx(1e-3, rel=1e-12)
@@ -575,21 +575,21 @@ no_load_speed = 425
 stall_torque = 287.8
 """
     design = made(scene_text("trimmed_ring"), effects)
-    assert assert_sound(design) == {}
+    assert assert_well_formed(design) == {}
     turn = design.effect("speed-fluctuation")
     assert np.min(turn.turn.omega(np.linspace(0.0, TURN, 5000))) > 0.0
     # Without friction and load the motor does no work over a turn.
-    told = {each.name: each.value for each in turn.findings}
-    assert abs(told["motor-work"]) <= 1e-5 * TURN * told["largest-motor-torque"]
+    reported = {each.name: each.value for each in turn.findings}
+    assert abs(reported["motor-work"]) <= 1e-5 * TURN * reported["largest-motor-torque"]
 
 
 @pytest.mark.parametrize("name", ["plate_translating", "ring", "shuttle"])
 def test_a_load_that_lifts_the_roller_off_everywhere(name: str) -> None:
-    """No flank carries: lost all the turn, at any speed; no pressure, and no life to tell."""
+    """No flank carries: lost all the turn, at any speed; no pressure, and no life."""
     text = with_speed(name)
     pull = {"plate_translating": "-1e4", "ring": "1e4", "shuttle": "-1e3"}[name]
     design = made(text, every(text, load=pull, friction="", stall="1e6"))
-    assert assert_sound(design) == {}
+    assert assert_well_formed(design) == {}
     (lost,) = found_all(design, "lift-off", "lift-off")
     assert lost.cam_range == (0.0, TURN)
     assert found(design, "lift-off", "lift-off-speed").value == 0.0
@@ -603,12 +603,12 @@ def test_a_speed_curve_is_the_same_as_its_time_course() -> None:
     """Forces of a cam that is driven unevenly, by the accelerations in time."""
     effects = "[effects.inertia]\nmass = 2\n[effects.contact-force]\n[effects.kinematics]\n"
     design = made(scene_text("points"), effects)
-    assert assert_sound(design) == {}
+    assert assert_well_formed(design) == {}
     phi = np.linspace(0.0, TURN, 777) + 1e-3
     timed = in_time(design.cam.drive.motion.jet(phi), design.drive.time_course, phi)  # type: ignore[arg-type]
     force = 2e-3 * timed[2] / design.cam.disc.pitch_curve.leverage(phi)
-    told = design.effect("contact-force").normal(phi, "right")
-    assert np.max(np.abs(told - force)) <= ROUNDING * np.max(np.abs(force))
+    reported = design.effect("contact-force").normal(phi, "right")
+    assert np.max(np.abs(reported - force)) <= ROUNDING * np.max(np.abs(force))
 
 
 @pytest.mark.parametrize(

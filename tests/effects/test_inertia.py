@@ -300,10 +300,12 @@ def test_a_coupler_without_a_moment_of_its_own_is_a_slender_rod() -> None:
     linkage = subject.cam.drive.linkage
     assert linkage is not None
     moment = 0.6 * (linkage.coupler * 1e-3) ** 2 / 12.0  # kg m^2
-    told, _ = inertia_of(
+    reported, _ = inertia_of(
         "schnitt", f"[effects.inertia]\ncoupler_mass = 0.6\ncoupler_moment = {moment!r}\n"
     )
-    assert rod.to_follower(PHI, "right") == pytest.approx(told.to_follower(PHI, "right"), rel=1e-14)
+    assert rod.to_follower(PHI, "right") == pytest.approx(
+        reported.to_follower(PHI, "right"), rel=1e-14
+    )
 
 
 @pytest.mark.parametrize(
@@ -456,8 +458,8 @@ def test_a_slider_that_the_rocker_cannot_move_has_no_force() -> None:
     (at,) = made.cam.drive.plan.jet(np.array([caught.value.cam_angle]))[0]
     assert at == pytest.approx(stroke, rel=1e-12)
     assert caught.value.finding == "locked-slider"
-    (told,) = made.effects.findings("inertia")
-    assert told.severity == "broken"
+    (reported,) = made.effects.findings("inertia")
+    assert reported.severity == "broken"
     # The rocker alone can be moved.
     made = design("schnitt", "[effects.inertia]\nmoment_of_inertia = 1\n", *LOCKED)
     assert np.all(np.isfinite(made.effect("inertia").force.coefficients(PHI, "right")))
@@ -481,5 +483,5 @@ def test_the_same_request_gives_the_same_bytes() -> None:
     results = [compute(Request(made.effects.subject, spec, Results({}), 1e-6)) for _ in range(2)]
     first, second = (each.force.coefficients(PHI, "right").tobytes() for each in results)
     assert first == second
-    told = [each.findings for each in results]
-    assert told[0] == told[1]
+    reported = [each.findings for each in results]
+    assert reported[0] == reported[1]

@@ -144,7 +144,7 @@ json.dump(sorted(sys.modules), sys.stdout)
 
 
 def modules_of(scene: Path, *judge: str) -> set[str]:
-    """What a fresh interpreter has imported after loading a scene, and after judging it if told."""
+    """What a fresh interpreter has imported after loading a scene, and judging it if asked to."""
     done = subprocess.run(
         [sys.executable, "-c", RUN, str(scene), *judge],
         capture_output=True, text=True, check=True, timeout=120,

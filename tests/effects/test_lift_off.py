@@ -112,7 +112,7 @@ def test_with_a_margin_it_is_lost_earlier() -> None:
             subject.effect("contact-force").normal(np.array([each.start]), side)[0]
             for side in ("left", "right")
         ]
-        # The force may fall short by a rounding of the largest one, 45 N, before it is told.
+        # The force may fall short by a rounding of the largest one, 45 N, before it is reported.
         assert min(sides) <= 14.0 + 45.0 * ROUNDING
         assert max(sides) >= 14.0 - 90.0 * ROUNDING
 
@@ -459,7 +459,7 @@ def test_the_flight_is_that_of_an_integrator() -> None:
 
 
 def test_the_tolerance_of_an_impact_is_kept_or_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    """With few nodes a cell, cells are halved until they are enough, or it is told."""
+    """With few nodes a cell, cells are halved until they are enough, or an error is raised."""
     subject = groove(0.05)
     exact = [each.speed for each in lift_off(subject).impacts]
     monkeypatch.setattr(crossing, "ORDERS", (3, 4))
@@ -527,10 +527,10 @@ def with_play(backlash: str = "") -> Design:
 
 
 def test_the_side_clearance_of_the_groove_is_the_backlash() -> None:
-    told = one(lift_off(with_play()), "largest-impact-speed")
-    assert "0.08 mm" in told.sentence
+    stated = one(lift_off(with_play()), "largest-impact-speed")
+    assert "0.08 mm" in stated.sentence
     same = one(lift_off(with_play("backlash = 0.08\n")), "largest-impact-speed")
-    assert same == told
+    assert same == stated
     tight = design(
         "groove_clearance",
         "[effects.inertia]\nmass = 1\n[effects.contact-force]\n"
@@ -538,7 +538,7 @@ def test_the_side_clearance_of_the_groove_is_the_backlash() -> None:
         ("side_clearance = 0.08\n", ""),
     )
     # Impacts are those of the pitch curve, to first order in the clearance.
-    assert one(lift_off(tight), "largest-impact-speed").value == told.value
+    assert one(lift_off(tight), "largest-impact-speed").value == stated.value
 
 
 def test_a_backlash_that_contradicts_the_side_clearance_is_refused() -> None:

@@ -1,7 +1,7 @@
 """Effects of scenes made up at random: numbers or a clear answer, nothing else.
 
-Whatever a scene says that its schema allows, each effect has to give finite numbers, or a finding
-that tells why not, or a fault of the scene with its key. A warning of Python is an error here, see
+For every scene that its schema allows, each effect must give finite numbers, a finding that states
+why not, or a fault of the scene with its key. A warning of Python is an error here, see
 `filterwarnings`.
 """
 
@@ -291,7 +291,7 @@ def sides_of(column: Column, phi: FloatArray) -> FloatArray:
     return np.stack([column.values(phi, "right"), column.values(phi, "left")])
 
 
-def assert_sound(design: Design) -> dict[str, str]:
+def assert_well_formed(design: Design) -> dict[str, str]:
     """That all effects of `design` answer in finite numbers; gives why not, by effect, where not.
 
     A design that is no cam mechanism is left alone, as commands leave it.
@@ -321,10 +321,10 @@ def fault_of(design: Design, name: str) -> str:
     try:
         design.effect(name)
     except (EffectError, GeometryError) as error:
-        told = str(error)
+        reported = str(error)
     else:
         return ""
-    assert told in findings[0].sentence
+    assert reported in findings[0].sentence
     assert findings[0].severity == "broken"
     return findings[0].name
 
@@ -356,7 +356,7 @@ def assert_columns(design: Design, name: str, columns: tuple[Column, ...]) -> No
         assert column.limit is None or math.isfinite(column.limit), (name, column.name)
 
 
-def sound_or_refused(file: str, text: str) -> dict[str, str]:
+def accepted_or_refused(file: str, text: str) -> dict[str, str]:
     """Why effects of a scene have no answer, by effect; or its faults, by key."""
     faults: tuple[Fault, ...] = ()
     design = None
@@ -365,7 +365,7 @@ def sound_or_refused(file: str, text: str) -> dict[str, str]:
     except SceneError as error:
         faults = error.faults
     if design is not None:
-        return assert_sound(design)
+        return assert_well_formed(design)
     assert faults
     for fault in faults:
         assert known_key(fault.key), fault
@@ -376,20 +376,20 @@ def sound_or_refused(file: str, text: str) -> dict[str, str]:
 @settings(max_examples=examples(12, long=25))
 @given(st.randoms(use_true_random=False))
 def test_effects_of_any_scene_are_finite_or_refused(rng: Random) -> None:
-    sound_or_refused(*scene_of(rng))
+    accepted_or_refused(*scene_of(rng))
 
 
 def test_the_scenes_are_not_all_refused() -> None:
     """Most are computed: what is held above is held of effects, not of faults alone."""
     seeds = range(30)
     files, texts = zip(*(scene_of(Random(seed)) for seed in seeds), strict=True)
-    sound = 0
+    accepted = 0
     for file, text in zip(files, texts, strict=True):
         try:
-            sound += len(parse_scene(text, file).effects) > 0
+            accepted += len(parse_scene(text, file).effects) > 0
         except SceneError:
             continue
-    assert sound >= len(seeds) // 2
+    assert accepted >= len(seeds) // 2
 
 
 @pytest.mark.parametrize(

@@ -133,17 +133,19 @@ def scene(folder: Path, effects: str, name: str = "plate_translating") -> Path:
 
 
 def finding(home: Path, file: Path) -> dict[str, Any]:
-    _, told = run(home, "check", file, "--json")
-    (found,) = (each for each in json.loads(told)["effects"]["noise"] if each["name"] == "loudest")
+    _, reported = run(home, "check", file, "--json")
+    (found,) = (
+        each for each in json.loads(reported)["effects"]["noise"] if each["name"] == "loudest"
+    )
     assert isinstance(found, dict)
     return found
 
 
 def test_it_is_computed_with_what_it_needs(home: Path, tmp_path: Path) -> None:
     file = scene(tmp_path, NOISE)
-    _, told = run(home, "explain", file)
-    assert "effects.noise" in told
-    assert "effects.contact-force" in told
+    _, reported = run(home, "explain", file)
+    assert "effects.noise" in reported
+    assert "effects.contact-force" in reported
     loud = finding(home, file)["value"]
     assert loud > GAIN * 80.0  # of the preload alone
 
@@ -156,8 +158,10 @@ def test_its_lengths_are_in_the_unit_of_the_scene(home: Path, tmp_path: Path) ->
 
 
 def test_its_columns_are_in_the_table(home: Path, tmp_path: Path) -> None:
-    code, told = run(home, "build", scene(tmp_path, NOISE), "--only", "csv", "-o", tmp_path / "out")
-    assert code == 0, told
+    code, reported = run(
+        home, "build", scene(tmp_path, NOISE), "--only", "csv", "-o", tmp_path / "out"
+    )
+    assert code == 0, reported
     (table,) = (tmp_path / "out").glob("*.csv")
     lines = [line for line in table.read_text("utf-8").splitlines() if not line.startswith("#")]
     (name,) = (each for each in next(csv.reader(lines)) if "noise" in each)
@@ -177,15 +181,15 @@ REFUSED: Final = (
     ("gain = 1", "conjugate_lever", "effects.noise: supports a single disc"),
     ("gain = 1", "ring", "effects.noise: needs [cam] speed"),
 )
-"""Tables of the effect, the scenes to which they are added, and what is said of them."""
+"""Tables of the effect, the scenes to which they are added, and the expected message."""
 
 CHECK_EACH: Final = """
 import contextlib, io, json, sys
 from camgeo.cli.main import main
 answers = []
 for path in sys.argv[1:]:
-    with contextlib.redirect_stderr(io.StringIO()) as told:
-        answers.append((main(["check", path]), told.getvalue()))
+    with contextlib.redirect_stderr(io.StringIO()) as reported:
+        answers.append((main(["check", path]), reported.getvalue()))
 print(json.dumps(answers))
 """
 """One interpreter for many scenes."""
@@ -201,9 +205,9 @@ def test_its_table_is_refused_in_the_words_of_all_others(home: Path, tmp_path: P
         [sys.executable, "-c", CHECK_EACH, *map(str, files)],
         cwd=home, env={"PYTHONPATH": str(home)}, capture_output=True, text=True, check=True,
     )  # fmt: skip
-    for (code, told), (_, _, message) in zip(json.loads(done.stdout), REFUSED, strict=True):
+    for (code, reported), (_, _, message) in zip(json.loads(done.stdout), REFUSED, strict=True):
         assert code == 2
-        assert message in told
+        assert message in reported
 
 
 def test_editors_know_it(home: Path) -> None:

@@ -1,4 +1,4 @@
-"""Vibration of the follower train: the exact response, what is told of it, and the hard cases."""
+"""Vibration of the follower train: the exact response, its findings, and the hard cases."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def result(scene: str, table: str, *changes: tuple[str, str], before: str = "") 
     return found
 
 
-def told(found: Vibration, name: str) -> Finding:
+def finding_of(found: Vibration, name: str) -> Finding:
     (one,) = (each for each in found.findings if each.name == name)
     return one
 
@@ -72,7 +72,7 @@ def test_after_a_rest_longer_than_the_transient_a_move_leaves_what_its_spectrum_
     share = shock_spectrum(make_law("modified-sine"), np.array([90.0 * 100.0 / 360.0]), 0.2)
     assert first.cam_angle == math.radians(130.0)
     assert first.value == pytest.approx(20.0 * float(share[0]), rel=0.0, abs=1e-12)
-    settling = told(found, "settling")
+    settling = finding_of(found, "settling")
     assert settling.value == pytest.approx(math.exp(-0.2 * TURN * 90.0 * 40.0 / 360.0), rel=1e-12)
     assert "longer than the transient" in settling.sentence
 
@@ -162,7 +162,10 @@ def test_the_largest_values_are_those_of_a_fine_grid() -> None:
     fine = np.linspace(0.0, TURN, 200_001)
     deflection = np.abs(found.output.deflection(fine, "right"))
     acceleration = np.abs(found.output.acceleration(fine, "right"))
-    error, top = told(found, "largest-motion-error"), told(found, "largest-output-acceleration")
+    error, top = (
+        finding_of(found, "largest-motion-error"),
+        finding_of(found, "largest-output-acceleration"),
+    )
     assert error.value is not None
     assert top.value is not None
     # On the grid the peak is missed by half a step: (40.3 pi / 200000)^2 / 2 of it.
@@ -191,7 +194,7 @@ def test_stiffness_and_mass_are_a_natural_frequency() -> None:
     made_ = made("plate_translating", "natural_frequency = 1")
     found = stubbed(made_, {"stiffness": 500.0, "damping": 0.1}, {"inertia": Moved(0.8e-3)})
     hertz = math.sqrt(500.0 / 0.8e-3) / TURN
-    assert told(found, "natural-frequency").value == pytest.approx(hertz, rel=1e-14)
+    assert finding_of(found, "natural-frequency").value == pytest.approx(hertz, rel=1e-14)
     other = stubbed(made_, {"natural_frequency": hertz * TURN, "damping": 0.1}, {})
     assert found.output.deflection(PHI, "right") == pytest.approx(
         other.output.deflection(PHI, "right"), rel=0.0, abs=1e-13
@@ -203,8 +206,8 @@ def test_a_rocker_has_its_stiffness_and_limit_as_an_angle() -> None:
     made_ = made("groove", "natural_frequency = 1")
     table = {"torsional_stiffness": 2e6, "damping": 0.05, "limit_angle": math.radians(0.005)}
     found = stubbed(made_, table, {"inertia": Moved(50.0)})
-    assert told(found, "natural-frequency").value == pytest.approx(200.0 / TURN, rel=1e-14)
-    error = told(found, "largest-motion-error")
+    assert finding_of(found, "natural-frequency").value == pytest.approx(200.0 / TURN, rel=1e-14)
+    error = finding_of(found, "largest-motion-error")
     assert (error.unit, error.severity) == ("deg", "broken")
     assert error.limit == pytest.approx(0.005, rel=1e-14)
     column = found.columns[0]
@@ -219,7 +222,7 @@ def test_without_mass_the_train_is_rigid() -> None:
     found = stubbed(made_, {"stiffness": 500.0}, {"inertia": Moved(0.0)})
     assert np.all(found.output.deflection(PHI, "right") == 0.0)
     assert np.array_equal(found.output.acceleration(PHI, "right"), demanded(made_)[2])
-    assert told(found, "largest-motion-error").value == 0.0
+    assert finding_of(found, "largest-motion-error").value == 0.0
     assert found.error == 0.0
     assert {each.name for each in found.findings} == {
         "largest-motion-error",
@@ -279,9 +282,9 @@ def test_resonance_without_damping_is_reported() -> None:
 
 
 def test_near_resonance_warns_and_far_from_it_does_not() -> None:
-    near = told(result("plate_translating", "natural_frequency = 40.01"), "resonance")
-    far = told(result("plate_translating", "natural_frequency = 40.5"), "resonance")
-    damped = told(
+    near = finding_of(result("plate_translating", "natural_frequency = 40.01"), "resonance")
+    far = finding_of(result("plate_translating", "natural_frequency = 40.5"), "resonance")
+    damped = finding_of(
         result("plate_translating", "natural_frequency = 40\ndamping = 0.05"), "resonance"
     )
     assert (near.severity, far.severity, damped.severity) == ("warning", "ok", "ok")
@@ -331,7 +334,7 @@ def test_a_peak_behind_a_shock_is_found_however_stiff_the_train() -> None:
     changes = ('law = "modified-sine"', 'law = "straight-line"')
     frequency, damping = 1e5, 0.5
     table = f"natural_frequency = {frequency}\ndamping = {damping}"
-    error = told(result("plate_translating", table, changes), "largest-motion-error")
+    error = finding_of(result("plate_translating", table, changes), "largest-motion-error")
     root = math.sqrt(1.0 - damping**2)
     velocity = 20.0 / (100.0 / 360.0)
     peak = velocity * math.exp(-damping * math.acos(damping) / root) / (TURN * frequency)
@@ -367,8 +370,8 @@ def test_a_cam_that_only_rests_does_not_vibrate() -> None:
     )
     found: Vibration = made_.effect("vibration")
     assert np.all(found.output.deflection(PHI, "right") == 0.0)
-    assert told(found, "largest-motion-error").value == 0.0
-    assert told(found, "resonance").severity == "ok"
+    assert finding_of(found, "largest-motion-error").value == 0.0
+    assert finding_of(found, "resonance").severity == "ok"
 
 
 def test_the_same_input_gives_the_same_answer() -> None:

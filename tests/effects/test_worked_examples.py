@@ -1,7 +1,7 @@
 """Worked examples from the literature, see `fixtures/reference/dynamics_examples.toml`.
 
-Each is made a scene, with radii and parts that its source does not tell and that do not matter, and
-goes through all of camgeo. Tolerance is half a unit of the last digit printed.
+Each is made into a scene, with radii and parts that its source does not state and that do not
+matter, and goes through all of camgeo. The tolerance is half a unit of the last digit printed.
 """
 
 from __future__ import annotations
@@ -90,7 +90,7 @@ def dwell(span: float) -> str:
     return f"\n[[motion]]\ndwell = {span!r}\n"
 
 
-def told(design: Design, effect: str, name: str) -> Any:
+def finding(design: Design, effect: str, name: str) -> Any:
     (one,) = (each for each in design.effect(effect).findings if each.name == name)
     return one
 
@@ -147,7 +147,7 @@ def test_accelerations_and_inertia_of_the_follower() -> None:
         return np.asarray(-inertia.coefficients(phi, side)[2] * omega**2 / POUND_FORCE)
 
     for key, name in (("acceleration", "highest"), ("deceleration", "lowest")):
-        found = told(design, "kinematics", f"{name}-acceleration").value
+        found = finding(design, "kinematics", f"{name}-acceleration").value
         assert_printed(case, key, found / INCH)
     transition = number(case, "acceleration_span")
     lift = at(lambda phi, side: design.cam.drive.plan.jet(phi, side)[0], transition) / INCH
@@ -196,7 +196,7 @@ def test_the_follower_is_lost_where_the_spring_was_designed() -> None:
     """With the preload that leaves nothing of the smallest load. Its place is the transition."""
     case = example("cam_loads")
     design = cam_loads(case)
-    least, kept = (told(design, "lift-off", name) for name in ("least-preload", "lift-off"))
+    least, kept = (finding(design, "lift-off", name) for name in ("least-preload", "lift-off"))
     transition = math.radians(number(case, "acceleration_span"))
     back = 2.0 * math.pi - math.radians(number(case, "dwell")) - transition
     for found in (least, kept):
@@ -222,7 +222,7 @@ def test_velocity_and_acceleration_of_a_valve() -> None:
     radii = f"base_radius = {number(case, 'least_radius') + roller!r}\nroller_radius = {roller!r}"
     design = made(number(case, "speed"), radii, motion, "[effects.kinematics]")
     for key, name in (("rise", "highest"), ("fall", "lowest")):
-        found = 1e-3 * told(design, "kinematics", f"{name}-velocity").value
+        found = 1e-3 * finding(design, "kinematics", f"{name}-velocity").value
         assert_printed(case, f"{key}_velocity", abs(found))
     acceleration = column(design, "kinematics", "acceleration")
     for key, start, span in (("rise", 0.0, rise), ("fall", rise + rest, fall)):
@@ -252,8 +252,8 @@ constant = {load!r}
 fluctuation = {fluctuation!r}
 """
     design = made(number(case, "speed"), GROOVE, stroke + stroke, effects, BLANK)
-    assert_printed(case, "energy", told(design, "drive-torque", "energy-fluctuation").value)
-    moment = told(design, "drive-torque", "flywheel").value
+    assert_printed(case, "energy", finding(design, "drive-torque", "energy-fluctuation").value)
+    moment = finding(design, "drive-torque", "flywheel").value
     exact = fluctuation * (math.pi * number(case, "speed") / 30.0) ** 2
     assert abs(exact - number(case, "divisor")) <= 0.005
     rounded = moment * exact / number(case, "divisor")
@@ -294,9 +294,9 @@ def test_shaft_between_an_engine_and_its_machine(tmp_path: Path) -> None:
     case = example("engine_and_machine")
     effects = "[effects.drive-torque]\nfluctuation = 0.01\n"
     design, inertia = engine_and_machine(case, tmp_path, effects), shaft_inertia(case)
-    energy = told(design, "drive-torque", "energy-fluctuation").value
+    energy = finding(design, "drive-torque", "energy-fluctuation").value
     assert_printed(case, "energy", energy)
-    flywheel = told(design, "drive-torque", "flywheel").value
+    flywheel = finding(design, "drive-torque", "flywheel").value
     assert_printed(case, "fluctuation", 100.0 * 0.01 * flywheel / inertia)
     torque = design.effect("drive-torque").torque
     ends = piecewise_extremes(torque, np.radians(np.linspace(0.0, 180.0, 1801)))
@@ -321,7 +321,8 @@ stall_torque = 20
 """
     design = engine_and_machine(case, tmp_path, effects)
     high, low = (
-        told(design, "speed-fluctuation", f"{name}-speed").value for name in ("largest", "smallest")
+        finding(design, "speed-fluctuation", f"{name}-speed").value
+        for name in ("largest", "smallest")
     )
     fluctuation = 0.5 * (high - low) * (high + low) / number(case, "speed") ** 2
     assert_printed(case, "fluctuation", 100.0 * fluctuation)
@@ -351,7 +352,7 @@ rating = {rating!r}
         design = made(number(case, "speed"), radii, motion, effects)
         found = design.effect("contact-pressure").life
         turns = found.seconds * found.speed / (2.0 * math.pi)
-        return told(design, "contact-pressure", "roller-life").value, 1e-6 * turns
+        return finding(design, "contact-pressure", "roller-life").value, 1e-6 * turns
 
     half = 50.0  # N, of the last digit of the rating
     ends = zip(life(rating - half), life(rating + half), strict=True)
@@ -372,10 +373,10 @@ def test_permissible_unbalance() -> None:
         return made(number(case, "speed"), PLATE, motion, effects, DISC)
 
     mass = number(case, "mass")
-    density = 1000.0 * mass / told(disc(1000.0), "balance", "disc-mass").value
+    density = 1000.0 * mass / finding(disc(1000.0), "balance", "disc-mass").value
     design = disc(density)
-    assert told(design, "balance", "disc-mass").value == pytest.approx(mass, rel=1e-5)
-    permissible = told(design, "balance", "unbalance").limit
+    assert finding(design, "balance", "disc-mass").value == pytest.approx(mass, rel=1e-5)
+    permissible = finding(design, "balance", "unbalance").limit
     assert_printed(case, "permissible", permissible)
     assert_printed(case, "per_mass", permissible / mass)
 
@@ -398,7 +399,7 @@ def test_no_vibration_remains_after_a_versed_sine_pulse() -> None:
     def left(ratio: float) -> float:
         table = f"[effects.vibration]\nnatural_frequency = {ratio / pulse!r}\ntolerance = 1e-9\n"
         design = made(speed, PLATE, motion, table)
-        found: float = told(design, "vibration", "largest-residual-vibration").value
+        found: float = finding(design, "vibration", "largest-residual-vibration").value
         return found / lift
 
     lowest = number(case, "lowest_ratio")

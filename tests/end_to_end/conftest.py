@@ -21,7 +21,7 @@ def built(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFacto
     built = Built(load(request.param), folder)
     # A disc that is trimmed breaks a limit, and is made.
     broken = 1 if built.is_trimmed else 0
-    with redirect_stdout(io.StringIO()) as told:
+    with redirect_stdout(io.StringIO()) as reported:
         assert main(["build", str(request.param), "-o", str(folder), "--json"]) == broken
-    validator("camgeo.answers.build").validate(json.loads(told.getvalue()))
+    validator("camgeo.answers.build").validate(json.loads(reported.getvalue()))
     return built

@@ -187,7 +187,7 @@ class Splines:
 
 
 def move_control(data: bytes) -> bytes:
-    """By as much as moves the curve by two tolerances at least: beside it a point weighs 2/3."""
+    """So far that the curve moves by two tolerances at least: its control point weighs 2/3."""
     splines = Splines(data)
     controls = splines.values(10)
     place = controls[len(controls) // 2]

@@ -94,16 +94,16 @@ def test_the_written_contours_close_within_what_the_check_says(
     files = [str(built.with_name(f"{built.stem}{end}.dxf")) for end in ("-return", "")]
     capsys.readouterr()
     assert main(["replay", str(built), *files, "--json"]) == 0
-    told: dict[str, Any] = json.loads(capsys.readouterr().out)
-    contours = [each["contour"] for each in told["discs"]]
+    reported: dict[str, Any] = json.loads(capsys.readouterr().out)
+    contours = [each["contour"] for each in reported["discs"]]
     assert contours == [f"{built.stem}.dxf", f"{built.stem}-return.dxf"]
     closing = next(f for f in load(built).findings if f.name == "closing-error")
     assert closing.value is not None
     play, squeeze = (
-        told["closing"][f"{which}_play"]["travel_mm"] for which in ("largest", "smallest")
+        reported["closing"][f"{which}_play"]["travel_mm"] for which in ("largest", "smallest")
     )
     assert squeeze < 0.0 < play
-    # The roller on a disc that is off touches it beside its place, where the leverage is another.
+    # The roller touches an inexact disc a little off its place, where the leverage differs.
     bound = 1.001 * closing.value
     assert 0.5 * bound < max(play, -squeeze) <= bound
 
@@ -111,9 +111,9 @@ def test_the_written_contours_close_within_what_the_check_says(
 def test_the_real_outlines_close_exactly(built: Path, capsys: Capture) -> None:
     capsys.readouterr()
     assert main(["replay", str(built), "--json"]) == 0
-    told = json.loads(capsys.readouterr().out)
-    assert told["closing"]["largest_play"]["travel_mm"] == 0.0
-    assert told["closing"]["smallest_play"]["travel_mm"] == 0.0
+    reported = json.loads(capsys.readouterr().out)
+    assert reported["closing"]["largest_play"]["travel_mm"] == 0.0
+    assert reported["closing"]["smallest_play"]["travel_mm"] == 0.0
 
 
 def test_one_certificate_covers_both_discs(built: Path) -> None:
@@ -164,9 +164,9 @@ def test_a_drawing_of_the_return_disc_alone_is_replayed_on_it(built: Path, capsy
     file = str(built.with_name(f"{built.stem}-return.dxf"))
     capsys.readouterr()
     assert main(["replay", str(built), file, "--json"]) == 0
-    told = json.loads(capsys.readouterr().out)
-    assert "closing" not in told
-    (disc,) = told["discs"]
+    reported = json.loads(capsys.readouterr().out)
+    assert "closing" not in reported
+    (disc,) = reported["discs"]
     assert disc["name"] == f"{built.stem}-return"
     unit = {"mm": 1.0, "deg": math.radians(70.0)}[disc["unit"]]
     assert abs(disc["lift_error"]["value"]) * unit < 2e-3
@@ -183,9 +183,9 @@ def test_the_table_of_a_replay_has_the_play(built: Path, tmp_path: Path) -> None
 
 def test_too_many_contours_are_refused(built: Path, capsys: Capture) -> None:
     plate = str(FOLDER / "plate_translating.toml")
-    for scene, files, said in ((str(built), 3, "one of each disc"), (plate, 2, "has one disc")):
+    for scene, files, message in ((str(built), 3, "one of each disc"), (plate, 2, "has one disc")):
         assert main(["replay", scene, *["a.dxf"] * files]) == 2
-        assert said in capsys.readouterr().err
+        assert message in capsys.readouterr().err
 
 
 def test_check_reports_on_both_discs(built: Path, capsys: Capture) -> None:
@@ -196,9 +196,9 @@ def test_check_reports_on_both_discs(built: Path, capsys: Capture) -> None:
     assert "form-closure" in text
     assert "closing-error" in text
     assert main(["check", str(built), "--json"]) == 0
-    told = json.loads(capsys.readouterr().out)
-    assert list(told["discs"]) == [built.stem, f"{built.stem}-return"]
-    area = told["discs"][f"{built.stem}-return"]["inner"]["area_mm2"]
+    reported = json.loads(capsys.readouterr().out)
+    assert list(reported["discs"]) == [built.stem, f"{built.stem}-return"]
+    area = reported["discs"][f"{built.stem}-return"]["inner"]["area_mm2"]
     outline = drawn(built.with_name(f"{built.stem}-return.dxf"))
     # The tolerance along an outline of less than 500 mm.
     assert area == pytest.approx(abs(outline.area), abs=0.5)
@@ -240,14 +240,14 @@ def test_a_trimmed_return_disc_leaves_play(tmp_path: Path, capsys: Capture) -> N
     text = text.replace("roller_radius = 12", "roller_radius = 46")
     scene.write_text(text.replace("[part]", '[limits]\nundercut = "trim"\n\n[part]'))
     assert main(["replay", str(scene), "--json"]) == 0
-    told = json.loads(capsys.readouterr().out)
-    first, second = (each["lost_stroke"]["value"] for each in told["discs"])
+    reported = json.loads(capsys.readouterr().out)
+    first, second = (each["lost_stroke"]["value"] for each in reported["discs"])
     assert first == 0.0
     lost = math.radians(second)
     assert lost > 0.0
     # As way of the main roller, 75 mm from the pivot.
-    assert told["closing"]["largest_play"]["travel_mm"] == pytest.approx(75.0 * lost, rel=1e-9)
+    assert reported["closing"]["largest_play"]["travel_mm"] == pytest.approx(75.0 * lost, rel=1e-9)
     # Rounding of 100 mm at the ends of what is cut off.
-    assert told["closing"]["smallest_play"]["travel_mm"] == pytest.approx(0.0, abs=1e-12)
+    assert reported["closing"]["smallest_play"]["travel_mm"] == pytest.approx(0.0, abs=1e-12)
     assert main(["replay", str(scene)]) == 0
     assert "squeezed" not in capsys.readouterr().out

@@ -77,7 +77,7 @@ LAST_DIGITS: dict[str, tuple[str, d.Damage]] = {
 
 
 def _build(stem: str, folder: Path) -> Path:
-    """The scene's files with the scene beside them."""
+    """The scene's files, with the scene in their folder."""
     scene = shutil.copy(FOLDER / f"{stem}.toml", folder)
     words = ["build", str(scene), "-o", str(folder), "--only", ",".join(FORMATS)]
     assert main([*words, "--tolerance", repr(d.TOLERANCE)]) == 0
@@ -108,7 +108,7 @@ def splined(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def _verify(capsys: pytest.CaptureFixture[str], *words: object) -> tuple[int, dict[str, Any]]:
-    """Exit code and what is told of the first file."""
+    """Exit code, and the report on the first file."""
     capsys.readouterr()
     code = main(["verify", *(str(word) for word in words), "--json"])
     document = json.loads(capsys.readouterr().out)
@@ -122,7 +122,7 @@ def _failed(record: dict[str, Any]) -> set[str]:
 
 
 def _damaged(source: Path, suffix: str, change: d.Damage, to: Path, *, certified: bool) -> Path:
-    """A copy of one file, damaged, with the scene and perhaps the certificate beside it."""
+    """A copy of one file, damaged, with the scene and perhaps the certificate next to it."""
     (path,) = source.glob(f"*{suffix}")
     before = path.read_bytes()
     after = change(before)
@@ -145,13 +145,13 @@ def test_what_is_built_passes(
     capsys.readouterr()
     scene = FOLDER / f"{built.design.name}.toml"
     assert main(["verify", str(tmp_path), "--scene", str(scene), "--json"]) == 0
-    told = json.loads(capsys.readouterr().out)
-    validator("camgeo.answers.verify").validate(told)
+    reported = json.loads(capsys.readouterr().out)
+    validator("camgeo.answers.verify").validate(reported)
     kept = json.loads((tmp_path / "verification.json").read_text())
     assert [kept[key] for key in ("camgeo", "passed", "files")] == [
-        told[key] for key in ("camgeo", "passed", "files")
+        reported[key] for key in ("camgeo", "passed", "files")
     ]
-    records = {record["file"]: record for record in told["files"]}
+    records = {record["file"]: record for record in reported["files"]}
     assert set(records) == {path.name for path in built.folder.iterdir()} - {"certificate.json"}
     for suffix in (".dxf", ".ngc", ".stl", ".3mf"):
         record = records[built.file(suffix).name]
@@ -204,7 +204,7 @@ def test_damage_to_splines_is_caught(
 def test_any_digit_is_caught_with_its_certificate(
     kind: str, setzhub: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """The last digit moves nothing that can be measured; the file's hash tells all the same."""
+    """The last digit moves nothing that can be measured; the file's hash shows it all the same."""
     suffix, change = LAST_DIGITS[kind]
     path = _damaged(setzhub, suffix, change, tmp_path, certified=True)
     code, record = _verify(capsys, path)

@@ -176,9 +176,9 @@ def test_curves_are_refused(kind: str) -> None:
 
 def test_the_reported_line_is_that_of_the_entity() -> None:
     data = drawn(lambda space: space.add_line((0.0, 0.0), (1.0, 0.0)))
-    with pytest.raises(FileError) as told:
+    with pytest.raises(FileError) as reported:
         read_dxf(data)
-    line = int(str(told.value).split("line ")[1].split(":")[0])
+    line = int(str(reported.value).split("line ")[1].split(":")[0])
     assert data.decode().splitlines()[line - 1].strip() == "LINE"
 
 

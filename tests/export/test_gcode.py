@@ -312,8 +312,8 @@ def test_arcs_are_divided_as_the_machine_wants(tmp_path: Path, degrees: int) -> 
 
 
 def test_a_machine_that_says_nothing_divides_at_half_a_turn(tmp_path: Path) -> None:
-    said = profile(tmp_path, largest_sweep="largest_sweep = 180")
-    blocks = [line for line in WRITER.write(said, 0.001).data.splitlines() if line[:1] != b"("]
+    stated = profile(tmp_path, largest_sweep="largest_sweep = 180")
+    blocks = [line for line in WRITER.write(stated, 0.001).data.splitlines() if line[:1] != b"("]
     silent = WRITER.write(StubProduct(), 0.001).data.splitlines()
     assert blocks == [line for line in silent if line[:1] != b"("]
 

@@ -33,6 +33,6 @@ def test_each_contour_is_found_in_any_order(seed: int) -> None:
 
 
 def test_a_hole_that_was_moved_stays_that_hole() -> None:
-    """The others keep theirs, so that one deviation is told and not two."""
+    """The others keep theirs, so that one deviation is reported and not two."""
     moved = [Contour.circle(3.0, 31.0 + 0j), *HOLES[1:]]
     assert paired(moved, [polygon(each) for each in HOLES]) == moved

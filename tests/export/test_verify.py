@@ -71,7 +71,7 @@ def _drawing(
     without: int | None = None,
 ) -> Any:
     """All boundaries as single lines and arcs, end points written with so many decimals."""
-    document = ezdxf.new("R2010")  # type: ignore[attr-defined] # exported, but not said so
+    document = ezdxf.new("R2010")  # type: ignore[attr-defined] # not exported explicitly
     document.header["$INSUNITS"] = units
     space = document.modelspace()
     attributes = {"layer": layer}
@@ -108,7 +108,7 @@ def _data(document: Any) -> bytes:
     ("units", "scale", "unit"), [(4, 1.0, None), (1, 1.0 / 25.4, None), (0, 1.0 / 25.4, "inch")]
 )
 def test_foreign_drawing_passes(design: Design, units: int, scale: float, unit: Any) -> None:
-    """Single pieces with gaps of rounding, in any unit, said by the file or by the person."""
+    """Single pieces with gaps of rounding, in any unit, stated by the file or by the user."""
     decimals = 6 if scale == 1.0 else 7
     data = _data(_drawing(design, units=units, scale=scale, decimals=decimals))
     checks = _checks(DXF_VERIFIER, design.disc, data, Reading("a.dxf", ours=False, unit=unit))
@@ -168,7 +168,7 @@ def test_gap_beyond_the_tolerance_is_reported(design: Design) -> None:
 
 
 def test_program_without_comments_is_matched(design: Design) -> None:
-    """Operations are told apart by their paths where no comment names them."""
+    """Operations are distinguished by their paths where no comment names them."""
     text = GCODE.write(design.disc, TOLERANCE).data.decode()
     bare = re.sub(r"\([^()]*\)", "", text).encode()
     assert GCODE_VERIFIER.origin(bare) == Origin()
@@ -184,7 +184,7 @@ def test_foreign_words_are_refused_with_a_sentence(design: Design) -> None:
 
 
 def test_text_stl_of_another_program(design: Design) -> None:
-    """In either unit; STL says none, so that mm is assumed, and said."""
+    """In either unit; STL states none, so mm is assumed, which is reported."""
     mesh: Any = trimesh.load_mesh(
         io.BytesIO(STL.write(design.disc, FIT).data), file_type="stl", process=False
     )

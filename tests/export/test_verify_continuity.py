@@ -1,4 +1,4 @@
-"""What verify tells of a drawing is a continuous function of the numbers in it."""
+"""What verify reports on a drawing is a continuous function of the numbers in it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A figure drawn by matplotlib, to be looked at as an eye does: what lies where."""
+"""A figure drawn by matplotlib, for tests of what lies where."""
 
 from __future__ import annotations
 

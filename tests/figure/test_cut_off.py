@@ -1,4 +1,4 @@
-"""The picture of a cam shows the real disc, and beside it what is cut off or would be."""
+"""The picture of a cam shows the real disc, with what is cut off or would be."""
 
 from __future__ import annotations
 
@@ -76,7 +76,7 @@ def test_what_is_cut_off_begins_and_ends_in_the_corner(scene: str) -> None:
     assert len(found) == CORNERS[scene]
     for each in found:
         assert each.course[0] == each.course[-1] == each.corner
-        # From the corner on the flank goes on without a jump: no step is long beside the others.
+        # The flank continues from the corner without a jump: no step is much longer than others.
         steps = np.abs(np.diff(each.course))
         assert np.max(steps) < 0.02 * np.sum(steps)
         for phi in (each.start, each.end):

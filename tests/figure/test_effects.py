@@ -48,8 +48,8 @@ def test_neighbours_of_one_unit_share_a_panel() -> None:
     figure = drawn(StubProduct(columns=lambda: columns))
     assert [axes.get_ylabel() for axes in figure.axes] == ["[N]", "[mm]", "[mm/s²]", "[N]"]
     legends = [axes.get_legend() for axes in figure.axes]
-    told = [[text.get_text() for text in legend.get_texts()] for legend in legends if legend]
-    assert told == [["step", "wave", "limit, wave"], ["way"], ["rate"], ["wave", "limit 1.5"]]
+    reported = [[text.get_text() for text in legend.get_texts()] for legend in legends if legend]
+    assert reported == [["step", "wave", "limit, wave"], ["way"], ["rate"], ["wave", "limit 1.5"]]
 
 
 def test_the_names_stand_above_the_curves() -> None:

@@ -131,9 +131,9 @@ def test_a_figure_is_json_without_nan(case: str) -> None:
     drawn = [mark["kind"] for panel in data["panels"] for mark in panel["marks"]]
     assert drawn == [type(mark).__name__.lower() for mark in marks(figure)]
     told_marks = [mark for panel in data["panels"] for mark in panel["marks"]]
-    for mark, told in zip(marks(figure), told_marks, strict=True):
+    for mark, reported in zip(marks(figure), told_marks, strict=True):
         if isinstance(mark, Line):
-            again = np.array(told["points"], dtype=np.float64).reshape(-1, 2)
+            again = np.array(reported["points"], dtype=np.float64).reshape(-1, 2)
             assert np.array_equal(again, mark.points, equal_nan=True)
 
 
@@ -168,8 +168,8 @@ def test_what_stands_in_each_picture() -> None:
         "effects of effects/conjugate_lever": {"limit, ", "[N]"},
     }
     for case, words in wanted.items():
-        told = "\n".join(part for part in parts(figure_of(case)) if isinstance(part, str))
-        assert [word for word in words if word not in told] == [], case
+        reported = "\n".join(part for part in parts(figure_of(case)) if isinstance(part, str))
+        assert [word for word in words if word not in reported] == [], case
 
 
 def test_no_builder_loads_what_draws() -> None:

@@ -89,10 +89,10 @@ def test_joints_are_numbered_with_their_tasks() -> None:
     assert letters == ["R", "R|G", "G|R", "R|U", "U|R", "R"]
     angles = [text for text in texts(classes) if "°" in text]
     assert angles == ["0°", "60°", "150°", "180°", "240°", "360°"]
-    told = [text.replace("\n", " ").replace("- ", "-") for text in texts(names)]
+    reported = [text.replace("\n", " ").replace("- ", "-") for text in texts(names)]
     laws = ["dwell", "straight-line", "dwell", "quadratic-parabola", "inclined-sine"]
     tasks = ["R-R", "G-G", "R-R", "U-U", "R-R"]
-    assert told == [f"{task} {law}" for task, law in zip(tasks, laws, strict=True)]
+    assert reported == [f"{task} {law}" for task, law in zip(tasks, laws, strict=True)]
     assert plan.get_ylabel() == "s [mm]"
     assert [text.get_text() for text in plan.get_yticklabels()] == ["0", "4", "10"]
 
@@ -134,10 +134,10 @@ def test_infinite_accelerations_and_jerks_are_marked() -> None:
 
 def test_extremes_are_reported() -> None:
     """The fastest is the straight line up, the fastest down the middle of the parabola."""
-    (told,) = texts(panel(drawn(planned()), "s′"))
+    (reported,) = texts(panel(drawn(planned()), "s′"))
     fastest = 10.0 / math.radians(90)
     slowest = -2.0 * 6.0 / math.radians(60)
-    assert told == f"max {fastest:.4g} at 60.0°,  min −{-slowest:.4g} at 210.0°"
+    assert reported == f"max {fastest:.4g} at 60.0°,  min −{-slowest:.4g} at 210.0°"
 
 
 def test_a_second_scale_shows_values_over_time() -> None:

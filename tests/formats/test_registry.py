@@ -52,7 +52,7 @@ def test_options_are_those_of_the_format_that_is_asked_for() -> None:
 
 
 class Entry:
-    """An entry point of a writer, which tells when it is loaded."""
+    """An entry point of a writer, which counts how often it is loaded."""
 
     value = "toy:WRITER"
 

@@ -6,7 +6,7 @@ polynomials of the unknowns, so that a complex step gives the Jacobian exactly, 
 40 digits.
 
 Another mechanism is one more class: `guess` and `at_start` assemble it at lift 0, `gaps` hold it
-closed for a demanded lift, `roller` tells the roller centre. A flat face is told by two points of
+closed for a demanded lift, `roller` gives the roller centre. A flat face is given by two points of
 it, the rollers of two chains.
 """
 

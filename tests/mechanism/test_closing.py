@@ -82,11 +82,11 @@ def test_the_ranges_are_those_in_which_samples_miss(case: tuple[Linkage, MotionP
 def test_what_would_close_it_closes_it(case: tuple[Linkage, MotionPlan]) -> None:
     linkage, motion = case
     assume(openings(linkage, motion))
-    told = why_open(linkage, motion)
+    reported = why_open(linkage, motion)
     low, high = lift_range(motion)
     for size in SIZES:
         for words in re.findall(
-            rf"with a {size} of (at least \S+|at most \S+|\S+ to \S+) mm", told
+            rf"with a {size} of (at least \S+|at most \S+|\S+ to \S+) mm", reported
         ):
             lengths = [float(text) for text in re.findall(r"[\d.]+", words)]
             for length in lengths:
@@ -101,7 +101,7 @@ def test_what_would_close_it_closes_it(case: tuple[Linkage, MotionPlan]) -> None
                     LinkedMotion(motion, linkage.resized(size, limit * outside))
     least, most = clear_range(linkage)
     scale = 1.0 if linkage.unit == "mm" else math.radians(1.0)
-    (kept,) = re.findall(r"kept between (\S+) and (\S+) ", told) or [None]
+    (kept,) = re.findall(r"kept between (\S+) and (\S+) ", reported) or [None]
     if kept is not None:
         ends = [scale * float(text) for text in kept]
         assert least <= ends[0] <= 0.0 <= ends[1] <= most
@@ -144,20 +144,20 @@ def test_three_linkages_name_their_cures() -> None:
     """Each by hand: the pin's farthest distance, and the crank's farthest height."""
     slide = SliderCrank(40.0, 60.0, 0.0, True, 1, 1, 1)
     # At stroke s: (60 + s)^2 + 40^2 <= (40 + l)^2 with s_0 = l: l >= s^2 / (80 - 2 s) for s < 40.
-    told = why_open(slide, moving(35.0))
-    assert "with a coupler of at least 122.5 mm" in told
-    assert f"and {math.sqrt(100.0**2 - 40.0**2) - 60.0:.4f}"[:8] in told
+    reported = why_open(slide, moving(35.0))
+    assert "with a coupler of at least 122.5 mm" in reported
+    assert f"and {math.sqrt(100.0**2 - 40.0**2) - 60.0:.4f}"[:8] in reported
     bar = FourBar(40.0, 90.0, 40.0, 100.0 + 0.0j, math.radians(100.0), 1, -1)
-    told = why_open(bar, moving(-math.radians(100.0)))
-    assert "with a coupler of 100 to" in told
-    assert "misses by up to 10 mm" in told
+    reported = why_open(bar, moving(-math.radians(100.0)))
+    assert "with a coupler of 100 to" in reported
+    assert "misses by up to 10 mm" in reported
     crank = SliderDrivenCrank(SliderCrank(50.0, 30.0, 0.0, True, 1, -1, 1))
     # The crank upright, the guide at its tip: 50 (1 - cos x) <= 30.
-    told = why_open(crank, moving(math.radians(90.0)))
-    assert "misses by up to 20 mm" in told
-    assert "with a coupler of at least 50 mm, with a crank of at most 30 mm" in told
+    reported = why_open(crank, moving(math.radians(90.0)))
+    assert "misses by up to 20 mm" in reported
+    assert "with a coupler of at least 50 mm, with a crank of at most 30 mm" in reported
     edge = math.degrees(math.acos(0.4))
-    assert f"crank angle kept between -{edge:.4f}" in told
+    assert f"crank angle kept between -{edge:.4f}" in reported
 
 
 def test_each_range_is_named() -> None:

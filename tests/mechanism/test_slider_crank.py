@@ -231,7 +231,7 @@ def test_a_dead_centre_can_be_rested_in_but_not_left() -> None:
 @attack
 @given(linkage=slider_cranks())
 def test_the_joints_of_the_drawing_are_a_linkage_that_closes(linkage: SliderCrank) -> None:
-    """Both joints at their distances, the pin going along x as it is told, the tip with psi."""
+    """Both joints at their distances, the pin along x in the stated direction, the tip with psi."""
     pin, tip = linkage.joints(STROKES)
     assert np.abs(pin - tip) == pytest.approx(np.full(33, linkage.coupler), rel=1e-13)
     assert np.abs(tip) == pytest.approx(np.full(33, linkage.crank), rel=1e-15)

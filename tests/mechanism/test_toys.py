@@ -215,7 +215,7 @@ def test_a_new_follower_is_started_checked_built_and_verified(tree: Path) -> Non
 
 
 @pytest.mark.parametrize(
-    ("old", "new", "told"),
+    ("old", "new", "reported"),
     [
         ("head_radius = 12", "head_radius = -1", "must be a positive number"),
         ("head_radius = 12", "head_radius = 401", "is that of a flat face"),
@@ -224,12 +224,14 @@ def test_a_new_follower_is_started_checked_built_and_verified(tree: Path) -> Non
         ('"mushroom"  ', '"mushrom"  ', 'did you mean "mushroom"?'),
     ],
 )
-def test_faults_are_reported_as_of_any_follower(tree: Path, old: str, new: str, told: str) -> None:
+def test_faults_are_reported_as_of_any_follower(
+    tree: Path, old: str, new: str, reported: str
+) -> None:
     assert old in TEMPLATE
     (tree / "wrong.toml").write_text(TEMPLATE.replace(old, new), encoding="utf-8")
     done = run(tree, "check", "wrong.toml")
     assert done.returncode == 2
-    assert told in done.stderr
+    assert reported in done.stderr
 
 
 def test_a_new_linkage_drives_a_rocker_and_no_guided_follower(tree: Path) -> None:

@@ -105,7 +105,7 @@ EXAMPLES: tuple[Any, ...] = (
     MACHINE.blending,
     MACHINE.dynamics,
 )
-"""One sound object of each class."""
+"""One valid object of each class."""
 
 SIGNED = {
     "offset", "face_offset", "guide_angle", "deflection", "lever_angle", "angle", "distance",
@@ -177,12 +177,12 @@ def refusals() -> Iterator[Refusal]:
         (return_on_carriage, ROLLER, {"spacing": 90.0, "offset": 1.0, "roller_radius": 9.0}),
         (return_on_lever, ROCKER, {"arm_angle": 1.4, "arm": 70.0, "roller_radius": 9.0}),
     )
-    for function, main, sound in builders:
-        for key in sound:
+    for function, main, valid in builders:
+        for key in valid:
             values = [*NEVER] if key == "offset" else [*NEVER, *SMALL]
             values = [90.0, *NEVER] if key == "arm_angle" else values
             for value in values:
-                given: dict[str, Any] = {**sound, key: value}
+                given: dict[str, Any] = {**valid, key: value}
                 name = f"{function.__name__}({key}={value!r:.30})"
                 yield name, partial(function, main, **given)
 
@@ -241,7 +241,7 @@ def answer(call: Callable[[], object]) -> str:
         bounded(call)
     except GeometryError as error:
         return "" if error.key and error.message else f"no key or message: {error!r}"
-    except Exception as error:  # told with the value's name
+    except Exception as error:  # reported with the value's name
         return repr(error)
     return "accepted"
 
@@ -250,11 +250,11 @@ def answer(call: Callable[[], object]) -> str:
 def test_what_is_no_value_is_refused_with_its_key(door: str) -> None:
     answers = {name: answer(call) for name, call in DOORS[door]}
     assert answers
-    assert {name: told for name, told in answers.items() if told} == {}
+    assert {name: stated for name, stated in answers.items() if stated} == {}
 
 
 @pytest.mark.parametrize(
-    ("call", "told"),
+    ("call", "stated"),
     [
         (lambda: 5.0, "accepted"),
         (lambda: TranslatingRoller("5", 10.0).no_such_name, ""),  # type: ignore[arg-type,attr-defined]
@@ -263,8 +263,8 @@ def test_what_is_no_value_is_refused_with_its_key(door: str) -> None:
         (lambda: bytearray(2 * MOST_BYTES), "AssertionError"),
     ],
 )
-def test_a_value_that_is_not_refused_is_seen(call: Callable[[], object], told: str) -> None:
-    assert answer(call).partition("(")[0] == told
+def test_a_value_that_is_not_refused_is_seen(call: Callable[[], object], stated: str) -> None:
+    assert answer(call).partition("(")[0] == stated
 
 
 def test_degrees_are_distinguished_from_radians() -> None:

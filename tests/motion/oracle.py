@@ -39,7 +39,7 @@ BOUNDARY = {
 class Pulse:
     """f'' over a stretch of that length: a quarter sine that rises to 1 or falls from it, or level.
 
-    `part` tells which of the two amplitudes it has, C_a (0) or C_a* (1); None where f'' = 0.
+    `part` is which of the two amplitudes it has, C_a (0) or C_a* (1); None where f'' = 0.
     """
 
     length: Number

@@ -253,7 +253,7 @@ def test_the_turn_begins_with_the_last_segment_on_its_left() -> None:
 @attack
 @given(plan=plans())
 def test_joints_count_as_themselves_however_they_are_rounded(plan: MotionPlan) -> None:
-    """An angle an ulp beside the joint, as degrees give it, must not land in the other segment."""
+    """An angle an ulp off the joint, as from degrees, must not fall into the other segment."""
     limit = rounding(plan, 2.0 * ULP)
     for side in SIDES:
         exact = plan.jet(plan.breaks, side)

@@ -62,15 +62,15 @@ def test_of_a_plan_the_last_answer_is_kept(plan: MotionPlan) -> None:
     asked = []
 
     @kept_with_plan
-    def told(plan: MotionPlan, factor: float, *, offset: float = 0.0) -> float:
+    def reported(plan: MotionPlan, factor: float, *, offset: float = 0.0) -> float:
         asked.append(factor)
         return factor * float(plan.joints_deg[-1]) + offset
 
     own, other = MotionPlan(plan.segments), MotionPlan(plan.segments)
-    assert [told(own, 2.0), told(own, 2.0), told(own, 3.0)] == [720.0, 720.0, 1080.0]
+    assert [reported(own, 2.0), reported(own, 2.0), reported(own, 3.0)] == [720.0, 720.0, 1080.0]
     assert asked == [2.0, 3.0]
-    assert told(own, 3.0, offset=1.0) == 1081.0
-    assert told(other, 3.0) == 1080.0
+    assert reported(own, 3.0, offset=1.0) == 1081.0
+    assert reported(other, 3.0) == 1080.0
     assert asked == [2.0, 3.0, 3.0, 3.0]
     assert pickle.loads(pickle.dumps(own)).kept == {}
 

@@ -80,7 +80,7 @@ def test_a_scene_takes_it_and_its_parameter(tree: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("old", "new", "told"),
+    ("old", "new", "reported"),
     [
         ('"toy-septic"', '"toy-sceptic"', 'did you mean "toy-septic"?'),
         ("smooth =", "smoth =", "did you mean smooth?"),
@@ -89,11 +89,11 @@ def test_a_scene_takes_it_and_its_parameter(tree: Path) -> None:
         ("smooth =", "curved =", 'is no parameter of "toy-septic"; its parameters: smooth'),
     ],
 )
-def test_faults_are_reported_as_of_any_law(tree: Path, old: str, new: str, told: str) -> None:
+def test_faults_are_reported_as_of_any_law(tree: Path, old: str, new: str, reported: str) -> None:
     (tree / "wrong.toml").write_text(SCENE.replace(old, new), encoding="utf-8")
     done = run_copy(tree, "-m", "camgeo", "check", "wrong.toml")
     assert done.returncode == 2
-    assert told in done.stderr
+    assert reported in done.stderr
 
 
 def test_the_command_of_laws_lists_and_makes_it(tree: Path) -> None:

@@ -108,13 +108,13 @@ def test_an_acceleration_that_is_too_gentle_is_refused(name: str, task: str) -> 
         with pytest.raises(GeometryError) as caught:
             make_law(name, task, **{key: wrong})
         assert caught.value.key == "acceleration"
-        told = re.search(r"must be (above|below) (\S+)$", caught.value.message)
-        assert told is not None
+        reported = re.search(r"must be (above|below) (\S+)$", caught.value.message)
+        assert reported is not None
         if key == "a1":
-            assert told[1] == "below"
-            # 6 digits are told.
-            assert float(told[2]) == pytest.approx(bound, rel=1e-5)
-            assert make_law(name, task, a1=float(told[2]) * (1.0 + 1e-5)).end.acceleration < 0.0
+            assert reported[1] == "below"
+            # 6 digits are printed.
+            assert float(reported[2]) == pytest.approx(bound, rel=1e-5)
+            assert make_law(name, task, a1=float(reported[2]) * (1.0 + 1e-5)).end.acceleration < 0.0
 
 
 @pytest.mark.parametrize(("velocity", "wanted", "lam"), [(2.5, -2.0, 0.763553000587)])

@@ -142,8 +142,8 @@ def test_one_changed_cell_of_the_printed_table_is_reported(name: str) -> None:
     for place in (*list(printed)[::97], *list(listed)[::29]):
         text = printed[place]
         digit = "5" if text[-1] != "5" else "6"
-        (told,) = differences(ours, {**printed, place: text[:-1] + digit}, listed)
-        assert str(place) in told
+        (reported,) = differences(ours, {**printed, place: text[:-1] + digit}, listed)
+        assert str(place) in reported
         without = {key: value for key, value in printed.items() if key != place}
         assert any(str(place) in line for line in differences(ours, without, listed))
 
@@ -153,8 +153,8 @@ def test_one_missing_row_of_a_list_is_reported(name: str) -> None:
     ours, printed, listed = computed(name), read_printed(name), read_lists(name)
     for place in listed:
         rest = {key: value for key, value in listed.items() if key != place}
-        (told,) = differences(ours, printed, rest)
-        assert str(place) in told
+        (reported,) = differences(ours, printed, rest)
+        assert str(place) in reported
 
 
 @by_table

@@ -51,10 +51,10 @@ def test_merged_makes_one_of_what_differs_by_rounding() -> None:
 def test_merged_keeps_both_ends_and_all_that_stand_apart(
     values: list[float], steps: list[int]
 ) -> None:
-    """Each of the angles, and another some last digits beside it."""
+    """Each of the angles, and another one that differs in the last digits."""
     array = np.clip(np.array([0.0, *values, TURN]), 0.0, TURN)
-    beside = array[1:-1] + np.spacing(TURN) * np.array(steps[: len(values)])
-    both = np.concatenate((array, np.clip(beside, 0.0, TURN)))
+    close = array[1:-1] + np.spacing(TURN) * np.array(steps[: len(values)])
+    both = np.concatenate((array, np.clip(close, 0.0, TURN)))
     found = merged(both)
     assert (found[0], found[-1]) == (0.0, TURN)
     assert np.all(np.diff(found) > 0.0)

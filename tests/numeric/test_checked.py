@@ -1,4 +1,4 @@
-"""Values checked where they come in: numbers of any kind pass, what is no number is told."""
+"""Values checked where they come in: numbers of any kind pass, anything else is refused."""
 
 from __future__ import annotations
 

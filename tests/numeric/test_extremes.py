@@ -74,7 +74,7 @@ def test_a_sine(waves: float, phase: float, size: float) -> None:
 
 @pytest.mark.parametrize("degree", [2, 3, 5, 8, 13])
 def test_chebyshev_polynomials_fill_the_strip(degree: int) -> None:
-    """All their extremes are 1 and -1; the first one is told."""
+    """All their extremes are 1 and -1; the first one is reported."""
     chebyshev = np.polynomial.Chebyshev.basis(degree)
     found = piecewise_extremes(lambda x, side: chebyshev(x), np.linspace(-1.0, 1.0, 4))
     rounding = 4.0 * degree * EPS  # of Clenshaw's sum
@@ -175,7 +175,7 @@ def test_the_function_is_asked_for_arrays() -> None:
 EDGES = np.linspace(0.0, TURN, 9)
 
 NEAR = INSET * TURN / 8.0
-"""A root this near to an edge is not told from it."""
+"""A root this near to an edge is not distinguished from it."""
 
 
 @given(shift=st.floats(0.0, TURN), level=st.floats(-0.9, 0.9))

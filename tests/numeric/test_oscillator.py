@@ -271,7 +271,7 @@ def test_a_harmonic_that_the_base_does_not_have_is_no_resonance() -> None:
 
 
 def test_near_resonance_the_error_estimate_holds() -> None:
-    """Against the closed form of the single harmonic, a millionth beside it."""
+    """Against the closed form of the single harmonic, a millionth off it."""
     ratio = 1.0 + 1e-6
     response = steady_state(one_mass(TURN * ratio, 0.0), cosine(np.array([0.0, 0.4, 1.0])), 0.0)
     t = np.linspace(0.0, 1.0, 51)

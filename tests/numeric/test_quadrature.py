@@ -1,4 +1,4 @@
-"""Integrals over smooth pieces against known ones, and whether their error is told honestly."""
+"""Integrals over smooth pieces against known ones, and whether their error estimate holds."""
 
 from __future__ import annotations
 
@@ -71,7 +71,7 @@ def test_degree_32_is_the_first_that_is_not() -> None:
     f = math.factorial
     error = Fraction(2**33 * f(16) ** 4, 33 * f(32) ** 2)
     once = integral(lambda x: x**32, [-1.0, 1.0], 1.0)
-    # On halves the error of each is 2^-33 of it; the change of the halving is told.
+    # On halves the error of each is 2^-33 of it; the change by the halving is reported.
     assert once.error == pytest.approx(float(error), rel=1e-3)
     assert once.value == pytest.approx(2.0 / 33.0, rel=1e-14)
 
@@ -113,8 +113,8 @@ def test_singular_functions_meet_the_tolerance(
 ) -> None:
     found = integral(function, [0.0, 1.0], tolerance)
     assert abs(found.value - expected) <= (tolerance + ROUNDING) * magnitude
-    # What is told keeps to the tolerance too, but for a piece that was halved to nothing. The rule
-    # finds the magnitude itself to 1 % only where it is loose.
+    # The reported error keeps to the tolerance too, except for a piece that was halved to nothing.
+    # The rule finds the magnitude itself to 1 % only where it is loose.
     assert found.error <= 1.01 * tolerance * magnitude + EPS * magnitude + REST
 
 

@@ -1,4 +1,4 @@
-"""Undercut that the known extremes of the curvature do not tell is found all the same."""
+"""Undercut that the known extremes of the curvature do not show is found all the same."""
 
 from __future__ import annotations
 

@@ -83,20 +83,20 @@ def test_the_error_estimate_holds_at_every_tolerance() -> None:
     """A disc that hardly holds the axis: the lift turns round fast, so that parts are halved."""
     path = eccentric(39.9, 40.0, roller=0.01)
     exact = -math.pi * 40.0**2
-    told = []
+    reported = []
     for tolerance in (1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12):
         found = path_moments(path, tolerance)
         assert abs(found.area - exact) <= found.area_error
         assert abs(found.first - exact * 39.9) <= found.first_error
-        told.append(found.first_error / (abs(exact) * 80.0))
-        assert told[-1] <= 3.0 * tolerance + 10.0 * ROUNDING
-    assert told[-1] < 1e-4 * told[0]
+        reported.append(found.first_error / (abs(exact) * 80.0))
+        assert reported[-1] <= 3.0 * tolerance + 10.0 * ROUNDING
+    assert reported[-1] < 1e-4 * reported[0]
 
 
 @pytest.mark.parametrize("scene", ["plate_translating", "groove", "ring", "shuttle", "measured"])
 def test_the_area_is_that_of_the_other_quadrature(scene: str) -> None:
     for path in design(scene, "").cam.disc.flank_paths:
-        # the other one tells no error; its parts have their digits with eight of twelve nodes
+        # the other one gives no error; its parts have their digits with eight of twelve nodes
         assert path_moments(path, 1e-12).area == pytest.approx(area(path), rel=1e-11)
 
 

@@ -70,14 +70,14 @@ def test_a_return_arm_on_the_line_of_centres_is_reported_with_its_key() -> None:
     follower = parse_scene(LEVER).follower
     assert isinstance(follower, OscillatingRoller)
     angle = math.degrees(follower.start_angle)
-    told = faults_of(LEVER.replace("arm_angle = 84", f"arm_angle = {angle!r}"))
-    assert f"follower.return.arm_angle = {angle!r}: the return arm lies on the line" in told
+    reported = faults_of(LEVER.replace("arm_angle = 84", f"arm_angle = {angle!r}"))
+    assert f"follower.return.arm_angle = {angle!r}: the return arm lies on the line" in reported
 
 
 def test_all_faults_are_reported_at_once() -> None:
     text = LEVER.replace("arm_angle = 84", "arm_angle = 400").replace("dwell = 40", "dwell = 41")
     text += "\n[effects.balance]\n[effects.friction]\nguide_length = 90\n"
-    told = faults_of(text)
+    reported = faults_of(text)
     keys = (
         "follower.return.arm_angle",
         "motion",
@@ -85,7 +85,7 @@ def test_all_faults_are_reported_at_once() -> None:
         "effects.friction.guide_length",
     )
     for key in keys:
-        assert f"{key}" in told
+        assert f"{key}" in reported
 
 
 @pytest.mark.parametrize("name", [name for name, _ in only_for(ONE_DISC)])
@@ -149,9 +149,9 @@ def test_the_return_disc_is_a_design_of_its_own() -> None:
     assert other.discs == (other,)
     assert other.cam.drive.motion == design.cam.drive.motion
     assert (other.scene_hash, other.cam.rotation) == (design.disc.scene_hash, design.cam.rotation)
-    told = {each.name for each in design.findings}
+    reported = {each.name for each in design.findings}
     own = {each.name for each in disc_findings(other.cam, design.scene.limits)}
-    assert {f"return: {name}" for name in own} <= told
+    assert {f"return: {name}" for name in own} <= reported
     told_of = [each for each in design.findings if each.name.startswith("return: ")]
     assert all(each.sentence.startswith("return disc: ") for each in told_of)
 

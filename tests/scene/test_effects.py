@@ -295,7 +295,7 @@ def test_a_ring_ends_the_search(fakes: Fakes) -> None:
 
 
 def test_all_faults_are_reported_at_once(fakes: Fakes) -> None:
-    """Of several tables, those that the schema finds beside those that an effect finds."""
+    """Of several tables: faults against the schema, together with those that an effect finds."""
     fakes["spring"] = declared("spring", parse=parse_spring)
     keys = (("effects.inertia",),)
     fakes["gravity"] = declared("gravity", keys=keys)

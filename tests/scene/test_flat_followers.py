@@ -145,9 +145,9 @@ def test_a_linkage_drives_a_flat_rocker() -> None:
 @pytest.mark.parametrize("command", ["replay", "size"])
 def test_commands_for_rollers_say_so(command: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert main([command, str(SCENES / "tappet.toml")]) == 2
-    told = capsys.readouterr().err
-    assert "follower.kind = translating-flat" in told
-    assert "needs a roller follower" in told
+    reported = capsys.readouterr().err
+    assert "follower.kind = translating-flat" in reported
+    assert "needs a roller follower" in reported
 
 
 def test_a_cam_that_is_not_convex_is_not_made(tmp_path: Path) -> None:

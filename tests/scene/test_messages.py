@@ -1,4 +1,4 @@
-"""Each fault is told with key, value, what is allowed, and the line."""
+"""Each fault is reported with key, value, what is allowed, and the line."""
 
 from __future__ import annotations
 

@@ -187,7 +187,7 @@ def test_a_table_over_a_part_of_the_turn(tmp_path: Path) -> None:
     plan = scene.plan
     assert plan.jet(np.radians([180.0, 240.0, 300.0]))[0] == pytest.approx([0.0, 8.5, 8.5])
     ends = plan.jet(np.array([math.pi]))
-    assert ends[1:3, 0] == pytest.approx([0.0, 0.0], abs=1e-9), "a rest lies beside it"
+    assert ends[1:3, 0] == pytest.approx([0.0, 0.0], abs=1e-9), "its neighbour rests"
 
 
 @pytest.mark.parametrize(

@@ -276,9 +276,9 @@ def test_an_answer_that_the_program_ignores_is_reported(tmp_path: Path, capsys: 
     project = tmp_path / "v.ocv"
     project.write_bytes(changed(23, 2.0, "vorschub"))
     assert main(["import", str(project)]) == 0
-    told = capsys.readouterr()
-    assert "question 25" in told.err
-    assert 'slider_side = "left"  # question 25: negativ; opticurv does not heed it' in told.out
+    reported = capsys.readouterr()
+    assert "question 25" in reported.err
+    assert 'slider_side = "left"  # question 25: negativ; opticurv does not heed it' in reported.out
     assert main(["import", str(PROJECTS / "setzhub.ocv")]) == 0
     assert "question 25" not in capsys.readouterr().err
 

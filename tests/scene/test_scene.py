@@ -72,15 +72,15 @@ def test_faults_are_those_of_the_text(
         parse_scene(text, folder=folder)
     with pytest.raises(SceneError) as of_values:
         Scene(values, folder=folder)
-    told = {dataclasses.replace(fault, line=None) for fault in of_text.value.faults}
-    assert set(of_values.value.faults) == told
+    reported = {dataclasses.replace(fault, line=None) for fault in of_text.value.faults}
+    assert set(of_values.value.faults) == reported
 
 
 class Odd:
     __repr__ = object.__repr__
 
     def __str__(self) -> str:
-        raise AssertionError("nobody asks an unknown object for its text")
+        raise AssertionError("an unknown object is not asked for its text")
 
 
 @pytest.mark.parametrize(
@@ -147,7 +147,7 @@ def test_nothing_of_it_can_be_changed() -> None:
 
 
 def test_no_part_of_it_can_be_replaced() -> None:
-    """An identity never stands beside values that it is not of."""
+    """An identity never belongs to other values than those it is computed from."""
     scene = loaded(PLATE)
     with pytest.raises(TypeError):
         dataclasses.replace(scene, follower=scene.follower)

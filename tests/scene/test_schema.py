@@ -1,4 +1,4 @@
-"""The schema is valid, tells of every key, and agrees with the engine."""
+"""The schema is valid, describes every key, and agrees with the engine."""
 
 from __future__ import annotations
 

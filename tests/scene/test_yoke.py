@@ -79,7 +79,7 @@ def test_a_motion_that_does_not_undo_itself_is_reported() -> None:
 
 
 @pytest.mark.parametrize(
-    ("text", "told"),
+    ("text", "reported"),
     [
         (on_rollers(offset="offset = 12\n"), "follower.offset = 12: must be 0 for a yoke"),
         (
@@ -102,10 +102,10 @@ def test_a_motion_that_does_not_undo_itself_is_reported() -> None:
         ),
     ],
 )
-def test_what_does_not_go_with_a_yoke_is_refused(text: str, told: str) -> None:
+def test_what_does_not_go_with_a_yoke_is_refused(text: str, reported: str) -> None:
     with pytest.raises(SceneError) as caught:
         parse_scene(text)
-    assert told in str(caught.value)
+    assert reported in str(caught.value)
 
 
 def test_for_a_refused_effect_nothing_missing_is_reported() -> None:

@@ -38,13 +38,13 @@ def test_motion_and_derivatives_are_those_of_the_loop(name: str) -> None:
     with mp.workdps(60):
         motion, position = exact_linkage(linkage, *(mpf(each) for each in numbers))
         demanded = Series(tuple(mpf(each) / math.factorial(k) for k, each in enumerate(jet)))
-        own, told = motion(demanded), position(demanded)
-        found = [float(told.derivative(order)) for order in range(4)]
+        own, reported = motion(demanded), position(demanded)
+        found = [float(reported.derivative(order)) for order in range(4)]
         assert [float(own.derivative(k)) for k in (1, 2, 3)] == found[1:]
         if isinstance(linkage, FourBar):
             expected = four_bar_jet(linkage, jet, float(linkage.crank_angle(jet[:1])[0]))
             rest = position(Series((mpf(0),))).terms[0]
-            assert abs(float(told.terms[0] - rest - own.terms[0])) == 0.0
+            assert abs(float(reported.terms[0] - rest - own.terms[0])) == 0.0
         else:
             inner = linkage.inner
             sense = -1.0 if inner.mirrored else 1.0

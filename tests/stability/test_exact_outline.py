@@ -48,7 +48,7 @@ def crossing(name: str, numbers: list[Any] | None = None) -> tuple[Any, Any, Any
 
 
 def decimal(name: str) -> list[Any]:
-    """The numbers of a hard case of a vertical guide as its decimals tell them."""
+    """The numbers of a hard case of a vertical guide, exactly as their decimals state."""
     params, _ = hard_case(name)
     spans = [mpf(span) for span in params["phi_H"]]
     joints = [mp.radians(sum(spans[:count])) for count in (1, 2, 3, 4)]

@@ -259,7 +259,7 @@ def test_the_curvature_under_a_face_that_nearly_stands_is_seen() -> None:
 
 
 def test_an_area_of_a_polygon_is_seen() -> None:
-    """Of 100,000 corners: the share of 1e-9 that lies beside its sides is 1e6 ulp."""
+    """Of 100,000 corners: the share of 1e-9 off its sides is 1e6 ulp."""
     name = "HC21c swallow tail"
 
     def polygon(places: FloatArray) -> tuple[FloatArray]:
@@ -275,7 +275,7 @@ def test_an_area_of_a_polygon_is_seen() -> None:
     assert poor > 1e3 * LIMIT
 
 
-# What is run and told -----------------------------------------------------------------------------
+# What is run and reported -------------------------------------------------------------------------
 
 
 def made_up(quantity: str, case: str, error: float, conditioning: float) -> Reading:
@@ -308,10 +308,10 @@ def test_points_of_a_picture() -> None:
 
 
 def test_only_what_is_asked_for_is_run() -> None:
-    told: list[str] = []
-    readings = run(CASES, ["place of a cusp"], quick=True, progress=told.append)
+    stated: list[str] = []
+    readings = run(CASES, ["place of a cusp"], quick=True, progress=stated.append)
     assert {each.quantity for each in readings} == {"place of a cusp"}
-    assert told == [f"extremes: {name}" for name in dict.fromkeys(each.case for each in readings)]
+    assert stated == [f"extremes: {name}" for name in dict.fromkeys(each.case for each in readings)]
     whole = run(CASES, ["scca, b 0.3, d 0.2"], quick=True)
     assert {each.case for each in whole} == {"scca, b 0.3, d 0.2"}
     assert len(whole) == 2 * 5

@@ -1,4 +1,4 @@
-"""Leads beside narrow places: as large as there is room, never into the part."""
+"""Leads in narrow places: as large as there is room, never into the part."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A writer of another distribution, installed beside camgeo and used from the command line."""
+"""A writer of another distribution, installed with camgeo and used from the command line."""
 
 from __future__ import annotations
 

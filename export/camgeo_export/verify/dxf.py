@@ -97,15 +97,15 @@ class DxfVerifier:
 
 def _unit(drawing: Drawing, product: Product, reading: Reading) -> Check:
     """The unit that the drawing states; in our own it must be the scene's."""
-    said = drawing.value("$INSUNITS") or "0"
-    name = NAMES.get(said)
+    stated = drawing.value("$INSUNITS") or "0"
+    name = NAMES.get(stated)
     if name is None:
-        if reading.unit is not None and said == "0":
+        if reading.unit is not None and stated == "0":
             return reported("unit", reading.unit, note="by --unit; the drawing does not state it")
         return (
-            reported("unit", f"$INSUNITS {said}")
+            reported("unit", f"$INSUNITS {stated}")
             if not reading.ours
-            else failed("unit", f"$INSUNITS is {said}, which is not {product.unit}")
+            else failed("unit", f"$INSUNITS is {stated}, which is not {product.unit}")
         )
     if not reading.ours:
         return reported("unit", name)

@@ -50,8 +50,8 @@ def _unit(data: bytes, reading: Reading) -> tuple[LengthUnit, Check]:
     """Ours are in mm and say so; others state no unit."""
     if reading.ours:
         found = OURS.match(data[:PREFIX])
-        said = found.group(1).decode() if found else ""
-        return "mm", equal("unit", said, "mm", note="our STL files are in mm")
+        stated = found.group(1).decode() if found else ""
+        return "mm", equal("unit", stated, "mm", note="our STL files are in mm")
     if reading.unit is not None:
         return reading.unit, reported("unit", reading.unit, note="by --unit")
     return "mm", reported("unit", "mm", note="assumed: STL has no unit; give another with --unit")

@@ -120,7 +120,7 @@ def test_corners_turns_and_cusps(name: str) -> None:
 @pytest.mark.parametrize("fitter", FITTERS)
 @pytest.mark.parametrize("tolerance", [1e-5, 1e-7])
 def test_fine_tolerances_are_proved(tolerance: float, fitter: Fitter) -> None:
-    """Finer than dense chords tell: at the samples of the fit's own parameter, by feet."""
+    """Finer than dense chords can show: perpendiculars at samples of the fit's own parameter."""
     curve = flank("plate_translating", -1)
     fit = fitter(whole(curve), tolerance)
     assert 0.5 * tolerance < fit.deviation <= tolerance

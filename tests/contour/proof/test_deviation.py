@@ -95,7 +95,7 @@ def test_reversed_arc(name: tuple[str, int]) -> None:
 @pytest.mark.parametrize("turns", [-1.0, 1.0])
 @pytest.mark.parametrize("name", FLANKS, ids=str)
 def test_arc_that_runs_the_long_way_round(name: tuple[str, int], turns: float) -> None:
-    """On the same circle, between the same ends: only its sweep tells."""
+    """On the same circle, between the same ends: only its sweep shows it."""
     contour = _fit(name)
     for index in range(0, len(contour), 9):
         sweeps = contour.sweeps.copy()

@@ -1,4 +1,4 @@
-"""What `joints` tells: classes, order of continuity, sizes of the jumps."""
+"""What `joints` finds: classes, order of continuity, sizes of the jumps."""
 
 from __future__ import annotations
 
@@ -72,7 +72,7 @@ def test_order_and_class_do_not_depend_on_the_unit(size: float) -> None:
 
 @pytest.mark.parametrize("part", [1e-6, 1e-3])
 def test_a_small_jump_is_a_jump(part: float) -> None:
-    """Of a velocity a millionth off, order 0 is told; of one 1e-12 off, as rounding leaves, not."""
+    """A velocity a millionth off is reported as order 0; one 1e-12 off, as by rounding, is not."""
     span = Decimal(90)
     slope = 1.0 + part
 
@@ -110,7 +110,7 @@ def test_a_turn_of_rest_has_one_joint_without_a_jump() -> None:
 
 
 def test_a_gentle_side_is_not_judged_by_a_violent_one() -> None:
-    """10 mm in a thousandth of a degree, and half a mm per rad^2 beside it."""
+    """10 mm in a thousandth of a degree, and half a mm per rad^2 next to it."""
     plan = planned(
         rest(1),
         move("0.001", 10.0, "polynomial-5", velocity=0.0, acceleration=-0.5),

@@ -160,7 +160,7 @@ def test_stated_values_are_met(requests: list[Request]) -> None:
 @given(wishes(("polynomial-5",), data=False, rests=False, stated=False))
 @many
 def test_free_joints_have_four_continuous_derivatives(requests: list[Request]) -> None:
-    """s''' as `joints` tells it, s'''' from the quintics: where the turn nobody asks for is not
+    """s''' as `joints` finds it, s'''' from the quintics: where the turn nobody asks for is not
     pinned to velocity 0."""
     assume(min(request.span for request in requests) >= 1)
     plan = accepted(requests)
@@ -371,7 +371,7 @@ def test_from_rest_to_rest_over_any_span(law: str, span: str, size: float) -> No
 
 @pytest.mark.parametrize("size", [1e-6, 1.0, 1e6])
 def test_through_points_without_rest_over_unequal_spans(size: float) -> None:
-    """A thousandth of a degree beside 359 degrees: right, or refused in words."""
+    """A thousandth of a degree next to 359 degrees: right, or refused with a reason."""
     plan = planned(
         move("0.001", 1e-5 * size), through("359.998", 0.0, (0.5, size)), move("0.001", 0.0)
     )

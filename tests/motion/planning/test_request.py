@@ -79,8 +79,8 @@ WRONG: list[tuple[type, str, Any]] = [
 def test_a_wrong_value_is_reported_with_its_key(kind: type, key: str, value: Any) -> None:
     with pytest.raises(GeometryError, match="must be") as caught:
         kind(**(SOUND[kind] | {key: value}))
-    told = {"shares": ("shares", "positions", "lifts")}.get(key, (key,))
-    assert caught.value.key in told
+    reported = {"shares": ("shares", "positions", "lifts")}.get(key, (key,))
+    assert caught.value.key in reported
     assert len(caught.value.value) <= 60
 
 

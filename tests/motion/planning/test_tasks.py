@@ -1,4 +1,4 @@
-"""The motion task of every joint, derived; and what cannot be, told in words."""
+"""The motion task of every joint, derived, and refusals with their reasons."""
 
 from __future__ import annotations
 
@@ -125,7 +125,7 @@ INCH = Unit("inch", 25.4)
 DEG = Unit("deg", math.radians(1.0))
 
 FAULTS: list[tuple[list[Request], str, str, str]] = [
-    # a rest beside a stated value
+    # a rest next to a stated value
     (
         [rest(60), move(120, 20.0, velocity=3.0), rest(60), move(120, 0.0)],
         "motion[2].velocity",
@@ -333,9 +333,9 @@ def test_the_suggested_acceleration_works() -> None:
 
     with pytest.raises(GeometryError) as caught:
         plan_motion(asked(-1.0), MM)
-    told = re.search(r"below (\S+) mm", caught.value.message)
-    assert told is not None
-    bound = float(told[1])
+    reported = re.search(r"below (\S+) mm", caught.value.message)
+    assert reported is not None
+    bound = float(reported[1])
     assert laws(planned(*asked(bound * (1.0 + 1e-4))))[1] == "modified-trapezoid R-U"
     with pytest.raises(GeometryError):
         planned(*asked(bound * (1.0 - 1e-4)))
@@ -352,9 +352,9 @@ def test_a_law_that_does_not_fit_has_a_substitute_that_does(law: str) -> None:
     try:
         planned(*asked(law))
     except GeometryError as error:
-        told = re.search(r"for which there are (.*)$", error.message)
-        assert told is not None
-        names = told[1].split(", ")
+        reported = re.search(r"for which there are (.*)$", error.message)
+        assert reported is not None
+        names = reported[1].split(", ")
         assert law not in names
         for name in names:
             planned(*asked(name))

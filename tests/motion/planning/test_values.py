@@ -174,7 +174,7 @@ def test_an_inferred_turn_suits_its_neighbouring_laws() -> None:
 def test_once_a_turn_is_made_sharper_the_rest_is_still_the_smoothest(
     asked: dict[str, float],
 ) -> None:
-    """Joints between polynomials keep s''' continuous beside a turn that a law decides."""
+    """Joints between polynomials keep s''' continuous next to a turn that a law decides."""
     first, second = asked["first"], asked["second"]
     plan = planned(
         move(first, 20.0, "sine-straight"),
