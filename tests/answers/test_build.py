@@ -33,8 +33,9 @@ def test_text_and_document_are_of_one_result(folder: Path) -> None:
     first, *rest = found.files
     changed = replace(found, files=(replace(first, deviation=0.123), *rest))
     assert document(changed)["files"][0]["deviation_mm"] == 0.123
-    assert "at most 0.123 mm off (tolerance 0.01 mm)" in text(changed)
-    assert "0.123" not in text(found)
+    assert "at most 0.00484 inch off (tolerance 0.000393701 inch)" in text(changed)
+    assert "0.00484" not in text(found)
+    assert " mm" not in text(found)
 
     verified = verify((folder / "inch.dxf", folder / "inch.svg"), scene=SCENE)
     record = document(verified)

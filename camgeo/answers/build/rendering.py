@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from camgeo.answers.build import Build
+from camgeo.units import MM_PER, LengthUnit
 from camgeo.wording import counted
 from camgeo.writing.write import FileReport
 
@@ -13,16 +14,17 @@ WIDTH = 39
 
 
 def text(answer: Build) -> str:
-    """A line for each file, and one for the certificate."""
-    folder = Path(answer.folder)
-    lines = [f"{folder / file.name!s:{WIDTH}} {_size(file)}" for file in answer.files]
+    """A line for each file, and one for the certificate; lengths in the scene's unit."""
+    folder, unit = Path(answer.folder), answer.scene.unit
+    lines = [f"{folder / file.name!s:{WIDTH}} {_size(file, unit)}" for file in answer.files]
     if answer.certificate is not None:
         lines.append(f"{folder / answer.certificate!s:{WIDTH}} the proof of these deviations")
     return "\n".join(lines)
 
 
-def _size(file: FileReport) -> str:
+def _size(file: FileReport, unit: LengthUnit) -> str:
     size = f"{counted(file.size, 'byte'):>16}"
     if file.deviation is None:
         return size
-    return f"{size}, at most {file.deviation:.3g} mm off (tolerance {file.tolerance:g} mm)"
+    off, tolerance = file.deviation / MM_PER[unit], file.tolerance / MM_PER[unit]
+    return f"{size}, at most {off:.3g} {unit} off (tolerance {tolerance:g} {unit})"

@@ -8,6 +8,7 @@ from camgeo.toolpath.cut import Cut
 from camgeo.toolpath.machine import load
 from camgeo.units import MM_PER
 from camgeo_export.errors import FileError
+from camgeo_export.gcode.comments import stated
 from camgeo_export.gcode.reader import Loop, Program, read
 
 
@@ -24,7 +25,8 @@ def measure(product: Product, data: bytes) -> float:
     spec = product.options[FORMAT]
     limits = load(spec.machine).arcs
     program.verify(spec.safe_height, limits.radius_tolerance)
-    _require_tolerance(program)
+    if stated(program.comments).tolerance is None:  # then it could not be verified later
+        raise FileError("the program does not state its tolerance")
     loops = program.loops()
     _check_complete(product.milled.cuts, program, loops)
     centres = {cut.name: cut.centre for cut in product.milled.cuts}
@@ -52,10 +54,3 @@ def _check_complete(cuts: tuple[Cut, ...], program: Program, loops: list[Loop]) 
         for depth in cut.depths:
             if not any(abs(height - depth) <= program.step for height in heights):
                 raise FileError(f"no closed path of {cut.name!r} at Z {depth:g} mm")
-
-
-def _require_tolerance(program: Program) -> None:
-    """A program that does not state its tolerance cannot be verified later."""
-    words = [note.split() for note in program.comments]
-    if not any(len(each) == 3 and each[::2] == ["tolerance", "mm"] for each in words):
-        raise FileError("the program does not state its tolerance")

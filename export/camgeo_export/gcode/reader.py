@@ -8,7 +8,7 @@ from __future__ import annotations
 import cmath
 import math
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal
 
 import numpy as np
@@ -21,10 +21,18 @@ from camgeo_export.errors import FileError
 Kind = Literal["rapid", "line", "arc"]
 
 WORD = re.compile(r"([A-Z])\s*([-+]?(?:\d+\.?\d*|\.\d+))")
-COMMENT = re.compile(r"\(([^()]*)\)")
+COMMENT = re.compile(r"\(([^()]*)\)|;(.*)")
+"""A comment in brackets, or one up to the end of the line."""
+
+MOTIONS = (0, 1, 2, 3)
+
+LETTERS = "FGHIJMNPQSTXYZ"
+"""Of the words that our programs use, and N."""
 
 MODAL = {17, 40, 43, 49, 54, 80, 90, 91.1, 94}
 """G words that must be active before the first cut; G49 is superseded by G43."""
+
+TOOL_LENGTH = 43
 
 UNITS = {20: 25.4, 21: 1.0}
 
@@ -42,9 +50,10 @@ class CutterMove:
     sweep : angle turned along an arc [rad], positive counter-clockwise.
     mismatch : difference of an arc's radii at its ends.
     feed : 0 for a traverse.
-    spindle : whether it is turning.
+    speed : of the spindle [rev/min]; 0 while it stands still.
     operation : the last one named by a comment.
     tool : number of the current one; 0 before the first change.
+    offset : number of the tool whose length is compensated; 0 before the first.
     line : in the file, counted from 1.
     """
 
@@ -57,15 +66,32 @@ class CutterMove:
     sweep: float
     mismatch: float
     feed: float
-    spindle: bool
+    speed: float
     operation: str
     tool: int
+    offset: int
     line: int
 
     @property
     def course(self) -> Arc:
         """Its line or arc in the plane."""
         return Arc(self.start, self.end, self.sweep, self.centre)
+
+
+@dataclass(frozen=True, slots=True)
+class Stop:
+    """A change of the tool, or a stop of the spindle or the program.
+
+    Attributes
+    ----------
+    code : of its M word.
+    z : height [mm] at which it happens; NaN before the first move along Z.
+    line : in the file, counted from 1.
+    """
+
+    code: int
+    z: float
+    line: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,6 +125,7 @@ class Program:
     blending, naive_cam : P and Q of G64 [mm]; 0 for the exact path.
     moves : in the order of running.
     comments : without brackets.
+    stops : in the order of running.
     """
 
     mm_per_unit: float
@@ -107,6 +134,7 @@ class Program:
     naive_cam: float
     moves: tuple[CutterMove, ...]
     comments: tuple[str, ...]
+    stops: tuple[Stop, ...]
 
     def loops(self) -> list[Loop]:
         """Closed runs of cuts at constant height; leads into and out of them are omitted."""
@@ -132,12 +160,18 @@ class Program:
         """Raise FileError at the first move that is unsafe or that a controller may reject.
 
         Traverses must stay at `safe_height` [mm] or above in the plane and out of the material;
-        cuts need feed and spindle on; radii of an arc may differ by `radius_tolerance` [mm].
+        cuts need feed and spindle on; radii of an arc may differ by `radius_tolerance` [mm]. Tools
+        must be changed, and the spindle stopped, at `safe_height` or above.
         """
+        height = safe_height - 0.5 * self.step
         for move in self.moves:
-            fault = _fault(move, safe_height - 0.5 * self.step, radius_tolerance)
+            fault = _fault(move, height, radius_tolerance)
             if fault:
                 raise FileError(f"line {move.line}: {fault}")
+        for stop in self.stops:
+            if stop.z < height:
+                where = f"at Z {stop.z:g} mm, below the safe height"
+                raise FileError(f"line {stop.line}: M{stop.code} {where}")
 
 
 @dataclass(slots=True)
@@ -150,14 +184,17 @@ class _State:
     z: float = math.nan
     feed: float = 0.0
     spindle: bool = False
+    speed: float = 0.0
     operation: str = ""
     tool: int = 0
+    offset: int = 0
     chosen: int = 0
     active: frozenset[float] = frozenset()
     blending: float = math.inf
     naive_cam: float = math.inf
     step: float = math.inf
     ended: bool = False
+    stops: list[Stop] = field(default_factory=list)
 
 
 def read(text: str) -> Program:
@@ -166,11 +203,11 @@ def read(text: str) -> Program:
     moves: list[CutterMove] = []
     comments: list[str] = []
     for number, line in enumerate(text.splitlines(), start=1):
-        for note in COMMENT.findall(line):
+        for note in notes_of(line):
             comments.append(note)
             if note.startswith("operation "):
                 state.operation = note.removeprefix("operation ")
-        block = COMMENT.sub("", line).split(";")[0].strip().upper()
+        block = COMMENT.sub("", line).strip().upper()
         if not block or block == "%":
             continue
         if state.ended:
@@ -183,19 +220,41 @@ def read(text: str) -> Program:
     if not state.ended or state.spindle:
         raise FileError("the program does not end with the spindle off and M2 or M30")
     return Program(
-        state.scale, state.step, state.blending, state.naive_cam, tuple(moves), tuple(comments)
+        state.scale,
+        state.step,
+        state.blending,
+        state.naive_cam,
+        tuple(moves),
+        tuple(comments),
+        tuple(state.stops),
     )
+
+
+def notes_of(text: str) -> list[str]:
+    """The comments in `text`, without brackets."""
+    return [(inside or after).strip() for inside, after in COMMENT.findall(text)]
 
 
 def _run(state: _State, words: list[tuple[str, str]], line: int) -> CutterMove | None:
     """Run one block; return its move, if any."""
+    letters = [letter for letter, _ in words if letter not in "GM"]
+    foreign = next((letter for letter, _ in words if letter not in LETTERS), "")
+    twice = next((letter for letter in letters if letters.count(letter) > 1), "")
+    if foreign or twice:
+        what = (
+            f"{foreign} is not expected in our programs" if foreign else f"{twice} is there twice"
+        )
+        raise FileError(f"line {line}: the word {what}")
     codes = [float(value) for letter, value in words if letter == "G"]
+    if sum(code in MOTIONS for code in codes) > 1:
+        raise FileError(f"line {line}: two kinds of motion in one block")
     values = {letter: float(value) for letter, value in words if letter not in "GM"}
     for code in codes:
         _g(state, code, values, line)
     if "F" in values:
         state.feed = values["F"] * state.scale
     state.chosen = int(values.get("T", state.chosen))
+    state.speed = values.get("S", state.speed)
     for code in (float(value) for letter, value in words if letter == "M"):
         _m(state, code, line)
     if not values.keys() & {"X", "Y", "Z", "I", "J"}:
@@ -208,7 +267,7 @@ def _run(state: _State, words: list[tuple[str, str]], line: int) -> CutterMove |
 
 
 def _g(state: _State, code: float, values: dict[str, float], line: int) -> None:
-    if code in (0, 1, 2, 3):
+    if code in MOTIONS:
         state.motion = int(code)
     elif code in UNITS:
         state.scale = UNITS[int(code)]
@@ -220,19 +279,25 @@ def _g(state: _State, code: float, values: dict[str, float], line: int) -> None:
         state.naive_cam = values.get("Q", values.get("P", math.inf)) * state.scale
     elif code in MODAL:
         state.active |= {code}
+        if code == TOOL_LENGTH:  # without H that of the tool in the spindle
+            state.offset = int(values.get("H", state.tool))
     else:
         raise FileError(f"line {line}: G{code:g} is not expected in our programs")
 
 
 def _m(state: _State, code: float, line: int) -> None:
-    if code in (3, 5):
-        state.spindle = code == 3
+    if code == 3:
+        state.spindle = True
+        return
+    if code == 5:
+        state.spindle = False
     elif code in (2, 30):
         state.ended = True
-    elif code == 6:
-        state.tool = state.chosen
+    elif code == 6:  # controllers stop the spindle for it
+        state.tool, state.spindle = state.chosen, False
     else:
         raise FileError(f"line {line}: M{code:g} is not expected in our programs")
+    state.stops.append(Stop(int(code), state.z, line))
 
 
 def _move(state: _State, values: dict[str, float], line: int) -> CutterMove:
@@ -260,9 +325,10 @@ def _move(state: _State, values: dict[str, float], line: int) -> CutterMove:
         sweep -= 2.0 * math.pi if state.motion == 2 else 0.0
     state.at, state.z = end, z_end
     feed = 0.0 if kind == "rapid" else state.feed
+    speed = state.speed if state.spindle else 0.0
     return CutterMove(
-        kind, start, end, z_start, z_end, centre, sweep, mismatch, feed, state.spindle,
-        state.operation, state.tool, line,
+        kind, start, end, z_start, z_end, centre, sweep, mismatch, feed, speed,
+        state.operation, state.tool, state.offset, line,
     )  # fmt: skip
 
 
@@ -277,7 +343,7 @@ def _fault(move: CutterMove, height: float, radius_tolerance: float) -> str:
         return ""
     if cmath.isnan(move.start) or math.isnan(move.z_start):
         return "cut from an unknown position"
-    if not move.feed > 0.0 or not move.spindle:
+    if not move.feed > 0.0 or not move.speed > 0.0:
         return "cut without feed, or with the spindle off"
     if move.mismatch > radius_tolerance:
         return f"the radii of the arc differ by {move.mismatch:g} mm"

@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-import textwrap
-
 from camgeo.errors import Fault, SceneError
 from camgeo.formats.gcode import FORMAT
 from camgeo.product.product import Product
-from camgeo.toolpath.machine import KEY, CommentStyle, Machine, load
+from camgeo.toolpath.machine import KEY, Machine, load
 from camgeo.toolpath.machining_time import toolpath_time
-from camgeo.toolpath.moves import Toolpath
 from camgeo.toolpath.spec import Tool
 from camgeo.units import MM_PER
 from camgeo.writing.writer import Written
 from camgeo_export.gcode.blocks import Budget, Grid, Speller, budget, number
+from camgeo_export.gcode.comments import about_operation, about_program, commented
 from camgeo_export.gcode.measure import measure
 
 
@@ -29,7 +27,8 @@ class GcodeWriter:
         toolpath = product.milled.toolpath(shares.fit)
         grid = Grid(shares.decimals, MM_PER[product.unit])
         speller = Speller(grid, shares, machine.arcs)
-        lines = _head(product, machine, shares, toolpath)
+        cuts = [operation.cut for operation in toolpath.operations]
+        lines = commented(about_program(product, machine, shares, cuts), machine.comment)
         lines += _frame(product, machine, shares)
         tool: Tool | None = None
         for operation in toolpath.operations:
@@ -39,10 +38,7 @@ class GcodeWriter:
                 speller.retract(toolpath.safe_height)
                 lines += (*change, *speller.take())
             tool = cut.tool
-            depths = " ".join(grid.text(grid.steps(depth)) for depth in cut.depths)
-            lines += comment(f"operation {cut.name}", machine.comment)
-            lines += comment(f"depths {depths}", machine.comment)
-            lines += comment(cut.note, machine.comment)
+            lines += commented(about_operation(cut, grid), machine.comment)
             for move in operation.moves:
                 speller.move(move)
             lines += speller.take()
@@ -69,30 +65,6 @@ class GcodeWriter:
     def measure(self, product: Product, data: bytes) -> float:
         """Run the program in our own interpreter and measure the cutter path [mm]."""
         return measure(product, data)
-
-
-def comment(text: str, style: CommentStyle) -> list[str]:
-    """`text` as comment lines, without characters that the controller cannot read in one."""
-    plain = text.encode("ascii", "replace").decode("ascii")
-    plain = plain.translate(str.maketrans("()", "[]"))
-    width = style.line_length - len(style.open) - len(style.close)
-    return [style.open + line + style.close for line in textwrap.wrap(plain, width)]
-
-
-def _head(product: Product, machine: Machine, shares: Budget, toolpath: Toolpath) -> list[str]:
-    tools = {each.cut.tool.number: each.cut.tool.diameter for each in toolpath.operations}
-    parts = (
-        f"part {product.name}",
-        f"camgeo {product.version}, for {machine.name}",
-        f"scene {product.scene_hash}" if product.scene_hash else "",
-        f"unit {product.unit}, Z 0 on the upper face, origin on the cam axis",
-        f"tolerance {shares.tolerance!r} mm",
-        f"fit within {shares.fit:.4g} mm, printed within {shares.rounding:.4g} mm",
-        f"chords within {shares.chord:.4g} mm, path blending {shares.blending:.4g} mm",
-        f"arcs run within {shares.interpolation:.4g} mm" if shares.interpolation > 0.0 else "",
-        *(f"tool {each}: end mill, diameter {number(width)} mm" for each, width in tools.items()),
-    )
-    return [line for part in parts if part for line in comment(part, machine.comment)]
 
 
 def _frame(product: Product, machine: Machine, shares: Budget) -> list[str]:

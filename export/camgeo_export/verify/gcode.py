@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 from dataclasses import replace
 
 from camgeo.contour.contour import Contour
@@ -17,19 +16,16 @@ from camgeo.verifying.verification import (
     Reading,
     at_most,
     failed,
-    length_of,
     unit_check,
 )
 from camgeo.wording import counted
 from camgeo_export.errors import FileError
-from camgeo_export.gcode.reader import Loop, Program, read
+from camgeo_export.gcode.comments import stated
+from camgeo_export.gcode.reader import Loop, Program, notes_of, read
+from camgeo_export.verify.cutting import cutting_checks
 from camgeo_export.verify.leads import lead_checks
 from camgeo_export.verify.plane import contour_checks
 from camgeo_export.verify.shapes import Shape, shapes_of
-
-COMMENT = re.compile(r"\(([^()]*)\)|;(.*)")
-
-HASH_DIGITS = 64
 
 NAMES = {1.0: "mm", 25.4: "inch"}
 
@@ -40,16 +36,9 @@ class GcodeVerifier:
     format = "gcode"
 
     def origin(self, data: bytes) -> Origin:
-        """From the comments; a long hash may be wrapped over several of them."""
-        notes = [(a or b).strip() for a, b in COMMENT.findall(data.decode("ascii", "replace"))]
-        found = re.search(r"\bscene ((?:[0-9a-f]+ ?)+)", " ".join(notes))
-        scene = found.group(1).replace(" ", "")[:HASH_DIGITS] if found else ""
-        tolerances = [note.removeprefix("tolerance ") for note in notes if "tolerance " in note]
-        return Origin(
-            any(note.startswith("camgeo ") for note in notes),
-            scene,
-            length_of(tolerances[0]) if tolerances else None,
-        )
+        """From the comments."""
+        said = stated(notes_of(data.decode("ascii", "replace")))
+        return Origin(bool(said.version), said.scene, said.tolerance)
 
     def checks(
         self, product: Product, data: bytes, reading: Reading, tolerance: float
@@ -83,7 +72,11 @@ class GcodeVerifier:
         checks.append(at_most("path blending", blending, tolerance, "mm", note=note))
         arcs = any(move.kind == "arc" for move in program.moves)
         extra = blending + (limits.interpolation if arcs else 0.0)
-        return (*checks, *_paths(product, program, tolerance, extra))
+        checks += _paths(product, program, tolerance, extra)
+        if reading.ours:
+            said = stated(program.comments)
+            checks += cutting_checks(product, program, said, machine, spec.safe_height)
+        return tuple(checks)
 
 
 def _paths(product: Product, program: Program, tolerance: float, extra: float) -> list[Check]:
@@ -135,9 +128,6 @@ def _passes(cut: Cut, loops: list[Loop], slack: float) -> Check:
     stray = [z for z in heights if all(abs(z - depth) > slack for depth in cut.depths)]
     if stray and not missing:
         note = f"a closed path at Z {stray[0]:g} mm, which is not one of its depths"
-    other = [each.tool for each in loops if each.operation and each.tool != cut.tool.number]
-    if other and not note:
-        note = f"cut with tool {other[0]}, not {cut.tool.number}"
     return Check("passes", cut.name, found, ok=not note, note=note)
 
 

@@ -1,0 +1,114 @@
+"""The comments of a program: what they say, and what they are read as."""
+
+from __future__ import annotations
+
+import math
+import re
+import textwrap
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+from camgeo.product.product import Product
+from camgeo.toolpath.cut import Cut
+from camgeo.toolpath.machine import CommentStyle, Machine
+from camgeo.units import MM_PER
+from camgeo.verifying.verification import length_of
+from camgeo_export.gcode.blocks import Budget, Grid, number
+
+NUMBER = r"([-+.\de]+)"
+
+TOLERANCE = re.compile(rf"\btolerance (?:{NUMBER} inch, )?{NUMBER} mm")
+
+TOOL = re.compile(rf"\btool (\d+): end mill, diameter (?:{NUMBER} inch, )?{NUMBER} mm")
+
+SCENE = re.compile(r"\bscene ((?:[0-9a-f]+ ?)+)")
+
+HASH_DIGITS = 64
+
+
+def about_program(
+    product: Product, machine: Machine, shares: Budget, cuts: Sequence[Cut]
+) -> list[str]:
+    """Comments on the whole program, in its unit; exact lengths in mm beside it."""
+    unit = product.unit
+    tools = {cut.tool.number: cut.tool.diameter for cut in cuts}
+
+    def length(mm: float) -> str:
+        return f"{mm / MM_PER[unit]:.4g} {unit}"
+
+    def exact(text: str, mm: str) -> str:
+        return f"{mm} mm" if unit == "mm" else f"{text} {unit}, {mm} mm"
+
+    def diameter(mm: float) -> str:
+        return exact(number(mm / MM_PER[unit]), number(mm))
+
+    tolerance = exact(f"{shares.tolerance / MM_PER[unit]:.6g}", repr(shares.tolerance))
+    parts = (
+        f"part {product.name}",
+        f"camgeo {product.version}, for {machine.name}",
+        f"scene {product.scene_hash}" if product.scene_hash else "",
+        f"unit {unit}, Z 0 on the upper face, origin on the cam axis",
+        f"tolerance {tolerance}",
+        f"fit within {length(shares.fit)}, printed within {length(shares.rounding)}",
+        f"chords within {length(shares.chord)}, path blending {length(shares.blending)}",
+        f"arcs run within {length(shares.interpolation)}" if shares.interpolation > 0.0 else "",
+        *(f"tool {each}: end mill, diameter {diameter(width)}" for each, width in tools.items()),
+    )
+    return [part for part in parts if part]
+
+
+def about_operation(cut: Cut, grid: Grid) -> list[str]:
+    """Comments on one operation."""
+    depths = " ".join(grid.text(grid.steps(depth)) for depth in cut.depths)
+    return [f"operation {cut.name}", f"depths {depths}", cut.note]
+
+
+def commented(texts: Iterable[str], style: CommentStyle) -> list[str]:
+    """`texts` as comment lines, without characters that the controller cannot read in one."""
+    width = style.line_length - len(style.open) - len(style.close)
+    return [style.open + line + style.close for text in texts for line in wrapped(text, width)]
+
+
+def wrapped(text: str, width: int) -> list[str]:
+    """`text` in lines of at most `width` characters, as plain ASCII without brackets."""
+    plain = text.encode("ascii", "replace").decode("ascii")
+    return textwrap.wrap(plain.translate(str.maketrans("()", "[]")), width)
+
+
+@dataclass(frozen=True, slots=True)
+class Stated:
+    """What the comments of a program state.
+
+    Attributes
+    ----------
+    version : of camgeo, which wrote it; empty if they do not say so.
+    scene : hash of the scene; empty if there is none.
+    tolerance : [mm], or None.
+    tools : number and diameter [mm] of each.
+    """
+
+    version: str
+    scene: str
+    tolerance: float | None
+    tools: tuple[tuple[int, float], ...]
+
+
+def stated(notes: Iterable[str]) -> Stated:
+    """What `notes`, the comments of a program without brackets, state; long ones may be wrapped."""
+    lines = [note.strip() for note in notes]
+    text = " ".join(lines)
+    scene, tolerance = SCENE.search(text), TOLERANCE.search(text)
+    versions = [line.split()[1].rstrip(",") for line in lines if re.match(r"camgeo \S", line)]
+    return Stated(
+        versions[0] if versions else "",
+        scene.group(1).replace(" ", "")[:HASH_DIGITS] if scene else "",
+        length_of(tolerance.group(2)) if tolerance else None,
+        tuple((int(tool), _size(size)) for tool, _, size in TOOL.findall(text)),
+    )
+
+
+def _size(text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        return math.nan

@@ -1,0 +1,129 @@
+"""How a program of ours runs its tools: numbers, feeds, speeds, heights, and what it says."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from itertools import zip_longest
+
+from camgeo.errors import CamgeoError
+from camgeo.product.product import Product
+from camgeo.toolpath.cut import Cut
+from camgeo.toolpath.machine import Machine
+from camgeo.units import MM_PER
+from camgeo.verifying.verification import Check, equal, failed
+from camgeo_export.gcode.blocks import FEED_DECIMALS, Grid, budget
+from camgeo_export.gcode.comments import Stated, about_operation, about_program, wrapped
+from camgeo_export.gcode.reader import CutterMove, Program
+
+PRINTED = 0.5 * 10.0**-FEED_DECIMALS * (1.0 + 1e-9)
+"""Rounding of a printed feed, speed or diameter, in its unit."""
+
+
+def cutting_checks(
+    product: Product, program: Program, stated: Stated, machine: Machine, safe_height: float
+) -> list[Check]:
+    """All checks of one of our programs that its closed paths do not show."""
+    cuts = product.milled.cuts
+    checks = [_heights(program, safe_height), _comments(product, program, stated, machine)]
+    checks.append(_cutters(cuts, stated))
+    for cut in cuts:
+        own = [move for move in program.moves if move.operation == cut.name]
+        checks += _of_cut(cut, [move for move in own if move.kind != "rapid"], program)
+    return checks
+
+
+def _heights(program: Program, safe_height: float) -> Check:
+    """All traverses are at the safe height, or lead there."""
+    for move in program.moves:
+        if move.kind == "rapid" and abs(move.z_end - safe_height) > program.step:
+            note = f"line {move.line}: a traverse to Z {move.z_end:g} mm, not {safe_height:g} mm"
+            return failed("traverses", note)
+    return Check("traverses", "", f"at Z {safe_height:g} mm", ok=True)
+
+
+def _of_cut(cut: Cut, moves: Sequence[CutterMove], program: Program) -> list[Check]:
+    """Tool, speed and feeds of one operation, and that it moves only as it should."""
+    tool, scale = cut.tool, program.mm_per_unit
+    flat = [move for move in moves if move.z_start == move.z_end]
+    down = [move for move in moves if move.z_start != move.z_end]
+    checks = [
+        _same("tool", cut.name, ((each.tool, each.line) for each in moves), tool.number, "", 0.0),
+        _same(
+            "tool length", cut.name, ((each.offset, each.line) for each in moves), tool.number, "",
+            0.0,
+        ),
+        _same(
+            "spindle speed", cut.name, ((each.speed, each.line) for each in moves),
+            tool.spindle_speed, "rev/min", PRINTED,
+        ),
+        _same(
+            "feed", cut.name, ((each.feed, each.line) for each in flat), tool.feed, "mm/min",
+            PRINTED * scale,
+        ),
+        _same(
+            "plunge feed", cut.name, ((each.feed, each.line) for each in down), tool.plunge_feed,
+            "mm/min", PRINTED * scale,
+        ),
+    ]  # fmt: skip
+    for move in moves:
+        note = ""
+        if move.z_start != move.z_end and (move.end != move.start or move.z_end > move.z_start):
+            note = "a cut that is neither level nor straight down"
+        elif min(abs(move.z_end - depth) for depth in cut.depths) > program.step:
+            note = f"a cut at Z {move.z_end:g} mm, which is not one of its depths"
+        if note:
+            return [*checks, failed("moves", f"line {move.line}: {note}", cut.name)]
+    return checks
+
+
+def _same(
+    name: str,
+    of: str,
+    found: Iterable[tuple[float, int]],
+    expected: float,
+    unit: str,
+    limit: float,
+) -> Check:
+    """That all values `found`, each with its line, are the `expected` one."""
+    values = list(found)
+    worst, line = max(values, key=lambda each: abs(each[0] - expected), default=(expected, 0))
+    ok = abs(worst - expected) <= limit
+    note = "" if ok else f"line {line}"
+    return Check(name, of, float(worst), float(expected), limit, unit, ok, note)
+
+
+def _cutters(cuts: Sequence[Cut], stated: Stated) -> Check:
+    """The cutters that its comments name are those that it is computed for."""
+    wanted = {cut.tool.number: cut.tool.diameter for cut in cuts}
+    named = dict(stated.tools)
+    text = "; ".join(f"tool {number} of {size:g} mm" for number, size in stated.tools)
+    expected = "; ".join(f"tool {number} of {size:g} mm" for number, size in wanted.items())
+    same = named.keys() == wanted.keys() and all(
+        abs(named[number] - size) <= PRINTED for number, size in wanted.items()
+    )
+    if same:
+        return Check("cutters", "", text, expected, ok=True)
+    return failed("cutters", f"its comments name {text or 'none'}, not {expected}")
+
+
+def _comments(product: Product, program: Program, stated: Stated, machine: Machine) -> Check:
+    """Those of our own version are the ones that it writes."""
+    if stated.version != product.version:
+        note = "" if stated.version else "they do not name the version of camgeo"
+        return Check("comments", "", f"of camgeo {stated.version}", ok=None, note=note)
+    expected: list[str] = []
+    try:
+        assert stated.tolerance is not None
+        shares = budget(machine, product.unit, stated.tolerance)
+        grid, style = Grid(shares.decimals, MM_PER[product.unit]), machine.comment
+        texts = about_program(product, machine, shares, product.milled.cuts)
+        for cut in product.milled.cuts:
+            texts += about_operation(cut, grid)
+        width = style.line_length - len(style.open) - len(style.close)
+        expected = [line.strip() for text in texts for line in wrapped(text, width)]
+    except (AssertionError, CamgeoError):
+        return failed("comments", "they state no tolerance that can be kept")
+    for found, wanted in zip_longest(program.comments, expected, fillvalue=""):
+        if found != wanted:
+            return failed("comments", f"'{found}' where '{wanted}' is expected")
+    return equal("comments", float(len(program.comments)), float(len(expected)))
