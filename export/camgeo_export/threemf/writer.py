@@ -23,6 +23,8 @@ MODEL_TYPE = "application/vnd.ms-package.3dmanufacturing-3dmodel+xml"
 RELATIONSHIP_TYPE = "application/vnd.openxmlformats-package.relationships+xml"
 MODEL_RELATION = "http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"
 MODEL_PATH = "3D/3dmodel.model"
+CONTENT_TYPES_PATH = "[Content_Types].xml"
+RELATIONSHIPS_PATH = "_rels/.rels"
 
 NAMESPACE = "urn:camgeo:2026"
 """Namespace of our metadata; names outside the core specification must have one."""
@@ -44,8 +46,8 @@ class ThreeMfWriter:
         solid = body(product.drawn.part, tolerance, _exact)
         stream = io.BytesIO()
         with zipfile.ZipFile(stream, "w") as package:
-            _store(package, "[Content_Types].xml", _content_types())
-            _store(package, "_rels/.rels", _relationships())
+            _store(package, CONTENT_TYPES_PATH, _content_types())
+            _store(package, RELATIONSHIPS_PATH, _relationships())
             _store(package, MODEL_PATH, _model(product, tolerance, solid))
         facts: dict[str, int | float | str] = {
             "triangles": len(solid.triangles),

@@ -10,6 +10,9 @@ from camgeo.verifying.verification import Check, failed
 from camgeo.wording import counted
 from camgeo_export.errors import FileError
 
+ROUNDING = 2.0**-52 * 4.0
+"""Height below which a facet has no area, as a fraction of the mesh's reach."""
+
 
 def merged(vertices: FloatArray, triangles: IntArray) -> tuple[FloatArray, IntArray]:
     """The mesh with coincident vertices merged: an STL repeats them."""
@@ -20,6 +23,15 @@ def merged(vertices: FloatArray, triangles: IntArray) -> tuple[FloatArray, IntAr
 def polygon(points: FloatArray) -> Contour:
     """The closed contour through `points` (n, 3) [mm] at one height."""
     return Contour.polygon(points[:, 0] + 1j * points[:, 1])
+
+
+def heights(corners: FloatArray) -> FloatArray:
+    """(m,) [mm] height of each triangle (m, 3, 3) over its longest side; 0 for a point."""
+    sides = corners - np.roll(corners, 1, axis=1)
+    longest = np.linalg.norm(sides, axis=2).max(axis=1)
+    doubled = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1)
+    found: FloatArray = doubled / np.where(longest > 0.0, longest, 1.0)
+    return found
 
 
 def volume(vertices: FloatArray, triangles: IntArray) -> float:
@@ -96,9 +108,9 @@ def border_loops(triangles: IntArray) -> list[list[int]]:
 
 
 def _facets(vertices: FloatArray, triangles: IntArray) -> Check:
-    """No facet has two corners at the same place."""
-    same = triangles == np.roll(triangles, 1, axis=1)
-    bad = np.flatnonzero(same.any(axis=1))
+    """No facet has two corners at the same place, or all three on a line."""
+    same = (triangles == np.roll(triangles, 1, axis=1)).any(axis=1)
+    bad = np.flatnonzero(same | (heights(vertices[triangles]) <= ROUNDING * np.abs(vertices).max()))
     note = ""
     if len(bad):
         place = _point_text(vertices[triangles[bad[0], 0]])

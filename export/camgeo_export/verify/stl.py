@@ -4,14 +4,27 @@ from __future__ import annotations
 
 import re
 
+import numpy as np
+
+from camgeo.numeric.arrays import FloatArray
 from camgeo.product.product import Product
 from camgeo.units import MM_PER, LengthUnit
-from camgeo.verifying.verification import Check, Origin, Reading, equal, reported
+from camgeo.verifying.verification import Check, Origin, Reading, equal, failed, reported
 from camgeo.wording import counted
-from camgeo_export.stl.writer import FACET, PREFIX
+from camgeo_export.stl.writer import FACET, HEADER_BYTES, PREFIX
 from camgeo_export.verify.body import mesh_checks
+from camgeo_export.verify.mesh import heights
 
 OURS = re.compile(rb"camgeo \S+ unit (\w+) scene ([0-9a-f]*)")
+
+TURNED = 0.01
+"""By how much a normal may be turned [deg]; single floats turn it by 1e-5."""
+
+UNIT = 1e-5
+"""By how much the length of our normals may miss 1."""
+
+SINGLE = 2.0**-23 * 4.0
+"""Rounding of the corners, as a fraction of their coordinates."""
 
 
 class StlVerifier:
@@ -28,17 +41,27 @@ class StlVerifier:
     def checks(
         self, product: Product, data: bytes, reading: Reading, tolerance: float
     ) -> tuple[Check, ...]:
-        """Unit, and the body against the part."""
+        """Unit, header, normals, and the body against the part."""
         unit, check = _unit(data, reading)
-        return (check, *mesh_checks(product, data, "stl", MM_PER[unit], tolerance))
+        checks = [check]
+        if reading.ours:
+            checks += [_header(data, product), _attributes(data)]
+        try:
+            normals, corners = _facets_of(data)
+        except ValueError as error:
+            return (*checks, failed("file", f"no mesh: {error}"))
+        if not np.isfinite(corners).all():
+            return (*checks, failed("facets", "one of their coordinates is not finite"))
+        checks.append(_normals(normals, corners, reading.ours))
+        return (*checks, *mesh_checks(product, data, "stl", MM_PER[unit], tolerance))
 
 
 def _damage(data: bytes) -> str:
     """How the file is truncated: a text has a last word, a binary states its number of facets."""
+    if _is_binary(data) and len(data) > PREFIX:
+        return ""
     count = int.from_bytes(data[PREFIX - 4 : PREFIX], "little")
     expected = PREFIX + FACET.itemsize * count
-    if len(data) == expected and len(data) > PREFIX:
-        return ""
     if data.lstrip().startswith(b"solid") and b"facet" in data[:1000]:
         end = data.rstrip().rsplit(b"\n", 1)[-1].strip()
         return "" if end.startswith(b"endsolid") else "not a complete text STL: endsolid missing"
@@ -55,6 +78,79 @@ def _unit(data: bytes, reading: Reading) -> tuple[LengthUnit, Check]:
     if reading.unit is not None:
         return reading.unit, reported("unit", reading.unit, note="by --unit")
     return "mm", reported("unit", "mm", note="assumed: STL has no unit; give another with --unit")
+
+
+def _is_binary(data: bytes) -> bool:
+    count = int.from_bytes(data[PREFIX - 4 : PREFIX], "little")
+    return len(data) == PREFIX + FACET.itemsize * count
+
+
+def _header(data: bytes, product: Product) -> Check:
+    """The part that the header names, as far as there is room for it."""
+    found = OURS.match(data[:PREFIX])
+    named = data[found.end() : HEADER_BYTES].decode("ascii", "replace").strip() if found else ""
+    room = HEADER_BYTES - found.end() - 1 if found else 0
+    name = product.name.encode("ascii", "replace").decode()[: max(room, 0)].strip()
+    return equal("part", named, name, note="the header names another part")
+
+
+def _attributes(data: bytes) -> Check:
+    """The attributes of facets, which some programs take for colours, are 0."""
+    attributes = np.frombuffer(data, FACET, offset=PREFIX)["attribute"]
+    marked = np.flatnonzero(attributes)
+    if len(marked):
+        return failed(
+            "attributes", f"facet {marked[0] + 1} has the attribute {attributes[marked[0]]}"
+        )
+    return Check("attributes", "", "none", ok=True)
+
+
+def _facets_of(data: bytes) -> tuple[FloatArray, FloatArray]:
+    """(m, 3) normals and (m, 3, 3) corners, as in the file; raises ValueError."""
+    if _is_binary(data):
+        facets = np.frombuffer(data, FACET, offset=PREFIX)
+        return facets["normal"].astype(np.float64), facets["corners"].astype(np.float64)
+    rows = [line.split() for line in data.decode("ascii", "replace").splitlines()]
+    normals = [row[2:5] for row in rows if row[:2] == ["facet", "normal"]]
+    corners = [row[1:4] for row in rows if row[:1] == ["vertex"]]
+    if len(corners) != 3 * len(normals):
+        raise ValueError(f"{len(normals)} facets with {len(corners)} corners")
+    return (
+        np.array(normals, dtype=np.float64).reshape(-1, 3),
+        np.array(corners, dtype=np.float64).reshape(-1, 3, 3),
+    )
+
+
+def _normals(normals: FloatArray, corners: FloatArray, ours: bool) -> Check:
+    """They point where the corners of their facets, in their order, say.
+
+    Programs may leave them 0, to be computed by the reader; ours are never 0. The corners of others
+    were rounded after that, by which the normal of a narrow facet turns.
+    """
+    across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    lengths = np.linalg.norm(normals, axis=1)
+    aside = np.linalg.norm(np.cross(normals, across), axis=1)
+    turned = np.degrees(np.arctan2(aside, np.einsum("ij,ij->i", normals, across)))
+    limits = np.full(len(normals), TURNED)
+    if not ours:
+        with np.errstate(divide="ignore", invalid="ignore"):
+            share = SINGLE * np.abs(corners).max(axis=(1, 2), initial=0.0) / heights(corners)
+        limits += np.degrees(np.arctan(share))
+    solid = np.linalg.norm(across, axis=1) > 0.0
+    empty = solid & (lengths == 0.0)
+    faults = (
+        ("is 0", empty & ours),
+        ("is not of length 1", solid & ~(np.abs(lengths - 1.0) <= UNIT) & ours),
+        ("is turned away from its facet", solid & ~empty & ~(turned <= limits)),
+    )
+    for what, which in faults:
+        if np.any(which):
+            first = int(np.argmax(which))
+            place = ", ".join(f"{value:.6g}" for value in corners[first].mean(axis=0))
+            many = f"{np.count_nonzero(which)} are wrong; that of facet {first + 1}"
+            return failed("normals", f"{many}, near ({place}), {what}")
+    note = f"{np.count_nonzero(empty)} are 0, to be computed by the reader" if empty.any() else ""
+    return Check("normals", "", float(len(normals)), ok=True, note=note)
 
 
 VERIFIER = StlVerifier()

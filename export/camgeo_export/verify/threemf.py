@@ -10,6 +10,7 @@ from xml.etree import ElementTree as ET
 from camgeo.product.product import Product
 from camgeo.verifying.verification import Check, Origin, Reading, failed, length_of, unit_check
 from camgeo_export.verify.body import mesh_checks
+from camgeo_export.verify.package import package_checks
 
 MM_PER_UNIT = {
     "micron": 1e-3,
@@ -46,14 +47,15 @@ class ThreeMfVerifier:
     def checks(
         self, product: Product, data: bytes, reading: Reading, tolerance: float
     ) -> tuple[Check, ...]:
-        """Unit, and the body against the part."""
+        """Package, unit, and the body against the part."""
+        valid = package_checks(data, reading.ours, product.name)
         unit, _ = _head(data)
         name = SHORT.get(unit, unit)
         check = unit_check(name, reading, "mm", "our 3MF files are in millimetres")
         scale = MM_PER_UNIT.get(unit)
         if scale is None:
-            return (check, failed("unit", f"{unit!r} is not a unit of 3MF"))
-        return (check, *mesh_checks(product, data, "3mf", scale, tolerance))
+            return (*valid, check, failed("unit", f"{unit!r} is not a unit of 3MF"))
+        return (*valid, check, *mesh_checks(product, data, "3mf", scale, tolerance))
 
 
 def _head(data: bytes) -> tuple[str, dict[str, str]]:
