@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+from collections.abc import Callable, Mapping, Sequence
+from functools import lru_cache, partial
 
 from camgeo.errors import GeometryError
 from camgeo.motion.laws import FAMILIES, law_of
@@ -11,6 +13,19 @@ from camgeo.motion.laws.characteristic import Characteristic, acceleration_jumps
 from camgeo.motion.laws.law import Law
 
 DEFAULT: Mapping[str, float] = {"acceleration": 1.0}
+
+STANDS_IN = {"velocity": "moment"}
+
+GENTLEST, SHARPEST = 0.5, 4.0
+"""Turns that are tried, as multiples of the gentlest one with equally large accelerations."""
+
+STEPS = 12
+"""Of the search between these, which leaves 1 % of the turn."""
+
+GAIN = 1e-3
+"""What a turn between those tried must gain, as a fraction of the cost, to be taken."""
+
+Rated = tuple[Law, Characteristic]
 
 SLACK = 1e-9
 """A boundary value is met if its error is at most this fraction of the largest one."""
@@ -42,7 +57,7 @@ def best_law(
     A law that overshoots is chosen only if all do. Of equal laws the first registered wins.
     """
     found = [law for name in FAMILIES for law in _candidates(name, task, known, parameters)]
-    rated = [(law, characteristic(law)) for law in found]
+    rated: Sequence[Rated] = [(law, characteristic(law)) for law in found]
     if not rated:
         raise GeometryError(
             f"no law for {task} with {_stated(parameters)} meets velocity and acceleration at"
@@ -51,20 +66,117 @@ def best_law(
             key=next(iter(parameters), "law"),
             value="auto",
         )
-    tame = [pair for pair in rated if not _overshoots(pair[1])]
-    rated = tame or rated
-    weights = optimise or DEFAULT
-    least = {name: min(size_of(values, name) for _, values in rated) for name in weights}
-
-    def cost(pair: tuple[Law, Characteristic]) -> float:
-        return sum(
-            weight * size_of(pair[1], name) / least[name] if least[name] else 0.0
-            for name, weight in weights.items()
-        )
-
-    costs = [cost(pair) for pair in rated]
+    rated = _tame(rated)
+    costs = _costs(rated, optimise or DEFAULT)
     nearly = min(costs) * (1.0 + TIE)
     return next(law for (law, _), found in zip(rated, costs, strict=True) if found <= nearly)
+
+
+@lru_cache(maxsize=64)
+def best_turn(
+    task: str, v0: float = 0.0, v1: float = 0.0, optimise: tuple[tuple[str, float], ...] = ()
+) -> tuple[float, float] | None:
+    """f'' at both ends of the law that is best by `optimise` with turns of any sharpness.
+
+    Parameters
+    ----------
+    task : one with a turn, and none with general motion.
+    v0, v1 : f' at the ends.
+    optimise : as of `best_law`, as pairs. The moment stands in for the velocity, which is least
+        with a turn as gentle or as sharp as it can be.
+
+    Returns
+    -------
+    None if no law of the task has accelerations that are equally large, for a size to begin with.
+    From turn to turn both are equal but for the sign.
+    """
+    if task[0] == "U" and task != "U-U":  # the mirror image
+        mirrored = best_turn(f"{task[-1]}-U", v1, v0, optimise)
+        return mirrored and (-mirrored[1], -mirrored[0])
+    known = {"v0": v0, "v1": v1}
+    own = [turn for name in FAMILIES if (turn := _own_turn(name, task, known))]
+    if not own:
+        return None
+    middle = min(own, key=abs)
+    weights: dict[str, float] = {}
+    for name, weight in optimise or DEFAULT.items():
+        weights[STANDS_IN.get(name, name)] = weights.get(STANDS_IN.get(name, name), 0.0) + weight
+
+    def rated(name: str, turn: float) -> Sequence[Rated]:
+        ends = {"a1": turn, **({"a0": -turn} if task == "U-U" else {})}
+        return [(law, characteristic(law)) for law in _candidates(name, task, known | ends, {})]
+
+    scale = _least([pair for name in FAMILIES for pair in rated(name, middle)], weights)
+
+    def cost(name: str, turn: float) -> float:
+        tame = [pair for pair in rated(name, turn) if not _overshoots(pair[1])]
+        return min(_costs(tame, weights, scale), default=math.inf)
+
+    best = min((cost(name, turn), turn) for name in FAMILIES for turn in own)
+    for name in FAMILIES:
+        if task in FAMILIES[name].tasks:
+            turn = _lowest(partial(cost, name), GENTLEST * middle, SHARPEST * middle)
+            found = cost(name, turn)
+            if found < best[0] * (1.0 - GAIN):
+                best = found, turn
+    turn = best[1]
+    return (-turn if task == "U-U" else 0.0), turn
+
+
+def _own_turn(name: str, task: str, known: Mapping[str, float]) -> float | None:
+    """f'' at the end of a law whose accelerations are equally large; None if it has no such."""
+    family = FAMILIES[name]
+    if family.parts is None or task not in family.tasks:
+        return None
+    given = {key: value for key, value in known.items() if key in family.parameters[task]}
+    try:
+        place = equal_accelerations(name, task, given)
+        return law_of(name, task, {**given, "inflection": place}).end.acceleration
+    except GeometryError:
+        return None
+
+
+def _lowest(cost: Callable[[float], float], low: float, high: float) -> float:
+    """Where `cost` is lowest between `low` and `high`, by sections in the golden ratio."""
+    ratio = 0.5 * (math.sqrt(5.0) - 1.0)
+    inner = [high - ratio * (high - low), low + ratio * (high - low)]
+    costs = [cost(place) for place in inner]
+    for _ in range(STEPS):
+        if costs[0] <= costs[1]:
+            high = inner[1]
+            inner, costs = [high - ratio * (high - low), inner[0]], [0.0, costs[0]]
+            costs[0] = cost(inner[0])
+        else:
+            low = inner[0]
+            inner, costs = [inner[1], low + ratio * (high - low)], [costs[1], 0.0]
+            costs[1] = cost(inner[1])
+    return inner[0] if costs[0] <= costs[1] else inner[1]
+
+
+def _tame(rated: Sequence[Rated]) -> Sequence[Rated]:
+    """The laws that do not overshoot; all if each does."""
+    return [pair for pair in rated if not _overshoots(pair[1])] or rated
+
+
+def _least(rated: Sequence[Rated], weights: Mapping[str, float]) -> dict[str, float]:
+    """The smallest value of each quantity that any law has."""
+    return {name: min(size_of(values, name) for _, values in rated) for name in weights}
+
+
+def _costs(
+    rated: Sequence[Rated],
+    weights: Mapping[str, float],
+    least: Mapping[str, float] | None = None,
+) -> list[float]:
+    """Weighted sum of the values of each law, as multiples of the `least` ones."""
+    least = least or _least(rated, weights)
+    return [
+        sum(
+            weight * size_of(values, name) / least[name] if least[name] else 0.0
+            for name, weight in weights.items()
+        )
+        for _, values in rated
+    ]
 
 
 def size_of(values: Characteristic, name: str) -> float:

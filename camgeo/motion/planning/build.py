@@ -58,20 +58,34 @@ def named_law(chain: Chain, number: int, task: str) -> Law:
     return law
 
 
-def middle_law(chain: Chain, number: int, task: str) -> Law:
-    """The law that a move names with its inflection point in the middle and its gentlest turns."""
+def own_law(chain: Chain, number: int, task: str) -> Law:
+    """The law that a move names, with the parameters that are not stated chosen for it alone.
+
+    The inflection point lies where the accelerations of both parts are equally large, or in the
+    middle if there is no such place; a sine-straight combination turns as gently as it can.
+    """
     link = chain.links[number]
     request = link.request
     assert isinstance(request, MoveRequest)
     family = find_family(request.law)
     taken = family.parameters[task]
     known = normalised(chain, number)
-    gentlest = {"inflection": 0.5, "curved": GENTLEST}
-    given = {key: value for key, value in gentlest.items() if key in taken}
+    given = {"curved": GENTLEST} if "curved" in taken else {}
     given |= {key: known[key] for key in ("v0", "v1") if key in taken and key in known}
     with keyed(link):
-        shaped = {key: value for key, value in request.parameters.items() if key in taken}
-        return law_of(family.name, task, given | shaped)
+        given |= {key: value for key, value in request.parameters.items() if key in taken}
+        if "inflection" in taken and "inflection" not in given:
+            given["inflection"] = _balanced(family.name, task, given)
+        return law_of(family.name, task, given)
+
+
+def _balanced(name: str, task: str, given: dict[str, float]) -> float:
+    from camgeo.motion.laws.balance import equal_accelerations  # few plans need it
+
+    try:
+        return equal_accelerations(name, task, given)
+    except GeometryError:
+        return 0.5
 
 
 def normalised(chain: Chain, number: int) -> dict[str, float]:

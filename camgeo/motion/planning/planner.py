@@ -38,8 +38,9 @@ def plan_motion(requests: Sequence[Request], unit: Unit = PLAIN) -> MotionPlan:
     """The motion plan of `requests`, in the order of the cam angle, over one turn.
 
     Joints get the values that are stated; a rest or a straight line on one side decides the rest.
-    A turn has the acceleration that a neighbouring law requires, where there is no choice. What is
-    still open is chosen as smooth as possible, see `camgeo.motion.planning.values`.
+    A turn has the acceleration that a neighbouring law requires, where there is no choice, or that
+    suits the laws on both sides, see `camgeo.motion.planning.turns`. What is still open is chosen
+    as smooth as possible, see `camgeo.motion.planning.values`.
 
     Segment k of the plan is that of request k, also where a rest has no length.
 

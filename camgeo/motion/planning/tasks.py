@@ -1,9 +1,11 @@
 """The motion task of each move: the class of every joint, from stated values and allowed laws.
 
 A law family is made for some pairs of classes; a joint's class must suit both sides. Classes that
-do not fit are eliminated until nothing changes; where several remain, the one that demands least of
-the designer is chosen: a rest if a law named there can only join at rests, else a turn where the
-motion turns back and a general motion where it continues.
+do not fit are eliminated until nothing changes. Where several remain, the one that demands least of
+the designer is chosen. Between segments that join to anything it is a turn where the motion turns
+back, and a general motion where it continues. Beside a named law it is a rest, except between two
+laws, one of which may be "auto", that turn back: without the drop of the acceleration to 0 that a
+rest has, both need less (VDI 2143-1, sections 6.3 and 6.6). The sharpest turns choose first.
 """
 
 from __future__ import annotations
@@ -58,10 +60,8 @@ def settle_tasks(chain: Chain) -> None:
         _from_values(chain, number)
     possible = [_tasks(link) for link in chain.links]
     _strike_out(chain, possible)
-    for number, joint in enumerate(chain.joints):
-        if len(joint.classes) > 1:
-            joint.classes = {_preferred(chain, number)}
-            _strike_out(chain, possible)
+    for number in sorted(range(len(chain.joints)), key=lambda each: -_turning(chain, each)):
+        _choose(chain, possible, number)
     for joint in chain.joints:
         if joint.end in ("R", "U"):
             joint.velocity = 0.0
@@ -80,6 +80,18 @@ def is_free(link: Link) -> bool:
     if isinstance(request, MoveRequest):
         return request.law in FREE
     return isinstance(request, PointsRequest)
+
+
+def is_auto(link: Link) -> bool:
+    """Whether the law of a segment is camgeo's to choose."""
+    return isinstance(link.request, MoveRequest) and link.request.law == AUTO
+
+
+def is_law(link: Link) -> bool:
+    """Whether a segment has a law that turns no sharper than it needs, unlike a polynomial of given
+    values, which goes beyond its ends to meet a turn, and unlike data.
+    """
+    return isinstance(link.request, MoveRequest) and (is_auto(link) or not is_free(link))
 
 
 def _tasks(link: Link) -> set[str] | None:
@@ -155,20 +167,49 @@ def _strike_out(chain: Chain, possible: list[set[str] | None]) -> None:
                     joint.classes, changed = fitting, True
 
 
-def _preferred(chain: Chain, number: int) -> End:
-    classes = chain.joints[number].classes
-    if all(is_free(link) for link in chain.around(number)):
-        for wanted in ("U", "B") if chain.turns(number) else ("B", "U"):
-            if wanted in classes:
-                return "U" if wanted == "U" else "B"
-    at_rest = not any(_jerks_from_rest(link) for link in chain.around(number))
-    order = ORDER if at_rest else ("U", *ORDER)
-    return next(each for each in order if each in classes)
+def _choose(chain: Chain, possible: list[set[str] | None], number: int) -> None:
+    """Give a joint the first of its classes, by preference, with which the others still have one.
+
+    A chain in which one class is settled has no ring left, so what fits together pair by pair fits
+    together as a whole.
+    """
+    joint = chain.joints[number]
+    order = [each for each in dict.fromkeys(_preferences(chain, number)) if each in joint.classes]
+    kept = [each.classes for each in chain.joints], [*possible]
+    for attempt, wanted in enumerate(order, start=1):
+        joint.classes = {wanted}
+        try:
+            return _strike_out(chain, possible)
+        except GeometryError:
+            if attempt == len(order):
+                raise
+        for each, classes in zip(chain.joints, kept[0], strict=True):
+            each.classes = classes
+        possible[:] = kept[1]
+    return None
+
+
+def _preferences(chain: Chain, number: int) -> tuple[End, ...]:
+    links = chain.around(number)
+    if all(is_free(link) for link in links):
+        return ("U", "B", "R", "G") if chain.turns(number) else ("B", "U", "R", "G")
+    turns = _turning(chain, number) or any(map(_jerks_from_rest, links))
+    return ("U", *ORDER) if turns else ORDER
 
 
 def _jerks_from_rest(link: Link) -> bool:
     """Whether a law is free of jerk steps from turn to turn, but not from rest to rest."""
     return isinstance(link.request, MoveRequest) and link.request.law == "simple-sine"
+
+
+def _turning(chain: Chain, number: int) -> float:
+    """How sharply a motion turns back at a joint between two laws: the change of its mean velocity
+    over the spans [mm or rad, per rad^2]; 0 at other joints.
+    """
+    before, after = chain.around(number)
+    if before.speed * after.speed >= 0.0 or not (is_law(before) and is_law(after)):
+        return 0.0
+    return abs(before.speed) / before.length + abs(after.speed) / after.length
 
 
 def _no_task(chain: Chain, number: int) -> GeometryError:

@@ -1,8 +1,10 @@
 """Velocity and acceleration of every joint: stated, fixed by a neighbour, or the smoothest.
 
-What nothing fixes is chosen to minimise the integral of s''' squared over the surrounding moves:
-the motion then has four continuous derivatives wherever its laws can follow. A turn is made at
-least as sharp as a neighbouring law requires; the rest is then chosen anew.
+Turns between laws are settled by these (`camgeo.motion.planning.turns`). What nothing fixes is
+chosen to minimise the integral of s''' squared over the surrounding moves: the motion then has four
+continuous derivatives wherever its laws can follow. A turn is made at least as sharp as a
+neighbouring law requires, and such that a law with one choice meets both its turns; the rest is
+then chosen anew.
 """
 
 from __future__ import annotations
@@ -13,11 +15,9 @@ import numpy as np
 
 from camgeo.errors import GeometryError
 from camgeo.motion.boundary import FREE, Boundary
-from camgeo.motion.laws import find_family
-from camgeo.motion.planning.build import middle_law, named_law
 from camgeo.motion.planning.chain import Chain, Joint, Link
-from camgeo.motion.planning.request import MoveRequest, PointsRequest
-from camgeo.motion.planning.tasks import is_free, task_of
+from camgeo.motion.planning.request import PointsRequest
+from camgeo.motion.planning.turns import settle_turns, tied_turns
 from camgeo.numeric.arrays import ascending
 
 
@@ -30,107 +30,26 @@ def settle_values(chain: Chain) -> None:
         If a law cannot have the values at one end that it needs at the other, or the motion
         continues at a joint where the laws on both sides turn back.
     """
-    asked_turns = {
-        number: asked
-        for number, joint in enumerate(chain.joints)
-        if joint.end == "U" and (asked := _asked_turn(chain, number)) is not None
-    }
-    _from_laws(chain)
+    gentlest = settle_turns(chain)
     known = [joint.values for joint in chain.joints]
-    turns = {
-        number: asked
-        for number, asked in asked_turns.items()
-        if chain.joints[number].acceleration is None
-    }
+    still_open = {number for number, values in enumerate(known) if values[1] is None}
     while True:
         _smoothest(chain)
-        sharper = {
-            number: asked
-            for number, asked in turns.items()
-            if (chain.joints[number].acceleration or 0.0) * asked < asked * asked
+        decided = {
+            number: turn
+            for number, turn in gentlest.items()
+            if (chain.joints[number].acceleration or 0.0) * turn < turn * turn
         }
-        if not sharper:
+        if not decided:
+            decided = tied_turns(chain, still_open)
+            still_open -= decided.keys()
+        if not decided:
             return
-        for number, asked in sharper.items():
-            known[number] = known[number][0], asked
-            del turns[number]
+        for number, turn in decided.items():
+            known[number] = known[number][0], turn
+            gentlest.pop(number, None)
         for joint, values in zip(chain.joints, known, strict=True):
             joint.velocity, joint.acceleration = values
-
-
-def decides_turn(link: Link, task: str) -> bool:
-    """Whether the parameters of a law fix the acceleration with which it turns."""
-    request = link.request
-    if not isinstance(request, MoveRequest) or link.straight or is_free(link):
-        return False
-    taken = find_family(request.law).parameters.get(task, ())
-    if not taken:
-        return "U" in task  # the double harmonic has only one acceleration
-    if "inflection" not in taken or "U" not in task:
-        return False
-    if "curved" in taken:
-        return {"inflection", "curved"} <= request.shaped_by
-    # A law with one parameter can meet one of two turns.
-    return "inflection" in request.shaped_by or task == "U-U"
-
-
-def _from_laws(chain: Chain) -> None:
-    """Turns whose acceleration a neighbouring law fixes; fully stated laws come first."""
-    deciding = [
-        number
-        for number, link in enumerate(chain.links)
-        if link.stroke and decides_turn(link, task_of(chain, number))
-    ]
-    # A law meets any turn that is sharper than its own, so the sharper one decides.
-    deciding.sort(
-        key=lambda number: (not _stated_in_full(chain.links[number]), -_sharpness(chain, number))
-    )
-    for number in deciding:
-        link, task = chain.links[number], task_of(chain, number)
-        start, end = chain.before(number), chain.after(number)
-        if start.velocity is None or end.velocity is None:
-            continue  # polynomials meet general motions and decide nothing
-        law = named_law(chain, number, task)
-        for joint, boundary, letter in ((start, law.start, task[0]), (end, law.end, task[-1])):
-            if letter == "U" and joint.acceleration is None:
-                joint.acceleration = boundary.acceleration * link.stroke / link.length**2
-
-
-def _asked_turn(chain: Chain, number: int) -> float | None:
-    """The gentlest acceleration of a turn that suits the neighbouring laws; None if any does.
-
-    A law must not turn more gently than with its inflection point in the middle.
-    """
-    found = []
-    before, after = chain.around(number)
-    for link, at_end in ((before, True), (after, False)):
-        if not isinstance(link.request, MoveRequest) or link.straight or is_free(link):
-            continue
-        if link.stroke:
-            place = chain.links.index(link)
-            law = middle_law(chain, place, task_of(chain, place))
-            boundary = law.end if at_end else law.start
-            found.append(boundary.acceleration * link.stroke / link.length**2)
-    if len(found) == 2 and found[0] * found[1] < 0.0:
-        raise GeometryError(
-            "would stand still for a moment at its end and then go on the same way: this law slows"
-            " down to there, the next one speeds up from there, and their accelerations have"
-            " opposite signs; polynomial-5 and auto pass with a velocity",
-            key=f"{before.key}.law",
-        )
-    return max(found, key=abs, default=None)
-
-
-def _sharpness(chain: Chain, number: int) -> float:
-    """The largest acceleration at its ends that a law has with its inflection in the middle."""
-    link = chain.links[number]
-    law = middle_law(chain, number, task_of(chain, number))
-    size = max(abs(law.start.acceleration), abs(law.end.acceleration))
-    return size * abs(link.stroke) / link.length**2
-
-
-def _stated_in_full(link: Link) -> bool:
-    return isinstance(link.request, MoveRequest) and bool(link.request.shaped_by)
 
 
 def _smoothest(chain: Chain) -> None:

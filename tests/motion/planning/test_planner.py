@@ -378,7 +378,7 @@ def test_through_points_without_rest_over_unequal_spans(size: float) -> None:
     found = joints(plan)
     assert all(joint.order >= 2 for joint in found)
     with pytest.raises(GeometryError, match="1e\\+06") as caught:
-        planned(move("0.0001", size), move("359.9999", 0.0))
+        planned(move("0.0001", size, "polynomial-5"), move("359.9999", 0.0))
     assert caught.value.key == "motion[1].span"
 
 

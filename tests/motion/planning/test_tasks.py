@@ -44,6 +44,36 @@ from tests.motion.planning.wishes import laws, move, planned, rest, table, throu
         ([rest(60), move(120, 20.0, "harmonic-combination"), move(180, 0.0)], ["R-U", "U-R"]),
         ([rest(60), move(120, 20.0, "double-harmonic"), move(180, 0.0)], ["R-U", "U-R"]),
         ([move(120, 20.0, "simple-sine"), move(240, 0.0)], ["U-U", "U-U"]),
+        # a turn between laws, where they have one; the sharpest first
+        (
+            [move(60, 20.0, "modified-trapezoid"), move(60, 0.0, "modified-trapezoid"), rest(240)],
+            ["R-U", "U-R"],
+        ),
+        ([move(60, 20.0, "modified-trapezoid"), move(60, 0.0), rest(240)], ["R-U", "U-R"]),
+        (
+            [
+                move(60, 20.0, "modified-trapezoid"),
+                move(60, 0.0, "modified-trapezoid"),
+                move(120, 20.0, "modified-trapezoid"),
+                move(120, 0.0, "modified-trapezoid"),
+            ],
+            ["R-U", "U-R", "R-U", "U-R"],
+        ),
+        # but not beside a polynomial, nor where the motion continues
+        (
+            [move(60, 20.0, "modified-trapezoid"), move(60, 0.0, "polynomial-5"), rest(240)],
+            ["R-R", "R-R"],
+        ),
+        (
+            [move(60, 20.0, "modified-trapezoid"), move(60, 30.0, "modified-trapezoid"), rest(60),
+             move(120, 0.0), rest(60)],
+            ["R-R", "R-R", "R-R"],
+        ),
+        # nor where nothing else would fit
+        (
+            [move(200, 20.0, "modified-trapezoid"), move(160, 0.0, "simple-sine")],
+            ["R-R", "R-R"],
+        ),
         ([rest(60), move(120, 20.0, "simple-sine"), move(180, 0.0)], ["R-R", "R-R"]),
         # stated
         ([rest(60), move(120, 20.0, velocity=3.0), move(180, 0.0)], ["R-B", "B-R"]),
@@ -267,7 +297,12 @@ FAULTS: list[tuple[list[Request], str, str, str]] = [
     ([move(60, 10.0), move(300, 1.0)], "motion", "", "starts at 0 and ends at 1 mm, it does"),
     ([move(60, 10.0), move(299, 0.0)], "motion", "359", "add up to 359 degrees"),
     ([move(0, 10.0), move(360, 0.0)], "motion[1].span", "0", "cannot change the position"),
-    ([move("0.0001", 1.0), move("359.9999", 0.0)], "motion[1].span", "0.0001", "is too short"),
+    (
+        [move("0.0001", 1.0, "polynomial-5"), move("359.9999", 0.0)],
+        "motion[1].span",
+        "0.0001",
+        "is too short",
+    ),
     (
         [through("0.001", 0.0, (0.2, 1.0), (0.4, 0.0)), move("359.999", 0.0)],
         "motion[1].points",

@@ -1,0 +1,165 @@
+"""Turns that the laws beside them decide: how sharp they are, and that no jump is left."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from camgeo.errors import GeometryError
+from camgeo.motion.joints import joints
+from camgeo.motion.laws.characteristic import characteristic
+from camgeo.motion.plan import MotionPlan
+from camgeo.motion.planning.auto import best_law, best_turn, size_of
+from camgeo.motion.planning.request import CRITERIA, Request
+from camgeo.motion.time_course import ConstantSpeed, plan_extremes
+from tests.motion.planning.wishes import laws, move, move_of, planned, rest, through
+from tests.strategies import attack
+
+
+def largest(plan: MotionPlan) -> float:
+    """The largest acceleration."""
+    return plan_extremes(plan, ConstantSpeed(1.0), "mm").acceleration.magnitude
+
+
+def test_two_trapezoids_that_turn_back_need_no_rest_between_them() -> None:
+    """A rise that states its inflection point decides the turn; the return meets it.
+
+    From rest to rest they would have 4.888 S/Phi^2 (VDI 2143-1, Tafel 2), at a turn 4.460.
+    """
+    requests: list[Request] = [
+        move(120, 10.0, "modified-trapezoid", balance="acceleration"),
+        move(120, 0.0, "modified-trapezoid"),
+        rest(120),
+    ]
+    plan = planned(*requests)
+    assert laws(plan)[:2] == ["modified-trapezoid R-U", "modified-trapezoid U-R"]
+    assert largest(plan) == pytest.approx(4.4603 * 10.0 / math.radians(120.0) ** 2, rel=1e-4)
+    assert joints(plan)[1].order >= 2
+
+
+@pytest.mark.parametrize("law", ["auto", "modified-trapezoid", "harmonic-combination"])
+@pytest.mark.parametrize("back", [120, 60])
+def test_a_turn_between_laws_suits_the_one_that_turns_more_sharply(law: str, back: int) -> None:
+    """Stated otherwise the largest acceleration is larger, on either side."""
+
+    def asked(acceleration: float | None = None) -> list[Request]:
+        rise = move(120, 10.0, law, acceleration=acceleration)
+        return [rest(240 - back), rise, move(back, 0.0, law)]
+
+    plan = planned(*asked())
+    turn = float(joints(plan)[2].left[2])
+    least = largest(plan)
+    assert least == pytest.approx(abs(turn), rel=1e-12)
+    for factor in (0.8, 0.95, 0.99, 1.01, 1.05, 1.25):
+        try:
+            other = planned(*asked(factor * turn))
+        except GeometryError:
+            continue  # too gentle for any place of the inflection point
+        assert largest(other) > least
+
+
+@attack
+@given(
+    there=st.integers(20, 150),
+    back=st.integers(20, 150),
+    rests=st.booleans(),
+    factor=st.floats(0.3, 3.0),
+)
+def test_auto_with_a_turn_has_nearly_the_least_acceleration(
+    there: int, back: int, rests: bool, factor: float
+) -> None:
+    """Whatever else the turn is stated to be; behind it lies a rest or another turn."""
+    end = 360 - there - back
+    ends = [rest(end)] if rests else [move(end / 2, 6.0), move(end / 2, 0.0)]
+    plan = planned(move(there, 10.0), move(back, 0.0), *ends)
+    turn = float(joints(plan)[1].left[2])
+    stated = planned(move(there, 10.0, acceleration=factor * turn), move(back, 0.0), *ends)
+    assert largest(plan) <= 1.01 * largest(stated)
+
+
+@pytest.mark.parametrize("criterion", CRITERIA)
+@pytest.mark.parametrize("task", ["R-U", "U-U", "G-U"])
+def test_the_best_turn_is_the_best(task: str, criterion: str) -> None:
+    """Of all turns from half to four times as sharp as it; of the velocity, within a fifth."""
+    known = {"v0": 0.5} if task == "G-U" else {}
+    v0 = known.get("v0", 0.0)
+    found = best_turn(task, v0, 0.0, ((criterion, 1.0),))
+    assert found is not None
+    sizes = []
+    for factor in (1.0, *np.geomspace(0.5, 4.0, 24)):
+        ends = {"a1": factor * found[1]} | ({"a0": factor * found[0]} if task == "U-U" else {})
+        law = best_law(task, known | ends, {}, {criterion: 1.0})
+        sizes.append(size_of(characteristic(law), criterion))
+    assert sizes[0] <= (1.2 if criterion == "velocity" else 1.001) * min(sizes)
+    mirrored = best_turn(task[::-1], 0.0, v0, ((criterion, 1.0),))
+    assert mirrored == (-found[1], -found[0])
+
+
+def test_the_jerk_takes_the_smoothest_turn() -> None:
+    """Two quintics with the least integral of s''' squared: f'' = -20/3 at the turn."""
+    asked = move(120, 10.0, optimise={"jerk": 1.0}), move(120, 0.0, optimise={"jerk": 1.0})
+    plan = planned(rest(120), *asked)
+    wanted = -20.0 / 3.0 * 10.0 / math.radians(120.0) ** 2
+    assert joints(plan)[2].left[2] == pytest.approx(wanted, rel=1e-12)
+
+
+@attack
+@given(
+    share=st.floats(0.05, 0.95),
+    name=st.sampled_from(["inflection", "curved"]),
+    spans=st.tuples(st.integers(30, 150), st.integers(30, 150)),
+    middle=st.floats(-20.0, 8.0),
+)
+def test_a_law_with_one_choice_leaves_no_jump_beside_what_joins_to_any(
+    share: float, name: str, spans: tuple[int, int], middle: float
+) -> None:
+    """One turn of a sine-straight combination follows from the other then."""
+    plan = planned(
+        move(spans[0], 18.0, "polynomial-5"),
+        move(spans[1], 8.0, "sine-straight", parameters={name: share}),
+        through(360 - spans[0] - spans[1], 0.0, (0.5, middle)),
+    )
+    assert move_of(plan, 1).law.parameters[name] == pytest.approx(share, rel=1e-9)
+    assert min(joint.order for joint in joints(plan)) >= 2
+
+
+@pytest.mark.parametrize("inflection", [0.24, 0.76])
+def test_no_jump_beside_a_quintic(inflection: float) -> None:
+    """The law is as gentle as it can be: sharper turns are only asked for by what joins to any."""
+    plan = planned(
+        move(60, 18.0, "polynomial-5"),
+        move(220, 16.0, "polynomial-5"),
+        move(80, 0.0, "sine-straight", parameters={"inflection": inflection}),
+    )
+    assert min(joint.order for joint in joints(plan)) >= 2
+    assert move_of(plan, 2).law.parameters["curved"] == pytest.approx(1.0, abs=1e-6)
+
+
+def test_a_law_with_one_choice_turns_as_sharply_as_its_neighbour_needs() -> None:
+    """Where that cannot turn so gently as the law with one choice."""
+    plan = planned(
+        move(180, 18.0, "polynomial-5"),
+        move(140, -10.0, "sine-straight", parameters={"inflection": 0.5}),
+        move(40, 0.0, "sine-straight"),
+    )
+    assert min(joint.order for joint in joints(plan)) >= 2
+    gentlest = 0.25 * math.pi**2 / 0.5 * 10.0 / math.radians(40.0) ** 2
+    assert joints(plan)[2].left[2] >= gentlest * (1.0 - 1e-6)
+
+
+@pytest.mark.parametrize("at_end", [False, True])
+def test_a_stated_turn_decides_the_other_one(at_end: bool) -> None:
+    """At either end of a law with one choice; what joins to any meets what follows."""
+    first, last = (None, 150.0) if at_end else (-150.0, None)
+    plan = planned(
+        move(150, 18.0, "polynomial-5", acceleration=first),
+        move(100, 8.0, "sine-straight", parameters={"inflection": 0.4}, acceleration=last),
+        move(110, 0.0, "polynomial-5"),
+    )
+    found = joints(plan)
+    assert min(joint.order for joint in found) >= 2
+    assert found[1 + at_end].left[2] == pytest.approx(last if at_end else first, rel=1e-12)
