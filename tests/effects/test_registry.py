@@ -8,6 +8,7 @@ import pkgutil
 import subprocess
 import sys
 from collections.abc import Callable
+from functools import cache
 from types import MappingProxyType
 from typing import Any
 
@@ -116,20 +117,39 @@ def test_none_needs_itself(name: str) -> None:
     assert name not in Effects(subject, everything, Ledger()).inputs(name)
 
 
+DECLARED = """
+import json, sys
+from camgeo.effects.registry import find_effect
+before, imported = set(sys.modules), {}
+for name in sys.argv[1:]:
+    find_effect(name)
+    imported[name] = sorted(set(sys.modules) - before)
+    for module in imported[name]:
+        if module.startswith("camgeo."):
+            del sys.modules[module]
+print(json.dumps(imported))
+"""
+"""Tells what finding each effect imports: what camgeo has imported for one is forgotten before the
+next, as in an interpreter of its own."""
+
+
+@cache
+def imported() -> dict[str, list[str]]:
+    """By effect, what a fresh interpreter has imported to find it."""
+    done = subprocess.run(
+        [sys.executable, "-c", DECLARED, *EFFECTS], capture_output=True, text=True, check=True
+    )
+    found: dict[str, list[str]] = json.loads(done.stdout)
+    return found
+
+
 @pytest.mark.parametrize("name", EFFECTS)
 def test_each_is_declared_alone(name: str) -> None:
     """Finding one imports none of the others, and nothing that computes it."""
-    code = (
-        "import json, sys\nfrom camgeo.effects.registry import find_effect\n"
-        "before = set(sys.modules)\nfind_effect(sys.argv[1])\n"
-        "print(json.dumps(sorted(set(sys.modules) - before)))"
-    )
-    out = subprocess.run(
-        [sys.executable, "-c", code, name], capture_output=True, text=True, check=True
-    ).stdout
     package = f"camgeo.effects.{name.replace('-', '_')}"
     own = {package, f"{package}.table"}
-    found = {module for module in json.loads(out) if module.startswith("camgeo.effects.")}
+    found = {module for module in imported()[name] if module.startswith("camgeo.effects.")}
+    assert package in found
     assert found <= own | {"camgeo.effects.materials", "camgeo.effects.results"}
 
 
