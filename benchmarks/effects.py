@@ -83,12 +83,12 @@ def measure(path: Path, rounds: int) -> None:
     print(f"\n{path.stem}: the motion alone, {POINTS} cam angles, takes {1e3 * motion:.3f} ms")
     print(f"{'':<20}{'once [ms]':>12}{'ratio':>10}{'a point, ratio':>17}")
     for name in design.scene.effects:
-        once = least(lambda name=name: alone(design.effects, name), rounds)  # type: ignore[misc]
+        once = least(lambda name=name: alone(design.effects, name), rounds)  # type: ignore[misc]  # mypy infers no type for a lambda with defaults
         columns: tuple[Column, ...] = design.effect(name).columns
         each = "-"
         if columns:
             others = shifted(phi)
-            took = least(lambda c=columns, o=others: drawn(c, next(o)), rounds)  # type: ignore[misc]
+            took = least(lambda c=columns, o=others: drawn(c, next(o)), rounds)  # type: ignore[misc]  # mypy infers no type for a lambda with defaults
             each = f"{took / motion / len(columns):.1f}"
         print(f"{name:<20}{1e3 * once:>12.3f}{once / motion:>10.1f}{each:>17}")
 

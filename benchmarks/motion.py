@@ -73,7 +73,7 @@ def main() -> None:
         out = np.empty_like(phi)
         asked = (phi + start for start in itertools.count(0.0, 1e-9))  # none twice
         work: dict[str, Callable[[], object]] = {
-            "jet": lambda asked=asked: plan.jet(next(asked)),  # type: ignore[misc]
+            "jet": lambda asked=asked: plan.jet(next(asked)),  # type: ignore[misc]  # mypy infers no type for a lambda with defaults
             "sin": functools.partial(np.sin, phi, out=out),
             "cos": functools.partial(np.cos, phi, out=out),
         }

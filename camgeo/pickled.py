@@ -26,7 +26,7 @@ class Pickled:
     __slots__ = ()
 
     def __reduce__(self) -> tuple[Any, ...]:
-        names = (each.name for each in fields(self) if each.init)  # type: ignore[arg-type]
+        names = (each.name for each in fields(self) if each.init)  # type: ignore[arg-type]  # its subclasses are dataclasses
         return pickled(type(self), **{name: _plain(getattr(self, name)) for name in names})
 
 

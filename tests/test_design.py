@@ -6,6 +6,7 @@ import json
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -33,9 +34,9 @@ def test_nothing_is_computed_on_loading(design: Design, monkeypatch: pytest.Monk
     calls: list[str] = []
     jet = pitch_curve.PitchCurve.relative_jet
 
-    def counted(*arguments: object, **options: object) -> object:
+    def counted(*arguments: Any, **options: Any) -> Any:
         calls.append("relative_jet")
-        return jet(*arguments, **options)  # type: ignore[arg-type]
+        return jet(*arguments, **options)
 
     monkeypatch.setattr(pitch_curve.PitchCurve, "relative_jet", counted)
     camgeo.load(SETZHUB)

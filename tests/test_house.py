@@ -1,8 +1,9 @@
-"""How large the rooms may grow: lines of a module, reach and members of the design."""
+"""Limits of size: lines of a module, imports and members of the design; reasons of exceptions."""
 
 from __future__ import annotations
 
 import ast
+import re
 from pathlib import Path
 
 import pytest
@@ -21,8 +22,13 @@ MOST_MEMBERS = 20
 
 
 MOST_METHODS = 15
-"""Public methods and properties of a class outside of `mechanism`, whose followers answer for all
-rooms; the design has a limit of its own. Fields do not count: data may have many."""
+"""Public methods and properties of a class outside `mechanism`, whose followers answer all stages;
+the design has its own limit. Fields do not count: data may have many."""
+
+WITHOUT_REASON = re.compile(
+    r"# (?:type: ignore(?!\[[a-z, -]+\]  ?# \w)|noqa(?!: [A-Z0-9, ]+  ?(?:[#-] )?[a-z]))"
+)
+"""A comment that suppresses a warning without a reason after it."""
 
 
 def modules() -> list[Path]:
@@ -48,6 +54,17 @@ def public_members(source: str, name: str) -> list[str]:
             case ast.FunctionDef(name=member) | ast.AnnAssign(target=ast.Name(id=member)):
                 names.append(member)
     return [each for each in names if not each.startswith("_")]
+
+
+def test_suppressed_warnings_have_reasons() -> None:
+    found = [
+        f"{path.relative_to(ROOT)}: {line.strip()}"
+        for folder in ("camgeo", "export", "tests", "docs", "benchmarks")
+        for path in sorted((ROOT / folder).rglob("*.py"))
+        for line in path.read_text("utf-8").splitlines()
+        if WITHOUT_REASON.search(line)
+    ]
+    assert found == []
 
 
 def test_no_module_is_too_long() -> None:

@@ -348,7 +348,7 @@ def test_own_seconds_add_up(tree: Tree) -> None:
         def make(tree: Tree) -> None:
             clock.now += tree[0]
             for inner in tree[1]:
-                ledger.run(next(names), lambda inner=inner: make(inner))  # type: ignore[misc]
+                ledger.run(next(names), lambda inner=inner: make(inner))  # type: ignore[misc]  # mypy infers no type for a lambda with defaults
 
         ledger.run("root", lambda: make(tree))
     root = ledger.runs[-1]

@@ -56,7 +56,7 @@ def _change(node: Any, before: Tree, after: Tree) -> None:
         if key not in before:
             if isinstance(node, Table) and before.get(last) is not None:
                 # tomlkit puts new keys at the end of a table only
-                node.value._insert_after(last, key, _item(value))  # noqa: SLF001
+                node.value._insert_after(last, key, _item(value))  # noqa: SLF001  # tomlkit has no public function for it
             else:
                 node[key] = _item(value)
         else:

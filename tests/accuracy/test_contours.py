@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -69,12 +70,12 @@ def test_counts_files_and_proofs(form: str, effort: str, tolerance: float) -> No
 
 
 @pytest.mark.parametrize("effort", EFFORTS)
-def test_pieces_are_those_of_the_boundary(effort: str) -> None:
+def test_pieces_are_those_of_the_boundary(effort: Any) -> None:
     (flank,) = flanks_of(load("setzhub"))
     for tolerance in TOLERANCES:
         row = found("arcs", effort, tolerance)
         assert row.count is not None
-        assert row.count.pieces == len(flank.arcs(tolerance, effort).contour)  # type: ignore[arg-type]
+        assert row.count.pieces == len(flank.arcs(tolerance, effort).contour)
         assert row.count.forced == forced_pieces(flank.path)
 
 
@@ -114,10 +115,10 @@ def test_no_ripple_unless_it_is_asked_for(monkeypatch: pytest.MonkeyPatch) -> No
 def test_what_cannot_be_reached_is_reported_in_the_row(monkeypatch: pytest.MonkeyPatch) -> None:
     original = measuring.fitted
 
-    def some(flank: object, form: str, effort: str, tolerance: float) -> object:
+    def some(flank: Any, form: Any, effort: Any, tolerance: float) -> Any:
         if tolerance < 1e-2:
             raise ToleranceError("the arithmetic is too coarse", tolerance, 1.0)
-        return original(flank, form, effort, tolerance)  # type: ignore[arg-type]
+        return original(flank, form, effort, tolerance)
 
     monkeypatch.setattr(measuring, "EFFORTS", ("fast",))
     monkeypatch.setattr(measuring, "FORMS", ("arcs",))

@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 
 import camgeo
 from camgeo.accuracy.tables import interpolation_error, table_rows
+from camgeo.motion.laws.law import Law
 from camgeo.motion.plan import Dwell, MotionPlan, Move
 from camgeo.numeric.arrays import FloatArray
 from camgeo.product.value_table import cam_angles
@@ -43,11 +44,11 @@ def measured(plan: MotionPlan, phi: FloatArray) -> float:
 
 @given(laws(), laws(), st.sampled_from([Decimal("7.5"), Decimal(2), Decimal("0.3")]))
 @some
-def test_the_bound_holds_for_any_plan(rise: object, fall: object, step: Decimal) -> None:
+def test_the_bound_holds_for_any_plan(rise: Law, fall: Law, step: Decimal) -> None:
     segments = (
-        Move(Decimal(100), 20.0, rise),  # type: ignore[arg-type]
+        Move(Decimal(100), 20.0, rise),
         Dwell(Decimal("81.3")),
-        Move(Decimal(120), 0.0, fall),  # type: ignore[arg-type]
+        Move(Decimal(120), 0.0, fall),
         Dwell(Decimal("58.7")),
     )
     plan = MotionPlan(segments)

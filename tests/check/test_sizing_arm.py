@@ -31,7 +31,7 @@ def test_for_the_angle_alone_all_scales_and_the_shortest_arm_is_best() -> None:
 @pytest.mark.parametrize("contact", ["inner", "outer"])
 def test_no_other_arm_of_the_range_is_better(contact: str) -> None:
     task, angle, ratio = required("schnitt")
-    task = task_of(replace(task.cam, contact=contact))  # type: ignore[arg-type]
+    task = task_of(replace(task.cam, contact=contact))  # type: ignore[arg-type]  # the name of a contact
     low, high = 12.0, 60.0
     sized, sizing = size_with_arm(task, angle, ratio, low, high)
     assert isinstance(sized.follower, OscillatingRoller)

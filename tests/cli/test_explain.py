@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -26,17 +27,17 @@ def sprung(tmp_path: Path) -> str:
     return str(path)
 
 
-def explained(capsys: Capture, *arguments: str) -> dict[str, object]:
+def explained(capsys: Capture, *arguments: str) -> dict[str, Any]:
     assert main(["explain", *arguments, "--json"]) == 0
-    found: dict[str, object] = json.loads(capsys.readouterr().out)
+    found: dict[str, Any] = json.loads(capsys.readouterr().out)
     return found
 
 
 @pytest.mark.parametrize("goal", GOALS)
 def test_what_ran_and_what_did_not_are_all_there_is(goal: str, capsys: Capture) -> None:
     document = explained(capsys, str(SCENE), goal)
-    ran = {each["name"] for each in document["computed"]}  # type: ignore[attr-defined]
-    alone = set(document["left_alone"])  # type: ignore[call-overload]
+    ran = {each["name"] for each in document["computed"]}
+    alone = set(document["left_alone"])
     everything = set(quantities())
     assert {f"effects.{name}" for name in EFFECTS} <= everything
     assert not ran & alone
@@ -47,12 +48,12 @@ def test_what_ran_and_what_did_not_are_all_there_is(goal: str, capsys: Capture) 
 def test_a_scene_without_effects_leaves_all_of_them_alone(capsys: Capture) -> None:
     document = explained(capsys, str(SCENE), "build")
     alone = document["left_alone"]
-    assert {f"effects.{name}" for name in EFFECTS} <= set(alone)  # type: ignore[call-overload]
+    assert {f"effects.{name}" for name in EFFECTS} <= set(alone)
 
 
 def test_effects_stand_below_what_asked_for_them(sprung: str, capsys: Capture) -> None:
     document = explained(capsys, sprung)
-    runs = {each["name"]: each for each in document["computed"]}  # type: ignore[attr-defined]
+    runs = {each["name"]: each for each in document["computed"]}
     assert runs["effects.drive-torque"]["asked_by"] == ""
     assert runs["effects.contact-force"]["asked_by"] == "effects.drive-torque"
     assert document["reasons"] == {
@@ -66,8 +67,8 @@ def test_effects_stand_below_what_asked_for_them(sprung: str, capsys: Capture) -
 def test_own_times_add_up(sprung: str, capsys: Capture) -> None:
     document = explained(capsys, sprung)
     runs = document["computed"]
-    for each in runs:  # type: ignore[attr-defined]
-        inner = sum(r["seconds"] for r in runs if r["asked_by"] == each["name"])  # type: ignore[attr-defined]
+    for each in runs:
+        inner = sum(r["seconds"] for r in runs if r["asked_by"] == each["name"])
         # Sums of doubles of at most a second.
         assert each["seconds"] == pytest.approx(each["own_seconds"] + inner, abs=1e-12)
 
@@ -89,4 +90,4 @@ def test_nothing_is_written(
     monkeypatch.chdir(tmp_path)
     document = explained(capsys, str(SCENE), "build")
     assert list(tmp_path.iterdir()) == []
-    assert any(each["name"] == "dxf file" for each in document["computed"])  # type: ignore[attr-defined]
+    assert any(each["name"] == "dxf file" for each in document["computed"])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import pytest
@@ -119,9 +120,9 @@ def test_breaks_are_joints_and_a_dwell_is_one_arc_about_the_axis(curve: WorkingC
     ],
 )
 def test_dwells_across_the_start_and_beyond_half_a_turn(
-    plan: tuple[object, ...], spans: list[float], rotation: int
+    plan: tuple[Any, ...], spans: list[float], rotation: int
 ) -> None:
-    contour = fit_arcs(whole(cam(*plan, rotation=rotation)), 0.001).contour  # type: ignore[arg-type]
+    contour = fit_arcs(whole(cam(*plan, rotation=rotation)), 0.001).contour
     about_axis = (contour.sweeps != 0.0) & (contour.centres == 0.0)
     found = sorted(np.degrees(contour.sweeps[about_axis]).tolist())
     assert found == pytest.approx(sorted(spans), rel=1e-15)

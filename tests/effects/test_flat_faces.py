@@ -147,7 +147,7 @@ def by_newton(made: Design, table: dict[str, float], phi: FloatArray) -> FloatAr
     keeps are it.
     """
     at, speed = Bodies(made, phi), omega(made)
-    timed = in_time(made.cam.drive.motion.jet(phi), made.drive.time_course, phi)  # type: ignore[arg-type]
+    timed = in_time(made.cam.drive.motion.jet(phi), made.drive.time_course, phi)  # type: ignore[arg-type]  # the scene has a speed
     moving = np.sign(np.where(np.abs(timed[1]) > 1e-9 * speed, timed[1], 0.0))
     push, place, follower = at.push(table["face"]), at.contact(phi), made.cam.follower
     if isinstance(follower, OscillatingFlat):

@@ -266,7 +266,7 @@ def test_without_mass_nothing_vibrates_or_lifts_off() -> None:
     assert assert_well_formed(design) == {}
     phi = np.linspace(0.0, TURN, 500)
     assert not np.any(design.effect("vibration").output.deflection(phi, "right"))
-    acceleration = in_time(design.cam.drive.plan.jet(phi), design.drive.time_course, phi)[2]  # type: ignore[arg-type]
+    acceleration = in_time(design.cam.drive.plan.jet(phi), design.drive.time_course, phi)[2]  # type: ignore[arg-type]  # the scene has a speed
     output = design.effect("vibration").output
     assert np.array_equal(output.acceleration(phi, "right"), acceleration)
     assert not np.any(design.effect("inertia").force.coefficients(phi, "right"))
@@ -286,7 +286,7 @@ def test_an_all_but_rigid_train(stiffness: str) -> None:
     design = made(text, every(text, vibration=f"stiffness = {stiffness}\ndamping = 0.02"))
     assert assert_well_formed(design) == {}
     phi = np.linspace(0.0, TURN, 500)
-    timed = in_time(design.cam.drive.plan.jet(phi), design.drive.time_course, phi)  # type: ignore[arg-type]
+    timed = in_time(design.cam.drive.plan.jet(phi), design.drive.time_course, phi)  # type: ignore[arg-type]  # the scene has a speed
     most = float(np.max(np.abs(timed[2]))) * 1.1e-3 / float(stiffness)
     bent = design.effect("vibration").output.deflection(phi, "right")
     # 1.1e-3 t; jerks come next, with 1 / w^3, and at w > 9e5 rad/s are a thousandth at most.
@@ -605,7 +605,7 @@ def test_a_speed_curve_is_the_same_as_its_time_course() -> None:
     design = made(scene_text("points"), effects)
     assert assert_well_formed(design) == {}
     phi = np.linspace(0.0, TURN, 777) + 1e-3
-    timed = in_time(design.cam.drive.motion.jet(phi), design.drive.time_course, phi)  # type: ignore[arg-type]
+    timed = in_time(design.cam.drive.motion.jet(phi), design.drive.time_course, phi)  # type: ignore[arg-type]  # the scene has a speed
     force = 2e-3 * timed[2] / design.cam.disc.pitch_curve.leverage(phi)
     reported = design.effect("contact-force").normal(phi, "right")
     assert np.max(np.abs(reported - force)) <= ROUNDING * np.max(np.abs(force))

@@ -201,7 +201,7 @@ def test_the_speed_is_that_at_which_the_force_first_touches_its_margin(
     contact = subject.effect("contact-force")
     margin = subject.effects.tables["lift-off"].get("margin", 0.0)
     here = np.array([found.speed.place])
-    omega, alpha = subject.drive.time_course.rates(here)[:2]  # type: ignore[union-attr]
+    omega, alpha = subject.drive.time_course.rates(here)[:2]  # type: ignore[union-attr]  # the scene has a speed
     forces = [
         contact.normal_at(here, side, np.stack((factor * omega, factor * factor * alpha)))[0]
         for side in ("left", "right")

@@ -80,5 +80,5 @@ def test_a_scene_can_name_it(name: str) -> None:
 
 def test_the_table_cannot_be_changed() -> None:
     with pytest.raises(TypeError):
-        MATERIALS["wood"] = find_material("steel")  # type: ignore[index]
+        MATERIALS["wood"] = find_material("steel")  # type: ignore[index]  # it must be read-only
     assert math.isclose(find_material("steel").density, 7.85e-9, rel_tol=1e-15)

@@ -392,7 +392,7 @@ def test_newton_in_a_guide_with_friction(rev: float, side: int) -> None:
     follower = made.cam.follower
     assert isinstance(follower, TranslatingRoller)
     out = np.exp(1j * follower.guide_angle)
-    timed = in_time(made.cam.drive.motion.jet(phi), made.drive.time_course, phi)  # type: ignore[arg-type]
+    timed = in_time(made.cam.drive.motion.jet(phi), made.drive.time_course, phi)  # type: ignore[arg-type]  # the scene has a speed
     own = 1.3e-3 * along(out, pull(-60.0)) - 25.0 - (160.0 + 2.5 * timed[0])
     needed = 1.3e-3 * timed[2] - own
     unit = Bodies(made.cam, phi, np.ones(len(phi)))
@@ -667,12 +667,12 @@ def test_a_stiff_train_bends_by_its_own_acceleration() -> None:
         made = design("plate_translating", vibration)
         w = frequency * TURN
         phi = np.linspace(0.0, TURN, 5000, endpoint=False)
-        timed = in_time(made.cam.drive.plan.jet(phi), made.drive.time_course, phi)  # type: ignore[arg-type]
+        timed = in_time(made.cam.drive.plan.jet(phi), made.drive.time_course, phi)  # type: ignore[arg-type]  # the scene has a speed
         found = made.effect("vibration").output.deflection(phi, "right")
         left = np.max(np.abs(found + timed[2] / w**2))
         edges = made.drive.smooth_angles
         both = [
-            in_time(made.cam.drive.plan.jet(edges, side), made.drive.time_course, edges)[3]  # type: ignore[arg-type]
+            in_time(made.cam.drive.plan.jet(edges, side), made.drive.time_course, edges)[3]  # type: ignore[arg-type]  # the scene has a speed
             for side in ("right", "left")
         ]
         jumps = float(np.sum(np.abs(both[0] - both[1])))

@@ -56,7 +56,7 @@ def drawn(file: Path) -> Outline:
     """The largest closed polyline on layer CUT."""
     found = []
     for entity in readfile(file).modelspace().query('LWPOLYLINE[layer=="CUT"]'):
-        rows = np.array(list(entity.get_points("xyb")))  # type: ignore[attr-defined]
+        rows = np.array(list(entity.get_points("xyb")))  # type: ignore[attr-defined]  # the entity is a polyline
         starts = rows[:, 0] + 1j * rows[:, 1]
         found.append(Outline.through(starts, 4.0 * np.arctan(rows[:, 2])))
     return max(found, key=lambda outline: abs(outline.area))

@@ -58,14 +58,14 @@ def test_the_same_bytes_each_time(product: StubProduct) -> None:
 
 
 def test_ezdxf_setting_is_put_back() -> None:
-    before = ezdxf.options.write_fixed_meta_data_for_testing  # type: ignore[attr-defined]
+    before = ezdxf.options.write_fixed_meta_data_for_testing  # type: ignore[attr-defined]  # ezdxf does not export it explicitly
     WRITER.write(StubProduct(), 0.01)
-    assert ezdxf.options.write_fixed_meta_data_for_testing == before  # type: ignore[attr-defined]
+    assert ezdxf.options.write_fixed_meta_data_for_testing == before  # type: ignore[attr-defined]  # ezdxf does not export it explicitly
 
 
 def test_ezdxf_finds_nothing_to_mend(product: StubProduct) -> None:
     text = WRITER.write(product, 0.01).data.decode()
-    document = ezdxf.read(io.StringIO(text))  # type: ignore[attr-defined]
+    document = ezdxf.read(io.StringIO(text))  # type: ignore[attr-defined]  # ezdxf does not export it explicitly
     audit = document.audit()
     assert not audit.errors
     assert not audit.fixes
@@ -88,7 +88,7 @@ def test_entities_layers_and_units() -> None:
     assert (drawing.value("$INSUNITS"), drawing.value("$MEASUREMENT")) == ("4", "1")
     inch = drawing_of(WRITER.write(replace(product, unit="inch"), 0.01).data)
     assert (inch.value("$INSUNITS"), inch.value("$MEASUREMENT")) == ("1", "0")
-    document = ezdxf.read(io.StringIO(data.decode()))  # type: ignore[attr-defined]
+    document = ezdxf.read(io.StringIO(data.decode()))  # type: ignore[attr-defined]  # ezdxf does not export it explicitly
     assert dict(document.header.custom_vars) == {
         "camgeo": product.version,
         "scene": product.scene_hash,
@@ -132,7 +132,7 @@ def test_the_drawing_is_seen_when_it_is_opened(
     box = np.array([-side, lowest, side, max(27.0, 35.0 * auxiliary)]) * scale / mm
     slack = 1e-3 * scale
     data = WRITER.write(product, 1e-4 * scale).data
-    document = ezdxf.read(io.StringIO(data.decode()))  # type: ignore[attr-defined]
+    document = ezdxf.read(io.StringIO(data.decode()))  # type: ignore[attr-defined]  # ezdxf does not export it explicitly
     check_view(document, box, slack)
 
 
@@ -161,7 +161,7 @@ def test_the_view_of_a_real_disc(entity: str) -> None:
     scene = SCENES / "setzhub.toml"
     text = f'{scene.read_text("utf-8")}\n[output.dxf]\nentity = "{entity}"\nauxiliary = false\n'
     data = WRITER.write(camgeo.loads(text).disc, 0.01).data
-    document = ezdxf.read(io.StringIO(data.decode()))  # type: ignore[attr-defined]
+    document = ezdxf.read(io.StringIO(data.decode()))  # type: ignore[attr-defined]  # ezdxf does not export it explicitly
     courses = [make_path(each) for each in document.modelspace()]
     points = np.array([(p.x, p.y) for each in courses for p in each.flattening(1e-4)])
     box = np.concatenate((points.min(axis=0), points.max(axis=0)))

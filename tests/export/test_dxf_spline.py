@@ -74,7 +74,7 @@ def test_the_same_bytes_each_time(product: FlankProduct) -> None:
 
 def test_ezdxf_reads_the_same_curves(product: FlankProduct) -> None:
     data = WRITER.write(product, TOLERANCE).data
-    document = ezdxf.read(io.StringIO(data.decode()))  # type: ignore[attr-defined]
+    document = ezdxf.read(io.StringIO(data.decode()))  # type: ignore[attr-defined]  # ezdxf does not export it explicitly
     audit = document.audit()
     assert not audit.errors
     assert not audit.fixes

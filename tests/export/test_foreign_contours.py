@@ -26,7 +26,7 @@ GAP = 1e-3
 
 def drawn(draw: Drawing, version: str = "R2010", units: int = 4) -> bytes:
     """A drawing as another program writes it."""
-    document = ezdxf.new(version, units=units)  # type: ignore[attr-defined]
+    document = ezdxf.new(version, units=units)  # type: ignore[attr-defined]  # ezdxf does not export it explicitly
     draw(document.modelspace())
     stream = io.StringIO()
     document.write(stream)

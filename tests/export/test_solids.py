@@ -8,7 +8,7 @@ import math
 import zipfile
 from dataclasses import dataclass, replace
 
-import lib3mf  # type: ignore[import-untyped]
+import lib3mf  # type: ignore[import-untyped]  # has no types
 import numpy as np
 import pytest
 import trimesh

@@ -316,7 +316,7 @@ def test_a_crank_that_passes_180_degrees() -> None:
 def test_a_mechanism_a_little_wrong_is_seen(name: str) -> None:
     """The same angles with the base radius 1e-12 too large, and on the other branch."""
     curve = pitch_curve_of(mechanisms()[name]["params"])
-    large = replace(curve.follower, base_radius=curve.follower.base_radius * (1.0 + 1e-12))  # type: ignore[type-var]
+    large = replace(curve.follower, base_radius=curve.follower.base_radius * (1.0 + 1e-12))  # type: ignore[type-var]  # every follower is a dataclass
     chain = chain_of(curve)
     (rest,) = close(chain, np.zeros(1), [0])
     here = complex(rest.roller)

@@ -173,9 +173,9 @@ def test_small_errors_in_the_mechanism_are_seen(name: str) -> None:
     curve = pitch_curve_of(mechanisms()[name]["params"])
     other = deviations(replace(curve, rotation=-curve.rotation), name)
     assert other["Z"] > 0.1
-    large = replace(curve.follower, base_radius=curve.follower.base_radius * (1.0 + 1e-11))  # type: ignore[type-var]
+    large = replace(curve.follower, base_radius=curve.follower.base_radius * (1.0 + 1e-11))  # type: ignore[type-var]  # every follower is a dataclass
     assert deviations(replace(curve, follower=large), name)["Z"] > LIMIT
-    thick = replace(curve.follower, roller_radius=curve.follower.roller_radius + 1e-9)  # type: ignore[type-var]
+    thick = replace(curve.follower, roller_radius=curve.follower.roller_radius + 1e-9)  # type: ignore[type-var]  # every follower is a dataclass
     spoiled = deviations(replace(curve, follower=thick), name)
     assert spoiled["inner"] > LIMIT
     assert spoiled["outer"] > LIMIT

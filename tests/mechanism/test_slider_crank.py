@@ -3,6 +3,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from decimal import Decimal
+from typing import Any
 
 import numpy as np
 import pytest
@@ -62,8 +63,8 @@ def test_newton_on_the_closed_loop_finds_the_same_rocker(
     with mp.workdps(40):
         height = mpf(linkage.crank) * mp.cos(mpf(linkage.deflection))
 
-        def solved(s: object) -> object:
-            x = mpf(linkage.start_position) + linkage.stroke_direction * s  # type: ignore[operator]
+        def solved(s: Any) -> Any:
+            x = mpf(linkage.start_position) + linkage.stroke_direction * s
             theta = mpf(float(start))
             for _ in range(6):
                 dx = -x - linkage.crank * mp.cos(theta)
@@ -76,9 +77,9 @@ def test_newton_on_the_closed_loop_finds_the_same_rocker(
         theta = solved(mpf(stroke))
         step = mpf(10) ** -10
         ahead, behind = solved(mpf(stroke) + step), solved(mpf(stroke) - step)
-        slope = float((ahead - behind) / (2 * step))  # type: ignore[operator]
-        bend = float((ahead - 2 * theta + behind) / step**2)  # type: ignore[operator]
-        assert float(theta) == pytest.approx(float(start), abs=2e-14)  # type: ignore[arg-type]
+        slope = float((ahead - behind) / (2 * step))
+        bend = float((ahead - 2 * theta + behind) / step**2)
+        assert float(theta) == pytest.approx(float(start), abs=2e-14)
     jet = np.array([[stroke], [1.0], [0.0], [0.0]])
     sense = -1.0 if linkage.mirrored else 1.0
     found = sense * linkage.transform(jet)[:, 0]

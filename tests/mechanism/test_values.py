@@ -257,7 +257,7 @@ def test_what_is_no_value_is_refused_with_its_key(door: str) -> None:
     ("call", "stated"),
     [
         (lambda: 5.0, "accepted"),
-        (lambda: TranslatingRoller("5", 10.0).no_such_name, ""),  # type: ignore[arg-type,attr-defined]
+        (lambda: TranslatingRoller("5", 10.0).no_such_name, ""),  # type: ignore[arg-type,attr-defined]  # wrong on purpose
         (lambda: math.sqrt(-1.0), "ValueError"),
         (lambda: [len("") for _ in range(MOST_CALLS)], "AssertionError"),
         (lambda: bytearray(2 * MOST_BYTES), "AssertionError"),

@@ -160,7 +160,7 @@ def test_time_courses_and_tables_travel(travel: Travel) -> None:
     table: TwoColumns = travel(read_lift_table("0;0\n30;1\n60;2\n", "a.csv", 60.0))
     assert table.second.tolist() == [0.0, 1.0, 2.0]
     assert not any(array.flags.writeable for array in arrays_of(table))
-    for joint in travel(joints(MOTIONS[0][1])):  # type: ignore[arg-type]
+    for joint in travel(joints(MOTIONS[0][1])):  # type: ignore[arg-type]  # MOTIONS has several types
         assert not joint.left.flags.writeable
 
 
@@ -181,7 +181,7 @@ def test_processes_and_threads_give_the_same_bits() -> None:
 @pytest.mark.parametrize("span", [3, 3.0, np.float64(3.0), Decimal("3")])
 def test_spans_are_the_same_however_they_are_given(span: Any) -> None:
     law = make_law("inclined-sine")
-    plan = MotionPlan((Dwell(Decimal(300)), Move(span, 2, law), Move(57, 0, law)))  # type: ignore[arg-type]
+    plan = MotionPlan((Dwell(Decimal(300)), Move(span, 2, law), Move(57, 0, law)))  # type: ignore[arg-type]  # any number is allowed
     assert plan.joints_deg == tuple(map(Decimal, (0, 300, 303, 360)))
     move = plan.segments[1]
     assert isinstance(move, Move)

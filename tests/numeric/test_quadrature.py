@@ -226,7 +226,7 @@ def test_a_looser_tolerance_costs_less() -> None:
     for tolerance in (1e-3, 1e-6, 1e-9):
         asked: list[int] = []
         piecewise_integral(
-            lambda x, asked=asked: (asked.append(len(x)), np.sqrt(x))[1],  # type: ignore[misc]
+            lambda x, asked=asked: (asked.append(len(x)), np.sqrt(x))[1],  # type: ignore[misc]  # mypy infers no type for a lambda with defaults
             np.array([0.0, 1.0]),
             tolerance,
         )

@@ -47,7 +47,7 @@ def centres(replay: Replay, phi: FloatArray, lift: FloatArray) -> ComplexArray:
     pitch = replay.lift.path
     jet = np.zeros((4, len(phi)))
     jet[0] = lift
-    follower = pitch.follower  # type: ignore[attr-defined]
+    follower = pitch.follower  # type: ignore[attr-defined]  # each kind of path has one
     relative = follower.relative_jet(jet, pitch.rotation, 1)
     curve = PitchCurve(replay.lift.motion, follower, pitch.rotation)
     return curve.in_cam(relative, phi, relative.along[0], relative.across[0])
@@ -207,7 +207,7 @@ def test_a_fit_gives_the_motion_back(scene: str, side: int, tolerance: float) ->
     # along the flank moves it by no more.
     phi = np.linspace(0.0, TURN, 721)
     steepest = 1.0 / math.sin(float(np.min(curve.pitch.transmission_angle(phi))))
-    arm = 1.0 if found.lift.path.reach[1] == math.inf else curve.pitch.follower.arm  # type: ignore[attr-defined]
+    arm = 1.0 if found.lift.path.reach[1] == math.inf else curve.pitch.follower.arm  # type: ignore[attr-defined]  # only rockers have an arm
     assert (
         0.1 * tolerance / arm < abs(found.largest_error.value) < steepest * tolerance / arm * 1.001
     )

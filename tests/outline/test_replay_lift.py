@@ -75,9 +75,9 @@ def test_the_roller_touches_one_flank_and_clears_the_other(
     size = float(np.max(np.abs(at))) + radius
     # A lift is known to 64 ulp of a turn, times the way of the roller centre in it.
     rounding = 1024.0 * EPS * (size + float(np.max(np.abs(curve.jet(phi)[1]))))
-    touched = distances(flank_of(curve, press, clearance), at)  # type: ignore[arg-type]
+    touched = distances(flank_of(curve, press, clearance), at)  # type: ignore[arg-type]  # its points are all that is used
     assert np.max(np.abs(touched - radius)) <= rounding
-    other = distances(flank_of(curve, -press, clearance), at)  # type: ignore[arg-type]
+    other = distances(flank_of(curve, -press, clearance), at)  # type: ignore[arg-type]  # its points are all that is used
     assert np.max(np.abs(other - radius - clearance)) <= rounding
 
 

@@ -28,7 +28,7 @@ def test_what_does_not_go_together() -> None:
         replace(SPEC, bore=None)
     assert caught.value.key == "part.keyway"
     with pytest.raises(GeometryError, match=r"must be a .Keyway.") as caught:
-        replace(SPEC, keyway=(6.0, 2.8))  # type: ignore[arg-type]
+        replace(SPEC, keyway=(6.0, 2.8))  # type: ignore[arg-type]  # wrong on purpose
     assert caught.value.key == "part.keyway"
 
 

@@ -154,9 +154,9 @@ def test_a_boundary_goes_on_through_layers() -> None:
         (lambda: (Layer(1.0, 0.0, (RIM,)),), "must reach upwards"),
         (lambda: (Layer(math.nan, 0.0, (RIM,)),), "must be a finite number"),
         (lambda: (Layer(0.0, math.inf, (RIM,)),), "must be a finite number"),
-        (lambda: (Layer("0", 1.0, (RIM,)),), "must be a finite number"),  # type: ignore[arg-type]
-        (lambda: (Layer(0.0, 1.0, RIM),), "must be a tuple of boundaries"),  # type: ignore[arg-type]
-        (lambda: (Layer(0.0, 1.0, (3,)),), "must be a boundary of a part"),  # type: ignore[arg-type]
+        (lambda: (Layer("0", 1.0, (RIM,)),), "must be a finite number"),  # type: ignore[arg-type]  # wrong on purpose
+        (lambda: (Layer(0.0, 1.0, RIM),), "must be a tuple of boundaries"),  # type: ignore[arg-type]  # wrong on purpose
+        (lambda: (Layer(0.0, 1.0, (3,)),), "must be a boundary of a part"),  # type: ignore[arg-type]  # wrong on purpose
         (lambda: (RIM,), "needs layers"),
         (lambda: (Layer(0.0, 1.0, (RIM,)), Layer(2.0, 3.0, (RIM,), "hub")), "must begin where"),
         (

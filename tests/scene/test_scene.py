@@ -134,7 +134,7 @@ def test_a_scene_is_a_mapping(values: Any) -> None:
 def test_nothing_of_it_can_be_changed() -> None:
     scene = loaded(PLATE)
     with pytest.raises(dataclasses.FrozenInstanceError):
-        scene.name = "other"  # type: ignore[misc]
+        scene.name = "other"  # type: ignore[misc]  # wrong on purpose
     with pytest.raises(TypeError):
         scene.values["follower"]["base_radius"] = 3
     with pytest.raises(TypeError):
@@ -210,13 +210,13 @@ def test_an_edit_shares_a_speed_that_comes_from_a_file() -> None:
 def test_an_edit_shares_nothing_that_depends_on_it() -> None:
     scene = loaded(LINKED)
     inches = scene.with_values({"units.length": "inch"})
-    assert inches.plan.segments[0].to == 25.4 * scene.plan.segments[0].to  # type: ignore[union-attr]
+    assert inches.plan.segments[0].to == 25.4 * scene.plan.segments[0].to  # type: ignore[union-attr]  # the segment is a move
     assert inches.linkage is not scene.linkage
     free = scene.with_values({"linkage": None, "motion[1].to": 5})
     assert free.linkage is None
     assert isinstance(free.follower, OscillatingRoller)
     assert free.follower.direction == 1
-    assert free.plan.segments[0].to == pytest.approx(0.08726646259971647)  # type: ignore[union-attr]
+    assert free.plan.segments[0].to == pytest.approx(0.08726646259971647)  # type: ignore[union-attr]  # the segment is a move
 
 
 def test_segments_are_removed_by_the_positions_that_they_had() -> None:

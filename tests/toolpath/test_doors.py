@@ -27,11 +27,11 @@ HOME = Rapid((0.0, 0.0, 5.0))
 
 def test_places_have_their_coordinates() -> None:
     with pytest.raises(GeometryError, match="must be 3 coordinates"):
-        Feed((0.0, 0.0), 1.0)  # type: ignore[arg-type]
+        Feed((0.0, 0.0), 1.0)  # type: ignore[arg-type]  # wrong on purpose
     with pytest.raises(GeometryError, match="must be 2 coordinates"):
-        ArcFeed((0.0, 0.0, 0.0), 0j, ccw=True, feed=1.0)  # type: ignore[arg-type]
+        ArcFeed((0.0, 0.0, 0.0), 0j, ccw=True, feed=1.0)  # type: ignore[arg-type]  # wrong on purpose
     with pytest.raises(GeometryError, match="true or false"):
-        ArcFeed((0.0, 0.0, 0.0), (0.0, 0.0), ccw=1, feed=1.0)  # type: ignore[arg-type]
+        ArcFeed((0.0, 0.0, 0.0), (0.0, 0.0), ccw=1, feed=1.0)  # type: ignore[arg-type]  # wrong on purpose
 
 
 @pytest.mark.parametrize(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 import pytest
@@ -52,11 +53,11 @@ PART = PartSpec(thickness=10.0, bore=25.0, keyway=Keyway(8.0, 3.3), rim=150.0, g
 
 
 def _toolpath(
-    contact: Contact, tool: float, part: PartSpec = PART, pitch: PitchCurve = PITCH, **spec: float
+    contact: Contact, tool: float, part: PartSpec = PART, pitch: PitchCurve = PITCH, **spec: Any
 ) -> Toolpath:
     inner, outer = (whole(WorkingCurve(pitch, distance)) for distance in (-ROLLER, ROLLER))
     built = build_part(contact, inner, outer, part, 0.01)
-    gcode = GcodeSpec(tool_diameter=tool, **spec)  # type: ignore[arg-type]
+    gcode = GcodeSpec(tool_diameter=tool, **spec)
     cuts = cuts_of(built, gcode.tool, gcode.pass_depth)
     return plan_toolpath(cuts, gcode.safe_height, LIMITS, TOLERANCE)
 

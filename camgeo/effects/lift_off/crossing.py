@@ -212,7 +212,7 @@ def _first(
     # A closing gap above this level is rounding; at the start it is 0.
     for level, crossed in ((backlash, True), (-1e-9 * backlash, False)):
         ends = sign_changes(probes, values - level)
-        roots = bracketed_roots(lambda x, level=level: gap(x) - level, *ends)  # type: ignore[misc]
+        roots = bracketed_roots(lambda x, level=level: gap(x) - level, *ends)  # type: ignore[misc]  # mypy infers no type for a lambda with defaults
         found += [(float(root), crossed) for root in roots[:1]]
     return min(found) if found else None
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 from functools import singledispatch
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from matplotlib import rc_context
@@ -91,7 +91,7 @@ def _fill(place: Page | SubFigure, figure: Figure) -> None:
     panels = []
     for panel in figure.panels:
         left, bottom, right, top = panel.frame
-        axes = place.add_axes(Bbox.from_extents(left, bottom, right, top))  # type: ignore[call-overload]
+        axes = place.add_axes(Bbox.from_extents(left, bottom, right, top))  # type: ignore[call-overload]  # takes a Bbox too, which the stubs lack
         _panel(axes, panel)
         panels.append(axes)
         if panel.right is not None:
@@ -127,7 +127,7 @@ def _panel(axes: Axes, panel: Panel) -> None:
         axes.legend(**_legend(panel.legend))
 
 
-def _axis(axes: Axes, axis: Axis, name: str) -> None:
+def _axis(axes: Axes, axis: Axis, name: Literal["x", "y"]) -> None:
     own = axes.xaxis if name == "x" else axes.yaxis
     if axis.log:
         axes.set(**{f"{name}scale": "log"})
@@ -135,16 +135,16 @@ def _axis(axes: Axes, axis: Axis, name: str) -> None:
     if axis.ticks is not None:
         own.set_ticks(axis.ticks, axis.names)
     if axis.powers is not None:
-        axes.ticklabel_format(axis=name, style="sci", scilimits=axis.powers)  # type: ignore[arg-type]
+        axes.ticklabel_format(axis=name, style="sci", scilimits=axis.powers)
     if not axis.numbered:
-        axes.tick_params(axis=name, labelbottom=False, labelleft=False)  # type: ignore[arg-type]
+        axes.tick_params(axis=name, labelbottom=False, labelleft=False)
     own.set_label_text(axis.label, fontsize=axis.label_size)
     if axis.label_place is not None:
         away = axis.label_place * axes.figure.dpi / axes.bbox.width
         own.set_label_coords(1.0 + away if str(own.get_label_position()) == "right" else -away, 0.5)
 
 
-def _further(axes: Axes, axis: Axis, name: str) -> None:
+def _further(axes: Axes, axis: Axis, name: Literal["x", "y"]) -> None:
     """A second scale of a panel, on its other side."""
     axes.grid(visible=False)
     _axis(axes, axis, name)

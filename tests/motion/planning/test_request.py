@@ -99,7 +99,7 @@ def test_only_requests_are_planned(requests: Any) -> None:
 
 def test_numbers_of_any_kind_are_spans_as_they_are_written() -> None:
     for value in (np.float64(0.1), 0.1, Decimal("0.1"), np.int64(3), 3):
-        assert Dwell(value).span == Decimal(str(value))  # type: ignore[arg-type]
+        assert Dwell(value).span == Decimal(str(value))  # type: ignore[arg-type]  # any number is allowed
 
 
 @pytest.mark.parametrize(

@@ -46,7 +46,7 @@ def rest(span: float | str | Decimal) -> Dwell:
 
 def move(span: float | str | Decimal, to: float, law: str = "auto", **also: object) -> MoveRequest:
     """A move."""
-    return MoveRequest(Decimal(span), to, law, **also)  # type: ignore[arg-type]
+    return MoveRequest(Decimal(span), to, law, **also)  # type: ignore[arg-type]  # values by their names
 
 
 def through(
@@ -54,7 +54,7 @@ def through(
 ) -> PointsRequest:
     """A move through points (share of the span, position)."""
     shares, positions = (np.array(column, dtype=np.float64) for column in zip(*points, strict=True))
-    return PointsRequest(Decimal(span), to, shares, positions, **also)  # type: ignore[arg-type]
+    return PointsRequest(Decimal(span), to, shares, positions, **also)  # type: ignore[arg-type]  # values by their names
 
 
 def table(
