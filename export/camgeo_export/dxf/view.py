@@ -19,8 +19,8 @@ MARGIN = 0.05
 """Of the view, on each side, as a fraction of the larger side of the drawing."""
 
 ASPECT = 4.0 / 3.0
-"""Width of the view over its height. Whatever the window's, the whole drawing is seen, for the view
-is as high as the drawing is wide."""
+"""Width of the view over its height. The view is as high as the drawing is wide, so a window of any
+shape shows the whole drawing."""
 
 ACTIVE = "*Active"
 """Name of the view that is open."""

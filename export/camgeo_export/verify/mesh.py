@@ -1,4 +1,4 @@
-"""Whether a mesh is one closed, outward body, if not where, and the boundaries of its faces."""
+"""Whether a mesh is one closed, outward body, or where it is not; the boundaries of its faces."""
 
 from __future__ import annotations
 

@@ -114,7 +114,8 @@ def _facets_of(data: bytes) -> tuple[FloatArray, FloatArray]:
     normals = [row[2:5] for row in rows if row[:2] == ["facet", "normal"]]
     corners = [row[1:4] for row in rows if row[:1] == ["vertex"]]
     if len(corners) != 3 * len(normals):
-        raise ValueError(f"{len(normals)} facets with {len(corners)} corners")
+        stated = counted(len(normals), "facet")
+        raise ValueError(f"{stated} with {counted(len(corners), 'corner')}")
     return (
         np.array(normals, dtype=np.float64).reshape(-1, 3),
         np.array(corners, dtype=np.float64).reshape(-1, 3, 3),
@@ -122,10 +123,10 @@ def _facets_of(data: bytes) -> tuple[FloatArray, FloatArray]:
 
 
 def _normals(normals: FloatArray, corners: FloatArray, ours: bool) -> Check:
-    """They point where the corners of their facets, in their order, say.
+    """They follow the right-hand rule for the corners of their facets.
 
-    Programs may leave them 0, to be computed by the reader; ours are never 0. The corners of others
-    were rounded after that, by which the normal of a narrow facet turns.
+    Programs may leave them 0, to be computed by the reader; ours are never 0. Others may have
+    rounded the corners afterwards, which turns the normal of a narrow facet.
     """
     across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     lengths = np.linalg.norm(normals, axis=1)
