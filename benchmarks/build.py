@@ -4,8 +4,8 @@ Each round is a fresh process, so the figures include imports and the first use 
 median is reported. Stages run in the order in which a build needs them, so each figure is that of
 its stage alone: the first writer does not pay for the outline, nor a writer for its library.
 
-With `--against REV`, which needs git: the CPU time of the whole command in all formats, here and as
-of that revision, in turns, each in a fresh process.
+With `--against REV`, which needs git: the CPU time of the whole command in all formats, here and
+at that revision, in turns, each in a fresh process.
 
     python benchmarks/build.py [--rounds 7] [--scene fixtures/scenes/setzhub.toml] [--against REV]
 """
@@ -30,10 +30,10 @@ import numpy as np
 ROOT: Final = Path(__file__).resolve().parents[1]
 
 ENVIRONMENT: Final = {k: v for k, v in os.environ.items() if k != "PYTHONDONTWRITEBYTECODE"}
-"""Compiled modules are kept between runs, as they are for anyone who works with the program."""
+"""Compiled modules are kept between runs, as for any user of the program."""
 
 STAGES_ONLY: Final = "--stages-into"
-"""Runs the stages once in this process; what the benchmark starts anew for each round."""
+"""Option that runs the stages once in this process, which the benchmark starts for each round."""
 
 FORMATS: Final = "dxf,gcode,stl,3mf,csv,svg,png,asc"
 
@@ -107,7 +107,7 @@ def cpu(tree: Path, scene: str, out: Path) -> float:
         usage = resource.getrusage(resource.RUSAGE_CHILDREN)
         return usage.ru_utime + usage.ru_stime
 
-    out.parent.mkdir(exist_ok=True)  # where no other camgeo lies, which Python would take first
+    out.parent.mkdir(exist_ok=True)  # without another camgeo, which Python would import first
     words = ["build", scene, "-o", str(out), "--force", "--only", FORMATS]
     began = spent()
     done = subprocess.run(

@@ -89,7 +89,7 @@ TIMED: Final = (1e-2, 1e-3, 1e-4, 1e-5)
 """Tolerances [mm] of the first table; the target is stated for a thousandth."""
 
 EVALUATIONS: Final = {"fast": 30_000, "fewest": 600_000}
-"""Points at which the curve with its derivatives takes as long as a fit may: the target."""
+"""Points at which evaluating the curve with its derivatives takes as long as a fit may."""
 
 FORMS: Final[tuple[Form, ...]] = ("chords", "arcs", "cubics")
 
@@ -106,10 +106,10 @@ SHARE: Final = 0.005
 """Largest sagitta between points for chords, as a share of the tolerance."""
 
 DENSE: Final = 40
-"""Points for each cubic that is needed at least; arcs get the same points."""
+"""Fewest points for each necessary cubic; arcs get the same points."""
 
 FEWEST: Final = 2000
-"""Points of the whole curve at least."""
+"""Fewest points of the whole curve."""
 
 RULER: Final = 20_000
 """Exact points from whose parabolas the distances are measured."""
@@ -125,16 +125,16 @@ BLUR: Final = 0.002
 of the tolerance."""
 
 SAME: Final = 1e-12
-"""Points nearer to each other than this share of the length of the curve are one."""
+"""Points closer together than this share of the length of the curve count as one."""
 
 GAP: Final = 0.01
 """Gaps between pieces larger than this share of the tolerance are reported."""
 
 ENOUGH: Final = 0.3
-"""Repetitions of what takes longer in all [s] are left out."""
+"""What takes longer in total [s] is not repeated."""
 
 
-# -- the ruler -----------------------------------------------------------------------------------
+# -- measuring ----------------------------------------------------------------------------------
 
 
 def evenly(curve: WorkingCurve, start: float, end: float, count: int) -> FloatArray:
@@ -147,7 +147,7 @@ def evenly(curve: WorkingCurve, start: float, end: float, count: int) -> FloatAr
 
 
 def one_sided(of: Callable[..., Any], phi: FloatArray) -> Any:
-    """Values at `phi`, at the last one those from before it."""
+    """Values at `phi`, at the last angle the left-hand ones."""
     values = of(phi)
     values[-1] = of(phi[-1:], "left")[0]
     return values
@@ -164,7 +164,7 @@ class Ruler:
             phi = evenly(curve, piece.start, piece.end, count)
             points.append(one_sided(curve.point, phi))
             tangents.append(one_sided(curve.tangent, phi))
-            # Curvature to the left of the way; each sample has that of its own piece.
+            # Curvature, positive to the left; each sample has that of its own piece.
             bends.append(-curve.pitch.rotation * one_sided(curve.curvature, phi))
         self.points = np.concatenate(points)
         self.tangents = np.concatenate(tangents)
@@ -227,7 +227,7 @@ def along(shape: Shape, count: int) -> ComplexArray:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Flank:
-    """A flank that is nowhere cut off."""
+    """A flank that is cut off nowhere."""
 
     name: str
     path: OutlinePath
@@ -255,7 +255,7 @@ class Flank:
         return float(np.sum(np.abs(np.diff(self.curve.point(phi)))))
 
     def density(self, form: Form, tolerance: float) -> int:
-        """Points of the whole turn that the peers get."""
+        """The points of the whole turn for the peers."""
         if form != "chords":
             return max(FEWEST, math.ceil(DENSE * least_cubics(self.path, tolerance)))
         bend = float(np.max(np.abs(self.ruler.bends)))
@@ -288,7 +288,7 @@ def all_flanks(beginnings: tuple[str, ...]) -> list[tuple[Design, Flank]]:
 
 
 def own_shape(contour: Contour | SplineContour) -> Shape:
-    """A contour of camgeo, as those of the peers."""
+    """A contour of camgeo in the form of those of the peers."""
     if isinstance(contour, SplineContour):
         return joined(
             [
@@ -309,7 +309,7 @@ def own_shape(contour: Contour | SplineContour) -> Shape:
 
 
 def seconds_of(work: Callable[[], object], rounds: int) -> float:
-    """Least time of `work` [s] of at most `rounds`."""
+    """Shortest time of `work` [s] in at most `rounds` runs."""
     least, spent = math.inf, 0.0
     for _ in range(rounds):
         began = time.perf_counter()
@@ -325,7 +325,7 @@ def print_times(design: Design, flank: Flank, forms: Sequence[Form], rounds: int
     """Table of the fits as multiples of the curve; True if the targets are reached."""
     pitch, curve = design.cam.disc.pitch_curve, flank.curve
 
-    starts = itertools.count(0.0, 1e-9)  # none twice
+    starts = itertools.count(0.0, 1e-9)  # each once
 
     def evaluate(count: int) -> None:
         pitch.jet(next(starts) + np.linspace(0.0, TURN, count, endpoint=False))
@@ -349,7 +349,7 @@ def print_times(design: Design, flank: Flank, forms: Sequence[Form], rounds: int
                 rows.append((name, tolerance, form, effort))
     results: dict[str, Any] = {}
     times: dict[str, list[float]] = {name: [] for name in works}
-    for turn in range(rounds + 1):  # the first warms up
+    for turn in range(rounds + 1):  # the first run warms up
         for name, work in works.items():
             began = time.perf_counter()
             results[name] = work()
@@ -406,7 +406,7 @@ class Row:
 
     @property
     def seconds(self) -> float:
-        """All that is counted for the one call."""
+        """Everything that counts as part of the one call."""
         return self.points + self.call
 
 
@@ -460,7 +460,7 @@ def row_of(
     rounds: int,
     patience: float,
 ) -> Row | str:
-    """One way of asking a peer."""
+    """One way of calling a peer."""
     count = flank.density(peer.form, tolerance) // peer.thin
     whole = True
     shapes: list[Shape] = []
@@ -491,7 +491,7 @@ def row_of(
 
 
 def _rest(curve: WorkingCurve, piece: Piece) -> Shape:
-    """A dwell as the arc that it is."""
+    """A dwell as an arc."""
     ends = np.array([piece.start, piece.end])
     points = curve.point(ends)
     sweep = -curve.pitch.rotation * (piece.end - piece.start)
@@ -562,7 +562,7 @@ def numbers(text: str) -> list[float]:
 
 
 def main() -> int:
-    """Measure and print; exit 1 if a target is missed."""
+    """Measure and print; exit with 1 if a target is missed."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--tolerances", type=numbers, default=[1e-2, 1e-3, 1e-4])
     parser.add_argument("--rounds", type=int, default=5)

@@ -1,15 +1,15 @@
-"""What each effect costs, against evaluating the motion alone; and what none costs.
+"""What each effect costs, relative to evaluating the motion alone; and a scene without effects.
 
 For every effect that the scenes of `fixtures/effects` name, in one run:
 
-- "once": the effect itself, of its own, on a design whose other quantities are there already, so
-  with all its extremes, integrals and findings; divided by the time in which the motion alone is
-  evaluated, with three derivatives, at the 720 cam angles of a table of half degrees;
-- "a point": its columns at these cam angles, against the same. "-" where it has none, or where they
-  are what the effect itself has to solve for and read off afterwards.
+- "once": the effect itself, on a design whose other quantities have already been computed, with all
+  its extremes, integrals and findings; divided by the time of evaluating the motion alone, with
+  three derivatives, at the 720 cam angles of a table of half degrees;
+- "a point": its columns at these cam angles, divided by the same. "-" where it has none, or where
+  they come from the solution that the effect itself computes.
 
 With `--against REV`, which needs git: `camgeo check` and the engine's findings of a scene without
-effects, here and as of that revision, in turns in fresh interpreters. 1 is as fast as it was.
+effects, here and at that revision, in turns in fresh interpreters. 1 is as fast as before.
 
     python benchmarks/effects.py [--rounds 9] [--against REV] [SCENE ...]
 """
@@ -63,7 +63,7 @@ Call = Callable[[], object]
 
 
 def least(call: Call, rounds: int) -> float:
-    """Least time of `call` [s]: what else the machine does only adds."""
+    """Least time of `call` [s]: other load on the machine only adds to it."""
     times = []
     for _ in range(rounds):
         began = time.perf_counter()
@@ -76,7 +76,7 @@ def measure(path: Path, rounds: int) -> None:
     """Print the table of one scene."""
     design = Design(load_scene(path))
     phi = np.linspace(0.0, TURN, POINTS, endpoint=False)
-    for name in design.scene.effects:  # all that they need is there, and imported
+    for name in design.scene.effects:  # everything they need has been computed and imported
         design.effect(name)
     asked = shifted(phi)
     motion = least(lambda: design.cam.drive.plan.jet(next(asked)), 20 * rounds)
@@ -137,7 +137,7 @@ def compare(revision: str, rounds: int) -> None:
 
 
 def output(root: Path, *arguments: str) -> str:
-    """What an interpreter prints with the camgeo of the folder `root`."""
+    """The output of an interpreter with the camgeo in the folder `root`."""
     environment = {k: v for k, v in os.environ.items() if k != "PYTHONDONTWRITEBYTECODE"}
     environment["PYTHONPATH"] = os.pathsep.join((str(root), str(root / "export")))
     done = subprocess.run(

@@ -1,24 +1,25 @@
-"""Nanoseconds a point of the exact curves, against the bare functions that no formula avoids.
+"""Nanoseconds per point of the exact curves, relative to the bare functions that they need.
 
-Timed over one turn, each on its own and nothing shared: the pitch curve with three derivatives, the
-inner working curve, the transmission angle and the curvature. Beside each stand the sines, cosines,
-roots and arc tangents that it cannot do without, of the same array and into one that is there
-already. Arithmetic, memory and the search for the motion's segment count nothing on that side.
+Timed over one turn, each alone and with nothing shared: the pitch curve with three derivatives, the
+inner working curve, the transmission angle and the curvature. Next to each stand the sines,
+cosines, roots and arc tangents that it cannot do without, on the same array and into an existing
+one. Arithmetic, memory and the search for the motion's segment are not counted on that side.
 
 What cannot be avoided, at each point of the array:
 
 - pitch and working curve: the cosine and the sine of the cam angle, for the rotation into the cam.
-  Curvature and transmission angle do not see the rotation;
+  Curvature and transmission angle do not depend on the rotation;
 - working curve and curvature: a root, for the length of Z'; transmission angle: an arc tangent;
 - oscillating roller: the cosine and the sine of the rocker angle. Translating roller: nothing;
 - slider-crank: a root, for the area of the triangle of crank, coupler and pin. The direction of the
   crank is algebraic in it, so behind a linkage the rocker's cosine and sine cost nothing more;
-- motion laws, on the points of their moves: a sine and a cosine for the laws of sines, on half of
+- motion laws, at the points of their moves: a sine and a cosine for the laws of sines, at half of
   the points for the modified trapezoid; nothing for polynomials.
 
-That is "least". Linkage and follower are two parts that fit any other, though, and what passes
-between them is an angle: "parts" counts its arc tangent, cosine and sine as needed too. Without a
-linkage the two are the same.
+That is "least". Linkage and follower, however, are two parts each of which fits any other, and an
+angle is what they exchange: "parts" counts its arc tangent, cosine and sine as needed too. Without
+a linkage the two are the same.
+
 
     python benchmarks/evaluate.py [--points 1000,10000,100000,1000000] [--rounds 15] [SCENE ...]
 """
@@ -53,7 +54,7 @@ DEFAULT: Final = ("setzhub", "groove", "plate_translating")
 translating roller with modified sine and polynomial."""
 
 LEAST_TIME: Final = 2e-3
-"""A measurement is repeated until it lasts that long [s]: a clock tick is then below 0.1 %."""
+"""A measurement is repeated until it takes this long [s], of which a clock tick is below 0.1 %."""
 
 LAW_SHARE: Final = {
     "straight-line": 0.0,

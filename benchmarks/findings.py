@@ -1,17 +1,18 @@
-"""CPU time of all findings of a scene, warm, here and as of another revision, in turns.
+"""CPU time of all findings of a scene, warm, here and at another revision, in turns.
 
 Two processes, one with the camgeo of this tree and one with that of the revision, have loaded all
-scenes. They are asked in turns, scene by scene, the first one first in every other round:
+scenes. They are called in turns, scene by scene, in alternating order from round to round:
 
 - "again": the findings of a fresh `Design` of a scene that was judged before;
 - "varied": the same after an edit by `with_values`, which makes the base circle or the roller a
-  little larger each time, as a designer does who looks at the findings meanwhile. The edit counts;
-- "moved": the same after an edit of the motion, which makes each of its strokes a little longer:
-  nothing that was known of the plan is known of the new one.
+  little larger each time, as a designer does who watches the findings. The edit counts;
+- "moved": the same after an edit of the motion, which makes each of its strokes a little longer, so
+  that nothing known of the old plan holds for the new one.
 
-Told is the median of the rounds, and the median of the ratios of the rounds; below the table their
-geometric mean. What the findings say is compared too: by how much any value differs at most, as a
-part of its size, and any cam angle, as a part of a turn.
+The medians of the rounds and of their ratios are reported, with the geometric mean of the latter
+below the table. The findings are compared too: the largest difference of any value, relative to its
+size, and of any cam angle, relative to a turn.
+
 
     python benchmarks/findings.py --against REV [--rounds 15] [SCENE ...]
 """
@@ -91,7 +92,7 @@ class Worker:
         )  # fmt: skip
 
     def ask(self, path: Path, way: str) -> tuple[float | None, Told]:
-        """CPU time [s] of the findings, None if the scene has nothing to edit; what they say."""
+        """CPU time [s] of the findings, None if the scene has nothing to edit; and the findings."""
         assert self._process.stdin is not None
         assert self._process.stdout is not None
         self._process.stdin.write(json.dumps([str(path), way]) + "\n")

@@ -1,9 +1,9 @@
-"""Bytes of every file, here against an earlier revision, both made in this run on this machine.
+"""Bytes of every file, compared with those of an earlier revision; both are made in this run.
 
 Builds each scene in every format that it can be written in, with this tree and with the tree of
 `--against REV`, which needs git, and compares file by file. What may differ is masked: hashes (the
-identity of the scene stands in files, and so their own hashes change) and the size of a 3MF, whose
-compressed bytes hold one. Exit status 1 if anything else differs.
+scene's identity is in the files, and changes their own hashes too) and the size of a 3MF file,
+which contains one in compressed form. Exits with 1 if anything else differs.
 
     python benchmarks/golden.py --against REV [--keep FOLDER] [SCENE ...]
 
@@ -46,7 +46,7 @@ def scenes() -> list[Path]:
 
 
 def environment(tree: Path, folder: Path) -> dict[str, str]:
-    """What runs the camgeo of `tree`, with the entry points that its pyproject.toml declares."""
+    """Runs the camgeo of `tree`, with the entry points that its pyproject.toml declares."""
     project = tomllib.loads((tree / "pyproject.toml").read_text("utf-8"))["project"]
     info = folder / "camgeo-0.dist-info"
     info.mkdir(parents=True)
@@ -63,7 +63,7 @@ def environment(tree: Path, folder: Path) -> dict[str, str]:
 
 
 def build(scene: Path, out: Path, formats: tuple[str, ...], env: dict[str, str]) -> str:
-    """Write the files of a scene into `out`; what the command says if it wrote none, or nothing."""
+    """Write the files of a scene into `out`; return the error of the command, or nothing."""
     command = (sys.executable, "-m", "camgeo", "build", str(scene), "-o", str(out), "--force")
     done = subprocess.run(
         (*command, "--only", ",".join(formats)),

@@ -24,10 +24,10 @@ import numpy as np
 ROOT: Final = Path(__file__).resolve().parents[1]
 
 LIMIT: Final = 0.060
-"""What `import camgeo` may take beyond `import numpy` [s]."""
+"""Most that `import camgeo` may take beyond `import numpy` [s]."""
 
 ENVIRONMENT: Final = {k: v for k, v in os.environ.items() if k != "PYTHONDONTWRITEBYTECODE"}
-"""Compiled modules are kept between runs, as they are for anyone who works with the program."""
+"""Compiled modules are kept between runs, as for any user of the program."""
 
 REFERENCE: Final = "import numpy"
 

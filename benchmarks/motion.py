@@ -1,10 +1,11 @@
-"""Nanoseconds a point of s to s''' of a plan of six laws, against the bare functions they need.
+"""Nanoseconds per point of s to s''' of a plan of six laws, relative to the functions they need.
 
-The plan has six moves of 60 degrees by six different laws. What it cannot do without is a sine and
-a cosine at each point at which a law runs on a sine: everywhere in five of them but for the two
-constant stretches of the modified trapezoid, nowhere in the polynomial. Both are timed on the same
-array of cam angles, in the same run and in turns; arithmetic, memory and the search for the segment
-count nothing on the bare side.
+The plan has six moves of 60 degrees by six different laws. It cannot do without a sine and a cosine
+at each point at which a law runs on a sine: everywhere in five of them except the two constant
+stretches of the modified trapezoid, nowhere in the polynomial. Both are timed on the same array of
+cam angles, in the same run and in turns; arithmetic, memory and the search for the segment are not
+counted on the bare side.
+
 
     python benchmarks/motion.py [--points 1000,10000,100000,1000000] [--rounds 15]
 """
@@ -39,7 +40,7 @@ MOVES: Final = (
 """Position at the end, law, and share of the move that runs on sines."""
 
 LEAST_TIME: Final = 2e-3
-"""A measurement is repeated until it lasts that long [s]: a clock tick is then below 0.1 %."""
+"""A measurement is repeated until it takes this long [s], of which a clock tick is below 0.1 %."""
 
 
 def nanoseconds(work: Callable[[], object], points: int) -> float:

@@ -1,34 +1,36 @@
-"""The real outline against polygon offsets, and what the analysis of a cam costs.
+"""The real outline compared with polygon offsets, and what the analysis of a cam costs.
 
 First the outline of the same flanks by camgeo and by shapely's buffer, Clipper2 (through pyclipr)
 and manifold3d's `CrossSection.offset`, each with its error and its time. The peers get the polygon
-of exact points of the pitch curve and move it by the roller radius; of the settings tried (segments
-a quarter circle, integer scale, arc tolerance) the one with the smallest error counts. Their time
-is that of the points and of the offset, once a result takes a second, else the best of many. Not
-counted for anyone is the motion, which is made before.
+of exact points of the pitch curve and offset it by the roller radius; of the settings tried
+(segments per quarter circle, integer scale, arc tolerance) the one with the smallest error counts.
+Their time is that of the points and of the offset, from a single run if it takes a second, else
+the best of many. The motion is made beforehand and not counted for anyone.
 
-camgeo stands there twice:
+camgeo has two entries:
 
 - "stretches": the extremes of the curvature, the search for all crossings, the outline of stretches
   of the exact curve, and as many points of it as the finest peer was given;
-- "arcs": the same search, and instead of points the contour of tangent arcs, with its proof, that
-  is asked to be a thousand times nearer than the best peer.
+- "arcs": the same search, and instead of points the contour of tangent arcs with its proof, for a
+  tolerance of a thousandth of the best peer's error.
 
 Errors [mm]:
 
 - of a peer: the largest distance of its vertices and of three points of each edge from the exact
-  outline, which is how far their distance from the pitch curve is from the roller radius (beyond a
-  corner it is even more); and of points and corners of the exact outline from its polygon;
+  outline, which is the amount by which their distance from the pitch curve differs from the roller
+  radius (beyond a corner it is even more); and of points and corners of the exact outline from its
+  polygon;
 - of the stretches: the largest distance of points at equal cam angles, and of corners, from the
   exact ones, with 40 digits by `camgeo.stability.exact_cam`, which has no formula in common with
-  the engine; corners are solved for there, to 30 digits;
-- of the arcs: the deviation that is proved.
+  the engine; it solves for the corners to 30 digits;
+- of the arcs: the proved deviation.
 
-Then the time of `Design.findings`, all checks and the search for global undercut among them, of
-cams of 2 to 200 segments: moves up and down with rests between them, and no undercut.
+Then the time of `Design.findings`, which includes all checks and the search for global undercut,
+for cams of 2 to 200 segments: moves up and down with rests between them, and no undercut.
 
-Clipper2 takes time that grows with the square of the number of points here: what would take longer
-than `--patience` is left out, which the output states. The whole run takes some minutes.
+The time of Clipper2 grows with the square of the number of points here: runs that would take longer
+than `--patience` are left out, which the output states. The whole run takes several minutes.
+
 
     pip install pyclipr  # not among the requirements; without it that peer is skipped
     python benchmarks/outline.py [--points 3600,14400,57600] [--patience 5] [--rounds 30]
@@ -96,7 +98,7 @@ EXACT_POINTS: Final = 192
 """Points at which camgeo is compared with 40 digits, besides all corners."""
 
 STEPS: Final = 6
-"""Newton steps to a corner: from the engine's, right to 14 digits, three are enough."""
+"""Newton steps to a corner: from the engine's, correct to 14 digits, three suffice."""
 
 SECTORS: Final = 8
 """Parts of the turn in each of which the nearest point of the pitch curve is sought."""
@@ -397,7 +399,7 @@ class Row:
 
 
 def best_time(work: Callable[[], object], rounds: int) -> float:
-    """Least time of `work` [s] of at most `rounds`."""
+    """Shortest time of `work` [s] in at most `rounds` runs."""
     least, spent = math.inf, 0.0
     for _ in range(rounds):
         began = time.perf_counter()
@@ -562,7 +564,7 @@ def numbers(text: str) -> list[int]:
 
 
 def main() -> int:
-    """Measure and print; exit 1 if the target is missed on a flank."""
+    """Measure and print; exit with 1 if the target is missed on a flank."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--points", type=numbers, default=[3600, 14400, 57600])
     parser.add_argument("--patience", type=float, default=5.0, help="seconds a peer may take")

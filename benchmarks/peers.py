@@ -1,19 +1,19 @@
 """Programs that turn points of a curve into chords, arcs or cubics, behind one interface.
 
-Each is optional: without its package it is left out with a message. What they return is only
-counted and sampled here; how good it is, `contour.py` measures with the same ruler for all.
+Each is optional: without its package it is left out with a message. Their results are only counted
+and sampled here; `contour.py` measures how good they are, in the same way for all.
 
-- shapely: `simplify`, Douglas and Peucker's choice of the points given.
+- shapely: `simplify`, Douglas and Peucker's selection of the given points.
 - OCCT (cadquery-ocp-novtk): `GCPnts_UniformDeflection` and `GCPnts_TangentialDeflection` for
   chords, `Geom2dConvert_ApproxArcsSegments` for arcs, `Geom2dAPI_PointsToBSpline` and
-  `Geom2dConvert_ApproxCurve` for cubics. Where it wants a curve it gets the B-spline that
-  `Geom2dAPI_Interpolate` lays through the points.
-- scipy: `splprep`, whose knots FITPACK chooses, and `make_lsq_spline` with knots evenly spaced.
+  `Geom2dConvert_ApproxCurve` for cubics. Where it needs a curve it gets the B-spline
+  that `Geom2dAPI_Interpolate` lays through the points.
+- scipy: `splprep`, whose knots FITPACK chooses, and `make_lsq_spline` with evenly spaced knots.
 - fontTools: `qu2cu`, which merges quadratics to cubics; it gets one from each point to the next.
-- ezdxf: `global_bspline_interpolation` through points evenly spaced, and the local one with exact
-  tangents. It has no fit to a tolerance, and nothing that makes arcs of a curve.
+- ezdxf: `global_bspline_interpolation` through evenly spaced points, and the local one with exact
+  tangents. It has no fit to a tolerance, and nothing that turns a curve into arcs.
 - kurbo (kurbopy): `fit_to_bezpath`. It asks for points one by one and gets them from cubic
-  Hermite pieces between the points given.
+  Hermite pieces between the given points.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ Form = Literal["chords", "arcs", "cubics"]
 CUBIC: Final = 3
 
 ANGLES: Final = (0.01, 0.1)
-"""Angles [rad] by which neighbours may turn that OCCT's arcs are tried with."""
+"""Largest angles [rad] between neighbours that are tried for OCCT's arcs."""
 
 MANY: Final = 100_000
 """Pieces that OCCT may take."""
@@ -46,7 +46,7 @@ Sampler = Callable[[IntArray, FloatArray], ComplexArray]
 
 @dataclass(frozen=True, slots=True)
 class Shape:
-    """What a fit returns: how many pieces it has, and their points."""
+    """The result of a fit: the number of its pieces, and their points."""
 
     pieces: int
     at: Sampler
@@ -78,7 +78,7 @@ class Sample:
 
 @dataclass(frozen=True, slots=True)
 class Peer:
-    """A program, and how it is asked.
+    """A program, and how it is called.
 
     Attributes
     ----------
@@ -182,7 +182,7 @@ def columns(points: ComplexArray) -> FloatArray:
 
 
 def find_peers() -> list[Peer]:
-    """All that are installed."""
+    """The peers that are installed."""
     found: list[Peer] = []
     for package, name, make in (
         ("shapely", "shapely", _of_shapely),
@@ -247,7 +247,7 @@ def _of_fonttools(qu2cu: Any) -> list[Peer]:
         t0, t1 = sample.tangents[:-1], sample.tangents[1:]
         chord = end - start
         cross = (np.conj(t0) * t1).imag
-        # Where the tangents meet; where they are parallel the middle will do.
+        # Where the tangents meet; the middle where they are parallel.
         straight = np.abs(cross) < 1e-9
         reach = (np.conj(chord) * t1).imag / np.where(straight, 1.0, cross)
         within = ~straight & (reach > 0.0) & (reach < np.abs(chord))
@@ -331,7 +331,7 @@ def _of_kurbo(kurbo: Any) -> list[Peer]:
 
 
 class _Occt:
-    """OCCT's calls, and its types."""
+    """The calls and types of OCCT."""
 
     def __init__(self, convert: Any) -> None:
         self.convert = convert
@@ -375,7 +375,7 @@ class _Occt:
         return self.api.Geom2dAPI_PointsToBSpline(points, CUBIC, CUBIC, smooth, tolerance).Curve()
 
     def converted(self, curve: Any, tolerance: float) -> Any:
-        # With C2 it takes the degree 5, whatever it is allowed.
+        # With C2 it uses degree 5, whatever is allowed.
         smooth = self.smooth.GeomAbs_C1
         return self.convert.Geom2dConvert_ApproxCurve(curve, tolerance, smooth, MANY, CUBIC).Curve()
 

@@ -1,12 +1,12 @@
-"""CPU time over the number of segments, here and as of another revision, in turns.
+"""CPU time over the number of segments, here and at another revision, in turns.
 
-Scenes of so many segments are made for each kind:
+Scenes with each number of segments are made of every kind:
 
 - "moves": rises and falls by four laws in turn, without dwells;
 - "dwells": the same with a dwell before each, by one law;
-- "skewed": as "moves", by one law, but each move has an inflection of its own;
-- "fine": segments of 360 degrees by their number with undercut in each, as 3,600 of 0.1 degrees
-  and 0.001 mm have.
+- "skewed": as "moves", by one law, but each move has its own inflection point;
+- "fine": segments of 360 degrees divided by their number, each with undercut, like 3,600 of 0.1
+  degrees and 0.001 mm.
 
 Each measurement is a fresh process. "findings" is the CPU time of loading a scene and all its
 findings, without the import of camgeo; "check" that of the whole command `camgeo check`, with

@@ -1,17 +1,18 @@
-"""The exact steady state of an elastic follower against scipy's integrators at the same error.
+"""The exact steady state of an elastic follower, relative to scipy's integrators at equal error.
 
-The train of one mass has a natural frequency of 40.3 times the speed of the cam (a ratio on which
-no harmonic falls) and the damping given. The exact solution is timed over a whole turn: series of
-the demanded acceleration, modes, steady state. Each integrator of `scipy.integrate.solve_ivp`
-starts in the steady state, which saves it the transient, and runs over the same turn once, piece by
-piece, with the motion called as it needs it; its relative tolerances are tried one after the other,
-and the fastest run counts whose error at ten points of each piece is within what is asked. "bare"
-is what that run takes without its calls of the motion, each counted at its least time: no way of
-giving it the motion could save more. The reference is the exact solution with the finest series,
-whose own estimate is printed.
+The train of one mass has a natural frequency of 40.3 times the speed of the cam (no harmonic
+coincides with this ratio) and the given damping. The exact solution is timed over a whole turn:
+series of the demanded acceleration, modes, steady state. Each integrator of
+`scipy.integrate.solve_ivp` starts in the steady state, which saves it the transient, and runs over
+the same turn once, piece by piece, calling the motion as it needs it; its relative tolerances are
+tried one after the other, and the fastest run counts whose error at ten points of each piece is
+within the limit. "bare" is the time of that run without its calls of the motion, each counted at
+its shortest time: no other way of providing the motion could save more. The reference is the exact
+solution with the finest series, whose own error estimate is printed.
 
-Beside that stands the cost of evaluating the response against evaluating the motion at the same
-points.
+In addition, the cost of evaluating the response is compared with that of evaluating the motion at
+the same points.
+
 
     python benchmarks/vibration.py [--scene plate_translating] [--damping 0.02] [--rounds 15]
 """
