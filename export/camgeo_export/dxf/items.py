@@ -7,6 +7,9 @@ from dataclasses import dataclass
 
 from camgeo_export.errors import FileError, finite
 
+LAYER = "LAYER"
+"""Kind of the records of layers, which are in the tables."""
+
 
 @dataclass(frozen=True, slots=True)
 class Tag:
@@ -30,11 +33,15 @@ class Item:
     @property
     def layer(self) -> str:
         """Its layer, 0 if it names none."""
-        return next((tag.value for tag in self.tags if tag.code == 8), "0")
+        return self.text(8, "0")
 
     def fault(self, message: str) -> FileError:
         """An error that names the entity and its line."""
         return FileError(f"{self.name}, line {self.line}: {self.kind} {message}")
+
+    def text(self, code: int, default: str = "") -> str:
+        """The first value of group `code` as it is written."""
+        return next((tag.value for tag in self.tags if tag.code == code), default)
 
     def number(self, code: int, default: float | None = None) -> float:
         """The first value of group `code`."""
@@ -73,26 +80,30 @@ def tags_of(data: bytes, name: str) -> Iterator[Tag]:
         yield Tag(code, lines[index + 1].strip(), index + 2)
 
 
-def read_items(data: bytes, name: str) -> tuple[dict[str, Tag], list[Item]]:
-    """Header variables, each with its first value, and the entities of the model space."""
+def read_items(data: bytes, name: str) -> tuple[dict[str, Tag], list[Item], list[Item]]:
+    """Header variables, each with its first value, the records of layers, and the entities of the
+    model space.
+    """
     tags = list(tags_of(data, name))
     if not tags or (tags[-1].code, tags[-1].value) != (0, "EOF"):
         raise FileError(f"{name}: not a complete DXF file: no EOF at its end")
     header: dict[str, Tag] = {}
     items: list[Item] = []
+    layers: list[Item] = []
     section = ""
     for index, tag in enumerate(tags):
         if tag.code == 0 and tag.value in ("SECTION", "ENDSEC", "EOF"):
             section = tags[index + 1].value if tag.value == "SECTION" else ""
         elif section == "HEADER" and tag.code == 9:
             header[tag.value] = tags[index + 1]
-        elif section == "ENTITIES" and tag.code == 0:
+        elif tag.code == 0 and (section == "ENTITIES" or tag.value == LAYER):
             end = index + 1
             while tags[end].code != 0:
                 end += 1
-            items.append(Item(name, tag.value, tag.line, tuple(tags[index + 1 : end])))
+            item = Item(name, tag.value, tag.line, tuple(tags[index + 1 : end]))
+            (items if section == "ENTITIES" else layers).append(item)
     model = (item for item in items if item.number(67, 0.0) == 0.0)
-    return header, list(_with_vertices(list(model)))
+    return header, layers, list(_with_vertices(list(model)))
 
 
 def _with_vertices(items: list[Item]) -> Iterator[Item]:

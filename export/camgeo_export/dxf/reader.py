@@ -72,11 +72,13 @@ class Drawing:
     name : of the file, for messages.
     header : the header variables, each with its first value.
     items : the entities of the model space, in the order of the file.
+    layers : the records of the layers.
     """
 
     name: str
     header: dict[str, Tag]
     items: tuple[Item, ...]
+    layers: tuple[Item, ...] = ()
 
     def value(self, variable: str) -> str:
         """The value of a header variable; empty if there is none."""
@@ -137,7 +139,7 @@ class Drawing:
             not form closed contours.
         """
         scale = self.scale(unit)
-        runs = [run for item in self._on(layer, kinds) if (run := _run(item, scale)).pieces]
+        runs = [run for item in self.on(layer, kinds) if (run := _run(item, scale)).pieces]
         if gap is None:
             gap = JOINED * max((abs(run.pieces[0].start) for run in runs), default=0.0)
         chains, largest = _chained([run for run in runs if not run.closed], gap)
@@ -146,8 +148,8 @@ class Drawing:
             raise FileError(f"{self.name}: no contour found; supported are {', '.join(kinds)}")
         return tuple(sorted(map(_contour, found), key=lambda contour: -contour.area)), largest
 
-    def _on(self, layer: str | None, kinds: tuple[str, ...]) -> list[Item]:
-        """The entities of a layer."""
+    def on(self, layer: str | None, kinds: tuple[str, ...] = CURVES) -> list[Item]:
+        """The entities of those `kinds` on a layer; see `joined`."""
         layers = sorted({item.layer for item in self.items})
         if layer is not None and layer not in layers:
             raise FileError(f"{self.name}: has no layer {layer!r}; there are {', '.join(layers)}")
@@ -161,8 +163,8 @@ class Drawing:
 
 def drawing_of(data: bytes, name: str = "the drawing") -> Drawing:
     """The drawing in the file `name`; FileError if it is not DXF, or truncated."""
-    header, items = read_items(data, name)
-    return Drawing(name, header, tuple(items))
+    header, layers, items = read_items(data, name)
+    return Drawing(name, header, tuple(items), tuple(layers))
 
 
 class DxfReader:

@@ -19,11 +19,11 @@ from camgeo.verifying.verification import (
     length_of,
     reported,
 )
-from camgeo.wording import counted
 from camgeo_export.dxf.measure import MEASUREMENT
 from camgeo_export.dxf.reader import Drawing, drawing_of
 from camgeo_export.errors import FileError
 from camgeo_export.matching import AnyContour
+from camgeo_export.verify.entities import contents_check, flat_checks
 from camgeo_export.verify.plane import contour_checks, matched
 from camgeo_export.verify.shapes import Shape, corners_of_contour, shapes_of
 
@@ -32,9 +32,6 @@ HEAD_BYTES = 200_000
 
 OURS = ("CUT", "PITCH_CURVE", "BASE_CIRCLE", "CENTRE")
 """Layers of our drawings; the last three only if auxiliary curves are drawn."""
-
-CURVES = ("LWPOLYLINE", "LINE", "ARC", "CIRCLE", "SPLINE")
-"""Entities of our drawings."""
 
 NAMES = {"4": "mm", "1": "inch"}
 """Names of the units that $INSUNITS states."""
@@ -77,13 +74,15 @@ class DxfVerifier:
             return (failed("file", str(error)),)
         checks = [_unit(drawing, product, reading)]
         if reading.ours:
-            checks.append(_contents(drawing, product))
+            checks.append(contents_check(drawing, _layers(product)))
         layer = "CUT" if reading.ours else reading.layer
         try:
             contours, gap = _contours(drawing, reading, layer, tolerance)
         except CamgeoError as error:
             return (*checks, failed("closure", str(error)))
         checks.append(at_most("closure", gap, tolerance, "mm", note="largest gap between pieces"))
+        items = drawing.items if reading.ours else drawing.on(layer)
+        checks += flat_checks(items, drawing.scale(reading.unit), tolerance)
         shapes = shapes_of(product.drawn.part.boundaries, product.drawn.base_radius, tolerance)
         pairs, count = matched(contours, shapes)
         checks.append(count)
@@ -114,19 +113,12 @@ def _unit(drawing: Drawing, product: Product, reading: Reading) -> Check:
     return equal("unit", name, product.unit, note=f"the scene is in {product.unit}")
 
 
-def _contents(drawing: Drawing, product: Product) -> Check:
-    """Nothing but what our writer draws, and all of its layers."""
-    allowed: tuple[str, ...] = OURS if product.options[FORMAT].auxiliary else OURS[:1]
+def _layers(product: Product) -> tuple[str, ...]:
+    """Those of the drawing that our writer makes."""
+    layers: tuple[str, ...] = OURS if product.options[FORMAT].auxiliary else OURS[:1]
     if not product.drawn.has_pitch_curve:
-        allowed = tuple(name for name in allowed if name != "PITCH_CURVE")
-    for item in drawing.items:
-        if item.layer not in allowed or item.kind not in CURVES:
-            note = f"{item.kind} on layer {item.layer} is not part of the drawing"
-            return failed("contents", note)
-    missing = [name for name in allowed if all(each.layer != name for each in drawing.items)]
-    if missing:
-        return failed("contents", f"nothing on layer {', '.join(missing)}")
-    return Check("contents", "", counted(len(drawing.items), "entity", "entities"), ok=True)
+        layers = tuple(name for name in layers if name != "PITCH_CURVE")
+    return layers
 
 
 def _contours(
