@@ -27,9 +27,11 @@ HASH_DIGITS = 64
 
 
 def about_program(
-    product: Product, machine: Machine, shares: Budget, cuts: Sequence[Cut]
+    product: Product, machine: Machine, shares: Budget, cuts: Sequence[Cut], scene: str
 ) -> list[str]:
-    """Comments on the whole program, in its unit; exact lengths in mm beside it."""
+    """Comments on the whole program, in its unit, with exact lengths in mm beside it; `scene` is
+    the hash of the scene that it names.
+    """
     unit = product.unit
     tools = {cut.tool.number: cut.tool.diameter for cut in cuts}
 
@@ -46,7 +48,7 @@ def about_program(
     parts = (
         f"part {product.name}",
         f"camgeo {product.version}, for {machine.name}",
-        f"scene {product.scene_hash}" if product.scene_hash else "",
+        f"scene {scene}" if scene else "",
         f"unit {unit}, Z 0 on the upper face, origin on the cam axis",
         f"tolerance {tolerance}",
         f"fit within {length(shares.fit)}, printed within {length(shares.rounding)}",

@@ -28,7 +28,8 @@ class GcodeWriter:
         grid = Grid(shares.decimals, MM_PER[product.unit])
         speller = Speller(grid, shares, machine.arcs)
         cuts = [operation.cut for operation in toolpath.operations]
-        lines = commented(about_program(product, machine, shares, cuts), machine.comment)
+        about = about_program(product, machine, shares, cuts, product.scene_hash)
+        lines = commented(about, machine.comment)
         lines += _frame(product, machine, shares)
         tool: Tool | None = None
         for operation in toolpath.operations:

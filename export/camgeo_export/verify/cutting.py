@@ -107,7 +107,7 @@ def _cutters(cuts: Sequence[Cut], stated: Stated) -> Check:
 
 
 def _comments(product: Product, program: Program, stated: Stated, machine: Machine) -> Check:
-    """Those of our own version are the ones that it writes."""
+    """Those of our own version are the ones that it writes; the scene is checked elsewhere."""
     if stated.version != product.version:
         note = "" if stated.version else "they do not name the version of camgeo"
         return Check("comments", "", f"of camgeo {stated.version}", ok=None, note=note)
@@ -116,7 +116,7 @@ def _comments(product: Product, program: Program, stated: Stated, machine: Machi
         assert stated.tolerance is not None
         shares = budget(machine, product.unit, stated.tolerance)
         grid, style = Grid(shares.decimals, MM_PER[product.unit]), machine.comment
-        texts = about_program(product, machine, shares, product.milled.cuts)
+        texts = about_program(product, machine, shares, product.milled.cuts, stated.scene)
         for cut in product.milled.cuts:
             texts += about_operation(cut, grid)
         width = style.line_length - len(style.open) - len(style.close)
