@@ -21,7 +21,7 @@ import camgeo
 from camgeo.cam.cam import Cam
 from camgeo.check.cures.cure import Change, Cure, digits_for, rounded_beyond
 from camgeo.check.cures.laws import Choice, choices, offers_for
-from camgeo.check.cures.margin import flanks_of, is_sound, margin
+from camgeo.check.cures.margin import flanks_of, is_intact, margin
 from camgeo.check.cures.search import NARROW
 from camgeo.check.cures.smallest import cures
 from camgeo.check.cures.spans import STEP, longer_plan
@@ -381,7 +381,7 @@ def test_what_cannot_be_decided_is_reported(monkeypatch: pytest.MonkeyPatch) -> 
         cures((hard("HC20b", r_R=10),))
     # Where curvature alone is at fault nothing is asked; what is not sure to cure is no cure.
     assert not any(cure.works for cure in cures((hard("HC21c"),)))
-    assert not is_sound((hard("HC20b", r_R=10),))
+    assert not is_intact((hard("HC20b", r_R=10),))
 
 
 def test_a_move_between_moves_cannot_grow() -> None:

@@ -50,7 +50,7 @@ def centres(curve: PitchCurve, phi: FloatArray, lift: FloatArray) -> ComplexArra
     return curve.in_cam(relative, phi, relative.along[0], relative.across[0])
 
 
-def sound(curve: PitchCurve, clearance: float) -> None:
+def assume_easy(curve: PitchCurve, clearance: float) -> None:
     """Cams that are no hard cases: speed, transmission angle and curvature leave room."""
     phi = np.linspace(0.0, TURN, 721)
     speed = np.abs(curve.jet(phi)[1])
@@ -68,7 +68,7 @@ def sound(curve: PitchCurve, clearance: float) -> None:
 def test_the_roller_touches_one_flank_and_clears_the_other(
     curve: PitchCurve, press: int, clearance: float
 ) -> None:
-    sound(curve, clearance)
+    assume_easy(curve, clearance)
     phi = np.linspace(0.0, TURN, 41)[:-1]
     at = centres(curve, phi, played(curve, press, clearance).jet(phi)[0])
     radius = curve.follower.roller_radius
@@ -86,7 +86,7 @@ def test_the_roller_touches_one_flank_and_clears_the_other(
 def test_each_derivative_is_that_of_the_one_before(
     curve: PitchCurve, press: int, clearance: float
 ) -> None:
-    sound(curve, clearance)
+    assume_easy(curve, clearance)
     lift = played(curve, press, clearance)
     borders, _ = lift.path.cam_angle_of(lift.parallel.point(curve.borders))
     low, high = cells(np.sort(borders), 6)
@@ -104,7 +104,7 @@ def test_each_derivative_is_that_of_the_one_before(
 @given(curve=mechanisms, press=signs())
 def test_a_small_play_is_what_the_check_reports(curve: PitchCurve, press: int) -> None:
     """To first order in the clearance, with an error that falls as the clearance does."""
-    sound(curve, 1e-3)
+    assume_easy(curve, 1e-3)
     errors = []
     for clearance in (1e-3, 1e-4):
         replay = replay_outline(

@@ -80,7 +80,7 @@ class Cure:
 
 @dataclass(frozen=True, slots=True)
 class Length:
-    """A length that cures, and how it is told.
+    """A length that cures, and how messages show it.
 
     Attributes
     ----------
@@ -129,7 +129,7 @@ def length_cure(
     present = f"{old:.{length.digits}g}"
     cost = abs(limit - old) / scale
     sentence = (
-        f"{knob} {bound}{told(value)} mm instead of {present} mm"
+        f"{knob} {bound}{shown(value)} mm instead of {present} mm"
         f" ({key}, a change by {percent(cost)})"
     )
     return Cure(knob, key, old, value, "mm", cost, sentence, limit=limit)
@@ -160,7 +160,7 @@ def rounded_beyond(value: float, digits: int, *, upward: bool, steps: int = 0) -
     return f"{(rounded + (steps if upward else -steps) * step).normalize():f}"
 
 
-def told(value: float) -> str:
+def shown(value: float) -> str:
     """A rounded length with the digits that it has."""
     return f"{Decimal(repr(value)).normalize():f}"
 

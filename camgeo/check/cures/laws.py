@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 from camgeo.check.cures.cure import Change, Cure, no_cure, percent
 from camgeo.check.cures.discs import Discs, moved, plan_of
-from camgeo.check.cures.margin import Pairs, is_sound, margins_within
+from camgeo.check.cures.margin import Pairs, is_intact, margins_within
 from camgeo.check.cures.moves import (
     angles_of_all,
     dwells_beside,
@@ -59,10 +59,10 @@ def other_law(discs: Discs, pairs: Pairs) -> Cure:
     fitting = _fitting(discs, places)
     if all(fitting.values()):
         first = {number: offers[0] for number, offers in fitting.items()}
-        if is_sound(_with(discs, first)):
+        if is_intact(_with(discs, first)):
             return _cure(plan, first)
         for same in _same_for_all(fitting):
-            if same != first and is_sound(_with(discs, same)):
+            if same != first and is_intact(_with(discs, same)):
                 return _cure(plan, same)
     number = next((each for each, offers in fitting.items() if not offers), places[0])
     move = _move(plan, number)

@@ -84,7 +84,7 @@ def margins_within(discs: Discs, ranges: FloatArray) -> FloatArray | None:
 
 
 def crossings_of(discs: Discs) -> Pairs | None:
-    """The crossings of the flanks in use; sound discs have none, ().
+    """The crossings of the flanks in use; intact discs have none, ().
 
     None if there is worse: no mechanism, a cusp, local undercut, a standstill, a roller that
     reaches over the cam axis, or undecidable crossings.
@@ -105,7 +105,7 @@ def crossings_of(discs: Discs) -> Pairs | None:
         return None
 
 
-def is_sound(discs: Discs) -> bool:
+def is_intact(discs: Discs) -> bool:
     """Whether the discs certainly exist without cusp, undercut, crossing or standstill."""
     return crossings_of(discs) == ()
 

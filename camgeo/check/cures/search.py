@@ -33,11 +33,11 @@ Make = Callable[[float], Discs]
 
 
 def nearest_cure(make: Make, start: float, end: float, scale: float) -> float | None:
-    """The limit nearest to `start` on the way to `end` beyond which the discs are sound.
+    """The limit nearest to `start` on the way to `end` beyond which the discs are intact.
 
     For local undercut it is the root of the margin; for global undercut that of the neck's
-    clearance, or, if there is no such neck, a sound value within `NARROW` of the limit. None if
-    there is none on the way. A value without a mechanism is not sound.
+    clearance, or, if there is no such neck, an intact value within `NARROW` of the limit. None if
+    there is none on the way. A value without a mechanism is not intact.
     """
     away = 1.0 if end > start else -1.0
     before, regular, neck = start, False, None
@@ -68,22 +68,22 @@ def nearest_cure(make: Make, start: float, end: float, scale: float) -> float | 
 
 
 def _last_crossing(make: Make, bad: float, good: float, scale: float, neck: Neck | None) -> float:
-    """The limit of global undercut between a value that has it and one that is sound."""
+    """The limit of global undercut between a value that has it and one that is intact."""
 
     def clearance(value: float) -> float:
         here = None if neck is None else followed(make(value), neck)
         return -1.0 if here is None else here.clearance
 
-    def sound(value: float) -> bool:
+    def intact(value: float) -> bool:
         return _pairs(make, value) == ()
 
     if neck is not None and clearance(bad) < 0.0 < clearance(good):
         limit = root(clearance, bad, good)
-        if sound(limit + np.sign(good - bad) * min(BEYOND * scale, abs(good - limit))):
+        if intact(limit + np.sign(good - bad) * min(BEYOND * scale, abs(good - limit))):
             return limit
     while abs(bad - good) > NARROW * scale:
         middle = 0.5 * (good + bad)
-        if sound(middle):
+        if intact(middle):
             good = middle
         else:
             bad = middle

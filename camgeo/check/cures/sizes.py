@@ -8,7 +8,7 @@ from typing import Any, Final
 
 from camgeo.check.cures.cure import Change, Cure, Length, length_cure, no_cure
 from camgeo.check.cures.discs import Discs, sized
-from camgeo.check.cures.margin import Pairs, bends_of, is_sound
+from camgeo.check.cures.margin import Pairs, bends_of, is_intact
 from camgeo.check.cures.search import BEYOND, Make, nearest_cure
 from camgeo.errors import GeometryError
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
@@ -64,7 +64,7 @@ def roller_radius(discs: Discs, _: Pairs) -> Cure:
     found: list[Cure] = []
     for number in reversed(range(len(discs))):  # the return roller may have the main one's size
         cam, key = discs[number], f"{TABLES[number]}.roller_radius"
-        if is_sound((cam,)):
+        if is_intact((cam,)):
             continue
         old, none = cam.follower.roller_radius, f"no smaller roller radius cures it ({key})"
         bends = bends_of(cam)
@@ -80,7 +80,7 @@ def roller_radius(discs: Discs, _: Pairs) -> Cure:
         alone = partial(_alone, discs, number)
         limit: float | None = regular
         near = regular * (1.0 - BEYOND)
-        if not is_sound(alone(near)):
+        if not is_intact(alone(near)):
             limit = nearest_cure(alone, near, BEYOND * old, old)
         length = _beyond(alone, old, limit)
         cure = length_cure(knob, key, old, length, old, none, "at most ")
@@ -88,7 +88,7 @@ def roller_radius(discs: Discs, _: Pairs) -> Cure:
             return cure
         found.append(cure)
         made = sized(made, number, roller_radius=length.value)
-    return _together(found, sound=is_sound(made)) if len(discs) > 1 else found[0]
+    return _together(found, intact=is_intact(made)) if len(discs) > 1 else found[0]
 
 
 def offset_or_arm(discs: Discs, _: Pairs) -> Cure:
@@ -97,7 +97,7 @@ def offset_or_arm(discs: Discs, _: Pairs) -> Cure:
     In whichever direction the change is smaller. Of a pair whose return disc alone is at fault,
     that of the return roller.
     """
-    number = 1 if len(discs) > 1 and is_sound(discs[:1]) else 0
+    number = 1 if len(discs) > 1 and is_intact(discs[:1]) else 0
     knob, old, low, high, scale = _knob(discs[number].follower)
     none = f"no other {knob} between {low:g} and {high:g} mm cures it"
 
@@ -125,7 +125,7 @@ def _beyond(made: Make, old: float, limit: float | None) -> Length | None:
 
     def cures(value: float) -> bool:
         try:
-            return is_sound(made(value))
+            return is_intact(made(value))
         except GeometryError:
             return False
 
@@ -134,11 +134,11 @@ def _beyond(made: Make, old: float, limit: float | None) -> Length | None:
     return next(filter(None, found), None)
 
 
-def _together(found: list[Cure], *, sound: bool) -> Cure:
-    """The cures of all discs as one, led by the dearest; no cure unless that is `sound`."""
+def _together(found: list[Cure], *, intact: bool) -> Cure:
+    """The cures of all discs as one, led by the most costly; no cure unless that is `intact`."""
     leading = max(found, key=lambda cure: cure.cost or 0.0)
     knob, key, old = leading.knob, leading.key, leading.value_from
-    if not sound:
+    if not intact:
         return no_cure(knob, key, old, "mm", "no smaller roller radii cure both discs")
     others = [cure for cure in found if cure is not leading]
     sentence = " and ".join(cure.sentence for cure in (leading, *others))

@@ -11,7 +11,7 @@ import numpy as np
 
 from camgeo.check.cures.cure import Change, Cure, no_cure, percent
 from camgeo.check.cures.discs import Discs, moved, plan_of
-from camgeo.check.cures.margin import Pairs, is_sound, margins_within
+from camgeo.check.cures.margin import Pairs, is_intact, margins_within
 from camgeo.check.cures.moves import (
     angles_of_all,
     degrees,
@@ -61,7 +61,7 @@ def longer_segment(discs: Discs, pairs: Pairs) -> Cure:
     longer = longer_plan(plan, spans)
     if longer is None:
         return _too_short(plan, places[0])
-    if not is_sound(moved(discs, longer)):
+    if not is_intact(moved(discs, longer)):
         grown = _grown(discs, spans)
         if grown is None:
             return _too_short(plan, places[0])
@@ -139,19 +139,19 @@ def _local_limits(discs: Discs, places: Sequence[int]) -> list[Decimal | None]:
 
     start = np.array([float(span) for span in spans])
     tries = [steps(low, float(end), low) for low, end in zip(start.tolist(), most, strict=True)]
-    sound = least(start, np.arange(len(places))) > CUSP
+    intact = least(start, np.arange(len(places))) > CUSP
     limits: list[Decimal | None] = [
-        span if whole else None for span, whole in zip(spans, sound, strict=True)
+        span if whole else None for span, whole in zip(spans, intact, strict=True)
     ]
     before, after = start.copy(), start.copy()
-    left, number = np.flatnonzero(~sound), 0
+    left, number = np.flatnonzero(~intact), 0
     while len(left := left[[number < len(tries[k]) for k in left]]):
         after[left] = [tries[k][number] for k in left]
         good = least(after[left], left) > CUSP
-        sound[left[good]] = True
+        intact[left[good]] = True
         left, number = left[~good], number + 1
         before[left] = after[left]
-    found = np.flatnonzero(sound & (after > before))
+    found = np.flatnonzero(intact & (after > before))
     roots = indexed_roots(lambda x, which: least(x, found[which]), before[found], after[found])
     for k, root in zip(found, roots.tolist(), strict=True):
         beyond = _rounded_up(root)
@@ -217,7 +217,7 @@ def _grown(discs: Discs, spans: dict[int, Decimal]) -> dict[int, Decimal] | None
         return None
     grown = {number: _rounded_up(float(span) * (1.0 + limit)) for number, span in spans.items()}
     longer = longer_plan(plan_of(discs), grown)
-    return grown if longer is not None and is_sound(moved(discs, longer)) else None
+    return grown if longer is not None and is_intact(moved(discs, longer)) else None
 
 
 def _rounded_up(span: float) -> Decimal:
