@@ -1,4 +1,4 @@
-"""Copies of the package, to which a test adds what is new."""
+"""Copies of the package, to which a test adds something new."""
 
 from __future__ import annotations
 

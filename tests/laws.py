@@ -1,4 +1,4 @@
-"""Laws that many tests move by."""
+"""Laws of motion that many tests use."""
 
 from __future__ import annotations
 

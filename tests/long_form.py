@@ -1,4 +1,4 @@
-"""The usual form of the tests, and the long one: `CAMGEO_LONG=1` draws and sweeps all there is."""
+"""The usual and the long form of the tests; `CAMGEO_LONG=1` runs all examples and sweeps."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Measures of our own for tests: exact distances from lines and arcs, dense points of both.
+"""Independent measures for tests: exact distances from lines and arcs, dense points of both.
 
 Nothing of the code under test is used here.
 """

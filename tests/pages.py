@@ -1,4 +1,4 @@
-"""The scripts in docs that write a page, as modules for the tests of what they write."""
+"""The scripts in docs that write pages, as modules for the tests of these pages."""
 
 from __future__ import annotations
 

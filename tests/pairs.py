@@ -1,4 +1,4 @@
-"""Conjugate pairs for tests, and where their rollers are by formulas of our own.
+"""Conjugate pairs for tests, with the positions of their rollers by independent formulas.
 
 The follower is one rigid body: the place of the return roller follows from the place of the main
 one and from the dimensions of the scene, by nothing of the code under test.

@@ -1,4 +1,4 @@
-"""docs/laws.md says what the laws are: its tables, its formulas and its scenes hold."""
+"""docs/laws.md describes the laws correctly: its tables, formulas and scenes are tested."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""docs/opticurv.md has what its script computes, and the program carried over is the right one."""
+"""docs/opticurv.md has what its script computes, with a faithful port of the program."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The numerically hard cases, each by its name in the reference.
+"""The numerically hard cases, each under its name in the reference.
 
 Values are read from `fixtures/reference/hard_cases.json`; an expectation in words stands next to
 the assertion that tests it. Unless stated otherwise a value is met to 1e-12 of its size. The last

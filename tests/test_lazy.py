@@ -1,4 +1,4 @@
-"""Lazy quantities: at most once, each entered with why it ran and how long."""
+"""Lazy quantities: computed at most once, and recorded with the reason and the duration."""
 
 from __future__ import annotations
 

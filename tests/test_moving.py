@@ -1,4 +1,4 @@
-"""A scene without a follower: a motion, its table and picture, and what says that it needs more."""
+"""A scene without a follower: a motion, its table and picture, and refusals of all else."""
 
 from __future__ import annotations
 

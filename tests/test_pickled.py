@@ -1,4 +1,4 @@
-"""Data that travel as what they were made of: checks, read-only arrays and the version hold."""
+"""Pickled data hold what they were made from: checks, read-only arrays and the version apply."""
 
 from __future__ import annotations
 

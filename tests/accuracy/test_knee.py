@@ -1,4 +1,4 @@
-"""The knee: where machining time, decimals, ripple or size end what accuracy is for."""
+"""The knee: where machining time, decimals, ripple or size end the benefit of accuracy."""
 
 from __future__ import annotations
 

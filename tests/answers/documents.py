@@ -1,4 +1,4 @@
-"""JSON documents of answers, held against their schemas."""
+"""JSON documents of answers, validated against their schemas."""
 
 from __future__ import annotations
 

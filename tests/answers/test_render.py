@@ -1,4 +1,4 @@
-"""Documents are read off answers by their schemas."""
+"""Schemas determine how documents are made from answers."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The scenes that sizing is tested with, and what they require."""
+"""The scenes for the tests of sizing, and their requirements."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The smallest cures: at each limit the finding is about to go; nothing is turned farther."""
+"""The smallest cures: at each limit the finding is about to vanish; no change goes farther."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Form closure and closing error: against dense values, and against discs that are off."""
+"""Form closure and closing error, compared with dense values and with inexact discs."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The play of a groove with side clearance: flanks, undercut, cure, and what it is as lift."""
+"""The play of a groove with side clearance: flanks, undercut, cure, and its effect on the lift."""
 
 from __future__ import annotations
 

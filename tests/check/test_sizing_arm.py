@@ -1,4 +1,4 @@
-"""The arm within a range: what scales, no better one nearby, and what is refused."""
+"""The arm within a range: scaling, no better one nearby, refusals."""
 
 from __future__ import annotations
 

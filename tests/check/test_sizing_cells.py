@@ -1,4 +1,4 @@
-"""Cells of places: what is excluded breaks a condition everywhere, and nothing else decides."""
+"""Cells of places: excluded ones break a condition everywhere, and nothing else decides."""
 
 from __future__ import annotations
 

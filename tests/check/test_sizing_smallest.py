@@ -1,4 +1,4 @@
-"""The smallest base circle, by perturbing it, and what cannot be met."""
+"""The smallest base circle, by perturbing it, and conditions that cannot be met."""
 
 from __future__ import annotations
 

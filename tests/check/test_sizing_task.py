@@ -1,4 +1,4 @@
-"""What the conditions of sizing are made of, against the pitch curve itself."""
+"""The terms of the conditions of sizing, compared with the pitch curve itself."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`camgeo explain`: what ran, for whom, how long, and what was left alone."""
+"""`camgeo explain`: what was computed, for what, how long it took, and what was not."""
 
 from __future__ import annotations
 

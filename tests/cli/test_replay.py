@@ -1,4 +1,4 @@
-"""`camgeo replay`: on the real outline, on a drawing, on a table of vertices."""
+"""`camgeo replay` on the real outline, on a drawing and on a table of vertices."""
 
 from __future__ import annotations
 

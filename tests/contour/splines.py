@@ -1,4 +1,4 @@
-"""Measures of our own for spline contours: scipy's B-splines, dense points, tangents at joints."""
+"""Independent measures of spline contours: scipy's B-splines, dense points, tangents at joints."""
 
 from __future__ import annotations
 

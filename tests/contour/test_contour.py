@@ -1,4 +1,4 @@
-"""A contour's own measures against figures known by hand, and against dense polygons."""
+"""A contour's own measures, compared with figures computed by hand and with dense polygons."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Outlines of lines and arcs by nature: their chords, and the proof, attacked in the same way."""
+"""Outlines that are exactly lines and arcs: their chords, and the proof, which is attacked too."""
 
 from __future__ import annotations
 

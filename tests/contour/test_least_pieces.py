@@ -1,4 +1,4 @@
-"""The fewest pieces there can be: closed forms, and integrals over points of the curve."""
+"""The least possible number of pieces: closed forms, and integrals over points of the curve."""
 
 from __future__ import annotations
 

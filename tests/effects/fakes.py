@@ -1,4 +1,4 @@
-"""Effects made up for a test: a declaration names what computes it, so that stands here by name."""
+"""Effects made up for tests. Declarations name the function that computes them, which is here."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Balance of the disc: closed forms, invariants, the solid of the writers, and holes put in."""
+"""Balance of the disc: closed forms, invariants, the solid of the writers, and added holes."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The graph of effects: each at most once, with what it needs and uses, rings refused."""
+"""The graph of effects: each runs at most once, with its inputs; cycles are refused."""
 
 from __future__ import annotations
 

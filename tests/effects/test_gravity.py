@@ -1,4 +1,4 @@
-"""Gravity: weights by hand, potential energy against force, and no work over a turn."""
+"""Gravity: weights by hand, potential energy compared with force, and no work over a turn."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Inertia: Newton for single masses, energy for linkages, and bodies that are worth each other."""
+"""Inertia: Newton for single masses, energy for linkages, and equivalent bodies."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What no one calls for is neither computed nor imported, and changes no byte of the geometry."""
+"""What is not requested is neither computed nor imported, and changes no byte of the geometry."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which effects there are: those of camgeo by their modules, others by entry points."""
+"""The known effects: camgeo's by their modules, others by entry points."""
 
 from __future__ import annotations
 

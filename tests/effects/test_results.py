@@ -1,4 +1,4 @@
-"""What effects ask of each other: the type checker holds it against those that give it."""
+"""What effects use of each other: the type checker compares both sides."""
 
 from __future__ import annotations
 

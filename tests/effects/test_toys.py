@@ -1,4 +1,4 @@
-"""A new effect, in another distribution or in camgeo itself: what it takes, from scene to files."""
+"""A new effect, in another distribution or in camgeo itself, from scene to files."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A fixture scene built by the command line, and what its part should be, computed anew."""
+"""A fixture scene built by the command line, and its part, computed independently."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Damage done on purpose to files that camgeo wrote: what a slip, an editor or a converter does."""
+"""Deliberate damage to files of camgeo, as by a slip, an editor or a converter."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Areas, lengths and dense points of the exact flanks, by none of the fitting code.
+"""Areas, lengths and dense points of the exact flanks, without any of the fitting code.
 
 Everything comes from the pitch curve's derivatives by textbook formulas: Gauss-Legendre over each
 smooth piece, Green's theorem for the area. What is left of a flank that undercuts is found by

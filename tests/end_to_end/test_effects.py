@@ -1,4 +1,4 @@
-"""Scenes that name effects, by the commands a user runs; the tables are read back and measured."""
+"""Scenes with effects, by the commands of a user; the tables are read back and measured."""
 
 from __future__ import annotations
 

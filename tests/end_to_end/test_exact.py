@@ -1,4 +1,4 @@
-"""The truth that files are measured against: nothing of it is nearer to the roller than it may."""
+"""The reference for measuring files: no part of it is closer to the roller than it may be."""
 
 from __future__ import annotations
 

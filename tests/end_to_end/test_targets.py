@@ -1,4 +1,4 @@
-"""The number of pieces on all fixture cams, held against the limits for small tolerances."""
+"""The number of pieces on all fixture cams, compared with the limits for small tolerances."""
 
 from __future__ import annotations
 

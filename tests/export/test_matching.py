@@ -1,4 +1,4 @@
-"""Which contour of a file is which boundary: by size, and by place where sizes are alike."""
+"""Which contour of a file is which boundary: by size, and by place where sizes are equal."""
 
 from __future__ import annotations
 

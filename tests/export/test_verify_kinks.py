@@ -1,4 +1,4 @@
-"""Kinks of written contours: what the exact outline's own bend excuses, and what it does not."""
+"""Kinks of written contours: those explained by the exact outline's bend, and others."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Every group of the entities of our drawings changed in turn: verify tells."""
+"""Every group of the entities of our drawings is changed in turn, and verify reports it."""
 
 from __future__ import annotations
 

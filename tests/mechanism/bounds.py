@@ -1,4 +1,4 @@
-"""Bounds of a motion held against its values, for the tests of every linkage."""
+"""Bounds of a motion compared with its values, for the tests of every linkage."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Way of the far end of a linkage a unit of the follower's, and where there is none."""
+"""Travel of the far end of a linkage per unit of the follower's, and where there is none."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A new kind of follower or linkage is new files and a line of the registry, from scene to file."""
+"""A new kind of follower or linkage takes new files and a line of the registry, nothing else."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Every class of the engine that takes numbers refuses what is none, at its own door."""
+"""Every class of the engine that takes numbers refuses other values on entry."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""lambda at which both parts of a law are equally hard: VDI 2143-1, sections 6.2, 6.6 and 6.8."""
+"""lambda with equal peaks of both parts of a law: VDI 2143-1, sections 6.2, 6.6 and 6.8."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Tables of lift: what is read, what is refused with file and line, and the spline through them."""
+"""Lift tables: what is read, refusals with file and line, and the spline through them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A law of one new file and one line is known to the scene, the commands, `auto` and pickles."""
+"""A law in one new file and one line is known to the scene, the commands, `auto` and pickles."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The inverse relations: lambda from a wanted acceleration, c from C_v or C_a, and what refuses."""
+"""The inverse relations: lambda for a given acceleration, c for C_v or C_a, and refusals."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Integrals over smooth pieces against known ones, and whether their error estimate holds."""
+"""Integrals over smooth pieces compared with known ones, and their error estimates."""
 
 from __future__ import annotations
 

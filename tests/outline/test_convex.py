@@ -1,4 +1,4 @@
-"""Whether a flat face can touch a cam: exact extremes, and what they say of the outline."""
+"""Whether a flat face can touch a cam: exact extremes, and what they imply for the outline."""
 
 from __future__ import annotations
 

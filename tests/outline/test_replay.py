@@ -1,4 +1,4 @@
-"""Replay: the roller on contours and outlines, against cams whose motion is known otherwise."""
+"""Replay: the roller on contours and outlines of cams whose motion is known independently."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the classes of a part refuse beyond what tests/mechanism/test_values.py tries on all."""
+"""Refusals of the classes of a part, beyond those that tests/mechanism/test_values.py covers."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What pictures show of a flat face: where it is at cam angle 0."""
+"""The sketch of a flat face: its position at cam angle 0."""
 
 from __future__ import annotations
 

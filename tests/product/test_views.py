@@ -1,4 +1,4 @@
-"""Views of a design: each small, each computed for its reader alone."""
+"""Views of a design: small, and each computed only for its reader."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Scenes for the tests of the loader: one that is right, and ways to spoil it."""
+"""Scenes for the tests of the loader: valid ones, and ways to make them invalid."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Tables of effects: converted once, and held against what each effect needs."""
+"""Tables of effects: converted once, and checked for what each effect needs."""
 
 from __future__ import annotations
 

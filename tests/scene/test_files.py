@@ -1,4 +1,4 @@
-"""Files that are no scene at all, and where a scene came from."""
+"""Files that are not scenes, and the origin of a scene."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The hash of a scene's text, which files of before name, is of all it says but of its effects."""
+"""The hash of a scene's text, which earlier files name, covers everything except effects."""
 
 from __future__ import annotations
 

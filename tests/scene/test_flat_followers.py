@@ -1,4 +1,4 @@
-"""Flat-faced followers in scenes: what is theirs, what belongs to rollers, and linkages."""
+"""Flat-faced followers in scenes: their own keys, those of rollers only, and linkages."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Two hashes of a scene: of all that it says, and of what decides the bytes of files."""
+"""Two hashes of a scene: of all its values, and of those that determine the bytes of files."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What holds for any scene: it loads, or SceneError says why not."""
+"""What holds for any scene: it loads, or SceneError states why not."""
 
 from __future__ import annotations
 

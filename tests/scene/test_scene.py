@@ -1,4 +1,4 @@
-"""A scene is data: made of values, read only, edited into another one, copied and pickled."""
+"""A scene is data: made from values, read-only, edited into another one, copied and pickled."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A scene as TOML: what it says, and the comments and the order of the text it came from."""
+"""A scene as TOML: its values, with the comments and the order of its original text."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The suite's quick run, made once for all tests of what it finds; they are one group."""
+"""The suite's quick run, made once for all tests of its results, which form one group."""
 
 from __future__ import annotations
 

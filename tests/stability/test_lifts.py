@@ -1,4 +1,4 @@
-"""The textbook lifts of the suite against the oracle of the motion laws, written on its own."""
+"""The textbook lifts of the suite, compared with the independent oracle of the motion laws."""
 
 from __future__ import annotations
 

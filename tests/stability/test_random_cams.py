@@ -1,4 +1,4 @@
-"""Cams that the suite does not know: no digits are lost there either."""
+"""Cams that are not in the suite: no digits are lost there either."""
 
 from __future__ import annotations
 

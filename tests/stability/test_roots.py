@@ -1,4 +1,4 @@
-"""Exact roots are kept by their guesses."""
+"""Exact roots are cached by their initial guesses."""
 
 from __future__ import annotations
 

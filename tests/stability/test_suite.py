@@ -1,4 +1,4 @@
-"""The suite: every case is as good as doubles allow, and a bad algorithm is seen."""
+"""The suite: every case is as accurate as doubles allow, and a bad algorithm is detected."""
 
 from __future__ import annotations
 

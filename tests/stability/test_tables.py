@@ -1,4 +1,4 @@
-"""The exact splines of the suite against what they are defined by, and against scipy's."""
+"""The exact splines of the suite, compared with their definition and with scipy's."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is no disc, or lacks what a format needs, is written by no door."""
+"""A scene without a disc, or without what a format needs, cannot be written in any way."""
 
 from __future__ import annotations
 

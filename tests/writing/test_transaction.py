@@ -1,4 +1,4 @@
-"""A set of files is written whole or not at all."""
+"""A set of files is written completely or not at all."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Numbers of straight pieces: one ladder for all tolerances, layouts that do not look at these."""
+"""Numbers of straight pieces: one ladder for all tolerances, of which layouts are independent."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Fits of cubic splines: within tolerance, C2 and tangent, near the fewest cubics there can be."""
+"""Fits of cubic splines: within tolerance, C2 and tangent, near the fewest possible cubics."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Splines as lines and arcs: near by the proved bound, against dense points and scipy."""
+"""Splines as lines and arcs: within the proved bound, compared with dense points and scipy."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The proof of a contour is attacked: it must see every damage, or refuse the contour."""
+"""The proof of a contour is attacked: it must detect all damage, or refuse the contour."""
 
 from __future__ import annotations
 

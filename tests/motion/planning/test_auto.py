@@ -1,4 +1,4 @@
-"""law = "auto" against a choice made anew from all laws that the registry has."""
+"""law = "auto" compared with an independent choice from all laws of the registry."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What holds of every plan, whatever is asked: drawn at random."""
+"""What holds for every plan, whatever is requested: drawn at random."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Turns that the laws beside them decide: how sharp they are, and that no jump is left."""
+"""Turns determined by their neighbouring laws: how sharp they are, and that no jump remains."""
 
 from __future__ import annotations
 
