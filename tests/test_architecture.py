@@ -354,7 +354,7 @@ def test_a_build_imports_no_library_of_verification(tmp_path: Path) -> None:
     assert loaded & FORMAT_LIBRARIES == {"ezdxf", "manifold3d"}
 
 
-# -- the rules find what they are for ------------------------------------------------------------
+# -- the rules find violations ---------------------------------------------------------------------
 
 SOUND = {
     "__init__.py": "from camgeo.design import Design\n",

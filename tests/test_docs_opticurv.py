@@ -28,7 +28,7 @@ def test_the_page_is_made_by_its_script() -> None:
 
 @pytest.mark.parametrize("name", EXAMPLES)
 def test_the_program_with_its_faults_mended_agrees_with_camgeo(name: str) -> None:
-    """So the port is the program, and the faults are all there are but for mue."""
+    """So the port is the program, and the faults are all there are except for mue."""
     found, true = PAGE.opticurv(PAGE.numbers_of(name), ()), PAGE.right(name)
     assert tuple(found) == tuple(true)
     for column, values in true.items():
@@ -58,7 +58,7 @@ def test_the_errors_of_the_working_curves_are_the_published_ones(name: str) -> N
 def test_mue_of_the_program_is_90_degrees_in_a_dwell() -> None:
     columns = PAGE.opticurv(PAGE.numbers_of("setzhub"))
     first = columns["phi"] < 110.0
-    # arccos of a cosine that is 1 but for some roundings.
+    # arccos of a cosine that is 1 except for some roundings.
     assert abs(columns["mue"][first] - 90.0).max() < np.degrees(np.sqrt(32.0 * 2.0**-52))
 
 

@@ -227,7 +227,7 @@ def found(curve: PitchCurve, phi: FloatArray) -> dict[str, Any]:
 
 
 def finite_or_refused(quantity: Callable[[], Any], words: str = "") -> None:
-    """Ask for a quantity: all of it is finite, or an error says why there is none."""
+    """Request a quantity: all of it is finite, or an error states why there is none."""
     try:
         values = quantity()
     except GeometryError as error:
@@ -934,7 +934,7 @@ def test_hc05_dead_centres_in_the_middle_of_the_stroke(crank: float) -> None:
     linkage = SliderCrank(crank, coupler, math.radians(30.0), False, 1, -1, 1)
     middle = linkage.start_position
     assert linkage.guide_height == pytest.approx(coupler - crank, rel=4.0 * EPS)
-    motion = linkage_motion(linkage, 2.0 * middle)  # closes but for rounding
+    motion = linkage_motion(linkage, 2.0 * middle)  # closes except for rounding
     (fatal,) = (f for f in check_linkage(motion) if f.name == "dead-centre")
     assert fatal.severity == "no-disc"
     assert_finite([fatal])

@@ -49,7 +49,7 @@ class Owner:
 
     @lazy
     def base(self) -> int:
-        """What the others stand on."""
+        """What the others are based on."""
         self.spend("base", 8.0)
         if self.broken:
             raise ValueError("no base")

@@ -142,7 +142,7 @@ class Spline(Pickled):
         """How far s goes, inside a piece, beyond both its values at the ends of the piece.
 
         The largest such distance, negative below them, and where it is; 0 where s stays between.
-        Exact but for rounding.
+        Exact except for rounding.
         """
         pieces, places = self._turning_points(0)
         values = _each(self.taylor[pieces], places)

@@ -90,8 +90,8 @@ def piecewise_extremes(
     edges : (m + 1,) ascending, m >= 1.
 
     At the edges both one-sided values count. Inside, turning points of a grid are refined until the
-    value is exact but for rounding; two of them within a thirty-second of a piece can be missed.
-    Where an edge has the extreme value but for rounding, the edge is the place: near a flat top
+    value is exact except for rounding; two of them within a thirty-second of a piece can be missed.
+    Where an edge has the extreme value except for rounding, the edge is the place: near a flat top
     many arguments have that value.
     """
     inside = grid_of(edges)

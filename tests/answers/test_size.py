@@ -26,7 +26,7 @@ SETZHUB = FIXTURES / "scenes" / "setzhub.toml"
 
 @cache
 def with_arm() -> CamSize:
-    """One whose arm was looked for."""
+    """A sizing whose arm was sought."""
     return size(Design(load_scene(SETZHUB)), arms=(40.0, 60.0))
 
 

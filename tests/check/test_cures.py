@@ -235,7 +235,7 @@ def test_another_law_cures_and_none_does_it_for_less(name: str) -> None:
     changed = [change.key for change in cure.also]
     for offer in offers_for(cam.drive.plan, number, Choice.of(move.law), choices()):
         if changed or (cure.cost is not None and offer.growth >= cure.cost):
-            continue  # several moves at once are another matter
+            continue  # not where several moves change at once
         segments = list(cam.drive.plan.segments)
         segments[number] = replace(move, law=offer.law)
         assert not is_good(cam.moved(MotionPlan(tuple(segments)))), offer.law.name

@@ -1,6 +1,6 @@
 """Extremes of the cams of the reference and of the thesis, and where they are.
 
-Values of the reference's own cams are held to 1e-12 of themselves, places to 1e-12 of the turn; the
+Values of the reference's own cams are held to 1e-12 of their size, places to 1e-12 of the turn; the
 thesis's are given with fewer digits, and hard cases may be flat extremes, whose place the small
 second derivative divides.
 """

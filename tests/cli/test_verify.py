@@ -141,7 +141,7 @@ def test_tolerance_of_the_person_counts(folder: Path, capsys: pytest.CaptureFixt
 
 
 def test_changed_bytes_of_a_table(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """What is not measured is held against its certificate all the same."""
+    """What is not measured is compared with its certificate nevertheless."""
     table = folder / "vorschub.csv"
     table.write_bytes(table.read_bytes().replace(b"7", b"8", 1))
     assert main(["verify", str(folder), "--scene", str(SCENE)]) == 1

@@ -147,7 +147,7 @@ def test_a_constant_load_takes_its_peak_where_the_velocity_does() -> None:
     result = drive(subject, DefinedForce(subject, (spring(subject, 300.0, 0.0),)))
     rise = 4.0 * math.pi / (4.0 + math.pi) * 20.0 / math.radians(100.0)
     found = finding(result, "largest-torque")
-    # The extreme is sought by golden section: its value is exact but for rounding.
+    # The extreme is sought by golden section: its value is exact except for rounding.
     assert found.value == pytest.approx(300.0 * rise / 1000.0, rel=1e-13)
     # A parabola is flat to rounding within the square root of eps of its top.
     assert found.cam_angle == pytest.approx(math.radians(80.0), abs=1e-6)

@@ -1,4 +1,4 @@
-"""Effects of flat-faced followers, held against vectors in the fixed frame.
+"""Effects of flat-faced followers, compared with vectors in the fixed frame.
 
 Places are those of the outline alone; its normal, the turning of the rocker and all velocities are
 differences of them. The forces on the follower are solved for by Newton's law with all reactions.

@@ -1,4 +1,4 @@
-"""Effects together, held against mechanics that is written down a second time.
+"""Effects together, compared with an independent formulation of the mechanics.
 
 Energies come from places and lengths alone, their rates from differences of them; losses from the
 velocities of bodies in the fixed frame; forces from Newton's law with the reactions of the guide
@@ -656,7 +656,7 @@ def test_a_heavy_flywheel_runs_at_the_speed_whose_mean_torque_is_the_motors() ->
 
 
 def test_a_stiff_train_bends_by_its_own_acceleration() -> None:
-    """x - s = -a / w^2 but for what goes with 1 / w^3: jerks, damping, and their transients.
+    """x - s = -a / w^2 except for what goes with 1 / w^3: jerks, damping, and their transients.
 
     A jump of the acceleration's rate j leaves a vibration of j / w^3, which has died down by
     exp(-z w T) when it comes again after a turn; the damper adds 2 z j / w^3.

@@ -111,7 +111,7 @@ def test_a_stiff_motor_keeps_the_speed(plate: Design, stall: float) -> None:
 
 
 def test_energy_is_kept_by_a_weak_motor(plate: Design) -> None:
-    """(J + M q'^2) omega^2 / 2 + V = const but for the work of the motor, without friction."""
+    """(J + M q'^2) omega^2 / 2 + V = const except for the work of the motor, without friction."""
     mass, moment, stall = 2e-3, 40.0, 1e-2
     forces = (inertia(plate, mass), spring(plate, 90.0, 4.0))
     result = steady(plate, drive(plate, DefinedForce(plate, forces)), moment, stall, 1e-8)

@@ -142,7 +142,7 @@ def test_with_a_speed_curve_the_steady_state_is_that_of_an_integrator() -> None:
 
 
 def test_a_stiff_train_follows_to_the_second_power() -> None:
-    """Its error is y'' / w^2 but for the vibration, which the damping has taken in mid-move."""
+    """Its error is y'' / w^2 except for the vibration, which the damping has taken in mid-move."""
     phi = np.radians([75.0, 220.0])
     made_ = made("plate_translating", "natural_frequency = 1000\ndamping = 0.3")
     off = []

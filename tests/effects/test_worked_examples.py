@@ -334,7 +334,7 @@ stall_torque = 20
 def test_life_of_a_roller_bearing() -> None:
     """The rating that is needed is known to half a unit: so much more or less is too much or
     little. The roller turns as fast as the cam, whose flank is as large, under a load that stays
-    the same but for the pressure angle of a lift of 1 micrometre, a share of 1e-5 in the flank.
+    the same except for the pressure angle of a lift of 1 micrometre, a share of 1e-5 in the flank.
     """
     case = example("bearing_life")
     motion = move("inclined-sine", 180.0, 0.001) + move("inclined-sine", 180.0, 0.0)

@@ -36,7 +36,7 @@ DENSE = 60_001
 
 
 def body_of(design: Design) -> Lever | Carriage:
-    """The rigid follower by the dimensions that stand in the scene file."""
+    """The rigid follower by the dimensions in the scene file."""
     if isinstance(design.cam.follower, OscillatingRoller):
         return lever_of(design.cam.follower, math.radians(84.0), 70.0)
     assert isinstance(design.cam.follower, TranslatingRoller)

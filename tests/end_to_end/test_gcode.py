@@ -102,7 +102,7 @@ def test_paths_lie_on_the_exact_offsets(built: Built, program: Program) -> None:
         loops = [outline(moves[1:-1]) for moves in passes]  # without lead-in and lead-out
         for loop in loops:
             assert abs(loop.starts[0] - loop.ends[-1]) <= GAP
-            assert np.array_equal(loop.starts, loops[0].starts)  # all passes alike
+            assert np.array_equal(loop.starts, loops[0].starts)  # all passes equally
         there = loops[0].distances(points[:: DENSE // POINTS])
         back = path.distances(loops[0].dense(POINTS))
         worst = max(worst, float(np.max(there)), float(np.max(back)))

@@ -91,7 +91,7 @@ def _verify(design: Design, folder: Path, tolerance: float, report: Report) -> N
 
 
 def _against(found: Against, _folder: Path, _hash: str) -> Against:
-    """The scene at hand, wherever it is looked for."""
+    """The scene, wherever it is searched for."""
     return found
 
 

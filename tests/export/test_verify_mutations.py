@@ -141,7 +141,7 @@ def test_what_is_told_of_a_program(old: str, new: str, check: str, said: str) ->
 
 
 def test_programs_of_other_versions_are_read() -> None:
-    """Comments of before gave the diameter and the tolerance of an inch program in mm alone."""
+    """Earlier comments gave the diameter and the tolerance of an inch program in mm alone."""
     product = StubProduct(unit="inch")
     text = GCODE.write(product, TOLERANCE).data.decode()
     assert "(tolerance 0.000393701 inch, 0.01 mm)" in text

@@ -129,7 +129,7 @@ NEVER: tuple[Any, ...] = (
     "5", "", b"5", True, False, [1.0], (1.0,), {}, object, np.array([1.0, 2.0]), Decimal("NaN"),
     complex(math.nan, 0.0), complex(0.0, math.inf), complex(1e308, 0.0), int, len,
 )  # fmt: skip
-"""What no number, point, sense, text or part of a mechanism is, but for what `allowed` says."""
+"""What no number, point, sense, text or part of a mechanism is, except for what `allowed` says."""
 
 SMALL = (-1.0, -5, -1e-3, -5e-324, 5e-324, 2.2250738585072014e-308, 1e-300, 1e-31, -1e30)
 """What no length above 0 is."""

@@ -1,7 +1,7 @@
 """Splines through points and near them.
 
 Named peer of the periodic interpolant: scipy.interpolate.make_interp_spline. The nodal values of
-all kinds are held against the same energy minimised in eighty digits.
+all kinds are compared with the same energy minimised in eighty digits.
 """
 
 from __future__ import annotations

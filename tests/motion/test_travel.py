@@ -54,7 +54,7 @@ def bits(law: Law) -> list[bytes]:
 
 
 def arrays_of(value: Any) -> list[FloatArray]:
-    """The arrays that stand in an object of ours."""
+    """The arrays in an object of camgeo."""
     names = [name for each in type(value).__mro__ for name in getattr(each, "__slots__", ())]
     held = [getattr(value, name) for name in (*names, *getattr(value, "__dict__", ()))]
     return [each for each in held if isinstance(each, np.ndarray)]

@@ -34,7 +34,7 @@ def test_the_residual_of_a_cycloidal_rise_is_the_closed_form() -> None:
         exact = np.array([float(closed_cycloidal(float(ratio))) for ratio in RATIOS])
     got = shock_spectrum(make_law("cycloidal"), RATIOS)
     assert got == pytest.approx(exact, rel=0.0, abs=1e-14)
-    # The residual falls with r^-3. Its pieces, of r^-2, cancel but for the rounding of their
+    # The residual falls with r^-3. Its pieces, of r^-2, cancel except for the rounding of their
     # phases, 2 pi r, so that it is known to r^-1.
     assert np.max(np.abs(got - exact) * RATIOS) <= 16.0 * 2.0**-52
     assert shock_spectrum(make_law("cycloidal"), np.ones(1))[0] == pytest.approx(0.5, abs=1e-14)

@@ -111,7 +111,7 @@ def test_lengths_are_in_the_unit_of_the_scene() -> None:
 
 
 def test_behind_a_linkage_both_rollers_move_with_the_crank() -> None:
-    """The lever is placed by the slider-crank's angle, its rollers by formulas of our own."""
+    """The lever is placed by the slider-crank's angle, its rollers by independent formulas."""
     text = SETZHUB.replace("[linkage]", "[follower.return]\narm_angle = -95\narm = 60\n\n[linkage]")
     design = Design(parse_scene(text))
     follower, (_, other) = design.cam.follower, design.discs

@@ -43,7 +43,7 @@ def test_hc04_a_tiny_crank() -> None:
 
 @pytest.mark.parametrize("beta", ["0.5", "0.999", "1", "1.001", "3"])
 def test_the_angle_has_the_lever_s_direction_and_no_jumps(beta: str) -> None:
-    """phi = atan2(R sin theta, a - R cos theta) but for whole turns, at steps of a tenth."""
+    """phi = atan2(R sin theta, a - R cos theta) except for whole turns, at steps of a tenth."""
     with mp.workdps(DIGITS):
         distance = mpf(beta)
         before: Any = None

@@ -78,7 +78,7 @@ def test_no_tolerance(tolerance: float, tmp_path: Path) -> None:
 def test_file_that_is_off_is_not_kept(
     deviation: float, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """The certificate's own check, broken on purpose: a writer that misses its tolerance."""
+    """The certificate's own check, deliberately broken: a writer that misses its tolerance."""
     monkeypatch.setattr(write_module, "find_writer", lambda name: Claims(deviation))
     design = camgeo.load(SCENES / "vorschub.toml")
     with pytest.raises(ToleranceError, match="the odd file, read back, is off"):

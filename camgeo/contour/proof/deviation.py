@@ -100,7 +100,7 @@ def deviation(path: Path, contour: Contour) -> float:
 
     Parameters
     ----------
-    path : the exact path; regular, 1 + d kappa > 0 but for single points.
+    path : the exact path; regular, 1 + d kappa > 0 except for single points.
     contour : closed, once round the path, in either direction.
 
     Raises

@@ -23,7 +23,7 @@ they come from rounding decimal input.
 """
 
 SLACK: Final = 1e-12
-"""Cam angles [rad] this close are equal but for rounding."""
+"""Cam angles [rad] this close are equal except for rounding."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

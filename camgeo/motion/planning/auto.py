@@ -88,7 +88,7 @@ def best_turn(
     Returns
     -------
     None if no law of the task has accelerations that are equally large, for a size to begin with.
-    From turn to turn both are equal but for the sign.
+    From turn to turn both are equal except for the sign.
     """
     if task[0] == "U" and task != "U-U":  # the mirror image
         mirrored = best_turn(f"{task[-1]}-U", v1, v0, optimise)

@@ -52,7 +52,7 @@ some = settings(
 
 @cache
 def fitted(name: tuple[str, int], tolerance: float) -> Fit:
-    """The fit of a fixture flank, made once for all that look at it."""
+    """The fit of a fixture flank, made once for all tests that use it."""
     return fewest_arcs(whole(flank(*name)), tolerance)
 
 

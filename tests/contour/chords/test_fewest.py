@@ -66,7 +66,7 @@ def limit(path: Path, tolerance: float) -> float:
 
 @cache
 def fitted(name: tuple[str, int], tolerance: float) -> Fit:
-    """The fit of a fixture flank, made once for all that look at it."""
+    """The fit of a fixture flank, made once for all tests that use it."""
     return fewest_chords(whole(flank(*name)), tolerance)
 
 
@@ -169,7 +169,7 @@ def test_size_does_not_matter(size: float, tolerance: float) -> None:
         fewest_chords(scaled(size), size * tolerance),
     )
     assert len(one.contour) == len(other.contour)
-    # What both are off is the same, but for the rounding that a tolerance of 1e-4 mm meets.
+    # What both are off is the same, except for the rounding that a tolerance of 1e-4 mm meets.
     assert other.deviation == pytest.approx(size * one.deviation, rel=1e-6)
 
 

@@ -45,7 +45,7 @@ some = settings(
 
 @cache
 def fitted(fitter: Fitter, name: tuple[str, int], tolerance: float) -> SplineFit:
-    """The fit of a fixture flank, made once for all that look at it."""
+    """The fit of a fixture flank, made once for all tests that use it."""
     return fitter(whole(flank(*name)), tolerance)
 
 
@@ -69,7 +69,7 @@ def _check_fit(path: Path, fit: SplineFit, tolerance: float) -> None:
 
 
 def _check_smooth(contour: SplineContour, corners: int) -> None:
-    """C2 inside by simple knots; tangent at all joints but so many corners."""
+    """C2 inside by simple knots; tangent at all joints except for the corners."""
     turns = []
     for strand, after in zip(
         contour.strands, (*contour.strands[1:], contour.strands[0]), strict=True

@@ -47,7 +47,7 @@ def _through(vertices: ComplexArray, sweeps: FloatArray) -> Contour:
 
 
 def _caught(name: tuple[str, int], contour: Contour) -> float:
-    """The bound, held against dense sampling; infinite if the contour is refused."""
+    """The bound, compared with dense sampling; infinite if the contour is refused."""
     curve = flank(*name)
     try:
         bound = deviation(whole(curve), contour)

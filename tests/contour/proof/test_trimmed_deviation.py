@@ -51,7 +51,7 @@ def fitted(name: str, straight: bool) -> tuple[Path, Contour]:
 
 
 def caught(path: Path, contour: Contour) -> float:
-    """The bound, held against dense sampling; infinite if the contour is refused."""
+    """The bound, compared with dense sampling; infinite if the contour is refused."""
     try:
         bound = deviation(path, contour)
     except GeometryError:

@@ -81,7 +81,7 @@ def samples(plan: MotionPlan) -> list[FloatArray]:
 def assert_same(
     first: list[FloatArray], second: list[FloatArray], requests: Sequence[Request]
 ) -> None:
-    """Equal but for rounding. Of a segment that hardly moves, rounding is of its neighbours."""
+    """Equal except for rounding. Of a segment that hardly moves, rounding is of its neighbours."""
     way = max(float(np.ptp(jet[0])) for jet in first)
     for one, other, request in zip(first, second, moving(requests), strict=True):
         length = math.radians(float(request.span))
