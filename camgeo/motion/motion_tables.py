@@ -22,7 +22,7 @@ from camgeo.numeric import checked
 
 LIFT: Final = Column("lift", ("s", "lift", "psi", "swing"))
 
-TIME: Final = Column("time", ("t", "time"), ("s", "sec", "second", "seconds"))
+TIME: Final = Column("time", ("t", "time"), ("s", "sec", "second", "seconds"), "s")
 
 
 def read_lift_table(

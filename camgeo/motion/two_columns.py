@@ -34,14 +34,18 @@ class Column:
     what : its name in messages.
     names : those allowed in headings, in lower case.
     units : allowed in headings, in lower case; empty for any.
+    shown : these units in messages.
     """
 
     what: str
     names: tuple[str, ...]
     units: tuple[str, ...] = ()
+    shown: str = ""
 
 
-ANGLE: Final = Column("angle", ("phi", "angle", "cam angle"), ("deg", "degree", "degrees", "°"))
+ANGLE: Final = Column(
+    "angle", ("phi", "angle", "cam angle"), ("deg", "degree", "degrees", "°"), "deg"
+)
 
 FULL_TURN: Final = 360.0
 
@@ -238,7 +242,7 @@ def _layout(line: str, file: str, number: int, columns: tuple[Column, Column]) -
                 file,
                 number,
                 cells[place],
-                f"the unit of the {column.what}; allowed is {column.units[0]}",
+                f"the unit of the {column.what}; allowed is {column.shown}",
             )
     unit = headings[found[1]][1]
     return _Layout(separator, len(cells), found[0], found[1], unit, has_heading=True)

@@ -15,7 +15,9 @@ from camgeo.motion.plan import in_turn
 from camgeo.motion.two_columns import ANGLE, Column, read_two_columns, turn_of
 from camgeo.numeric.arrays import FloatArray, Side, frozen
 
-LOAD: Final = Column("load", ("f", "force", "load", "m", "t", "torque"), ("n", "nm", "n m"))
+LOAD: Final = Column(
+    "load", ("f", "force", "load", "m", "t", "torque"), ("n", "nm", "n m"), "N or Nm"
+)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
