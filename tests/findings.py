@@ -7,6 +7,6 @@ from camgeo.design import Design
 
 
 def effect_findings(design: Design) -> tuple[Finding, ...]:
-    """What the effects named by the scene find, in its order; what several find alike, once."""
+    """Findings of the effects in the scene, in its order; equal ones of several effects once."""
     found = [each for name in design.scene.effects for each in design.effects.findings(name)]
     return tuple(dict.fromkeys(found))

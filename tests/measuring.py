@@ -14,7 +14,7 @@ import shapely
 from camgeo.numeric.arrays import ComplexArray, FloatArray, IntArray
 
 SLACK = 1e-9
-"""What boxes are wider than they must be, relative and [mm]: more than all rounding."""
+"""Excess width of boxes, relative and [mm]: more than all rounding."""
 
 RUN = 8
 """Chords of a dense path in one element of its tree: it is built ten times as fast as with one."""

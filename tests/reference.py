@@ -59,7 +59,7 @@ def shift(law: Law, inflection: float) -> Law:
 
 @cache
 def reference(file: str) -> Any:
-    """What a JSON or TOML file of the reference holds; not to be changed."""
+    """The contents of a JSON or TOML file of the reference; not to be changed."""
     text = (FOLDER / file).read_text(encoding="utf-8")
     return tomllib.loads(text) if file.endswith(".toml") else json.loads(text)
 
@@ -184,7 +184,7 @@ def thesis_params(name: str, sigma: int) -> dict[str, Any]:
 
 
 def stroke_of(curve: PitchCurve) -> Motion:
-    """What the motion plan demands: the slider's motion if there is a linkage."""
+    """The motion of the plan: that of the slider if there is a linkage."""
     return curve.motion.demanded if isinstance(curve.motion, LinkedMotion) else curve.motion
 
 

@@ -68,7 +68,7 @@ EFFECT_FRAME = {
     "touching",
     "wording",
 }
-"""What is in `effects` and no effect: effects are imported by the registry alone."""
+"""Modules of `effects` that are no effects: effects are imported by the registry alone."""
 
 
 # -- the rules -----------------------------------------------------------------------------------
@@ -130,7 +130,7 @@ def stage_of(module: str) -> int | None:
 
 
 def fault_of_library(imported: Import) -> str:
-    """What is wrong with importing something foreign, empty if nothing is."""
+    """Fault of importing something foreign, empty if there is none."""
     library = imported.target.split(".")[0]
     if library == WRITERS:
         return "imports the writers"
@@ -144,7 +144,7 @@ def fault_of_library(imported: Import) -> str:
 
 
 def fault_of_module(module: str, imported: Import) -> str:
-    """What is wrong with one module of camgeo importing another, empty if nothing is."""
+    """Fault of one module of camgeo importing another, empty if there is none."""
     own, other = stage_of(module), stage_of(imported.target)
     if own is not None and other is not None and other > own:
         return f"imports {imported.target}, a later stage"
@@ -199,7 +199,7 @@ KIND_WORDS = {
     "slider-crank", "four-bar", "inner", "outer", "groove", "slider", "lever", "crank", "guide",
     "pivot", "roller", "face", "rocker",
 }  # fmt: skip
-"""What followers, linkages, contacts and their parts are called."""
+"""Names of followers, linkages, contacts and their parts."""
 
 NO_KIND = {"LinkedMotion"}
 """Classes of `mechanism` that are no kind: whether there is a linkage at all."""

@@ -27,7 +27,7 @@ CLAIMS = {row["quantity"]: row for row in ROW.finditer(PAGE)}
 pytestmark = together
 
 MEASURED = re.compile(r"\| \d+ \| <= [\de.]+ \| [\de.]+ \| <= [\de.]+ \| .+ \|$", re.MULTILINE)
-"""What a quick run finds otherwise than a whole one."""
+"""What differs between a quick run and a whole one."""
 
 
 def maker() -> Any:

@@ -58,7 +58,7 @@ cosine of the axis, four products a derivative; some enter cubed. What a cam ang
 lose is counted apart."""
 
 ANGLE = 4.0 * math.ulp(TURN)
-"""By so much a cam angle counted from a joint is off: the joint's and the difference's rounding."""
+"""Error of a cam angle counted from a joint: rounding of the joint and of the difference."""
 
 
 # The oracle -------------------------------------------------------------------------------------

@@ -12,10 +12,10 @@ from camgeo.design import Design
 from tests.test_architecture import ROOT, find_imports, find_modules
 
 MOST_LINES = 400
-"""Of a module of camgeo or its writers."""
+"""Lines of a module of camgeo or its writers."""
 
 MOST_IMPORTS = 20
-"""Of camgeo's modules by the design, those inside functions among them."""
+"""Imports of camgeo's modules by the design, including those inside functions."""
 
 MOST_MEMBERS = 20
 """Public ones of a design; it has fewer."""

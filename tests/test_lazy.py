@@ -241,7 +241,7 @@ class Slow:
 
 
 def asked_at_once(ask: Callable[[int], object]) -> list[object]:
-    """What eight threads are answered that ask in the same moment."""
+    """The answers to eight threads that ask at the same moment."""
     start = threading.Barrier(THREADS)
 
     def wait_and_ask(number: int) -> object:

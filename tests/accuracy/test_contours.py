@@ -80,7 +80,7 @@ def test_pieces_are_those_of_the_boundary(effort: Any) -> None:
 
 
 def test_the_round_takes_at_least_its_length_over_the_feed() -> None:
-    """Of the scene, 300 mm/min."""
+    """Feed of the scene, 300 mm/min."""
     (flank,) = flanks_of(load("setzhub"))
     # Every arc is longer than feed^2/(2 a) = 0.025 mm and bends with more than 0.05 mm.
     for tolerance in TOLERANCES:

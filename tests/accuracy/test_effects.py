@@ -34,7 +34,7 @@ from tests.effects.scenes import SCENES, design
 Capture = pytest.CaptureFixture[str]
 
 BENT = 3.0
-"""By so many tolerances the effects made up here are off, of their largest magnitude."""
+"""Error of the effects made up here, in tolerances of their largest magnitude."""
 
 
 def curve(size: float) -> Column:
@@ -314,7 +314,7 @@ def test_without_effects_they_are_not_mentioned(found: Found, capsys: Capture) -
 
 
 def height(svg: bytes) -> float:
-    """Of a figure [points]."""
+    """Height of a figure [points]."""
     text = svg.decode()
     return float(text.split('viewBox="0 0 ')[1].split('"')[0].split()[1])
 

@@ -46,10 +46,10 @@ from tests.strategies import SMOOTH, attack, pitch_curves
 SCENES = Path(__file__).parents[2] / "fixtures" / "scenes"
 
 NEAR = 1e-6
-"""Share of the scale by which a limit is missed on purpose: ten times what is looked beyond it."""
+"""Share of the scale by which a limit is deliberately missed, ten times the step beyond it."""
 
 ROUNDING = 1e-11
-"""Of 1 + d kappa: that of the curvature, and that of the knob times its effect."""
+"""Rounding of 1 + d kappa: that of the curvature, and that of the knob times its effect."""
 
 LENGTHS = ("base radius", "roller radius", "offset", "arm")
 
@@ -119,7 +119,7 @@ each_case = pytest.mark.parametrize("name", CASES)
 
 
 def is_good(cam: Cam) -> bool:
-    """What the checks say, without the code under test; no mechanism is not good."""
+    """Verdict of the checks, without the code under test; an impossible mechanism fails."""
     try:
         curve = cam.disc.pitch_curve
         bends = curvature_extremes(curve)

@@ -29,7 +29,7 @@ Tables = dict[str, Any]
 SHAPES = {
     key for family in FAMILIES.values() for taken in family.parameters.values() for key in taken
 }
-"""What goes with a law: another one comes with its default parameters."""
+"""Keys that belong to a law: another law comes with its default parameters."""
 
 
 def undercut(design: Design) -> list[str]:

@@ -86,7 +86,7 @@ def test_hc05_a_dead_centre_at_the_start_is_fatal() -> None:
 
 @pytest.mark.parametrize(("short", "reached"), [(1e-3, False), (1e-9, True), (0.0, True)])
 def test_a_dead_centre_at_the_end_of_the_stroke(short: float, reached: bool) -> None:
-    """What is spare is at most the stroke that is: 1e-3 mm are more, 1e-9 less than the limit."""
+    """The reserve is at most the present stroke: 1e-3 mm is above the limit, 1e-9 below."""
     linkage = SliderCrank(40.0, 60.0, 0.3, True, 1, 1, 1)
     stroke = max(linkage.dead_strokes) - short
     found = [each for each in check_linkage(moving(linkage, stroke)) if each.severity == "no-disc"]

@@ -22,7 +22,7 @@ from tests.scene.scenes import GROOVE, spoilt
 from tests.strategies import BENT, attack, linked_pitch_curves, pitch_curves
 
 ROUNDING = 1e-10
-"""Of the leverage: its rounding, 1e-13 of the largest |Z'| by |Z'|, down to a thousandth of it."""
+"""Rounding of the leverage: 1e-13 of the largest |Z'| by |Z'|, down to a thousandth of it."""
 
 
 @attack

@@ -18,7 +18,7 @@ from tests.strategies import BENT, attack, pitch_curves
 PHI: FloatArray = np.array([(k + 0.31) * TURN / 2000.0 for k in range(2000)])
 
 ROUNDING = 1e-11
-"""Of 1 + d kappa, with d kappa up to a hundred or so."""
+"""Rounding of 1 + d kappa, with d kappa up to about a hundred."""
 
 
 def flank_at(curve: PitchCurve, share: float) -> WorkingCurve:

@@ -56,7 +56,7 @@ def made_up() -> Survey:
 
 @pytest.fixture
 def found(monkeypatch: pytest.MonkeyPatch) -> list[dict[str, Any]]:
-    """What the survey was asked for, in a test in which it measures nothing."""
+    """The arguments of the survey, in a test in which it measures nothing."""
     asked: list[dict[str, Any]] = []
 
     def survey(design: Any, tolerances: Any, **options: Any) -> Survey:

@@ -28,7 +28,7 @@ EXERCISE = ("--frame", "150", "--swing", "60", "--speed", "90")
 """a = 150 mm, a swing of 60 degrees, n = 1.5 1/s."""
 
 COLUMNS = ("crank_deg", "time_s", "phi_deg", "omega2", "eps2")
-"""Of the printed table, in the order of `NAMES`."""
+"""Columns of the printed table, in the order of `NAMES`."""
 
 EPS = 2.0**-52
 LIMIT = 64.0 * EPS

@@ -36,7 +36,7 @@ def reading(error: float, conditioning: float = 1.0, quantity: str = "curvature"
 
 @pytest.fixture
 def found(monkeypatch: pytest.MonkeyPatch) -> list[Reading]:
-    """What the suite finds in a test that runs none of it; to be filled."""
+    """The readings of the suite in a test that runs none of it; filled by the test."""
     readings: list[Reading] = []
     monkeypatch.setattr(suite, "run", lambda *_, **__: tuple(readings))
     monkeypatch.setattr(suite, "all_cases", tuple)

@@ -43,7 +43,7 @@ some = settings(
 )
 
 SAGITTA = 2e-6
-"""Of the dense curve by which is measured [mm]."""
+"""Sagitta of the dense curve used for measuring [mm]."""
 
 
 def _counts(curve: WorkingCurve, fitter: Fitter, tolerances: list[float]) -> list[int]:

@@ -22,11 +22,11 @@ from tests.strategies import BENT, attack, pitch_curves
 EPS = float(np.finfo(np.float64).eps)
 
 STEP = 1e-4
-"""Of the lift [mm or rad], for central differences."""
+"""Step of the lift [mm or rad], for central differences."""
 
 
 def turned(curve: PitchCurve, phi: FloatArray, along: ComplexArray) -> ComplexArray:
-    """What `along` (n,) of the cam is in the fixed frame."""
+    """`along` (n,) of the cam, in the fixed frame."""
     there: ComplexArray = along * np.exp(1j * curve.rotation * phi)
     return there
 

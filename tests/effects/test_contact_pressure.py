@@ -101,7 +101,7 @@ def severities(result: ContactPressure) -> dict[str, str]:
 
 
 def printed(digits: str) -> tuple[float, float]:
-    """What is printed, and half a unit of its last digit."""
+    """The printed value, and half a unit of its last digit."""
     exponent = Decimal(digits).as_tuple().exponent
     assert isinstance(exponent, int)
     return float(digits), 0.5 * 10.0**exponent

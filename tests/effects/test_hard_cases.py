@@ -91,7 +91,7 @@ LINKAGE: Final = {
     "vibration": "stiffness = 900\ndamping = 0.03",
 }
 TURNING: Final = {"inertia": "\ncoupler_mass = 0.2\noutput_moment = 0.005"}
-"""What a linkage has besides, at whose far end something turns."""
+"""Further tables for a linkage with a rotating far end."""
 
 HARMONIC: Final = """
 camgeo = 1

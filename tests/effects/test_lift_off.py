@@ -314,7 +314,7 @@ def test_the_least_spring_just_keeps_contact(
     found = lift_off(design(scene, effects("mass = 1.2", 0.5, 20.0, margin), change))
 
     def short(stiffness: float, preload: float) -> float:
-        """What is missing from the margin, by the largest force."""
+        """Shortfall of the margin, relative to the largest force."""
         subject = design(scene, effects("mass = 1.2", stiffness, preload, margin), change)
         contact = subject.effect("contact-force")
         force = piecewise_extremes(contact.normal, contact.edges)

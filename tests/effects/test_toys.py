@@ -79,7 +79,7 @@ preload = 80
 NOISE: Final = f"{SPRING}\n[effects.noise]\ngain = 2\n"
 
 GAIN: Final = 2000.0
-"""Of `NOISE`, in N mm."""
+"""Result of `NOISE`, in N mm."""
 
 
 def distribution(folder: Path) -> Path:

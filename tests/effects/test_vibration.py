@@ -53,7 +53,7 @@ def stubbed(made_: Design, table: dict[str, Any], results: dict[str, Any]) -> Vi
 
 
 class Moved:
-    """What inertia gives, as far as it is asked for."""
+    """The result of inertia, as far as it is used."""
 
     def __init__(self, moved: float) -> None:
         self.moved = moved

@@ -48,7 +48,7 @@ def number(case: dict[str, Any], key: str) -> float:
 
 
 def assert_printed(case: dict[str, Any], key: str, found: float) -> None:
-    """That `found` is printed as the source has it, rounded or cut off."""
+    """Assert that `found` is printed as in the source, rounded or cut off."""
     digits = Decimal(case[key])
     exponent = digits.as_tuple().exponent
     assert isinstance(exponent, int)

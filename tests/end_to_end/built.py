@@ -97,7 +97,7 @@ class Built:
         return document
 
     def deviation(self, suffix: str) -> float:
-        """What the certificate says of a file [mm]."""
+        """Deviation of a file in the certificate [mm]."""
         files = {record["file"]: record for record in self.certificate["files"]}
         return float(files[self.file(suffix).name]["deviation_mm"])
 

@@ -38,13 +38,13 @@ COUNT: Final = int(os.environ.get("CAMGEO_RANDOM_SCENES", "12"))
 """Random scenes; CONTRIBUTING.md says how to ask for more."""
 
 TRAVELLERS: Final = 4 if COUNT < 100 else COUNT
-"""Of these, each is computed again after it has travelled."""
+"""Each of these is computed again after pickling."""
 
 THREADS: Final = 8
 PROCESSES: Final = 2
 
 TOLERANCE: Final = 0.01
-"""Of the files [mm]: a coarse one, for it is their sameness that is tried."""
+"""Tolerance of the files [mm]: a coarse one, since the test is that they are equal."""
 
 Answer = tuple[str, tuple[Finding, ...], str]
 """Identity of the scene, findings, and the hash of its files; or what is wrong instead of both."""
@@ -71,7 +71,7 @@ def scene_of(number: int) -> Scene:
 
 
 def answer(design: Design) -> Answer:
-    """What a design answers."""
+    """The answers of a design."""
     try:
         findings = design.findings
         files, _ = make_files(design.discs, ("dxf", "csv"), TOLERANCE)
@@ -82,7 +82,7 @@ def answer(design: Design) -> Answer:
 
 
 def unpickled(data: bytes) -> Answer:
-    """What a design answers in another process."""
+    """The answers of a design in another process."""
     design: Design = pickle.loads(data)
     return answer(design)
 
@@ -94,7 +94,7 @@ def scenes() -> tuple[Scene, ...]:
 
 @pytest.fixture(scope="module")
 def alone(scenes: tuple[Scene, ...]) -> tuple[Answer, ...]:
-    """What each design answers one thread of this process."""
+    """The answers of each design to one thread of this process."""
     return tuple(answer(Design(scene)) for scene in scenes)
 
 

@@ -20,7 +20,7 @@ SHARP = 0.05
 than 0.1, joints between pieces of a fit by the square root of 8 tolerance kappa at most."""
 
 ROUNDING = 1e-9
-"""Of coordinates, bulges and of centres that are found again from them [mm]."""
+"""Rounding of coordinates, bulges and of centres computed from them [mm]."""
 
 
 def _outlines(built: Built, layer: str) -> list[Outline]:

@@ -65,7 +65,7 @@ def _heights(built: Built) -> tuple[float, ...]:
 
 
 def test_sections_lie_on_the_curves(built: Built) -> None:
-    """Of the STL; the 3MF has the same, as the next test says."""
+    """For the STL; the 3MF has the same, as the next test shows."""
     mesh = built.meshes[".stl"]
     wanted = (built.through, built.through + built.groove)
     worst = max(
@@ -78,7 +78,7 @@ def test_sections_lie_on_the_curves(built: Built) -> None:
 
 
 def _rounding(mesh: trimesh.Trimesh) -> float:
-    """By which the sections of an STL and of a 3MF may lie apart [mm]: both are rounded."""
+    """Largest distance of the sections of an STL and a 3MF [mm]: both are rounded."""
     return 2.0 * SINGLE * float(np.max(np.abs(mesh.vertices))) + SECTION
 
 

@@ -29,7 +29,7 @@ BROKEN = {
     "straight_moves": {"lost-stroke-inner", "tangent-closure", "shock"},
     "knife_edge": {"tangent-closure", "shock"},
 }
-"""What the scenes that are trimmed break, and no other."""
+"""The limits that only trimmed scenes break."""
 
 
 def test_table_holds_the_values_of_the_design(built: Built) -> None:

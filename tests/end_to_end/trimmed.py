@@ -29,7 +29,7 @@ KINK = 1e-6
 """A larger angle between the tangents at a joint [rad] is a jump of the velocity."""
 
 STEPS = 30
-"""Of Newton's method, at most."""
+"""Largest number of steps of Newton's method."""
 
 SETTLED = 1e-14
 """Its last step [rad]."""

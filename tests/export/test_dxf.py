@@ -137,7 +137,7 @@ def test_the_drawing_is_seen_when_it_is_opened(
 
 
 def check_view(document: Any, box: FloatArray, slack: float) -> None:
-    """That the box (4,) of a drawing is what `document` shows, with a margin."""
+    """Assert that `document` shows the box (4,) of a drawing, with a margin."""
 
     def pair(low: str, high: str) -> FloatArray:
         return np.array([*document.header[low][:2], *document.header[high][:2]])

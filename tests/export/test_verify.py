@@ -137,7 +137,7 @@ def test_drawing_without_unit_is_not_measured(design: Design) -> None:
 
 
 def test_layers_of_a_foreign_drawing(design: Design) -> None:
-    """What is on other layers does not count; without a layer all of it does."""
+    """Other layers do not count; without a layer everything does."""
     document = _drawing(design, layer="OUTLINE")
     document.modelspace().add_circle((0, 0), 3.0, dxfattribs={"layer": "HOLES"})
     data = _data(document)

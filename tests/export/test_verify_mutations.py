@@ -337,7 +337,7 @@ PACKAGES: dict[str, tuple[bytes, str]] = {
     ),
     "cut short": (PACKAGE[: len(PACKAGE) // 2], "file"),
 }  # fmt: skip
-"""What is done to a package, and the check that tells. lib3mf 2.5, which reads strictly, rejects
+"""Changes to a package, and the check that reports each. lib3mf 2.5, which reads strictly, rejects
 all those that concern the package and the model, or reads another part."""
 
 HARMLESS_PACKAGES = {

@@ -63,7 +63,7 @@ def inset(axes: Axes) -> Axes | None:
 
 
 def dashed(axes: Axes) -> list[ComplexArray]:
-    """What is drawn as cut off."""
+    """The lines drawn as cut off."""
     lines = [line for line in axes.lines if line.get_color() == cut_off.CUT]
     rows = [np.asarray(line.get_xydata()) for line in lines if line.get_marker() == "None"]
     return [row[:, 0] + 1j * row[:, 1] for row in rows]

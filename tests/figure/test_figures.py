@@ -152,7 +152,7 @@ def test_every_name_in_a_legend_is_that_of_something_drawn(case: str) -> None:
 
 
 def test_what_stands_in_each_picture() -> None:
-    """What it is about, by the names and words in it."""
+    """Its subject, from the names and words in it."""
     wanted = {
         "laws": {"f′ f″", "law", "modified-sine"},
         "replay": {"actual", "demanded", "ripple"},

@@ -122,17 +122,17 @@ NOT_NEGATIVE = {
 ANGLES = {"guide_angle", "deflection", "lever_angle", "angle", "transmission_angle"}
 
 ANY_SIZE = {"SlottedLever", "DrivenLever"}
-"""What is computed from ratios alone, of lengths as large or small as doubles are."""
+"""Quantities computed from ratios alone, for lengths as large or small as doubles can be."""
 
 NEVER: tuple[Any, ...] = (
     math.nan, -math.nan, math.inf, -math.inf, 1e308, -1e308, 10**400, np.float64("nan"), 3.0 + 4.0j,
     "5", "", b"5", True, False, [1.0], (1.0,), {}, object, np.array([1.0, 2.0]), Decimal("NaN"),
     complex(math.nan, 0.0), complex(0.0, math.inf), complex(1e308, 0.0), int, len,
 )  # fmt: skip
-"""What no number, point, sense, text or part of a mechanism is, except for what `allowed` says."""
+"""Values that are no number, point, sense, text or part of a mechanism, unless `allowed`."""
 
 SMALL = (-1.0, -5, -1e-3, -5e-324, 5e-324, 2.2250738585072014e-308, 1e-300, 1e-31, -1e30)
-"""What no length above 0 is."""
+"""Values that are no length above 0."""
 
 MOST_CALLS = 3000
 """Calls of functions in which a value is refused."""
@@ -236,7 +236,7 @@ def test_there_are_values_enough() -> None:
 
 
 def answer(call: Callable[[], object]) -> str:
-    """What is wrong with how a value is refused; nothing if it is as it should be."""
+    """Fault of the refusal of a value; empty if there is none."""
     try:
         bounded(call)
     except GeometryError as error:

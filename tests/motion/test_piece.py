@@ -81,7 +81,7 @@ def test_any_plan(plan: MotionPlan, seed: int) -> None:
 
 
 def test_thousands_of_pieces_are_those_of_a_few() -> None:
-    """Of 2,000 moves by two laws each is what it is in a plan with nothing else."""
+    """Each of 2,000 moves by two laws equals that in a plan with nothing else."""
     count = 2000
     span = Decimal(360) / count
     laws = law_of("modified-sine", "R-R", {"inflection": 0.4}), law_of("polynomial-5", "R-R", {})

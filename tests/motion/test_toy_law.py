@@ -33,7 +33,7 @@ FAMILY = Family("toy-septic", {"R-R": ("smooth",)}, make, options=(SMOOTH,), ali
 '''
 
 LINE = '    "polynomial-345",\n'
-"""Of the registry; the toy law's stands behind it."""
+"""Line of the registry after which that of the toy law is added."""
 
 SCENE = """camgeo = 1
 name = "toy"

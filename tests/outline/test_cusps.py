@@ -19,7 +19,7 @@ from tests.strategies import attack, signs, wild_pitch_curves
 
 
 def ends_only(bends: Extremes, curve: PitchCurve) -> Extremes:
-    """What is left of the extremes where the breaks alone are known."""
+    """The extremes, reduced to those at breaks."""
     kept = np.isin(np.mod(bends.phi, 2.0 * math.pi), np.mod(curve.breaks, 2.0 * math.pi))
     kept[[0, -1]] = True
     return Extremes(frozen(bends.phi[kept], np.float64), frozen(bends.values[kept], np.float64))

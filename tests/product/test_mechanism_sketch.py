@@ -20,7 +20,7 @@ SCENES = sorted((Path(__file__).resolve().parents[2] / "fixtures" / "scenes").gl
 ANGLES = np.random.default_rng(7).uniform(0.0, TURN, 7)
 
 ROUNDING = 1e-12
-"""Of a point, as a share of the mechanism: some sines and sums."""
+"""Rounding of a point, as a share of the mechanism: some sines and sums."""
 
 
 @pytest.fixture(params=SCENES, ids=lambda path: path.stem)
@@ -29,7 +29,7 @@ def design(request: pytest.FixtureRequest) -> Design:
 
 
 def lengths(sketch: MechanismSketch) -> list[float]:
-    """Of the links, from point to point."""
+    """Lengths of the links, from point to point."""
     return [abs(b - a) for link in sketch.links for a, b in pairwise(link)]
 
 

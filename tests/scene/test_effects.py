@@ -42,7 +42,7 @@ UNITS = {
     "rev/min": math.pi / 30.0,
     "degrees": math.pi / 180.0,
 }
-"""What 1 of each unit is in mm, s, t, N and rad."""
+"""The value of 1 of each unit in mm, s, t, N and rad."""
 
 
 def declared(name: str, **options: Any) -> Effect:

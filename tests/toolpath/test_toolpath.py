@@ -35,7 +35,7 @@ from tests.measuring import DensePath, Outline
 TOLERANCE = 0.001
 
 SAGITTA = 5e-6
-"""Of chords of the dense curves [mm]: h = 5e-3 mm, kappa < 1/mm."""
+"""Sagitta of the chords of the dense curves [mm]: h = 5e-3 mm, kappa < 1/mm."""
 
 LIMITS = load("linuxcnc").arcs
 

@@ -24,7 +24,7 @@ from tests.long_form import examples
 TOLERANCE = 0.01
 
 SAGITTA = 2e-6
-"""Of the dense curve by which is measured [mm]."""
+"""Error of the dense curve used for measuring [mm]."""
 
 some = settings(
     max_examples=examples(15, long=30), deadline=None, suppress_health_check=[HealthCheck.too_slow]
