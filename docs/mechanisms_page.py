@@ -51,7 +51,7 @@ FLAT: Final = ("convexity", "face-length")
 
 PAIR: Final = ("form-closure", "closing-error")
 
-LINKAGE: Final = ("dead-centre", "linkage-transmission-angle")
+LINKAGE: Final = ("dead-centre", "linkage-transmission-angle", "linkage-back-angle")
 
 FINDINGS: Final = {
     "translating-roller": ROLLER,

@@ -9,7 +9,11 @@ from camgeo.check.closure import check_closure
 from camgeo.check.curvature import check_radius_ratio, check_undercut
 from camgeo.check.finding import Finding, Severity, forbidding
 from camgeo.check.follower import check_follower
-from camgeo.check.limits import Limits, default_transmission_angle
+from camgeo.check.limits import (
+    Limits,
+    default_linkage_transmission_angle,
+    default_transmission_angle,
+)
 from camgeo.check.linkage import check_linkage
 from camgeo.check.motion import check_motion, check_speed
 from camgeo.check.standstill import check_standstill
@@ -72,7 +76,7 @@ class Judgement(Pickled):
 
     def _of_main(self) -> tuple[Finding, ...]:
         if not self.cams:
-            return _of_linkage(self.drive)
+            return _of_linkage(self.drive, self.limits)
         main = self.cams[0]
         return (*disc_findings(main, self.limits), *_of_yoke(main, self.limits))
 
@@ -84,7 +88,7 @@ class Judgement(Pickled):
 
         main, other = self.cams
         # The linkage, which both discs share, is reported once.
-        shared = _of_linkage(self.drive)
+        shared = _of_linkage(self.drive, self.limits)
         found = [
             replace(each, name=f"{RETURN}: {each.name}", sentence=f"{RETURN} disc: {each.sentence}")
             for each in disc_findings(other, self.limits)
@@ -144,16 +148,18 @@ def disc_findings(cam: Cam, limits: Limits) -> tuple[Finding, ...]:
     """What the checks find in the mechanism and the disc, without the motion."""
     inside = cam.contact.runs_inside
     found = [*check_follower(cam.follower, runs_on_inner=inside, clearance=cam.clearance)]
-    of_linkage = _of_linkage(cam.drive)
+    of_linkage = _of_linkage(cam.drive, limits)
     found += of_linkage
     if forbidding(of_linkage):
         return tuple(found)
     return (*found, *OF_DISC[cam.follower.touching](cam, limits, found))
 
 
-def _of_linkage(drive: Drive) -> tuple[Finding, ...]:
-    motion = drive.motion
-    return tuple(check_linkage(motion)) if isinstance(motion, LinkedMotion) else ()
+def _of_linkage(drive: Drive, limits: Limits) -> tuple[Finding, ...]:
+    motion, limit = drive.motion, limits.linkage_transmission_angle
+    if not isinstance(motion, LinkedMotion):
+        return ()
+    return check_linkage(motion, limit or default_linkage_transmission_angle(drive.speed))
 
 
 def _of_yoke(cam: Cam, limits: Limits) -> list[Finding]:

@@ -20,6 +20,10 @@ OF_SLOW: Final[Mapping[LiftUnit, float]] = {"mm": 60.0, "rad": 45.0}
 
 OF_FAST: Final = 60.0
 
+OF_SLOW_LINKAGE, OF_FAST_LINKAGE = 40.0, 50.0
+"""Smallest transmission angles to aim for [degrees] in slow and in fast linkages, as is customary
+(Volmer, Getriebetechnik)."""
+
 
 @dataclass(frozen=True, slots=True)
 class Limits:
@@ -28,6 +32,8 @@ class Limits:
     Attributes
     ----------
     transmission_angle : smallest allowed [rad], up to pi/2.
+    linkage_transmission_angle : smallest allowed of the linkage, where it drives its far end [rad],
+        up to pi/2.
     radius_ratio : largest allowed r_R / r_K (Wirsig eq. 3.36: r_K >= r_R / 0.7).
     undercut : whether a disc that undercuts is refused, or trimmed to what remains of it.
     closing_error : largest allowed play or squeeze of a conjugate pair whose discs are true to the
@@ -40,6 +46,7 @@ class Limits:
     """
 
     transmission_angle: RightAngle | None = None
+    linkage_transmission_angle: RightAngle | None = None
     radius_ratio: Annotated[float, partial(number, above=0.0, most=1.0)] = 0.7
     undercut: Annotated[Literal["refuse", "trim"], partial(one_of, choices=("refuse", "trim"))] = (
         "refuse"
@@ -56,5 +63,13 @@ def default_transmission_angle(unit: LiftUnit, speed: float | None) -> float:
     60 degrees at any speed for translating followers, whose lift has the `unit` mm; for the others
     45 degrees if the mechanism is slow, or no `speed` [rad/s] is given, else 60 degrees.
     """
-    slow = speed is None or speed <= SLOW
-    return math.radians(OF_SLOW[unit] if slow else OF_FAST)
+    return math.radians(OF_SLOW[unit] if _is_slow(speed) else OF_FAST)
+
+
+def default_linkage_transmission_angle(speed: float | None) -> float:
+    """Smallest transmission angle to aim for in a linkage [rad]; `speed` [rad/s] as above."""
+    return math.radians(OF_SLOW_LINKAGE if _is_slow(speed) else OF_FAST_LINKAGE)
+
+
+def _is_slow(speed: float | None) -> bool:
+    return speed is None or speed <= SLOW

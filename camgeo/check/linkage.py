@@ -1,24 +1,21 @@
-"""Checks of the linkage: dead centres, the distance from them, and the branch."""
+"""Checks of the linkage: dead centres, the distance from them, transmission angles, the branch."""
 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import numpy as np
 
-from camgeo.check.finding import Finding
+from camgeo.check.finding import Finding, held
 from camgeo.mechanism.linkage import LinkedMotion
+from camgeo.mechanism.linkage_protocol import BACK, OUT, Linkage
 from camgeo.mechanism.positions import MonotoneRuns, monotone_runs, position_text
-from camgeo.motion.extremes import turning_angles
-from camgeo.numeric.arrays import FloatArray, Side, dot, merged
 from camgeo.units import TURN
 
-if TYPE_CHECKING:
-    from camgeo.mechanism.linkage_protocol import Linkage
-
 DEAD_CENTRE = 1e-9
-"""Crank and coupler are at a dead centre within this fraction of their lengths."""
+"""Crank and coupler are at a dead centre within this fraction of their lengths, or the sine of a
+transmission angle is."""
 
 PARALLEL = math.radians(0.1)
 """The coupler counts as parallel to the guide within this angle: printed dimensions are rounded."""
@@ -31,19 +28,38 @@ LINES: Final = {
 }
 """What a dead centre is and what becomes infinite there, by the member whose motion is demanded."""
 
+LOCKED: Final = {
+    "slider": ("the coupler comes to be square to the guide", "the rocker cannot move the slider"),
+    "lever": ("coupler and lever come to be in line", "the rocker cannot move the lever"),
+    "crank": ("crank and coupler come to be in line", "the slider cannot turn the crank"),
+}
+"""What a dead centre of the far member is, and what cannot be done there."""
 
-def check_linkage(motion: LinkedMotion) -> tuple[Finding, ...]:
-    """A dead centre within the motion (no disc), else the distance from one and the smallest angle
-    between coupler and crank; a coupler not parallel to the guide (warning).
+GUIDE_NORMAL: Final = "the perpendicular to the guide"
 
-    That angle has no limit: the force comes from the cam, and what suits the crank need not suit
-    the far end.
+BETWEEN: Final = {
+    "slider": (GUIDE_NORMAL, "crank"),
+    "lever": ("lever", "crank"),
+    "crank": ("crank", GUIDE_NORMAL),
+}
+"""What makes the transmission angles with the coupler, `OUT` and `BACK`."""
+
+
+def check_linkage(motion: LinkedMotion, limit: float | None = None) -> tuple[Finding, ...]:
+    """A dead centre within the motion (no disc), else the distance from one and the smallest
+    transmission angles; a coupler not parallel to the guide (warning).
+
+    The force comes from the cam: the angle between coupler and far member is compared with `limit`
+    [rad], and where that member cannot be driven there is no disc either. The other angle, between
+    coupler and the follower's member, says how well a force at the far end drives the follower
+    back; it has no limit.
     """
     runs = monotone_runs(motion.demanded)
     spare = _to_dead_centre(motion, runs)
+    branch = _branch(motion.linkage)
     if spare.severity == "no-disc":
-        return (spare, *_branch(motion.linkage))
-    return (spare, _transmission_angle(motion, runs), *_branch(motion.linkage))
+        return (spare, *branch)
+    return (spare, _out(motion.linkage, runs, limit), _back(motion.linkage, runs), *branch)
 
 
 def _to_dead_centre(motion: LinkedMotion, runs: MonotoneRuns) -> Finding:
@@ -52,10 +68,8 @@ def _to_dead_centre(motion: LinkedMotion, runs: MonotoneRuns) -> Finding:
     position, missing = motion.tightest(runs.range)
     spare = max(0.0, -missing)
     limit = DEAD_CENTRE * (linkage.crank + linkage.coupler)
-    phi = runs.first_angle(position)
+    place, phi = _place(linkage, runs, position)
     what, infinite = LINES[linkage.member]
-    place = f"at {position_text(linkage, position)}, cam angle {math.degrees(phi):.6g} deg"
-    phi = math.fmod(phi, TURN)
     if spare > limit:
         sentence = f"the linkage stays {spare:.6g} mm clear of a dead centre, nearest {place}"
         return Finding("dead-centre", "ok", sentence, spare, limit, "mm", phi)
@@ -68,54 +82,64 @@ def _to_dead_centre(motion: LinkedMotion, runs: MonotoneRuns) -> Finding:
     return Finding("dead-centre", "no-disc", sentence, spare, limit, "mm", phi)
 
 
-def _transmission_angle(motion: LinkedMotion, runs: MonotoneRuns) -> Finding:
-    """The smallest acute angle between coupler and crank."""
-    value, place = _smallest_sine(motion, runs)
-    angle = math.degrees(math.asin(min(1.0, value)))
-    statement = (
-        f"smallest angle between coupler and crank {angle:.3f} deg at cam angle"
-        f" {math.degrees(place):.3f} deg"
+def _out(linkage: Linkage, runs: MonotoneRuns, limit: float | None) -> Finding:
+    """The smallest angle between coupler and far member, or where that member cannot be driven."""
+    name, (sine, position) = "linkage-transmission-angle", _smallest(linkage, runs, OUT)
+    place, phi = _place(linkage, runs, position)
+    angle = math.degrees(math.asin(min(1.0, sine)))
+    least = None if limit is None else math.degrees(limit)
+    if sine > DEAD_CENTRE:
+        statement = (
+            f"smallest transmission angle {angle:.3f} deg, between coupler and"
+            f" {BETWEEN[linkage.member][OUT]}, {place}"
+        )
+        return held(name, statement, angle, least, "deg", phi, least=True)
+    from camgeo.mechanism.closing import clear_range, kept_between  # few linkages reach one
+
+    what, stuck = LOCKED[linkage.member]
+    sentence = f"{what} {place}: {stuck} there, its transmission angle is 0"
+    kept = [] if 0.0 in clear_range(linkage, OUT) else kept_between(linkage, OUT)
+    sentence += f"; {kept[0]} it is driven throughout" if kept else ""
+    return Finding(name, "no-disc", sentence, 0.0, least, "deg", phi)
+
+
+def _back(linkage: Linkage, runs: MonotoneRuns) -> Finding:
+    """The smallest angle between coupler and the follower's member."""
+    sine, position = _smallest(linkage, runs, BACK)
+    angle = math.degrees(math.asin(min(1.0, sine)))
+    place, phi = _place(linkage, runs, position)
+    sentence = (
+        f"driven back, smallest transmission angle {angle:.3f} deg, between coupler and"
+        f" {BETWEEN[linkage.member][BACK]}, {place}"
     )
-    place = math.fmod(place, TURN)
-    return Finding(
-        "linkage-transmission-angle", "ok", statement, angle, unit="deg", cam_angle=place
-    )
+    return Finding("linkage-back-angle", "ok", sentence, angle, unit="deg", cam_angle=phi)
 
 
-def _smallest_sine(motion: LinkedMotion, runs: MonotoneRuns) -> tuple[float, float]:
-    """Smallest magnitude of the sine of the angle from crank to coupler, and its cam angle [rad].
+def _smallest(linkage: Linkage, runs: MonotoneRuns, way: int) -> tuple[float, float]:
+    """Smallest magnitude of the sine of a transmission angle, and its position [mm or rad].
 
-    The area of the triangle that crank and coupler close is concave in the square of the pin's
-    distance: smallest where that is extreme, as is the missing length. For a slider-driven crank
-    the whole turn is searched.
+    Exact: it is at an end of the motion, where the far member is stuck, or where the angle turns.
     """
-    linkage, demanded = motion.linkage, motion.demanded
-    if linkage.member != "crank":
-        low, high = runs.range
-        positions = np.array([low, high, *linkage.turning_positions(low, high)])
-        sines = np.abs(_sine(linkage, positions))
-        least = int(np.argmin(sines))
-        return float(sines[least]), runs.first_angle(float(positions[least]))
-
-    from camgeo.numeric.extremes import grid_of, piecewise_extremes
-    from camgeo.numeric.roots import roots_on_grid
-
-    def sine(phi: FloatArray, side: Side) -> FloatArray:
-        return _sine(linkage, demanded.jet(phi, side, 1)[0])
-
-    edges = merged(np.concatenate((demanded.borders, turning_angles(demanded), [0.0, TURN])))
-    found = piecewise_extremes(sine, edges)
-    if found.lowest.value < 0.0 < found.highest.value:
-        crossed = roots_on_grid(lambda phi: sine(phi, "right"), grid_of(edges))
-        return 0.0, float(min(crossed, default=found.lowest.place))
-    end = found.lowest if found.lowest.value >= 0.0 else found.highest
-    return abs(end.value), end.place
+    low, high = runs.range
+    positions = [low, high]
+    if way == OUT:
+        positions += linkage.locked_positions(low, high)
+        positions += linkage.far_turning_positions(low, high)
+    else:  # without a dead centre, where that sine is 0
+        positions += linkage.turning_positions(low, high)
+    sines = np.abs(linkage.transmission_sines(np.array(positions))[way])
+    stuck = [each for each, sine in zip(positions, sines, strict=True) if sine <= DEAD_CENTRE]
+    if stuck:
+        return 0.0, min(stuck, key=runs.first_angle)
+    least = int(np.argmin(sines))
+    return float(sines[least]), positions[least]
 
 
-def _sine(linkage: Linkage, positions: FloatArray) -> FloatArray:
-    """(n,) sine of the angle from crank to coupler at `positions` (n,) [mm or rad]."""
-    pin, tip = linkage.joints(positions)
-    return dot(pin - tip, 1j * tip) / (linkage.crank * linkage.coupler)
+def _place(linkage: Linkage, runs: MonotoneRuns, position: float) -> tuple[str, float]:
+    """A position in words, and the first cam angle [rad] at which the motion is there."""
+    phi = runs.first_angle(position)
+    place = f"at {position_text(linkage, position)}, cam angle {math.degrees(phi):.6g} deg"
+    return place, math.fmod(phi, TURN)
 
 
 def _branch(linkage: Linkage) -> tuple[Finding, ...]:

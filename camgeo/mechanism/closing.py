@@ -12,7 +12,7 @@ from typing import Final
 import numpy as np
 
 from camgeo.errors import GeometryError
-from camgeo.mechanism.linkage_protocol import Linkage, Size
+from camgeo.mechanism.linkage_protocol import BACK, OUT, Linkage, Size
 from camgeo.mechanism.positions import POSITIONS, monotone_runs
 from camgeo.mechanism.triangle import ROUNDING
 from camgeo.motion.extremes import lift_range
@@ -82,14 +82,17 @@ def openings(linkage: Linkage, motion: Motion) -> tuple[Opening, ...]:
     return tuple(found)
 
 
-def clear_range(linkage: Linkage) -> tuple[float, float]:
+def clear_range(linkage: Linkage, way: int = BACK) -> tuple[float, float]:
     """The range of positions [mm or rad] about 0 without a dead centre; infinite if there is none.
 
     Where position 0 is a dead centre itself, the range on the side on which the linkage closes.
+    With `way` `OUT` it is free of positions in which the far end cannot be driven, too.
     """
     scale = linkage.crank + linkage.coupler
     far, about = (math.inf, scale) if linkage.unit == "mm" else (TURN, math.pi)
     marks = linkage.dead_positions(-far, far)
+    if way == OUT:
+        marks += linkage.locked_positions(-far, far)
     near = AT_START * about
     low = max((mark for mark in marks if mark < -near), default=-math.inf)
     high = min((mark for mark in marks if mark > near), default=math.inf)
@@ -146,12 +149,12 @@ def why_open(linkage: Linkage, motion: Motion) -> str:
     )
 
 
-def kept_between(linkage: Linkage) -> list[str]:
-    """In words, the range of positions that keeps `linkage` clear of dead centres.
+def kept_between(linkage: Linkage, way: int = BACK) -> list[str]:
+    """In words, the `clear_range` of positions of `linkage`.
 
     Empty if all positions do, or if the range is too narrow to be printed.
     """
-    low, high = clear_range(linkage)
+    low, high = clear_range(linkage, way)
     scale, unit = (1.0, "mm") if linkage.unit == "mm" else (math.degrees(1.0), "degrees")
     least, most = printed(scale * low, ROUND_CEILING), printed(scale * high, ROUND_FLOOR)
     what = f"with the {POSITIONS[linkage.member]} kept"

@@ -171,25 +171,24 @@ class FourBar(RockerCrank):
     def per_follower(self, motion: FloatArray) -> FloatArray:
         """(n,) dx/dpsi at `motion` (n,) [rad], see `Linkage.per_follower`.
 
-        From Re(conj(D) (P' - T')) = 0 with P' = i h x' (P - D_0), T' = i psi' T: N of `transform`
-        over h Re(conj(D) i (P - D_0)).
+        From Re(conj(D) (P' - T')) = 0 with P' = i h x' (P - D_0), T' = i psi' T: l_a over h l_c
+        times the quotient of the sines.
 
         Raises
         ------
         GeometryError
             With key "linkage", where coupler and lever are in line, up to rounding.
         """
-        sine, cosine = self.half_angle_at(motion)
-        across = self._across_lever(motion)
-        if np.any(np.abs(across) <= ROUNDING * self.lever * (self.lever + self.coupler)):
+        far, own = self.transmission_sines(motion)
+        if np.any(np.abs(far) <= ROUNDING * (1.0 + self.lever / self.coupler)):
             message = "coupler and lever are in line: the rocker cannot move the lever"
             raise GeometryError(message, key="linkage")
-        return np.asarray(0.5 * self.branch * self.lever_sense * sine * cosine / across)
+        return np.asarray(self.lever_sense * (self.crank / self.lever) * own / far)
 
-    def _across_lever(self, motion: FloatArray) -> FloatArray:
-        """Re(conj(D) i (P - D_0)) (n,) [mm^2]: l_b l_c times the sine of their angle."""
+    def _far_sine(self, motion: FloatArray) -> FloatArray:
+        """Re(conj(D) i (P - D_0)) / (l_b l_c)."""
         pin, tip = self.joints(motion)
-        return dot(pin - tip, 1j * (pin - self.shaft))
+        return dot(pin - tip, 1j * (pin - self.shaft)) / (self.lever * self.coupler)
 
     def locked_positions(self, low: float, high: float) -> tuple[float, ...]:
         """See `Linkage.locked_positions`: coupler and lever are in line.
@@ -200,9 +199,22 @@ class FourBar(RockerCrank):
         for signed in (self.lever + self.coupler, self.lever - self.coupler):
             # In line with the tip as seen from D_0, or opposite to it.
             ahead = 0.0 if signed > 0.0 else math.pi
-            bends += [bend + ahead for bend in self._bends(abs(signed), self.crank)]
+            bends += [bend + ahead for bend in _bends(abs(self.shaft), abs(signed), self.crank)]
         found = self._motions(bends, low - SLACK, high + SLACK)
-        return in_line(found, self._across_lever(np.array(found)), self.lever * self.coupler)
+        return in_line(found, self._far_sine(np.array(found)))
+
+    def far_turning_positions(self, low: float, high: float) -> tuple[float, ...]:
+        """See `Linkage.far_turning_positions`: the crank lies on the line of the shafts, its tip
+        nearest to the second shaft or farthest from it.
+        """
+        bends: list[float] = []
+        for tip in (self.crank, -self.crank):  # along the line, from the rocker shaft
+            beyond = tip - abs(self.shaft)
+            for bend in _bends(abs(beyond), self.lever, self.coupler):
+                bend += math.pi if beyond > 0.0 else 0.0
+                if self.branch * tip * math.sin(bend) >= 0.0:
+                    bends.append(bend)
+        return self._motions(bends, low, high)
 
     def transform(self, jet: Jet, order: int = FULL_ORDER) -> Jet:
         """(order + 1, n) rocker angle psi and derivatives [rad/rad^k] for lever angles `jet`.
@@ -264,21 +276,8 @@ class FourBar(RockerCrank):
         """See `Linkage.dead_positions`."""
         bends: list[float] = []
         for reach in (self.crank + self.coupler, abs(self.crank - self.coupler)):
-            bends += self._bends(self.lever, reach)
+            bends += _bends(abs(self.shaft), self.lever, reach)
         return self._motions(bends, low, high)
-
-    def _bends(self, arm: float, reach: float) -> tuple[float, ...]:
-        """Angles [rad] from the direction of the second shaft to an `arm` [mm] on it whose end is
-        `reach` [mm] from the rocker shaft; none if the shafts coincide.
-        """
-        distance = abs(self.shaft)
-        # |D_0|, arm and reach make a triangle; half its outer angle at D_0, no cancellation
-        near = (reach - (arm - distance)) * (reach + (arm - distance))
-        far = (arm + distance - reach) * (arm + distance + reach)
-        if not distance or near < 0.0 or far < 0.0:
-            return ()
-        bend = 2.0 * math.atan2(math.sqrt(far), math.sqrt(near))
-        return bend, -bend
 
     def _motions(
         self, bends: tuple[float, ...] | list[float], low: float, high: float
@@ -294,3 +293,16 @@ class FourBar(RockerCrank):
         least, most = float(np.min(d)), float(np.max(d))
         other = self.crank if size == "coupler" else self.coupler
         return most - other, other - least, other + least
+
+
+def _bends(distance: float, arm: float, reach: float) -> tuple[float, ...]:
+    """Angles [rad] of an `arm` [mm] whose end is `reach` [mm] from a point: from the direction that
+    leads away from the point, which is `distance` [mm] off; none if that is 0.
+    """
+    # distance, arm and reach make a triangle; half its outer angle, no cancellation
+    near = (reach - (arm - distance)) * (reach + (arm - distance))
+    far = (arm + distance - reach) * (arm + distance + reach)
+    if not distance or near < 0.0 or far < 0.0:
+        return ()
+    bend = 2.0 * math.atan2(math.sqrt(far), math.sqrt(near))
+    return bend, -bend

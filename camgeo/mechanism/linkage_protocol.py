@@ -18,6 +18,9 @@ Member = Literal["slider", "lever", "crank"]
 
 Size = Literal["crank", "coupler"]
 
+OUT, BACK = 0, 1
+"""Ways of the force through a linkage: from the follower to the far end, and from there back."""
+
 
 class Linkage(Protocol):
     """A linkage with a crank and a coupler; lengths in mm.
@@ -101,6 +104,21 @@ class Linkage(Protocol):
 
         With respect to the same variable as those of the demanded coordinate and of the
         follower's `own`, both (2, n).
+        """
+
+    def transmission_sines(self, position: FloatArray) -> FloatArray:
+        """(2, n) sines of the transmission angles, by the way of the force.
+
+        `OUT` is between coupler and far member, `BACK` between coupler and the follower's member:
+        a crank or lever itself, or the perpendicular to the guide of a slider. Each changes its
+        sign where its member cannot be driven, `OUT` in the `locked_positions`, `BACK` in the
+        `dead_positions`.
+        """
+
+    def far_turning_positions(self, low: float, high: float) -> tuple[float, ...]:
+        """The positions in [low, high] at which the magnitude of the sine `OUT` of
+        `transmission_sines` may have a minimum, besides those at which it is 0, the
+        `locked_positions`; what the `turning_positions` are to `BACK`.
         """
 
     def per_follower(self, position: FloatArray) -> FloatArray:

@@ -281,15 +281,27 @@ class SliderCrank(RockerCrank):
             With key "linkage", where the coupler is square to the guide, cos v = 0 up to
             rounding, see `locked_positions`.
         """
-        x, _ = self.pin(stroke)
-        across = -x - self.crank * np.cos(self.crank_angle(stroke))  # l_4 cos v
-        if np.any(np.abs(across) <= self._rounding):
+        far, own = self.transmission_sines(stroke)
+        if np.any(np.abs(far) * self.coupler <= self._rounding):
             message = "the coupler is square to the guide: the rocker cannot move the slider"
             raise GeometryError(message, key="linkage")
-        # The product is 2 l_sk l_4 sin(v - theta) in magnitude; the branch gives its sign.
-        product = np.multiply(*self.half_angle_at(stroke))
-        slide = -0.5 * self.stroke_direction * self.branch * product / across
+        slide = -self.stroke_direction * self.crank * own / far
         return np.asarray(-slide if self.mirrored else slide)
+
+    def _far_sine(self, stroke: FloatArray) -> FloatArray:
+        """cos v."""
+        across = -self.pin(stroke)[0] - self.crank * np.cos(self.crank_angle(stroke))
+        return np.asarray(across / self.coupler)
+
+    def far_turning_positions(self, low: float, high: float) -> tuple[float, ...]:
+        """See `Linkage.far_turning_positions`: the crank is square to the guide."""
+        found = [
+            self.stroke_direction * (x - self.start_position)
+            for tip in (self.crank, -self.crank)
+            for x in level(self.guide_height - tip, self.coupler)
+            if x * tip * self.branch >= 0.0
+        ]
+        return tuple(each for each in found if low <= each <= high)
 
     def locked_positions(self, low: float, high: float) -> tuple[float, ...]:
         """See `Linkage.locked_positions`: the strokes [mm] with the coupler square to the guide.

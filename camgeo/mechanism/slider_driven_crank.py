@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, ClassVar, Literal
 import numpy as np
 
 from camgeo.errors import GeometryError
+from camgeo.mechanism.linkage_protocol import OUT
 from camgeo.mechanism.sketch import MechanismSketch
 from camgeo.mechanism.slider_crank import SliderCrank
 from camgeo.mechanism.triangle import (
@@ -168,24 +169,35 @@ class SliderDrivenCrank:
     def per_follower(self, angle: FloatArray) -> FloatArray:
         """(n,) dpsi/ds [rad/mm] at the crank's `angle` (n,) [rad], see `Linkage.per_follower`.
 
-        From Re(conj(D) (P' - T')) = 0: Re D over Re(conj(D) i T).
+        From Re(conj(D) (P' - T')) = 0: Re D over Re(conj(D) i T), a quotient of the sines.
 
         Raises
         ------
         GeometryError
             With key "linkage", where crank and coupler are in line, up to rounding.
         """
-        across = self._across_crank(angle)
-        if np.any(np.abs(across) <= ROUNDING * self.crank * (self.crank + self.coupler)):
+        far, own = self.transmission_sines(angle)
+        if np.any(np.abs(far) <= ROUNDING * (1.0 + self.crank / self.coupler)):
             message = "crank and coupler are in line: the slider cannot turn the crank"
             raise GeometryError(message, key="linkage")
         turned = -self.inner.stroke_direction * self._sense
-        return np.asarray(turned * self._along(self._drop(angle)) / across)
+        return np.asarray(turned * own / (self.crank * far))
 
-    def _across_crank(self, angle: FloatArray) -> FloatArray:
-        """Re(conj(D) i T) (n,) [mm^2]: l_sk l_4 times the sine of their angle."""
-        tip, drop = self.crank * np.exp(1j * self._theta(angle)), self._drop(angle)
-        return dot(self._along(drop) + 1j * drop, 1j * tip)
+    def transmission_sines(self, angle: FloatArray) -> FloatArray:
+        """See `Linkage.transmission_sines`: Re(conj(D) i T) / (l_sk l_4), and cos v."""
+        tip, drop = np.exp(1j * self._theta(angle)), self._drop(angle)
+        along = self._along(drop)
+        return np.stack((dot(along + 1j * drop, 1j * tip), along)) / self.coupler
+
+    def far_turning_positions(self, low: float, high: float) -> tuple[float, ...]:
+        """See `Linkage.far_turning_positions`: the pin passes the shaft, nearest to it."""
+        height, crank, coupler = self.inner.guide_height, self.crank, self.coupler
+        if not height:
+            return ()
+        # From above the shaft, the law of cosines; the sine of the tip's direction.
+        sine = ((crank - coupler) * (crank + coupler) + height * height) / (2.0 * height * crank)
+        thetas = [math.atan2(sine, x) for x in level(sine, 1.0) if x * self.side <= 0.0]
+        return self._angles(thetas, low, high)
 
     def locked_positions(self, low: float, high: float) -> tuple[float, ...]:
         """See `Linkage.locked_positions`: crank and coupler are in line."""
@@ -195,7 +207,7 @@ class SliderDrivenCrank:
             if signed:
                 thetas += [each + ahead for each in _rising(self.inner.guide_height, signed)]
         found = self._angles(thetas, low - SLACK, high + SLACK)
-        return in_line(found, self._across_crank(np.array(found)), self.crank * self.coupler)
+        return in_line(found, self.transmission_sines(np.array(found))[OUT])
 
     def transform(self, jet: Jet, order: int = FULL_ORDER) -> Jet:
         """(order + 1, n) stroke s and derivatives [mm/rad^k] for the crank's angles `jet`.

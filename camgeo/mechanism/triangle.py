@@ -124,6 +124,15 @@ class RockerCrank(ABC):
         """`half_angle` at `position` (n,)."""
         return self.half_angle(self._growth(position), self._distance(position))
 
+    @abstractmethod
+    def _far_sine(self, position: FloatArray) -> FloatArray:
+        """(n,) sine of the angle between coupler and far member: `OUT` of `transmission_sines`."""
+
+    def transmission_sines(self, position: FloatArray) -> FloatArray:
+        """See `Linkage.transmission_sines`."""
+        area = np.multiply(*self.half_angle_at(position)) / (2.0 * self.crank * self.coupler)
+        return np.stack((self._far_sine(position), self.branch * area))
+
     def crank_angle(self, position: FloatArray) -> FloatArray:
         """theta (n,) [rad] at `position` (n,): Wirsig eq. 3.10, no poles."""
         sine, cosine = self.half_angle_at(position)
@@ -231,14 +240,12 @@ def level(height: float, length: float) -> tuple[float, ...]:
     return (math.sqrt(square), -math.sqrt(square)) if square >= 0.0 else ()
 
 
-def in_line(places: tuple[float, ...], areas: FloatArray, full: float) -> tuple[float, ...]:
-    """Those of `places` at which two members, whose lengths multiply to `full` [mm^2], are in line.
+def in_line(places: tuple[float, ...], sines: FloatArray) -> tuple[float, ...]:
+    """Those of `places` at which two members are in line, by the `sines` (n,) of their angle there.
 
-    `areas` (n,) [mm^2] are `full` times the sine of their angle there. The remaining places are on
-    the other branch.
+    The remaining places are on the other branch.
     """
-    sines = np.abs(areas) / full
-    return tuple(each for each, sine in zip(places, sines, strict=True) if sine <= IN_LINE)
+    return tuple(each for each, sine in zip(places, np.abs(sines), strict=True) if sine <= IN_LINE)
 
 
 def turning(joint: ComplexArray, rates: FloatArray) -> ComplexArray:

@@ -221,6 +221,8 @@ def rollers_have_what_is_theirs(values: ValidValues) -> Iterator[Broken]:
 
 def linkage_drives_the_follower(values: ValidValues) -> Iterator[Broken]:
     """A linkage may drive rockers only, or guided followers only."""
+    if values.has("limits", "linkage_transmission_angle") and values.lacks("linkage"):
+        yield ("limits", "linkage_transmission_angle"), "belongs to a linkage: it needs [linkage]"
     linkage, follower = values.get("linkage", "kind"), values.follower_kind
     if linkage is None or follower is None or follower.unit in LINKAGES[linkage].members:
         return

@@ -2,49 +2,77 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Callable
 from decimal import Decimal
+from typing import Final
 
 import numpy as np
 import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
 
+from camgeo.check.limits import default_linkage_transmission_angle
 from camgeo.check.linkage import DEAD_CENTRE, check_linkage
+from camgeo.mechanism.closing import clear_range
 from camgeo.mechanism.four_bar import FourBar
 from camgeo.mechanism.linkage import LinkedMotion
+from camgeo.mechanism.linkage_protocol import Linkage
 from camgeo.mechanism.slider_crank import SliderCrank
 from camgeo.mechanism.slider_driven_crank import SliderDrivenCrank
 from camgeo.motion.plan import Dwell, MotionPlan, Move
-from camgeo.units import TURN
+from camgeo.numeric.arrays import ComplexArray, FloatArray
+from camgeo.units import RPM, TURN
 from tests.reference import POLYNOMIAL, hard_case, mechanisms, pitch_curve_of
+from tests.strategies import attack, four_bars, signs, slider_cranks, slider_driven_cranks
 
 LINKED = [name for name, case in mechanisms().items() if case["params"]["kind"] == "cam_linkage"]
+
+
+def acute(one: ComplexArray, other: ComplexArray) -> FloatArray:
+    """[deg] between two lines."""
+    return np.degrees(np.arcsin(np.abs(np.sin(np.angle(one / other)))))
+
+
+def far_angle(linkage: Linkage, position: FloatArray) -> FloatArray:
+    """[deg] between the coupler and the far member, or across the guide of a slider there."""
+    pin, tip = linkage.joints(position)
+    if isinstance(linkage, FourBar):
+        return acute(pin - tip, pin - linkage.shaft)
+    return acute(pin - tip, np.full_like(tip, 1j) if linkage.member == "slider" else tip)
+
+
+def near_angle(linkage: Linkage, position: FloatArray) -> FloatArray:
+    """The same at the follower's end."""
+    pin, tip = linkage.joints(position)
+    return acute(pin - tip, np.full_like(tip, 1j) if linkage.member == "crank" else tip)
+
+
+MEASURES: Final[dict[str, Callable[[Linkage, FloatArray], FloatArray]]] = {
+    "dead-centre": lambda linkage, position: -linkage.missing_length(position),
+    "linkage-transmission-angle": far_angle,
+    "linkage-back-angle": near_angle,
+}
+"""What the findings tell, from the places of the joints."""
 
 
 @pytest.mark.parametrize("name", LINKED)
 def test_the_linkages_of_the_thesis_need_no_word(name: str) -> None:
     motion = pitch_curve_of(mechanisms()[name]["params"]).motion
     assert isinstance(motion, LinkedMotion)
-    found = check_linkage(motion)
-    assert [each.name for each in found] == ["dead-centre", "linkage-transmission-angle"]
+    found = check_linkage(motion, math.radians(50.0))
     assert {each.severity for each in found} == {"ok"}
-    # Both are extremes over the turn, and taken at the angle they name.
+    # All are extremes over the turn, and taken at the angle they name.
     dense = np.linspace(0.0, TURN, 3601)
     stroke = motion.demanded.jet(dense)[0]
-    pin, tip = motion.linkage.joints(stroke)
-    between = np.degrees(np.abs(np.arcsin(np.sin(np.angle((pin - tip) / tip)))))
-    spare, angle = (each.value for each in found)
-    assert spare is not None
-    assert angle is not None
-    least = float(np.min(-motion.linkage.missing_length(stroke)))
-    # Extremes lie 0.05 deg from a sample at most, at ends of the stroke to the second order.
-    assert 0.0 <= least - spare <= 1e-4
-    assert 0.0 <= float(np.min(between)) - angle + 1e-9 <= 1e-4
-    for each, expected in zip(found, (spare, angle), strict=True):
+    for each, measure in zip(found, MEASURES, strict=True):
+        assert each.name == measure
+        assert each.value is not None
         assert each.cam_angle is not None
+        # Extremes lie 0.05 deg from a sample at most, at ends of the stroke to the second order.
+        least = float(np.min(MEASURES[measure](motion.linkage, stroke)))
+        assert -1e-9 <= least - each.value <= 1e-4
         at = motion.demanded.jet(np.array([each.cam_angle]))[0]
-        pin, tip = motion.linkage.joints(at)
-        turned = math.degrees(abs(math.asin(math.sin(np.angle((pin - tip) / tip)[0]))))
-        value = turned if each.unit == "deg" else -motion.linkage.missing_length(at)[0]
-        assert value == pytest.approx(expected, rel=1e-6)
+        assert MEASURES[measure](motion.linkage, at)[0] == pytest.approx(each.value, rel=1e-6)
 
 
 @pytest.mark.parametrize("name", LINKED)
@@ -122,24 +150,106 @@ def turning(to: float) -> MotionPlan:
 
 
 @pytest.mark.parametrize("motion", linked(), ids=range(5))
-def test_distance_and_angle_are_the_least_of_samples(motion: LinkedMotion) -> None:
-    spare, angle = check_linkage(motion)
+def test_distance_and_angles_are_the_least_of_samples(motion: LinkedMotion) -> None:
     position = motion.demanded.jet(np.linspace(0.0, TURN, 7201))[0]
-    pin, tip = motion.linkage.joints(position)
-    between = np.degrees(np.arcsin(np.abs(np.sin(np.angle((pin - tip) / tip)))))
-    assert spare.value is not None
-    assert angle.value is not None
-    # A step of 0.05 deg moves the far end by 2e-3 rad or 1e-1 mm at most, the angle by as much
-    # in its order; ends and turns are of the second order, a passage of the line is a kink.
-    least = float(np.min(-motion.linkage.missing_length(position)))
-    assert -1e-12 <= least - spare.value <= 1e-3
-    assert -1e-9 <= float(np.min(between)) - angle.value <= 0.2
+    for each, measure in zip(check_linkage(motion), MEASURES.values(), strict=True):
+        assert each.value is not None
+        # A step of 0.05 deg moves the far end by 2e-3 rad or 1e-1 mm at most, the angle by as much
+        # in its order; ends and turns are of the second order, a passage of the line is a kink.
+        room = 1e-3 if each.unit == "mm" else 0.2
+        least = float(np.min(measure(motion.linkage, position)))
+        assert -1e-9 <= least - each.value <= room
 
 
-def test_a_crank_in_line_with_its_coupler_is_no_dead_centre_of_the_slider() -> None:
-    found = check_linkage(linked()[3])
-    assert [each.severity for each in found] == ["ok", "ok"]
-    assert found[1].value == 0.0
+def wide_motions() -> st.SearchStrategy[LinkedMotion]:
+    """Of linkages whose far end moves as far as it may, often past where it is stuck."""
+
+    def motion(linkage: Linkage, share: float, way: int) -> LinkedMotion:
+        low, high = clear_range(linkage)
+        far = 2.0 * linkage.crank if linkage.unit == "mm" else TURN
+        end = min(high, far) if way > 0 else max(low, -far)
+        return LinkedMotion(turning(share * end), linkage)
+
+    linkages = st.one_of(slider_cranks(), four_bars(), slider_driven_cranks())
+    return st.builds(motion, linkages, st.floats(0.1, 0.99), signs())
+
+
+@attack
+@given(wide_motions())
+def test_the_smallest_angle_and_a_passage_through_0_are_found(motion: LinkedMotion) -> None:
+    """Against samples of the positions, whose signed sine tells a passage.
+
+    Samples may miss two zeros next to each other.
+    """
+    spare, *others = check_linkage(motion, 0.5)
+    assume(spare.severity == "ok")  # the pin may pass the shaft itself
+    found = others[0]
+    end = motion.demanded.jet(np.radians([240.0]))[0][0]
+    position = np.linspace(0.0, end, 4001)
+    linkage = motion.linkage
+    pin, tip = linkage.joints(position)
+    if isinstance(linkage, FourBar):
+        member = pin - linkage.shaft
+    else:
+        member = tip if linkage.member == "crank" else np.full_like(tip, 1j)
+    sines = np.sin(np.angle((pin - tip) / member))
+    assert found.value is not None
+    assert found.cam_angle is not None
+    passes = bool(np.any(sines > 0.0) and np.any(sines < 0.0))
+    if passes or found.severity == "no-disc":
+        assert (found.severity, found.value) == ("no-disc", 0.0)
+        at = motion.demanded.jet(np.array([found.cam_angle]))[0]
+        # The position is known to the rounding of the cam angle, where the motion is fastest.
+        assert far_angle(linkage, at)[0] == pytest.approx(0.0, abs=1e-6)
+        return
+    least = float(np.min(far_angle(linkage, position)))
+    assert found.value <= least + 1e-9
+    at = motion.demanded.jet(np.array([found.cam_angle]))[0]
+    assert far_angle(linkage, at)[0] == pytest.approx(found.value, abs=1e-6)
+    assert found.severity == ("broken" if found.value < math.degrees(0.5) else "ok")
+
+
+def test_a_crank_cannot_be_driven_through_the_line_of_its_coupler() -> None:
+    """The slider has an extreme there and its cam is regular, but the crank could stop or turn
+    back: the force of the coupler goes through its shaft.
+    """
+    spare, fatal, back = check_linkage(linked()[3], math.radians(40.0))
+    assert (spare.severity, fatal.severity, back.severity) == ("ok", "no-disc", "ok")
+    assert (fatal.value, fatal.unit) == (0.0, "deg")
+    assert fatal.limit == pytest.approx(40.0)
+    assert "crank and coupler come to be in line" in fatal.sentence
+    assert "the slider cannot turn the crank" in fatal.sentence
+    (kept,) = re.findall(r"kept between \S+ and (\S+) degrees it is driven", fatal.sentence)
+    linkage = linked()[3].linkage
+    _, driven, _ = check_linkage(LinkedMotion(turning(math.radians(float(kept))), linkage))
+    assert driven.severity == "ok"
+
+
+@pytest.mark.parametrize("short", [1e-3, 1e-6, 0.0, -1e-6])
+def test_a_far_member_that_stops_where_it_is_stuck(short: float) -> None:
+    """At the end of its motion, within rounding of it, or a little beyond or before."""
+    linkage = FourBar(70.0, 60.0, 85.0, 110.0 + 30.0j, math.radians(120.0), -1, -1)
+    (stuck,) = linkage.locked_positions(-math.pi / 3.0, 0.0)
+    found = check_linkage(LinkedMotion(turning(stuck + short), linkage), math.radians(40.0))[1]
+    assert found.severity == ("broken" if short > 0.0 else "no-disc")
+    at = stuck + max(short, 0.0)
+    assert found.value == pytest.approx(far_angle(linkage, np.array([at]))[0], rel=1e-6, abs=1e-9)
+    assert "coupler and lever" in found.sentence
+
+
+def test_near_its_limit_an_angle_is_broken_by_what_it_lacks() -> None:
+    motion = linked()[0]
+    angle = check_linkage(motion)[1].value
+    assert angle is not None
+    for limit, severity in ((angle - 1e-6, "ok"), (angle + 1e-6, "broken")):
+        found = check_linkage(motion, math.radians(limit))[1]
+        assert found.severity == severity
+        assert found.limit == pytest.approx(limit)
+
+
+def test_by_default_fast_linkages_need_more() -> None:
+    for speed, least in ((None, 40.0), (30.0 * RPM, 40.0), (31.0 * RPM, 50.0)):
+        assert default_linkage_transmission_angle(speed) == pytest.approx(math.radians(least))
 
 
 def test_what_keeps_clear_of_a_dead_centre_is_named_and_works() -> None:

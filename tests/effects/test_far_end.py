@@ -220,7 +220,7 @@ def test_power_of_the_drive_goes_into_energies_and_the_load(scene: str) -> None:
 LOCKING: Final = {
     # The lever comes into line with the coupler; the crank into line with it.
     "four_bar": ((("coupler = 120", "coupler = 60"), ("to = 22", "to = -60")), "lever"),
-    "crank_slider": ((("to = -40", "to = -100"),), "crank"),
+    "crank_slider": ((("to = -40", "to = -160"),), "crank"),
 }
 
 

@@ -87,8 +87,15 @@ def test_the_follower_decides_which_member_of_a_slider_crank_moves_as_demanded()
         (SLIDER_DRIVEN, [('"csv", ', '"csv", "asc", ')], "and a rocker"),
         (
             SLIDER_DRIVEN,
-            [("coupler = 110", "coupler = 15")],
+            [("coupler = 110", "coupler = 3")],
             "it closes with a coupler of at least",
+        ),
+        (
+            "".join(FOUR_BAR.partition("[linkage]")[:1])
+            + "[limits]\nlinkage_transmission_angle = 40\n"
+            + FOUR_BAR[FOUR_BAR.index("[[motion]]") :].replace("to = 22", "to = 2"),
+            [],
+            "limits.linkage_transmission_angle = 40: belongs to a linkage",
         ),
         (
             FOUR_BAR,
