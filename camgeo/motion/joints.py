@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,6 +21,9 @@ rounding of conversions from degrees is a thousand times smaller."""
 
 JUMP = 1e-10
 """A jump below this fraction of the largest value of its order on either side is not a jump."""
+
+JERK = 3
+"""Highest order that may jump."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -67,7 +71,7 @@ def _angles(plan: MotionPlan) -> FloatArray:
 def _joints_at(plan: MotionPlan, angles: FloatArray) -> tuple[Joint, ...]:
     left, right = plan.jet(angles, "left"), plan.jet(angles)
     before, after = _scales(plan, angles, left, right)
-    jumps = np.abs(right - left) > JUMP * np.maximum(before, after)
+    jumps = np.abs(right - left) > _slack(angles) * np.maximum(before, after)
     left = np.where(np.abs(left) > ROUNDING * before, left, 0.0)
     right = np.where(np.abs(right) > ROUNDING * after, right, 0.0)
     return tuple(
@@ -82,6 +86,18 @@ def _joints_at(plan: MotionPlan, angles: FloatArray) -> tuple[Joint, ...]:
         )
         for k in range(len(angles))
     )
+
+
+def _slack(angles: FloatArray) -> FloatArray:
+    """(k,) fraction of a derivative below which a jump at each of `angles` is none.
+
+    The length of a segment is a difference of rounded cam angles, so its derivatives of order n are
+    off by n times the rounding over the length: 1.5e-7 for the jerk of the shortest segments.
+    """
+    lengths = np.diff(np.append(angles, angles[0] + TURN))
+    shorter = np.minimum(lengths, np.roll(lengths, 1))
+    slack: FloatArray = JUMP + JERK * math.ulp(TURN) / shorter
+    return slack
 
 
 def _scales(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from decimal import Decimal
 from typing import Final
@@ -11,9 +12,11 @@ import numpy as np
 from camgeo.errors import GeometryError
 from camgeo.motion.boundary import over_span
 from camgeo.motion.laws import make_law
+from camgeo.motion.laws.law import Law
+from camgeo.motion.piece import SNAP
 from camgeo.motion.plan import Dwell, MotionPlan, Move, Segment, SplineMove
 from camgeo.motion.planning.build import keyed, law_without_stroke, named_law, normalised
-from camgeo.motion.planning.chain import STRAIGHT, Chain, chain_of
+from camgeo.motion.planning.chain import STRAIGHT, Chain, Link, chain_of
 from camgeo.motion.planning.request import (
     AUTO,
     MoveRequest,
@@ -26,6 +29,9 @@ from camgeo.motion.planning.tasks import settle_straight_lines, settle_tasks, ta
 from camgeo.motion.planning.values import settle_values
 from camgeo.motion.spans import joints_of
 from camgeo.numeric import checked
+
+RESOLVED: Final = 4.0 * SNAP
+"""Shortest part of a law [rad]; two cam angles closer than `SNAP` are the same."""
 
 PLAIN: Final = Unit()
 """No unit: messages state values as they are, per radian."""
@@ -109,7 +115,28 @@ def _move(chain: Chain, number: int, request: MoveRequest) -> Move:
             law = best_law(task, normalised(chain, number), request.parameters, request.optimise)
     else:
         law = named_law(chain, number, task)
+    _check_resolved(link, law)
     return Move(request.span, request.to, law)
+
+
+def _check_resolved(link: Link, law: Law) -> None:
+    """GeometryError if a part of a law ends before a cam angle can tell.
+
+    The least allowed is a millionth of the shortest span.
+    """
+    if law.inflection is None:
+        return
+    curved = law.parameters.get("curved", 1.0)
+    shorter = curved * min(law.inflection, 1.0 - law.inflection) * link.length
+    if shorter < RESOLVED:
+        raise GeometryError(
+            f"would speed up or slow down within {math.degrees(shorter):.2g} degrees of its"
+            f" {math.degrees(link.length):.6g}, which cam angles cannot tell from a jump; allowed"
+            f" is from {math.degrees(RESOLVED):.2g}. A longer span beside a sharp turn, a dwell"
+            " there, even dwell = 0, or a larger inflection or curved part makes it possible",
+            key=f"{link.key}.law",
+            value=law.name,
+        )
 
 
 def _spline_move(chain: Chain, number: int, request: PointsRequest) -> SplineMove:

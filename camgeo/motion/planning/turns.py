@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Set
+from collections.abc import Mapping, Set
 
 from camgeo.errors import GeometryError
 from camgeo.motion.laws import find_family
@@ -18,7 +18,7 @@ SAME = 1e-12
 """Relative difference of accelerations that counts as rounding."""
 
 
-def settle_turns(chain: Chain) -> dict[int, float]:
+def settle_turns(chain: Chain) -> tuple[set[int], dict[int, float]]:
     """Give turns of `chain` the acceleration that the laws beside them decide.
 
     A law without a choice decides its turns. Between two laws that have a choice, each has a turn
@@ -28,8 +28,9 @@ def settle_turns(chain: Chain) -> dict[int, float]:
 
     Returns
     -------
-    By their joints, the turns that remain open because something on one side joins to any, with the
-    gentlest acceleration [mm or rad, per rad^2] that a law on the other side can have.
+    The joints of the turns that no law decides; and of those that remain open because something on
+    one side joins to any, the gentlest acceleration [mm or rad, per rad^2] that a law on the other
+    side can have.
 
     Raises
     ------
@@ -39,29 +40,29 @@ def settle_turns(chain: Chain) -> dict[int, float]:
     """
     turns = [number for number, joint in enumerate(chain.joints) if joint.end == "U"]
     gentlest = {number: _gentlest(chain, number) for number in turns}
-    _decide(chain)
-    still_open = [number for number in turns if chain.joints[number].acceleration is None]
-    suited = {number: _suited(chain, number) for number in still_open}
+    _decide(chain, gentlest)
+    undecided = {number for number in turns if chain.joints[number].acceleration is None}
+    suited = {number: _suited(chain, number) for number in undecided}
     for number, turn in suited.items():
         chain.joints[number].acceleration = turn
-    return {
+    return undecided, {
         number: turn
-        for number in still_open
+        for number in undecided
         if suited[number] is None and (turn := gentlest[number]) is not None
     }
 
 
-def tied_turns(chain: Chain, still_open: Set[int]) -> dict[int, float]:
+def tied_turns(chain: Chain, undecided: Set[int]) -> dict[int, float]:
     """What both turns of a move have, by their joints, if its law does not meet both as they are:
     with one parameter left to choose, one turn decides the other.
 
-    A turn that is not `still_open`, by its joint, decides; else the gentler one, as a multiple of
+    A turn that is not `undecided`, by its joint, decides; else the gentler one, as a multiple of
     the gentlest that the law can have, or the other one if the neighbour there cannot turn so
     gently. Empty if there is no such move, or no turn of it is open.
     """
     for number, link in enumerate(chain.links):
         ends = number, (number + 1) % len(chain.joints)
-        is_open = [end in still_open for end in ends]
+        is_open = [end in undecided for end in ends]
         if not _ties_turns(link, task_of(chain, number)) or not any(is_open):
             continue
         turns = [chain.joints[end].acceleration or 0.0 for end in ends]
@@ -125,8 +126,12 @@ def _ties_turns(link: Link, task: str) -> bool:
     return task == "U-U" and taken == SHAPES and len(stated) == 1
 
 
-def _decide(chain: Chain) -> None:
-    """Turns whose acceleration a neighbouring law fixes; fully stated laws come first."""
+def _decide(chain: Chain, gentlest: Mapping[int, float | None]) -> None:
+    """Turns whose acceleration a neighbouring law fixes; fully stated laws come first.
+
+    A law that chooses one of its two turns chooses the one for which a neighbour needs a sharper
+    turn than its own, as `gentlest` says by the joint.
+    """
     deciding = [
         number
         for number, link in enumerate(chain.links)
@@ -141,10 +146,25 @@ def _decide(chain: Chain) -> None:
         start, end = chain.before(number), chain.after(number)
         if start.velocity is None or end.velocity is None:
             continue  # polynomials meet general motions and decide nothing
+        if task == "U-U" and start.acceleration is end.acceleration is None:
+            _choose_sharper(chain, number, gentlest)
         law = named_law(chain, number, task)
         for joint, boundary, letter in ((start, law.start, task[0]), (end, law.end, task[-1])):
             if letter == "U" and joint.acceleration is None:
                 joint.acceleration = boundary.acceleration * link.stroke / link.length**2
+
+
+def _choose_sharper(chain: Chain, number: int, gentlest: Mapping[int, float | None]) -> None:
+    """Give one turn of a law what the neighbour there needs, if that is sharper than its own."""
+    taken, stated = _choices(chain.links[number], "U-U")
+    if taken == stated:
+        return
+    ends = number, (number + 1) % len(chain.joints)
+    needed = [gentlest[end] or 0.0 for end in ends]
+    sizes = [turn / own for turn, own in zip(needed, _own_turns(chain, number), strict=True)]
+    sharper = sizes.index(max(sizes))
+    if sizes[sharper] > 1.0:
+        chain.joints[ends[sharper]].acceleration = needed[sharper]
 
 
 def _gentlest(chain: Chain, number: int) -> float | None:

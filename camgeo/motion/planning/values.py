@@ -30,9 +30,8 @@ def settle_values(chain: Chain) -> None:
         If a law cannot have the values at one end that it needs at the other, or the motion
         continues at a joint where the laws on both sides turn back.
     """
-    gentlest = settle_turns(chain)
+    undecided, gentlest = settle_turns(chain)
     known = [joint.values for joint in chain.joints]
-    still_open = {number for number, values in enumerate(known) if values[1] is None}
     while True:
         _smoothest(chain)
         decided = {
@@ -41,8 +40,8 @@ def settle_values(chain: Chain) -> None:
             if (chain.joints[number].acceleration or 0.0) * turn < turn * turn
         }
         if not decided:
-            decided = tied_turns(chain, still_open)
-            still_open -= decided.keys()
+            decided = tied_turns(chain, undecided)
+            undecided -= decided.keys()
         if not decided:
             return
         for number, turn in decided.items():

@@ -70,6 +70,20 @@ def test_order_and_class_do_not_depend_on_the_unit(size: float) -> None:
     assert all(joint.order >= 2 for joint in found)
 
 
+@pytest.mark.parametrize("span", ["0.000001", "0.00001", "0.0001", "0.01"])
+@pytest.mark.parametrize("at", [0, 1, 7, 359])
+def test_the_rounding_of_a_short_span_is_no_jump(span: str, at: int) -> None:
+    """Its length is the difference of two rounded cam angles, off by 5e-8 of the shortest."""
+    short = Decimal(span)
+    speed = 10.0 / math.radians(float(short))
+    plan = planned(
+        move(359 - at + 1 - short, -10.0, "polynomial-5", velocity=speed, acceleration=0.0),
+        move(short, 0.0, "polynomial-5", velocity=0.3 * speed, acceleration=0.0),
+        *([move(at, 0.0, "polynomial-5")] if at else []),
+    )
+    assert min(orders(plan)) >= 2
+
+
 @pytest.mark.parametrize("part", [1e-6, 1e-3])
 def test_a_small_jump_is_a_jump(part: float) -> None:
     """A velocity a millionth off is reported as order 0; one 1e-12 off, as by rounding, is not."""

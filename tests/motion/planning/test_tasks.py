@@ -309,6 +309,12 @@ FAULTS: list[tuple[list[Request], str, str, str]] = [
         "",
         "has points too near to each other beside the moves",
     ),
+    (
+        [move("359.999999", 5.0, "modified-trapezoid"), move("0.000001", 0.0)],
+        "motion[1].law",
+        "modified-trapezoid",
+        r"speed up or slow down within .*e-1\d degrees of its 360, .* allowed is from 8.1e-13\.",
+    ),
     ([table(360, [0.0, 5.0, 1.0])], "motion[1].file", "1.0", "the last point lies 1 off"),
     # parameters
     (

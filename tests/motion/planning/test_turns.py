@@ -163,3 +163,24 @@ def test_a_stated_turn_decides_the_other_one(at_end: bool) -> None:
     found = joints(plan)
     assert min(joint.order for joint in found) >= 2
     assert found[1 + at_end].left[2] == pytest.approx(last if at_end else first, rel=1e-12)
+
+
+def test_a_law_with_one_choice_beside_auto_leaves_no_jump() -> None:
+    """The turn that suits auto gives way: the law has the middle, and auto meets that."""
+    plan = planned(
+        move(262, -5.0, "sine-straight", parameters={"curved": 0.15}), move(98, 0.0, "auto")
+    )
+    assert [joint.order >= 2 for joint in joints(plan)] == [True, True]
+
+
+@pytest.mark.parametrize("first", [False, True])
+def test_a_simple_sine_meets_the_sharper_turn_of_its_neighbour(first: bool) -> None:
+    """Whose gentlest turn over half the span is four times as sharp as its own."""
+    ends: list[Request] = [move(135, 0.0, "polynomial-5"), move(90, 0.0, "polynomial-5")]
+    laws_there = ("simple-sine", "sine-straight") if first else ("sine-straight", "simple-sine")
+    spans = (90, 45) if first else (45, 90)
+    plan = planned(move(spans[0], 5.0, laws_there[0]), move(spans[1], 0.0, laws_there[1]), *ends)
+    turn = joints(plan)[1]
+    assert turn.order >= 2
+    gentlest = 0.5 * math.pi**2 * 5.0 / math.radians(45.0) ** 2
+    assert turn.left[2] == pytest.approx(-gentlest, rel=1e-6)

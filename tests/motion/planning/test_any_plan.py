@@ -1,0 +1,215 @@
+"""Plans of 1 to 50 segments by every law, whatever is asked: what holds at joints and between."""
+
+from __future__ import annotations
+
+import math
+import random
+import re
+import time
+from decimal import Decimal
+from typing import Any
+
+import numpy as np
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+from camgeo.errors import GeometryError
+from camgeo.motion.joints import Joint, joints
+from camgeo.motion.laws import FAMILIES, make_law
+from camgeo.motion.laws.characteristic import acceleration_jumps, characteristic
+from camgeo.motion.plan import Dwell, MotionPlan, Move
+from camgeo.motion.planning.planner import plan_motion
+from camgeo.motion.planning.request import (
+    AUTO,
+    CRITERIA,
+    MoveRequest,
+    PointsRequest,
+    Request,
+)
+from tests.long_form import examples
+from tests.strategies import attack
+
+SECONDS = 2.0
+"""Longest time for a plan of 50 segments. The slowest of 20,000 random ones took 0.4 s."""
+
+POLYNOMIALS = ("polynomial-5", "polynomial-7", "polynomial")
+
+GROUPS = (
+    (AUTO, *FAMILIES),
+    (AUTO,),
+    (AUTO, *POLYNOMIALS),
+    ("modified-trapezoid", "harmonic-combination", AUTO),
+    ("sine-straight", "simple-sine", "polynomial-5"),
+    ("modified-sine", "straight-line", "harmonic-combination", AUTO),
+)
+"""Laws that are asked for together: more of the requests can be met than with all in each."""
+
+SHAPED = {
+    "inflection": ("sine-straight", "modified-trapezoid", "harmonic-combination", "simple-sine"),
+    "curved": ("sine-straight", "scca"),
+    "sine": ("scca",),
+}
+"""Laws that are given a parameter."""
+
+WORDS = r"allowed|must|leave|for which there are|polynomial-5|its parameters|one of them"
+"""One of which a refusal has, to say what would do."""
+
+many = settings(attack, max_examples=examples(25, long=600))
+
+any_wish = st.integers(0, 2**32).map(lambda seed: wish_of(random.Random(seed)))
+
+
+def wish_of(dice: random.Random) -> list[Request]:
+    """A random turn; from a seed, because 50 segments are more than hypothesis likes to draw."""
+    count = dice.choice((1, 2, 3, 4, 5, 6, 8, 12, 25, 50))
+    size = dice.choice((1e-9, 1e-3, 1.0, 10.0, 10.0, 10.0, 1e3, 1e6))
+    laws = dice.choice(GROUPS)
+    found: list[Request] = []
+    position = 0.0
+    for number, span in enumerate(spans_of(dice, count)):
+        if dice.random() < 0.1:
+            found.append(Dwell(Decimal(0)))
+        last = number == count - 1
+        if dice.random() < 0.2 and not (last and position):
+            found.append(Dwell(span))
+            continue
+        choices = (0.0, 0.5, 1.0, -0.5, position / size, round(dice.uniform(-1.0, 1.0), 3))
+        to = 0.0 if last else dice.choice(choices) * size
+        found.append(request_of(dice, span, position, to, size, dice.choice(laws)))
+        position = to
+    return found
+
+
+def spans_of(dice: random.Random, count: int) -> list[Decimal]:
+    """Spans of a turn, sometimes with a tiny one."""
+    weights = [dice.choice((1, 2, 3, 5, 8)) for _ in range(count)]
+    found = [Decimal(36000 * weight // sum(weights)) / 100 for weight in weights]
+    if count > 1 and dice.random() < 0.2:
+        found[0] = Decimal(dice.choice(("0.000001", "0.0001", "0.01", "0.5")))
+    found[-1] += 360 - sum(found)
+    dice.shuffle(found)
+    return found
+
+
+def request_of(
+    dice: random.Random, span: Decimal, start: float, to: float, size: float, law: str
+) -> MoveRequest | PointsRequest:
+    """A move, sometimes with stated values."""
+    length = math.radians(float(span))
+    also: dict[str, Any] = {}
+    for order, name in enumerate(("velocity", "acceleration"), start=1):
+        if dice.random() < 0.03:
+            also[name] = dice.choice((0.0, dice.uniform(-9.0, 9.0) * size / length**order))
+    if dice.random() < 0.05:
+        points = np.array([dice.uniform(-1.0, 1.0), dice.uniform(-1.0, 1.0)]) * size
+        return PointsRequest(span, to, np.array([0.3, 0.6]), points, **also)
+    if to == start and dice.random() < 0.9:
+        law = dice.choice((AUTO, "polynomial-5", "polynomial-7", "modified-sine"))
+    if law in ("polynomial-7", "polynomial") and dice.random() < 0.2:
+        also["jerk"] = dice.uniform(-9.0, 9.0) * size / length**3
+    parameters = {
+        name: round(dice.uniform(0.05, 0.95 if name != "sine" else 0.25), 3)
+        for name, families in SHAPED.items()
+        if law in families and dice.random() < 0.1
+    }
+    if law == AUTO and dice.random() < 0.4:
+        also["optimise"] = {dice.choice(CRITERIA): 1.0}
+    return MoveRequest(span, to, law, parameters, **also)
+
+
+def accepted(wish: list[Request]) -> MotionPlan:
+    """The plan of a wish; one that is refused names a key and what would do."""
+    began = time.perf_counter()
+    plan, refusal = None, None
+    try:
+        plan = plan_motion(wish)
+    except GeometryError as error:
+        refusal = error
+    assert time.perf_counter() - began < SECONDS
+    if refusal is not None:
+        assert refusal.key.startswith("motion[")
+        assert re.search(WORDS, refusal.message)
+    assume(plan is not None)
+    assert plan is not None
+    return plan
+
+
+def beside(wish: list[Request], joint: int) -> tuple[Request, Request]:
+    """The requests that meet at a joint."""
+    moving = [request for request in wish if request.span > 0]
+    return moving[joint - 1], moving[joint]
+
+
+def least_order(before: Request, after: Request) -> int:
+    """Up to which derivative two requests meet, whatever the designer did not state.
+
+    A straight line meets a rest with a shock. A law that jerks from rest to rest may do so, and two
+    laws that both decide their turns, because all is stated or because they have no choice.
+    """
+    laws = [request.law for request in (before, after) if isinstance(request, MoveRequest)]
+    if "straight-line" in laws:
+        return 0
+    if any(law in FAMILIES and jerks(law) for law in laws) or (decides(before) and decides(after)):
+        return 1
+    return 2
+
+
+def jerks(law: str) -> bool:
+    """Whether a law from rest to rest has accelerations at its ends, or jumps of it inside."""
+    if "R-R" not in FAMILIES[law].tasks:
+        return False
+    own = make_law(law, "R-R")
+    return own.start.acceleration != 0.0 or bool(acceleration_jumps(own))
+
+
+def decides(request: Request) -> bool:
+    """Whether a law has turns of its own, of which not both can be chosen."""
+    if not isinstance(request, MoveRequest) or request.law in (AUTO, *POLYNOMIALS):
+        return False
+    return request.law in ("double-harmonic", "simple-sine") or bool(request.shaped_by)
+
+
+@given(any_wish)
+@many
+def test_joints_are_as_smooth_as_the_laws_allow(wish: list[Request]) -> None:
+    for number, joint in enumerate(joints(accepted(wish))):
+        assert joint.order >= least_order(*beside(wish, number))
+
+
+@given(any_wish)
+@many
+def test_what_is_stated_is_met(wish: list[Request]) -> None:
+    plan = accepted(wish)
+    for number, joint in enumerate(joints(plan)):
+        before, _ = beside(wish, number)
+        for order, name in enumerate(("velocity", "acceleration", "jerk"), start=1):
+            stated = getattr(before, name, None)
+            if stated is not None:
+                assert_met(plan, joint, order, stated, math.radians(float(before.span)))
+
+
+def assert_met(plan: MotionPlan, joint: Joint, order: int, stated: float, length: float) -> None:
+    """Within rounding: of some ten operations on values as large as those of the segment, and of
+    its length, which is the difference of two rounded cam angles."""
+    end = joint.cam_angle or 2.0 * math.pi
+    inside = plan.jet(end - length * np.linspace(0.05, 0.95, 10))[order]
+    found = float(plan.jet(np.array([end]), "left")[order, 0])
+    size = max(float(np.max(np.abs(inside))), abs(stated))
+    assert abs(found - stated) <= (1e-12 + order * 2.0 * math.ulp(end) / length) * size
+
+
+@given(any_wish)
+@many
+def test_a_law_that_only_rises_stays_between_its_ends(wish: list[Request]) -> None:
+    plan = accepted(wish)
+    position = 0.0
+    for segment, start, end in plan.stretches:
+        if isinstance(segment, Move) and segment.scale is None:
+            low, high = sorted((position, segment.to))
+            if characteristic(segment.law).least_velocity.value >= 0.0:
+                lift = plan.jet(np.linspace(start, end, 43)[1:-1])[0]
+                rounding = 1e-15 * (abs(low) + abs(high))
+                assert np.min(lift) >= low - rounding
+                assert np.max(lift) <= high + rounding
+        if not isinstance(segment, Dwell):
+            position = segment.to
